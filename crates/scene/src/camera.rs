@@ -1,0 +1,59 @@
+//! The pinhole camera of glTF: it looks along its own -z, with +y up and +x to the right.
+
+use glam::{Affine3A, Mat3, Vec3};
+
+/// A perspective camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    /// The node's name in the scene file.
+    pub name: String,
+    /// Places the camera in the world; a rigid motion.
+    pub world_from_camera: Affine3A,
+    /// Full vertical field of view, radians. Held fixed whatever the picture's aspect.
+    pub fov_y_rad: f32,
+    /// Width over height that the scene file states, if it does.
+    pub aspect: Option<f32>,
+}
+
+impl Camera {
+    /// A camera at `eye` that looks at `target` with `up` upwards in the picture.
+    pub fn look_at(name: &str, eye: Vec3, target: Vec3, up: Vec3, fov_y_rad: f32) -> Self {
+        let back = (eye - target).normalize();
+        let right = up.cross(back).normalize();
+        let axes = Mat3::from_cols(right, back.cross(right), back);
+        let world_from_camera = Affine3A::from_mat3_translation(axes, eye);
+        Self { name: name.to_owned(), world_from_camera, fov_y_rad, aspect: None }
+    }
+
+    /// The camera's centre in world space.
+    pub fn origin(&self) -> Vec3 {
+        self.world_from_camera.translation.into()
+    }
+
+    /// The unit direction in world space of the ray through the point (`x`, `y`) of a picture of
+    /// `width` x `height` pixels; pixel (0, 0) is at the top left, its centre at (0.5, 0.5).
+    pub fn direction(&self, x: f32, y: f32, width: usize, height: usize) -> Vec3 {
+        let half_height = (0.5 * self.fov_y_rad).tan();
+        let pixel = 2.0 * half_height / height as f32;
+        let in_camera =
+            Vec3::new((x - 0.5 * width as f32) * pixel, (0.5 * height as f32 - y) * pixel, -1.0);
+        self.world_from_camera.transform_vector3(in_camera).normalize()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_picture_is_upright_and_not_mirrored() {
+        let camera = Camera::look_at("c", Vec3::ZERO, Vec3::NEG_Z, Vec3::Y, 1.0);
+        let (w, h) = (40, 20);
+        let centre = camera.direction(20.0, 10.0, w, h);
+        assert!((centre - Vec3::NEG_Z).length() < 1e-6);
+        let top_left = camera.direction(0.0, 0.0, w, h);
+        assert!(top_left.x < 0.0 && top_left.y > 0.0);
+        let top = camera.direction(20.0, 0.0, w, h);
+        assert!((top.angle_between(Vec3::NEG_Z) - 0.5).abs() < 1e-5);
+    }
+}

@@ -1,0 +1,105 @@
+//! Lights without a surface, as glTF's `KHR_lights_punctual` has them.
+//!
+//! Area lights are not here: they are groups whose `emission` is not zero.
+//! glTF counts these lights in candela and lux; the numbers are taken as radiometric, per channel.
+
+use crate::Rgb;
+use glam::Vec3;
+
+/// A point, spot or directional light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    /// The node's name in the scene file.
+    pub name: String,
+    /// What it is and where it stands, in world space.
+    pub kind: LightKind,
+}
+
+/// The kinds of lights without a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightKind {
+    /// Shines alike in all directions.
+    Point {
+        /// Where it stands, metres.
+        position: Vec3,
+        /// Radiant intensity, W sr^-1 per channel.
+        intensity: Rgb,
+    },
+    /// Shines into a cone.
+    Spot {
+        /// Where it stands, metres.
+        position: Vec3,
+        /// Unit vector along the axis, away from the light.
+        direction: Vec3,
+        /// Radiant intensity along the axis, W sr^-1 per channel.
+        intensity: Rgb,
+        /// Half angle up to which the intensity is full, radians.
+        inner_rad: f32,
+        /// Half angle from which it is zero, radians; above `inner_rad`, at most pi/2.
+        outer_rad: f32,
+    },
+    /// Shines from infinitely far away.
+    Directional {
+        /// Unit vector in which the light travels.
+        direction: Vec3,
+        /// Irradiance on a surface that faces it, W m^-2 per channel.
+        irradiance: Rgb,
+    },
+}
+
+impl LightKind {
+    /// The unit vector from `point` to the light, the distance (infinite for directional lights)
+    /// and the irradiance that it would bring to a surface at `point` that faces it.
+    pub fn illuminate(&self, point: Vec3) -> (Vec3, f32, Rgb) {
+        match *self {
+            Self::Point { position, intensity } => from_position(point, position, intensity),
+            Self::Spot { position, direction, intensity, inner_rad, outer_rad } => {
+                let (wi, distance, irradiance) = from_position(point, position, intensity);
+                (wi, distance, irradiance * spot_falloff(-wi.dot(direction), inner_rad, outer_rad))
+            }
+            Self::Directional { direction, irradiance } => (-direction, f32::INFINITY, irradiance),
+        }
+    }
+}
+
+fn from_position(point: Vec3, position: Vec3, intensity: Rgb) -> (Vec3, f32, Rgb) {
+    let to_light = position - point;
+    let distance2 = to_light.length_squared().max(1e-12);
+    let distance = distance2.sqrt();
+    (to_light / distance, distance, intensity / distance2)
+}
+
+/// The share of the axial intensity at an angle with cosine `cos_angle` from the axis
+/// (the formula recommended by `KHR_lights_punctual`).
+fn spot_falloff(cos_angle: f32, inner_rad: f32, outer_rad: f32) -> f32 {
+    let (cos_inner, cos_outer) = (inner_rad.cos(), outer_rad.cos());
+    let linear = ((cos_angle - cos_outer) / (cos_inner - cos_outer).max(1e-3)).clamp(0.0, 1.0);
+    linear * linear
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn point_lights_fall_off_with_the_square_of_the_distance() {
+        let light = LightKind::Point { position: Vec3::Y * 2.0, intensity: Rgb::splat(8.0) };
+        let (wi, distance, irradiance) = light.illuminate(Vec3::ZERO);
+        assert_eq!((wi, distance, irradiance), (Vec3::Y, 2.0, Rgb::splat(2.0)));
+    }
+
+    #[test]
+    fn spots_are_full_within_the_inner_and_dark_beyond_the_outer_cone() {
+        let light = LightKind::Spot {
+            position: Vec3::ZERO,
+            direction: Vec3::NEG_Y,
+            intensity: Rgb::ONE,
+            inner_rad: 0.3,
+            outer_rad: 0.5,
+        };
+        let at = |angle: f32| light.illuminate(Vec3::new(angle.sin(), -angle.cos(), 0.0)).2.x;
+        assert!((at(0.2) - 1.0).abs() < 1e-6);
+        assert!(at(0.4) > 0.05 && at(0.4) < 0.95);
+        assert_eq!(at(0.6), 0.0);
+    }
+}
