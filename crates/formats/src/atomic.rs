@@ -1,0 +1,42 @@
+//! Whole files or none: write to a temporary name beside the target, then rename.
+
+use crate::FileError;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Writes `bytes` to `path` so that nobody ever sees half of them.
+///
+/// # Errors
+/// If the folder does not exist or cannot be written; nothing is left behind then.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    let temporary = temporary_beside(path);
+    let written = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
+    written.map_err(|error| {
+        // The temporary file may not exist; there is nothing more to clean up then.
+        let _ = fs::remove_file(&temporary);
+        FileError::new(path, format!("cannot be written: {error}"))
+    })
+}
+
+fn temporary_beside(path: &Path) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.tmp", std::process::id()));
+    path.with_file_name(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_write_leaves_nothing_behind() {
+        let folder = std::env::temp_dir().join(format!("unrender-atomic-{}", std::process::id()));
+        fs::create_dir_all(folder.join("taken")).unwrap();
+        let error = write(&folder.join("taken"), b"x").unwrap_err();
+        assert!(error.to_string().contains("cannot be written"), "{error}");
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 1, "only the folder in the way");
+        write(&folder.join("fine"), b"x").unwrap();
+        assert_eq!(fs::read(folder.join("fine")).unwrap(), b"x");
+        fs::remove_dir_all(folder).unwrap();
+    }
+}

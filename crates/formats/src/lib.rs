@@ -1,0 +1,12 @@
+//! Files to and from the plain data of `unrender-scene`.
+//!
+//! One file format is one module. To add another: write `read` and/or `write` in a module of its
+//! own that knows nothing of its siblings, name it in [`scene_file`] (by extension), and add its
+//! faults to `tests/bad_input.rs`.
+//!
+//! Writers never leave half a file: see [`atomic`].
+
+pub mod atomic;
+pub mod error;
+
+pub use error::FileError;
