@@ -1,0 +1,160 @@
+//! The watertight ray/triangle test of Woop, Benthin and Wald, "Watertight Ray/Triangle
+//! Intersection" (JCGT 2013), on four triangles at once.
+//!
+//! The ray is sheared onto the z axis; what is left is a 2D test by three edge functions. Two
+//! triangles that share an edge compute its edge function from the same numbers with opposite sign,
+//! so one of them always claims the ray. Where an edge function is exactly zero it is computed
+//! again in double precision.
+
+use super::Ray;
+use glam::{DVec3, Vec3, Vec4};
+
+/// A ray with its shear, prepared once for all triangles.
+#[derive(Clone, Copy)]
+pub(super) struct ShearedRay {
+    /// The axis in which the direction is largest is last.
+    axes: [usize; 3],
+    origin: [f32; 3],
+    shear: [f32; 3],
+}
+
+impl ShearedRay {
+    pub(super) fn new(ray: &Ray) -> Self {
+        let direction = ray.direction.to_array();
+        let size = ray.direction.abs().to_array();
+        let z = (0..3).fold(0, |best, axis| if size[axis] > size[best] { axis } else { best });
+        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
+        // Keeps the winding, so that the sign of the determinant means front or back.
+        if direction[z] < 0.0 {
+            (x, y) = (y, x);
+        }
+        let origin = ray.origin.to_array();
+        let inverse = 1.0 / direction[z];
+        Self {
+            axes: [x, y, z],
+            origin: [origin[x], origin[y], origin[z]],
+            shear: [direction[x] * inverse, direction[y] * inverse, inverse],
+        }
+    }
+}
+
+/// Four triangles, one coordinate of one corner a vector.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Triangles4 {
+    /// `corners[corner][axis]`, one lane a triangle.
+    corners: [[Vec4; 3]; 3],
+    /// The triangles' numbers in the scene; unused lanes repeat the first.
+    pub(super) ids: [u32; 4],
+}
+
+/// Distances and barycentric weights of four triangles; the distance is infinite for a miss.
+pub(super) struct Hits4 {
+    pub(super) t: Vec4,
+    pub(super) u: Vec4,
+    pub(super) v: Vec4,
+}
+
+impl Triangles4 {
+    /// One to four triangles with their numbers.
+    pub(super) fn new(triangles: &[(u32, [Vec3; 3])]) -> Self {
+        let lane = |i: usize| triangles.get(i).unwrap_or(&triangles[0]);
+        let corners = std::array::from_fn(|corner| {
+            std::array::from_fn(|axis| {
+                Vec4::from_array(std::array::from_fn(|i| lane(i).1[corner][axis]))
+            })
+        });
+        Self { corners, ids: std::array::from_fn(|i| lane(i).0) }
+    }
+
+    /// Meets all four triangles from either side, at distances in (0, `t_max`).
+    pub(super) fn intersect(&self, ray: &ShearedRay, t_max: f32) -> Hits4 {
+        let [kx, ky, kz] = ray.axes;
+        let [sx, sy, sz] = ray.shear.map(Vec4::splat);
+        let [ox, oy, oz] = ray.origin.map(Vec4::splat);
+        let sheared = |corner: &[Vec4; 3]| {
+            let z = corner[kz] - oz;
+            ((corner[kx] - ox) - sx * z, (corner[ky] - oy) - sy * z, z)
+        };
+        let [(ax, ay, az), (bx, by, bz), (cx, cy, cz)] =
+            [sheared(&self.corners[0]), sheared(&self.corners[1]), sheared(&self.corners[2])];
+        let mut u = cx * by - cy * bx;
+        let mut v = ax * cy - ay * cx;
+        let mut w = bx * ay - by * ax;
+        if (u.cmpeq(Vec4::ZERO) | v.cmpeq(Vec4::ZERO) | w.cmpeq(Vec4::ZERO)).any() {
+            u = edge_again(u, cx, by, cy, bx);
+            v = edge_again(v, ax, cy, ay, cx);
+            w = edge_again(w, bx, ay, by, ax);
+        }
+        let lowest = u.min(v).min(w);
+        let highest = u.max(v).max(w);
+        let same_side = lowest.cmpge(Vec4::ZERO) | highest.cmple(Vec4::ZERO);
+        let determinant = u + v + w;
+        let inverse = determinant.recip();
+        let t = (u * az + v * bz + w * cz) * sz * inverse;
+        let near = t.cmpgt(Vec4::ZERO) & t.cmplt(Vec4::splat(t_max));
+        let hit = same_side & near & determinant.cmpne(Vec4::ZERO);
+        Hits4 { t: Vec4::select(hit, t, Vec4::INFINITY), u: v * inverse, v: w * inverse }
+    }
+
+    /// The corners of the triangle in `lane`.
+    #[cfg(test)]
+    pub(super) fn corners(&self, lane: usize) -> [Vec3; 3] {
+        self.corners.map(|c| Vec3::new(c[0][lane], c[1][lane], c[2][lane]))
+    }
+}
+
+/// The edge function `p q - r s` in double precision, in the lanes where `single` is zero.
+#[cold]
+fn edge_again(single: Vec4, p: Vec4, q: Vec4, r: Vec4, s: Vec4) -> Vec4 {
+    Vec4::from_array(std::array::from_fn(|i| {
+        if single[i] == 0.0 {
+            let d = |v: Vec4| f64::from(v[i]);
+            (d(p) * d(q) - d(r) * d(s)) as f32
+        } else {
+            single[i]
+        }
+    }))
+}
+
+/// Moves `point` on a surface off it along the unit `normal`, just far enough that rays that start
+/// there do not meet the surface again (Waechter & Binder, Ray Tracing Gems 2019, chapter 6).
+pub fn offset(point: Vec3, normal: Vec3) -> Vec3 {
+    const ORIGIN: f32 = 1.0 / 32.0;
+    const FLOAT_SCALE: f32 = 1.0 / 65536.0;
+    const INT_SCALE: f32 = 256.0;
+    let one = |p: f32, n: f32| {
+        if p.abs() < ORIGIN {
+            return p + FLOAT_SCALE * n;
+        }
+        let steps = (INT_SCALE * n) as i32;
+        f32::from_bits(p.to_bits().wrapping_add_signed(if p < 0.0 { -steps } else { steps }))
+    };
+    Vec3::new(one(point.x, normal.x), one(point.y, normal.y), one(point.z, normal.z))
+}
+
+/// The unit normal of the front of a triangle, in double precision inside.
+pub(crate) fn front_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
+    let [a, b, c]: [DVec3; 3] = [a, b, c].map(|p| p.as_dvec3());
+    (b - a).cross(c - a).normalize_or(DVec3::Y).as_vec3()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ray_through_a_shared_edge_meets_one_of_the_two() {
+        let quad = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
+        let both = [(0, [quad[0], quad[1], quad[2]]), (1, [quad[0], quad[2], quad[3]])];
+        let triangles = Triangles4::new(&both);
+        assert_eq!(triangles.corners(1), both[1].1);
+        for i in 0..1000 {
+            let s = i as f32 / 999.0;
+            let target = Vec3::new(s, s, 0.0);
+            let origin = Vec3::new(0.3, 0.7, 1.1);
+            let ray = Ray::new(origin, (target - origin).normalize());
+            let hits = triangles.intersect(&ShearedRay::new(&ray), f32::INFINITY);
+            assert!(hits.t.min_element().is_finite(), "leak at {s}");
+        }
+    }
+}

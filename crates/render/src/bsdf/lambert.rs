@@ -1,0 +1,19 @@
+//! Lambert's surface: `f = rho_d / pi`, sampled by the cosine.
+
+use glam::Vec3;
+use std::f32::consts::{FRAC_1_PI, TAU};
+
+/// `f / rho_d`, sr^-1.
+pub const VALUE: f32 = FRAC_1_PI;
+
+/// Draws a direction with density `cos / pi` from two numbers in [0, 1).
+pub fn sample(u: [f32; 2]) -> Vec3 {
+    let radius = u[0].sqrt();
+    let (sin, cos) = (TAU * u[1]).sin_cos();
+    Vec3::new(radius * cos, radius * sin, (1.0 - u[0]).max(0.0).sqrt())
+}
+
+/// The density of [`sample`] over solid angle.
+pub fn pdf(wi: Vec3) -> f32 {
+    wi.z.max(0.0) * FRAC_1_PI
+}

@@ -1,0 +1,127 @@
+//! How a surface reflects: `f = rho_d/pi + rho_s w` [Boivin & Gagalowicz 2002, section 4.2].
+//!
+//! One BRDF is one file. To add another: give it `value`, `pdf` and `sample` in a file of its own,
+//! let [`Bsdf`] choose it, and run it through `tests/bsdf_laws.rs`.
+//!
+//! All directions here are unit vectors in the *brushed frame*: x along the brushed direction, z
+//! the shading normal on the viewer's side. Both point away from the surface. `wo` is where the
+//! light goes (towards the camera), `wi` where it comes from.
+
+pub mod lambert;
+pub mod mirror;
+pub mod ward;
+
+use glam::Vec3;
+use unrender_scene::color::luminance;
+use unrender_scene::{Material, Rgb, WardModel};
+use ward::WardLobe;
+
+/// The specular part of a reflectance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Specular {
+    /// There is none.
+    None,
+    /// A perfect mirror.
+    Mirror,
+    /// A lobe with a roughness.
+    Ward(WardLobe),
+}
+
+/// A reflectance at one point, ready to be evaluated and sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bsdf {
+    /// Diffuse reflectance.
+    pub rho_d: Rgb,
+    /// Specular reflectance.
+    pub rho_s: Rgb,
+    /// The shape of the specular part.
+    pub specular: Specular,
+    /// The probability with which sampling takes the specular part.
+    specular_share: f32,
+}
+
+/// A direction drawn from a [`Bsdf`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsdfSample {
+    /// Where the light comes from.
+    pub wi: Vec3,
+    /// `f cos_i / pdf`.
+    pub weight: Rgb,
+    /// Density of `wi` over solid angle; infinite for a perfect mirror.
+    pub pdf: f32,
+}
+
+impl Bsdf {
+    /// The reflectance of `material` with the given diffuse part.
+    pub fn new(material: &Material, rho_d: Rgb, model: WardModel) -> Self {
+        let specular = if material.is_delta() {
+            Specular::Mirror
+        } else if material.is_glossy() {
+            Specular::Ward(WardLobe::new(model, material.alpha_x, material.alpha_y))
+        } else {
+            Specular::None
+        };
+        let (diffuse_power, specular_power) = (luminance(rho_d), luminance(material.rho_s));
+        let specular_share = match specular {
+            Specular::None => 0.0,
+            _ if diffuse_power <= 0.0 => 1.0,
+            _ => (specular_power / (diffuse_power + specular_power)).clamp(0.1, 0.9),
+        };
+        Self { rho_d, rho_s: material.rho_s, specular, specular_share }
+    }
+
+    /// True if the surface reflects nothing.
+    pub fn is_black(&self) -> bool {
+        self.rho_d.max_element() <= 0.0 && self.specular == Specular::None
+    }
+
+    /// True if nothing but a perfect mirror is there, which no light sample can meet.
+    pub fn is_pure_mirror(&self) -> bool {
+        self.specular == Specular::Mirror && self.specular_share >= 1.0
+    }
+
+    /// `f` without the cosine, sr^-1. A perfect mirror counts nothing here.
+    pub fn value(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return Rgb::ZERO;
+        }
+        let mut f = self.rho_d * lambert::VALUE;
+        if let Specular::Ward(lobe) = self.specular {
+            f += self.rho_s * lobe.value(wo, wi);
+        }
+        f
+    }
+
+    /// The density over solid angle with which [`Bsdf::sample`] draws `wi`, mirrors aside.
+    pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return 0.0;
+        }
+        let mut pdf = (1.0 - self.specular_share) * lambert::pdf(wi);
+        if let Specular::Ward(lobe) = self.specular {
+            pdf += self.specular_share * lobe.pdf(wo, wi);
+        }
+        pdf
+    }
+
+    /// Draws `wi` from three numbers in [0, 1); none if the direction falls below the surface.
+    pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
+        if wo.z <= 0.0 {
+            return None;
+        }
+        let take_specular = u[0] < self.specular_share;
+        let wi = match self.specular {
+            Specular::Mirror if take_specular => {
+                let weight = self.rho_s / self.specular_share;
+                return Some(BsdfSample { wi: mirror::reflect(wo), weight, pdf: f32::INFINITY });
+            }
+            Specular::Ward(lobe) if take_specular => lobe.sample(wo, [u[1], u[2]]),
+            _ => lambert::sample([u[1], u[2]]),
+        };
+        let pdf = self.pdf(wo, wi);
+        if wi.z <= 0.0 || pdf <= 0.0 || !pdf.is_finite() {
+            return None;
+        }
+        Some(BsdfSample { wi, weight: self.value(wo, wi) * (wi.z / pdf), pdf })
+    }
+}

@@ -1,0 +1,158 @@
+//! Where light comes from: emitting triangles and lights without a surface, drawn by their power.
+//!
+//! A triangle is drawn with a probability proportional to its power, then a point on it uniformly,
+//! which gives over solid angle the density `p d^2 / (A cos)`.
+
+use crate::accel;
+use glam::Vec3;
+use std::f32::consts::{PI, TAU};
+use unrender_scene::color::luminance;
+use unrender_scene::{Light, LightKind, Rgb};
+
+/// All lights of a scene.
+#[derive(Debug)]
+pub struct Emitters {
+    triangles: Vec<EmittingTriangle>,
+    punctual: Vec<LightKind>,
+    /// Running sum of the powers: the triangles', then the others'; ends with one.
+    cumulative: Vec<f32>,
+    /// For each triangle of the scene: its index in `triangles`, or `NONE`. Empty without any.
+    index_of: Vec<u32>,
+}
+
+const NONE: u32 = u32::MAX;
+
+#[derive(Debug)]
+struct EmittingTriangle {
+    corners: [Vec3; 3],
+    normal: Vec3,
+    radiance: Rgb,
+    /// Probability of the triangle over its area, m^-2.
+    density: f32,
+}
+
+/// Light that would arrive at a point if nothing stood between.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// Unit vector towards the light.
+    pub wi: Vec3,
+    /// How far a shadow ray must be free.
+    pub distance: f32,
+    /// Radiance over `pdf` for a triangle, irradiance at a surface that faces the light over the
+    /// probability for the others.
+    pub weight: Rgb,
+    /// Density over solid angle; none for lights that no other ray can meet.
+    pub pdf: Option<f32>,
+}
+
+impl Emitters {
+    /// The emitters among `triangles`, and `lights`; `bounds` is the box around the scene.
+    pub fn new(
+        triangles: &[[Vec3; 3]],
+        emission: impl Fn(usize) -> Rgb,
+        lights: &[Light],
+        bounds: [Vec3; 2],
+    ) -> Self {
+        let mut emitting = Vec::new();
+        let mut powers = Vec::new();
+        let mut index_of = vec![NONE; triangles.len()];
+        for (index, corners) in triangles.iter().enumerate() {
+            let radiance = emission(index);
+            let power = PI * area(corners) * luminance(radiance);
+            if power > 0.0 {
+                index_of[index] = emitting.len() as u32;
+                let normal = accel::front_normal(*corners);
+                emitting.push(EmittingTriangle {
+                    corners: *corners,
+                    normal,
+                    radiance,
+                    density: 0.0,
+                });
+                powers.push(power);
+            }
+        }
+        let punctual: Vec<_> = lights.iter().map(|l| l.kind).collect();
+        let radius2 = 0.25 * (bounds[1] - bounds[0]).length_squared();
+        powers.extend(punctual.iter().map(|kind| power(kind, radius2)));
+        let total: f64 = powers.iter().map(|p| f64::from(*p)).sum();
+        let share = |p: f32| (f64::from(p) / total) as f32;
+        for (triangle, p) in emitting.iter_mut().zip(&powers) {
+            triangle.density = share(*p) / area(&triangle.corners);
+        }
+        let mut sum = 0.0;
+        let cumulative = powers
+            .iter()
+            .map(|p| {
+                sum += f64::from(*p) / total;
+                sum as f32
+            })
+            .collect();
+        Self { triangles: emitting, punctual, cumulative, index_of }
+    }
+
+    /// The radiance that a triangle emits from its front.
+    pub fn radiance(&self, triangle: u32) -> Rgb {
+        match self.index_of[triangle as usize] {
+            NONE => Rgb::ZERO,
+            index => self.triangles[index as usize].radiance,
+        }
+    }
+
+    /// The density over solid angle with which [`Emitters::sample`] draws a ray that meets the
+    /// front of `triangle` at `distance` under the cosine `cos` to its normal.
+    pub fn pdf(&self, triangle: u32, distance: f32, cos: f32) -> f32 {
+        match self.index_of[triangle as usize] {
+            NONE => 0.0,
+            index => self.triangles[index as usize].density * distance * distance / cos.max(1e-6),
+        }
+    }
+
+    /// Draws light for the surface point `point` from three numbers in [0, 1).
+    pub fn sample(&self, point: Vec3, u: [f32; 3]) -> Option<LightSample> {
+        let chosen = self.cumulative.partition_point(|&c| c <= u[0]);
+        let chosen = chosen.min(self.cumulative.len().checked_sub(1)?);
+        if let Some(triangle) = self.triangles.get(chosen) {
+            return triangle.sample(point, [u[1], u[2]]);
+        }
+        let before = if chosen == 0 { 0.0 } else { self.cumulative[chosen - 1] };
+        let probability = self.cumulative[chosen] - before;
+        let (wi, distance, irradiance) =
+            self.punctual[chosen - self.triangles.len()].illuminate(point);
+        if irradiance.max_element() <= 0.0 || probability <= 0.0 {
+            return None;
+        }
+        Some(LightSample { wi, distance, weight: irradiance / probability, pdf: None })
+    }
+}
+
+impl EmittingTriangle {
+    fn sample(&self, point: Vec3, u: [f32; 2]) -> Option<LightSample> {
+        let root = u[0].sqrt();
+        let (b, c) = (root * (1.0 - u[1]), root * u[1]);
+        let on_light = self.corners[0] * (1.0 - b - c) + self.corners[1] * b + self.corners[2] * c;
+        let to_light = accel::offset(on_light, self.normal) - point;
+        let distance = to_light.length();
+        let wi = to_light / distance;
+        let cos = -wi.dot(self.normal);
+        if cos <= 0.0 || !wi.is_finite() {
+            return None;
+        }
+        let pdf = self.density * distance * distance / cos.max(1e-6);
+        Some(LightSample { wi, distance, weight: self.radiance / pdf, pdf: Some(pdf) })
+    }
+}
+
+fn area([a, b, c]: &[Vec3; 3]) -> f32 {
+    0.5 * (*b - *a).cross(*c - *a).length()
+}
+
+/// The power of a light without a surface, W; what a directional one brings to the scene.
+fn power(kind: &LightKind, scene_radius2: f32) -> f32 {
+    match kind {
+        LightKind::Point { intensity, .. } => 4.0 * PI * luminance(*intensity),
+        LightKind::Spot { intensity, inner_rad, outer_rad, .. } => {
+            TAU * (1.0 - 0.5 * (inner_rad.cos() + outer_rad.cos())) * luminance(*intensity)
+        }
+        LightKind::Directional { irradiance, .. } => PI * scene_radius2 * luminance(*irradiance),
+    }
+}

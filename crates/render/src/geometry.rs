@@ -1,0 +1,62 @@
+//! What stands in each pixel: object, group, depth and normal at the pixel's centre.
+
+use crate::accel::Ray;
+use crate::tracer::Tracer;
+use glam::Vec3;
+use rayon::prelude::*;
+use unrender_scene::{Camera, Image};
+
+/// The object and group of pixels that show no surface.
+pub const NOTHING: u32 = u32::MAX;
+
+/// The first surface behind the centre of one pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelGeometry {
+    /// The object's index in the scene, or [`NOTHING`].
+    pub object: u32,
+    /// The group's index in the scene, or [`NOTHING`].
+    pub group: u32,
+    /// Distance from the camera's centre, metres; infinite for nothing.
+    pub depth: f32,
+    /// Unit shading normal on the viewer's side, world space; zero for nothing.
+    pub normal: Vec3,
+    /// Unit tangent, the zero of the brushed angle, world space; zero for nothing.
+    pub tangent: Vec3,
+    /// Whether the front (counter-clockwise) side is seen.
+    pub front: bool,
+}
+
+/// The geometry of all pixels.
+pub type GeometryBuffers = Image<PixelGeometry>;
+
+impl PixelGeometry {
+    /// A pixel without a surface.
+    pub const EMPTY: Self = Self {
+        object: NOTHING,
+        group: NOTHING,
+        depth: f32::INFINITY,
+        normal: Vec3::ZERO,
+        tangent: Vec3::ZERO,
+        front: true,
+    };
+}
+
+impl Tracer {
+    /// The geometry behind the centre of every pixel.
+    pub fn geometry(&self, camera: &Camera, width: usize, height: usize) -> GeometryBuffers {
+        let at = |index: usize| {
+            let (x, y) = ((index % width) as f32 + 0.5, (index / width) as f32 + 0.5);
+            let ray = Ray::new(camera.origin(), camera.direction(x, y, width, height));
+            self.surface(&ray).map_or(PixelGeometry::EMPTY, |surface| PixelGeometry {
+                object: surface.object,
+                group: surface.group,
+                depth: (surface.point - ray.origin).length(),
+                normal: surface.frame.normal,
+                tangent: surface.frame.tangent,
+                front: surface.front,
+            })
+        };
+        let pixels = (0..width * height).into_par_iter().map(at).collect();
+        Image::new(width, height, pixels)
+    }
+}

@@ -1,0 +1,33 @@
+//! Scene to radiance: global illumination by path tracing, and the evidence that recovery reads.
+//!
+//! Everything starts at a [`Tracer`], built once for a scene's geometry and lights. It then answers
+//! three questions, each for any set of materials:
+//!  - [`Tracer::render`]: what does the camera see? (module [`film`])
+//!  - [`Tracer::geometry`]: which object, group, depth and normal stands in each pixel?
+//!    (module [`geometry`])
+//!  - [`Tracer::probe`]: what light arrives at the surfaces in these pixels, so that any reflectance
+//!    can be tried on them without tracing again? (module [`probe`])
+//!
+//! Reading order: [`path`] is the light transport, [`surface`] and [`bsdf`] what it meets,
+//! [`emitters`] where it ends, [`sampler`] the numbers that steer it, [`accel`] how rays find
+//! triangles.
+//!
+//! Results depend on the input and the seed alone, never on the number of threads: every pixel has
+//! its own sequence of sample points and sums them in one order.
+
+pub mod accel;
+pub mod bsdf;
+pub mod emitters;
+pub mod film;
+pub mod geometry;
+pub mod path;
+pub mod probe;
+pub mod sampler;
+pub mod surface;
+pub mod tracer;
+
+pub use bsdf::ward::WardLobe;
+pub use film::{Film, Settings};
+pub use geometry::{GeometryBuffers, NOTHING, PixelGeometry};
+pub use probe::{Probe, ProbeSettings, Probes};
+pub use tracer::Tracer;

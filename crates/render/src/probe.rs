@@ -1,0 +1,367 @@
+//! The light that arrives at the surfaces behind given pixels: trace once, solve many.
+//!
+//! At a surface point seen from `wo`, radiance is linear in the reflectances:
+//! `L(wo) = E + rho_d D + rho_s S`, with
+//! `D = 1/pi integral L(wi) cos_i dwi` and `S = integral w(wo, wi) L(wi) cos_i dwi`, and for a
+//! perfect mirror `S = M`, the radiance from the mirror direction. A probe holds `E`, `D`, `M` and
+//! a set of incident samples `(wi, L cos_i / density)`, so that `S` for any roughness and brushed
+//! direction is a sum over them (design, section 5: "trace once, solve many").
+//!
+//! The samples come from a mixture: the cosine, half-vector lobes of the asked widths, and light
+//! samples. Each is weighted by one over the sum of all densities times their counts (the
+//! multi-sample balance heuristic [Veach 1997, section 9.2]), so the sum is unbiased for every
+//! lobe, and of low variance for lobes like those of the mixture.
+
+use crate::accel::Ray;
+use crate::bsdf::ward::WardLobe;
+use crate::bsdf::{lambert, mirror};
+use crate::film::camera_ray;
+use crate::path::{MAX_BOUNCES, Transport};
+use crate::sampler::Sampler;
+use crate::surface::Surface;
+use crate::tracer::{Materials, Tracer};
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+use std::f32::consts::FRAC_1_PI;
+use unrender_scene::{Camera, Rgb};
+
+/// What to gather at each pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProbeSettings {
+    /// Camera rays a pixel; each becomes one probe.
+    pub probes_per_pixel: u32,
+    /// Directions by the cosine, and as many light samples, for each probe.
+    pub cosine: u32,
+    /// Directions for each of `lobes`, for each probe.
+    pub per_lobe: u32,
+    /// Half-vector lobes to draw directions from, in the tangent frame.
+    pub lobes: Vec<ProposalLobe>,
+    /// Whether to trace the mirror direction too.
+    pub mirror: bool,
+    /// Whether to keep the incident samples, or only their sum `D`.
+    pub keep_incident: bool,
+    /// Whether rays go on through perfect mirrors, to what is seen in them.
+    pub through_mirrors: bool,
+    /// Another seed, another noise.
+    pub seed: u64,
+    /// Reflections along a path at most.
+    pub max_bounces: u32,
+}
+
+impl Default for ProbeSettings {
+    fn default() -> Self {
+        Self {
+            probes_per_pixel: 1,
+            cosine: 16,
+            per_lobe: 0,
+            lobes: Vec::new(),
+            mirror: false,
+            keep_incident: false,
+            through_mirrors: false,
+            seed: 0,
+            max_bounces: MAX_BOUNCES,
+        }
+    }
+}
+
+/// A lobe to draw directions from: roughnesses and the angle of the first from the tangent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProposalLobe {
+    /// Roughness along the direction.
+    pub alpha_x: f32,
+    /// Roughness across it.
+    pub alpha_y: f32,
+    /// The direction's angle from the tangent, radians.
+    pub theta_rad: f32,
+}
+
+/// One surface point behind a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Probe {
+    /// The pixel's index.
+    pub pixel: u32,
+    /// The group of the surface.
+    pub group: u32,
+    /// What is left of the radiance on its way to the camera: below one behind a mirror.
+    pub throughput: Rgb,
+    /// Unit vector to the viewer, in the tangent frame.
+    pub wo: Vec3,
+    /// `TEXCOORD_0`.
+    pub uv: Vec2,
+    /// Radiance that the surface emits.
+    pub emitted: Rgb,
+    /// `D`: the radiance of a white diffuse surface.
+    pub diffuse: Rgb,
+    /// `M`: the radiance of a perfect mirror; zero if not asked for.
+    pub mirror: Rgb,
+    /// Where its samples start in [`Probes::incident`].
+    pub first: u32,
+    /// How many there are.
+    pub count: u32,
+}
+
+/// Light from one direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Incident {
+    /// Unit vector to where the light comes from, in the tangent frame.
+    pub wi: Vec3,
+    /// `L cos_i` over the density: the sample's share of the irradiance, W m^-2.
+    pub irradiance: Rgb,
+}
+
+/// Probes in the order of the pixels asked for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Probes {
+    /// One for each camera ray that met a surface.
+    pub probes: Vec<Probe>,
+    /// The incident samples of all probes, one behind the other.
+    pub incident: Vec<Incident>,
+}
+
+impl Probes {
+    /// The incident samples of `probe`.
+    pub fn incident_of(&self, probe: &Probe) -> &[Incident] {
+        &self.incident[probe.first as usize..(probe.first + probe.count) as usize]
+    }
+}
+
+const CHUNK: usize = 64;
+
+impl Tracer {
+    /// Gathers the light at the surfaces behind `pixels` (indices into a picture of `size`).
+    pub fn probe(
+        &self,
+        materials: &Materials,
+        camera: &Camera,
+        size: (usize, usize),
+        pixels: &[u32],
+        settings: &ProbeSettings,
+    ) -> Probes {
+        let gatherer = Gatherer::new(self, materials, settings);
+        let parts: Vec<Probes> = pixels
+            .par_chunks(CHUNK)
+            .map(|chunk| {
+                let mut part = Probes::default();
+                for &pixel in chunk {
+                    for index in 0..settings.probes_per_pixel {
+                        gatherer.probe(camera, size, pixel, index, &mut part);
+                    }
+                }
+                part
+            })
+            .collect();
+        concatenate(parts)
+    }
+}
+
+fn concatenate(parts: Vec<Probes>) -> Probes {
+    let mut all = Probes {
+        probes: Vec::with_capacity(parts.iter().map(|p| p.probes.len()).sum()),
+        incident: Vec::with_capacity(parts.iter().map(|p| p.incident.len()).sum()),
+    };
+    for part in parts {
+        let shift = all.incident.len() as u32;
+        all.probes.extend(part.probes.into_iter().map(|p| Probe { first: p.first + shift, ..p }));
+        all.incident.extend(part.incident);
+    }
+    all
+}
+
+/// The sampling techniques of one probe; each has its own stream of numbers.
+const CAMERA: u64 = 0;
+const MIRROR: u64 = 1;
+const LIGHT: u64 = 2;
+const COSINE: u64 = 3;
+const FIRST_LOBE: u64 = 4;
+const STREAMS: u64 = 16;
+/// Mirrors in a row that a camera ray follows at most.
+const MIRRORS_MAX: usize = 16;
+
+struct Gatherer<'a> {
+    transport: Transport<'a>,
+    materials: &'a Materials,
+    settings: &'a ProbeSettings,
+    lobes: Vec<(WardLobe, f32, f32)>,
+}
+
+impl<'a> Gatherer<'a> {
+    fn new(tracer: &'a Tracer, materials: &'a Materials, settings: &'a ProbeSettings) -> Self {
+        assert!(settings.lobes.len() as u64 <= STREAMS - FIRST_LOBE, "too many proposal lobes");
+        let lobes = settings.lobes.iter().map(|lobe| {
+            let (sin, cos) = lobe.theta_rad.sin_cos();
+            (WardLobe::new(tracer.model, lobe.alpha_x, lobe.alpha_y), cos, sin)
+        });
+        Self {
+            transport: Transport::new(tracer, materials, settings.max_bounces),
+            materials,
+            settings,
+            lobes: lobes.collect(),
+        }
+    }
+
+    fn sampler(&self, pixel: u32, technique: u64, index: u32) -> Sampler {
+        Sampler::new(self.settings.seed, u64::from(pixel) * STREAMS + technique, index)
+    }
+
+    /// Gathers at the surface behind one camera ray and appends it to `out`.
+    fn probe(
+        &self,
+        camera: &Camera,
+        size: (usize, usize),
+        pixel: u32,
+        index: u32,
+        out: &mut Probes,
+    ) {
+        let ray = camera_ray(camera, size, pixel, &mut self.sampler(pixel, CAMERA, index));
+        let Some((surface, wo, throughput, bounces)) = self.first_surface(ray) else { return };
+        let wo_local = surface.frame.local_from_world(wo);
+        let first = out.incident.len();
+        let mut gathering = Gathering { gatherer: self, surface, wo: wo_local, bounces, out };
+        if wo_local.z > 0.0 {
+            gathering.lights(pixel, index);
+            gathering.directions(pixel, index);
+        }
+        let mirror = if self.settings.mirror { gathering.mirror(pixel, index) } else { Rgb::ZERO };
+        let total: Rgb = out.incident[first..].iter().map(|i| i.irradiance).sum();
+        if !self.settings.keep_incident {
+            out.incident.truncate(first);
+        }
+        out.probes.push(Probe {
+            pixel,
+            group: surface.group,
+            throughput,
+            wo: wo_local,
+            uv: surface.uv,
+            emitted: self.transport.emitted(&surface),
+            diffuse: total * FRAC_1_PI,
+            mirror,
+            first: first as u32,
+            count: (out.incident.len() - first) as u32,
+        });
+    }
+
+    /// The surface behind a camera ray, the direction back, the throughput of the mirrors between,
+    /// and how many there were.
+    fn first_surface(&self, mut ray: Ray) -> Option<(Surface, Vec3, Rgb, u32)> {
+        let mut throughput = Rgb::ONE;
+        for bounces in 0..MIRRORS_MAX {
+            let surface = self.transport.surface(&ray)?;
+            let wo = -ray.direction;
+            let material = &self.materials[surface.group as usize];
+            if !(self.settings.through_mirrors && material.is_pure_mirror()) {
+                return Some((surface, wo, throughput, bounces as u32));
+            }
+            let local = surface.frame.local_from_world(wo);
+            let wi = surface.frame.world_from_local(mirror::reflect(local));
+            if !surface.is_above(wi) {
+                return None;
+            }
+            throughput *= material.rho_s;
+            ray = Transport::leave(&surface, wi);
+        }
+        None
+    }
+
+    /// The density of all directional techniques together, each times its count.
+    fn density(&self, wo: Vec3, wi: Vec3) -> f32 {
+        let mut density = self.settings.cosine as f32 * lambert::pdf(wi);
+        for (lobe, cos, sin) in &self.lobes {
+            let pdf = lobe.pdf(turned(wo, *cos, *sin), turned(wi, *cos, *sin));
+            density += self.settings.per_lobe as f32 * pdf;
+        }
+        density
+    }
+}
+
+/// The vector in a frame that is turned about z by the angle with the given cosine and sine.
+#[inline]
+fn turned(v: Vec3, cos: f32, sin: f32) -> Vec3 {
+    Vec3::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z)
+}
+
+/// The gathering at one surface point.
+struct Gathering<'a, 'b> {
+    gatherer: &'b Gatherer<'a>,
+    surface: Surface,
+    wo: Vec3,
+    bounces: u32,
+    out: &'b mut Probes,
+}
+
+impl Gathering<'_, '_> {
+    /// Light samples.
+    fn lights(&mut self, pixel: u32, index: u32) {
+        let count = self.gatherer.settings.cosine;
+        for k in 0..count {
+            let mut sampler = self.gatherer.sampler(pixel, LIGHT, index * count + k);
+            let [pick, u, v, _] = sampler.next4();
+            let seen = self.gatherer.transport.visible_light(&self.surface, [pick, u, v]);
+            let Some((wi, weight, pdf)) = seen else { continue };
+            let wi = self.surface.frame.local_from_world(wi);
+            let factor = match pdf {
+                Some(pdf) => pdf / (count as f32 * pdf + self.gatherer.density(self.wo, wi)),
+                None => 1.0 / count as f32,
+            };
+            self.keep(wi, weight * factor);
+        }
+    }
+
+    /// Directions by the cosine and by the lobes.
+    fn directions(&mut self, pixel: u32, index: u32) {
+        let settings = self.gatherer.settings;
+        for k in 0..settings.cosine {
+            let mut sampler = self.gatherer.sampler(pixel, COSINE, index * settings.cosine + k);
+            let [u, v, ..] = sampler.next4();
+            self.follow(lambert::sample([u, v]), sampler);
+        }
+        for lobe in 0..settings.lobes.len() {
+            let technique = FIRST_LOBE + lobe as u64;
+            for k in 0..settings.per_lobe {
+                let number = index * settings.per_lobe + k;
+                let mut sampler = self.gatherer.sampler(pixel, technique, number);
+                let [u, v, ..] = sampler.next4();
+                let (lobe, cos, sin) = self.gatherer.lobes[lobe];
+                let wi = lobe.sample(turned(self.wo, cos, sin), [u, v]);
+                self.follow(turned(wi, cos, -sin), sampler);
+            }
+        }
+    }
+
+    /// Traces the ray along `wi` and keeps what arrives, emission and reflection apart: only the
+    /// emission could have come from a light sample too.
+    fn follow(&mut self, wi: Vec3, mut sampler: Sampler) {
+        let world = self.surface.frame.world_from_local(wi);
+        if !self.surface.is_above(world) {
+            return;
+        }
+        let transport = &self.gatherer.transport;
+        let Some(next) = transport.surface(&Transport::leave(&self.surface, world)) else { return };
+        let density = self.gatherer.density(self.wo, wi);
+        let emitted = transport.emitted(&next);
+        if emitted != Rgb::ZERO {
+            let lights = self.gatherer.settings.cosine as f32;
+            let by_light = lights * transport.light_pdf(&self.surface, &next, world);
+            self.keep(wi, emitted / (density + by_light));
+        }
+        let reflected = transport.reflected(next, -world, &mut sampler, self.bounces + 1);
+        self.keep(wi, reflected / density);
+    }
+
+    fn keep(&mut self, wi: Vec3, weighted_radiance: Rgb) {
+        let irradiance = weighted_radiance * wi.z;
+        if irradiance.max_element() > 0.0 && irradiance.is_finite() {
+            self.out.incident.push(Incident { wi, irradiance });
+        }
+    }
+
+    /// The radiance from the mirror direction.
+    fn mirror(&self, pixel: u32, index: u32) -> Rgb {
+        let wi = self.surface.frame.world_from_local(mirror::reflect(self.wo));
+        if !self.surface.is_above(wi) {
+            return Rgb::ZERO;
+        }
+        let mut sampler = self.gatherer.sampler(pixel, MIRROR, index);
+        let ray = Transport::leave(&self.surface, wi);
+        self.gatherer.transport.radiance(&ray, &mut sampler, self.bounces + 1)
+    }
+}

@@ -1,0 +1,125 @@
+//! A scene made ready for rays: flat arrays, the tree, and the lights.
+
+use crate::accel::{Accel, Hit, Ray};
+use crate::emitters::Emitters;
+use crate::surface::{Frame, Surface};
+use glam::{Vec2, Vec3};
+use unrender_scene::{Material, Mesh, Scene, WardModel};
+
+/// Answers what light does in one scene, for any materials of its groups.
+///
+/// Geometry, lights and the form of Ward's lobe are fixed when it is built; materials come with
+/// each question, since recovery tries many on the same geometry.
+#[derive(Debug)]
+pub struct Tracer {
+    pub(crate) accel: Accel,
+    pub(crate) emitters: Emitters,
+    pub(crate) model: WardModel,
+    objects: Vec<TracedObject>,
+    /// For each triangle of the scene: its object.
+    object_of_triangle: Vec<u32>,
+}
+
+/// An object's mesh and where its triangles start in the scene's count.
+#[derive(Debug)]
+struct TracedObject {
+    mesh: Mesh,
+    group: u32,
+    first_triangle: u32,
+}
+
+impl Tracer {
+    /// Prepares `scene`, which has passed `Scene::validate`.
+    pub fn new(scene: &Scene) -> Self {
+        let mut objects = Vec::with_capacity(scene.objects.len());
+        let mut object_of_triangle = Vec::new();
+        let mut triangles = Vec::with_capacity(scene.triangle_count());
+        for object in &scene.objects {
+            let first_triangle = triangles.len() as u32;
+            triangles.extend((0..object.mesh.triangles.len()).map(|i| object.mesh.corners(i)));
+            object_of_triangle.resize(triangles.len(), objects.len() as u32);
+            let group = object.group as u32;
+            objects.push(TracedObject { mesh: object.mesh.clone(), group, first_triangle });
+        }
+        let accel = Accel::build(&triangles);
+        let group_of = |t: usize| objects[object_of_triangle[t] as usize].group as usize;
+        let emission = |t: usize| scene.groups[group_of(t)].emission;
+        let emitters = Emitters::new(&triangles, emission, &scene.lights, accel.bounds());
+        Self { accel, emitters, model: scene.brdf, objects, object_of_triangle }
+    }
+
+    /// The nearest surface along the ray.
+    pub fn surface(&self, ray: &Ray) -> Option<Surface> {
+        self.accel.closest(ray).map(|hit| self.surface_at(ray, hit))
+    }
+
+    /// The object's and the group's index of a triangle.
+    pub fn object_and_group(&self, triangle: u32) -> (u32, u32) {
+        let object = self.object_of_triangle[triangle as usize];
+        (object, self.objects[object as usize].group)
+    }
+
+    fn surface_at(&self, ray: &Ray, hit: Hit) -> Surface {
+        let object_index = self.object_of_triangle[hit.triangle as usize];
+        let object = &self.objects[object_index as usize];
+        let mesh = &object.mesh;
+        let corners = mesh.triangles[(hit.triangle - object.first_triangle) as usize];
+        let [v, w] = hit.barycentric;
+        let weights = [1.0 - v - w, v, w];
+        let blend = |values: &[Vec3]| -> Vec3 {
+            (0..3).map(|i| values[corners[i] as usize] * weights[i]).sum()
+        };
+        let front_normal = self.accel.front_normal(hit.triangle);
+        let front = ray.direction.dot(front_normal) < 0.0;
+        let mut shading = blend(&mesh.normals).try_normalize().unwrap_or(front_normal);
+        if shading.dot(front_normal) < 0.0 {
+            shading = -shading;
+        }
+        let uv = if mesh.uvs.is_empty() {
+            Vec2::ZERO
+        } else {
+            (0..3).map(|i| mesh.uvs[corners[i] as usize] * weights[i]).sum()
+        };
+        Surface {
+            point: blend(&mesh.positions),
+            triangle: hit.triangle,
+            object: object_index,
+            group: object.group,
+            front,
+            geometric_normal: if front { front_normal } else { -front_normal },
+            frame: Frame::new(shading, tangent(mesh, corners, weights, shading), front),
+            uv,
+        }
+    }
+}
+
+/// The zero of the brushed angle (design: `docs/conventions.md`): glTF's TANGENT, else the
+/// direction of growing u, else the projection of world +x, else of world +z.
+fn tangent(mesh: &Mesh, corners: [u32; 3], weights: [f32; 3], normal: Vec3) -> Vec3 {
+    let corners = corners.map(|i| i as usize);
+    let usable = |t: Vec3| t.is_finite() && t.reject_from(normal).length_squared() > 1e-12;
+    if !mesh.tangents.is_empty() {
+        let given: Vec3 = (0..3).map(|i| mesh.tangents[corners[i]].truncate() * weights[i]).sum();
+        if usable(given) {
+            return given;
+        }
+    }
+    if !mesh.uvs.is_empty() {
+        let growing_u = direction_of_u(mesh, corners).normalize_or_zero();
+        if usable(growing_u) {
+            return growing_u;
+        }
+    }
+    if Vec3::X.reject_from(normal).length_squared() > 1e-4 { Vec3::X } else { Vec3::Z }
+}
+
+/// The direction on a triangle in which u grows and v stays.
+fn direction_of_u(mesh: &Mesh, [a, b, c]: [usize; 3]) -> Vec3 {
+    let (e1, e2) = (mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
+    let (d1, d2) = (mesh.uvs[b] - mesh.uvs[a], mesh.uvs[c] - mesh.uvs[a]);
+    let sign = d1.perp_dot(d2).signum();
+    (e1 * d2.y - e2 * d1.y) * sign
+}
+
+/// The materials of a scene's groups, one a group, as every question takes them.
+pub type Materials = [Material];
