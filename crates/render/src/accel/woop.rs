@@ -148,8 +148,9 @@ mod tests {
         let both = [(0, [quad[0], quad[1], quad[2]]), (1, [quad[0], quad[2], quad[3]])];
         let triangles = Triangles4::new(&both);
         assert_eq!(triangles.corners(1), both[1].1);
-        for i in 0..1000 {
-            let s = i as f32 / 999.0;
+        // The ends of the diagonal are corners of the outline, where a miss is no leak.
+        for i in 1..1000 {
+            let s = i as f32 / 1000.0;
             let target = Vec3::new(s, s, 0.0);
             let origin = Vec3::new(0.3, 0.7, 1.1);
             let ray = Ray::new(origin, (target - origin).normalize());
