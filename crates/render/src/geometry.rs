@@ -2,7 +2,7 @@
 
 use crate::accel::Ray;
 use crate::tracer::Tracer;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use unrender_scene::{Camera, Image};
 
@@ -22,6 +22,8 @@ pub struct PixelGeometry {
     pub normal: Vec3,
     /// Unit tangent, the zero of the brushed angle, world space; zero for nothing.
     pub tangent: Vec3,
+    /// `TEXCOORD_0`; zero for nothing, or where there is none.
+    pub uv: Vec2,
     /// Whether the front (counter-clockwise) side is seen.
     pub front: bool,
 }
@@ -37,6 +39,7 @@ impl PixelGeometry {
         depth: f32::INFINITY,
         normal: Vec3::ZERO,
         tangent: Vec3::ZERO,
+        uv: Vec2::ZERO,
         front: true,
     };
 }
@@ -53,6 +56,7 @@ impl Tracer {
                 depth: (surface.point - ray.origin).length(),
                 normal: surface.frame.normal,
                 tangent: surface.frame.tangent,
+                uv: surface.uv,
                 front: surface.front,
             })
         };

@@ -29,5 +29,5 @@ pub mod tracer;
 pub use bsdf::ward::WardLobe;
 pub use film::{Film, Settings};
 pub use geometry::{GeometryBuffers, NOTHING, PixelGeometry};
-pub use probe::{Probe, ProbeSettings, Probes};
+pub use probe::{Probe, ProbeSettings, Probes, ProposalLobe};
 pub use tracer::Tracer;

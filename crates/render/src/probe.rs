@@ -20,7 +20,7 @@ use crate::path::{MAX_BOUNCES, Transport};
 use crate::sampler::Sampler;
 use crate::surface::Surface;
 use crate::tracer::{Materials, Tracer};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
 use unrender_scene::{Camera, Rgb};
@@ -86,18 +86,29 @@ pub struct Probe {
     pub throughput: Rgb,
     /// Unit vector to the viewer, in the tangent frame.
     pub wo: Vec3,
-    /// `TEXCOORD_0`.
-    pub uv: Vec2,
+    /// The surface point in world space, metres.
+    pub point: Vec3,
     /// Radiance that the surface emits.
     pub emitted: Rgb,
     /// `D`: the radiance of a white diffuse surface.
     pub diffuse: Rgb,
     /// `M`: the radiance of a perfect mirror; zero if not asked for.
     pub mirror: Rgb,
+    /// What stands in the mirror direction, if that was asked for and there is something.
+    pub mirrored: Option<Mirrored>,
     /// Where its samples start in [`Probes::incident`].
     pub first: u32,
     /// How many there are.
     pub count: u32,
+}
+
+/// The surface that a perfect mirror would show.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mirrored {
+    /// The object's index in the scene.
+    pub object: u32,
+    /// The point on it, world space, metres.
+    pub point: Vec3,
 }
 
 /// Light from one direction.
@@ -221,7 +232,7 @@ impl<'a> Gatherer<'a> {
             gathering.lights(pixel, index);
             gathering.directions(pixel, index);
         }
-        let mirror = if self.settings.mirror { gathering.mirror(pixel, index) } else { Rgb::ZERO };
+        let mirror = gathering.mirror(pixel, index);
         let total: Rgb = out.incident[first..].iter().map(|i| i.irradiance).sum();
         if !self.settings.keep_incident {
             out.incident.truncate(first);
@@ -231,10 +242,11 @@ impl<'a> Gatherer<'a> {
             group: surface.group,
             throughput,
             wo: wo_local,
-            uv: surface.uv,
+            point: surface.point,
             emitted: self.transport.emitted(&surface),
             diffuse: total * FRAC_1_PI,
-            mirror,
+            mirror: mirror.map_or(Rgb::ZERO, |m| m.0),
+            mirrored: mirror.map(|m| m.1),
             first: first as u32,
             count: (out.incident.len() - first) as u32,
         });
@@ -354,14 +366,18 @@ impl Gathering<'_, '_> {
         }
     }
 
-    /// The radiance from the mirror direction.
-    fn mirror(&self, pixel: u32, index: u32) -> Rgb {
+    /// The radiance from the mirror direction and what stands there; none if nobody asks, or if
+    /// the direction falls below the surface.
+    fn mirror(&self, pixel: u32, index: u32) -> Option<(Rgb, Mirrored)> {
         let wi = self.surface.frame.world_from_local(mirror::reflect(self.wo));
-        if !self.surface.is_above(wi) {
-            return Rgb::ZERO;
+        if !self.gatherer.settings.mirror || !self.surface.is_above(wi) {
+            return None;
         }
+        let transport = &self.gatherer.transport;
+        let seen = transport.surface(&Transport::leave(&self.surface, wi))?;
         let mut sampler = self.gatherer.sampler(pixel, MIRROR, index);
-        let ray = Transport::leave(&self.surface, wi);
-        self.gatherer.transport.radiance(&ray, &mut sampler, self.bounces + 1)
+        let radiance = transport.emitted(&seen)
+            + transport.reflected(seen, -wi, &mut sampler, self.bounces + 1);
+        Some((radiance, Mirrored { object: seen.object, point: seen.point }))
     }
 }

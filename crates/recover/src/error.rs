@@ -1,0 +1,62 @@
+//! How far a hypothesis is from the photograph, apart from all noise.
+//!
+//! `relative^2 = (sum W r_A r_B - sum W sigma^2) / sum W B^2`: the share of the photograph that
+//! neither the model nor the noise explains. The products of residuals under two seeds are free of
+//! our noise; the photograph's own is subtracted. `deviation` is the standard deviation of
+//! `relative^2`, from the spread of the pixels' contributions.
+
+use crate::evidence::Evidence;
+use unrender_scene::Rgb;
+
+/// The unexplained part of a group's photograph.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Misfit {
+    /// Relative square of the error that noise does not explain; may fall below zero by chance.
+    pub squared: f64,
+    /// Standard deviation of `squared`.
+    pub deviation: f64,
+    /// Relative square of the error with the photograph's noise left in.
+    pub with_noise: f64,
+}
+
+impl Misfit {
+    /// The relative error that noise does not explain: 0.01 is one percent.
+    pub fn relative(&self) -> f64 {
+        self.squared.max(0.0).sqrt()
+    }
+
+    /// The relative difference of photograph and re-rendering, our own noise taken out.
+    pub fn total(&self) -> f64 {
+        self.with_noise.max(0.0).sqrt()
+    }
+
+    /// Whether an error of `tolerance` or less, together with chance, explains the misfit.
+    pub fn is_within(&self, tolerance: f64) -> bool {
+        self.squared <= tolerance * tolerance + 2.0 * self.deviation
+    }
+}
+
+/// The misfit of the radiances `model`, rendered twice.
+pub fn misfit(evidence: &Evidence, model: &[Vec<Rgb>; 2]) -> Misfit {
+    let (mut sum, mut squares, mut noise, mut scale) = (0.0, 0.0, 0.0, 0.0);
+    for (i, pixel) in evidence.pixels.iter().enumerate() {
+        let mut contribution = 0.0;
+        for channel in 0..3 {
+            let f = |v: Rgb| f64::from(v[channel]);
+            let (w, b) = (f(pixel.weight), f(pixel.radiance));
+            contribution += w * (b - f(model[0][i])) * (b - f(model[1][i]));
+            noise += w * f(pixel.variance);
+            scale += w * b * b;
+        }
+        sum += contribution;
+        squares += contribution * contribution;
+    }
+    let n = evidence.pixels.len().max(1) as f64;
+    let scale = if scale > 0.0 { scale } else { f64::INFINITY };
+    let variance = (squares - sum * sum / n).max(0.0);
+    Misfit {
+        squared: (sum - noise) / scale,
+        deviation: variance.sqrt() / scale,
+        with_noise: sum / scale,
+    }
+}

@@ -1,0 +1,60 @@
+//! Rung 6, anisotropic Ward: the brushed direction, then `alpha_x` and `alpha_y` (section 4.2.5).
+//!
+//! The paper reads the direction off the photograph ([`super::brushed`]) and keeps it. Here it is
+//! where the search starts, beside a ring of directions (while both alphas are alike the direction
+//! hardly matters, so a single start can fall into the wrong basin); then direction and roughness
+//! are refined together by downhill simplex, the reflectances inside by least squares.
+
+use super::isotropic::{self, ALPHA_RANGE, objective_scale};
+use super::{Fit, Hypothesis, Search, fit_lobe};
+use crate::evidence::Evidence;
+use crate::fit::simplex;
+use std::f32::consts::PI;
+use unrender_scene::{Material, Rgb};
+
+/// Directions that the global search starts from, over half a turn.
+const DIRECTIONS: usize = 6;
+/// The elongation that it starts with: `alpha_y / alpha_x` is its square.
+const ELONGATION: f32 = 1.4;
+
+/// Direction, roughness and reflectances that explain the evidence best. `start` carries the
+/// paper's direction and an isotropic roughness, or with [`Search::Local`] an earlier answer.
+pub fn fit(evidence: &Evidence, start: &Material, search: Search) -> Fit {
+    let diffuse = evidence.diffuse();
+    let shape = match search {
+        Search::Local => [start.alpha_x, start.alpha_y, start.theta_rad],
+        Search::Global => best_start(evidence, &diffuse, start),
+    };
+    let scale = objective_scale(evidence);
+    let cost = |p: &[f64]| {
+        let [x, y, theta] = shape_of(p);
+        fit_lobe(evidence, &diffuse, x, y, theta).objective / scale
+    };
+    let step = if search == Search::Global { 0.15 } else { 0.04 };
+    let first = [f64::from(shape[0]).ln(), f64::from(shape[1]).ln(), f64::from(shape[2])];
+    let (best, _) = simplex::minimise(cost, &first, &[step, step, 1.5 * step], 1e-10, 120);
+    let canonical = canonical(shape_of(&best));
+    isotropic::finish(Hypothesis::Anisotropic, evidence, &diffuse, canonical)
+}
+
+fn shape_of(p: &[f64]) -> [f32; 3] {
+    let alpha = |log: f64| (log.exp() as f32).clamp(ALPHA_RANGE[0], ALPHA_RANGE[1]);
+    [alpha(p[0]), alpha(p[1]), p[2] as f32]
+}
+
+fn best_start(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], start: &Material) -> [f32; 3] {
+    let alpha = (start.alpha_x * start.alpha_y).sqrt().clamp(ALPHA_RANGE[0], ALPHA_RANGE[1]);
+    let (narrow, wide) = (alpha / ELONGATION, alpha * ELONGATION);
+    let ring = (0..DIRECTIONS).map(|i| PI * i as f32 / DIRECTIONS as f32);
+    let thetas = std::iter::once(start.theta_rad).chain(ring);
+    let shapes = thetas.map(|theta| [narrow, wide, theta]);
+    let cost = |s: &[f32; 3]| fit_lobe(evidence, diffuse, s[0], s[1], s[2]).objective;
+    let ranked = shapes.map(|s| (cost(&s), s));
+    ranked.min_by(|a, b| a.0.total_cmp(&b.0)).map_or([narrow, wide, 0.0], |best| best.1)
+}
+
+/// The same lobe with `alpha_x <= alpha_y` and theta in [0, pi): the brushed direction is the one
+/// along which the surface is smoother.
+pub fn canonical([x, y, theta]: [f32; 3]) -> [f32; 3] {
+    if x <= y { [x, y, theta.rem_euclid(PI)] } else { [y, x, (theta + PI / 2.0).rem_euclid(PI)] }
+}

@@ -1,0 +1,120 @@
+//! The brushed direction straight from the photograph, as the paper reads it (section 4.2.5 and its
+//! Figures 4 and 5).
+//!
+//! The surface is rendered as a perfect mirror and subtracted from the photograph. Where a surface
+//! S is mirrored, the difference smears out across the brushed direction and hardly along it. S is
+//! the mirrored surface with the largest `Area(S) / d(S, P)`. Then directions about the normal are
+//! tried: the difference is cut into lines along each, and the direction wins along whose lines
+//! its standard deviation is least on average.
+
+use crate::evidence::Evidence;
+use glam::{Vec2, Vec3};
+use std::collections::BTreeMap;
+use std::f32::consts::PI;
+use unrender_render::GeometryBuffers;
+use unrender_scene::color::luminance;
+
+/// Directions tried over half a turn.
+const DIRECTIONS: usize = 60;
+/// The window about the mirrored surface is this many times its half extent.
+const WINDOW: f32 = 1.5;
+/// Lines with fewer pixels say nothing about a deviation.
+const PIXELS_PER_LINE: usize = 5;
+
+/// The brushed direction's angle from the tangent, radians in [0, pi); none if the mirror shows
+/// nothing. The evidence must hold the mirror's radiance.
+pub fn direction(evidence: &Evidence, geometry: &GeometryBuffers) -> Option<f32> {
+    let points = difference_on_plane(evidence, geometry);
+    let reference = reference_surface(evidence)?;
+    let window = window_of(&points, reference)?;
+    let inside: Vec<&OnPlane> = points.iter().filter(|p| window.contains(p.position)).collect();
+    let score = |theta: f32| mean_deviation(&inside, theta, window.half_extent);
+    (0..DIRECTIONS)
+        .map(|i| PI * i as f32 / DIRECTIONS as f32)
+        .filter_map(|theta| score(theta).map(|s| (s, theta)))
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|best| best.1)
+}
+
+/// A pixel of the difference picture, in the coordinates of the surface's tangent plane.
+struct OnPlane {
+    position: Vec2,
+    difference: f32,
+    mirrored: Option<u32>,
+}
+
+fn difference_on_plane(evidence: &Evidence, geometry: &GeometryBuffers) -> Vec<OnPlane> {
+    let probes = &evidence.sets[0].probes.probes;
+    let mirror = evidence.mirror();
+    let one = |i: usize| {
+        let at = geometry.pixels()[evidence.pixels[i].pixel as usize];
+        let front_normal = if at.front { at.normal } else { -at.normal };
+        let bitangent = front_normal.cross(at.tangent);
+        let point = probes[i].point;
+        let shown = 0.5 * (mirror[0][i] + mirror[1][i]);
+        OnPlane {
+            position: Vec2::new(point.dot(at.tangent), point.dot(bitangent)),
+            difference: luminance(evidence.pixels[i].radiance - shown),
+            mirrored: probes[i].mirrored.map(|m| m.object),
+        }
+    };
+    (0..evidence.pixels.len()).map(one).collect()
+}
+
+/// The mirrored object with the largest `Area(S) / d(S, P)`.
+fn reference_surface(evidence: &Evidence) -> Option<u32> {
+    let probes = &evidence.sets[0].probes.probes;
+    let own_centre = probes.iter().map(|p| p.point).sum::<Vec3>() / probes.len().max(1) as f32;
+    let mut seen: BTreeMap<u32, (f32, Vec3)> = BTreeMap::new();
+    for mirrored in probes.iter().filter_map(|p| p.mirrored) {
+        let entry = seen.entry(mirrored.object).or_insert((0.0, Vec3::ZERO));
+        entry.0 += 1.0;
+        entry.1 += mirrored.point;
+    }
+    let merit = |&(area, sum): &(f32, Vec3)| area / (sum / area).distance(own_centre).max(1e-6);
+    seen.into_iter().max_by(|a, b| merit(&a.1).total_cmp(&merit(&b.1))).map(|best| best.0)
+}
+
+struct Window {
+    centre: Vec2,
+    half_extent: Vec2,
+}
+
+impl Window {
+    fn contains(&self, position: Vec2) -> bool {
+        (position - self.centre).abs().cmple(self.half_extent).all()
+    }
+}
+
+fn window_of(points: &[OnPlane], reference: u32) -> Option<Window> {
+    let of_reference = points.iter().filter(|p| p.mirrored == Some(reference));
+    let corners = of_reference.fold(None, |corners: Option<(Vec2, Vec2)>, p| {
+        let (low, high) = corners.unwrap_or((p.position, p.position));
+        Some((low.min(p.position), high.max(p.position)))
+    });
+    let (low, high) = corners?;
+    let half_extent = (0.5 * WINDOW * (high - low)).max(Vec2::splat(1e-6));
+    Some(Window { centre: 0.5 * (low + high), half_extent })
+}
+
+/// The mean over all lines along `theta` of the standard deviation of the difference on them.
+fn mean_deviation(points: &[&OnPlane], theta: f32, half_extent: Vec2) -> Option<f32> {
+    let across = Vec2::new(-theta.sin(), theta.cos());
+    let lines = (points.len() as f32).sqrt().max(1.0);
+    let width = 2.0 * half_extent.length() / lines;
+    let mut sums: BTreeMap<i32, (f32, f32, usize)> = BTreeMap::new();
+    for point in points {
+        let line = (point.position.dot(across) / width).floor() as i32;
+        let entry = sums.entry(line).or_default();
+        entry.0 += point.difference;
+        entry.1 += point.difference * point.difference;
+        entry.2 += 1;
+    }
+    let full: Vec<_> = sums.values().filter(|s| s.2 >= PIXELS_PER_LINE).collect();
+    let count: usize = full.iter().map(|s| s.2).sum();
+    let deviation = |&&(sum, squares, n): &&(f32, f32, usize)| {
+        let mean = sum / n as f32;
+        (squares / n as f32 - mean * mean).max(0.0).sqrt() * n as f32
+    };
+    (count > 0).then(|| full.iter().map(deviation).sum::<f32>() / count as f32)
+}

@@ -1,0 +1,17 @@
+//! Rung 1, Lambert's surface: `rho_d` from the radiance of the pixels (section 4.2.1).
+//!
+//! The paper's ratio update `rho_d <- rho_d mean(B) / mean(L)` is this fit with one pixel weight;
+//! since `L = rho_d D` exactly, one step finds what `D` allows, and the turns are left to the light
+//! that the groups send each other.
+
+use super::{Fit, Hypothesis, judged};
+use crate::evidence::Evidence;
+use crate::fit::linear::{self, Terms};
+use unrender_scene::Material;
+
+/// The diffuse reflectance that explains the evidence best.
+pub fn fit(evidence: &Evidence) -> Fit {
+    let diffuse = evidence.diffuse();
+    let found = linear::fit(evidence, &diffuse, None, Terms::Diffuse);
+    judged(Hypothesis::Diffuse, evidence, Material::diffuse(found.rho_d), &diffuse, None)
+}

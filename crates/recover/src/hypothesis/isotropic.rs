@@ -1,0 +1,70 @@
+//! Rung 5, isotropic Ward: `alpha` by a search over its logarithm, the reflectances inside it by
+//! least squares (section 4.2.4).
+//!
+//! The paper searches `rho_d`, `rho_s` and `alpha` together by downhill simplex and treats
+//! `rho_s = 1` apart, because the joint search gets stuck. With the reflectances solved for exactly
+//! at every roughness (variable projection), one parameter is left, and `rho_s = 1` is an edge of
+//! the box like any other.
+
+use super::{Fit, Hypothesis, Search, fit_lobe, judged};
+use crate::evidence::Evidence;
+use crate::fit::simplex;
+use unrender_scene::{Material, Rgb};
+
+/// The range of roughness that is looked through.
+pub const ALPHA_RANGE: [f32; 2] = [0.005, 1.0];
+/// The steps of the global search: each about 1.6 times the one before.
+const GLOBAL: [f32; 10] = [0.01, 0.016, 0.025, 0.04, 0.065, 0.1, 0.16, 0.25, 0.4, 0.65];
+
+/// Roughness and reflectances that explain the evidence best.
+pub fn fit(evidence: &Evidence, start: &Material, search: Search) -> Fit {
+    let diffuse = evidence.diffuse();
+    let cost = |alpha: f32| {
+        let alpha = alpha.clamp(ALPHA_RANGE[0], ALPHA_RANGE[1]);
+        fit_lobe(evidence, &diffuse, alpha, alpha, 0.0).objective
+    };
+    let first = match search {
+        Search::Local if start.is_glossy() => (start.alpha_x * start.alpha_y).sqrt(),
+        _ => {
+            let costs = GLOBAL.map(|alpha| (cost(alpha), alpha));
+            costs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.1, |best| best.1)
+        }
+    };
+    let scale = objective_scale(evidence);
+    let by_log = |p: &[f64]| cost(p[0].exp() as f32) / scale;
+    let (best, _) = simplex::minimise(by_log, &[f64::from(first).ln()], &[0.2], 1e-9, 40);
+    let alpha = (best[0].exp() as f32).clamp(ALPHA_RANGE[0], ALPHA_RANGE[1]);
+    finish(Hypothesis::Isotropic, evidence, &diffuse, [alpha, alpha, 0.0])
+}
+
+/// The fit with the lobe's shape `[alpha_x, alpha_y, theta]` found.
+pub(super) fn finish(
+    hypothesis: Hypothesis,
+    evidence: &Evidence,
+    diffuse: &[Vec<Rgb>; 2],
+    [alpha_x, alpha_y, theta_rad]: [f32; 3],
+) -> Fit {
+    let specular = evidence.lobe(alpha_x, alpha_y, theta_rad);
+    let found = crate::fit::linear::fit(
+        evidence,
+        diffuse,
+        Some(&specular),
+        crate::fit::linear::Terms::Both,
+    );
+    let material = Material {
+        rho_s: found.rho_s,
+        alpha_x,
+        alpha_y,
+        theta_rad,
+        ..Material::diffuse(found.rho_d)
+    };
+    judged(hypothesis, evidence, material, diffuse, Some(&specular))
+}
+
+/// The objective of a black model: makes costs relative, so that tolerances mean the same
+/// everywhere.
+pub(super) fn objective_scale(evidence: &Evidence) -> f64 {
+    let channel = |v: Rgb, w: Rgb| f64::from((v * v * w).element_sum());
+    let sum: f64 = evidence.pixels.iter().map(|p| channel(p.radiance, p.weight)).sum();
+    sum.max(f64::MIN_POSITIVE)
+}

@@ -1,0 +1,212 @@
+//! Rung 7, a texture: `rho_d` per texel = (photograph - specular) / `D` (section 4.2.6).
+//!
+//! The paper balances the texture extracted from the photograph against the one extracted from the
+//! re-rendering ([`rebalance`]), and names shadows in textures an open problem. `D` holds the
+//! shadows, the fall-off and the interreflections, so dividing by it leaves none of them in the
+//! texture ([`extract`]).
+//!
+//! A pixel's value is shared out over the four texels about its texture coordinate; a texel's
+//! reflectance is the weighted quotient `sum w D B / sum w D_A D_B` of all pixels that see it.
+//! Texels that no pixel sees are filled from their neighbours over a pyramid, and marked.
+
+use crate::evidence::{Effort, Evidence, Stage};
+use glam::Vec2;
+use std::sync::Arc;
+use unrender_render::GeometryBuffers;
+use unrender_scene::{Image, Material, Rgb, RgbImage, Texture, Wrap};
+
+/// A texture and which of its texels the photograph shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Extracted {
+    /// The texture, filled everywhere.
+    pub texture: Arc<Texture>,
+    /// True for texels that a pixel shows; the others are guessed from their neighbours.
+    pub seen: Image<bool>,
+}
+
+/// A side of a texture has this many texels at most.
+const SIDE_MAX: f32 = 2048.0;
+/// Texels are this many pixels wide in the middle of the range of sizes, so that few fall between.
+const PIXELS_PER_TEXEL: f32 = 1.2;
+
+/// The texture of group `group` under the light of the current `materials`; none if the group has
+/// no texture coordinates. `specular` holds what of the reflectance is known to be specular.
+pub fn extract(
+    stage: &Stage<'_>,
+    materials: &[Material],
+    group: usize,
+    specular: &Material,
+    effort: &Effort,
+) -> Option<Extracted> {
+    let geometry = stage.renderer.geometry();
+    let believed = &stage.observation.pixels_of_group[group];
+    let (width, height) = resolution(geometry, believed)?;
+    let evidence = Evidence::gather(stage, materials, group, believed, effort);
+    let diffuse = smoothed(geometry, &evidence, evidence.diffuse());
+    let shine = evidence.specular(specular);
+    let mut splat = Splat::new(width, height);
+    for (i, pixel) in evidence.pixels.iter().enumerate() {
+        let uv = geometry.pixels()[pixel.pixel as usize].uv;
+        let [a, b] = [diffuse[0][i], diffuse[1][i]];
+        let shine = specular.rho_s * 0.5 * (shine[0][i] + shine[1][i]);
+        splat.add(uv, 0.5 * (a + b) * (pixel.radiance - shine), a * b);
+    }
+    Some(splat.finish())
+}
+
+/// The paper's own step: the texture times the ratio of what is extracted from the photograph and
+/// from the re-rendering `rerendered` (one radiance for each of `pixels`).
+pub fn rebalance(
+    stage: &Stage<'_>,
+    texture: Option<&Texture>,
+    pixels: &[u32],
+    rerendered: &[Rgb],
+) -> Option<Extracted> {
+    let geometry = stage.renderer.geometry();
+    let (width, height) = resolution(geometry, pixels)?;
+    let mut splat = Splat::new(width, height);
+    for (&pixel, &radiance) in pixels.iter().zip(rerendered) {
+        let uv = geometry.pixels()[pixel as usize].uv;
+        let photo = stage.exposure * stage.observation.picture.values.pixels()[pixel as usize];
+        let before = texture.map_or(Rgb::ONE, |t| t.sample(uv));
+        splat.add(uv, before * photo, radiance);
+    }
+    Some(splat.finish())
+}
+
+/// `D` averaged over the neighbours of the sample that show the same object: light changes slowly.
+fn smoothed(geometry: &GeometryBuffers, evidence: &Evidence, d: [Vec<Rgb>; 2]) -> [Vec<Rgb>; 2] {
+    let mut place = vec![u32::MAX; geometry.pixels().len()];
+    for (i, pixel) in evidence.pixels.iter().enumerate() {
+        place[pixel.pixel as usize] = i as u32;
+    }
+    d.map(|d| {
+        let mean = |pixel: u32| {
+            let centre = geometry.pixels()[pixel as usize].object;
+            let near = geometry.neighbourhood(pixel as usize);
+            let same = near.filter(|&n| geometry.pixels()[n].object == centre);
+            let (sum, count) = same
+                .filter_map(|n| d.get(place[n] as usize))
+                .fold((Rgb::ZERO, 0.0), |(sum, count), v| (sum + *v, count + 1.0));
+            sum / f32::max(count, 1.0)
+        };
+        evidence.pixels.iter().map(|p| mean(p.pixel)).collect()
+    })
+}
+
+/// Texels per unit of u and v, rounded: about one a pixel. None without texture coordinates.
+fn resolution(geometry: &GeometryBuffers, pixels: &[u32]) -> Option<(usize, usize)> {
+    let width = geometry.width();
+    let mut steps_u = Vec::new();
+    let mut steps_v = Vec::new();
+    for &pixel in pixels {
+        let index = pixel as usize;
+        let here = geometry.pixels()[index];
+        let beside = [index + 1, index + width].map(|n| geometry.pixels().get(n));
+        if let [Some(right), Some(below)] = beside
+            && right.object == here.object
+            && below.object == here.object
+        {
+            let (dx, dy) = (right.uv - here.uv, below.uv - here.uv);
+            steps_u.push(dx.x.hypot(dy.x));
+            steps_v.push(dx.y.hypot(dy.y));
+        }
+    }
+    let side = |steps: &mut Vec<f32>| {
+        let middle = steps.len() / 2;
+        let step = *steps.get_mut(..)?.select_nth_unstable_by(middle, f32::total_cmp).1;
+        let texels = 1.0 / (PIXELS_PER_TEXEL * step);
+        (step > 0.0).then(|| texels.clamp(2.0, SIDE_MAX).round() as usize)
+    };
+    if steps_u.is_empty() {
+        return None;
+    }
+    Some((side(&mut steps_u)?, side(&mut steps_v)?))
+}
+
+/// Sums of numerators and denominators over texels.
+struct Splat {
+    numerator: RgbImage,
+    denominator: RgbImage,
+    weight: Image<f32>,
+}
+
+/// Texels with less than this share of a pixel count as not seen.
+const WEIGHT_MIN: f32 = 0.05;
+
+impl Splat {
+    fn new(width: usize, height: usize) -> Self {
+        let zero = RgbImage::from_fn(width, height, |_, _| Rgb::ZERO);
+        let weight = Image::from_fn(width, height, |_, _| 0.0);
+        Self { numerator: zero.clone(), denominator: zero, weight }
+    }
+
+    /// Shares a pixel out over the four texels about `uv`.
+    fn add(&mut self, uv: Vec2, numerator: Rgb, denominator: Rgb) {
+        let (width, height) = (self.weight.width(), self.weight.height());
+        let at = uv * Vec2::new(width as f32, height as f32) - 0.5;
+        let (low, share) = (at.floor(), at - at.floor());
+        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let x = if dx == 1 { share.x } else { 1.0 - share.x };
+            let y = if dy == 1 { share.y } else { 1.0 - share.y };
+            let column = Wrap::Repeat.apply(low.x as i64 + dx, width);
+            let row = Wrap::Repeat.apply(low.y as i64 + dy, height);
+            let index = row * width + column;
+            self.numerator.pixels_mut()[index] += x * y * numerator;
+            self.denominator.pixels_mut()[index] += x * y * denominator;
+            self.weight.pixels_mut()[index] += x * y;
+        }
+    }
+
+    fn finish(self) -> Extracted {
+        let seen = self.weight.map(|w| *w > WEIGHT_MIN);
+        let quotient = |i: usize| {
+            let (n, d) = (self.numerator.pixels()[i], self.denominator.pixels()[i]);
+            let q = n / d.max(Rgb::splat(1e-20));
+            Rgb::select(d.cmpgt(Rgb::ZERO), q, Rgb::ZERO).clamp(Rgb::ZERO, Rgb::ONE)
+        };
+        let (width, height) = (seen.width(), seen.height());
+        let image = RgbImage::new(width, height, (0..width * height).map(quotient).collect());
+        let image = fill(&image, &seen);
+        let texture = Texture { image, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat };
+        Extracted { texture: Arc::new(texture), seen }
+    }
+}
+
+/// The image with its unseen texels filled: from the next coarser level of a pyramid in which each
+/// texel is the mean of the seen ones below it.
+fn fill(image: &RgbImage, seen: &Image<bool>) -> RgbImage {
+    let (width, height) = (image.width(), image.height());
+    if width * height == 1 || seen.pixels().iter().all(|s| *s) {
+        return image.clone();
+    }
+    let (half_width, half_height) = (width.div_ceil(2), height.div_ceil(2));
+    let below = |x: usize, y: usize| {
+        let rows = 2 * y..(2 * y + 2).min(height);
+        let all = rows.flat_map(move |r| (2 * x..(2 * x + 2).min(width)).map(move |c| (c, r)));
+        all.filter(|&(c, r)| *seen.at(c, r))
+            .fold((Rgb::ZERO, 0.0), |(sum, n), (c, r)| (sum + *image.at(c, r), n + 1.0))
+    };
+    let coarse_seen = Image::from_fn(half_width, half_height, |x, y| below(x, y).1 > 0.0);
+    let coarse = RgbImage::from_fn(half_width, half_height, |x, y| {
+        let (sum, n) = below(x, y);
+        sum / f32::max(n, 1.0)
+    });
+    let coarse = fill(&coarse, &coarse_seen);
+    let smooth = Texture { image: coarse, wrap_u: Wrap::ClampToEdge, wrap_v: Wrap::ClampToEdge };
+    RgbImage::from_fn(width, height, |x, y| {
+        if *seen.at(x, y) {
+            return *image.at(x, y);
+        }
+        smooth.sample(Vec2::new((x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32))
+    })
+}
+
+/// The mean reflectance of the texels that are seen.
+pub fn mean(extracted: &Extracted) -> Rgb {
+    let texels = extracted.texture.image.pixels().iter().zip(extracted.seen.pixels());
+    let (sum, count) = texels
+        .filter(|(_, seen)| **seen)
+        .fold((Rgb::ZERO, 0.0), |(sum, count), (value, _)| (sum + *value, count + 1.0));
+    sum / f32::max(count, 1.0)
+}

@@ -1,0 +1,265 @@
+//! The default way up: trace once, solve many.
+//!
+//! In every turn each group's current hypothesis is fitted to the light of the turn before. A group
+//! that its hypothesis does not explain gets a trial: all uniform rungs are fitted to one cache of
+//! incident light and the simplest good one is taken ([`super::choice`]). When nothing moves any
+//! more, every group that is not plainly diffuse is tried once again under the final light, so that
+//! no one stays on a rung that only a neighbour's error called for. Sample counts grow from level
+//! to level ([`super::effort`]).
+
+use super::effort::{self, FINEST, SETTLED};
+use super::{State, choice, distance};
+use crate::evidence::Evidence;
+use crate::hypothesis::{Fit, Hypothesis, Search, brushed, textured};
+use crate::problem::{Options, RecoverError};
+use crate::record::{Observer, Status, Termination, Trial};
+use unrender_scene::Material;
+
+/// In the first turns the light is too wrong to judge by.
+const TRIALS_FROM_TURN: usize = 2;
+/// While the light is rough, only errors this many times the threshold call for a trial.
+const CLEARLY: f64 = 3.0;
+/// A group is tried at most this often.
+const TRIALS_MAX: usize = 5;
+/// A texture needs this many pixels.
+const TEXTURE_PIXELS: usize = 200;
+
+/// Climbs until nothing moves.
+pub(crate) fn climb(
+    state: &mut State<'_>,
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Result<Termination, RecoverError> {
+    let mut climber = Climber { options, level: 0, trials: vec![0; state.materials.len()] };
+    for turn in 1..=options.max_turns {
+        state.update_exposure(options.seed)?;
+        let (change, climbed) = climber.turn(state, turn);
+        let done = turn as f64 / (turn as f64 + 8.0 - 3.0 * climber.level as f64).max(1.0);
+        let threshold = options.thresholds.explained;
+        observer.turn(state.end_turn(change, threshold, 0.8 * done));
+        if climbed || change > SETTLED[climber.level] {
+            continue;
+        }
+        if climber.level >= 1 && climber.review(state, turn) {
+            continue;
+        }
+        if climber.level == FINEST {
+            climber.finish_textures(state);
+            return Ok(Termination::Settled);
+        }
+        climber.level += 1;
+    }
+    climber.finish_textures(state);
+    Ok(Termination::TurnLimit)
+}
+
+struct Climber<'o> {
+    options: &'o Options,
+    level: usize,
+    /// How often each group was tried.
+    trials: Vec<usize>,
+}
+
+impl Climber<'_> {
+    /// One turn over all groups: the largest change, and whether a group changed its rung.
+    fn turn(&mut self, state: &mut State<'_>, turn: usize) -> (f64, bool) {
+        let mut next = state.materials.clone();
+        let mut climbed = false;
+        for group in state.visible_unknowns() {
+            let before = state.standing[group].hypothesis;
+            if let Some(material) = self.refit(state, group) {
+                next[group] = material;
+            }
+            if self.wants_trial(state, group, turn) {
+                next[group] = self.trial(state, group, turn);
+            }
+            climbed |= state.standing[group].hypothesis != before;
+        }
+        self.groups_in_mirrors(state, &mut next);
+        let moved = state.materials.iter().zip(&next).map(|(a, b)| distance(a, b));
+        let change = moved.fold(0.0, f64::max);
+        state.materials = next;
+        (change, climbed)
+    }
+
+    /// The group's current hypothesis fitted to the present light.
+    fn refit(&self, state: &mut State<'_>, group: usize) -> Option<Material> {
+        let material = state.materials[group].clone();
+        let hypothesis = state.standing[group].hypothesis;
+        if hypothesis == Hypothesis::Textured {
+            return self.extract(state, group, false);
+        }
+        let effort = if hypothesis == Hypothesis::Diffuse {
+            effort::diffuse(self.level, self.options.seed)
+        } else {
+            effort::specular(self.level, self.options.seed, &material)
+        };
+        let pixels = &state.problem.observation.pixels_of_group[group];
+        let evidence = self.gather(state, group, pixels, effort);
+        if evidence.is_empty() {
+            return None;
+        }
+        let fit = hypothesis.fit(&evidence, &material, Search::Local);
+        state.standing[group].misfit = Some(fit.misfit);
+        Some(fit.material)
+    }
+
+    fn gather(
+        &self,
+        state: &State<'_>,
+        group: usize,
+        pixels: &[u32],
+        mut effort: crate::evidence::Effort,
+    ) -> Evidence {
+        effort.probe.max_bounces = self.options.max_bounces;
+        Evidence::gather(&state.stage(), &state.materials, group, pixels, &effort)
+    }
+
+    fn wants_trial(&self, state: &State<'_>, group: usize, turn: usize) -> bool {
+        let standing = &state.standing[group];
+        let factor = if self.level == 0 { CLEARLY } else { 1.0 };
+        turn >= TRIALS_FROM_TURN
+            && self.trials[group] < TRIALS_MAX - 1
+            && standing.hypothesis == Hypothesis::Diffuse
+            && standing.misfit.is_some_and(|m| !m.is_within(factor * self.thresholds().explained))
+    }
+
+    fn thresholds(&self) -> &crate::problem::Thresholds {
+        &self.options.thresholds
+    }
+
+    /// Fits all uniform rungs to one cache of light and stands on the simplest good one.
+    fn trial(&mut self, state: &mut State<'_>, group: usize, turn: usize) -> Material {
+        self.trials[group] += 1;
+        let effort = effort::trial(self.options.seed ^ ((turn as u64) << 32));
+        let pixels = &state.problem.observation.pixels_of_group[group];
+        let evidence = self.gather(state, group, pixels, effort);
+        if evidence.is_empty() {
+            return state.materials[group].clone();
+        }
+        let fits = fit_all(&evidence, state);
+        let chosen = choice::choose(&fits, self.thresholds());
+        let standing = &mut state.standing[group];
+        standing.story.extend(fits.iter().enumerate().map(|(i, fit)| Trial {
+            turn,
+            hypothesis: fit.hypothesis,
+            misfit: fit.misfit,
+            taken: i == chosen,
+        }));
+        standing.hypothesis = fits[chosen].hypothesis;
+        standing.misfit = Some(fits[chosen].misfit);
+        fits[chosen].material.clone()
+    }
+
+    /// Tries again, under light that has settled, every group that is not plainly diffuse, and
+    /// gives textures to those that no uniform rung explains. True if a group changed its rung.
+    fn review(&mut self, state: &mut State<'_>, turn: usize) -> bool {
+        let mut changed = false;
+        for group in state.visible_unknowns() {
+            let standing = &state.standing[group];
+            let plain = standing.hypothesis == Hypothesis::Diffuse
+                && standing.misfit.is_some_and(|m| m.is_within(self.thresholds().explained));
+            let textured = standing.hypothesis == Hypothesis::Textured;
+            if plain || textured || self.trials[group] >= TRIALS_MAX {
+                continue;
+            }
+            if self.level == FINEST && !standing.story.is_empty() {
+                continue;
+            }
+            let before = (standing.hypothesis, state.materials[group].clone());
+            let material = self.trial(state, group, turn);
+            let left = state.standing[group].misfit.map_or(0.0, |m| m.relative());
+            if left > self.thresholds().textured
+                && let Some(material) = self.extract(state, group, false)
+            {
+                state.standing[group].hypothesis = Hypothesis::Textured;
+                state.materials[group] = material;
+            } else if state.standing[group].hypothesis != before.0 {
+                state.materials[group] = material;
+            }
+            changed |= state.standing[group].hypothesis != before.0;
+        }
+        changed
+    }
+
+    /// The group's texture under the present light; none without texture coordinates or with too
+    /// few pixels, which the group's note then says.
+    fn extract(&self, state: &mut State<'_>, group: usize, last: bool) -> Option<Material> {
+        let few = state.problem.observation.pixels_of_group[group].len() < TEXTURE_PIXELS;
+        let mut effort = effort::texture(last, self.options.seed);
+        effort.probe.max_bounces = self.options.max_bounces;
+        let plain = Material::diffuse(state.materials[group].rho_d);
+        let stage = state.stage();
+        let extracted = if few {
+            None
+        } else {
+            textured::extract(&stage, &state.materials, group, &plain, &effort)
+        };
+        let standing = &mut state.standing[group];
+        let Some(extracted) = extracted else {
+            let reason = if few { "too few pixels" } else { "no texture coordinates" };
+            standing.note = Some(format!(
+                "no uniform reflectance explains this group, and it has {reason} for a texture"
+            ));
+            return None;
+        };
+        let rho_d = textured::mean(&extracted);
+        standing.seen_texels = Some(extracted.seen);
+        Some(Material { texture: Some(extracted.texture), rho_d, ..plain })
+    }
+
+    fn finish_textures(&self, state: &mut State<'_>) {
+        for group in state.visible_unknowns() {
+            if state.standing[group].hypothesis == Hypothesis::Textured
+                && let Some(material) = self.extract(state, group, true)
+            {
+                state.materials[group] = material;
+            }
+        }
+    }
+
+    /// Groups that no pixel shows directly may be seen in a mirror: there they get a diffuse
+    /// reflectance.
+    fn groups_in_mirrors(&self, state: &mut State<'_>, next: &mut [Material]) {
+        let observation = state.problem.observation;
+        let mirrors = (0..state.materials.len()).filter(|&g| state.materials[g].is_pure_mirror());
+        let in_mirrors: Vec<u32> =
+            mirrors.flat_map(|g| observation.pixels_of_group[g].iter().copied()).collect();
+        if in_mirrors.is_empty() {
+            return;
+        }
+        for group in 0..next.len() {
+            let asked = state.problem.groups[group].role == crate::problem::Role::Unknown;
+            if !asked || !observation.pixels_of_group[group].is_empty() {
+                continue;
+            }
+            let mut effort = effort::diffuse(self.level, self.options.seed);
+            effort.probe.through_mirrors = true;
+            let evidence = self.gather(state, group, &in_mirrors, effort);
+            if evidence.pixels.len() < 20 {
+                continue;
+            }
+            let fit = Hypothesis::Diffuse.fit(&evidence, &next[group], Search::Local);
+            next[group] = fit.material;
+            let standing = &mut state.standing[group];
+            standing.misfit = Some(fit.misfit);
+            standing.status = Status::Recovered;
+            standing.note = Some("seen in a mirror only; taken as diffuse".to_owned());
+        }
+    }
+}
+
+/// All uniform rungs, fitted to one cache.
+fn fit_all(evidence: &Evidence, state: &State<'_>) -> Vec<Fit> {
+    let mut fits: Vec<Fit> = Vec::new();
+    for hypothesis in Hypothesis::UNIFORM {
+        let mut start =
+            fits.last().map_or(Material::diffuse(glam::Vec3::ZERO), |f| f.material.clone());
+        if hypothesis == Hypothesis::Anisotropic {
+            let geometry = state.problem.renderer.geometry();
+            start.theta_rad = brushed::direction(evidence, geometry).unwrap_or(0.0);
+        }
+        fits.push(hypothesis.fit(evidence, &start, Search::Global));
+    }
+    fits
+}

@@ -1,0 +1,141 @@
+//! Climbing the ladder: from evidence to the next hypothesis, for all groups in every turn, since
+//! each one lights the others [Boivin & Gagalowicz 2002, Figure 1].
+//!
+//! Two ways up: [`climb`], which tries all rungs on one cache of incident light and takes the
+//! simplest that the noise allows, and [`paper`], the paper's method as written. Both move a
+//! [`State`] and leave the same records.
+
+pub mod choice;
+pub mod climb;
+pub mod effort;
+pub mod paper;
+
+use crate::error::Misfit;
+use crate::evidence::Stage;
+use crate::hypothesis::Hypothesis;
+use crate::problem::{ExposureRule, Problem, RecoverError, Role};
+use crate::record::{Status, Trial, TurnRecord};
+use unrender_scene::{Image, Material, Rgb};
+
+/// Where a recovery stands.
+pub(crate) struct State<'a> {
+    pub(crate) problem: &'a Problem<'a>,
+    /// The current material of every group.
+    pub(crate) materials: Vec<Material>,
+    /// The current standing of every group.
+    pub(crate) standing: Vec<Standing>,
+    pub(crate) exposure: Rgb,
+    pub(crate) turns: Vec<TurnRecord>,
+}
+
+/// Where one group stands.
+#[derive(Clone, Debug)]
+pub(crate) struct Standing {
+    pub(crate) hypothesis: Hypothesis,
+    pub(crate) status: Status,
+    pub(crate) misfit: Option<Misfit>,
+    pub(crate) story: Vec<Trial>,
+    pub(crate) seen_texels: Option<Image<bool>>,
+    pub(crate) note: Option<String>,
+}
+
+/// Every unknown group starts as diffuse with this reflectance.
+const START: f32 = 0.5;
+
+impl<'a> State<'a> {
+    pub(crate) fn new(problem: &'a Problem<'a>) -> Result<Self, RecoverError> {
+        let seen = |group: usize| !problem.observation.pixels_of_group[group].is_empty();
+        if (0..problem.groups.len()).all(|g| !seen(g)) {
+            return Err(RecoverError::NothingSeen);
+        }
+        let material = |group: usize| match problem.groups[group].role {
+            Role::Unknown if seen(group) => Material::diffuse(Rgb::splat(START)),
+            Role::Unknown => Material::diffuse(Rgb::ONE),
+            Role::Known | Role::Emitter => problem.groups[group].material.clone(),
+        };
+        let materials: Vec<Material> = (0..problem.groups.len()).map(material).collect();
+        let standing = |group: usize| Standing {
+            hypothesis: Hypothesis::of(&materials[group]),
+            status: match problem.groups[group].role {
+                Role::Unknown if seen(group) => Status::Recovered,
+                Role::Unknown => Status::Assumed,
+                Role::Known | Role::Emitter => Status::Known,
+            },
+            misfit: None,
+            story: Vec::new(),
+            seen_texels: None,
+            note: None,
+        };
+        let standing = (0..problem.groups.len()).map(standing).collect();
+        let exposure = match problem.exposure {
+            ExposureRule::Fixed(exposure) => exposure,
+            ExposureRule::Anchor { .. } => Rgb::ONE,
+        };
+        Ok(Self { problem, materials, standing, exposure, turns: Vec::new() })
+    }
+
+    /// Where evidence comes from now.
+    pub(crate) fn stage(&self) -> Stage<'a> {
+        Stage {
+            observation: self.problem.observation,
+            exposure: self.exposure,
+            renderer: self.problem.renderer,
+        }
+    }
+
+    /// The groups to be recovered that the photograph shows.
+    pub(crate) fn visible_unknowns(&self) -> Vec<usize> {
+        let asked = |g: &usize| self.problem.groups[*g].role == Role::Unknown;
+        let seen = |g: &usize| !self.problem.observation.pixels_of_group[*g].is_empty();
+        (0..self.materials.len()).filter(asked).filter(seen).collect()
+    }
+
+    /// With an anchor: the exposure that makes the anchor group's photograph and `D` agree,
+    /// channel by channel, `exposure = rho_d sum D / sum value`.
+    pub(crate) fn update_exposure(&mut self, seed: u64) -> Result<(), RecoverError> {
+        let ExposureRule::Anchor { group, rho_d } = self.problem.exposure else { return Ok(()) };
+        let stage = Stage { exposure: Rgb::ONE, ..self.stage() };
+        let pixels = &self.problem.observation.pixels_of_group[group];
+        let effort = effort::diffuse(2, seed);
+        let evidence =
+            crate::evidence::Evidence::gather(&stage, &self.materials, group, pixels, &effort);
+        let [a, b] = evidence.diffuse();
+        let light: Rgb = 0.5 * (a.iter().sum::<Rgb>() + b.iter().sum::<Rgb>());
+        let values: Rgb = evidence.pixels.iter().map(|p| p.radiance).sum();
+        if values.min_element() <= 0.0 || light.min_element() <= 0.0 {
+            return Err(RecoverError::AnchorUnseen(self.problem.groups[group].name.clone()));
+        }
+        self.exposure = rho_d * light / values;
+        Ok(())
+    }
+
+    /// Notes the end of a turn in which the largest change was `change`.
+    pub(crate) fn end_turn(&mut self, change: f64, threshold: f64, done: f64) -> &TurnRecord {
+        let error = |s: &Standing| s.misfit.map_or(0.0, |m| m.relative());
+        let open = |g: &usize| {
+            let standing = &self.standing[*g];
+            standing.hypothesis != Hypothesis::Textured
+                && standing.misfit.is_none_or(|m| !m.is_within(threshold))
+        };
+        let open_groups = self.visible_unknowns().into_iter().filter(open);
+        let record = TurnRecord {
+            turn: self.turns.len() + 1,
+            change,
+            worst_error: self.standing.iter().map(error).fold(0.0, f64::max),
+            open_groups: open_groups.map(|g| self.problem.groups[g].name.clone()).collect(),
+            done,
+        };
+        self.turns.push(record);
+        &self.turns[self.turns.len() - 1]
+    }
+}
+
+/// How far two materials are apart: the largest difference of a reflectance, or of the logarithm
+/// of a roughness.
+pub(crate) fn distance(a: &Material, b: &Material) -> f64 {
+    let rho = (a.rho_d - b.rho_d).abs().max((a.rho_s - b.rho_s).abs()).max_element();
+    let log = |x: f32, y: f32| if x > 0.0 && y > 0.0 { (x / y).ln().abs() } else { 0.0 };
+    let visible = a.rho_s.max(b.rho_s).max_element().min(1.0);
+    let alpha = log(a.alpha_x, b.alpha_x).max(log(a.alpha_y, b.alpha_y)) * visible;
+    f64::from(rho.max(0.1 * alpha))
+}

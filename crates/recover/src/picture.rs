@@ -1,0 +1,91 @@
+//! The end: the photograph's view rendered with what was found, and each group's error in it.
+
+use crate::ladder::State;
+use crate::problem::{Options, Role};
+use crate::record::{GroupResult, Observer, Recovery, Status, Termination};
+use crate::rerender::Renderer;
+use unrender_render::Settings;
+use unrender_render::sampler::mix;
+use unrender_scene::{Material, Rgb, RgbImage};
+
+/// Pixels rendered between two words to the observer.
+const CHUNK: usize = 4096;
+
+/// Renders the last picture and gathers the results.
+pub(crate) fn finish(
+    state: State<'_>,
+    options: &Options,
+    termination: Termination,
+    observer: &dyn Observer,
+) -> Recovery {
+    let halves = render_twice(state.problem.renderer, &state.materials, options, observer);
+    let groups = (0..state.materials.len()).map(|g| group_result(&state, g, &halves)).collect();
+    let mean = halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (*a + *b)).collect();
+    let geometry = state.problem.renderer.geometry();
+    Recovery {
+        groups,
+        exposure: state.exposure,
+        rerendered: RgbImage::new(geometry.width(), geometry.height(), mean),
+        turns: state.turns,
+        termination,
+    }
+}
+
+/// Two pictures with half of the paths each, so that their noise can be told from the error.
+fn render_twice(
+    renderer: &dyn Renderer,
+    materials: &[Material],
+    options: &Options,
+    observer: &dyn Observer,
+) -> [Vec<Rgb>; 2] {
+    let pixels: Vec<u32> = (0..renderer.geometry().pixels().len() as u32).collect();
+    let spp = options.spp.div_ceil(2).max(1);
+    [0usize, 1].map(|half| {
+        let seed = mix(options.seed ^ 0x5EED).wrapping_add(half as u64);
+        let settings = Settings { spp, seed, max_bounces: options.max_bounces };
+        let mut picture = Vec::with_capacity(pixels.len());
+        for chunk in pixels.chunks(CHUNK) {
+            picture.extend(renderer.rerender(materials, chunk, &settings));
+            observer.picture((half as f64 + picture.len() as f64 / pixels.len() as f64) / 2.0);
+        }
+        picture
+    })
+}
+
+fn group_result(state: &State<'_>, group: usize, halves: &[Vec<Rgb>; 2]) -> GroupResult {
+    let spec = &state.problem.groups[group];
+    let standing = &state.standing[group];
+    let observation = state.problem.observation;
+    let believed = &observation.pixels_of_group[group];
+    let emitter = spec.role == Role::Emitter;
+    let note = standing.note.clone().or_else(|| match standing.status {
+        Status::Assumed => Some("no pixel shows this group: taken as white diffuse".to_owned()),
+        _ => None,
+    });
+    GroupResult {
+        name: spec.name.clone(),
+        status: standing.status,
+        hypothesis: standing.hypothesis,
+        material: state.materials[group].clone(),
+        seen_texels: standing.seen_texels.clone(),
+        pixels: observation.all_pixels_of_group[group].len(),
+        trusted_pixels: believed.len(),
+        error: if emitter { None } else { relative_error(state, believed, halves) },
+        story: standing.story.clone(),
+        note,
+    }
+}
+
+/// Relative root mean square of photograph minus re-rendering: the products of the two halves'
+/// residuals hold the error without the rendering's noise.
+fn relative_error(state: &State<'_>, pixels: &[u32], halves: &[Vec<Rgb>; 2]) -> Option<f64> {
+    let (mut sum, mut scale) = (0.0, 0.0);
+    for &pixel in pixels {
+        let at = pixel as usize;
+        let photo = state.exposure * state.problem.observation.picture.values.pixels()[at];
+        let product = (photo - halves[0][at]) * (photo - halves[1][at]);
+        sum += f64::from(product.element_sum());
+        scale += f64::from((photo * photo).element_sum());
+    }
+    (scale > 0.0).then(|| (sum / scale).max(0.0).sqrt())
+}

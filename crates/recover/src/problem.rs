@@ -1,0 +1,131 @@
+//! What is asked: the photograph, the renderer, and what is known of each group beforehand.
+
+use crate::observation::Observation;
+use crate::rerender::Renderer;
+use unrender_scene::{Material, Rgb};
+
+/// Everything that recovery starts from.
+#[derive(Clone)]
+pub struct Problem<'a> {
+    /// The photograph, sorted by groups.
+    pub observation: &'a Observation,
+    /// The renderer, behind the photograph's camera.
+    pub renderer: &'a dyn Renderer,
+    /// All groups of the scene, in its order.
+    pub groups: Vec<GroupSpec>,
+    /// What turns the photograph's values into radiance.
+    pub exposure: ExposureRule,
+}
+
+/// What is known of a group beforehand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupSpec {
+    /// The group's name.
+    pub name: String,
+    /// Whether its reflectance is asked for.
+    pub role: Role,
+    /// The reflectance of known groups and emitters; ignored for unknown ones.
+    pub material: Material,
+}
+
+/// Whether a group's reflectance is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// To be recovered.
+    Unknown,
+    /// Given by the user.
+    Known,
+    /// An area light; its own reflectance stays as in the scene.
+    Emitter,
+}
+
+/// Scene radiance per unit of the photograph's linear values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ExposureRule {
+    /// Given, per channel.
+    Fixed(Rgb),
+    /// Unknown; fixed by the reflectance of one group.
+    Anchor {
+        /// The group's index; its role is [`Role::Known`].
+        group: usize,
+        /// Its diffuse reflectance.
+        rho_d: Rgb,
+    },
+}
+
+/// How to climb the ladder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum LadderKind {
+    /// All rungs tried on one cache of incident light; the simplest that the noise allows is taken.
+    #[default]
+    Default,
+    /// The paper's method as written: one rung at a time, each tested by re-rendering.
+    Paper,
+}
+
+/// The user's settings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Which way to climb.
+    pub ladder: LadderKind,
+    /// When to climb.
+    pub thresholds: Thresholds,
+    /// Another seed, another noise.
+    pub seed: u64,
+    /// Paths a pixel of the final re-rendering.
+    pub spp: u32,
+    /// Reflections along a path at most.
+    pub max_bounces: u32,
+    /// Global re-renderings at most.
+    pub max_turns: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            ladder: LadderKind::Default,
+            thresholds: Thresholds::default(),
+            seed: 0,
+            spp: 64,
+            max_bounces: unrender_render::path::MAX_BOUNCES,
+            max_turns: 40,
+        }
+    }
+}
+
+/// When a hypothesis is good enough; relative errors, 0.01 is one percent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thresholds {
+    /// A rung is accepted at `error^2 <= explained^2 + 2 deviations`. The paper goes from isotropic
+    /// to anisotropic above one percent.
+    pub explained: f64,
+    /// A simpler rung is preferred whose error is at most this many times the best rung's.
+    pub simpler: f64,
+    /// A group is textured if the best uniform rung leaves more than this.
+    pub textured: f64,
+    /// The paper's lambda (eq. 3): objects whose ratio is further than this from the median of
+    /// their group, relatively, do not count.
+    pub dispersion: f64,
+}
+
+impl Default for Thresholds {
+    fn default() -> Self {
+        Self { explained: 0.01, simpler: 1.5, textured: 0.06, dispersion: 0.5 }
+    }
+}
+
+/// Why recovery cannot start.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RecoverError {
+    /// The photograph shows none of the scene's groups.
+    #[error(
+        "the camera sees none of the scene's groups: check the camera's position and direction"
+    )]
+    NothingSeen,
+    /// The anchor fixes nothing.
+    #[error(
+        "the anchor group \"{0}\" is not visible in the photograph (or not lit): choose another \
+         anchor, or give the exposure as a number"
+    )]
+    AnchorUnseen(String),
+}

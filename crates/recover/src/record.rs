@@ -1,0 +1,131 @@
+//! The records of a recovery: everything that tables, reports and files say is a field here.
+
+use crate::error::Misfit;
+use crate::hypothesis::Hypothesis;
+use unrender_scene::{Image, Material, Rgb, RgbImage};
+
+/// What came out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recovery {
+    /// All groups of the scene, in its order.
+    pub groups: Vec<GroupResult>,
+    /// Scene radiance per unit of the photograph's linear values.
+    pub exposure: Rgb,
+    /// The photograph's view rendered with the recovered materials, radiance.
+    pub rerendered: RgbImage,
+    /// One record a global re-rendering.
+    pub turns: Vec<TurnRecord>,
+    /// Why it ended.
+    pub termination: Termination,
+}
+
+/// What came out for one group.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupResult {
+    /// The group's name.
+    pub name: String,
+    /// Whether the numbers come from the photograph.
+    pub status: Status,
+    /// The rung that was accepted.
+    pub hypothesis: Hypothesis,
+    /// The parameters.
+    pub material: Material,
+    /// For textured groups: which texels the photograph shows.
+    pub seen_texels: Option<Image<bool>>,
+    /// Pixels of the photograph that show the group.
+    pub pixels: usize,
+    /// Pixels among them that were believed.
+    pub trusted_pixels: usize,
+    /// Relative root mean square of photograph minus re-rendering over the believed pixels, the
+    /// rendering's noise taken out. None where no pixel shows the group.
+    pub error: Option<f64>,
+    /// The rungs that were tried, in the order of trial.
+    pub story: Vec<Trial>,
+    /// What the user should know about it.
+    pub note: Option<String>,
+}
+
+/// Where a group's numbers come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// From the photograph.
+    Recovered,
+    /// From the user.
+    Known,
+    /// The photograph does not determine them.
+    Assumed,
+}
+
+impl Status {
+    /// The name in result files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Recovered => "recovered",
+            Self::Known => "known",
+            Self::Assumed => "assumed",
+        }
+    }
+}
+
+/// One rung tried on one group.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    /// In which turn.
+    pub turn: usize,
+    /// Which rung.
+    pub hypothesis: Hypothesis,
+    /// What it left unexplained.
+    pub misfit: Misfit,
+    /// Whether the group stood on this rung afterwards.
+    pub taken: bool,
+}
+
+/// One global re-rendering.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TurnRecord {
+    /// Counted from one.
+    pub turn: usize,
+    /// The largest change of a reflectance, and of the logarithm of a roughness.
+    pub change: f64,
+    /// The largest relative error of a group that noise does not explain.
+    pub worst_error: f64,
+    /// Groups whose hypothesis does not explain the photograph yet.
+    pub open_groups: Vec<String>,
+    /// A rough share of the work that is done, 0 to 1.
+    pub done: f64,
+}
+
+/// Why a recovery ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Termination {
+    /// No parameter changes any more.
+    Settled,
+    /// The limit of global re-renderings was reached.
+    TurnLimit,
+}
+
+impl Termination {
+    /// A sentence for people.
+    pub fn message(self, turns: usize) -> String {
+        match self {
+            Self::Settled => format!("settled after {turns} global re-renderings"),
+            Self::TurnLimit => {
+                format!("stopped at the limit of {turns} global re-renderings before settling")
+            }
+        }
+    }
+}
+
+/// Hears of each turn as it ends.
+pub trait Observer {
+    /// After a global re-rendering.
+    fn turn(&mut self, record: &TurnRecord);
+    /// During the final picture: the share done, 0 to 1.
+    fn picture(&self, share: f64);
+}
+
+/// An observer that does not listen.
+impl Observer for () {
+    fn turn(&mut self, _: &TurnRecord) {}
+    fn picture(&self, _: f64) {}
+}
