@@ -5,7 +5,7 @@
 //! our noise; the photograph's own is subtracted. `deviation` is the standard deviation of
 //! `relative^2`, from the spread of the pixels' contributions.
 
-use crate::evidence::Evidence;
+use crate::evidence::Observed;
 use unrender_scene::Rgb;
 
 /// The unexplained part of a group's photograph.
@@ -37,9 +37,9 @@ impl Misfit {
 }
 
 /// The misfit of the radiances `model`, rendered twice.
-pub fn misfit(evidence: &Evidence, model: &[Vec<Rgb>; 2]) -> Misfit {
+pub fn misfit(pixels: &[Observed], model: &[Vec<Rgb>; 2]) -> Misfit {
     let (mut sum, mut squares, mut noise, mut scale) = (0.0, 0.0, 0.0, 0.0);
-    for (i, pixel) in evidence.pixels.iter().enumerate() {
+    for (i, pixel) in pixels.iter().enumerate() {
         let mut contribution = 0.0;
         for channel in 0..3 {
             let f = |v: Rgb| f64::from(v[channel]);
@@ -51,7 +51,7 @@ pub fn misfit(evidence: &Evidence, model: &[Vec<Rgb>; 2]) -> Misfit {
         sum += contribution;
         squares += contribution * contribution;
     }
-    let n = evidence.pixels.len().max(1) as f64;
+    let n = pixels.len().max(1) as f64;
     let scale = if scale > 0.0 { scale } else { f64::INFINITY };
     let variance = (squares - sum * sum / n).max(0.0);
     Misfit {

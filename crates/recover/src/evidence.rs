@@ -171,7 +171,8 @@ fn keep_pixels(mut probes: Probes, pixels: &[u32], group: u32) -> Probes {
     probes
 }
 
-fn observe(observation: &Observation, exposure: Rgb, pixels: &[u32]) -> Vec<Observed> {
+/// The photograph in some pixels of one group.
+pub fn observe(observation: &Observation, exposure: Rgb, pixels: &[u32]) -> Vec<Observed> {
     let value = |image: &unrender_scene::RgbImage, p: u32| exposure * image.pixels()[p as usize];
     let mean = pixels.iter().map(|&p| value(&observation.smooth, p)).sum::<Rgb>()
         / pixels.len().max(1) as f32;

@@ -106,11 +106,20 @@ pub struct Thresholds {
     /// The paper's lambda (eq. 3): objects whose ratio is further than this from the median of
     /// their group, relatively, do not count.
     pub dispersion: f64,
+    /// With the paper's ladder: the error above which a group leaves each of the rungs diffuse,
+    /// mirror, partial mirror, diffuse-specular, isotropic, anisotropic. The paper states the fifth.
+    pub paper: [f64; 6],
 }
 
 impl Default for Thresholds {
     fn default() -> Self {
-        Self { explained: 0.01, simpler: 1.5, textured: 0.06, dispersion: 0.5 }
+        Self {
+            explained: 0.01,
+            simpler: 1.5,
+            textured: 0.06,
+            dispersion: 0.5,
+            paper: [0.05, 0.05, 0.05, 0.05, 0.01, 0.05],
+        }
     }
 }
 

@@ -130,7 +130,7 @@ fn judged(
         let at = |i: usize| material.rho_d * diffuse[h][i] + material.rho_s * specular_at(i);
         (0..diffuse[h].len()).map(at).collect()
     };
-    let misfit = misfit(evidence, &[half(0), half(1)]);
+    let misfit = misfit(&evidence.pixels, &[half(0), half(1)]);
     Fit { hypothesis, material, misfit }
 }
 

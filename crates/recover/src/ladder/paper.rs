@@ -1,11 +1,316 @@
-//! x
-use super::State;
+//! The paper's method as written (section 4 and its Figure 1): the baseline that ours is measured
+//! against.
+//!
+//! In every turn the whole scene is rendered again, each group's error is read off the difference,
+//! and its reflectance is corrected under its present hypothesis: by the ratio of eqs. 1 to 3 for
+//! diffuse surfaces and mirrors, by the 2x2 system, by downhill simplex over re-renderings, or by
+//! the radiosity texture. A group whose rung has had its turns and still shows an error above its
+//! threshold goes one rung up.
+//!
+//! Where the paper is silent: the difference is measured as the product of two renderings'
+//! residuals, for else our noise would count as error; the simplex runs channel by channel on a
+//! sample of the group's pixels, and the roughness is the mean over the channels.
+
+use super::{State, distance};
+use crate::error::misfit;
+use crate::evidence::{Effort, Evidence, observe, spread};
+use crate::fit::simplex;
+use crate::hypothesis::{Hypothesis, brushed, textured};
 use crate::problem::{Options, RecoverError};
-use crate::record::{Observer, Termination};
+use crate::record::{Observer, Termination, Trial};
+use unrender_render::{ProbeSettings, Settings};
+use unrender_scene::{Material, Rgb};
+
+/// Turns on a rung that is corrected by ratios; the paper finds four sufficient.
+const RATIO_TURNS: usize = 4;
+/// Pixels of a group that a turn looks at, and that a simplex step renders again.
+const TURN_PIXELS: usize = 4000;
+const SIMPLEX_PIXELS: usize = 500;
+/// Paths a pixel of both.
+const SPP: u32 = 16;
+/// The method ends when no reflectance moves by more than this.
+const SETTLED: f64 = 0.003;
+const SIMPLEX_TURNS: u64 = 60;
+
+/// Climbs one rung at a time.
 pub(crate) fn climb(
-    _state: &mut State<'_>,
-    _options: &Options,
-    _observer: &mut dyn Observer,
+    state: &mut State<'_>,
+    options: &Options,
+    observer: &mut dyn Observer,
 ) -> Result<Termination, RecoverError> {
-    Ok(Termination::Settled)
+    let mut turns_on_rung = vec![0; state.materials.len()];
+    for turn in 1..=options.max_turns {
+        state.update_exposure(options.seed)?;
+        let climber = PaperTurn { options, turn };
+        let mut next = state.materials.clone();
+        let mut climbed = false;
+        for group in state.visible_unknowns() {
+            let step = climber.correct(state, group, &mut turns_on_rung[group]);
+            climbed |= step.1;
+            next[group] = step.0;
+        }
+        let moved = state.materials.iter().zip(&next).map(|(a, b)| distance(a, b));
+        let change = moved.fold(0.0, f64::max);
+        state.materials = next;
+        let done = turn as f64 / (turn as f64 + 8.0);
+        observer.turn(state.end_turn(change, options.thresholds.paper[4], done));
+        if !climbed && change < SETTLED && turn > RATIO_TURNS {
+            return Ok(Termination::Settled);
+        }
+    }
+    Ok(Termination::TurnLimit)
+}
+
+struct PaperTurn<'o> {
+    options: &'o Options,
+    turn: usize,
+}
+
+impl PaperTurn<'_> {
+    /// Renders a group again, and corrects it under its hypothesis or climbs one rung. Returns the
+    /// material and whether the rung changed.
+    fn correct(
+        &self,
+        state: &mut State<'_>,
+        group: usize,
+        on_rung: &mut usize,
+    ) -> (Material, bool) {
+        let believed = &state.problem.observation.pixels_of_group[group];
+        let whole = state.standing[group].hypothesis == Hypothesis::Textured;
+        let count = if whole { usize::MAX } else { TURN_PIXELS };
+        let pixels = spread(believed, count, self.options.seed);
+        let halves = [0u64, 1].map(|half| {
+            let seed = self.options.seed.wrapping_mul(2).wrapping_add(half);
+            self.rerender(state, &state.materials, &pixels, seed)
+        });
+        let observed = observe(state.problem.observation, state.exposure, &pixels);
+        let error = misfit(&observed, &halves);
+        let hypothesis = state.standing[group].hypothesis;
+        state.standing[group].misfit = Some(error);
+        *on_rung += 1;
+
+        let patience = match hypothesis {
+            Hypothesis::Diffuse | Hypothesis::PartialMirror => RATIO_TURNS,
+            _ => 1,
+        };
+        let leaves = hypothesis != Hypothesis::Textured
+            && *on_rung > patience
+            && error.total() > self.options.thresholds.paper[hypothesis as usize];
+        let story = &mut state.standing[group].story;
+        if leaves || *on_rung == 1 {
+            story.push(Trial { turn: self.turn, hypothesis, misfit: error, taken: !leaves });
+        }
+        let rung = if leaves { next_rung(hypothesis) } else { hypothesis };
+        if leaves {
+            *on_rung = 0;
+        }
+        let mean = halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (*a + *b)).collect();
+        let material = self.parameters(state, group, rung, &pixels, &mean);
+        // A group without texture coordinates stays where it is.
+        let rung = if material.is_some() { rung } else { hypothesis };
+        state.standing[group].hypothesis = rung;
+        (material.unwrap_or_else(|| state.materials[group].clone()), rung != hypothesis)
+    }
+
+    fn rerender(&self, s: &State<'_>, materials: &[Material], px: &[u32], seed: u64) -> Vec<Rgb> {
+        let settings = Settings { spp: SPP, seed, max_bounces: self.options.max_bounces };
+        s.problem.renderer.rerender(materials, px, &settings)
+    }
+
+    /// The group's parameters on `rung`, from the picture `rerendered` of its `pixels`.
+    fn parameters(
+        &self,
+        state: &State<'_>,
+        group: usize,
+        rung: Hypothesis,
+        pixels: &[u32],
+        rerendered: &Vec<Rgb>,
+    ) -> Option<Material> {
+        let now = &state.materials[group];
+        let stays = rung == state.standing[group].hypothesis;
+        let ratio = || self.ratio(state, pixels, rerendered);
+        Some(match rung {
+            Hypothesis::Diffuse => {
+                Material::diffuse((now.rho_d * ratio()).clamp(Rgb::ZERO, Rgb::ONE))
+            }
+            Hypothesis::Mirror => Material::mirror(Rgb::ONE),
+            Hypothesis::PartialMirror if stays => {
+                Material::mirror((now.rho_s * ratio()).clamp(Rgb::ZERO, Rgb::ONE))
+            }
+            Hypothesis::PartialMirror => Material::mirror(ratio().clamp(Rgb::ZERO, Rgb::ONE)),
+            Hypothesis::DiffuseSpecular => {
+                rung.fit(&self.gather(state, group), now, SEARCH).material
+            }
+            Hypothesis::Isotropic => self.simplex(state, group, now, stays, false),
+            Hypothesis::Anisotropic => {
+                let mut start = now.clone();
+                if !stays {
+                    let geometry = state.problem.renderer.geometry();
+                    let evidence = self.gather(state, group);
+                    start.theta_rad = brushed::direction(&evidence, geometry).unwrap_or(0.0);
+                }
+                self.simplex(state, group, &start, stays, true)
+            }
+            Hypothesis::Textured => {
+                let before = if stays { now.texture.as_deref() } else { None };
+                let ones = vec![Rgb::ONE; pixels.len()];
+                let shown = if stays { rerendered } else { &ones };
+                let found = textured::rebalance(&state.stage(), before, pixels, shown)?;
+                let rho_d = textured::mean(&found);
+                Material { texture: Some(found.texture), ..Material::diffuse(rho_d) }
+            }
+        })
+    }
+
+    /// Eqs. 1 to 3: the mean over the group's objects of mean photograph over mean re-rendering,
+    /// weighted by pixels; objects far from the median do not count.
+    fn ratio(&self, state: &State<'_>, pixels: &[u32], rerendered: &[Rgb]) -> Rgb {
+        let stage = state.stage();
+        let geometry = stage.renderer.geometry();
+        let mut objects: std::collections::BTreeMap<u32, (Rgb, Rgb, f32)> = Default::default();
+        for (&pixel, &radiance) in pixels.iter().zip(rerendered) {
+            let entry = objects.entry(geometry.pixels()[pixel as usize].object).or_default();
+            entry.0 += stage.exposure * stage.observation.picture.values.pixels()[pixel as usize];
+            entry.1 += radiance;
+            entry.2 += 1.0;
+        }
+        Rgb::from_array(std::array::from_fn(|c| {
+            let ratios: Vec<(f32, f32)> = objects
+                .values()
+                .filter(|(_, synthetic, _)| synthetic[c] > 0.0)
+                .map(|(photo, synthetic, pixels)| (photo[c] / synthetic[c], *pixels))
+                .collect();
+            mean_near_median(ratios, self.options.thresholds.dispersion as f32)
+        }))
+    }
+
+    fn gather(&self, state: &State<'_>, group: usize) -> Evidence {
+        let probe = ProbeSettings {
+            cosine: SPP,
+            mirror: true,
+            seed: self.options.seed,
+            max_bounces: self.options.max_bounces,
+            ..ProbeSettings::default()
+        };
+        let pixels = &state.problem.observation.pixels_of_group[group];
+        let effort = Effort { pixels: TURN_PIXELS, probe };
+        Evidence::gather(&state.stage(), &state.materials, group, pixels, &effort)
+    }
+
+    /// Sections 4.2.4 and 4.2.5: downhill simplex over `rho_d`, `rho_s` and the roughness, every
+    /// step a re-rendering of the group; the case `rho_s = 1` apart from the others.
+    fn simplex(
+        &self,
+        state: &State<'_>,
+        group: usize,
+        start: &Material,
+        stays: bool,
+        brushed: bool,
+    ) -> Material {
+        let believed = &state.problem.observation.pixels_of_group[group];
+        let pixels = spread(believed, SIMPLEX_PIXELS, self.options.seed);
+        let observed = observe(state.problem.observation, state.exposure, &pixels);
+        let mut materials = state.materials.clone();
+        let mut sums = (Rgb::ZERO, Rgb::ZERO, [0.0f32; 2]);
+        let alphas = if start.is_glossy() { [start.alpha_x, start.alpha_y] } else { [0.1; 2] };
+        for c in 0..3 {
+            let mut error = |p: &[f64; 4]| {
+                materials[group] = grey(p, start.theta_rad);
+                let shown = self.rerender(state, &materials, &pixels, self.options.seed);
+                let square = |(o, l): (&crate::evidence::Observed, &Rgb)| {
+                    f64::from(o.radiance[c] - l[c]).powi(2)
+                };
+                observed.iter().zip(&shown).map(square).sum::<f64>()
+            };
+            let first = [start.rho_d[c], start.rho_s[c], alphas[0], alphas[1]].map(f64::from);
+            let best = search(&mut error, first, if stays { 0.03 } else { 0.2 }, brushed);
+            sums.0[c] = best[0] as f32;
+            sums.1[c] = best[1] as f32;
+            sums.2[0] += best[2] as f32 / 3.0;
+            sums.2[1] += best[3] as f32 / 3.0;
+        }
+        let (rho_d, rho_s, [alpha_x, alpha_y]) = sums;
+        Material { rho_s, alpha_x, alpha_y, theta_rad: start.theta_rad, ..Material::diffuse(rho_d) }
+    }
+}
+
+/// The diffuse-specular rung has nothing to search for.
+const SEARCH: crate::hypothesis::Search = crate::hypothesis::Search::Local;
+
+fn next_rung(hypothesis: Hypothesis) -> Hypothesis {
+    let up = Hypothesis::UNIFORM.iter().position(|h| *h == hypothesis).map(|i| i + 1);
+    up.and_then(|i| Hypothesis::UNIFORM.get(i).copied()).unwrap_or(Hypothesis::Textured)
+}
+
+/// A material with the same reflectances `[rho_d, rho_s, alpha_x, alpha_y]` in all channels: light
+/// of one channel never reaches another.
+fn grey(p: &[f64; 4], theta_rad: f32) -> Material {
+    let [rho_d, rho_s, alpha_x, alpha_y] = p.map(|v| v as f32);
+    Material {
+        rho_s: Rgb::splat(rho_s.clamp(0.0, 1.0)),
+        alpha_x: alpha_x.clamp(0.005, 1.0),
+        alpha_y: alpha_y.clamp(0.005, 1.0),
+        theta_rad,
+        ..Material::diffuse(Rgb::splat(rho_d.clamp(0.0, 1.0)))
+    }
+}
+
+/// The better of the simplex with `rho_s` free and with `rho_s = 1`; with one roughness, or two.
+fn search(
+    error: &mut dyn FnMut(&[f64; 4]) -> f64,
+    first: [f64; 4],
+    step: f64,
+    brushed: bool,
+) -> [f64; 4] {
+    let error = std::cell::RefCell::new(error);
+    let full = |rho_d: f64, rho_s: f64, alphas: &[f64]| {
+        let last = alphas[alphas.len() - 1].exp();
+        [rho_d.clamp(0.0, 1.0), rho_s.clamp(0.0, 1.0), alphas[0].exp(), last]
+    };
+    let logs: Vec<f64> =
+        if brushed { vec![first[2].ln(), first[3].ln() + 0.2] } else { vec![first[2].ln()] };
+    let mut steps = vec![step, step];
+    steps.extend(logs.iter().map(|_| 2.0 * step));
+    let start: Vec<f64> = [first[0], first[1]].into_iter().chain(logs.clone()).collect();
+    let free = |p: &[f64]| full(p[0], p[1], &p[2..]);
+    let fixed = |p: &[f64]| full(p[0], 1.0, &p[1..]);
+    let cost_free = |p: &[f64]| (error.borrow_mut())(&free(p));
+    let (p_free, e_free) = simplex::minimise(cost_free, &start, &steps, 1e-12, SIMPLEX_TURNS);
+    let cost_fixed = |p: &[f64]| (error.borrow_mut())(&fixed(p));
+    let start: Vec<f64> = std::iter::once(0.0).chain(logs).collect();
+    let (p_fixed, e_fixed) =
+        simplex::minimise(cost_fixed, &start, &steps[1..], 1e-12, SIMPLEX_TURNS);
+    if e_fixed < e_free { fixed(&p_fixed) } else { free(&p_free) }
+}
+
+/// Eq. 3 for one channel: `sum f m eps / sum f m`, with f = 0 for ratios further than
+/// `dispersion` from the median, relatively.
+fn mean_near_median(mut ratios: Vec<(f32, f32)>, dispersion: f32) -> f32 {
+    ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let Some(median) = ratios.get(ratios.len() / 2).map(|r| r.0) else { return 1.0 };
+    let near = ratios.iter().filter(|r| (r.0 - median).abs() <= dispersion * median);
+    let (sum, count) = near.fold((0.0, 0.0), |(s, n), (ratio, m)| (s + ratio * m, n + m));
+    if count > 0.0 { sum / count } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn objects_far_from_their_group_do_not_count() {
+        let ratios = vec![(1.0, 100.0), (1.2, 100.0), (9.0, 5.0)];
+        assert!((mean_near_median(ratios, 0.5) - 1.1).abs() < 1e-6);
+        assert_eq!(mean_near_median(Vec::new(), 0.5), 1.0);
+    }
+
+    #[test]
+    fn the_rungs_follow_each_other_up_to_the_texture() {
+        let mut rung = Hypothesis::Diffuse;
+        for next in [1, 2, 3, 4, 5].map(|i| Hypothesis::UNIFORM[i]) {
+            rung = next_rung(rung);
+            assert_eq!(rung, next);
+        }
+        assert_eq!(next_rung(rung), Hypothesis::Textured);
+    }
 }
