@@ -8,5 +8,11 @@
 
 pub mod atomic;
 pub mod error;
+pub mod gltf;
+mod names;
+pub mod obj;
+pub mod scene_file;
+mod texels;
 
 pub use error::FileError;
+pub use scene_file::{load_scene, wear};

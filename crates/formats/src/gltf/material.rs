@@ -1,0 +1,184 @@
+//! glTF materials to groups.
+
+use super::Problem;
+use super::document::{Material as MaterialJson, TextureInfo};
+use super::source::Source;
+use super::{texture, ward};
+use crate::texels;
+use glam::DVec3;
+use std::sync::Arc;
+use unrender_scene::{Group, Material, Rgb, Texture, WardModel, Warnings};
+
+/// The reflectance of surfaces that have no material.
+const ASSUMED_RHO_D: f32 = 0.5;
+
+/// The group of primitives without a material.
+pub(super) fn default_group(name: &str, warnings: &mut Warnings) -> Group {
+    warnings.push(format!(
+        "Some meshes have no material; they are the group \"{name}\", taken as diffuse with \
+         rho_d = {ASSUMED_RHO_D}."
+    ));
+    let material = Material::diffuse(Rgb::splat(ASSUMED_RHO_D));
+    Group { name: name.to_owned(), material, emission: Rgb::ZERO }
+}
+
+/// The group of material `json`, and the lobe that it was written for, if it says so.
+pub(super) fn group(
+    source: &Source,
+    json: &MaterialJson,
+    name: &str,
+    warnings: &mut Warnings,
+) -> Result<(Group, Option<WardModel>), Problem> {
+    warn_of_the_unread(json, name, warnings);
+    let emission = emission(json).ok_or_else(|| {
+        format!("material \"{name}\" has a negative or infinite emission; export the scene again")
+    })?;
+    let mut reader = Reader { source, name, warnings };
+    let (material, brdf) = match json.extras.get(ward::EXTRAS_KEY) {
+        Some(record) => {
+            let (material, brdf) = reader.exact(json, record)?;
+            (material, Some(brdf))
+        }
+        None => (reader.approximate(json)?, None),
+    };
+    Ok((Group { name: name.to_owned(), material, emission }, brdf))
+}
+
+fn emission(json: &MaterialJson) -> Option<Rgb> {
+    let strength = json
+        .extensions
+        .emissive_strength
+        .as_ref()
+        .map_or(1.0, |strength| strength.emissive_strength);
+    let emission: Rgb = (DVec3::from_array(json.emissive_factor) * strength).as_vec3();
+    (emission.is_finite() && emission.min_element() >= 0.0).then_some(emission)
+}
+
+fn warn_of_the_unread(json: &MaterialJson, name: &str, warnings: &mut Warnings) {
+    if json.emissive_texture.is_some() {
+        warnings.push(format!(
+            "material \"{name}\": its emissiveTexture was ignored; it emits emissiveFactor all over."
+        ));
+    }
+    if json.normal_texture.is_some() {
+        warnings.push(format!("material \"{name}\": its normalTexture was ignored."));
+    }
+    if json.alpha_mode.as_deref().is_some_and(|mode| mode != "OPAQUE") {
+        warnings.push(format!("material \"{name}\" is transparent; it was taken as opaque."));
+    }
+}
+
+struct Reader<'a> {
+    source: &'a Source,
+    name: &'a str,
+    warnings: &'a mut Warnings,
+}
+
+impl Reader<'_> {
+    /// The material by the exact numbers that [`ward::dress`] has left.
+    fn exact(
+        &mut self,
+        json: &MaterialJson,
+        record: &serde_json::Value,
+    ) -> Result<(Material, WardModel), Problem> {
+        let name = self.name;
+        let fault = |what: &dyn std::fmt::Display| {
+            format!("material \"{name}\": extras.unrender {what}; remove or repair it")
+        };
+        let record: ward::Record = serde_json::from_value(record.clone())
+            .map_err(|e| fault(&format!("is not valid: {e}")))?;
+        let (mut material, brdf) = record.to_material().map_err(|e| fault(&e))?;
+        if let Some(pbr) = &json.pbr_metallic_roughness {
+            let factor = self.base_color(pbr.base_color_factor);
+            material.texture = self.base_texture(pbr.base_color_texture.as_ref(), factor)?;
+        }
+        Ok((material, brdf))
+    }
+
+    /// The material by glTF's own parameters.
+    fn approximate(&mut self, json: &MaterialJson) -> Result<Material, Problem> {
+        let Some(pbr) = &json.pbr_metallic_roughness else {
+            return Ok(Material::diffuse(if emission(json).is_some_and(|e| e != Rgb::ZERO) {
+                Rgb::ZERO
+            } else {
+                Rgb::splat(ASSUMED_RHO_D)
+            }));
+        };
+        let factor = self.base_color(pbr.base_color_factor);
+        let (metallic, roughness) = self.metallic_roughness(pbr)?;
+        let texture = self.base_texture(pbr.base_color_texture.as_ref(), factor)?;
+        let base = texture.as_ref().map_or(factor, |texture| texels::mean(&texture.image));
+        let mut material = ward::from_gltf(base, metallic, roughness, &json.extensions);
+        material.texture = match texture {
+            Some(texture) if metallic == 0.0 => Some(texture),
+            Some(texture) if metallic < 1.0 => {
+                let image = texture.image.map(|texel| *texel * (1.0 - metallic));
+                Some(Arc::new(Texture { image, ..*texture }))
+            }
+            _ => None,
+        };
+        Ok(material)
+    }
+
+    fn base_color(&mut self, factor: [f64; 4]) -> Rgb {
+        let color = Rgb::new(factor[0] as f32, factor[1] as f32, factor[2] as f32);
+        let clamped = color.clamp(Rgb::ZERO, Rgb::ONE);
+        if clamped != color {
+            let name = self.name;
+            self.warnings.push(format!(
+                "material \"{name}\": its baseColorFactor lies outside 0 to 1; it was clamped."
+            ));
+        }
+        clamped
+    }
+
+    /// Metallic and roughness; of a texture of them the mean. What names neither is diffuse.
+    fn metallic_roughness(&mut self, pbr: &super::document::Pbr) -> Result<(f32, f32), Problem> {
+        let name = self.name;
+        let stated = [pbr.metallic_factor, pbr.roughness_factor];
+        if stated == [None; 2] && pbr.metallic_roughness_texture.is_none() {
+            self.warnings.push(format!(
+                "material \"{name}\" states neither metallicFactor nor roughnessFactor; it was \
+                 taken as diffuse."
+            ));
+            return Ok((0.0, 1.0));
+        }
+        let [mut metallic, mut roughness] =
+            stated.map(|factor| (factor.unwrap_or(1.0) as f32).clamp(0.0, 1.0));
+        if let Some(info) = &pbr.metallic_roughness_texture {
+            self.warnings.push(format!(
+                "material \"{name}\": the mean of its metallicRoughnessTexture was taken."
+            ));
+            if let Some((values, ..)) = texture::encoded(self.source, info.index)? {
+                let mean = texels::mean(&values);
+                metallic *= mean.z;
+                roughness *= mean.y;
+            }
+        }
+        Ok((metallic, roughness))
+    }
+
+    /// The texture of the base colour, `factor` multiplied in.
+    fn base_texture(
+        &mut self,
+        info: Option<&TextureInfo>,
+        factor: Rgb,
+    ) -> Result<Option<Arc<Texture>>, Problem> {
+        let Some(info) = info else { return Ok(None) };
+        let name = self.name;
+        let Some((encoded, wrap_u, wrap_v)) = texture::encoded(self.source, info.index)? else {
+            self.warnings.push(format!(
+                "material \"{name}\": its texture has no PNG or JPEG picture and was ignored."
+            ));
+            return Ok(None);
+        };
+        if info.tex_coord != 0 {
+            self.warnings.push(format!(
+                "material \"{name}\": its texture goes by TEXCOORD_{}; TEXCOORD_0 was used.",
+                info.tex_coord
+            ));
+        }
+        let image = texels::linear(&encoded).map(|texel| *texel * factor);
+        Ok(Some(Arc::new(Texture { image, wrap_u, wrap_v })))
+    }
+}

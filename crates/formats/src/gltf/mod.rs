@@ -1,0 +1,32 @@
+//! glTF 2.0 (`.glb`, `.gltf`) to and from scenes.
+//!
+//! - [`read`] bakes the nodes of the default scene into world space.
+//! - [`dress`] gives back the file that was read, in which the materials wear what was recovered.
+//! - [`to_glb`] writes a scene that has no such file.
+//!
+//! What a Ward material is in glTF's words, both ways, is the business of one file, `ward.rs`.
+//! To understand another extension: name it in `document::UNDERSTOOD`, give it a field there,
+//! and use the field where its owner (material, node, camera) is read.
+
+mod accessor;
+mod container;
+mod document;
+mod dress;
+mod geometry;
+mod graph;
+mod lights;
+mod material;
+mod names;
+mod numbers;
+mod read;
+mod source;
+mod texture;
+mod ward;
+mod write;
+
+pub use dress::dress;
+pub use read::read;
+pub use write::{GlbError, to_glb};
+
+/// What is wrong with a file and what to do, in one sentence without a full stop.
+type Problem = String;

@@ -1,0 +1,61 @@
+//! Single-precision numbers as JSON that reads back to the same bits and is short to look at.
+
+use serde_json::{Value, json};
+use unrender_scene::Rgb;
+
+/// The shortest decimal that rounds to `value`.
+pub(super) fn number(value: f32) -> f64 {
+    let short = value.to_string().parse().unwrap_or(f64::from(value));
+    if short as f32 == value { short } else { f64::from(value) }
+}
+
+/// Three numbers, as [`number`] writes them.
+pub(super) fn triple(rgb: Rgb) -> [f64; 3] {
+    rgb.to_array().map(number)
+}
+
+/// `rgb` as a colour of at most one and a factor, whose product is exactly `rgb`: the factor is
+/// one, or a power of two.
+pub(super) fn color_and_factor(rgb: Rgb) -> (Value, f64) {
+    let mut factor = 1.0f64;
+    while factor < f64::from(rgb.max_element()) && factor.is_finite() {
+        factor *= 2.0;
+    }
+    if factor == 1.0 {
+        return (json!(triple(rgb)), factor);
+    }
+    (json!(rgb.to_array().map(|channel| f64::from(channel) / factor)), factor)
+}
+
+/// An angle in degrees that [`radians`] turns into exactly `angle`.
+pub(super) fn degrees(angle: f32) -> f64 {
+    let exact = f64::from(angle).to_degrees();
+    let short = (0..12).map(|digits| format!("{exact:.digits$}"));
+    let short = short.filter_map(|text| text.parse::<f64>().ok());
+    short.into_iter().find(|&degrees| radians(degrees) == angle).unwrap_or(exact)
+}
+
+/// `degrees` in radians.
+pub(super) fn radians(degrees: f64) -> f32 {
+    degrees.to_radians() as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_return_to_the_same_bits() {
+        assert_eq!(number(0.07).to_string(), "0.07");
+        assert_eq!(degrees(90f32.to_radians()), 90.0);
+        let mut value = 1e-9f32;
+        while value < 1e9 {
+            assert_eq!(number(value) as f32, value);
+            assert_eq!(radians(degrees(value)), value);
+            let (color, factor) = color_and_factor(Rgb::new(value, value / 3.0, 0.0));
+            let back = |i: usize| (color[i].as_f64().unwrap() * factor) as f32;
+            assert_eq!([back(0), back(1)], [value, value / 3.0]);
+            value *= 1.37;
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! A glTF file to a scene.
+
+use super::document::UNDERSTOOD;
+use super::graph::{Placed, placed_nodes};
+use super::names::{given, group_names};
+use super::source::{Source, get};
+use super::{Problem, geometry, lights, material};
+use crate::FileError;
+use std::path::Path;
+use unrender_scene::{Mesh, Object, Scene, WardModel, Warnings};
+
+/// Reads the default scene of the `.glb` or `.gltf` at `path` into world space.
+///
+/// Groups are the materials that some triangle wears, in the order of the file; objects are the
+/// pairs of a node and a material. The scene is not yet validated:
+/// see [`load_scene`](crate::load_scene).
+///
+/// # Errors
+/// If the file or a file it needs is missing, damaged, or requires an extension that is not
+/// understood.
+pub fn read(path: &Path) -> Result<(Scene, Warnings), FileError> {
+    let fail = |problem| FileError::new(path, problem);
+    let source = Source::open(path).map_err(fail)?;
+    scene(&source).map_err(fail)
+}
+
+fn scene(source: &Source) -> Result<(Scene, Warnings), Problem> {
+    let document = &source.document;
+    let mut warnings = Warnings::default();
+    for name in &document.extensions_used {
+        if !UNDERSTOOD.contains(&name.as_str()) {
+            warnings.push(format!("The glTF extension {name} is not understood; it was ignored."));
+        }
+    }
+    let names = group_names(document, &mut warnings);
+    let mut scene = Scene::default();
+    for placed in placed_nodes(document)? {
+        read_node(source, &placed, &mut scene, &mut warnings)?;
+    }
+    scene.brdf = sort_into_groups(source, &names, &mut scene, &mut warnings)?;
+    warn_of_missing_uvs(&scene, &mut warnings);
+    Ok((scene, warnings))
+}
+
+fn read_node(
+    source: &Source,
+    placed: &Placed,
+    scene: &mut Scene,
+    warnings: &mut Warnings,
+) -> Result<(), Problem> {
+    let document = &source.document;
+    let node = get(&document.nodes, placed.node, "node")?;
+    let name = given(node.name.as_ref());
+    if node.skin.is_some() {
+        warnings.push("Skins were ignored; their meshes stand as they were modelled.");
+    }
+    if node.mesh.is_some() {
+        scene.objects.extend(objects(source, placed, warnings)?);
+    }
+    if let Some(index) = node.camera {
+        let json = get(&document.cameras, index, "camera")?;
+        let camera = lights::camera(json, name, &placed.world_from_node, warnings)?;
+        scene.cameras.extend(camera);
+    }
+    if let Some(punctual) = &node.extensions.punctual {
+        let json = get(&document.extensions.punctual.lights, punctual.light, "light")?;
+        scene.lights.push(lights::light(json, name, &placed.world_from_node, warnings)?);
+    }
+    Ok(())
+}
+
+/// The objects of a node, one a material; `Object::group` is still the index of the material,
+/// with the number of materials for those that have none.
+fn objects(
+    source: &Source,
+    placed: &Placed,
+    warnings: &mut Warnings,
+) -> Result<Vec<Object>, Problem> {
+    let document = &source.document;
+    let node = get(&document.nodes, placed.node, "node")?;
+    let Some(mesh_index) = node.mesh else { return Ok(Vec::new()) };
+    let json = get(&document.meshes, mesh_index, "mesh")?;
+    let name = given(node.name.as_ref()).or_else(|| given(json.name.as_ref()));
+    let name = name.map_or_else(|| format!("object {}", placed.node), str::to_owned);
+    let mut objects: Vec<Object> = Vec::new();
+    for primitive in &json.primitives {
+        if !primitive.targets.is_empty() {
+            warnings.push("Morph targets were ignored; their meshes stand as they were modelled.");
+        }
+        let without = document.materials.len();
+        let group = primitive.material.unwrap_or(without);
+        if group > without || (primitive.material == Some(without)) {
+            get(&document.materials, group, "material")?;
+        }
+        let in_node = |p: Problem| format!("\"{name}\": {p}");
+        let mesh = geometry::world_mesh(source, primitive, &placed.world_from_node, warnings)
+            .map_err(in_node)?;
+        let Some(mut mesh) = mesh.filter(|mesh| !mesh.triangles.is_empty()) else { continue };
+        geometry::repair_handedness(&mut mesh.tangents, warnings);
+        match objects.iter_mut().find(|o| o.group == group && alike(&o.mesh, &mesh)) {
+            Some(object) => geometry::append(&mut object.mesh, mesh).map_err(in_node)?,
+            None => objects.push(Object { name: name.clone(), group, mesh }),
+        }
+    }
+    Ok(objects)
+}
+
+/// Whether both have uvs and tangents, or both have not, so that they can be one mesh.
+fn alike(a: &Mesh, b: &Mesh) -> bool {
+    a.uvs.is_empty() == b.uvs.is_empty() && a.tangents.is_empty() == b.tangents.is_empty()
+}
+
+/// Makes groups of the materials that objects wear; returns the lobe that they were written for.
+fn sort_into_groups(
+    source: &Source,
+    names: &[String],
+    scene: &mut Scene,
+    warnings: &mut Warnings,
+) -> Result<WardModel, Problem> {
+    let mut group_of = vec![None; names.len()];
+    let mut used = vec![false; names.len()];
+    scene.objects.iter().for_each(|object| used[object.group] = true);
+    let mut model = None;
+    for slot in (0..names.len()).filter(|&slot| used[slot]) {
+        group_of[slot] = Some(scene.groups.len());
+        let Some(json) = source.document.materials.get(slot) else {
+            scene.groups.push(material::default_group(&names[slot], warnings));
+            continue;
+        };
+        let (group, brdf) = material::group(source, json, &names[slot], warnings)?;
+        scene.groups.push(group);
+        if model.is_some() && brdf.is_some() && model != brdf {
+            warnings
+                .push("The materials were written for different brdfs; the first one's was taken.");
+        }
+        model = model.or(brdf);
+    }
+    for object in &mut scene.objects {
+        object.group = group_of[object.group].unwrap_or_default();
+    }
+    Ok(model.unwrap_or_default())
+}
+
+fn warn_of_missing_uvs(scene: &Scene, warnings: &mut Warnings) {
+    for object in &scene.objects {
+        if object.mesh.uvs.is_empty() && scene.groups[object.group].material.texture.is_some() {
+            warnings.push(format!(
+                "object \"{}\" has no TEXCOORD_0 for the texture of its material; \
+                 unwrap it and export the scene again.",
+                object.name
+            ));
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! An opened glTF file: its JSON, its buffers, and the pictures beside it.
+
+use super::document::{Document, UNDERSTOOD};
+use super::{Problem, container};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use std::borrow::Cow;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// A glTF file with everything that it refers to at hand.
+pub(super) struct Source {
+    /// The JSON as text.
+    pub(super) json: Vec<u8>,
+    /// The JSON as typed data.
+    pub(super) document: Document,
+    /// One entry a buffer, exactly `byteLength` long.
+    pub(super) buffers: Vec<Vec<u8>>,
+    folder: PathBuf,
+}
+
+impl Source {
+    /// Opens `path` and the buffers beside it.
+    pub(super) fn open(path: &Path) -> Result<Self, Problem> {
+        let bytes = read_file(path)?;
+        let parts = container::split(&bytes)?;
+        let document: Document = serde_json::from_slice(parts.json)
+            .map_err(|error| format!("is not valid glTF 2.0: {error}; export the scene again"))?;
+        check_version(&document)?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        let buffers = load_buffers(&document, parts.bin, &folder)?;
+        Ok(Self { json: parts.json.to_owned(), document, buffers, folder })
+    }
+
+    /// The bytes of buffer view `index`.
+    pub(super) fn view(&self, index: usize) -> Result<&[u8], Problem> {
+        let view = get(&self.document.buffer_views, index, "bufferView")?;
+        let buffer = get(&self.buffers, view.buffer, "buffer")?;
+        let end = view.byte_offset.checked_add(view.byte_length);
+        end.and_then(|end| buffer.get(view.byte_offset..end)).ok_or_else(|| {
+            format!(
+                "bufferView {index} reaches beyond buffer {} of {} bytes; export the scene again",
+                view.buffer,
+                buffer.len()
+            )
+        })
+    }
+
+    /// The encoded bytes (PNG, JPEG) of image `index`.
+    pub(super) fn image(&self, index: usize) -> Result<Cow<'_, [u8]>, Problem> {
+        let image = get(&self.document.images, index, "image")?;
+        match (&image.uri, image.buffer_view) {
+            (_, Some(view)) => Ok(Cow::Borrowed(self.view(view)?)),
+            (Some(uri), None) => {
+                Ok(Cow::Owned(fetch(uri, &self.folder, &format!("image {index}"))?))
+            }
+            (None, None) => {
+                Err(format!("image {index} has neither uri nor bufferView; export the scene again"))
+            }
+        }
+    }
+}
+
+/// Element `index` of `items`, or what is wrong.
+pub(super) fn get<'a, T>(items: &'a [T], index: usize, what: &str) -> Result<&'a T, Problem> {
+    items.get(index).ok_or_else(|| {
+        format!("uses {what} {index}, but there are only {}; export the scene again", items.len())
+    })
+}
+
+fn check_version(document: &Document) -> Result<(), Problem> {
+    let version = &document.asset.version;
+    if !version.starts_with("2.") {
+        return Err(format!("is glTF {version}; export the scene as glTF 2.0"));
+    }
+    let required = &document.extensions_required;
+    match required.iter().find(|name| !UNDERSTOOD.contains(&name.as_str())) {
+        Some(name) => Err(format!(
+            "requires the glTF extension {name}, which is not understood; \
+             export the scene without it (without compression)"
+        )),
+        None => Ok(()),
+    }
+}
+
+fn load_buffers(
+    document: &Document,
+    bin: Option<&[u8]>,
+    folder: &Path,
+) -> Result<Vec<Vec<u8>>, Problem> {
+    let mut buffers = Vec::new();
+    for (index, buffer) in document.buffers.iter().enumerate() {
+        let mut bytes = match (&buffer.uri, bin) {
+            (Some(uri), _) => fetch(uri, folder, &format!("buffer {index}"))?,
+            (None, Some(bin)) if index == 0 => bin.to_owned(),
+            _ => return Err(format!("buffer {index} has no data; export the scene again")),
+        };
+        if bytes.len() < buffer.byte_length {
+            return Err(format!(
+                "buffer {index} is cut short: {} bytes announced, {} there; export the scene again",
+                buffer.byte_length,
+                bytes.len()
+            ));
+        }
+        bytes.truncate(buffer.byte_length);
+        buffers.push(bytes);
+    }
+    Ok(buffers)
+}
+
+/// What stands at `uri`: a data URI, or a file in or below `folder`.
+fn fetch(uri: &str, folder: &Path, what: &str) -> Result<Vec<u8>, Problem> {
+    if let Some(data) = uri.strip_prefix("data:") {
+        return decode_data(data).ok_or_else(|| {
+            format!("{what} is a data URI that is not valid base64; export the scene again")
+        });
+    }
+    let scheme = uri.split(['/', '?', '#']).next().unwrap_or(uri);
+    if scheme.contains(':') {
+        return Err(format!(
+            "{what} is at \"{uri}\"; only files beside the scene are read: copy it there"
+        ));
+    }
+    let decoded = percent_encoding::percent_decode_str(uri).decode_utf8_lossy();
+    let path = folder.join(decoded.as_ref());
+    read_file(&path).map_err(|problem| {
+        format!("{what} needs the file \"{decoded}\", which {problem}; put it beside the scene")
+    })
+}
+
+fn decode_data(data: &str) -> Option<Vec<u8>> {
+    let (head, body) = data.split_once(',')?;
+    if head.ends_with(";base64") {
+        STANDARD.decode(body.trim()).ok()
+    } else {
+        Some(percent_encoding::percent_decode_str(body).collect())
+    }
+}
+
+fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
+    fs::read(path).map_err(|error| match error.kind() {
+        ErrorKind::NotFound => "does not exist".into(),
+        _ => format!("cannot be read: {error}"),
+    })
+}

@@ -1,0 +1,48 @@
+//! Textures of glTF files: a picture and how it goes on beyond its edges.
+
+use super::Problem;
+use super::source::{Source, get};
+use crate::texels::decode;
+use unrender_scene::{Image, Rgb, Wrap};
+
+/// The texels of glTF texture `index` as encoded, 0 to 1, and how it goes on beyond its edges.
+/// None if the texture has no picture that plain glTF knows.
+pub(super) fn encoded(
+    source: &Source,
+    index: usize,
+) -> Result<Option<(Image<Rgb>, Wrap, Wrap)>, Problem> {
+    let texture = get(&source.document.textures, index, "texture")?;
+    let Some(image) = texture.source else { return Ok(None) };
+    let bytes = source.image(image)?;
+    let texels = decode(&bytes).map_err(|error| format!("image {image} {error}"))?;
+    let (u, v) = match texture.sampler {
+        Some(sampler) => {
+            let sampler = get(&source.document.samplers, sampler, "sampler")?;
+            (wrap(sampler.wrap_s)?, wrap(sampler.wrap_t)?)
+        }
+        None => (Wrap::Repeat, Wrap::Repeat),
+    };
+    Ok(Some((texels, u, v)))
+}
+
+const REPEAT: u32 = 10497;
+const MIRRORED_REPEAT: u32 = 33648;
+const CLAMP_TO_EDGE: u32 = 33071;
+
+/// The number of glTF's samplers for `wrap`.
+pub(super) fn wrap_code(wrap: Wrap) -> u32 {
+    match wrap {
+        Wrap::Repeat => REPEAT,
+        Wrap::MirroredRepeat => MIRRORED_REPEAT,
+        Wrap::ClampToEdge => CLAMP_TO_EDGE,
+    }
+}
+
+fn wrap(code: Option<u32>) -> Result<Wrap, Problem> {
+    match code {
+        None | Some(REPEAT) => Ok(Wrap::Repeat),
+        Some(MIRRORED_REPEAT) => Ok(Wrap::MirroredRepeat),
+        Some(CLAMP_TO_EDGE) => Ok(Wrap::ClampToEdge),
+        Some(other) => Err(format!("has a sampler that wraps by {other}; export the scene again")),
+    }
+}

@@ -1,0 +1,260 @@
+//! A scene to a `.glb`: one node an object, a light, a camera; everything in world space.
+
+use super::numbers::{color_and_factor, number, triple};
+use super::{Problem, container, texture, ward};
+use crate::texels;
+use glam::{Affine3A, Mat3, Vec3};
+use serde_json::{Value, json};
+use unrender_scene::{Camera, Group, Light, LightKind, Mesh, Object, Rgb, Scene, Texture};
+
+const ARRAY_BUFFER: u32 = 34962;
+const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+const FLOAT: u32 = 5126;
+const UNSIGNED_INT: u32 = 5125;
+
+/// Why a scene cannot be written as glTF.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the scene cannot be written as glTF: {0}")]
+pub struct GlbError(String);
+
+/// The bytes of a `.glb` of `scene`, all of it in world space.
+///
+/// The exact Ward parameters stand in the `extras` of the materials; [`read`](super::read())
+/// gets the same scene back, textures to the 8 bits of their PNGs.
+///
+/// # Errors
+/// If the scene has coordinates that are not finite or is larger than 4 GiB.
+pub fn to_glb(scene: &Scene) -> Result<Vec<u8>, GlbError> {
+    build(scene).map_err(GlbError)
+}
+
+fn build(scene: &Scene) -> Result<Vec<u8>, Problem> {
+    let mut glb = Glb { root: json!({}), bin: Vec::new() };
+    glb.root["asset"] = json!({ "version": "2.0", "generator": "unrender" });
+    glb.root["scene"] = json!(0);
+    for group in &scene.groups {
+        let material = glb.material(group, scene)?;
+        glb.push("materials", material);
+    }
+    let mut nodes = Vec::new();
+    for object in &scene.objects {
+        // An object without triangles cannot be said in glTF.
+        if !object.mesh.triangles.is_empty() {
+            nodes.push(glb.object_node(object)?);
+        }
+    }
+    nodes.extend(scene.cameras.iter().map(|camera| glb.camera_node(camera)));
+    nodes.extend(scene.lights.iter().map(|light| glb.light_node(light)));
+    let indices: Vec<usize> = nodes.into_iter().map(|node| glb.push("nodes", node)).collect();
+    // glTF forbids empty lists, this one as well.
+    let nodes = if indices.is_empty() { json!({}) } else { json!({ "nodes": indices }) };
+    glb.root["scenes"] = json!([nodes]);
+    glb.finish()
+}
+
+/// A glTF file in the making.
+pub(super) struct Glb {
+    /// The JSON.
+    pub(super) root: Value,
+    /// The one buffer.
+    pub(super) bin: Vec<u8>,
+}
+
+impl Glb {
+    /// Appends `item` to the list `key` of the JSON and returns its index.
+    pub(super) fn push(&mut self, key: &str, item: Value) -> usize {
+        let list = ward::object(&mut self.root).entry(key).or_insert_with(|| json!([]));
+        if !list.is_array() {
+            *list = json!([]);
+        }
+        list.as_array_mut().map_or(0, |items| {
+            items.push(item);
+            items.len() - 1
+        })
+    }
+
+    /// Appends `bytes` to the buffer and returns the index of their view.
+    pub(super) fn push_view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
+        self.bin.resize(self.bin.len().next_multiple_of(4), 0);
+        let mut view =
+            json!({ "buffer": 0, "byteOffset": self.bin.len(), "byteLength": bytes.len() });
+        if let Some(target) = target {
+            view["target"] = json!(target);
+        }
+        self.bin.extend_from_slice(bytes);
+        self.push("bufferViews", view)
+    }
+
+    /// Embeds `texture` as a PNG and returns the index of the glTF texture.
+    pub(super) fn push_texture(&mut self, texture: &Texture) -> Result<usize, Problem> {
+        let view = self.push_view(&texels::png(&texture.image)?, None);
+        let image = self.push("images", json!({ "bufferView": view, "mimeType": "image/png" }));
+        let sampler = self.push(
+            "samplers",
+            json!({
+                "wrapS": texture::wrap_code(texture.wrap_u),
+                "wrapT": texture::wrap_code(texture.wrap_v),
+            }),
+        );
+        Ok(self.push("textures", json!({ "sampler": sampler, "source": image })))
+    }
+
+    /// Lists the extensions of the materials, writes down the buffer, and packs both.
+    pub(super) fn finish(mut self) -> Result<Vec<u8>, Problem> {
+        super::dress::list_extensions(&mut self.root);
+        if !self.bin.is_empty() {
+            self.bin.resize(self.bin.len().next_multiple_of(4), 0);
+            self.root["buffers"] = json!([{ "byteLength": self.bin.len() }]);
+        }
+        let text = serde_json::to_vec(&self.root).map_err(|error| error.to_string())?;
+        container::join(&text, &self.bin)
+    }
+
+    fn material(&mut self, group: &Group, scene: &Scene) -> Result<Value, Problem> {
+        let texture = group.material.texture.as_ref();
+        let texture = texture.map(|texture| self.push_texture(texture)).transpose()?;
+        let mut json = json!({ "name": group.name });
+        if group.is_emitter() {
+            let (color, factor) = color_and_factor(group.emission);
+            json["emissiveFactor"] = color;
+            if factor != 1.0 {
+                json["extensions"] =
+                    json!({ "KHR_materials_emissive_strength": { "emissiveStrength": factor } });
+            }
+        }
+        ward::dress(&mut json, &group.material, scene.brdf, texture);
+        Ok(json)
+    }
+
+    fn object_node(&mut self, object: &Object) -> Result<Value, Problem> {
+        let attributes = self.attributes(&object.mesh).ok_or_else(|| {
+            format!("object \"{}\" has coordinates that are not finite", object.name)
+        })?;
+        let bytes: Vec<u8> =
+            object.mesh.triangles.iter().flatten().flat_map(|i| i.to_le_bytes()).collect();
+        let view = self.push_view(&bytes, Some(ELEMENT_ARRAY_BUFFER));
+        let indices = self.push(
+            "accessors",
+            json!({
+                "bufferView": view,
+                "componentType": UNSIGNED_INT,
+                "count": 3 * object.mesh.triangles.len(),
+                "type": "SCALAR",
+            }),
+        );
+        let mesh = self.push(
+            "meshes",
+            json!({
+                "name": object.name,
+                "primitives": [
+                    { "attributes": attributes, "indices": indices, "material": object.group }
+                ],
+            }),
+        );
+        Ok(json!({ "name": object.name, "mesh": mesh }))
+    }
+
+    fn attributes(&mut self, mesh: &Mesh) -> Option<Value> {
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for position in &mesh.positions {
+            (low, high) = (low.min(*position), high.max(*position));
+        }
+        if !mesh.positions.iter().all(|p| p.is_finite()) {
+            return None;
+        }
+        let mut attributes = json!({});
+        let position = self.floats(mesh.positions.iter().map(|p| p.to_array()), "VEC3");
+        self.root["accessors"][position]["min"] = json!(triple(low));
+        self.root["accessors"][position]["max"] = json!(triple(high));
+        attributes["POSITION"] = json!(position);
+        let normals = mesh.normals.iter().map(|n| n.to_array());
+        attributes["NORMAL"] = json!(self.floats(normals, "VEC3"));
+        if !mesh.tangents.is_empty() {
+            let tangents = mesh.tangents.iter().map(|t| t.to_array());
+            attributes["TANGENT"] = json!(self.floats(tangents, "VEC4"));
+        }
+        if !mesh.uvs.is_empty() {
+            let uvs = mesh.uvs.iter().map(|uv| uv.to_array());
+            attributes["TEXCOORD_0"] = json!(self.floats(uvs, "VEC2"));
+        }
+        Some(attributes)
+    }
+
+    fn floats<const N: usize>(
+        &mut self,
+        elements: impl ExactSizeIterator<Item = [f32; N]>,
+        kind: &str,
+    ) -> usize {
+        let count = elements.len();
+        let bytes: Vec<u8> = elements.flatten().flat_map(f32::to_le_bytes).collect();
+        let view = self.push_view(&bytes, Some(ARRAY_BUFFER));
+        let accessor =
+            json!({ "bufferView": view, "componentType": FLOAT, "count": count, "type": kind });
+        self.push("accessors", accessor)
+    }
+
+    fn camera_node(&mut self, camera: &Camera) -> Value {
+        let mut perspective = json!({ "yfov": number(camera.fov_y_rad), "znear": 0.01 });
+        if let Some(aspect) = camera.aspect {
+            perspective["aspectRatio"] = json!(number(aspect));
+        }
+        let index = self.push(
+            "cameras",
+            json!({ "name": camera.name, "type": "perspective", "perspective": perspective }),
+        );
+        json!({ "name": camera.name, "camera": index, "matrix": matrix(&camera.world_from_camera) })
+    }
+
+    fn light_node(&mut self, light: &Light) -> Value {
+        let (json, place) = light_json(&light.kind);
+        let mut json = json;
+        json["name"] = json!(light.name);
+        let extensions = &mut ward::object(&mut self.root)
+            .entry("extensions")
+            .or_insert_with(|| json!({ "KHR_lights_punctual": { "lights": [] } }));
+        let lights = extensions["KHR_lights_punctual"]["lights"].as_array_mut();
+        let index = lights.map_or(0, |lights| {
+            lights.push(json);
+            lights.len() - 1
+        });
+        json!({
+            "name": light.name,
+            "matrix": matrix(&place),
+            "extensions": { "KHR_lights_punctual": { "light": index } },
+        })
+    }
+}
+
+fn light_json(kind: &LightKind) -> (Value, Affine3A) {
+    let strong = |strength: Rgb, kind: &str| {
+        let (color, intensity) = color_and_factor(strength);
+        json!({ "type": kind, "color": color, "intensity": intensity })
+    };
+    match *kind {
+        LightKind::Point { position, intensity } => {
+            (strong(intensity, "point"), Affine3A::from_translation(position))
+        }
+        LightKind::Directional { direction, irradiance } => {
+            (strong(irradiance, "directional"), along(direction, Vec3::ZERO))
+        }
+        LightKind::Spot { position, direction, intensity, inner_rad, outer_rad } => {
+            let mut json = strong(intensity, "spot");
+            json["spot"] = json!({
+                "innerConeAngle": number(inner_rad),
+                "outerConeAngle": number(outer_rad),
+            });
+            (json, along(direction, position))
+        }
+    }
+}
+
+/// A motion that takes -z to `direction` and the origin to `position`.
+fn along(direction: Vec3, position: Vec3) -> Affine3A {
+    let back = -direction;
+    let right = back.any_orthonormal_vector();
+    Affine3A::from_mat3_translation(Mat3::from_cols(right, back.cross(right), back), position)
+}
+
+fn matrix(world_from_node: &Affine3A) -> [f64; 16] {
+    glam::Mat4::from(*world_from_node).to_cols_array().map(number)
+}

@@ -1,0 +1,56 @@
+//! Scenes by file extension: the one place that knows which formats there are.
+
+use crate::{FileError, gltf, obj};
+use std::path::Path;
+use unrender_scene::{Scene, Warnings};
+
+enum Format {
+    Gltf,
+    Obj,
+}
+
+/// Reads and validates the scene at `path`.
+///
+/// A scene without a camera is none of this function's concern.
+///
+/// # Errors
+/// If the file is missing, of no known format, damaged, or its scene unusable.
+pub fn load_scene(path: &Path) -> Result<(Scene, Warnings), FileError> {
+    let format = format_of(path)?;
+    if !path.exists() {
+        return Err(FileError::new(path, "does not exist"));
+    }
+    let (mut scene, mut warnings) = match format {
+        Format::Gltf => gltf::read(path)?,
+        Format::Obj => obj::read(path)?,
+    };
+    let doubts = scene.validate().map_err(|error| FileError::new(path, error))?;
+    warnings.extend(doubts);
+    Ok((scene, warnings))
+}
+
+/// The bytes of a `.glb` that shows what `source` shows, wearing the materials of `scene`.
+///
+/// A glTF file keeps everything that it has beside ([`gltf::dress`]); from other formats the
+/// scene itself is written ([`gltf::to_glb`]).
+///
+/// # Errors
+/// If `source` cannot be read or the scene cannot be written.
+pub fn wear(source: &Path, scene: &Scene) -> Result<Vec<u8>, FileError> {
+    match format_of(source)? {
+        Format::Gltf => gltf::dress(source, scene),
+        Format::Obj => gltf::to_glb(scene).map_err(|error| FileError::new(source, error)),
+    }
+}
+
+fn format_of(path: &Path) -> Result<Format, FileError> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    match extension.as_str() {
+        "glb" | "gltf" => Ok(Format::Gltf),
+        "obj" => Ok(Format::Obj),
+        _ => Err(FileError::new(
+            path,
+            "is no scene of a known format; scenes are read from .glb, .gltf and .obj",
+        )),
+    }
+}

@@ -1,0 +1,63 @@
+//! Pictures of reflectance: PNG and JPEG to texels, and texels to sRGB PNG.
+
+use image::{DynamicImage, ImageFormat, ImageReader};
+use std::io::Cursor;
+use unrender_scene::color::{linear_from_srgb, srgb_from_linear};
+use unrender_scene::{Image, Rgb};
+
+/// Longer sides than this are taken for a damaged header.
+const MAX_SIDE: u32 = 32768;
+
+/// The pixels of an encoded picture, 0 to 1, transfer curve and all.
+pub(crate) fn decode(bytes: &[u8]) -> Result<Image<Rgb>, String> {
+    let undecodable = |error: &dyn std::fmt::Display| {
+        format!("cannot be decoded ({error}); save it as PNG or JPEG again")
+    };
+    let mut reader =
+        ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| undecodable(&e))?;
+    if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
+        return Err("is neither PNG nor JPEG; convert it".into());
+    }
+    let mut limits = image::Limits::default();
+    limits.max_image_width = Some(MAX_SIDE);
+    limits.max_image_height = Some(MAX_SIDE);
+    reader.limits(limits);
+    let picture = reader.decode().map_err(|e| undecodable(&e))?;
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    let has_16_bits = picture.color().bytes_per_pixel() / picture.color().channel_count() > 1;
+    let pixels: Vec<Rgb> = if has_16_bits {
+        let pixels = picture.into_rgb16();
+        pixels.pixels().map(|p| Rgb::from_array(p.0.map(f32::from)) / 65535.0).collect()
+    } else {
+        let pixels = picture.into_rgb8();
+        pixels.pixels().map(|p| Rgb::from_array(p.0.map(|c| f32::from(c) / 255.0))).collect()
+    };
+    if pixels.is_empty() {
+        return Err("has no pixels; save it again".into());
+    }
+    Ok(Image::new(width, height, pixels))
+}
+
+/// The linear value of encoded texels.
+pub(crate) fn linear(encoded: &Image<Rgb>) -> Image<Rgb> {
+    encoded.map(|texel| Rgb::from_array(texel.to_array().map(linear_from_srgb)))
+}
+
+/// The mean over all texels, summed in double precision.
+pub(crate) fn mean(image: &Image<Rgb>) -> Rgb {
+    let sum: glam::DVec3 = image.pixels().iter().map(|p| p.as_dvec3()).sum();
+    (sum / image.pixels().len().max(1) as f64).as_vec3()
+}
+
+/// Linear texels as an sRGB PNG of 8 bits.
+pub(crate) fn png(image: &Image<Rgb>) -> Result<Vec<u8>, String> {
+    let codes = image.pixels().iter().flat_map(|texel| texel.to_array());
+    let codes = codes.map(|channel| (srgb_from_linear(channel) * 255.0).round() as u8).collect();
+    let picture = image::RgbImage::from_raw(image.width() as u32, image.height() as u32, codes)
+        .ok_or("is too large for a PNG")?;
+    let mut bytes = Cursor::new(Vec::new());
+    DynamicImage::ImageRgb8(picture)
+        .write_to(&mut bytes, ImageFormat::Png)
+        .map_err(|error| format!("cannot be encoded as PNG: {error}"))?;
+    Ok(bytes.into_inner())
+}
