@@ -8,5 +8,7 @@
 
 pub mod atomic;
 pub mod error;
+pub mod materials;
+pub mod picture;
 
 pub use error::FileError;
