@@ -9,8 +9,10 @@
 pub mod atomic;
 pub mod error;
 pub mod gltf;
+pub mod materials;
 mod names;
 pub mod obj;
+pub mod picture;
 pub mod scene_file;
 mod texels;
 

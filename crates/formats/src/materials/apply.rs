@@ -1,0 +1,127 @@
+//! Puts the numbers of a `materials.json` onto the groups of a scene.
+
+use super::{GroupEntry, Hypothesis, MaterialsFile};
+use crate::{FileError, picture};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use unrender_scene::{Image, Material, Rgb, Scene, Texture, Warnings, Wrap};
+
+/// Rounding of a reflectance of one on its way through text and single precision.
+const ROUNDING: f32 = 1e-5;
+
+/// Sets the BRDF and the materials of `scene` as `file` says; `folder` is where its texture paths
+/// start. Keys that the file leaves out stay as they are in the scene, but a `rho_d` without a
+/// texture takes the place of the scene's texture.
+///
+/// # Errors
+/// If a number is out of its range or a texture cannot be read; the scene may be changed in part.
+pub fn apply(
+    file: &MaterialsFile,
+    folder: &Path,
+    scene: &mut Scene,
+) -> Result<Warnings, FileError> {
+    let mut warnings = Warnings::default();
+    if let Some(name) = &file.brdf {
+        scene.brdf = name.parse().map_err(|problem: String| FileError::new(folder, problem))?;
+    }
+    for (name, entry) in &file.groups {
+        let Some(index) = scene.group_index(name) else {
+            warnings.push(format!("the scene has no group \"{name}\"; its numbers were not used"));
+            continue;
+        };
+        let material = &mut scene.groups[index].material;
+        check_ranges(entry).map_err(|problem| in_group(folder, name, &problem))?;
+        apply_numbers(entry, material).map_err(|problem| in_group(folder, name, &problem))?;
+        warnings.extend(apply_texture(name, entry, folder, material)?);
+        if entry.direction.is_some() && entry.theta_deg.is_none() && is_anisotropic(material) {
+            warnings.push(format!(
+                "group \"{name}\": a direction without theta_deg was not used; give theta_deg"
+            ));
+        }
+    }
+    Ok(warnings)
+}
+
+fn in_group(folder: &Path, group: &str, problem: &str) -> FileError {
+    FileError::new(folder, format!("the materials' group \"{group}\": {problem}"))
+}
+
+fn is_anisotropic(material: &Material) -> bool {
+    material.is_glossy() && (material.alpha_x - material.alpha_y).abs() > 0.01 * material.alpha_x
+}
+
+fn check_ranges(entry: &GroupEntry) -> Result<(), String> {
+    for (key, rho) in [("rho_d", entry.rho_d), ("rho_s", entry.rho_s)] {
+        let outside = |v: &&f32| !(0.0..=1.0 + ROUNDING).contains(*v);
+        if let Some(value) = rho.iter().flatten().find(outside) {
+            return Err(format!("{key} is {value}; a reflectance is between 0 and 1"));
+        }
+    }
+    for (key, alpha) in [("alpha_x", entry.alpha_x), ("alpha_y", entry.alpha_y)] {
+        if let Some(value) = alpha.filter(|a| !(a.is_finite() && *a >= 0.0)) {
+            return Err(format!("{key} is {value}; a roughness is zero or positive"));
+        }
+    }
+    if let Some(value) = entry.theta_deg.filter(|t| !t.is_finite()) {
+        return Err(format!("theta_deg is {value}; give an angle in degrees"));
+    }
+    Ok(())
+}
+
+fn apply_numbers(entry: &GroupEntry, material: &mut Material) -> Result<(), String> {
+    let reflectance = |rho: [f32; 3]| Rgb::from_array(rho).min(Rgb::ONE);
+    material.rho_d = entry.rho_d.map_or(material.rho_d, reflectance);
+    material.rho_s = entry.rho_s.map_or(material.rho_s, reflectance);
+    material.alpha_x = entry.alpha_x.unwrap_or(material.alpha_x);
+    material.alpha_y = entry.alpha_y.unwrap_or(material.alpha_y);
+    material.theta_rad = entry.theta_deg.map_or(material.theta_rad, f32::to_radians);
+    let one_is_zero = (material.alpha_x > 0.0) != (material.alpha_y > 0.0);
+    if material.is_glossy() && one_is_zero {
+        return Err(format!(
+            "alpha_x is {} and alpha_y is {}; either both are positive or, for a mirror, both zero",
+            material.alpha_x, material.alpha_y
+        ));
+    }
+    Ok(())
+}
+
+fn apply_texture(
+    group: &str,
+    entry: &GroupEntry,
+    folder: &Path,
+    material: &mut Material,
+) -> Result<Warnings, FileError> {
+    let mut warnings = Warnings::default();
+    if let Some(relative) = &entry.texture {
+        let (image, told) = read_texture(&folder.join(relative))?;
+        warnings.extend(told);
+        if entry.rho_d.is_none() {
+            let sum: Rgb = image.pixels().iter().sum();
+            material.rho_d = sum / image.pixels().len() as f32;
+        }
+        let (wrap_u, wrap_v) = material
+            .texture
+            .as_ref()
+            .map_or((Wrap::default(), Wrap::default()), |t| (t.wrap_u, t.wrap_v));
+        material.texture = Some(Arc::new(Texture { image, wrap_u, wrap_v }));
+    } else if entry.rho_d.is_some() && material.texture.take().is_some() {
+        // A result says what it means by its hypothesis; a hand-written file may not mean it.
+        if entry.hypothesis.is_none_or(|h| h == Hypothesis::Textured) {
+            warnings
+                .push(format!("group \"{group}\": rho_d took the place of the scene's texture"));
+        }
+    }
+    Ok(warnings)
+}
+
+/// Reads a texture as linear reflectance: the EXR beside it where there is one, since that has
+/// lost nothing, else the file itself.
+///
+/// # Errors
+/// If neither can be read.
+pub fn read_texture(path: &Path) -> Result<(Image<Rgb>, Warnings), FileError> {
+    let exr = path.with_extension("exr");
+    let chosen: PathBuf = if exr.is_file() { exr } else { path.to_owned() };
+    let (picture, warnings) = picture::read(&chosen)?;
+    Ok((picture.to_linear().map(|rho| rho.clamp(Rgb::ZERO, Rgb::ONE)), warnings))
+}

@@ -1,0 +1,204 @@
+//! `materials.json`: what was found out about every group, as plain numbers.
+//!
+//! On reading, keys that are absent or null mean "as in the scene" and unknown keys are ignored,
+//! so that a hand-written file with two numbers in it works. [`apply`] puts a file onto a scene.
+
+mod apply;
+mod std_entry;
+
+pub use apply::{apply, read_texture};
+pub use std_entry::StdEntry;
+
+use crate::{FileError, atomic};
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::path::Path;
+
+/// The version of the format that this crate writes.
+pub const VERSION: u32 = 1;
+
+/// What a group was taken to be: the rung of the ladder that explained it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Hypothesis {
+    /// Lambertian.
+    Diffuse,
+    /// A perfect mirror of reflectance one.
+    Mirror,
+    /// A perfect mirror that reflects a share.
+    PartialMirror,
+    /// Lambertian and a perfect mirror.
+    DiffuseSpecular,
+    /// Ward's lobe with one roughness.
+    Isotropic,
+    /// Ward's lobe with two roughnesses and a brushed direction.
+    Anisotropic,
+    /// A diffuse reflectance that changes over the surface.
+    Textured,
+}
+
+impl Hypothesis {
+    /// All hypotheses, the simplest first.
+    pub const ALL: [Self; 7] = [
+        Self::Diffuse,
+        Self::Mirror,
+        Self::PartialMirror,
+        Self::DiffuseSpecular,
+        Self::Isotropic,
+        Self::Anisotropic,
+        Self::Textured,
+    ];
+
+    /// The name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Diffuse => "diffuse",
+            Self::Mirror => "mirror",
+            Self::PartialMirror => "partial-mirror",
+            Self::DiffuseSpecular => "diffuse-specular",
+            Self::Isotropic => "isotropic",
+            Self::Anisotropic => "anisotropic",
+            Self::Textured => "textured",
+        }
+    }
+}
+
+impl fmt::Display for Hypothesis {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// Where a group's numbers come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// From the photograph.
+    Recovered,
+    /// From the project file.
+    Known,
+    /// Not determined by this photograph; the note says why.
+    Assumed,
+}
+
+impl fmt::Display for Status {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Recovered => "recovered",
+            Self::Known => "known",
+            Self::Assumed => "assumed",
+        })
+    }
+}
+
+/// A whole `materials.json`.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct MaterialsFile {
+    /// [`VERSION`]; absent in files from elsewhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub version: Option<u32>,
+    /// The form of Ward's lobe that the numbers mean, by its name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub brdf: Option<String>,
+    /// Scene radiance per unit of linear pixel value, by channel.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exposure: Option<[f32; 3]>,
+    /// The groups by name, in the order of the scene.
+    pub groups: IndexMap<String, GroupEntry>,
+    /// How long the recovery took.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seconds: Option<f64>,
+    /// Why the recovery ended.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub termination: Option<String>,
+}
+
+/// One group of a `materials.json`.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct GroupEntry {
+    /// What the group was taken to be.
+    pub hypothesis: Option<Hypothesis>,
+    /// Where the numbers come from.
+    pub status: Option<Status>,
+    /// Diffuse reflectance; with a texture its mean.
+    pub rho_d: Option<[f32; 3]>,
+    /// Specular reflectance.
+    pub rho_s: Option<[f32; 3]>,
+    /// Roughness along the brushed direction.
+    pub alpha_x: Option<f32>,
+    /// Roughness across it.
+    pub alpha_y: Option<f32>,
+    /// Brushed direction from the surface's tangent, degrees counter-clockwise.
+    pub theta_deg: Option<f32>,
+    /// The brushed direction as a unit vector in the world.
+    pub direction: Option<[f32; 3]>,
+    /// The texture of `rho_d`, a path relative to the file.
+    pub texture: Option<String>,
+    /// Standard deviations of the numbers above.
+    pub std: Option<StdEntry>,
+    /// How many pixels of the photograph show the group.
+    pub pixels: Option<u64>,
+    /// The relative error of the re-rendering over those pixels.
+    pub error: Option<f64>,
+    /// What else there is to say, such as why a number was assumed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
+}
+
+/// Reads a `materials.json` or a file like it.
+///
+/// # Errors
+/// If the file is missing, is not JSON, has no groups, or a key has a value of the wrong kind.
+pub fn read(path: &Path) -> Result<MaterialsFile, FileError> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| FileError::new(path, format!("cannot be read: {error}")))?;
+    let file: MaterialsFile =
+        serde_json::from_str(&text).map_err(|error| FileError::new(path, error))?;
+    if file.version.is_some_and(|version| version > VERSION) {
+        let problem = format!("is of a later version than {VERSION}; use a newer unrender");
+        return Err(FileError::new(path, problem));
+    }
+    Ok(file)
+}
+
+/// Writes `file` with the keys in a fixed order; numbers that are not finite become null.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write(path: &Path, file: &MaterialsFile) -> Result<(), FileError> {
+    let mut file = file.clone();
+    file.groups.values_mut().for_each(GroupEntry::drop_not_finite);
+    let mut text =
+        serde_json::to_string_pretty(&file).map_err(|error| FileError::new(path, error))?;
+    text.push('\n');
+    atomic::write(path, text.as_bytes())
+}
+
+impl GroupEntry {
+    fn drop_not_finite(&mut self) {
+        drop_triple(&mut self.rho_d);
+        drop_triple(&mut self.rho_s);
+        drop_triple(&mut self.direction);
+        drop_number(&mut self.alpha_x);
+        drop_number(&mut self.alpha_y);
+        drop_number(&mut self.theta_deg);
+        self.error = self.error.filter(|e| e.is_finite());
+        if let Some(std) = &mut self.std {
+            drop_triple(&mut std.rho_d);
+            drop_triple(&mut std.rho_s);
+            drop_number(&mut std.alpha_x);
+            drop_number(&mut std.alpha_y);
+            drop_number(&mut std.theta_deg);
+        }
+    }
+}
+
+fn drop_triple(value: &mut Option<[f32; 3]>) {
+    *value = value.filter(|v| v.iter().all(|x| x.is_finite()));
+}
+
+fn drop_number(value: &mut Option<f32>) {
+    *value = value.filter(|x| x.is_finite());
+}

@@ -1,0 +1,176 @@
+//! Reads a picture file into code values.
+
+use super::{Depth, Picture, jpeg_end};
+use crate::FileError;
+use image::codecs::hdr::HdrDecoder;
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use std::io::Cursor;
+use std::path::Path;
+use unrender_scene::{Image, Rgb, Warnings};
+
+/// More pixels than any camera has today; beyond it a header is taken to be corrupt.
+const MAX_PIXELS: u64 = 1 << 28;
+
+/// No decoder here unpacks a byte of a file to more bytes than this.
+const MAX_UNPACKING: u64 = 4096;
+
+/// Files that claim less than this are believed whatever their size.
+const ALWAYS_BELIEVED_BYTES: u64 = 64 << 20;
+
+/// Reads the picture at `path` and turns it upright as its EXIF orientation says.
+///
+/// The content decides on the format, not the extension.
+///
+/// # Errors
+/// If the file is missing, cut short, corrupt, or of a kind that is not read.
+pub fn read(path: &Path) -> Result<(Picture, Warnings), FileError> {
+    let bytes = std::fs::read(path)
+        .map_err(|error| FileError::new(path, format!("cannot be read: {error}")))?;
+    decode(&bytes, path)
+}
+
+/// As [`read`], from the bytes of a file; `path` only names it in messages.
+///
+/// # Errors
+/// If the bytes are cut short, corrupt, or of a kind that is not read.
+pub fn decode(bytes: &[u8], path: &Path) -> Result<(Picture, Warnings), FileError> {
+    let format = format_of(bytes)
+        .ok_or_else(|| FileError::new(path, "is not a PNG, JPEG, TIFF, EXR or HDR file"))?;
+    if format == ImageFormat::Jpeg && !jpeg_end::has_end(bytes) {
+        return Err(FileError::new(path, "is cut short: the end of the JPEG data is missing"));
+    }
+    let decoded = pixels_of(bytes, format).map_err(|problem| FileError::new(path, problem))?;
+    let mut warnings = Warnings::default();
+    if decoded.color().has_alpha() && has_transparency(&decoded) {
+        warnings.push(format!("{}: the alpha channel was ignored", path.display()));
+    }
+    let picture = picture_of(&decoded);
+    if !picture.invalid.is_empty() {
+        warnings.push(format!(
+            "{}: {} pixel(s) are not finite numbers; they were left out",
+            path.display(),
+            picture.invalid.len()
+        ));
+    }
+    Ok((picture, warnings))
+}
+
+fn format_of(bytes: &[u8]) -> Option<ImageFormat> {
+    let format = image::guess_format(bytes).ok()?;
+    let read = [
+        ImageFormat::Png,
+        ImageFormat::Jpeg,
+        ImageFormat::Tiff,
+        ImageFormat::OpenExr,
+        ImageFormat::Hdr,
+    ];
+    read.contains(&format).then_some(format)
+}
+
+/// The decoded and upright pixels, or what is wrong with the file.
+fn pixels_of(bytes: &[u8], format: ImageFormat) -> Result<DynamicImage, String> {
+    let name = format!("{format:?}");
+    let faulty = |error: image::ImageError| fault(&name, &error);
+    let mut scale = 1.0;
+    if format == ImageFormat::Hdr {
+        let decoder = HdrDecoder::new(Cursor::new(bytes)).map_err(faulty)?;
+        // Radiance's header tells by how much the picture was multiplied after the fact.
+        scale = decoder.metadata().exposure.filter(|e| e.is_finite() && *e > 0.0).unwrap_or(1.0);
+    }
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    reader.limits(Limits::no_limits());
+    let mut decoder = reader.into_decoder().map_err(faulty)?;
+    check_size(&decoder, bytes.len() as u64)?;
+    let orientation = decoder.orientation().map_err(faulty)?;
+    let mut decoded = DynamicImage::from_decoder(decoder).map_err(faulty)?;
+    decoded.apply_orientation(orientation);
+    if scale != 1.0 {
+        if let Some(rgb) = decoded.as_mut_rgb32f() {
+            rgb.iter_mut().for_each(|value| *value /= scale);
+        }
+    }
+    Ok(decoded)
+}
+
+fn fault(format: &str, error: &image::ImageError) -> String {
+    match error {
+        image::ImageError::Unsupported(_) => {
+            format!("is a kind of {format} file that is not read ({error}); save it as RGB")
+        }
+        _ => format!("is cut short or corrupt ({error})"),
+    }
+}
+
+/// Refuses sizes that the file cannot hold, before any memory is asked for.
+fn check_size(decoder: &impl ImageDecoder, file_bytes: u64) -> Result<(), String> {
+    let (width, height) = decoder.dimensions();
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels == 0 {
+        return Err("has no pixels".into());
+    }
+    let unpacked = pixels.saturating_mul(u64::from(decoder.color_type().bytes_per_pixel()));
+    let believed = ALWAYS_BELIEVED_BYTES.max(file_bytes.saturating_mul(MAX_UNPACKING));
+    if pixels > MAX_PIXELS || unpacked > believed {
+        return Err(format!(
+            "claims {width} x {height} pixels, which its {file_bytes} bytes cannot hold"
+        ));
+    }
+    Ok(())
+}
+
+/// True if some pixel's alpha is not full; a full alpha channel says nothing worth a warning.
+fn has_transparency(decoded: &DynamicImage) -> bool {
+    match decoded {
+        DynamicImage::ImageLumaA8(p) => p.pixels().any(|p| p.0[1] != u8::MAX),
+        DynamicImage::ImageRgba8(p) => p.pixels().any(|p| p.0[3] != u8::MAX),
+        DynamicImage::ImageLumaA16(p) => p.pixels().any(|p| p.0[1] != u16::MAX),
+        DynamicImage::ImageRgba16(p) => p.pixels().any(|p| p.0[3] != u16::MAX),
+        DynamicImage::ImageRgba32F(p) => p.pixels().any(|p| p.0[3] < 1.0),
+        _ => false,
+    }
+}
+
+fn picture_of(decoded: &DynamicImage) -> Picture {
+    use DynamicImage as D;
+    let depth = match decoded {
+        D::ImageLuma8(_) | D::ImageLumaA8(_) | D::ImageRgb8(_) | D::ImageRgba8(_) => Depth::Eight,
+        D::ImageLuma16(_) | D::ImageLumaA16(_) | D::ImageRgb16(_) | D::ImageRgba16(_) => {
+            Depth::Sixteen
+        }
+        _ => Depth::Float,
+    };
+    let (width, height) = (decoded.width() as usize, decoded.height() as usize);
+    let mut pixels = code_values(decoded);
+    let mut invalid = Vec::new();
+    for (index, value) in pixels.iter_mut().enumerate() {
+        if !value.is_finite() {
+            *value = Rgb::ZERO;
+            invalid.push(index);
+        }
+    }
+    Picture { values: Image::new(width, height, pixels), depth, invalid }
+}
+
+/// The code values of all pixels, grey repeated in all channels, alpha left out.
+fn code_values(decoded: &DynamicImage) -> Vec<Rgb> {
+    let of8 = |code: u8| f32::from(code) / 255.0;
+    let of16 = |code: u16| f32::from(code) / 65535.0;
+    let rgb8 = |p: [u8; 3]| Rgb::from_array(p.map(of8));
+    let rgb16 = |p: [u16; 3]| Rgb::from_array(p.map(of16));
+    match decoded {
+        DynamicImage::ImageLuma8(p) => p.pixels().map(|p| Rgb::splat(of8(p.0[0]))).collect(),
+        DynamicImage::ImageLumaA8(p) => p.pixels().map(|p| Rgb::splat(of8(p.0[0]))).collect(),
+        DynamicImage::ImageRgb8(p) => p.pixels().map(|p| rgb8(p.0)).collect(),
+        DynamicImage::ImageRgba8(p) => p.pixels().map(|p| rgb8([p.0[0], p.0[1], p.0[2]])).collect(),
+        DynamicImage::ImageLuma16(p) => p.pixels().map(|p| Rgb::splat(of16(p.0[0]))).collect(),
+        DynamicImage::ImageLumaA16(p) => p.pixels().map(|p| Rgb::splat(of16(p.0[0]))).collect(),
+        DynamicImage::ImageRgb16(p) => p.pixels().map(|p| rgb16(p.0)).collect(),
+        DynamicImage::ImageRgba16(p) => {
+            p.pixels().map(|p| rgb16([p.0[0], p.0[1], p.0[2]])).collect()
+        }
+        DynamicImage::ImageRgba32F(p) => {
+            p.pixels().map(|p| Rgb::new(p.0[0], p.0[1], p.0[2])).collect()
+        }
+        other => other.to_rgb32f().pixels().map(|p| Rgb::from_array(p.0)).collect(),
+    }
+}

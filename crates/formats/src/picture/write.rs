@@ -1,0 +1,105 @@
+//! Writes linear pictures: 8-bit sRGB PNG, and EXR and HDR with the linear values.
+//!
+//! What is not a finite number never reaches a file: it becomes zero and is counted, so that a
+//! long rendering is not lost to one pixel.
+
+use crate::{FileError, atomic};
+use image::codecs::hdr::HdrEncoder;
+use image::codecs::openexr::OpenExrEncoder;
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder, ImageResult};
+use std::io::Cursor;
+use std::path::Path;
+use unrender_scene::RgbImage;
+use unrender_scene::color::srgb_from_linear;
+
+/// Writes `picture` in the format of `path`'s extension: png (8-bit sRGB), exr or hdr (linear).
+///
+/// Returns how many values were not finite and were written as zero.
+///
+/// # Errors
+/// If the extension is another one or the file cannot be written.
+pub fn write(path: &Path, picture: &RgbImage) -> Result<usize, FileError> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    match extension.as_str() {
+        "png" => write_png_srgb(path, picture),
+        "exr" => write_exr(path, picture),
+        "hdr" => write_hdr(path, picture),
+        _ => {
+            Err(FileError::new(path, "no such picture format; end the name in .exr, .hdr or .png"))
+        }
+    }
+}
+
+/// Writes linear `picture` as an 8-bit sRGB PNG; returns how many values were not finite.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_png_srgb(path: &Path, picture: &RgbImage) -> Result<usize, FileError> {
+    let (values, bad) = finite_values(picture);
+    let codes: Vec<u8> =
+        values.iter().map(|&v| (255.0 * srgb_from_linear(v)).round() as u8).collect();
+    encode(path, picture, |out, width, height| {
+        PngEncoder::new(out).write_image(&codes, width, height, ExtendedColorType::Rgb8)
+    })?;
+    Ok(bad)
+}
+
+/// Writes `picture` as an EXR of 32-bit floats; returns how many values were not finite.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_exr(path: &Path, picture: &RgbImage) -> Result<usize, FileError> {
+    let (values, bad) = finite_values(picture);
+    let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_ne_bytes()).collect();
+    encode(path, picture, |out, width, height| {
+        OpenExrEncoder::new(out).write_image(&bytes, width, height, ExtendedColorType::Rgb32F)
+    })?;
+    Ok(bad)
+}
+
+/// Writes `picture` as a Radiance HDR (8 bits and a common exponent a pixel, no negative values);
+/// returns how many values were not finite.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_hdr(path: &Path, picture: &RgbImage) -> Result<usize, FileError> {
+    let (values, bad) = finite_values(picture);
+    let pixels: Vec<image::Rgb<f32>> = values
+        .chunks_exact(3)
+        .map(|rgb| image::Rgb([rgb[0].max(0.0), rgb[1].max(0.0), rgb[2].max(0.0)]))
+        .collect();
+    encode(path, picture, |out, width, height| {
+        HdrEncoder::new(out).encode(&pixels, width as usize, height as usize)
+    })?;
+    Ok(bad)
+}
+
+/// All channels of all pixels, with zeros for what is not finite, and the number of those.
+fn finite_values(picture: &RgbImage) -> (Vec<f32>, usize) {
+    let mut bad = 0;
+    let values = picture.pixels().iter().flat_map(|rgb| rgb.to_array()).map(|value| {
+        if value.is_finite() {
+            value
+        } else {
+            bad += 1;
+            0.0
+        }
+    });
+    (values.collect(), bad)
+}
+
+fn encode(
+    path: &Path,
+    picture: &RgbImage,
+    encoder: impl FnOnce(&mut Cursor<Vec<u8>>, u32, u32) -> ImageResult<()>,
+) -> Result<(), FileError> {
+    let size = |n: usize| u32::try_from(n).ok().filter(|&n| n > 0);
+    let (Some(width), Some(height)) = (size(picture.width()), size(picture.height())) else {
+        return Err(FileError::new(path, "a picture without pixels cannot be written"));
+    };
+    let mut out = Cursor::new(Vec::new());
+    encoder(&mut out, width, height)
+        .map_err(|error| FileError::new(path, format!("cannot be encoded: {error}")))?;
+    atomic::write(path, out.get_ref())
+}

@@ -1,0 +1,128 @@
+//! From a photograph to linear radiance, with a trust for every pixel.
+//!
+//! The camera turned radiance into code values; [`develop`] turns them back: through the inverse
+//! of the [`Response`], then times the exposure. Pixels that the sensor or the file cut off say
+//! only "at least this much" and are not trusted, nor are their neighbours, into which they may
+//! have bled.
+
+pub mod clipping;
+pub mod response;
+
+pub use response::{Response, choose_response};
+
+use unrender_formats::picture::Picture;
+use unrender_scene::{Image, Rgb, RgbImage};
+
+/// Scene radiance per unit of linear pixel value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Exposure {
+    /// Known, by channel.
+    Fixed(Rgb),
+    /// To be found from a group whose reflectance is known.
+    Auto,
+}
+
+impl Exposure {
+    /// The exposure to develop with: the fixed one, or one where it is still to be found.
+    pub fn or_one(self) -> Rgb {
+        match self {
+            Self::Fixed(exposure) => exposure,
+            Self::Auto => Rgb::ONE,
+        }
+    }
+}
+
+/// A developed photograph.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Photo {
+    /// Radiance, W sr^-1 m^-2 per channel.
+    pub radiance: RgbImage,
+    /// False where a channel is clipped, beside such a pixel, and where the file had no number.
+    pub trusted: Image<bool>,
+    /// How many pixels are clipped in some channel, their neighbours not counted.
+    pub clipped: usize,
+    /// The radiance between one code value and the next at this pixel; zero for floating-point
+    /// files. A uniform error of one step has the variance step^2 / 12.
+    pub quantum: RgbImage,
+}
+
+/// Turns the code values of `picture` into radiance.
+///
+/// `exposure` is the scene radiance of a linear pixel value of one, by channel.
+pub fn develop(picture: &Picture, response: Response, exposure: Rgb) -> Photo {
+    let per_channel = |f: &dyn Fn(f32) -> f32| {
+        picture.values.map(|code| Rgb::from_array(code.to_array().map(f)) * exposure)
+    };
+    let radiance = per_channel(&|code| response.linear_from_code(code));
+    let quantum = match picture.depth.max_code() {
+        Some(max_code) => per_channel(&|code| response.step(code, 1.0 / max_code)),
+        None => per_channel(&|_| 0.0),
+    };
+    let clipped = clipping::clipped_pixels(picture);
+    let mut trusted = clipping::away_from(&picture.values, &clipped);
+    for &index in &picture.invalid {
+        trusted.pixels_mut()[index] = false;
+    }
+    Photo { radiance, trusted, clipped: clipped.len(), quantum }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use unrender_formats::picture::Depth;
+    use unrender_scene::color::srgb_from_linear;
+
+    fn picture(depth: Depth, values: Vec<Rgb>) -> Picture {
+        let width = values.len();
+        Picture { values: Image::new(width, 1, values), depth, invalid: Vec::new() }
+    }
+
+    #[test]
+    fn developing_inverts_the_camera() {
+        let radiance = Rgb::new(0.02, 0.3, 0.9);
+        let exposure = Rgb::new(2.0, 1.0, 0.5);
+        let in_file = (radiance / exposure).to_array();
+        let check = |response, encode: &dyn Fn(f32) -> f32| {
+            let code = Rgb::from_array(in_file.map(encode));
+            let photo = develop(&picture(Depth::Float, vec![code]), response, exposure);
+            let back = photo.radiance.pixels()[0];
+            assert!((back - radiance).abs().max_element() < 1e-5, "{response:?}: {back}");
+        };
+        check(Response::Linear, &|v| v);
+        check(Response::Gamma(2.2), &|v| v.powf(1.0 / 2.2));
+        let code = Rgb::from_array([0.01, 0.3, 0.9].map(srgb_from_linear));
+        let photo = develop(&picture(Depth::Eight, vec![code]), Response::Srgb, Rgb::ONE);
+        assert!((photo.radiance.pixels()[0] - Rgb::new(0.01, 0.3, 0.9)).length() < 1e-5);
+    }
+
+    #[test]
+    fn clipped_pixels_and_their_neighbours_are_not_trusted() {
+        let mut values = vec![Rgb::splat(0.5); 8];
+        values[1].y = 1.0;
+        let mut integer = picture(Depth::Eight, values.clone());
+        integer.invalid.push(6);
+        let photo = develop(&integer, Response::Srgb, Rgb::ONE);
+        assert_eq!(photo.clipped, 1);
+        let expected = [false, false, false, true, true, true, false, true];
+        assert_eq!(photo.trusted.pixels(), expected);
+        let float = develop(&picture(Depth::Float, values), Response::Linear, Rgb::ONE);
+        assert!(float.clipped == 0 && float.trusted.pixels().iter().all(|t| *t));
+    }
+
+    #[test]
+    fn the_quantum_is_the_distance_between_neighbouring_codes() {
+        for code in 1..255u8 {
+            let at = |code: u8| Rgb::splat(f32::from(code) / 255.0);
+            let values = vec![at(code - 1), at(code), at(code + 1)];
+            let photo = develop(&picture(Depth::Eight, values), Response::Srgb, Rgb::splat(3.0));
+            let [before, _, after] = [0, 1, 2].map(|i| photo.radiance.pixels()[i].x);
+            let quantum = photo.quantum.pixels()[1].x;
+            assert!((quantum / (0.5 * (after - before)) - 1.0).abs() < 0.02, "code {code}");
+        }
+        let values = vec![Rgb::splat(0.5)];
+        let photo = develop(&picture(Depth::Sixteen, values.clone()), Response::Linear, Rgb::ONE);
+        assert!((photo.quantum.pixels()[0].x - 1.0 / 65535.0).abs() < 1e-9);
+        let photo = develop(&picture(Depth::Float, values), Response::Linear, Rgb::ONE);
+        assert_eq!(photo.quantum.pixels()[0], Rgb::ZERO);
+    }
+}

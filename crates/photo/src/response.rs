@@ -1,0 +1,101 @@
+//! The camera's response: which linear value a code value stands for.
+
+use unrender_formats::picture::Depth;
+use unrender_scene::Warnings;
+use unrender_scene::color::linear_from_srgb;
+
+/// How the camera or the program behind it encoded linear values, alike in all channels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Response {
+    /// The sRGB curve (IEC 61966-2-1).
+    Srgb,
+    /// Codes are proportional to radiance.
+    Linear,
+    /// code = linear^(1 / gamma).
+    Gamma(f32),
+}
+
+impl Response {
+    /// The linear value of a code value; one for one. Negative codes, which only floating-point
+    /// files have, stay negative for [`Response::Linear`] and become zero otherwise.
+    pub fn linear_from_code(self, code: f32) -> f32 {
+        match self {
+            Self::Srgb => linear_from_srgb(code.max(0.0)),
+            Self::Linear => code,
+            Self::Gamma(gamma) => code.max(0.0).powf(gamma),
+        }
+    }
+
+    /// The linear distance from `code` to the codes beside it, `step` away: the mean of both
+    /// sides, or the one side that there is at the ends.
+    pub fn step(self, code: f32, step: f32) -> f32 {
+        let below = (code - step).max(0.0);
+        let above = (code + step).min(1.0);
+        let distance = self.linear_from_code(above) - self.linear_from_code(below);
+        distance * step / (above - below).max(0.5 * step)
+    }
+}
+
+/// The response to use for a file of this depth, and what is doubtful about it.
+///
+/// Without a word from the project, floating-point files are linear and integer files sRGB.
+pub fn choose_response(depth: Depth, stated: Option<Response>) -> (Response, Warnings) {
+    let mut warnings = Warnings::default();
+    let response = match (depth, stated) {
+        (Depth::Float, None) => {
+            warnings.push(
+                "the project states no response; the photo has floating-point values, \
+                 so \"linear\" was taken",
+            );
+            Response::Linear
+        }
+        (_, None) => {
+            warnings.push("the project states no response; \"srgb\" was taken");
+            Response::Srgb
+        }
+        (Depth::Eight, Some(Response::Linear)) => {
+            warnings.push(
+                "response = \"linear\" for an 8-bit photo is unusual; \
+                 if it looks right on a screen, it is \"srgb\"",
+            );
+            Response::Linear
+        }
+        (Depth::Float, Some(response @ (Response::Srgb | Response::Gamma(_)))) => {
+            warnings.push(
+                "the photo has floating-point values, which are nearly always linear, \
+                 but the project states another response",
+            );
+            response
+        }
+        (_, Some(response)) => response,
+    };
+    (response, warnings)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn doubtful_responses_are_told() {
+        let told = |depth, stated| {
+            let (response, warnings) = choose_response(depth, stated);
+            (response, warnings.0.len())
+        };
+        assert_eq!(told(Depth::Float, None), (Response::Linear, 1));
+        assert_eq!(told(Depth::Float, Some(Response::Linear)), (Response::Linear, 0));
+        assert_eq!(told(Depth::Float, Some(Response::Srgb)), (Response::Srgb, 1));
+        assert_eq!(told(Depth::Eight, None), (Response::Srgb, 1));
+        assert_eq!(told(Depth::Eight, Some(Response::Srgb)), (Response::Srgb, 0));
+        assert_eq!(told(Depth::Eight, Some(Response::Linear)), (Response::Linear, 1));
+        assert_eq!(told(Depth::Sixteen, Some(Response::Linear)), (Response::Linear, 0));
+    }
+
+    #[test]
+    fn steps_at_the_ends_are_one_sided() {
+        let step = 1.0 / 255.0;
+        assert!((Response::Linear.step(0.0, step) - step).abs() < 1e-7);
+        assert!((Response::Linear.step(1.0, step) - step).abs() < 1e-7);
+        assert!(Response::Gamma(2.2).step(0.0, step) > 0.0, "a step is never nothing");
+    }
+}

@@ -1,0 +1,94 @@
+//! The command line: global flags, the subcommands, and what becomes of errors.
+
+use crate::commands::{recover, render, score};
+use crate::{Error, interrupt};
+use clap::{Parser, Subcommand};
+use std::num::NonZeroUsize;
+use std::process::ExitCode;
+use unrender_scene::Warnings;
+
+/// Recovers the reflectance of every surface of a known scene from one photograph.
+#[derive(Debug, Parser)]
+#[command(name = "unrender", version, about)]
+struct Cli {
+    #[command(flatten)]
+    global: Global,
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// Flags of all subcommands.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub struct Global {
+    /// Show no progress; errors and warnings are still told.
+    #[arg(long, global = true)]
+    pub quiet: bool,
+    /// Use this many threads [default: one a core]; the results do not depend on it.
+    #[arg(long, global = true, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Recover(recover::Args),
+    Render(render::Args),
+    Score(score::Args),
+}
+
+/// Runs the command line that the process was started with.
+pub fn run() -> ExitCode {
+    let cli = Cli::parse();
+    match prepare(&cli.global).and_then(|()| dispatch(&cli)) {
+        Ok(code) => code,
+        Err(error) => {
+            report(&error);
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn prepare(global: &Global) -> Result<(), Error> {
+    interrupt::install()?;
+    if let Some(threads) = global.threads {
+        rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global().map_err(
+            |error| Error::Request(format!("{threads} threads cannot be started: {error}")),
+        )?;
+    }
+    Ok(())
+}
+
+fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
+    match &cli.command {
+        Command::Recover(args) => recover::run(args, &cli.global),
+        Command::Render(args) => render::run(args, &cli.global),
+        Command::Score(args) => score::run(args),
+    }
+}
+
+/// Prints `warnings` on stderr, one a line.
+pub(crate) fn warn(warnings: &Warnings) {
+    for warning in &warnings.0 {
+        eprintln!("warning: {warning}");
+    }
+}
+
+/// Prints `error` and its causes on stderr.
+fn report(error: &Error) {
+    eprintln!("error: {error}");
+    let mut cause = std::error::Error::source(error);
+    while let Some(inner) = cause {
+        eprintln!("  because: {inner}");
+        cause = inner.source();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+}

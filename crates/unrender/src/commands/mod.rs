@@ -1,0 +1,5 @@
+//! The subcommands: each file holds the arguments of one and its `run`.
+
+pub mod recover;
+pub mod render;
+pub mod score;

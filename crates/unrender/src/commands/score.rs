@@ -1,0 +1,80 @@
+//! `unrender score`: recovered materials against the truth.
+
+use crate::Error;
+use crate::score::{GroupScore, Limits, Worst, score, table, worst};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use unrender_formats::materials;
+
+/// Compares the materials of a recovery with known ones.
+///
+/// Groups whose status is known or assumed are shown in brackets and not counted. A lobe and the
+/// same lobe with its alphas swapped and turned by 90 degrees are one. With a limit, the exit code
+/// is 1 if it is exceeded, a hypothesis is wrong or a number is missing.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  \
+    unrender score result truth.json --max-rho 0.005 --max-alpha-percent 2 --max-degrees 0.5")]
+pub struct Args {
+    /// The folder of the results, or its materials.json.
+    pub results: PathBuf,
+    /// The true materials, in the format of materials.json.
+    pub truth: PathBuf,
+    /// The largest good error of rho_d and rho_s.
+    #[arg(long, value_name = "X")]
+    pub max_rho: Option<f64>,
+    /// The largest good error of alpha_x and alpha_y, percent.
+    #[arg(long, value_name = "X")]
+    pub max_alpha_percent: Option<f64>,
+    /// The largest good error of the brushed direction, degrees.
+    #[arg(long, value_name = "X")]
+    pub max_degrees: Option<f64>,
+    /// Print JSON instead of columns.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Serialize)]
+struct Json<'a> {
+    groups: &'a [GroupScore],
+    worst: &'a Worst,
+    exceeded: &'a [String],
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// If a file cannot be read.
+pub fn run(args: &Args) -> Result<ExitCode, Error> {
+    let path = if args.results.is_dir() {
+        args.results.join("materials.json")
+    } else {
+        args.results.clone()
+    };
+    let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
+    let (results, truth) = (materials::read(&path)?, materials::read(&args.truth)?);
+    let scores = score(&results, &folder(&path), &truth, &folder(&args.truth))?;
+    let worst = worst(&scores);
+    let limits = Limits {
+        rho: args.max_rho,
+        alpha_percent: args.max_alpha_percent,
+        degrees: args.max_degrees,
+    };
+    let exceeded = if limits.any() { limits.exceeded(&scores) } else { Vec::new() };
+    if args.json {
+        let json = Json { groups: &scores, worst: &worst, exceeded: &exceeded };
+        let text = serde_json::to_string_pretty(&json)
+            .map_err(|error| Error::Request(format!("the scores cannot be written: {error}")))?;
+        print(&(text + "\n"));
+    } else {
+        print(&table::table(&scores, &worst));
+    }
+    exceeded.iter().for_each(|fault| eprintln!("error: {fault}"));
+    Ok(if exceeded.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Prints to stdout; a reader that has gone away is no fault of ours.
+fn print(text: &str) {
+    use std::io::Write;
+    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+}

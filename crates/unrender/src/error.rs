@@ -1,0 +1,26 @@
+//! Why a command ended without its result.
+
+use unrender_formats::FileError;
+use unrender_scene::SceneError;
+
+/// The end of a command that did not do what it was asked to.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A file cannot be read or written, or says something impossible.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The scene cannot be rendered.
+    #[error("{}: the scene cannot be used", path.display())]
+    Scene {
+        /// The scene's file.
+        path: std::path::PathBuf,
+        /// What is wrong with it.
+        source: SceneError,
+    },
+    /// Something that was asked for does not fit the scene or the machine.
+    #[error("{0}")]
+    Request(String),
+    /// This part of the program is not connected in this build.
+    #[error("{0} is not part of this build")]
+    NotConnected(&'static str),
+}

@@ -1,0 +1,161 @@
+//! Everything a recovery starts from, read and checked.
+
+use crate::project::{CameraChoice, Project};
+use crate::{Error, engine};
+use std::path::Path;
+use unrender_formats::picture;
+use unrender_photo::{Photo, choose_response, develop};
+use unrender_scene::{Camera, Scene, Warnings};
+
+/// Two aspects (width over height) are alike up to this share.
+const ASPECT_TOLERANCE: f32 = 0.01;
+
+/// A recovery, ready to begin.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// The scene; known groups wear their known materials, `brdf` is the project's.
+    pub scene: Scene,
+    /// The camera of the photograph.
+    pub camera: Camera,
+    /// The photograph as radiance; with exposure "auto", for an exposure of one.
+    pub photo: Photo,
+    /// What the project file says.
+    pub project: Project,
+    /// What is doubtful about all of it.
+    pub warnings: Warnings,
+}
+
+impl Job {
+    /// Reads what `project` names; `warnings` are those that it was read with.
+    ///
+    /// # Errors
+    /// If the photograph or the scene cannot be read, or they do not fit the project.
+    pub fn load(project: Project, mut warnings: Warnings) -> Result<Self, Error> {
+        let (picture, told) = picture::read(&project.photo)?;
+        warnings.extend(told);
+        let (response, told) = choose_response(picture.depth, project.response);
+        warnings.extend(told);
+        let (mut scene, told) = engine::load_scene(&project.scene)?;
+        warnings.extend(told);
+        project.check_against(&scene)?;
+        scene.brdf = project.brdf;
+        for (name, known) in &project.known {
+            if let Some(index) = scene.group_index(name) {
+                scene.groups[index].material = known.material();
+            }
+        }
+        warnings.extend(validate(&mut scene, &project.scene)?);
+        let (camera, told) = choose_camera(&project, &scene)?;
+        warnings.extend(told);
+        let photo = develop(&picture, response, project.exposure.or_one());
+        warnings.extend(doubtful_aspect(&camera, photo.radiance.width(), photo.radiance.height()));
+        Ok(Self { scene, camera, photo, project, warnings })
+    }
+}
+
+/// [`Scene::validate`] with the file's name in the error.
+pub(crate) fn validate(scene: &mut Scene, path: &Path) -> Result<Warnings, Error> {
+    scene.validate().map_err(|source| Error::Scene { path: path.to_owned(), source })
+}
+
+fn choose_camera(project: &Project, scene: &Scene) -> Result<(Camera, Warnings), Error> {
+    match &project.camera {
+        CameraChoice::Placed(camera) => Ok((camera.clone(), Warnings::default())),
+        CameraChoice::Named(name) => named_camera(scene, Some(name), &project.scene),
+        CameraChoice::First => named_camera(scene, None, &project.scene),
+    }
+}
+
+/// The scene's camera called `name`, or its first one; `path` names the scene in messages.
+pub(crate) fn named_camera(
+    scene: &Scene,
+    name: Option<&str>,
+    path: &Path,
+) -> Result<(Camera, Warnings), Error> {
+    let names: Vec<&str> = scene.cameras.iter().map(|c| c.name.as_str()).collect();
+    let path = path.display();
+    let mut warnings = Warnings::default();
+    let chosen = match name {
+        Some(name) => scene.cameras.iter().find(|c| c.name == name).ok_or_else(|| {
+            format!("{path}: there is no camera \"{name}\"; there are: {}", names.join(", "))
+        }),
+        None => scene.cameras.first().ok_or_else(|| {
+            format!(
+                "{path}: the scene has no camera; export it with one, or give the project a table \
+                 [camera] with eye, target, up and fov_y_deg"
+            )
+        }),
+    };
+    if name.is_none() && names.len() > 1 {
+        warnings.push(format!(
+            "{path}: of the cameras {} the first was taken; choose one by its name",
+            names.join(", ")
+        ));
+    }
+    Ok((chosen.map_err(Error::Request)?.clone(), warnings))
+}
+
+/// What is doubtful about a photo of `width` x `height` pixels by this camera.
+fn doubtful_aspect(camera: &Camera, width: usize, height: usize) -> Warnings {
+    let mut warnings = Warnings::default();
+    let Some(stated) = camera.aspect else { return warnings };
+    let photo = width as f32 / height as f32;
+    let differs = |a: f32, b: f32| (a / b - 1.0).abs() > ASPECT_TOLERANCE;
+    if !differs(stated, photo) {
+        return warnings;
+    }
+    let name = |aspect: f32| if aspect > 1.0 { "landscape" } else { "portrait" };
+    if name(stated) != name(photo) && differs(stated, 1.0) && differs(photo, 1.0) {
+        warnings.push(format!(
+            "the photo is {} ({width} x {height}), but camera \"{}\" is {} (aspect {stated:.3}); \
+             is the photo turned?",
+            name(photo),
+            camera.name,
+            name(stated)
+        ));
+    } else {
+        warnings.push(format!(
+            "the photo's aspect is {photo:.3}, that of camera \"{}\" {stated:.3}; \
+             the camera's vertical field of view was kept",
+            camera.name
+        ));
+    }
+    warnings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    fn camera(name: &str, aspect: Option<f32>) -> Camera {
+        let camera = Camera::look_at(name, Vec3::Z, Vec3::ZERO, Vec3::Y, 1.0);
+        Camera { aspect, ..camera }
+    }
+
+    #[test]
+    fn aspects_that_do_not_fit_are_told() {
+        let told = |aspect, width, height| doubtful_aspect(&camera("c", aspect), width, height).0;
+        assert!(told(None, 3, 2).is_empty());
+        assert!(told(Some(1.5), 300, 200).is_empty());
+        assert!(told(Some(1.5), 301, 200).is_empty());
+        assert!(told(Some(1.5), 320, 200)[0].contains("vertical field of view"));
+        assert!(told(Some(1.5), 200, 300)[0].contains("is portrait (200 x 300)"));
+        assert!(told(Some(1.0), 200, 300)[0].contains("vertical field of view"));
+    }
+
+    #[test]
+    fn cameras_are_chosen_by_name_or_the_first_with_a_warning() {
+        let path = Path::new("s.glb");
+        let mut scene = Scene::default();
+        let error = named_camera(&scene, None, path).unwrap_err().to_string();
+        assert!(error.contains("[camera]"), "{error}");
+        scene.cameras = vec![camera("a", None), camera("b", None)];
+        let (chosen, warnings) = named_camera(&scene, None, path).unwrap();
+        assert_eq!((chosen.name.as_str(), warnings.0.len()), ("a", 1));
+        let (chosen, warnings) = named_camera(&scene, Some("b"), path).unwrap();
+        assert_eq!((chosen.name.as_str(), warnings.0.len()), ("b", 0));
+        let error = named_camera(&scene, Some("x"), path).unwrap_err().to_string();
+        assert!(error.contains("there are: a, b"), "{error}");
+    }
+}

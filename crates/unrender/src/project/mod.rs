@@ -1,0 +1,153 @@
+//! The project file: which scene, which photograph, what is known already.
+//!
+//! `parse` turns the text into a [`Project`] and checks every number; names are checked against
+//! the scene by [`Project::check_against`], once that is read.
+
+mod parse;
+mod raw;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use unrender_formats::FileError;
+use unrender_formats::materials::Hypothesis;
+use unrender_photo::{Exposure, Response};
+use unrender_scene::{Camera, Material, Rgb, Scene, WardModel, Warnings};
+
+/// A project file with its paths made whole and its numbers checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Project {
+    /// The project file itself.
+    pub path: PathBuf,
+    /// The scene file.
+    pub scene: PathBuf,
+    /// The photograph.
+    pub photo: PathBuf,
+    /// How the photograph is encoded, where the project says so.
+    pub response: Option<Response>,
+    /// Scene radiance per unit of linear pixel value.
+    pub exposure: Exposure,
+    /// What fixes the absolute scale; always there with [`Exposure::Auto`].
+    pub anchor: Option<Anchor>,
+    /// The groups that are not to be recovered.
+    pub known: BTreeMap<String, Known>,
+    /// The form of Ward's lobe to recover.
+    pub brdf: WardModel,
+    /// The user's own error above which the rung after a hypothesis is tried, as a share.
+    pub thresholds: BTreeMap<Hypothesis, f64>,
+    /// The camera of the photograph.
+    pub camera: CameraChoice,
+}
+
+/// A group whose diffuse reflectance fixes the exposure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Anchor {
+    /// The group's name.
+    pub group: String,
+    /// Its diffuse reflectance.
+    pub rho_d: Rgb,
+}
+
+/// What the project knows about a group; what it leaves out is not there: no texture, no lobe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Known {
+    /// Diffuse reflectance.
+    pub rho_d: Rgb,
+    /// Specular reflectance.
+    pub rho_s: Rgb,
+    /// Roughness along the brushed direction.
+    pub alpha_x: f32,
+    /// Roughness across it.
+    pub alpha_y: f32,
+    /// Brushed direction, radians from the surface's tangent.
+    pub theta_rad: f32,
+}
+
+impl Known {
+    /// The material that this is.
+    pub fn material(&self) -> Material {
+        let Self { rho_d, rho_s, alpha_x, alpha_y, theta_rad } = *self;
+        Material { rho_d, rho_s, alpha_x, alpha_y, theta_rad, texture: None }
+    }
+}
+
+/// Which camera took the photograph.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CameraChoice {
+    /// The scene's first.
+    First,
+    /// The scene's camera of this name.
+    Named(String),
+    /// One that the project describes itself.
+    Placed(Camera),
+}
+
+impl Project {
+    /// Reads the project file at `path` and checks it as far as that goes without the scene.
+    ///
+    /// # Errors
+    /// If the file is missing, is not TOML, has an unknown key or a value that cannot be meant, or
+    /// names a file that does not exist.
+    pub fn read(path: &Path) -> Result<(Self, Warnings), FileError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|error| FileError::new(path, format!("cannot be read: {error}")))?;
+        let (project, warnings) = Self::parse(path, &text)?;
+        for (key, file) in [("scene", &project.scene), ("photo", &project.photo)] {
+            if !file.is_file() {
+                let problem = format!("{key}: there is no file {}", file.display());
+                return Err(FileError::new(path, problem));
+            }
+        }
+        Ok((project, warnings))
+    }
+
+    /// As [`Project::read`] from the file's text, without looking for the files that it names.
+    ///
+    /// # Errors
+    /// If the text is not TOML, has an unknown key or a value that cannot be meant.
+    pub fn parse(path: &Path, text: &str) -> Result<(Self, Warnings), FileError> {
+        parse::parse(path, text).map_err(|problem| FileError::new(path, problem))
+    }
+
+    /// Checks that the names in the project are names in `scene`.
+    ///
+    /// # Errors
+    /// If a group or a camera does not exist, or the anchor is a light.
+    pub fn check_against(&self, scene: &Scene) -> Result<(), FileError> {
+        let fault = |problem: String| Err(FileError::new(&self.path, problem));
+        let known = self.known.keys().map(|name| (format!("groups.{name}"), name));
+        let anchor = self.anchor.iter().map(|a| ("anchor.group".to_owned(), &a.group));
+        for (key, name) in known.chain(anchor) {
+            if scene.group_index(name).is_none() {
+                let names = scene.groups.iter().map(|g| g.name.as_str());
+                let there = some_names(names);
+                return fault(format!("{key}: the scene has no group \"{name}\"; it has {there}"));
+            }
+        }
+        let anchor = self.anchor.as_ref().and_then(|a| scene.group_index(&a.group));
+        if anchor.is_some_and(|index| scene.groups[index].is_emitter()) {
+            return fault(
+                "anchor.group: the group emits light; take one that only reflects".into(),
+            );
+        }
+        if let CameraChoice::Named(name) = &self.camera {
+            if !scene.cameras.iter().any(|c| c.name == *name) {
+                let there = some_names(scene.cameras.iter().map(|c| c.name.as_str()));
+                return fault(format!("camera: the scene has no \"{name}\"; it has {there}"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Up to a dozen names for a message.
+fn some_names<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    const SHOWN: usize = 12;
+    let names: Vec<&str> = names.collect();
+    match names.len() {
+        0 => "none".to_owned(),
+        count if count > SHOWN => {
+            format!("{} and {} more", names[..SHOWN].join(", "), count - SHOWN)
+        }
+        _ => names.join(", "),
+    }
+}

@@ -1,0 +1,208 @@
+//! From the raw project to one whose values are understood; every fault names its key.
+
+use super::raw::{RawAnchor, RawCamera, RawKnown, RawProject};
+use super::{Anchor, CameraChoice, Known, Project};
+use glam::Vec3;
+use std::collections::BTreeMap;
+use std::path::Path;
+use toml::Value;
+use unrender_formats::materials::Hypothesis;
+use unrender_photo::{Exposure, Response};
+use unrender_scene::{Camera, Rgb, WardModel, Warnings};
+
+pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), String> {
+    let raw: RawProject = toml::from_str(text).map_err(|error| with_line(&error, text))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut warnings = Warnings::default();
+    let anchor = raw.anchor.as_ref().map(anchor).transpose()?;
+    let exposure = exposure(raw.exposure.as_ref(), anchor.is_some(), &mut warnings)?;
+    if anchor.is_some() && exposure != Exposure::Auto {
+        warnings.push("[anchor] was not used, as the exposure is stated");
+    }
+    let mut all_known = BTreeMap::new();
+    for (name, group) in &raw.groups {
+        if let Some(raw_known) = &group.known {
+            all_known.insert(name.clone(), known(&format!("groups.{name}.known"), raw_known)?);
+        }
+    }
+    let brdf = raw.recover.brdf.as_deref().map(str::parse::<WardModel>).transpose();
+    let project = Project {
+        path: path.to_owned(),
+        scene: folder.join(&raw.scene),
+        photo: folder.join(&raw.photo),
+        response: raw.response.as_ref().map(response).transpose()?,
+        exposure,
+        anchor,
+        known: all_known,
+        brdf: brdf.map_err(|problem| format!("recover.brdf: {problem}"))?.unwrap_or_default(),
+        thresholds: thresholds(&raw.recover.thresholds)?,
+        camera: raw.camera.map_or(Ok(CameraChoice::First), camera)?,
+    };
+    Ok((project, warnings))
+}
+
+fn with_line(error: &toml::de::Error, text: &str) -> String {
+    let message = error.message();
+    match error.span().and_then(|span| text.get(..span.start)) {
+        Some(before) => format!("line {}: {message}", before.matches('\n').count() + 1),
+        None => message.to_owned(),
+    }
+}
+
+fn response(value: &Value) -> Result<Response, String> {
+    const MEANT: &str = "give \"srgb\", \"linear\" or { gamma = 2.2 }";
+    if let Some(name) = value.as_str() {
+        return match name {
+            "srgb" => Ok(Response::Srgb),
+            "linear" => Ok(Response::Linear),
+            _ if name.contains(['.', '/']) => Err(format!(
+                "response: response-curve files such as \"{name}\" are not read yet; {MEANT}"
+            )),
+            _ => Err(format!("response: there is no \"{name}\"; {MEANT}")),
+        };
+    }
+    let table = value.as_table().filter(|t| t.len() == 1).and_then(|t| t.get("gamma"));
+    let gamma = table.and_then(number).ok_or_else(|| format!("response: {MEANT}"))?;
+    if !(0.1..=10.0).contains(&gamma) {
+        return Err(format!("response.gamma is {gamma}; it is from 0.1 to 10"));
+    }
+    Ok(Response::Gamma(gamma))
+}
+
+fn exposure(
+    value: Option<&Value>,
+    anchored: bool,
+    warnings: &mut Warnings,
+) -> Result<Exposure, String> {
+    let Some(value) = value else {
+        if anchored {
+            return Ok(Exposure::Auto);
+        }
+        warnings.push("the project states no exposure; 1.0 was taken");
+        return Ok(Exposure::Fixed(Rgb::ONE));
+    };
+    match value.as_str() {
+        Some("auto") if anchored => Ok(Exposure::Auto),
+        Some("auto") => {
+            Err("exposure: \"auto\" needs a table [anchor] with a group and its rho_d, \
+                             else nothing fixes the scale"
+                .into())
+        }
+        Some(other) => Err(format!("exposure: there is no \"{other}\"; give a number or \"auto\"")),
+        None => {
+            let rgb = triple("exposure", value)?;
+            if !rgb.is_finite() || rgb.min_element() <= 0.0 {
+                return Err(format!("exposure is {value}; it must be positive"));
+            }
+            Ok(Exposure::Fixed(rgb))
+        }
+    }
+}
+
+fn anchor(raw: &RawAnchor) -> Result<Anchor, String> {
+    let rho_d = reflectance("anchor.rho_d", &raw.rho_d)?;
+    if rho_d.min_element() <= 0.0 {
+        return Err("anchor.rho_d: a channel is zero, which fixes no scale".into());
+    }
+    Ok(Anchor { group: raw.group.clone(), rho_d })
+}
+
+fn known(key: &str, raw: &RawKnown) -> Result<Known, String> {
+    if raw.rho_d.is_none() && raw.rho_s.is_none() {
+        return Err(format!("{key}: give rho_d or rho_s or both"));
+    }
+    let rho = |name: &str, value: &Option<Value>| match value {
+        Some(value) => reflectance(&format!("{key}.{name}"), value),
+        None => Ok(Rgb::ZERO),
+    };
+    let alpha_x = raw.alpha_x.or(raw.alpha_y).unwrap_or(0.0);
+    let alpha_y = raw.alpha_y.unwrap_or(alpha_x);
+    for (name, alpha) in [("alpha_x", alpha_x), ("alpha_y", alpha_y)] {
+        if !(alpha.is_finite() && alpha >= 0.0) {
+            return Err(format!("{key}.{name} is {alpha}; a roughness is zero or positive"));
+        }
+    }
+    if (alpha_x > 0.0) != (alpha_y > 0.0) {
+        return Err(format!("{key}: alpha_x and alpha_y are both positive or both zero"));
+    }
+    let theta_deg = raw.theta_deg.unwrap_or(0.0);
+    if !theta_deg.is_finite() {
+        return Err(format!("{key}.theta_deg is {theta_deg}; give an angle in degrees"));
+    }
+    Ok(Known {
+        rho_d: rho("rho_d", &raw.rho_d)?,
+        rho_s: rho("rho_s", &raw.rho_s)?,
+        alpha_x,
+        alpha_y,
+        theta_rad: theta_deg.to_radians(),
+    })
+}
+
+fn thresholds(raw: &BTreeMap<String, f64>) -> Result<BTreeMap<Hypothesis, f64>, String> {
+    let mut thresholds = BTreeMap::new();
+    for (name, &error) in raw {
+        let hypothesis =
+            Hypothesis::ALL.into_iter().find(|h| h.name() == name).ok_or_else(|| {
+                let names = Hypothesis::ALL.map(Hypothesis::name).join(", ");
+                format!("recover.thresholds.{name}: there is no such hypothesis; there are {names}")
+            })?;
+        if !(error.is_finite() && error > 0.0) {
+            return Err(format!("recover.thresholds.{name} is {error}; it must be positive"));
+        }
+        thresholds.insert(hypothesis, error);
+    }
+    Ok(thresholds)
+}
+
+fn camera(value: Value) -> Result<CameraChoice, String> {
+    let table = match value {
+        Value::String(name) => return Ok(CameraChoice::Named(name)),
+        Value::Table(table) => table,
+        _ => return Err("camera: give a name or a table with eye, target, up, fov_y_deg".into()),
+    };
+    let raw: RawCamera = table
+        .try_into()
+        .map_err(|error: toml::de::Error| format!("camera: {}", error.message()))?;
+    let [eye, target, up] =
+        [raw.eye, raw.target, raw.up.unwrap_or([0.0, 1.0, 0.0])].map(Vec3::from_array);
+    if !(raw.fov_y_deg > 0.0 && raw.fov_y_deg < 180.0) {
+        return Err(format!("camera.fov_y_deg is {}; it is between 0 and 180", raw.fov_y_deg));
+    }
+    if !(eye.is_finite() && target.is_finite() && up.is_finite()) || eye == target {
+        return Err("camera: eye and target must be two points".into());
+    }
+    let sideways = up.normalize_or_zero().cross((eye - target).normalize_or_zero());
+    if sideways.length() < 1e-4 {
+        return Err("camera.up: it must not point along the line of sight".into());
+    }
+    let fov_y_rad = raw.fov_y_deg.to_radians();
+    Ok(CameraChoice::Placed(Camera::look_at("project", eye, target, up, fov_y_rad)))
+}
+
+fn reflectance(key: &str, value: &Value) -> Result<Rgb, String> {
+    let rgb = triple(key, value)?;
+    if rgb.to_array().iter().all(|rho| (0.0..=1.0).contains(rho)) {
+        Ok(rgb)
+    } else {
+        Err(format!("{key} is {value}; a reflectance is from 0 to 1"))
+    }
+}
+
+/// One number for all channels, or a list of three.
+fn triple(key: &str, value: &Value) -> Result<Rgb, String> {
+    let fault = || format!("{key} is {value}; give a number or three, [r, g, b]");
+    if let Some(grey) = number(value) {
+        return Ok(Rgb::splat(grey));
+    }
+    match value.as_array().map(Vec::as_slice) {
+        Some([r, g, b]) => match (number(r), number(g), number(b)) {
+            (Some(r), Some(g), Some(b)) => Ok(Rgb::new(r, g, b)),
+            _ => Err(fault()),
+        },
+        _ => Err(fault()),
+    }
+}
+
+fn number(value: &Value) -> Option<f32> {
+    value.as_float().or_else(|| value.as_integer().map(|i| i as f64)).map(|v| v as f32)
+}

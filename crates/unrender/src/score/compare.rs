@@ -1,0 +1,147 @@
+//! The errors of one group.
+
+use super::GroupScore;
+use super::lobe::Lobe;
+use glam::Vec2;
+use std::path::Path;
+use unrender_formats::FileError;
+use unrender_formats::materials::{GroupEntry, Status, read_texture};
+use unrender_scene::{Image, Rgb, Texture, Wrap};
+
+/// True if a group of this status is compared with the truth.
+pub(super) fn counts(status: Option<Status>) -> bool {
+    status.is_none_or(|s| s == Status::Recovered)
+}
+
+/// Compares one group; the name is left to the caller.
+pub(super) fn group(
+    found: &GroupEntry,
+    found_folder: &Path,
+    wanted: &GroupEntry,
+    wanted_folder: &Path,
+) -> Result<GroupScore, FileError> {
+    let mut score = GroupScore {
+        counted: counts(found.status) && counts(wanted.status),
+        status: found.status,
+        hypothesis: found.hypothesis,
+        true_hypothesis: wanted.hypothesis,
+        ..GroupScore::default()
+    };
+    match &wanted.texture {
+        Some(texture) => {
+            let (truth, _) = read_texture(&wanted_folder.join(texture))?;
+            match found_texture(found, found_folder)? {
+                Some(texture) => score.rho_d = Some(texture_error(&texture, &truth)),
+                None => score.missing.push("texture"),
+            }
+        }
+        None => compare_rho_d(found, found_folder, wanted, &mut score)?,
+    }
+    compare_triple("rho_s", found.rho_s, wanted.rho_s, std_of(found, |s| s.rho_s), &mut score);
+    if wanted.rho_s.is_some_and(|rho| rho.iter().any(|&r| r > 0.0)) {
+        compare_lobes(found, wanted, &mut score);
+    }
+    Ok(score)
+}
+
+fn std_of<T>(
+    entry: &GroupEntry,
+    f: fn(&unrender_formats::materials::StdEntry) -> Option<T>,
+) -> Option<T> {
+    entry.std.as_ref().and_then(f)
+}
+
+fn compare_rho_d(
+    found: &GroupEntry,
+    folder: &Path,
+    wanted: &GroupEntry,
+    score: &mut GroupScore,
+) -> Result<(), FileError> {
+    let mut rho_d = found.rho_d;
+    if rho_d.is_none() && wanted.rho_d.is_some() {
+        rho_d = found_texture(found, folder)?.map(|t| mean(&t.image).to_array());
+    }
+    compare_triple("rho_d", rho_d, wanted.rho_d, std_of(found, |s| s.rho_d), score);
+    Ok(())
+}
+
+fn compare_triple(
+    key: &'static str,
+    found: Option<[f32; 3]>,
+    wanted: Option<[f32; 3]>,
+    std: Option<[f32; 3]>,
+    score: &mut GroupScore,
+) {
+    let Some(wanted) = wanted else { return };
+    let Some(found) = found else {
+        score.missing.push(key);
+        return;
+    };
+    let error = |c: usize| (f64::from(found[c]) - f64::from(wanted[c])).abs();
+    let worst = (0..3).map(error).fold(0.0, f64::max);
+    for (channel, std) in std.into_iter().flatten().enumerate() {
+        note_in_std(error(channel), Some(f64::from(std)), score);
+    }
+    if key == "rho_d" {
+        score.rho_d = Some(worst);
+    } else {
+        score.rho_s = Some(worst);
+    }
+}
+
+fn compare_lobes(found: &GroupEntry, wanted: &GroupEntry, score: &mut GroupScore) {
+    let Some(truth) = Lobe::of(wanted).filter(|lobe| lobe.alphas[0] > 0.0) else { return };
+    let Some(lobe) = Lobe::of(found) else {
+        score.missing.push("alpha_x or alpha_y");
+        return;
+    };
+    let error = |i: usize| (lobe.alphas[i] - truth.alphas[i]).abs();
+    let percent = |i: usize| 100.0 * error(i) / truth.alphas[i];
+    score.alpha_percent = Some(percent(0).max(percent(1)));
+    for i in 0..2 {
+        note_in_std(error(i), lobe.stds[i], score);
+    }
+    if truth.is_anisotropic() {
+        score.degrees = lobe.degrees_from(&truth);
+        match score.degrees {
+            Some(degrees) => {
+                note_in_std(degrees, std_of(found, |s| s.theta_deg).map(f64::from), score);
+            }
+            None => score.missing.push("direction or theta_deg"),
+        }
+    }
+}
+
+fn note_in_std(error: f64, std: Option<f64>, score: &mut GroupScore) {
+    if let Some(std) = std.filter(|std| *std > 0.0) {
+        score.in_std = Some(score.in_std.unwrap_or(0.0).max(error / std));
+    }
+}
+
+/// The group's texture; its mean rho_d where it has none, or nothing.
+fn found_texture(found: &GroupEntry, folder: &Path) -> Result<Option<Texture>, FileError> {
+    let image = match (&found.texture, found.rho_d) {
+        (Some(path), _) => read_texture(&folder.join(path))?.0,
+        (None, Some(rho_d)) => Image::new(1, 1, vec![Rgb::from_array(rho_d)]),
+        (None, None) => return Ok(None),
+    };
+    Ok(Some(Texture { image, wrap_u: Wrap::ClampToEdge, wrap_v: Wrap::ClampToEdge }))
+}
+
+/// The mean error over the texels of `truth`, in the worst channel.
+fn texture_error(found: &Texture, truth: &Image<Rgb>) -> f64 {
+    let (width, height) = (truth.width() as f32, truth.height() as f32);
+    let mut sum = [0.0f64; 3];
+    for y in 0..truth.height() {
+        for x in 0..truth.width() {
+            let uv = Vec2::new((x as f32 + 0.5) / width, (y as f32 + 0.5) / height);
+            let error = (found.sample(uv) - *truth.at(x, y)).abs().to_array();
+            (0..3).for_each(|c| sum[c] += f64::from(error[c]));
+        }
+    }
+    sum.into_iter().fold(0.0, f64::max) / truth.pixels().len() as f64
+}
+
+fn mean(image: &Image<Rgb>) -> Rgb {
+    image.pixels().iter().sum::<Rgb>() / image.pixels().len() as f32
+}
