@@ -2,6 +2,7 @@
 
 use crate::error::Misfit;
 use crate::hypothesis::Hypothesis;
+pub use unrender_scene::Status;
 use unrender_scene::{Image, Material, Rgb, RgbImage};
 
 /// What came out.
@@ -43,28 +44,6 @@ pub struct GroupResult {
     pub story: Vec<Trial>,
     /// What the user should know about it.
     pub note: Option<String>,
-}
-
-/// Where a group's numbers come from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
-    /// From the photograph.
-    Recovered,
-    /// From the user.
-    Known,
-    /// The photograph does not determine them.
-    Assumed,
-}
-
-impl Status {
-    /// The name in result files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Recovered => "recovered",
-            Self::Known => "known",
-            Self::Assumed => "assumed",
-        }
-    }
 }
 
 /// One rung tried on one group.

@@ -9,6 +9,7 @@
 
 pub mod camera;
 pub mod color;
+pub mod hypothesis;
 pub mod image;
 pub mod light;
 pub mod material;
@@ -17,6 +18,7 @@ pub mod validate;
 
 pub use camera::Camera;
 pub use color::Rgb;
+pub use hypothesis::{Hypothesis, Status};
 pub use image::{Image, RgbImage};
 pub use light::{Light, LightKind};
 pub use material::{Material, Texture, WardModel, Wrap};

@@ -12,85 +12,11 @@ pub use std_entry::StdEntry;
 use crate::{FileError, atomic};
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
-use std::fmt;
 use std::path::Path;
+pub use unrender_scene::{Hypothesis, Status};
 
 /// The version of the format that this crate writes.
 pub const VERSION: u32 = 1;
-
-/// What a group was taken to be: the rung of the ladder that explained it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Hypothesis {
-    /// Lambertian.
-    Diffuse,
-    /// A perfect mirror of reflectance one.
-    Mirror,
-    /// A perfect mirror that reflects a share.
-    PartialMirror,
-    /// Lambertian and a perfect mirror.
-    DiffuseSpecular,
-    /// Ward's lobe with one roughness.
-    Isotropic,
-    /// Ward's lobe with two roughnesses and a brushed direction.
-    Anisotropic,
-    /// A diffuse reflectance that changes over the surface.
-    Textured,
-}
-
-impl Hypothesis {
-    /// All hypotheses, the simplest first.
-    pub const ALL: [Self; 7] = [
-        Self::Diffuse,
-        Self::Mirror,
-        Self::PartialMirror,
-        Self::DiffuseSpecular,
-        Self::Isotropic,
-        Self::Anisotropic,
-        Self::Textured,
-    ];
-
-    /// The name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Diffuse => "diffuse",
-            Self::Mirror => "mirror",
-            Self::PartialMirror => "partial-mirror",
-            Self::DiffuseSpecular => "diffuse-specular",
-            Self::Isotropic => "isotropic",
-            Self::Anisotropic => "anisotropic",
-            Self::Textured => "textured",
-        }
-    }
-}
-
-impl fmt::Display for Hypothesis {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-/// Where a group's numbers come from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Status {
-    /// From the photograph.
-    Recovered,
-    /// From the project file.
-    Known,
-    /// Not determined by this photograph; the note says why.
-    Assumed,
-}
-
-impl fmt::Display for Status {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Recovered => "recovered",
-            Self::Known => "known",
-            Self::Assumed => "assumed",
-        })
-    }
-}
 
 /// A whole `materials.json`.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]

@@ -3,7 +3,7 @@
 //!
 //! One rung is one file with one public function `fit`, which finds the parameters that explain the
 //! evidence best under that hypothesis. To add a rung: write its file, name it in [`Hypothesis`] at
-//! its place in the order, and send it from [`Hypothesis::fit`].
+//! its place in the order, and send it from [`fit`].
 
 pub mod anisotropic;
 pub mod brushed;
@@ -17,83 +17,43 @@ pub mod textured;
 use crate::error::{Misfit, misfit};
 use crate::evidence::Evidence;
 use crate::fit::linear::{self, LinearFit, Terms};
-use std::fmt;
+pub use unrender_scene::Hypothesis;
 use unrender_scene::{Material, Rgb};
 
-/// A rung of the ladder.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Hypothesis {
-    /// Lambert's surface.
-    Diffuse,
-    /// Reflects all light in the mirror direction.
-    Mirror,
-    /// Reflects a share of the light in the mirror direction.
-    PartialMirror,
-    /// Lambert's surface under a perfect mirror.
-    DiffuseSpecular,
-    /// Ward's lobe, alike in all directions.
-    Isotropic,
-    /// Ward's lobe with a brushed direction.
-    Anisotropic,
-    /// A diffuse reflectance that changes over the surface.
-    Textured,
-}
+/// The rungs without a texture, from simple to complex.
+pub const UNIFORM: [Hypothesis; 6] = [
+    Hypothesis::Diffuse,
+    Hypothesis::Mirror,
+    Hypothesis::PartialMirror,
+    Hypothesis::DiffuseSpecular,
+    Hypothesis::Isotropic,
+    Hypothesis::Anisotropic,
+];
 
-impl Hypothesis {
-    /// The rungs without a texture, from simple to complex.
-    pub const UNIFORM: [Self; 6] = [
-        Self::Diffuse,
-        Self::Mirror,
-        Self::PartialMirror,
-        Self::DiffuseSpecular,
-        Self::Isotropic,
-        Self::Anisotropic,
-    ];
-
-    /// The name in result files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Diffuse => "diffuse",
-            Self::Mirror => "mirror",
-            Self::PartialMirror => "partial-mirror",
-            Self::DiffuseSpecular => "diffuse-specular",
-            Self::Isotropic => "isotropic",
-            Self::Anisotropic => "anisotropic",
-            Self::Textured => "textured",
-        }
-    }
-
-    /// Fits a uniform hypothesis to the evidence, near `start` where it has a roughness to find.
-    /// The textured hypothesis needs more than a sample of pixels: see [`textured`].
-    pub fn fit(self, evidence: &Evidence, start: &Material, search: Search) -> Fit {
-        match self {
-            Self::Diffuse | Self::Textured => diffuse::fit(evidence),
-            Self::Mirror => mirror::fit(evidence),
-            Self::PartialMirror => partial_mirror::fit(evidence),
-            Self::DiffuseSpecular => diffuse_specular::fit(evidence),
-            Self::Isotropic => isotropic::fit(evidence, start, search),
-            Self::Anisotropic => anisotropic::fit(evidence, start, search),
-        }
-    }
-
-    /// The simplest hypothesis that can hold `material`.
-    pub fn of(material: &Material) -> Self {
-        let diffuse = material.rho_d.max_element() > 0.0;
-        match (material.is_delta(), material.is_glossy()) {
-            _ if material.texture.is_some() => Self::Textured,
-            (true, _) if diffuse => Self::DiffuseSpecular,
-            (true, _) if material.rho_s == Rgb::ONE => Self::Mirror,
-            (true, _) => Self::PartialMirror,
-            (_, true) if material.alpha_x == material.alpha_y => Self::Isotropic,
-            (_, true) => Self::Anisotropic,
-            _ => Self::Diffuse,
-        }
+/// Fits a uniform hypothesis to the evidence, near `start` where it has a roughness to find.
+/// The textured hypothesis needs more than a sample of pixels: see [`textured`].
+pub fn fit(rung: Hypothesis, evidence: &Evidence, start: &Material, search: Search) -> Fit {
+    match rung {
+        Hypothesis::Diffuse | Hypothesis::Textured => diffuse::fit(evidence),
+        Hypothesis::Mirror => mirror::fit(evidence),
+        Hypothesis::PartialMirror => partial_mirror::fit(evidence),
+        Hypothesis::DiffuseSpecular => diffuse_specular::fit(evidence),
+        Hypothesis::Isotropic => isotropic::fit(evidence, start, search),
+        Hypothesis::Anisotropic => anisotropic::fit(evidence, start, search),
     }
 }
 
-impl fmt::Display for Hypothesis {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
+/// The simplest hypothesis that can hold `material`.
+pub fn of(material: &Material) -> Hypothesis {
+    let diffuse = material.rho_d.max_element() > 0.0;
+    match (material.is_delta(), material.is_glossy()) {
+        _ if material.texture.is_some() => Hypothesis::Textured,
+        (true, _) if diffuse => Hypothesis::DiffuseSpecular,
+        (true, _) if material.rho_s == Rgb::ONE => Hypothesis::Mirror,
+        (true, _) => Hypothesis::PartialMirror,
+        (_, true) if material.alpha_x == material.alpha_y => Hypothesis::Isotropic,
+        (_, true) => Hypothesis::Anisotropic,
+        _ => Hypothesis::Diffuse,
     }
 }
 

@@ -17,11 +17,11 @@ pub fn choose(fits: &[Fit], thresholds: &Thresholds) -> usize {
 mod tests {
     use super::*;
     use crate::error::Misfit;
-    use crate::hypothesis::Hypothesis;
+    use crate::hypothesis::{self, Hypothesis};
     use unrender_scene::{Material, Rgb};
 
     fn chosen(errors: [f64; 6]) -> Hypothesis {
-        let fits: Vec<Fit> = Hypothesis::UNIFORM
+        let fits: Vec<Fit> = hypothesis::UNIFORM
             .iter()
             .zip(errors)
             .map(|(&hypothesis, e)| Fit {

@@ -10,7 +10,7 @@
 use super::effort::{self, FINEST, SETTLED};
 use super::{State, choice, distance};
 use crate::evidence::Evidence;
-use crate::hypothesis::{Fit, Hypothesis, Search, brushed, textured};
+use crate::hypothesis::{self, Fit, Hypothesis, Search, brushed, textured};
 use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Status, Termination, Trial};
 use unrender_scene::Material;
@@ -99,7 +99,7 @@ impl Climber<'_> {
         if evidence.is_empty() {
             return None;
         }
-        let fit = hypothesis.fit(&evidence, &material, Search::Local);
+        let fit = hypothesis::fit(hypothesis, &evidence, &material, Search::Local);
         state.standing[group].misfit = Some(fit.misfit);
         Some(fit.material)
     }
@@ -239,7 +239,7 @@ impl Climber<'_> {
             if evidence.pixels.len() < 20 {
                 continue;
             }
-            let fit = Hypothesis::Diffuse.fit(&evidence, &next[group], Search::Local);
+            let fit = hypothesis::fit(Hypothesis::Diffuse, &evidence, &next[group], Search::Local);
             next[group] = fit.material;
             let standing = &mut state.standing[group];
             standing.misfit = Some(fit.misfit);
@@ -252,14 +252,14 @@ impl Climber<'_> {
 /// All uniform rungs, fitted to one cache.
 fn fit_all(evidence: &Evidence, state: &State<'_>) -> Vec<Fit> {
     let mut fits: Vec<Fit> = Vec::new();
-    for hypothesis in Hypothesis::UNIFORM {
+    for hypothesis in hypothesis::UNIFORM {
         let mut start =
             fits.last().map_or(Material::diffuse(glam::Vec3::ZERO), |f| f.material.clone());
         if hypothesis == Hypothesis::Anisotropic {
             let geometry = state.problem.renderer.geometry();
             start.theta_rad = brushed::direction(evidence, geometry).unwrap_or(0.0);
         }
-        fits.push(hypothesis.fit(evidence, &start, Search::Global));
+        fits.push(hypothesis::fit(hypothesis, evidence, &start, Search::Global));
     }
     fits
 }

@@ -12,7 +12,7 @@ pub mod paper;
 
 use crate::error::Misfit;
 use crate::evidence::Stage;
-use crate::hypothesis::Hypothesis;
+use crate::hypothesis::{self, Hypothesis};
 use crate::problem::{ExposureRule, Problem, RecoverError, Role};
 use crate::record::{Status, Trial, TurnRecord};
 use unrender_scene::{Image, Material, Rgb};
@@ -55,7 +55,7 @@ impl<'a> State<'a> {
         };
         let materials: Vec<Material> = (0..problem.groups.len()).map(material).collect();
         let standing = |group: usize| Standing {
-            hypothesis: Hypothesis::of(&materials[group]),
+            hypothesis: hypothesis::of(&materials[group]),
             status: match problem.groups[group].role {
                 Role::Unknown if seen(group) => Status::Recovered,
                 Role::Unknown => Status::Assumed,

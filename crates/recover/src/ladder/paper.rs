@@ -15,7 +15,7 @@ use super::{State, distance};
 use crate::error::misfit;
 use crate::evidence::{Effort, Evidence, observe, spread};
 use crate::fit::simplex;
-use crate::hypothesis::{Hypothesis, brushed, textured};
+use crate::hypothesis::{self, Hypothesis, brushed, textured};
 use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Termination, Trial};
 use unrender_render::{ProbeSettings, Settings};
@@ -139,7 +139,7 @@ impl PaperTurn<'_> {
             }
             Hypothesis::PartialMirror => Material::mirror(ratio().clamp(Rgb::ZERO, Rgb::ONE)),
             Hypothesis::DiffuseSpecular => {
-                rung.fit(&self.gather(state, group), now, SEARCH).material
+                hypothesis::fit(rung, &self.gather(state, group), now, SEARCH).material
             }
             Hypothesis::Isotropic => self.simplex(state, group, now, stays, false),
             Hypothesis::Anisotropic => {
@@ -238,8 +238,8 @@ impl PaperTurn<'_> {
 const SEARCH: crate::hypothesis::Search = crate::hypothesis::Search::Local;
 
 fn next_rung(hypothesis: Hypothesis) -> Hypothesis {
-    let up = Hypothesis::UNIFORM.iter().position(|h| *h == hypothesis).map(|i| i + 1);
-    up.and_then(|i| Hypothesis::UNIFORM.get(i).copied()).unwrap_or(Hypothesis::Textured)
+    let up = hypothesis::UNIFORM.iter().position(|h| *h == hypothesis).map(|i| i + 1);
+    up.and_then(|i| hypothesis::UNIFORM.get(i).copied()).unwrap_or(Hypothesis::Textured)
 }
 
 /// A material with the same reflectances `[rho_d, rho_s, alpha_x, alpha_y]` in all channels: light
@@ -307,7 +307,7 @@ mod tests {
     #[test]
     fn the_rungs_follow_each_other_up_to_the_texture() {
         let mut rung = Hypothesis::Diffuse;
-        for next in [1, 2, 3, 4, 5].map(|i| Hypothesis::UNIFORM[i]) {
+        for next in [1, 2, 3, 4, 5].map(|i| hypothesis::UNIFORM[i]) {
             rung = next_rung(rung);
             assert_eq!(rung, next);
         }
