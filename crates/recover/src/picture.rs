@@ -4,6 +4,7 @@ use crate::ladder::State;
 use crate::problem::{Options, Role};
 use crate::record::{GroupResult, Observer, Recovery, Status, Termination};
 use crate::rerender::Renderer;
+use glam::Vec3;
 use unrender_render::Settings;
 use unrender_render::sampler::mix;
 use unrender_scene::{Material, Rgb, RgbImage};
@@ -67,6 +68,7 @@ fn group_result(state: &State<'_>, group: usize, halves: &[Vec<Rgb>; 2]) -> Grou
         status: standing.status,
         hypothesis: standing.hypothesis,
         material: state.materials[group].clone(),
+        direction: direction(state, group),
         seen_texels: standing.seen_texels.clone(),
         pixels: observation.all_pixels_of_group[group].len(),
         trusted_pixels: believed.len(),
@@ -88,4 +90,14 @@ fn relative_error(state: &State<'_>, pixels: &[u32], halves: &[Vec<Rgb>; 2]) -> 
         scale += f64::from((photo * photo).element_sum());
     }
     (scale > 0.0).then(|| (sum / scale).max(0.0).sqrt())
+}
+
+/// The brushed direction at the middle one of the group's believed pixels, world space.
+fn direction(state: &State<'_>, group: usize) -> Option<Vec3> {
+    let believed = &state.problem.observation.pixels_of_group[group];
+    let middle = *believed.get(believed.len() / 2)?;
+    let at = state.problem.renderer.geometry().pixels()[middle as usize];
+    let front_normal = if at.front { at.normal } else { -at.normal };
+    let (sin, cos) = state.materials[group].theta_rad.sin_cos();
+    Some(at.tangent * cos + front_normal.cross(at.tangent) * sin)
 }

@@ -3,6 +3,7 @@
 use crate::error::Misfit;
 use crate::hypothesis::Hypothesis;
 pub use unrender_scene::Status;
+use glam::Vec3;
 use unrender_scene::{Image, Material, Rgb, RgbImage};
 
 /// What came out.
@@ -31,6 +32,9 @@ pub struct GroupResult {
     pub hypothesis: Hypothesis,
     /// The parameters.
     pub material: Material,
+    /// The brushed direction in world space where the group is seen best: the tangent of its middle
+    /// pixel turned by theta. None where no pixel shows the group.
+    pub direction: Option<Vec3>,
     /// For textured groups: which texels the photograph shows.
     pub seen_texels: Option<Image<bool>>,
     /// Pixels of the photograph that show the group.

@@ -1,62 +1,120 @@
-//! The seam to the crates that do the work: scene files, the renderer, the recovery.
-//!
-//! Nothing is connected yet: each function says so in an error of its own.
+//! The seam to the crates that do the work: the renderer and the recovery.
 
 use crate::progress::Progress;
 use crate::{Error, Job};
-use std::path::Path;
-use unrender_scene::{Camera, RgbImage, Scene, Warnings};
-
-/// How to render.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RenderSettings {
-    /// Samples a pixel.
-    pub(crate) spp: u32,
-    /// Chooses the noise.
-    pub(crate) seed: u64,
-    /// The longest path; none for no limit but the renderer's own.
-    pub(crate) max_bounces: Option<u32>,
-}
-
-/// How to recover.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RecoverSettings {
-    /// Which ladder of hypotheses is climbed.
-    pub(crate) ladder: crate::commands::recover::Ladder,
-    /// Chooses the noise.
-    pub(crate) seed: u64,
-    /// Samples a pixel; none for the recovery's own choice.
-    pub(crate) spp: Option<u32>,
-}
-
-/// Reads the scene at `path`.
-pub(crate) fn load_scene(path: &Path) -> Result<(Scene, Warnings), Error> {
-    if !path.is_file() {
-        return Err(unrender_formats::FileError::new(path, "there is no such file").into());
-    }
-    Err(Error::NotConnected("reading scenes"))
-}
+use std::time::Instant;
+use unrender_photo::Exposure;
+use unrender_recover::{
+    ExposureRule, GroupSpec, LadderKind, Observation, Observer, Options, Picture, Problem,
+    Recovery, Role, TurnRecord, View,
+};
+use unrender_render::{Settings, Tracer};
+use unrender_scene::{Camera, Rgb, RgbImage, Scene};
 
 /// Renders `scene` as `camera` sees it.
 pub(crate) fn render(
     scene: &Scene,
     camera: &Camera,
-    (width, height): (usize, usize),
-    settings: &RenderSettings,
+    size: (usize, usize),
+    settings: &Settings,
     progress: &Progress,
-) -> Result<RgbImage, Error> {
-    let _ = (scene, camera, width, height, settings.spp, settings.seed, settings.max_bounces);
-    progress.set(0.0);
-    Err(Error::NotConnected("rendering"))
+) -> RgbImage {
+    let tracer = Tracer::new(scene);
+    tracer.render(&scene.materials(), camera, size, settings, &|share| progress.set(share)).mean
+}
+
+/// A recovery and how long it took.
+pub(crate) struct Recovered {
+    pub(crate) recovery: Recovery,
+    pub(crate) seconds: f64,
 }
 
 /// Recovers the materials of `job`'s groups.
 pub(crate) fn recover(
     job: &Job,
-    settings: &RecoverSettings,
+    options: &Options,
     progress: &Progress,
-) -> Result<(), Error> {
-    let _ = (job, settings.ladder, settings.seed, settings.spp);
-    progress.set(0.0);
-    Err(Error::NotConnected("recovering"))
+) -> Result<Recovered, Error> {
+    let started = Instant::now();
+    let tracer = Tracer::new(&job.scene);
+    let size = (job.photo.radiance.width(), job.photo.radiance.height());
+    let view = View::new(&tracer, &job.camera, size, job.scene.brdf);
+    let picture = Picture {
+        values: job.photo.radiance.clone(),
+        trusted: job.photo.trusted.clone(),
+        quantum: job.photo.quantum.clone(),
+    };
+    let groups = job.scene.groups.len();
+    let geometry = unrender_recover::Renderer::geometry(&view);
+    let observation = Observation::new(picture, geometry, groups);
+    let problem = Problem {
+        observation: &observation,
+        renderer: &view,
+        groups: (0..groups).map(|group| spec(job, group)).collect(),
+        exposure: exposure_rule(job),
+    };
+    let mut teller = Teller { progress, paper: options.ladder == LadderKind::Paper };
+    let mut recovery = unrender_recover::recover(&problem, options, &mut teller)?;
+    if let Exposure::Fixed(exposure) = job.project.exposure {
+        // The photograph was developed with it.
+        recovery.exposure = exposure;
+    }
+    Ok(Recovered { recovery, seconds: started.elapsed().as_secs_f64() })
+}
+
+fn spec(job: &Job, group: usize) -> GroupSpec {
+    let of_scene = &job.scene.groups[group];
+    let anchored = job.project.anchor.as_ref().filter(|a| a.group == of_scene.name);
+    let (role, material) = if of_scene.is_emitter() {
+        (Role::Emitter, of_scene.material.clone())
+    } else if let Some(anchor) = anchored {
+        (Role::Known, unrender_scene::Material::diffuse(anchor.rho_d))
+    } else if job.project.known.contains_key(&of_scene.name) {
+        (Role::Known, of_scene.material.clone())
+    } else {
+        (Role::Unknown, of_scene.material.clone())
+    };
+    GroupSpec { name: of_scene.name.clone(), role, material }
+}
+
+fn exposure_rule(job: &Job) -> ExposureRule {
+    let anchor = job.project.anchor.as_ref();
+    let index = anchor.and_then(|a| job.scene.group_index(&a.group).map(|i| (i, a.rho_d)));
+    match (job.project.exposure, index) {
+        (Exposure::Auto, Some((group, rho_d))) => ExposureRule::Anchor { group, rho_d },
+        _ => ExposureRule::Fixed(Rgb::ONE),
+    }
+}
+
+/// Passes a recovery's progress on to the terminal.
+struct Teller<'a> {
+    progress: &'a Progress,
+    paper: bool,
+}
+
+/// The final picture's share of the time, roughly.
+const PICTURE: f64 = 0.4;
+
+impl Observer for Teller<'_> {
+    fn turn(&mut self, record: &TurnRecord) {
+        let open = match record.open_groups.len() {
+            0 => "none".to_owned(),
+            n if n <= 4 => record.open_groups.join(", "),
+            n => format!("{n} groups"),
+        };
+        let ladder = if self.paper { "paper's ladder, " } else { "" };
+        self.progress.say(
+            format!(
+                "{ladder}turn {}: error {:.2} %, change {:.4}, still open: {open}",
+                record.turn,
+                100.0 * record.worst_error,
+                record.change
+            ),
+            (1.0 - PICTURE) * record.done,
+        );
+    }
+
+    fn picture(&self, share: f64) {
+        self.progress.set(1.0 - PICTURE + PICTURE * share);
+    }
 }

@@ -20,7 +20,7 @@ pub enum Error {
     /// Something that was asked for does not fit the scene or the machine.
     #[error("{0}")]
     Request(String),
-    /// This part of the program is not connected in this build.
-    #[error("{0} is not part of this build")]
-    NotConnected(&'static str),
+    /// Recovery cannot start.
+    #[error(transparent)]
+    Recover(#[from] unrender_recover::RecoverError),
 }

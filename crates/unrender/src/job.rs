@@ -1,7 +1,7 @@
 //! Everything a recovery starts from, read and checked.
 
 use crate::project::{CameraChoice, Project};
-use crate::{Error, engine};
+use crate::Error;
 use std::path::Path;
 use unrender_formats::picture;
 use unrender_photo::{Photo, choose_response, develop};
@@ -35,7 +35,7 @@ impl Job {
         warnings.extend(told);
         let (response, told) = choose_response(picture.depth, project.response);
         warnings.extend(told);
-        let (mut scene, told) = engine::load_scene(&project.scene)?;
+        let (mut scene, told) = unrender_formats::load_scene(&project.scene)?;
         warnings.extend(told);
         project.check_against(&scene)?;
         scene.brdf = project.brdf;

@@ -14,6 +14,7 @@ pub mod job;
 mod output;
 mod progress;
 pub mod project;
+mod results;
 pub mod score;
 
 pub use error::Error;
@@ -21,4 +22,6 @@ pub use job::Job;
 pub use project::Project;
 pub use unrender_formats as formats;
 pub use unrender_photo as photo;
+pub use unrender_recover as recover;
+pub use unrender_render as render;
 pub use unrender_scene as scene;

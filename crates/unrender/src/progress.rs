@@ -52,6 +52,19 @@ impl Progress {
         }
     }
 
+    /// Tells what has just been done, with the share done by then.
+    pub(crate) fn say(&self, what: String, done: f64) {
+        match &self.sink {
+            Sink::Silent => {}
+            Sink::Bar(bar) => bar.set_message(what),
+            Sink::Lines(last) => {
+                *last.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
+                eprintln!("{}", line(&what, self.started.elapsed(), done.clamp(0.0, 1.0)));
+            }
+        }
+        self.set(done);
+    }
+
     /// Removes the bar; what follows on stderr starts on a line of its own.
     pub(crate) fn finish(self) {
         if let Sink::Bar(bar) = &self.sink {

@@ -1,12 +1,13 @@
 //! `unrender recover`: from a project to the materials of its groups.
 
 use crate::cli::{Global, warn};
-use crate::engine::{self, RecoverSettings};
+use crate::engine;
 use crate::progress::Progress;
-use crate::{Error, Job, Project, output};
+use crate::{Error, Job, Project, output, results};
 use clap::ValueEnum;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use unrender_recover::{LadderKind, Options};
 
 /// Recovers the materials of a project's groups from its photograph.
 #[derive(Debug, clap::Args)]
@@ -23,15 +24,18 @@ pub struct Args {
     /// Chooses the noise of the renderings; the same seed gives the same bits.
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
-    /// Samples a pixel of the renderings [default: as many as the recovery finds useful].
+    /// Paths a pixel of the final re-rendering [default: 64].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
+    /// The most reflections of a path; 1 is direct light only [default: until it carries nothing].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub bounces: Option<u32>,
 }
 
 /// The ladders of hypotheses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Ladder {
-    /// All parameters at once, by their derivatives and the noise.
+    /// All rungs on one cache of light; the simplest that the noise allows.
     Default,
     /// The method of Boivin and Gagalowicz (2002) as written.
     Paper,
@@ -46,9 +50,29 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     output::prepare_folder(&args.out)?;
     let job = Job::load(project, warnings)?;
     warn(&job.warnings);
-    let settings = RecoverSettings { ladder: args.ladder, seed: args.seed, spp: args.spp };
+    let options = options(args, &job.project);
     let progress = Progress::new("recover", global.quiet);
-    engine::recover(&job, &settings, &progress)?;
+    let recovered = engine::recover(&job, &options, &progress)?;
     progress.finish();
+    warn(&results::write(&job, &recovered, &args.out)?);
+    if !global.quiet {
+        print!("{}", results::summary(&recovered));
+    }
     Ok(ExitCode::SUCCESS)
+}
+
+fn options(args: &Args, project: &Project) -> Options {
+    let defaults = Options::default();
+    let ladder = match args.ladder {
+        Ladder::Default => LadderKind::Default,
+        Ladder::Paper => LadderKind::Paper,
+    };
+    Options {
+        ladder,
+        seed: args.seed,
+        spp: args.spp.unwrap_or(defaults.spp),
+        max_bounces: args.bounces.unwrap_or(defaults.max_bounces),
+        thresholds: project.thresholds,
+        ..defaults
+    }
 }

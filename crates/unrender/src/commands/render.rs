@@ -1,12 +1,14 @@
 //! `unrender render`: a picture of a scene, with its own materials or those of a file.
 
 use crate::cli::{Global, warn};
-use crate::engine::{self, RenderSettings};
+use crate::engine;
 use crate::progress::Progress;
 use crate::{Error, interrupt, job, output};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use unrender_formats::{materials, picture};
+use unrender_render::Settings;
+use unrender_render::path::MAX_BOUNCES;
 use unrender_scene::{Camera, Warnings};
 
 const DEFAULT_HEIGHT: usize = 512;
@@ -53,7 +55,7 @@ pub struct Args {
 /// If the input cannot be used or the picture cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     output::check_picture(&args.out)?;
-    let (mut scene, mut warnings) = engine::load_scene(&args.scene)?;
+    let (mut scene, mut warnings) = unrender_formats::load_scene(&args.scene)?;
     if let Some(path) = &args.materials {
         let folder = path.parent().unwrap_or(Path::new(""));
         warnings.extend(materials::apply(&materials::read(path)?, folder, &mut scene)?);
@@ -64,9 +66,10 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let size = size(args.width, args.height, &camera)?;
     warn(&warnings);
 
-    let settings = RenderSettings { spp: args.spp, seed: args.seed, max_bounces: args.bounces };
+    let max_bounces = args.bounces.unwrap_or(MAX_BOUNCES);
+    let settings = Settings { spp: args.spp, seed: args.seed, max_bounces };
     let progress = Progress::new("render", global.quiet);
-    let rendered = engine::render(&scene, &camera, size, &settings, &progress)?;
+    let rendered = engine::render(&scene, &camera, size, &settings, &progress);
     progress.finish();
     let _until_written = interrupt::writing();
     let bad = picture::write(&args.out, &rendered)?;

@@ -1,0 +1,83 @@
+//! materials.json and the texture files that it names.
+
+use crate::engine::Recovered;
+use crate::{Error, Job};
+use glam::Vec3;
+use std::path::Path;
+use unrender_formats::materials::{GroupEntry, MaterialsFile, VERSION};
+use unrender_formats::picture;
+use unrender_recover::GroupResult;
+use unrender_scene::{Hypothesis, Image, Rgb, RgbImage};
+
+/// The contents of materials.json; writes the textures beside it and counts bad values in `bad`.
+pub(super) fn build(
+    job: &Job,
+    recovered: &Recovered,
+    folder: &Path,
+    bad: &mut usize,
+) -> Result<MaterialsFile, Error> {
+    let recovery = &recovered.recovery;
+    let mut file = MaterialsFile {
+        version: Some(VERSION),
+        brdf: Some(job.scene.brdf.name().to_owned()),
+        exposure: Some(recovery.exposure.to_array()),
+        seconds: Some((recovered.seconds * 100.0).round() / 100.0),
+        termination: Some(recovery.termination.message(recovery.turns.len())),
+        ..MaterialsFile::default()
+    };
+    for (index, group) in recovery.groups.iter().enumerate() {
+        let texture = write_texture(group, index, folder, bad)?;
+        file.groups.insert(group.name.clone(), entry(group, texture));
+    }
+    Ok(file)
+}
+
+fn entry(group: &GroupResult, texture: Option<String>) -> GroupEntry {
+    let material = &group.material;
+    let anisotropic = group.hypothesis == Hypothesis::Anisotropic;
+    GroupEntry {
+        hypothesis: Some(group.hypothesis),
+        status: Some(group.status),
+        rho_d: Some(material.rho_d.to_array()),
+        rho_s: Some(material.rho_s.to_array()),
+        alpha_x: Some(material.alpha_x),
+        alpha_y: Some(material.alpha_y),
+        theta_deg: Some(material.theta_rad.to_degrees()),
+        direction: group.direction.filter(|_| anisotropic).map(|d| Vec3::to_array(&d)),
+        texture,
+        std: None,
+        pixels: Some(group.pixels as u64),
+        error: group.error,
+        note: group.note.clone(),
+    }
+}
+
+/// Writes a group's texture as PNG and EXR and the mask of the texels that the photograph shows;
+/// returns the PNG's name.
+fn write_texture(
+    group: &GroupResult,
+    index: usize,
+    folder: &Path,
+    bad: &mut usize,
+) -> Result<Option<String>, Error> {
+    let Some(texture) = &group.material.texture else { return Ok(None) };
+    let stem = format!("texture_{index}_{}", file_name(&group.name));
+    let png = format!("{stem}.png");
+    *bad += picture::write_png_srgb(&folder.join(&png), &texture.image)?;
+    *bad += picture::write_exr(&folder.join(format!("{stem}.exr")), &texture.image)?;
+    if let Some(seen) = &group.seen_texels {
+        let mask = mask_picture(seen);
+        *bad += picture::write_png_srgb(&folder.join(format!("{stem}_seen.png")), &mask)?;
+    }
+    Ok(Some(png))
+}
+
+/// White where the photograph shows the texel, black where it was filled from its neighbours.
+fn mask_picture(seen: &Image<bool>) -> RgbImage {
+    seen.map(|seen| if *seen { Rgb::ONE } else { Rgb::ZERO })
+}
+
+/// A group's name as part of a file name: letters and digits, the rest as underscores.
+fn file_name(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
+}

@@ -1,0 +1,44 @@
+//! What `recover` leaves in its folder, and the table that it prints.
+
+mod error_picture;
+mod materials_file;
+mod scale_bar;
+mod summary;
+
+pub(crate) use summary::summary;
+
+use crate::engine::Recovered;
+use crate::{Error, Job, interrupt};
+use std::path::Path;
+use unrender_formats::{atomic, materials, picture};
+use unrender_scene::{Scene, Warnings};
+
+/// Writes all files of a recovery into `folder`, which exists. Ctrl-C waits until they are whole.
+pub(crate) fn write(job: &Job, recovered: &Recovered, folder: &Path) -> Result<Warnings, Error> {
+    let _until_written = interrupt::writing();
+    let recovery = &recovered.recovery;
+    let mut bad = 0;
+    let file = materials_file::build(job, recovered, folder, &mut bad)?;
+    bad += picture::write_exr(&folder.join("rerendered.exr"), &recovery.rerendered)?;
+    let exposure = recovery.exposure;
+    let as_photo = recovery.rerendered.map(|radiance| *radiance / exposure);
+    bad += picture::write_png_srgb(&folder.join("rerendered.png"), &as_photo)?;
+    error_picture::write(job, recovery, &folder.join("error.png"))?;
+    let glb = unrender_formats::wear(&job.project.scene, &dressed(job, recovered))?;
+    atomic::write(&folder.join("scene.glb"), &glb)?;
+    materials::write(&folder.join("materials.json"), &file)?;
+    let mut warnings = Warnings::default();
+    if bad > 0 {
+        warnings.push(format!("{bad} value(s) were not finite numbers and were written as zero"));
+    }
+    Ok(warnings)
+}
+
+/// The scene with the recovered materials on.
+fn dressed(job: &Job, recovered: &Recovered) -> Scene {
+    let mut scene = job.scene.clone();
+    for (group, result) in scene.groups.iter_mut().zip(&recovered.recovery.groups) {
+        group.material = result.material.clone();
+    }
+    scene
+}

@@ -1,0 +1,64 @@
+//! The scale under a false-colour picture: a strip of its colours with numbers in a small raster
+//! font, so that the picture can be read without its program.
+
+use unrender_scene::Rgb;
+
+/// Digits and signs, 3 x 5, one row a number, the leftmost pixel the highest of three bits.
+const GLYPHS: [(char, [u8; 5]); 13] = [
+    ('0', [7, 5, 5, 5, 7]),
+    ('1', [2, 6, 2, 2, 7]),
+    ('2', [7, 1, 7, 4, 7]),
+    ('3', [7, 1, 7, 1, 7]),
+    ('4', [5, 5, 7, 1, 1]),
+    ('5', [7, 4, 7, 1, 7]),
+    ('6', [7, 4, 7, 5, 7]),
+    ('7', [7, 1, 1, 1, 1]),
+    ('8', [7, 5, 7, 5, 7]),
+    ('9', [7, 5, 7, 1, 7]),
+    ('-', [0, 0, 7, 0, 0]),
+    ('+', [0, 2, 7, 2, 0]),
+    ('%', [5, 1, 2, 4, 5]),
+];
+
+/// Marks on the scale, as shares of its half.
+const MARKS: [f32; 5] = [-1.0, -0.25, 0.0, 0.25, 1.0];
+
+/// The bar's height for a picture of this width.
+pub(super) fn height(width: usize) -> usize {
+    12 * zoom(width)
+}
+
+fn zoom(width: usize) -> usize {
+    (width / 200).clamp(1, 6)
+}
+
+/// The bar's pixel (x, y); `full` is the value at its ends, `color` paints -1 to 1.
+pub(super) fn pixel(x: usize, y: usize, width: usize, full: f32, color: fn(f32) -> Rgb) -> Rgb {
+    let zoom = zoom(width);
+    if y < 4 * zoom {
+        // Values run as the square of the place, so that small ones have room.
+        let place = 2.0 * (x as f32 + 0.5) / width as f32 - 1.0;
+        return color(place * place.abs());
+    }
+    let (column, row) = (x / zoom, (y / zoom).saturating_sub(6));
+    let columns = width / zoom;
+    let inked = y >= 6 * zoom && row < 5 && MARKS.iter().any(|&mark| {
+        let text = label(100.0 * full * mark);
+        let length = 4 * text.chars().count();
+        let place = 0.5 + 0.5 * mark.signum() * mark.abs().sqrt();
+        let centre = (place * columns as f32) as usize;
+        let start = centre.saturating_sub(length / 2).min(columns.saturating_sub(length));
+        column >= start && column < start + length && ink(&text, column - start, row)
+    });
+    if inked { Rgb::ZERO } else { Rgb::ONE }
+}
+
+fn label(percent: f32) -> String {
+    if percent == 0.0 { "0".to_owned() } else { format!("{percent:+.0}%") }
+}
+
+fn ink(text: &str, column: usize, row: usize) -> bool {
+    let glyph = text.chars().nth(column / 4).and_then(|c| GLYPHS.iter().find(|g| g.0 == c));
+    let bit = column % 4;
+    bit < 3 && glyph.is_some_and(|g| g.1[row] & (4 >> bit) != 0)
+}

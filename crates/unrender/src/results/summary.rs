@@ -1,0 +1,68 @@
+//! The table at the end: what a person wants to know in ten seconds.
+
+use crate::engine::Recovered;
+use unrender_recover::{GroupResult, Status};
+use unrender_scene::{Hypothesis, Rgb};
+
+/// The summary of a recovery: a line a group, then time and turns.
+pub(crate) fn summary(recovered: &Recovered) -> String {
+    let recovery = &recovered.recovery;
+    let header =
+        ["group", "hypothesis", "rho_d", "rho_s", "alpha", "direction", "error", "pixels"];
+    let mut rows = vec![header.map(str::to_owned)];
+    rows.extend(recovery.groups.iter().map(row));
+    let mut text = table(&rows);
+    for group in &recovery.groups {
+        if let Some(note) = &group.note {
+            text.push_str(&format!("{}: {note}\n", group.name));
+        }
+    }
+    text.push_str(&format!(
+        "{:.1} s, {}\n",
+        recovered.seconds,
+        recovery.termination.message(recovery.turns.len())
+    ));
+    text
+}
+
+fn row(group: &GroupResult) -> [String; 8] {
+    let material = &group.material;
+    let rgb = |v: Rgb| format!("{:.3} {:.3} {:.3}", v.x, v.y, v.z);
+    let dash = || "-".to_owned();
+    let specular = material.rho_s.max_element() > 0.0;
+    let hypothesis = match group.status {
+        Status::Recovered => group.hypothesis.to_string(),
+        other => format!("{} ({other})", group.hypothesis),
+    };
+    let alpha = match group.hypothesis {
+        Hypothesis::Isotropic => format!("{:.4}", material.alpha_x),
+        Hypothesis::Anisotropic => format!("{:.4} {:.4}", material.alpha_x, material.alpha_y),
+        _ => dash(),
+    };
+    let direction = if group.hypothesis == Hypothesis::Anisotropic {
+        format!("{:.1} deg", material.theta_rad.to_degrees())
+    } else {
+        dash()
+    };
+    [
+        group.name.clone(),
+        hypothesis,
+        rgb(material.rho_d),
+        if specular { rgb(material.rho_s) } else { dash() },
+        alpha,
+        direction,
+        group.error.map_or_else(dash, |e| format!("{:.2} %", 100.0 * e)),
+        group.pixels.to_string(),
+    ]
+}
+
+/// Columns padded to the same width, two spaces apart.
+fn table<const N: usize>(rows: &[[String; N]]) -> String {
+    let width = |column: usize| rows.iter().map(|r| r[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..N).map(width).collect();
+    let line = |row: &[String; N]| {
+        let cells = row.iter().zip(&widths).map(|(cell, &width)| format!("{cell:width$}"));
+        cells.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
+    };
+    rows.iter().map(line).collect()
+}
