@@ -129,11 +129,11 @@ impl Project {
                 "anchor.group: the group emits light; take one that only reflects".into(),
             );
         }
-        if let CameraChoice::Named(name) = &self.camera {
-            if !scene.cameras.iter().any(|c| c.name == *name) {
-                let there = some_names(scene.cameras.iter().map(|c| c.name.as_str()));
-                return fault(format!("camera: the scene has no \"{name}\"; it has {there}"));
-            }
+        if let CameraChoice::Named(name) = &self.camera
+            && !scene.cameras.iter().any(|c| c.name == *name)
+        {
+            let there = some_names(scene.cameras.iter().map(|c| c.name.as_str()));
+            return fault(format!("camera: the scene has no \"{name}\"; it has {there}"));
         }
         Ok(())
     }
