@@ -51,9 +51,11 @@ impl Progress {
             }
         }
     }
+}
 
-    /// Removes the bar; what follows on stderr starts on a line of its own.
-    pub(crate) fn finish(self) {
+impl Drop for Progress {
+    /// Removes the bar, so that what follows on stderr starts on a line of its own.
+    fn drop(&mut self) {
         if let Sink::Bar(bar) = &self.sink {
             bar.finish_and_clear();
         }

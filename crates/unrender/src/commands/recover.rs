@@ -49,6 +49,6 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let settings = RecoverSettings { ladder: args.ladder, seed: args.seed, spp: args.spp };
     let progress = Progress::new("recover", global.quiet);
     engine::recover(&job, &settings, &progress)?;
-    progress.finish();
+    drop(progress);
     Ok(ExitCode::SUCCESS)
 }

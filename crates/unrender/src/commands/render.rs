@@ -66,7 +66,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let settings = RenderSettings { spp: args.spp, seed: args.seed, max_bounces: args.bounces };
     let progress = Progress::new("render", global.quiet);
     let rendered = engine::render(&scene, &camera, size, &settings, &progress)?;
-    progress.finish();
+    drop(progress);
     let _until_written = interrupt::writing();
     let bad = picture::write(&args.out, &rendered)?;
     if bad > 0 {
