@@ -107,6 +107,9 @@ fn faulty_files_are_named() {
         let error = materials::read(&path).unwrap_err().to_string();
         assert!(error.contains(problem) && error.contains("m.json"), "{error}");
     }
+    std::fs::write(&path, r#"{"groups": {"a": {"alpha_x": -1}}}"#).unwrap();
+    let error = materials::apply_from(&path, &mut scene(&["a"])).unwrap_err().to_string();
+    assert!(error.contains("m.json: the materials' group \"a\": alpha_x"), "{error}");
     std::fs::remove_dir_all(folder).unwrap();
 }
 

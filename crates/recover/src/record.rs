@@ -2,8 +2,8 @@
 
 use crate::error::Misfit;
 use crate::hypothesis::Hypothesis;
-pub use unrender_scene::Status;
 use glam::Vec3;
+pub use unrender_scene::Status;
 use unrender_scene::{Image, Material, Rgb, RgbImage};
 
 /// What came out.

@@ -1,7 +1,7 @@
 //! Everything a recovery starts from, read and checked.
 
-use crate::project::{CameraChoice, Project};
 use crate::Error;
+use crate::project::{CameraChoice, Project};
 use std::path::Path;
 use unrender_formats::picture;
 use unrender_photo::{Photo, choose_response, develop};

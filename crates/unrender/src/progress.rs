@@ -36,6 +36,19 @@ impl Progress {
         Self { what: what.to_owned(), started, sink }
     }
 
+    /// Tells what has just been done, with the share done by then.
+    pub(crate) fn say(&self, what: String, done: f64) {
+        match &self.sink {
+            Sink::Silent => {}
+            Sink::Bar(bar) => bar.set_message(what),
+            Sink::Lines(last) => {
+                *last.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
+                eprintln!("{}", line(&what, self.started.elapsed(), done.clamp(0.0, 1.0)));
+            }
+        }
+        self.set(done);
+    }
+
     /// Tells that the share `done` (0 to 1) of the work is done.
     pub(crate) fn set(&self, done: f64) {
         let done = done.clamp(0.0, 1.0);
@@ -51,22 +64,11 @@ impl Progress {
             }
         }
     }
+}
 
-    /// Tells what has just been done, with the share done by then.
-    pub(crate) fn say(&self, what: String, done: f64) {
-        match &self.sink {
-            Sink::Silent => {}
-            Sink::Bar(bar) => bar.set_message(what),
-            Sink::Lines(last) => {
-                *last.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
-                eprintln!("{}", line(&what, self.started.elapsed(), done.clamp(0.0, 1.0)));
-            }
-        }
-        self.set(done);
-    }
-
-    /// Removes the bar; what follows on stderr starts on a line of its own.
-    pub(crate) fn finish(self) {
+impl Drop for Progress {
+    /// Removes the bar, so that what follows on stderr starts on a line of its own.
+    fn drop(&mut self) {
         if let Sink::Bar(bar) = &self.sink {
             bar.finish_and_clear();
         }

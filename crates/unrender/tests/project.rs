@@ -3,7 +3,6 @@
 use std::path::Path;
 use unrender::Project;
 use unrender::formats::FileError;
-use unrender::formats::materials::Hypothesis;
 use unrender::photo::{Exposure, Response};
 use unrender::project::CameraChoice;
 use unrender::scene::{Group, Material, Rgb, Scene, WardModel, Warnings};
@@ -26,13 +25,13 @@ fn a_full_project_is_understood() {
          [groups.ceil]\nknown = { rho_d = [1, 1, 1] }\n\
          [groups.floor]\nknown = { rho_d = 0.1, rho_s = [0.9, 0.9, 0.9], alpha_x = 0.1, \
          alpha_y = 0.2, theta_deg = 180 }\n\
-         [recover]\nbrdf = \"ward-1992\"\nthresholds = { isotropic = 0.01 }\n",
+         [recover]\nbrdf = \"ward-1992\"\nthresholds = { isotropic = 0.02 }\n",
     );
     assert_eq!(project.scene, Path::new("folder/s.glb"));
     assert_eq!(project.response, Some(Response::Srgb));
     assert_eq!(project.exposure, Exposure::Fixed(Rgb::new(1.0, 2.0, 0.5)));
     assert_eq!(project.brdf, WardModel::Ward1992);
-    assert_eq!(project.thresholds[&Hypothesis::Isotropic], 0.01);
+    assert_eq!(project.thresholds.paper[4], 0.02);
     assert_eq!(project.known["ceil"].material(), Material::diffuse(Rgb::ONE));
     let floor = project.known["floor"];
     assert_eq!((floor.alpha_y, floor.rho_d), (0.2, Rgb::splat(0.1)));

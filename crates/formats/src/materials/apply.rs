@@ -20,9 +20,28 @@ pub fn apply(
     folder: &Path,
     scene: &mut Scene,
 ) -> Result<Warnings, FileError> {
+    apply_named(file, folder, folder, scene)
+}
+
+/// Reads the file at `path` and puts it onto `scene` as [`apply`] does.
+///
+/// # Errors
+/// As those of [`super::read`] and [`apply`].
+pub fn apply_from(path: &Path, scene: &mut Scene) -> Result<Warnings, FileError> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    apply_named(&super::read(path)?, folder, path, scene)
+}
+
+/// As [`apply`]; `origin` is what errors name as the place of the numbers.
+fn apply_named(
+    file: &MaterialsFile,
+    folder: &Path,
+    origin: &Path,
+    scene: &mut Scene,
+) -> Result<Warnings, FileError> {
     let mut warnings = Warnings::default();
     if let Some(name) = &file.brdf {
-        scene.brdf = name.parse().map_err(|problem: String| FileError::new(folder, problem))?;
+        scene.brdf = name.parse().map_err(|problem: String| FileError::new(origin, problem))?;
     }
     for (name, entry) in &file.groups {
         let Some(index) = scene.group_index(name) else {
@@ -30,8 +49,9 @@ pub fn apply(
             continue;
         };
         let material = &mut scene.groups[index].material;
-        check_ranges(entry).map_err(|problem| in_group(folder, name, &problem))?;
-        apply_numbers(entry, material).map_err(|problem| in_group(folder, name, &problem))?;
+        check_ranges(entry).and_then(|()| apply_numbers(entry, material)).map_err(|problem| {
+            FileError::new(origin, format!("the materials' group \"{name}\": {problem}"))
+        })?;
         warnings.extend(apply_texture(name, entry, folder, material)?);
         if entry.direction.is_some() && entry.theta_deg.is_none() && is_anisotropic(material) {
             warnings.push(format!(
@@ -40,10 +60,6 @@ pub fn apply(
         }
     }
     Ok(warnings)
-}
-
-fn in_group(folder: &Path, group: &str, problem: &str) -> FileError {
-    FileError::new(folder, format!("the materials' group \"{group}\": {problem}"))
 }
 
 fn is_anisotropic(material: &Material) -> bool {
@@ -96,8 +112,7 @@ fn apply_texture(
         let (image, told) = read_texture(&folder.join(relative))?;
         warnings.extend(told);
         if entry.rho_d.is_none() {
-            let sum: Rgb = image.pixels().iter().sum();
-            material.rho_d = sum / image.pixels().len() as f32;
+            material.rho_d = mean_of(&image);
         }
         let (wrap_u, wrap_v) = material
             .texture
@@ -124,4 +139,10 @@ pub fn read_texture(path: &Path) -> Result<(Image<Rgb>, Warnings), FileError> {
     let chosen: PathBuf = if exr.is_file() { exr } else { path.to_owned() };
     let (picture, warnings) = picture::read(&chosen)?;
     Ok((picture.to_linear().map(|rho| rho.clamp(Rgb::ZERO, Rgb::ONE)), warnings))
+}
+
+/// The mean over all texels, summed in double precision: textures have millions of them.
+pub fn mean_of(texture: &Image<Rgb>) -> Rgb {
+    let sum: glam::DVec3 = texture.pixels().iter().map(|rho| rho.as_dvec3()).sum();
+    (sum / texture.pixels().len().max(1) as f64).as_vec3()
 }

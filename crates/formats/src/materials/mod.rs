@@ -6,7 +6,7 @@
 mod apply;
 mod std_entry;
 
-pub use apply::{apply, read_texture};
+pub use apply::{apply, apply_from, mean_of, read_texture};
 pub use std_entry::StdEntry;
 
 use crate::{FileError, atomic};

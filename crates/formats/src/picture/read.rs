@@ -84,10 +84,10 @@ fn pixels_of(bytes: &[u8], format: ImageFormat) -> Result<DynamicImage, String> 
     let orientation = decoder.orientation().map_err(faulty)?;
     let mut decoded = DynamicImage::from_decoder(decoder).map_err(faulty)?;
     decoded.apply_orientation(orientation);
-    if scale != 1.0 {
-        if let Some(rgb) = decoded.as_mut_rgb32f() {
-            rgb.iter_mut().for_each(|value| *value /= scale);
-        }
+    if scale != 1.0
+        && let Some(rgb) = decoded.as_mut_rgb32f()
+    {
+        rgb.iter_mut().for_each(|value| *value /= scale);
     }
     Ok(decoded)
 }

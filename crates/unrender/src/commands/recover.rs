@@ -53,7 +53,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let options = options(args, &job.project);
     let progress = Progress::new("recover", global.quiet);
     let recovered = engine::recover(&job, &options, &progress)?;
-    progress.finish();
+    drop(progress);
     warn(&results::write(&job, &recovered, &args.out)?);
     if !global.quiet {
         print!("{}", results::summary(&recovered));

@@ -4,7 +4,7 @@ use crate::cli::{Global, warn};
 use crate::engine;
 use crate::progress::Progress;
 use crate::{Error, interrupt, job, output};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_formats::{materials, picture};
 use unrender_render::Settings;
@@ -57,8 +57,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     output::check_picture(&args.out)?;
     let (mut scene, mut warnings) = unrender_formats::load_scene(&args.scene)?;
     if let Some(path) = &args.materials {
-        let folder = path.parent().unwrap_or(Path::new(""));
-        warnings.extend(materials::apply(&materials::read(path)?, folder, &mut scene)?);
+        warnings.extend(materials::apply_from(path, &mut scene)?);
     }
     warnings.extend(job::validate(&mut scene, &args.scene)?);
     let (camera, told) = job::named_camera(&scene, args.camera.as_deref(), &args.scene)?;
@@ -70,7 +69,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let settings = Settings { spp: args.spp, seed: args.seed, max_bounces };
     let progress = Progress::new("render", global.quiet);
     let rendered = engine::render(&scene, &camera, size, &settings, &progress);
-    progress.finish();
+    drop(progress);
     let _until_written = interrupt::writing();
     let bad = picture::write(&args.out, &rendered)?;
     if bad > 0 {

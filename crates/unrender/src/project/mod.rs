@@ -9,8 +9,8 @@ mod raw;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use unrender_formats::FileError;
-use unrender_formats::materials::Hypothesis;
 use unrender_photo::{Exposure, Response};
+use unrender_recover::Thresholds;
 use unrender_scene::{Camera, Material, Rgb, Scene, WardModel, Warnings};
 
 /// A project file with its paths made whole and its numbers checked.
@@ -32,8 +32,8 @@ pub struct Project {
     pub known: BTreeMap<String, Known>,
     /// The form of Ward's lobe to recover.
     pub brdf: WardModel,
-    /// The user's own error above which the rung after a hypothesis is tried, as a share.
-    pub thresholds: BTreeMap<Hypothesis, f64>,
+    /// When a hypothesis is good enough.
+    pub thresholds: Thresholds,
     /// The camera of the photograph.
     pub camera: CameraChoice,
 }
@@ -129,11 +129,11 @@ impl Project {
                 "anchor.group: the group emits light; take one that only reflects".into(),
             );
         }
-        if let CameraChoice::Named(name) = &self.camera {
-            if !scene.cameras.iter().any(|c| c.name == *name) {
-                let there = some_names(scene.cameras.iter().map(|c| c.name.as_str()));
-                return fault(format!("camera: the scene has no \"{name}\"; it has {there}"));
-            }
+        if let CameraChoice::Named(name) = &self.camera
+            && !scene.cameras.iter().any(|c| c.name == *name)
+        {
+            let there = some_names(scene.cameras.iter().map(|c| c.name.as_str()));
+            return fault(format!("camera: the scene has no \"{name}\"; it has {there}"));
         }
         Ok(())
     }

@@ -6,8 +6,8 @@ use glam::Vec3;
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Value;
-use unrender_formats::materials::Hypothesis;
 use unrender_photo::{Exposure, Response};
+use unrender_recover::Thresholds;
 use unrender_scene::{Camera, Rgb, WardModel, Warnings};
 
 pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), String> {
@@ -138,18 +138,30 @@ fn known(key: &str, raw: &RawKnown) -> Result<Known, String> {
     })
 }
 
-fn thresholds(raw: &BTreeMap<String, f64>) -> Result<BTreeMap<Hypothesis, f64>, String> {
-    let mut thresholds = BTreeMap::new();
-    for (name, &error) in raw {
-        let hypothesis =
-            Hypothesis::ALL.into_iter().find(|h| h.name() == name).ok_or_else(|| {
-                let names = Hypothesis::ALL.map(Hypothesis::name).join(", ");
-                format!("recover.thresholds.{name}: there is no such hypothesis; there are {names}")
-            })?;
-        if !(error.is_finite() && error > 0.0) {
-            return Err(format!("recover.thresholds.{name} is {error}; it must be positive"));
+/// The table `[recover] thresholds`: the default ladder's by their names, the paper's by the rung
+/// that a group leaves above them.
+fn thresholds(raw: &BTreeMap<String, f64>) -> Result<Thresholds, String> {
+    let mut thresholds = Thresholds::default();
+    for (name, &value) in raw {
+        let rung = unrender_recover::hypothesis::UNIFORM.iter().position(|h| h.name() == name);
+        let slot = match (name.as_str(), rung) {
+            ("explained", _) => &mut thresholds.explained,
+            ("simpler", _) => &mut thresholds.simpler,
+            ("textured", _) => &mut thresholds.textured,
+            ("dispersion", _) => &mut thresholds.dispersion,
+            (_, Some(rung)) => &mut thresholds.paper[rung],
+            _ => {
+                let rungs = unrender_recover::hypothesis::UNIFORM.map(|h| h.name()).join(", ");
+                return Err(format!(
+                    "recover.thresholds.{name}: there is no such threshold; there are explained, \
+                     simpler, textured, dispersion, and for the paper's ladder {rungs}"
+                ));
+            }
+        };
+        if !(value.is_finite() && value > 0.0) {
+            return Err(format!("recover.thresholds.{name} is {value}; it must be positive"));
         }
-        thresholds.insert(hypothesis, error);
+        *slot = value;
     }
     Ok(thresholds)
 }

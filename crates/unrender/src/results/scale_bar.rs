@@ -42,14 +42,16 @@ pub(super) fn pixel(x: usize, y: usize, width: usize, full: f32, color: fn(f32) 
     }
     let (column, row) = (x / zoom, (y / zoom).saturating_sub(6));
     let columns = width / zoom;
-    let inked = y >= 6 * zoom && row < 5 && MARKS.iter().any(|&mark| {
-        let text = label(100.0 * full * mark);
-        let length = 4 * text.chars().count();
-        let place = 0.5 + 0.5 * mark.signum() * mark.abs().sqrt();
-        let centre = (place * columns as f32) as usize;
-        let start = centre.saturating_sub(length / 2).min(columns.saturating_sub(length));
-        column >= start && column < start + length && ink(&text, column - start, row)
-    });
+    let inked = y >= 6 * zoom
+        && row < 5
+        && MARKS.iter().any(|&mark| {
+            let text = label(100.0 * full * mark);
+            let length = 4 * text.chars().count();
+            let place = 0.5 + 0.5 * mark.signum() * mark.abs().sqrt();
+            let centre = (place * columns as f32) as usize;
+            let start = centre.saturating_sub(length / 2).min(columns.saturating_sub(length));
+            column >= start && column < start + length && ink(&text, column - start, row)
+        });
     if inked { Rgb::ZERO } else { Rgb::ONE }
 }
 

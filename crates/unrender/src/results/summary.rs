@@ -7,8 +7,7 @@ use unrender_scene::{Hypothesis, Rgb};
 /// The summary of a recovery: a line a group, then time and turns.
 pub(crate) fn summary(recovered: &Recovered) -> String {
     let recovery = &recovered.recovery;
-    let header =
-        ["group", "hypothesis", "rho_d", "rho_s", "alpha", "direction", "error", "pixels"];
+    let header = ["group", "hypothesis", "rho_d", "rho_s", "alpha", "direction", "error", "pixels"];
     let mut rows = vec![header.map(str::to_owned)];
     rows.extend(recovery.groups.iter().map(row));
     let mut text = table(&rows);

@@ -5,7 +5,7 @@ use super::lobe::Lobe;
 use glam::Vec2;
 use std::path::Path;
 use unrender_formats::FileError;
-use unrender_formats::materials::{GroupEntry, Status, read_texture};
+use unrender_formats::materials::{GroupEntry, Status, mean_of, read_texture};
 use unrender_scene::{Image, Rgb, Texture, Wrap};
 
 /// True if a group of this status is compared with the truth.
@@ -59,7 +59,7 @@ fn compare_rho_d(
 ) -> Result<(), FileError> {
     let mut rho_d = found.rho_d;
     if rho_d.is_none() && wanted.rho_d.is_some() {
-        rho_d = found_texture(found, folder)?.map(|t| mean(&t.image).to_array());
+        rho_d = found_texture(found, folder)?.map(|t| mean_of(&t.image).to_array());
     }
     compare_triple("rho_d", rho_d, wanted.rho_d, std_of(found, |s| s.rho_d), score);
     Ok(())
@@ -140,8 +140,4 @@ fn texture_error(found: &Texture, truth: &Image<Rgb>) -> f64 {
         }
     }
     sum.into_iter().fold(0.0, f64::max) / truth.pixels().len() as f64
-}
-
-fn mean(image: &Image<Rgb>) -> Rgb {
-    image.pixels().iter().sum::<Rgb>() / image.pixels().len() as f32
 }

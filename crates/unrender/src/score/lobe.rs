@@ -1,6 +1,6 @@
 //! Two descriptions of one lobe: swapping the alphas and turning by 90 degrees changes nothing.
 
-use unrender_formats::materials::{GroupEntry, StdEntry};
+use unrender_formats::materials::GroupEntry;
 
 /// Alphas that differ by less than this share have no direction worth comparing.
 const ANISOTROPIC_SHARE: f64 = 0.01;
@@ -21,7 +21,7 @@ pub(super) struct Lobe {
 impl Lobe {
     /// The lobe of `entry`; none if an alpha is missing.
     pub(super) fn of(entry: &GroupEntry) -> Option<Self> {
-        let std = entry.std.unwrap_or(StdEntry::default());
+        let std = entry.std.unwrap_or_default();
         let mut alphas = [f64::from(entry.alpha_x?), f64::from(entry.alpha_y?)];
         let mut stds = [std.alpha_x.map(f64::from), std.alpha_y.map(f64::from)];
         let is_swapped = alphas[0] > alphas[1];

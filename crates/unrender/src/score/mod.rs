@@ -126,7 +126,7 @@ impl Limits {
         let mut faults = Vec::new();
         for score in scores.iter().filter(|s| s.counted) {
             let name = &score.group;
-            if !score.is_hypothesis_right() {
+            if !score.is_hypothesis_right() && !score.missing.contains(&"group") {
                 faults.push(format!("{name}: the hypothesis is wrong"));
             }
             for key in &score.missing {
@@ -138,10 +138,10 @@ impl Limits {
                 ("alpha (percent)", score.alpha_percent, self.alpha_percent),
                 ("direction (degrees)", score.degrees, self.degrees),
             ] {
-                if let (Some(error), Some(limit)) = (error, limit) {
-                    if error > limit {
-                        faults.push(format!("{name}: {what} is {error:.4} off, above {limit}"));
-                    }
+                if let (Some(error), Some(limit)) = (error, limit)
+                    && error > limit
+                {
+                    faults.push(format!("{name}: {what} is {error:.4} off, above {limit}"));
                 }
             }
         }

@@ -1,0 +1,161 @@
+//! The `unrender` command: exit codes and messages.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use unrender::formats::picture;
+use unrender::scene::{Image, Rgb};
+
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(test: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("unrender-cli-{}-{test}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.0.join(name);
+        std::fs::write(&path, content).unwrap();
+        path
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // A folder that is left behind in the temporary files does no harm.
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn unrender(arguments: &[&dyn AsRef<std::ffi::OsStr>]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_unrender"));
+    arguments.iter().for_each(|argument| {
+        command.arg(argument);
+    });
+    command.output().unwrap()
+}
+
+/// Asserts that the command failed with exit code 1 and one error line that contains `problem`.
+fn assert_error(output: &Output, problem: &str) {
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    assert!(stderr.starts_with("error: ") && stderr.contains(problem), "{stderr}");
+    assert!(!stderr.contains("panicked"), "{stderr}");
+}
+
+fn recover(project: &Path, out: &Path) -> Output {
+    unrender(&[&"recover", &project, &"--out", &out, &"--quiet"])
+}
+
+const PROJECT: &str = "scene = \"s.glb\"\nphoto = \"p.png\"\nexposure = 1\nresponse = \"srgb\"\n";
+
+#[test]
+fn missing_files_are_named() {
+    let folder = Folder::new("missing");
+    assert_error(&recover(&folder.path("no.toml"), &folder.path("out")), "no.toml: cannot be read");
+    let project = folder.write("a.toml", PROJECT);
+    assert_error(&recover(&project, &folder.path("out")), "scene: there is no file");
+    assert!(!folder.path("out").exists());
+    let out = folder.path("a.exr");
+    let scene = folder.path("no.glb");
+    assert_error(&unrender(&[&"render", &scene, &"--out", &out]), "no.glb");
+    assert_error(&unrender(&[&"score", &folder.0, &"truth.json"]), "materials.json");
+}
+
+#[test]
+fn a_truncated_photo_is_named() {
+    let folder = Folder::new("truncated");
+    folder.write("s.glb", "");
+    let photo = folder.path("p.png");
+    picture::write(&photo, &Image::from_fn(64, 64, |x, y| Rgb::splat((x * y) as f32 / 4096.0)))
+        .unwrap();
+    let bytes = std::fs::read(&photo).unwrap();
+    std::fs::write(&photo, &bytes[..bytes.len() / 2]).unwrap();
+    let project = folder.write("a.toml", PROJECT);
+    assert_error(&recover(&project, &folder.path("out")), "p.png: is cut short or corrupt");
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_told_before_any_work() {
+    let folder = Folder::new("unwritable");
+    folder.write("s.glb", "");
+    let photo = folder.write("p.png", "not even a picture");
+    let project = folder.write("a.toml", PROJECT);
+    assert_error(&recover(&project, &photo.join("out")), "results cannot be written there");
+    let scene = folder.path("s.glb");
+    let render = |out: &Path| unrender(&[&"render", &scene, &"--out", &out]);
+    assert_error(&render(&folder.path("no/a.exr")), "cannot be written");
+    assert_error(&render(&folder.path("a.bmp")), ".exr, .hdr or .png");
+}
+
+#[test]
+fn faults_in_the_project_have_a_line() {
+    let folder = Folder::new("faults");
+    let project = folder.write("a.toml", format!("{PROJECT}colour = 1\n"));
+    assert_error(&recover(&project, &folder.path("out")), "a.toml: line 5: unknown field `colour`");
+}
+
+/// The smallest glTF scene: one glowing triangle called "lamp" and a camera.
+const TRIANGLE: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+    "nodes": [{"mesh": 0}, {"camera": 0, "translation": [0, 0, 3]}],
+    "cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],
+    "materials": [{"name": "lamp", "emissiveFactor": [1, 1, 1]}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                   "min": [0, 0, 0], "max": [1, 1, 0]}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}],
+    "buffers": [{"byteLength": 36, "uri": "triangle.bin"}]}"#;
+
+#[test]
+fn unknown_groups_are_named() {
+    let folder = Folder::new("group");
+    let corners = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let bytes: Vec<u8> = corners.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+    folder.write("triangle.bin", bytes);
+    folder.write("s.gltf", TRIANGLE);
+    picture::write(&folder.path("p.png"), &Image::from_fn(8, 8, |_, _| Rgb::ONE)).unwrap();
+    let text = PROJECT.replace("s.glb", "s.gltf") + "[groups.lam]\nknown = { rho_d = 1 }\n";
+    let output = recover(&folder.write("a.toml", text), &folder.path("out"));
+    assert_error(&output, "groups.lam: the scene has no group \"lam\"; it has lamp");
+}
+
+#[test]
+fn usage_errors_have_exit_code_two() {
+    for arguments in
+        [&["render"][..], &["polish"], &["recover", "a.toml", "--out", "o", "--spp", "0"]]
+    {
+        let arguments: Vec<&dyn AsRef<std::ffi::OsStr>> =
+            arguments.iter().map(|a| a as &dyn AsRef<std::ffi::OsStr>).collect();
+        assert_eq!(unrender(&arguments).status.code(), Some(2));
+    }
+    let help = unrender(&[&"render", &"--help"]);
+    assert!(String::from_utf8_lossy(&help.stdout).contains("Examples:"));
+}
+
+#[test]
+fn score_prints_columns_or_json_and_holds_limits() {
+    let folder = Folder::new("score");
+    let entry = |rho: f32| {
+        format!(
+            r#"{{"groups": {{"wall": {{"hypothesis": "diffuse", "status": "recovered",
+                "rho_d": [0.5, 0.5, {rho}], "rho_s": [0, 0, 0]}}}}}}"#
+        )
+    };
+    folder.write("materials.json", entry(0.51));
+    let truth = folder.write("truth.json", entry(0.5));
+    let plain = unrender(&[&"score", &folder.0, &truth]);
+    let text = String::from_utf8_lossy(&plain.stdout).into_owned();
+    assert!(plain.status.success(), "{text}");
+    assert_eq!(text.lines().count(), 3, "{text}");
+    assert!(text.lines().all(|line| line.starts_with(['g', 'w'])) && text.contains("0.0100"));
+    assert!(unrender(&[&"score", &folder.0, &truth, &"--max-rho", &"0.02"]).status.success());
+    let over = unrender(&[&"score", &folder.0, &truth, &"--max-rho", &"0.005", &"--json"]);
+    assert_error(&over, "wall: rho_d is 0.0100 off");
+    let json: serde_json::Value = serde_json::from_slice(&over.stdout).unwrap();
+    assert_eq!(json["worst"]["counted"], 1);
+}
