@@ -24,6 +24,8 @@ impl Folder {
     /// Writes `bytes` under `name` and returns the path.
     pub(crate) fn file(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
         let path = self.0.join(name);
+        // Some file systems flush a file that is overwritten, which would slow the loops down.
+        let _ = fs::remove_file(&path);
         fs::write(&path, bytes).unwrap();
         path
     }
