@@ -64,16 +64,17 @@ type MtlFile = (Vec<tobj::Material>, HashMap<String, usize>);
 
 /// The models and the materials of the OBJ text that stands at `path`.
 fn parse(path: &Path, text: &[u8]) -> Result<Parsed, String> {
-    // The parser would go through anything; text that no OBJ could be deserves a plain word.
-    if text.contains(&0) || std::str::from_utf8(text).is_err() {
-        return Err("is not an OBJ: it is not text; export the scene again".into());
+    let fault = || "is not an OBJ: it is not text; export the scene again".to_owned();
+    let text = std::str::from_utf8(text).map_err(|_| fault())?;
+    if text.contains('\0') {
+        return Err(fault());
     }
+    check_faces(text)?;
     let options = LoadOptions {
         single_index: true,
         triangulate: true,
         ignore_points: true,
         ignore_lines: true,
-        ..LoadOptions::default()
     };
     let problem = RefCell::new(None);
     let load_materials = |name: &Path| {
@@ -82,7 +83,7 @@ fn parse(path: &Path, text: &[u8]) -> Result<Parsed, String> {
             LoadError::GenericFailure
         })
     };
-    let mut bytes = text;
+    let mut bytes = text.as_bytes();
     let loaded = tobj::load_obj_buf(&mut bytes, &options, load_materials);
     if let Some(problem) = problem.take() {
         return Err(problem);
@@ -93,6 +94,37 @@ fn parse(path: &Path, text: &[u8]) -> Result<Parsed, String> {
         format!("has a material file that is not valid ({error}); export again")
     })?;
     Ok((models, materials))
+}
+
+/// Checks the indices of all faces; the parser computes with them before it looks at them.
+fn check_faces(text: &str) -> Result<(), String> {
+    const KINDS: [&str; 3] = ["v", "vt", "vn"];
+    let first_word = |line: &str| line.split_whitespace().next().unwrap_or("").to_owned();
+    let totals = KINDS.map(|kind| text.lines().filter(|line| first_word(line) == kind).count());
+    let mut so_far = [0i64; 3];
+    for (number, line) in text.lines().enumerate() {
+        let mut words = line.split('#').next().unwrap_or("").split_whitespace();
+        let Some(word) = words.next() else { continue };
+        if let Some(kind) = KINDS.iter().position(|kind| *kind == word) {
+            so_far[kind] += 1;
+        }
+        if !matches!(word, "f" | "l" | "p") {
+            continue;
+        }
+        for (kind, index) in words.flat_map(|corner| corner.split('/').enumerate()) {
+            let index = if index.is_empty() { Some(1) } else { index.parse::<i64>().ok() };
+            let place = index.map(|i| if i < 0 { so_far[kind.min(2)] + i } else { i - 1 });
+            let end = totals[kind.min(2)].max(1) as i64;
+            if kind > 2 || !place.is_some_and(|place| (0..end).contains(&place)) {
+                return Err(format!(
+                    "line {} has a face with an index that is no number or out of range (\"{line}\"); \
+                     export the scene again",
+                    number + 1
+                ));
+            }
+        }
+    }
+    Ok(())
 }
 
 fn load_mtl(obj: &Path, name: &Path) -> Result<MtlFile, String> {

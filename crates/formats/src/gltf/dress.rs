@@ -24,8 +24,7 @@ pub fn dress(source: &Path, scene: &Scene) -> Result<Vec<u8>, FileError> {
 }
 
 fn dressed(source: &Source, scene: &Scene) -> Result<Vec<u8>, Problem> {
-    let root = serde_json::from_slice(&source.json).map_err(|error| error.to_string())?;
-    let mut glb = Glb { root, bin: Vec::new() };
+    let mut glb = Glb { root: source.json.clone(), bin: Vec::new() };
     embed_buffers(&mut glb, source);
     embed_images(&mut glb, source);
     let names = group_names(&source.document, &mut Warnings::default());

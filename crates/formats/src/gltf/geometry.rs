@@ -24,7 +24,7 @@ pub(super) fn world_mesh(
     let Some(mut mesh) = local_mesh(source, primitive)? else { return Ok(None) };
     keep_used_vertices(&mut mesh);
     place(&mut mesh, world_from_node);
-    let has_zero_normal = mesh.normals.iter().any(|n| *n == Vec3::ZERO);
+    let has_zero_normal = mesh.normals.contains(&Vec3::ZERO);
     if has_zero_normal {
         warnings.push("Some normals have no length; their meshes were given flat normals.");
     }

@@ -63,9 +63,10 @@ pub(super) fn camera(
         return Ok(None);
     };
     let fov_y_rad = perspective.yfov as f32;
-    let is_aspect = |a: &f32| a.is_finite() && *a > 0.0;
     let aspect = perspective.aspect_ratio.map(|aspect| aspect as f32);
-    if !(fov_y_rad > 0.0 && fov_y_rad < std::f32::consts::PI) || !aspect.iter().all(is_aspect) {
+    let has_fov = fov_y_rad > 0.0 && fov_y_rad < std::f32::consts::PI;
+    let has_aspect = aspect.is_none_or(|aspect| aspect.is_finite() && aspect > 0.0);
+    if !has_fov || !has_aspect {
         return Err(format!(
             "camera \"{name}\" has a yfov outside 0 to pi or no valid aspectRatio; export it again"
         ));

@@ -98,11 +98,7 @@ impl Reader<'_> {
     /// The material by glTF's own parameters.
     fn approximate(&mut self, json: &MaterialJson) -> Result<Material, Problem> {
         let Some(pbr) = &json.pbr_metallic_roughness else {
-            return Ok(Material::diffuse(if emission(json).is_some_and(|e| e != Rgb::ZERO) {
-                Rgb::ZERO
-            } else {
-                Rgb::splat(ASSUMED_RHO_D)
-            }));
+            return Ok(self.unstated(json));
         };
         let factor = self.base_color(pbr.base_color_factor);
         let (metallic, roughness) = self.metallic_roughness(pbr)?;
@@ -118,6 +114,19 @@ impl Reader<'_> {
             _ => None,
         };
         Ok(material)
+    }
+
+    /// A material that says nothing about reflectance: black if it is a lamp, else grey.
+    fn unstated(&mut self, json: &MaterialJson) -> Material {
+        if emission(json).is_some_and(|emission| emission != Rgb::ZERO) {
+            return Material::diffuse(Rgb::ZERO);
+        }
+        let name = self.name;
+        self.warnings.push(format!(
+            "material \"{name}\" states no reflectance; it was taken as diffuse with \
+             rho_d = {ASSUMED_RHO_D}."
+        ));
+        Material::diffuse(Rgb::splat(ASSUMED_RHO_D))
     }
 
     fn base_color(&mut self, factor: [f64; 4]) -> Rgb {

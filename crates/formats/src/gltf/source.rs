@@ -4,6 +4,8 @@ use super::document::{Document, UNDERSTOOD};
 use super::{Problem, container};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use serde::Deserialize;
+use serde_json::Value;
 use std::borrow::Cow;
 use std::fs;
 use std::io::ErrorKind;
@@ -11,8 +13,8 @@ use std::path::{Path, PathBuf};
 
 /// A glTF file with everything that it refers to at hand.
 pub(super) struct Source {
-    /// The JSON as text.
-    pub(super) json: Vec<u8>,
+    /// The JSON as it is in the file.
+    pub(super) json: Value,
     /// The JSON as typed data.
     pub(super) document: Document,
     /// One entry a buffer, exactly `byteLength` long.
@@ -25,12 +27,13 @@ impl Source {
     pub(super) fn open(path: &Path) -> Result<Self, Problem> {
         let bytes = read_file(path)?;
         let parts = container::split(&bytes)?;
-        let document: Document = serde_json::from_slice(parts.json)
-            .map_err(|error| format!("is not valid glTF 2.0: {error}; export the scene again"))?;
+        let invalid = |error| format!("is not valid glTF 2.0: {error}; export the scene again");
+        let json: Value = serde_json::from_slice(parts.json).map_err(invalid)?;
+        let document = Document::deserialize(&json).map_err(invalid)?;
         check_version(&document)?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         let buffers = load_buffers(&document, parts.bin, &folder)?;
-        Ok(Self { json: parts.json.to_owned(), document, buffers, folder })
+        Ok(Self { json, document, buffers, folder })
     }
 
     /// The bytes of buffer view `index`.
