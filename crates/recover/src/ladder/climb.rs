@@ -1,11 +1,12 @@
 //! The default way up: trace once, solve many.
 //!
-//! In every turn each group's current hypothesis is fitted to the light of the turn before. A group
-//! that its hypothesis does not explain gets a trial: all uniform rungs are fitted to one cache of
-//! incident light and the simplest good one is taken ([`super::choice`]). When nothing moves any
-//! more, every group that is not plainly diffuse is tried once again under the final light, so that
-//! no one stays on a rung that only a neighbour's error called for. Sample counts grow from level
-//! to level ([`super::effort`]).
+//! In every turn each group's current hypothesis is fitted to the light of the turn before, and its
+//! reflectances move most of the way there ([`DAMPING`]). When nothing moves any more, the groups
+//! that their hypothesis explains worst get a trial: all uniform rungs are fitted to one cache of
+//! incident light and the simplest good one is taken ([`super::choice`]). Only the worst ones,
+//! because a wrong group spoils the light of its neighbours: once it is right, their errors may be
+//! gone. At the end every group that is not plainly diffuse is tried once again under the final
+//! light. Sample counts grow from level to level ([`super::effort`]).
 
 use super::effort::{self, FINEST, SETTLED};
 use super::{State, choice, distance};
@@ -15,12 +16,17 @@ use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Status, Termination, Trial};
 use unrender_scene::Material;
 
-/// In the first turns the light is too wrong to judge by.
-const TRIALS_FROM_TURN: usize = 2;
+/// The share of the way to the fitted reflectances that a turn goes. Groups light each other: when
+/// all become brighter at once, each looks darker in the next turn. In a room of mean reflectance
+/// one half the full step would swing for ever (slope -1); this share turns that into -0.2, and a
+/// slope of -0.3, as most rooms have, into 0.2.
+const DAMPING: f32 = 0.6;
+/// Of the groups in error, those with at least this share of the worst error are tried.
+const WORST: f64 = 0.5;
 /// While the light is rough, only errors this many times the threshold call for a trial.
 const CLEARLY: f64 = 3.0;
 /// A group is tried at most this often.
-const TRIALS_MAX: usize = 5;
+const TRIALS_MAX: usize = 6;
 /// A texture needs this many pixels.
 const TEXTURE_PIXELS: usize = 200;
 
@@ -30,17 +36,16 @@ pub(crate) fn climb(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Termination, RecoverError> {
-    let mut climber = Climber { options, level: 0, trials: vec![0; state.materials.len()] };
+    let groups = state.materials.len();
+    let mut climber =
+        Climber { options, level: 0, trials: vec![0; groups], tried_at: vec![None; groups] };
     for turn in 1..=options.max_turns {
         state.update_exposure(options.seed)?;
-        let (change, climbed) = climber.turn(state, turn);
-        let done = turn as f64 / (turn as f64 + 8.0 - 3.0 * climber.level as f64).max(1.0);
+        let change = climber.turn(state);
+        let done = turn as f64 / (turn as f64 + 10.0 - 4.0 * climber.level as f64);
         let threshold = options.thresholds.explained;
-        observer.turn(state.end_turn(change, threshold, 0.8 * done));
-        if climbed || change > SETTLED[climber.level] {
-            continue;
-        }
-        if climber.level >= 1 && climber.review(state, turn) {
+        observer.turn(state.end_turn(change, threshold, done));
+        if change > SETTLED[climber.level] || climber.try_worst(state, turn) {
             continue;
         }
         if climber.level == FINEST {
@@ -58,28 +63,24 @@ struct Climber<'o> {
     level: usize,
     /// How often each group was tried.
     trials: Vec<usize>,
+    /// At which level each group was tried last.
+    tried_at: Vec<Option<usize>>,
 }
 
 impl Climber<'_> {
-    /// One turn over all groups: the largest change, and whether a group changed its rung.
-    fn turn(&mut self, state: &mut State<'_>, turn: usize) -> (f64, bool) {
+    /// One turn over all groups; returns the largest change that is still called for.
+    fn turn(&mut self, state: &mut State<'_>) -> f64 {
         let mut next = state.materials.clone();
-        let mut climbed = false;
+        let mut change = 0.0f64;
         for group in state.visible_unknowns() {
-            let before = state.standing[group].hypothesis;
-            if let Some(material) = self.refit(state, group) {
-                next[group] = material;
+            if let Some(fitted) = self.refit(state, group) {
+                change = change.max(distance(&state.materials[group], &fitted));
+                next[group] = approach(&state.materials[group], fitted);
             }
-            if self.wants_trial(state, group, turn) {
-                next[group] = self.trial(state, group, turn);
-            }
-            climbed |= state.standing[group].hypothesis != before;
         }
         self.groups_in_mirrors(state, &mut next);
-        let moved = state.materials.iter().zip(&next).map(|(a, b)| distance(a, b));
-        let change = moved.fold(0.0, f64::max);
         state.materials = next;
-        (change, climbed)
+        change
     }
 
     /// The group's current hypothesis fitted to the present light.
@@ -115,15 +116,6 @@ impl Climber<'_> {
         Evidence::gather(&state.stage(), &state.materials, group, pixels, &effort)
     }
 
-    fn wants_trial(&self, state: &State<'_>, group: usize, turn: usize) -> bool {
-        let standing = &state.standing[group];
-        let factor = if self.level == 0 { CLEARLY } else { 1.0 };
-        turn >= TRIALS_FROM_TURN
-            && self.trials[group] < TRIALS_MAX - 1
-            && standing.hypothesis == Hypothesis::Diffuse
-            && standing.misfit.is_some_and(|m| !m.is_within(factor * self.thresholds().explained))
-    }
-
     fn thresholds(&self) -> &crate::problem::Thresholds {
         &self.options.thresholds
     }
@@ -131,6 +123,7 @@ impl Climber<'_> {
     /// Fits all uniform rungs to one cache of light and stands on the simplest good one.
     fn trial(&mut self, state: &mut State<'_>, group: usize, turn: usize) -> Material {
         self.trials[group] += 1;
+        self.tried_at[group] = Some(self.level);
         let effort = effort::trial(self.options.seed ^ ((turn as u64) << 32));
         let pixels = &state.problem.observation.pixels_of_group[group];
         let evidence = self.gather(state, group, pixels, effort);
@@ -151,35 +144,46 @@ impl Climber<'_> {
         fits[chosen].material.clone()
     }
 
-    /// Tries again, under light that has settled, every group that is not plainly diffuse, and
-    /// gives textures to those that no uniform rung explains. True if a group changed its rung.
-    fn review(&mut self, state: &mut State<'_>, turn: usize) -> bool {
-        let mut changed = false;
-        for group in state.visible_unknowns() {
-            let standing = &state.standing[group];
-            let plain = standing.hypothesis == Hypothesis::Diffuse
-                && standing.misfit.is_some_and(|m| m.is_within(self.thresholds().explained));
-            let textured = standing.hypothesis == Hypothesis::Textured;
-            if plain || textured || self.trials[group] >= TRIALS_MAX {
-                continue;
-            }
-            if self.level == FINEST && !standing.story.is_empty() {
-                continue;
-            }
-            let before = (standing.hypothesis, state.materials[group].clone());
-            let material = self.trial(state, group, turn);
+    /// Tries all rungs on the groups that are explained worst. True if one of them moved.
+    fn try_worst(&mut self, state: &mut State<'_>, turn: usize) -> bool {
+        let errors: Vec<(usize, f64)> = state
+            .visible_unknowns()
+            .into_iter()
+            .filter(|&g| self.is_open(state, g))
+            .map(|g| (g, state.standing[g].misfit.map_or(0.0, |m| m.relative())))
+            .collect();
+        let worst = errors.iter().map(|e| e.1).fold(0.0, f64::max);
+        let mut moved = false;
+        for (group, _) in errors.into_iter().filter(|e| e.1 >= WORST * worst) {
+            let before = state.standing[group].hypothesis;
+            let mut material = self.trial(state, group, turn);
             let left = state.standing[group].misfit.map_or(0.0, |m| m.relative());
             if left > self.thresholds().textured
-                && let Some(material) = self.extract(state, group, false)
+                && self.level > 0
+                && let Some(textured) = self.extract(state, group, false)
             {
                 state.standing[group].hypothesis = Hypothesis::Textured;
-                state.materials[group] = material;
-            } else if state.standing[group].hypothesis != before.0 {
-                state.materials[group] = material;
+                material = textured;
             }
-            changed |= state.standing[group].hypothesis != before.0;
+            if state.standing[group].hypothesis != before {
+                state.materials[group] = material;
+                moved = true;
+            }
         }
-        changed
+        moved
+    }
+
+    /// Whether a group may stand on the wrong rung: its error is above the threshold and it was not
+    /// tried too often, nor since the light was this good.
+    fn is_open(&self, state: &State<'_>, group: usize) -> bool {
+        let standing = &state.standing[group];
+        let factor = if self.level == 0 { CLEARLY } else { 1.0 };
+        let explained =
+            standing.misfit.is_none_or(|m| m.is_within(factor * self.thresholds().explained));
+        let climbed = standing.hypothesis != Hypothesis::Diffuse;
+        let done = self.trials[group] >= TRIALS_MAX || self.tried_at[group] == Some(self.level);
+        let wanted = !explained || (climbed && self.level > 0);
+        wanted && !done && standing.hypothesis != Hypothesis::Textured
     }
 
     /// The group's texture under the present light; none without texture coordinates or with too
@@ -246,6 +250,15 @@ impl Climber<'_> {
             standing.status = Status::Recovered;
             standing.note = Some("seen in a mirror only; taken as diffuse".to_owned());
         }
+    }
+}
+
+/// The material on the way from `now` to `fitted`.
+fn approach(now: &Material, fitted: Material) -> Material {
+    Material {
+        rho_d: now.rho_d.lerp(fitted.rho_d, DAMPING),
+        rho_s: now.rho_s.lerp(fitted.rho_s, DAMPING),
+        ..fitted
     }
 }
 
