@@ -38,7 +38,13 @@ impl Misfit {
 
 /// The misfit of the radiances `model`, rendered twice.
 pub fn misfit(pixels: &[Observed], model: &[Vec<Rgb>; 2]) -> Misfit {
-    let (mut sum, mut squares, mut noise, mut scale) = (0.0, 0.0, 0.0, 0.0);
+    misfit_by_pixel(pixels, model).0
+}
+
+/// The misfit, and what each pixel contributes to its square.
+pub fn misfit_by_pixel(pixels: &[Observed], model: &[Vec<Rgb>; 2]) -> (Misfit, Vec<f64>) {
+    let (mut sum, mut noise, mut scale) = (0.0, 0.0, 0.0);
+    let mut contributions = Vec::with_capacity(pixels.len());
     for (i, pixel) in pixels.iter().enumerate() {
         let mut contribution = 0.0;
         for channel in 0..3 {
@@ -49,14 +55,22 @@ pub fn misfit(pixels: &[Observed], model: &[Vec<Rgb>; 2]) -> Misfit {
             scale += w * b * b;
         }
         sum += contribution;
-        squares += contribution * contribution;
+        contributions.push(contribution);
     }
-    let n = pixels.len().max(1) as f64;
     let scale = if scale > 0.0 { scale } else { f64::INFINITY };
-    let variance = (squares - sum * sum / n).max(0.0);
-    Misfit {
+    contributions.iter_mut().for_each(|c| *c /= scale);
+    let misfit = Misfit {
         squared: (sum - noise) / scale,
-        deviation: variance.sqrt() / scale,
+        deviation: deviation_of_sum(&contributions),
         with_noise: sum / scale,
-    }
+    };
+    (misfit, contributions)
+}
+
+/// The standard deviation of a sum, from the spread of its terms.
+pub fn deviation_of_sum(terms: &[f64]) -> f64 {
+    let n = terms.len().max(1) as f64;
+    let sum: f64 = terms.iter().sum();
+    let squares: f64 = terms.iter().map(|t| t * t).sum();
+    (squares - sum * sum / n).max(0.0).sqrt()
 }

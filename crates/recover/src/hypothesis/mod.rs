@@ -14,7 +14,7 @@ pub mod mirror;
 pub mod partial_mirror;
 pub mod textured;
 
-use crate::error::{Misfit, misfit};
+use crate::error::{Misfit, misfit_by_pixel};
 use crate::evidence::Evidence;
 use crate::fit::linear::{self, LinearFit, Terms};
 pub use unrender_scene::Hypothesis;
@@ -75,6 +75,8 @@ pub struct Fit {
     pub material: Material,
     /// What they leave unexplained.
     pub misfit: Misfit,
+    /// What each pixel of the sample contributes to the misfit's square.
+    pub by_pixel: Vec<f64>,
 }
 
 /// The fit of `material`, with the bases that it was found with.
@@ -90,8 +92,8 @@ fn judged(
         let at = |i: usize| material.rho_d * diffuse[h][i] + material.rho_s * specular_at(i);
         (0..diffuse[h].len()).map(at).collect()
     };
-    let misfit = misfit(&evidence.pixels, &[half(0), half(1)]);
-    Fit { hypothesis, material, misfit }
+    let (misfit, by_pixel) = misfit_by_pixel(&evidence.pixels, &[half(0), half(1)]);
+    Fit { hypothesis, material, misfit, by_pixel }
 }
 
 /// The reflectances that fit best beside a lobe of the given shape.

@@ -1,16 +1,33 @@
-//! Which rung to stand on: the simplest whose residual the noise explains, or that explains nearly
-//! as much as the best.
+//! Which rung to stand on: the simplest that explains as much as the best, as far as the noise and
+//! the user's threshold let anyone tell.
+//!
+//! Two rungs are compared pixel by pixel on the same light: most of the noise is in both and drops
+//! out of the difference, so that a difference can be told long before either error can.
 
+use crate::error::deviation_of_sum;
 use crate::hypothesis::Fit;
 use crate::problem::Thresholds;
 
-/// The index of the fit to take; `fits` go from simple to complex and there is at least one.
+/// The index of the fit to take; `fits` go from simple to complex, all on the same evidence, and
+/// there is at least one.
 pub fn choose(fits: &[Fit], thresholds: &Thresholds) -> usize {
-    let best = fits.iter().map(|f| f.misfit.relative()).fold(f64::INFINITY, f64::min);
-    let allowed = thresholds.explained.max(thresholds.simpler * best);
-    let good =
-        |fit: &Fit| fit.misfit.is_within(thresholds.explained) || fit.misfit.relative() <= allowed;
+    let Some(best) = fits.iter().min_by(|a, b| a.misfit.squared.total_cmp(&b.misfit.squared))
+    else {
+        return 0;
+    };
+    let allowed = thresholds.simpler * best.misfit.relative();
+    let good = |fit: &Fit| {
+        fit.misfit.relative() <= allowed || excess(fit, best) <= thresholds.explained.powi(2)
+    };
     fits.iter().position(good).unwrap_or(fits.len() - 1)
+}
+
+/// How much more `fit` leaves unexplained than `best` (relative, squared), less two standard
+/// deviations of the difference.
+fn excess(fit: &Fit, best: &Fit) -> f64 {
+    let difference: Vec<f64> =
+        fit.by_pixel.iter().zip(&best.by_pixel).map(|(a, b)| a - b).collect();
+    difference.iter().sum::<f64>() - 2.0 * deviation_of_sum(&difference)
 }
 
 #[cfg(test)]
@@ -27,7 +44,8 @@ mod tests {
             .map(|(&hypothesis, e)| Fit {
                 hypothesis,
                 material: Material::diffuse(Rgb::ONE),
-                misfit: Misfit { squared: e * e, deviation: 1e-7, with_noise: e * e },
+                misfit: Misfit { squared: e * e, deviation: 0.0, with_noise: e * e },
+                by_pixel: vec![e * e / 100.0; 100],
             })
             .collect();
         fits[choose(&fits, &Thresholds::default())].hypothesis
