@@ -217,11 +217,17 @@ impl<'a> Gatherer<'a> {
         let wo_local = surface.frame.local_from_world(wo);
         let first = out.incident.len();
         let mut gathering = Gathering { gatherer: self, surface, wo: wo_local, bounces, out };
-        if wo_local.z > 0.0 {
+        // Mirrors on the way may have used up all reflections.
+        let reflects = bounces < self.settings.max_bounces;
+        if reflects && wo_local.z > 0.0 {
             gathering.lights(pixel, index);
             gathering.directions(pixel, index);
         }
-        let mirror = if self.settings.mirror { gathering.mirror(pixel, index) } else { Rgb::ZERO };
+        let mirror = if reflects && self.settings.mirror {
+            gathering.mirror(pixel, index)
+        } else {
+            Rgb::ZERO
+        };
         let total: Rgb = out.incident[first..].iter().map(|i| i.irradiance).sum();
         if !self.settings.keep_incident {
             out.incident.truncate(first);

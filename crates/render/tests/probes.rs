@@ -7,7 +7,7 @@ mod common;
 use common::{Estimate, Random, Stage, assert_agree, camera, settings};
 use glam::{DVec3, Vec3};
 use unrender_render::probe::{Incident, ProposalLobe};
-use unrender_render::{Film, Probe, ProbeSettings, Probes, Tracer, WardLobe};
+use unrender_render::{Film, Probe, ProbeSettings, Probes, Settings, Tracer, WardLobe};
 use unrender_scene::{Camera, LightKind, Material, Rgb, WardModel};
 
 const SIDE: usize = 16;
@@ -58,8 +58,11 @@ impl Room {
     }
 
     fn render(&self, plate: &Material, spp: u32) -> Film {
-        let size = (SIDE, SIDE);
-        self.tracer.render(&self.with(plate), &self.camera, size, &settings(spp), &|_| ())
+        self.render_with(plate, &settings(spp))
+    }
+
+    fn render_with(&self, plate: &Material, settings: &Settings) -> Film {
+        self.tracer.render(&self.with(plate), &self.camera, (SIDE, SIDE), settings, &|_| ())
     }
 
     /// Probes of the whole picture. The plate is flat and alone gets no light from itself, so its
@@ -201,6 +204,41 @@ fn light_in_two_lobes_of_any_width_is_counted_once() {
     let a = by_probes(&room, material, &room.probes(material, &gather_all()));
     let b = by_probes(&room, material, &room.probes(material, &plain));
     assert_agree("two mixtures", a, b, 1e-2);
+}
+
+#[test]
+fn probes_end_paths_where_the_rendering_does() {
+    let room = Room::new(true, WardModel::WardGmd, Rgb::ZERO);
+    // Material 2 is a mirror; with a single reflection it shows black walls.
+    for (index, max_bounces) in [(2, 2), (2, 3), (4, 1), (4, 2), (4, 3)] {
+        let material = &materials()[index];
+        let probes = room.probes(material, &ProbeSettings { max_bounces, ..gather_all() });
+        let rendered = room.render_with(material, &Settings { max_bounces, ..settings(512) });
+        let found = by_probes(&room, material, &probes);
+        let what = format!("material {index}, {max_bounces} bounces");
+        assert_agree(&what, found, Estimate::of_film(&rendered), 1e-2);
+    }
+}
+
+#[test]
+fn mirrors_on_the_way_count_as_bounces() {
+    let (stage, view, target) = periscope();
+    let (tracer, materials) = (stage.tracer(), stage.scene.materials());
+    for (max_bounces, lit) in [(1, false), (2, false), (3, true)] {
+        let render_settings = Settings { max_bounces, ..settings(16) };
+        let rendered = Estimate::of_film(&stage.render(&view, 8, render_settings));
+        assert_eq!(rendered.mean != DVec3::ZERO, lit);
+        let settings = ProbeSettings {
+            through_mirrors: true,
+            mirror: true,
+            max_bounces,
+            ..ProbeSettings::default()
+        };
+        for probe in tracer.probe(&materials, &view, (8, 8), &[0, 9, 63], &settings).probes {
+            assert_eq!(probe.group, target as u32);
+            assert_eq!(probe.diffuse != Rgb::ZERO, lit, "{max_bounces} bounces");
+        }
+    }
 }
 
 #[test]
