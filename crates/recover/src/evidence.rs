@@ -10,7 +10,7 @@ use crate::rerender::Renderer;
 use glam::Vec3;
 use rayon::prelude::*;
 use unrender_render::sampler::mix;
-use unrender_render::{Probe, ProbeSettings, Probes, WardLobe};
+use unrender_render::{Probe, ProbeSettings, Probes, SeenRadiance, WardLobe};
 use unrender_scene::{Material, Rgb, WardModel};
 
 /// What is known of one group in one turn.
@@ -53,6 +53,8 @@ pub struct Stage<'a> {
     pub exposure: Rgb,
     /// The renderer, behind the photograph's camera.
     pub renderer: &'a dyn Renderer,
+    /// Where the photograph itself says what radiance the surfaces send.
+    pub seen: Option<&'a SeenRadiance>,
 }
 
 /// How much to gather.
@@ -79,16 +81,16 @@ impl Evidence {
         pixels: &[u32],
         effort: &Effort,
     ) -> Self {
-        let Stage { observation, exposure, renderer } = *stage;
+        let Stage { observation, exposure, renderer, seen: known } = *stage;
         let wanted = spread(pixels, effort.pixels, effort.probe.seed ^ group as u64);
         let sets = [0u64, 1].map(|half| {
             let seed = mix(effort.probe.seed).wrapping_add(half);
             let settings = ProbeSettings { seed, probes_per_pixel: 1, ..effort.probe.clone() };
-            renderer.probe(materials, &wanted, &settings)
+            renderer.probe(materials, &wanted, &settings, known)
         });
         let seen = pixels_of_both(&sets, group as u32);
         let sets = sets.map(|probes| Gathered { probes: keep_pixels(probes, &seen, group as u32) });
-        let pixels = observe(observation, exposure, &seen);
+        let pixels = observe(observation, exposure, group, &seen);
         Self { model: renderer.model(), pixels, sets }
     }
 
@@ -172,13 +174,18 @@ fn keep_pixels(mut probes: Probes, pixels: &[u32], group: u32) -> Probes {
 }
 
 /// The photograph in some pixels of one group.
-pub fn observe(observation: &Observation, exposure: Rgb, pixels: &[u32]) -> Vec<Observed> {
+pub fn observe(
+    observation: &Observation,
+    exposure: Rgb,
+    group: usize,
+    pixels: &[u32],
+) -> Vec<Observed> {
     let value = |image: &unrender_scene::RgbImage, p: u32| exposure * image.pixels()[p as usize];
     let mean = pixels.iter().map(|&p| value(&observation.smooth, p)).sum::<Rgb>()
         / pixels.len().max(1) as f32;
     let dark = Rgb::splat(DARK * mean.max_element()).max(DARK * mean);
     let one = |&pixel: &u32| {
-        let variance = exposure * exposure * observation.noise_variance(pixel);
+        let variance = exposure * exposure * observation.noise_variance(group, pixel);
         let level = value(&observation.smooth, pixel).max(dark) * RELATIVE;
         let weight = (variance + level * level).max(Rgb::splat(f32::MIN_POSITIVE)).recip();
         Observed { pixel, radiance: value(&observation.picture.values, pixel), variance, weight }

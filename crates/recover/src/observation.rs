@@ -5,9 +5,8 @@
 //!
 //! The noise of the photograph is estimated from itself: in the interior of a group, the difference
 //! of a pixel from the mean of its two neighbours in the row holds 3/2 of the noise's variance and
-//! little of the picture. Pooled over all groups it gives `variance = quantum^2/12 + s B`, a shot
-//! noise on top of the quantisation; the median over groups keeps textured groups from posing as
-//! noise.
+//! little of the picture. It gives for each group `variance = quantum^2/12 + s B`, quantisation and
+//! a shot noise. What is finer than two pixels in a picture (a coarse weave, say) counts as noise.
 
 use glam::Vec3;
 use unrender_render::{GeometryBuffers, NOTHING};
@@ -35,8 +34,8 @@ pub struct Observation {
     pub all_pixels_of_group: Vec<Vec<u32>>,
     /// The local mean of the believed pixels of the same object, 5 x 5.
     pub smooth: RgbImage,
-    /// Variance of the noise per unit of value, per channel.
-    pub shot: Rgb,
+    /// For each group: variance of the noise per unit of value, per channel.
+    pub shot_of_group: Vec<Rgb>,
 }
 
 /// Below this many believed pixels a group falls back on all its unclipped ones.
@@ -74,15 +73,15 @@ impl Observation {
             }
         }
         let smooth = smooth(&picture.values, geometry, &pixels_of_group);
-        let shot = shot_noise(&picture, &pixels_of_group);
-        Self { picture, pixels_of_group, all_pixels_of_group, smooth, shot }
+        let shot_of_group = pixels_of_group.iter().map(|p| shot_noise(&picture, p)).collect();
+        Self { picture, pixels_of_group, all_pixels_of_group, smooth, shot_of_group }
     }
 
-    /// The variance of the photograph's noise at a pixel, before exposure.
-    pub fn noise_variance(&self, pixel: u32) -> Rgb {
+    /// The variance of the photograph's noise at a pixel of `group`, before exposure.
+    pub fn noise_variance(&self, group: usize, pixel: u32) -> Rgb {
         let quantum = self.picture.quantum.pixels()[pixel as usize];
         let level = self.smooth.pixels()[pixel as usize].max(Rgb::ZERO);
-        quantum * quantum / 12.0 + self.shot * level
+        quantum * quantum / 12.0 + self.shot_of_group[group] * level
     }
 }
 
@@ -120,56 +119,27 @@ fn smooth(values: &RgbImage, geometry: &GeometryBuffers, groups: &[Vec<u32>]) ->
     })
 }
 
-/// The shot noise `s` of each channel, pooled over groups.
-fn shot_noise(picture: &Picture, groups: &[Vec<u32>]) -> Rgb {
+/// A group's variance beyond quantisation per unit of value, per channel.
+fn shot_noise(picture: &Picture, pixels: &[u32]) -> Rgb {
     let width = picture.values.width();
-    Rgb::from_array(std::array::from_fn(|channel| {
-        let slopes: Vec<(f32, f32)> = groups
-            .iter()
-            .filter_map(|pixels| group_slope(picture, pixels, width, channel))
-            .collect();
-        weighted_median(slopes)
-    }))
-}
-
-/// One group's variance beyond quantisation per unit of value, and its number of pixels.
-fn group_slope(
-    picture: &Picture,
-    pixels: &[u32],
-    width: usize,
-    channel: usize,
-) -> Option<(f32, f32)> {
-    let value = |p: u32| picture.values.pixels()[p as usize][channel];
+    let value = |p: u32| picture.values.pixels()[p as usize];
+    let (mut squares, mut count) = (Rgb::ZERO, 0.0);
     // Pixels come in scanline order: three in a row are three neighbours in the list.
-    let rough = |w: &[u32]| {
-        let in_a_row = w[2] == w[0] + 2 && w[0] as usize / width == w[2] as usize / width;
-        in_a_row.then(|| (value(w[1]) - 0.5 * (value(w[0]) + value(w[2]))).abs())
-    };
-    let mut differences: Vec<f32> = pixels.windows(3).filter_map(rough).collect();
-    if differences.len() < FEW_PIXELS {
-        return None;
-    }
-    let count = differences.len() as f32;
-    let level = pixels.iter().map(|&p| value(p)).sum::<f32>() / pixels.len() as f32;
-    let quantum =
-        pixels.iter().map(|&p| picture.quantum.pixels()[p as usize][channel].powi(2)).sum::<f32>()
-            / (12.0 * pixels.len() as f32);
-    let middle = differences.len() / 2;
-    let median = *differences.select_nth_unstable_by(middle, f32::total_cmp).1;
-    // Median of the absolute value of a normal variable: 0.6745 sigma.
-    let variance = (median / 0.6745).powi(2) / 1.5;
-    (level > 0.0).then_some((((variance - quantum) / level).max(0.0), count))
-}
-
-fn weighted_median(mut values: Vec<(f32, f32)>) -> f32 {
-    values.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let half: f32 = values.iter().map(|v| v.1).sum::<f32>() / 2.0;
-    let mut sum = 0.0;
-    for (value, weight) in &values {
-        sum += weight;
-        if sum >= half {
-            return *value;
+    for w in pixels.windows(3) {
+        if w[2] == w[0] + 2 && w[0] as usize / width == w[2] as usize / width {
+            let difference = value(w[1]) - 0.5 * (value(w[0]) + value(w[2]));
+            squares += difference * difference;
+            count += 1.0;
         }
     }
-    0.0
+    if count < FEW_PIXELS as f32 {
+        return Rgb::ZERO;
+    }
+    let quantum = |p: u32| picture.quantum.pixels()[p as usize];
+    let mean =
+        |f: &dyn Fn(u32) -> Rgb| pixels.iter().map(|&p| f(p)).sum::<Rgb>() / pixels.len() as f32;
+    let quantisation = mean(&|p| quantum(p) * quantum(p)) / 12.0;
+    let excess = (squares / (1.5 * count) - quantisation).max(Rgb::ZERO);
+    let level = mean(&value);
+    Rgb::select(level.cmpgt(Rgb::ZERO), excess / level.max(Rgb::splat(1e-20)), Rgb::ZERO)
 }

@@ -2,7 +2,8 @@
 //! closed-form renderers in milliseconds.
 
 use unrender_render::{
-    Film, GeometryBuffers, ProbeSettings, Probes, ProposalLobe, Settings, Tracer,
+    Film, GeometryBuffers, ProbeSettings, Probes, ProposalLobe, SeenRadiance, Settings, Tracer,
+    seen::Lookup,
 };
 use unrender_scene::{Camera, Material, Rgb, WardModel};
 
@@ -12,8 +13,14 @@ pub trait Renderer: Sync {
     fn geometry(&self) -> &GeometryBuffers;
     /// Which form of Ward's lobe the materials mean.
     fn model(&self) -> WardModel;
-    /// The light that arrives behind `pixels`.
-    fn probe(&self, materials: &[Material], pixels: &[u32], settings: &ProbeSettings) -> Probes;
+    /// The light that arrives behind `pixels`; paths end where `seen` knows the radiance.
+    fn probe(
+        &self,
+        materials: &[Material],
+        pixels: &[u32],
+        settings: &ProbeSettings,
+        seen: Option<&SeenRadiance>,
+    ) -> Probes;
     /// The radiance of `pixels`, re-rendered.
     fn rerender(&self, materials: &[Material], pixels: &[u32], settings: &Settings) -> Vec<Rgb>;
 }
@@ -60,8 +67,16 @@ impl Renderer for View<'_> {
         self.model
     }
 
-    fn probe(&self, materials: &[Material], pixels: &[u32], settings: &ProbeSettings) -> Probes {
-        self.tracer.probe(materials, self.camera, self.size, pixels, settings)
+    fn probe(
+        &self,
+        materials: &[Material],
+        pixels: &[u32],
+        settings: &ProbeSettings,
+        seen: Option<&SeenRadiance>,
+    ) -> Probes {
+        let lookup =
+            seen.map(|seen| Lookup { seen, camera: self.camera, geometry: &self.geometry });
+        self.tracer.probe(materials, self.camera, self.size, pixels, settings, lookup)
     }
 
     fn rerender(&self, materials: &[Material], pixels: &[u32], settings: &Settings) -> Vec<Rgb> {

@@ -36,6 +36,9 @@ pub struct Film {
     pub variance: RgbImage,
 }
 
+/// Keeps the numbers of pictures apart from those of probes under the same seed.
+const STREAM: u64 = 0x0F11_0000_0000_0000;
+
 /// Pixels that one task renders before it reports progress.
 const CHUNK: usize = 256;
 
@@ -95,7 +98,7 @@ impl Tracer {
             let mut sum = DVec3::ZERO;
             let mut squares = DVec3::ZERO;
             for index in 0..settings.spp {
-                let mut sampler = Sampler::new(settings.seed, u64::from(pixel), index);
+                let mut sampler = Sampler::new(settings.seed ^ STREAM, u64::from(pixel), index);
                 let ray = camera_ray(camera, size, pixel, &mut sampler);
                 let radiance = transport.radiance(&ray, &mut sampler, 0).as_dvec3();
                 sum += radiance;

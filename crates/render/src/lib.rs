@@ -23,6 +23,7 @@ pub mod geometry;
 pub mod path;
 pub mod probe;
 pub mod sampler;
+pub mod seen;
 pub mod surface;
 pub mod tracer;
 
@@ -30,4 +31,5 @@ pub use bsdf::ward::WardLobe;
 pub use film::{Film, Settings};
 pub use geometry::{GeometryBuffers, NOTHING, PixelGeometry};
 pub use probe::{Probe, ProbeSettings, Probes, ProposalLobe};
+pub use seen::SeenRadiance;
 pub use tracer::Tracer;

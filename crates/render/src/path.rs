@@ -9,6 +9,7 @@
 use crate::accel::{self, Ray};
 use crate::bsdf::Bsdf;
 use crate::sampler::Sampler;
+use crate::seen::Lookup;
 use crate::surface::{Frame, Surface};
 use crate::tracer::{Materials, Tracer};
 use glam::Vec3;
@@ -27,6 +28,7 @@ pub struct Transport<'a> {
     tracer: &'a Tracer,
     materials: &'a Materials,
     max_bounces: u32,
+    seen: Option<Lookup<'a>>,
 }
 
 impl<'a> Transport<'a> {
@@ -35,7 +37,12 @@ impl<'a> Transport<'a> {
     /// # Panics
     /// Later, if there are fewer materials than groups.
     pub fn new(tracer: &'a Tracer, materials: &'a Materials, max_bounces: u32) -> Self {
-        Self { tracer, materials, max_bounces }
+        Self { tracer, materials, max_bounces, seen: None }
+    }
+
+    /// The same transport, but paths end where `seen` knows the radiance.
+    pub fn ending_at(self, seen: Option<Lookup<'a>>) -> Self {
+        Self { seen, ..self }
     }
 
     /// The nearest surface along the ray.
@@ -78,6 +85,9 @@ impl<'a> Transport<'a> {
         let mut radiance = Rgb::ZERO;
         let mut throughput = Rgb::ONE;
         for bounce in bounce..self.max_bounces {
+            if let Some(known) = self.seen.and_then(|seen| seen.radiance(&surface)) {
+                return radiance + throughput * known;
+            }
             let (bsdf, frame) = self.bsdf(&surface);
             if bsdf.is_black() {
                 break;

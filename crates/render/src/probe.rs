@@ -18,6 +18,7 @@ use crate::bsdf::{lambert, mirror};
 use crate::film::camera_ray;
 use crate::path::{MAX_BOUNCES, Transport};
 use crate::sampler::Sampler;
+use crate::seen::Lookup;
 use crate::surface::Surface;
 use crate::tracer::{Materials, Tracer};
 use glam::Vec3;
@@ -139,7 +140,8 @@ impl Probes {
 const CHUNK: usize = 64;
 
 impl Tracer {
-    /// Gathers the light at the surfaces behind `pixels` (indices into a picture of `size`).
+    /// Gathers the light at the surfaces behind `pixels` (indices into a picture of `size`); paths
+    /// end where `seen` knows the radiance.
     pub fn probe(
         &self,
         materials: &Materials,
@@ -147,8 +149,9 @@ impl Tracer {
         size: (usize, usize),
         pixels: &[u32],
         settings: &ProbeSettings,
+        seen: Option<Lookup<'_>>,
     ) -> Probes {
-        let gatherer = Gatherer::new(self, materials, settings);
+        let gatherer = Gatherer::new(self, materials, settings, seen);
         let parts: Vec<Probes> = pixels
             .par_chunks(CHUNK)
             .map(|chunk| {
@@ -196,14 +199,19 @@ struct Gatherer<'a> {
 }
 
 impl<'a> Gatherer<'a> {
-    fn new(tracer: &'a Tracer, materials: &'a Materials, settings: &'a ProbeSettings) -> Self {
+    fn new(
+        tracer: &'a Tracer,
+        materials: &'a Materials,
+        settings: &'a ProbeSettings,
+        seen: Option<Lookup<'a>>,
+    ) -> Self {
         assert!(settings.lobes.len() as u64 <= STREAMS - FIRST_LOBE, "too many proposal lobes");
         let lobes = settings.lobes.iter().map(|lobe| {
             let (sin, cos) = lobe.theta_rad.sin_cos();
             (WardLobe::new(tracer.model, lobe.alpha_x, lobe.alpha_y), cos, sin)
         });
         Self {
-            transport: Transport::new(tracer, materials, settings.max_bounces),
+            transport: Transport::new(tracer, materials, settings.max_bounces).ending_at(seen),
             materials,
             settings,
             lobes: lobes.collect(),
@@ -228,11 +236,13 @@ impl<'a> Gatherer<'a> {
         let wo_local = surface.frame.local_from_world(wo);
         let first = out.incident.len();
         let mut gathering = Gathering { gatherer: self, surface, wo: wo_local, bounces, out };
-        if wo_local.z > 0.0 {
+        // Mirrors on the way may have used up all reflections.
+        let reflects = bounces < self.settings.max_bounces;
+        if reflects && wo_local.z > 0.0 {
             gathering.lights(pixel, index);
             gathering.directions(pixel, index);
         }
-        let mirror = gathering.mirror(pixel, index);
+        let mirror = if reflects { gathering.mirror(pixel, index) } else { None };
         let total: Rgb = out.incident[first..].iter().map(|i| i.irradiance).sum();
         if !self.settings.keep_incident {
             out.incident.truncate(first);

@@ -113,12 +113,16 @@ fn tangent(mesh: &Mesh, corners: [u32; 3], weights: [f32; 3], normal: Vec3) -> V
     if Vec3::X.reject_from(normal).length_squared() > 1e-4 { Vec3::X } else { Vec3::Z }
 }
 
-/// The direction on a triangle in which u grows and v stays.
+/// The direction on a triangle in which u grows and v stays; zero where the texture coordinates
+/// span no area, and so no such direction.
 fn direction_of_u(mesh: &Mesh, [a, b, c]: [usize; 3]) -> Vec3 {
     let (e1, e2) = (mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
     let (d1, d2) = (mesh.uvs[b] - mesh.uvs[a], mesh.uvs[c] - mesh.uvs[a]);
-    let sign = d1.perp_dot(d2).signum();
-    (e1 * d2.y - e2 * d1.y) * sign
+    let area = d1.perp_dot(d2);
+    if area.abs() <= f32::EPSILON * d1.length() * d2.length() {
+        return Vec3::ZERO;
+    }
+    (e1 * d2.y - e2 * d1.y) * area.signum()
 }
 
 /// The materials of a scene's groups, one a group, as every question takes them.

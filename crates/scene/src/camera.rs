@@ -30,6 +30,21 @@ impl Camera {
         self.world_from_camera.translation.into()
     }
 
+    /// Where a world point appears in a picture of `width` x `height` pixels, in pixels from the top
+    /// left; none if it lies beside the picture or behind the camera.
+    pub fn project(&self, point: Vec3, width: usize, height: usize) -> Option<(f32, f32)> {
+        let to_point = point - self.origin();
+        let axes = self.world_from_camera.matrix3;
+        let depth = -to_point.dot(axes.z_axis.into());
+        let half_height = (0.5 * self.fov_y_rad).tan();
+        let pixels = 0.5 * height as f32 / (half_height * depth);
+        let x = 0.5 * width as f32 + to_point.dot(axes.x_axis.into()) * pixels;
+        let y = 0.5 * height as f32 - to_point.dot(axes.y_axis.into()) * pixels;
+        let inside =
+            depth > 0.0 && (0.0..width as f32).contains(&x) && (0.0..height as f32).contains(&y);
+        inside.then_some((x, y))
+    }
+
     /// The unit direction in world space of the ray through the point (`x`, `y`) of a picture of
     /// `width` x `height` pixels; pixel (0, 0) is at the top left, its centre at (0.5, 0.5).
     pub fn direction(&self, x: f32, y: f32, width: usize, height: usize) -> Vec3 {
@@ -55,5 +70,16 @@ mod tests {
         assert!(top_left.x < 0.0 && top_left.y > 0.0);
         let top = camera.direction(20.0, 0.0, w, h);
         assert!((top.angle_between(Vec3::NEG_Z) - 0.5).abs() < 1e-5);
+    }
+
+    #[test]
+    fn projecting_a_direction_gives_its_pixel_back() {
+        let camera =
+            Camera::look_at("c", Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.2, 0.1, -1.0), Vec3::Y, 0.9);
+        let (x, y) = (17.25, 30.5);
+        let point = camera.origin() + 4.0 * camera.direction(x, y, 64, 48);
+        let back = camera.project(point, 64, 48).unwrap();
+        assert!((back.0 - x).abs() < 1e-3 && (back.1 - y).abs() < 1e-3, "{back:?}");
+        assert_eq!(camera.project(camera.origin() * 2.0 - point, 64, 48), None);
     }
 }

@@ -1,7 +1,9 @@
 //! The default way up: trace once, solve many.
 //!
-//! In every turn each group's current hypothesis is fitted to the light of the turn before, and its
-//! reflectances move most of the way there ([`DAMPING`]). When nothing moves any more, the groups
+//! In every turn each group's current hypothesis is fitted to the light that arrives at it. Where
+//! that light comes from diffuse surfaces that the camera sees, the photograph itself says how much
+//! it is (`unrender_render::seen`); only the rest hangs on what is believed of the other groups, and
+//! the reflectances move most of the way to their fits ([`DAMPING`]). When nothing moves any more, the groups
 //! that their hypothesis explains worst get a trial: all uniform rungs are fitted to one cache of
 //! incident light and the simplest good one is taken ([`super::choice`]). Only the worst ones,
 //! because a wrong group spoils the light of its neighbours: once it is right, their errors may be
@@ -16,11 +18,10 @@ use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Status, Termination, Trial};
 use unrender_scene::Material;
 
-/// The share of the way to the fitted reflectances that a turn goes. Groups light each other: when
-/// all become brighter at once, each looks darker in the next turn. In a room of mean reflectance
-/// one half the full step would swing for ever (slope -1); this share turns that into -0.2, and a
-/// slope of -0.3, as most rooms have, into 0.2.
-const DAMPING: f32 = 0.6;
+/// The share of the way to the fitted reflectances that a turn goes. Groups that the camera does not
+/// see light each other: when all become brighter at once, each looks darker in the next turn. A
+/// little less than the full step keeps that from swinging.
+const DAMPING: f32 = 0.9;
 /// Of the groups in error, those with at least this share of the worst error are tried.
 const WORST: f64 = 0.5;
 /// While the light is rough, only errors this many times the threshold call for a trial.
@@ -40,7 +41,9 @@ pub(crate) fn climb(
     let mut climber =
         Climber { options, level: 0, trials: vec![0; groups], tried_at: vec![None; groups] };
     for turn in 1..=options.max_turns {
+        state.look_at_photograph();
         state.update_exposure(options.seed)?;
+        state.look_at_photograph();
         let change = climber.turn(state);
         let done = turn as f64 / (turn as f64 + 10.0 - 4.0 * climber.level as f64);
         let threshold = options.thresholds.explained;

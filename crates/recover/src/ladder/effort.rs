@@ -12,13 +12,14 @@ pub const FINEST: usize = 2;
 /// A level is done when no reflectance moves by more than this in a turn.
 pub const SETTLED: [f64; 3] = [0.02, 0.004, 0.0006];
 
-const PIXELS: [usize; 3] = [1500, 4000, 12000];
-const COSINE: [u32; 3] = [8, 16, 32];
-const GLOSSY_PIXELS: [usize; 3] = [1500, 3000, 8000];
-const PER_LOBE: [u32; 3] = [8, 16, 32];
+const PIXELS: [usize; 3] = [1500, 4000, 10000];
+const COSINE: [u32; 3] = [12, 32, 96];
+const GLOSSY_PIXELS: [usize; 3] = [1500, 4000, 10000];
+const GLOSSY_COSINE: [u32; 3] = [12, 24, 32];
+const PER_LOBE: [u32; 3] = [12, 24, 32];
 /// A trial looks for every roughness at once.
 const TRIAL_LOBES: [f32; 4] = [0.02, 0.06, 0.16, 0.4];
-const TRIAL_PIXELS: usize = 3000;
+const TRIAL_PIXELS: usize = 4000;
 
 /// For a group that is diffuse.
 pub fn diffuse(level: usize, seed: u64) -> Effort {
@@ -35,7 +36,7 @@ pub fn specular(level: usize, seed: u64, material: &Material) -> Effort {
     };
     let lobes = if material.is_glossy() { vec![scaled(0.8), scaled(1.4)] } else { Vec::new() };
     let probe = ProbeSettings {
-        cosine: COSINE[level],
+        cosine: GLOSSY_COSINE[level],
         per_lobe: PER_LOBE[level],
         lobes,
         mirror: !material.is_glossy(),
@@ -49,8 +50,8 @@ pub fn specular(level: usize, seed: u64, material: &Material) -> Effort {
 /// For trying all rungs.
 pub fn trial(seed: u64) -> Effort {
     let probe = ProbeSettings {
-        cosine: 24,
-        per_lobe: 12,
+        cosine: 32,
+        per_lobe: 24,
         lobes: round_lobes(&TRIAL_LOBES),
         mirror: true,
         keep_incident: true,

@@ -15,6 +15,7 @@ use crate::evidence::Stage;
 use crate::hypothesis::{self, Hypothesis};
 use crate::problem::{ExposureRule, Problem, RecoverError, Role};
 use crate::record::{Status, Trial, TurnRecord};
+use unrender_render::SeenRadiance;
 use unrender_scene::{Image, Material, Rgb};
 
 /// Where a recovery stands.
@@ -26,6 +27,8 @@ pub(crate) struct State<'a> {
     pub(crate) standing: Vec<Standing>,
     pub(crate) exposure: Rgb,
     pub(crate) turns: Vec<TurnRecord>,
+    /// The photograph's radiance where it shows diffuse surfaces.
+    pub(crate) seen: Option<SeenRadiance>,
 }
 
 /// Where one group stands.
@@ -71,16 +74,35 @@ impl<'a> State<'a> {
             ExposureRule::Fixed(exposure) => exposure,
             ExposureRule::Anchor { .. } => Rgb::ONE,
         };
-        Ok(Self { problem, materials, standing, exposure, turns: Vec::new() })
+        Ok(Self { problem, materials, standing, exposure, turns: Vec::new(), seen: None })
     }
 
     /// Where evidence comes from now.
-    pub(crate) fn stage(&self) -> Stage<'a> {
+    pub(crate) fn stage(&self) -> Stage<'_> {
         Stage {
+            seen: self.seen.as_ref(),
             observation: self.problem.observation,
             exposure: self.exposure,
             renderer: self.problem.renderer,
         }
+    }
+
+    /// Lets the photograph say what radiance its diffuse surfaces send: all believed pixels of
+    /// groups that are taken as diffuse or textured.
+    pub(crate) fn look_at_photograph(&mut self) {
+        let observation = self.problem.observation;
+        let values = &observation.picture.values;
+        let (width, height) = (values.width(), values.height());
+        let mut known = Image::new(width, height, vec![false; width * height]);
+        for (group, pixels) in observation.pixels_of_group.iter().enumerate() {
+            let material = &self.materials[group];
+            let emits = self.problem.groups[group].role == Role::Emitter;
+            if !emits && material.rho_s == Rgb::ZERO {
+                pixels.iter().for_each(|&p| known.pixels_mut()[p as usize] = true);
+            }
+        }
+        let exposure = self.exposure;
+        self.seen = Some(SeenRadiance { radiance: values.map(|v| exposure * *v), known });
     }
 
     /// The groups to be recovered that the photograph shows.

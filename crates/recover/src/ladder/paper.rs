@@ -83,7 +83,7 @@ impl PaperTurn<'_> {
             let seed = self.options.seed.wrapping_mul(2).wrapping_add(half);
             self.rerender(state, &state.materials, &pixels, seed)
         });
-        let observed = observe(state.problem.observation, state.exposure, &pixels);
+        let observed = observe(state.problem.observation, state.exposure, group, &pixels);
         let error = misfit(&observed, &halves);
         let hypothesis = state.standing[group].hypothesis;
         state.standing[group].misfit = Some(error);
@@ -209,7 +209,7 @@ impl PaperTurn<'_> {
     ) -> Material {
         let believed = &state.problem.observation.pixels_of_group[group];
         let pixels = spread(believed, SIMPLEX_PIXELS, self.options.seed);
-        let observed = observe(state.problem.observation, state.exposure, &pixels);
+        let observed = observe(state.problem.observation, state.exposure, group, &pixels);
         let mut materials = state.materials.clone();
         let mut sums = (Rgb::ZERO, Rgb::ZERO, [0.0f32; 2]);
         let alphas = if start.is_glossy() { [start.alpha_x, start.alpha_y] } else { [0.1; 2] };
