@@ -57,6 +57,8 @@ pub struct Trial {
     pub turn: usize,
     /// Which rung.
     pub hypothesis: Hypothesis,
+    /// Its parameters.
+    pub material: Material,
     /// What it left unexplained.
     pub misfit: Misfit,
     /// Whether the group stood on this rung afterwards.

@@ -84,8 +84,7 @@ fn chosen_pixels_are_those_of_the_whole_picture() {
     let film = stage.render(&view(), SIDE, settings);
     let pixels = [7, 1000, 3, 2303];
     let materials = stage.scene.materials();
-    let some =
-        stage.tracer().render_pixels(&materials, &view(), (SIDE, SIDE), &pixels, &settings, None);
+    let some = stage.tracer().render_pixels(&materials, &view(), (SIDE, SIDE), &pixels, &settings);
     for (pixel, (mean, variance)) in pixels.into_iter().zip(some) {
         assert_eq!(mean, film.mean.pixels()[pixel as usize]);
         assert_eq!(variance, film.variance.pixels()[pixel as usize]);

@@ -12,6 +12,7 @@
 
 use super::effort::{self, FINEST, SETTLED};
 use super::{State, choice, distance};
+use crate::error::Misfit;
 use crate::evidence::Evidence;
 use crate::hypothesis::{self, Fit, Hypothesis, Search, brushed, textured};
 use crate::problem::{Options, RecoverError};
@@ -28,6 +29,8 @@ const WORST: f64 = 0.5;
 const CLEARLY: f64 = 3.0;
 /// A group is tried at most this often.
 const TRIALS_MAX: usize = 6;
+/// Turns without a change of rung after which a level ends even if something still moves.
+const CALM_TURNS: [usize; 3] = [8, 6, 3];
 /// A texture needs this many pixels.
 const TEXTURE_PIXELS: usize = 200;
 
@@ -38,8 +41,14 @@ pub(crate) fn climb(
     observer: &mut dyn Observer,
 ) -> Result<Termination, RecoverError> {
     let groups = state.materials.len();
-    let mut climber =
-        Climber { options, level: 0, trials: vec![0; groups], tried_at: vec![None; groups] };
+    let mut climber = Climber {
+        options,
+        level: 0,
+        trials: vec![0; groups],
+        tried_at: vec![None; groups],
+        aims: state.materials.clone(),
+        calm: 0,
+    };
     for turn in 1..=options.max_turns {
         state.look_at_photograph();
         state.update_exposure(options.seed)?;
@@ -48,14 +57,19 @@ pub(crate) fn climb(
         let done = turn as f64 / (turn as f64 + 10.0 - 4.0 * climber.level as f64);
         let threshold = options.thresholds.explained;
         observer.turn(state.end_turn(change, threshold, done));
-        if change > SETTLED[climber.level] || climber.try_worst(state, turn) {
+        climber.calm += 1;
+        if change > SETTLED[climber.level] && climber.calm < CALM_TURNS[climber.level] {
             continue;
         }
-        if climber.level == FINEST {
-            climber.finish_textures(state);
-            return Ok(Termination::Settled);
+        if !climber.try_worst(state, turn) {
+            if climber.level == FINEST {
+                climber.finish_textures(state);
+                return Ok(Termination::Settled);
+            }
+            climber.level += 1;
         }
-        climber.level += 1;
+        climber.aims = state.materials.clone();
+        climber.calm = 0;
     }
     climber.finish_textures(state);
     Ok(Termination::TurnLimit)
@@ -68,6 +82,11 @@ struct Climber<'o> {
     trials: Vec<usize>,
     /// At which level each group was tried last.
     tried_at: Vec<Option<usize>>,
+    /// The lobes that each group's light is gathered for: as they were when the group came to its
+    /// rung or the level began, so that the turns of a level see the same light samples.
+    aims: Vec<Material>,
+    /// Turns since a group changed its rung or the level began.
+    calm: usize,
 }
 
 impl Climber<'_> {
@@ -96,7 +115,7 @@ impl Climber<'_> {
         let effort = if hypothesis == Hypothesis::Diffuse {
             effort::diffuse(self.level, self.options.seed)
         } else {
-            effort::specular(self.level, self.options.seed, &material)
+            effort::specular(self.level, self.options.seed, &self.aims[group])
         };
         let pixels = &state.problem.observation.pixels_of_group[group];
         let evidence = self.gather(state, group, pixels, effort);
@@ -139,6 +158,7 @@ impl Climber<'_> {
         standing.story.extend(fits.iter().enumerate().map(|(i, fit)| Trial {
             turn,
             hypothesis: fit.hypothesis,
+            material: fit.material.clone(),
             misfit: fit.misfit,
             taken: i == chosen,
         }));
@@ -160,8 +180,8 @@ impl Climber<'_> {
         for (group, _) in errors.into_iter().filter(|e| e.1 >= WORST * worst) {
             let before = state.standing[group].hypothesis;
             let mut material = self.trial(state, group, turn);
-            let left = state.standing[group].misfit.map_or(0.0, |m| m.relative());
-            if left > self.thresholds().textured
+            let explained = |m: Misfit| m.is_within(self.thresholds().textured);
+            if !state.standing[group].misfit.is_some_and(explained)
                 && self.level > 0
                 && let Some(textured) = self.extract(state, group, false)
             {

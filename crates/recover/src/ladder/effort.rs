@@ -10,7 +10,7 @@ use unrender_scene::Material;
 /// The finest level.
 pub const FINEST: usize = 2;
 /// A level is done when no reflectance moves by more than this in a turn.
-pub const SETTLED: [f64; 3] = [0.02, 0.004, 0.0006];
+pub const SETTLED: [f64; 3] = [0.02, 0.005, 0.002];
 
 const PIXELS: [usize; 3] = [1500, 4000, 10000];
 const COSINE: [u32; 3] = [12, 32, 96];

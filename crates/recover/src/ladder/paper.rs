@@ -96,9 +96,11 @@ impl PaperTurn<'_> {
         let leaves = hypothesis != Hypothesis::Textured
             && *on_rung > patience
             && error.total() > self.options.thresholds.paper[hypothesis as usize];
-        let story = &mut state.standing[group].story;
         if leaves || *on_rung == 1 {
-            story.push(Trial { turn: self.turn, hypothesis, misfit: error, taken: !leaves });
+            let material = state.materials[group].clone();
+            let trial =
+                Trial { turn: self.turn, hypothesis, material, misfit: error, taken: !leaves };
+            state.standing[group].story.push(trial);
         }
         let rung = if leaves { next_rung(hypothesis) } else { hypothesis };
         if leaves {

@@ -2,6 +2,7 @@
 
 mod error_picture;
 mod materials_file;
+mod run_file;
 mod scale_bar;
 mod summary;
 
@@ -26,6 +27,7 @@ pub(crate) fn write(job: &Job, recovered: &Recovered, folder: &Path) -> Result<W
     error_picture::write(job, recovery, &folder.join("error.png"))?;
     let glb = unrender_formats::wear(&job.project.scene, &dressed(job, recovered))?;
     atomic::write(&folder.join("scene.glb"), &glb)?;
+    run_file::write(recovered, &folder.join("run.json"))?;
     materials::write(&folder.join("materials.json"), &file)?;
     let mut warnings = Warnings::default();
     if bad > 0 {

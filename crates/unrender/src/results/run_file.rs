@@ -1,0 +1,68 @@
+//! run.json: the story of a recovery, turn by turn and rung by rung, for reports and for the
+//! curious.
+//!
+//! `turns`: each global re-rendering with its largest `change`, `worst_error` (relative, noise taken
+//! out) and the groups still open. `groups.NAME.story`: every rung tried, in which turn, with its
+//! parameters, its error, the standard deviation of the error's square, and whether it was taken.
+
+use crate::Error;
+use crate::engine::Recovered;
+use serde_json::{Map, Value, json};
+use std::path::Path;
+use unrender_formats::atomic;
+use unrender_recover::record::Trial;
+
+/// Writes run.json.
+pub(super) fn write(recovered: &Recovered, path: &Path) -> Result<(), Error> {
+    let recovery = &recovered.recovery;
+    let turns: Vec<Value> = recovery
+        .turns
+        .iter()
+        .map(|turn| {
+            json!({
+                "turn": turn.turn,
+                "change": turn.change,
+                "worst_error": turn.worst_error,
+                "open_groups": turn.open_groups,
+            })
+        })
+        .collect();
+    let groups: Map<String, Value> = recovery
+        .groups
+        .iter()
+        .map(|group| {
+            let story: Vec<Value> = group.story.iter().map(trial).collect();
+            let value = json!({
+                "hypothesis": group.hypothesis.name(),
+                "trusted_pixels": group.trusted_pixels,
+                "error": group.error,
+                "story": story,
+            });
+            (group.name.clone(), value)
+        })
+        .collect();
+    let run = json!({
+        "version": 1,
+        "seconds": recovered.seconds,
+        "termination": recovery.termination.message(recovery.turns.len()),
+        "turns": turns,
+        "groups": groups,
+    });
+    Ok(atomic::write(path, format!("{run:#}\n").as_bytes())?)
+}
+
+fn trial(trial: &Trial) -> Value {
+    let material = &trial.material;
+    json!({
+        "turn": trial.turn,
+        "hypothesis": trial.hypothesis.name(),
+        "error": trial.misfit.relative(),
+        "deviation_of_square": trial.misfit.deviation,
+        "rho_d": material.rho_d.to_array(),
+        "rho_s": material.rho_s.to_array(),
+        "alpha_x": material.alpha_x,
+        "alpha_y": material.alpha_y,
+        "theta_deg": material.theta_rad.to_degrees(),
+        "taken": trial.taken,
+    })
+}
