@@ -7,12 +7,13 @@
 //! the radiosity texture. A group whose rung has had its turns and still shows an error above its
 //! threshold goes one rung up.
 //!
-//! Where the paper is silent: the difference is measured as the product of two renderings'
+//! One thing is not as written: the ratio is damped ([`RELAXATION`]), since without it the diffuse
+//! turns do not settle. Where the paper is silent: the difference is measured as the product of two renderings'
 //! residuals, for else our noise would count as error; the simplex runs channel by channel on a
 //! sample of the group's pixels, and the roughness is the mean over the channels.
 
 use super::{State, distance};
-use crate::error::misfit;
+use crate::error::{Misfit, misfit};
 use crate::evidence::{Effort, Evidence, observe, spread};
 use crate::fit::simplex;
 use crate::hypothesis::{self, Hypothesis, brushed, textured};
@@ -21,8 +22,18 @@ use crate::record::{Observer, Termination, Trial};
 use unrender_render::{ProbeSettings, Settings};
 use unrender_scene::{Material, Rgb};
 
-/// Turns on a rung that is corrected by ratios; the paper finds four sufficient.
+/// Turns on a rung that is corrected by ratios: at least these (the paper finds four sufficient) ...
 const RATIO_TURNS: usize = 4;
+/// ... and at most these, while the reflectances still move.
+const RATIO_TURNS_MAX: usize = 12;
+/// The ratio's exponent. With one, as eq. 3 has it, all groups overshoot together on Figure 8 and
+/// swing between two states for ever (change 0.257 in every turn from the third to the twelfth).
+const RELAXATION: f32 = 0.5;
+/// Ratios have come to rest when no reflectance of the group moves by more than this.
+const AT_REST: f64 = 0.02;
+/// Only groups with at least this share of the worst error climb: the others may be in error
+/// because of the light that the worst one sends them.
+const WORST: f64 = 0.75;
 /// Pixels of a group that a turn looks at, and that a simplex step renders again.
 const TURN_PIXELS: usize = 4000;
 const SIMPLEX_PIXELS: usize = 500;
@@ -38,27 +49,57 @@ pub(crate) fn climb(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Termination, RecoverError> {
-    let mut turns_on_rung = vec![0; state.materials.len()];
+    let mut rungs = vec![Rung::default(); state.materials.len()];
     for turn in 1..=options.max_turns {
         state.update_exposure(options.seed)?;
         let climber = PaperTurn { options, turn };
+        let views = climber.look(state);
+        let leaving = climber.leaving(state, &views, &rungs);
         let mut next = state.materials.clone();
-        let mut climbed = false;
-        for group in state.visible_unknowns() {
-            let step = climber.correct(state, group, &mut turns_on_rung[group]);
-            climbed |= step.1;
-            next[group] = step.0;
+        for view in &views {
+            let group = view.group;
+            let leaves = leaving.contains(&group);
+            next[group] = climber.correct(state, view, leaves, &mut rungs[group]);
+            rungs[group].change = distance(&state.materials[group], &next[group]);
         }
-        let moved = state.materials.iter().zip(&next).map(|(a, b)| distance(a, b));
-        let change = moved.fold(0.0, f64::max);
         state.materials = next;
+        let change = rungs.iter().map(|r| r.change).fold(0.0, f64::max);
         let done = turn as f64 / (turn as f64 + 8.0);
         observer.turn(state.end_turn(change, options.thresholds.paper[4], done));
-        if !climbed && change < SETTLED && turn > RATIO_TURNS {
+        let waiting = views.iter().any(|v| rungs[v.group].turns < 2);
+        if leaving.is_empty() && !waiting && change < SETTLED {
             return Ok(Termination::Settled);
         }
     }
     Ok(Termination::TurnLimit)
+}
+
+/// How long a group has stood on its rung, and how far its last turn moved it.
+#[derive(Clone, Copy, Default)]
+struct Rung {
+    turns: usize,
+    change: f64,
+}
+
+impl Rung {
+    /// Whether the rung has had its turns under `hypothesis`.
+    fn has_had_its_turns(self, hypothesis: Hypothesis) -> bool {
+        match hypothesis {
+            Hypothesis::Diffuse | Hypothesis::PartialMirror => {
+                self.turns >= RATIO_TURNS_MAX
+                    || (self.turns >= RATIO_TURNS && self.change < AT_REST)
+            }
+            _ => self.turns >= 1,
+        }
+    }
+}
+
+/// A group's pixels in the present re-rendering.
+struct Seen {
+    group: usize,
+    pixels: Vec<u32>,
+    rerendered: Vec<Rgb>,
+    error: Misfit,
 }
 
 struct PaperTurn<'o> {
@@ -67,51 +108,67 @@ struct PaperTurn<'o> {
 }
 
 impl PaperTurn<'_> {
-    /// Renders a group again, and corrects it under its hypothesis or climbs one rung. Returns the
-    /// material and whether the rung changed.
+    /// Renders all groups again and measures their errors.
+    fn look(&self, state: &mut State<'_>) -> Vec<Seen> {
+        let mut views = Vec::new();
+        for group in state.visible_unknowns() {
+            let believed = &state.problem.observation.pixels_of_group[group];
+            let whole = state.standing[group].hypothesis == Hypothesis::Textured;
+            let count = if whole { usize::MAX } else { TURN_PIXELS };
+            let pixels = spread(believed, count, self.options.seed);
+            let halves = [0u64, 1].map(|half| {
+                let seed = self.options.seed.wrapping_mul(2).wrapping_add(half);
+                self.rerender(state, &state.materials, &pixels, seed)
+            });
+            let observed = observe(state.problem.observation, state.exposure, group, &pixels);
+            let error = misfit(&observed, &halves);
+            state.standing[group].misfit = Some(error);
+            let rerendered =
+                halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (*a + *b)).collect();
+            views.push(Seen { group, pixels, rerendered, error });
+        }
+        views
+    }
+
+    /// The groups that leave their rungs: above its threshold after its turns, and among the worst.
+    fn leaving(&self, state: &State<'_>, views: &[Seen], rungs: &[Rung]) -> Vec<usize> {
+        let hypothesis = |v: &Seen| state.standing[v.group].hypothesis;
+        let in_error = |v: &&Seen| {
+            hypothesis(v) != Hypothesis::Textured
+                && v.error.total() > self.options.thresholds.paper[hypothesis(v) as usize]
+        };
+        let worst = views.iter().filter(in_error).map(|v| v.error.total()).fold(0.0, f64::max);
+        // While ratios swing anywhere, errors say little.
+        let swinging = views.iter().any(|v| !rungs[v.group].has_had_its_turns(hypothesis(v)));
+        if swinging {
+            return Vec::new();
+        }
+        let among_worst = |v: &&Seen| v.error.total() >= WORST * worst;
+        views.iter().filter(in_error).filter(among_worst).map(|v| v.group).collect()
+    }
+
+    /// Corrects a group under its hypothesis, or under the next one if it `leaves` its rung.
     fn correct(
         &self,
         state: &mut State<'_>,
-        group: usize,
-        on_rung: &mut usize,
-    ) -> (Material, bool) {
-        let believed = &state.problem.observation.pixels_of_group[group];
-        let whole = state.standing[group].hypothesis == Hypothesis::Textured;
-        let count = if whole { usize::MAX } else { TURN_PIXELS };
-        let pixels = spread(believed, count, self.options.seed);
-        let halves = [0u64, 1].map(|half| {
-            let seed = self.options.seed.wrapping_mul(2).wrapping_add(half);
-            self.rerender(state, &state.materials, &pixels, seed)
-        });
-        let observed = observe(state.problem.observation, state.exposure, group, &pixels);
-        let error = misfit(&observed, &halves);
-        let hypothesis = state.standing[group].hypothesis;
-        state.standing[group].misfit = Some(error);
-        *on_rung += 1;
-
-        let patience = match hypothesis {
-            Hypothesis::Diffuse | Hypothesis::PartialMirror => RATIO_TURNS,
-            _ => 1,
-        };
-        let leaves = hypothesis != Hypothesis::Textured
-            && *on_rung > patience
-            && error.total() > self.options.thresholds.paper[hypothesis as usize];
-        if leaves || *on_rung == 1 {
-            let material = state.materials[group].clone();
+        seen: &Seen,
+        leaves: bool,
+        rung: &mut Rung,
+    ) -> Material {
+        let Seen { group, pixels, rerendered, error } = seen;
+        let hypothesis = state.standing[*group].hypothesis;
+        if leaves || rung.turns == 1 {
+            let material = state.materials[*group].clone();
             let trial =
-                Trial { turn: self.turn, hypothesis, material, misfit: error, taken: !leaves };
-            state.standing[group].story.push(trial);
+                Trial { turn: self.turn, hypothesis, material, misfit: *error, taken: !leaves };
+            state.standing[*group].story.push(trial);
         }
-        let rung = if leaves { next_rung(hypothesis) } else { hypothesis };
-        if leaves {
-            *on_rung = 0;
-        }
-        let mean = halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (*a + *b)).collect();
-        let material = self.parameters(state, group, rung, &pixels, &mean);
+        let next = if leaves { next_rung(hypothesis) } else { hypothesis };
+        let material = self.parameters(state, *group, next, pixels, rerendered);
         // A group without texture coordinates stays where it is.
-        let rung = if material.is_some() { rung } else { hypothesis };
-        state.standing[group].hypothesis = rung;
-        (material.unwrap_or_else(|| state.materials[group].clone()), rung != hypothesis)
+        rung.turns = if leaves && material.is_some() { 0 } else { rung.turns + 1 };
+        state.standing[*group].hypothesis = if material.is_some() { next } else { hypothesis };
+        material.unwrap_or_else(|| state.materials[*group].clone())
     }
 
     fn rerender(&self, s: &State<'_>, materials: &[Material], px: &[u32], seed: u64) -> Vec<Rgb> {
@@ -130,7 +187,7 @@ impl PaperTurn<'_> {
     ) -> Option<Material> {
         let now = &state.materials[group];
         let stays = rung == state.standing[group].hypothesis;
-        let ratio = || self.ratio(state, pixels, rerendered);
+        let ratio = || self.ratio(state, pixels, rerendered).powf(RELAXATION);
         Some(match rung {
             Hypothesis::Diffuse => {
                 Material::diffuse((now.rho_d * ratio()).clamp(Rgb::ZERO, Rgb::ONE))
