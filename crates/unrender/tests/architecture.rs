@@ -117,7 +117,9 @@ fn assert_absent(words: &[&str], inside: impl Fn(&str) -> bool, except: &[&str])
 }
 
 fn is_core(path: &str) -> bool {
-    ["scene", "render", "photo", "recover"].iter().any(|c| path.starts_with(&format!("crates/{c}/")))
+    ["scene", "render", "photo", "recover"]
+        .iter()
+        .any(|c| path.starts_with(&format!("crates/{c}/")))
 }
 
 #[test]
