@@ -6,10 +6,11 @@ cd "$(dirname "$0")/.."
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 
-# Photograph, re-rendering, error.
+# Lays pictures side by side.
 sheet() {
     cargo run --release --example contact_sheet -- "$@"
 }
 
-cargo run --release -- recover examples/fig8/fig8.toml --out "$out"
+# More paths than by default, so that the picture shows the error and not the noise.
+cargo run --release -- recover examples/fig8/fig8.toml --spp 512 --out "$out"
 sheet docs/images/fig8.png 2 examples/fig8/photo.exr "$out/rerendered.exr" "$out/error.png"
