@@ -1,9 +1,97 @@
 //! From one photograph and a 3D model of what it shows to the reflectance of every surface.
 //!
-//! The crates below are the parts: [`scene`] is the world as plain data, [`formats`] its files,
-//! [`photo`] turns code values into radiance. This crate ties them together and is the `unrender`
-//! command. One subcommand is one file in [`commands`]; to add another, write such a file and
-//! name it in [`cli`].
+//! This page is a tour of the library, and a test: the code on it is compiled and run. This crate
+//! ties the others together and is the `unrender` command. One subcommand is one file in
+//! [`commands`]; to add another, write such a file and name it in [`cli`].
+//!
+//! # The parts
+//!
+//! - [`scene`] is the world as plain data. A [`Scene`](scene::Scene) is meshes in world space, sorted
+//!   into groups that share one reflectance; area lights are groups that emit.
+//! - [`formats`] reads and writes files: [`formats::load_scene`], [`formats::picture::read`].
+//! - [`photo`] turns code values into radiance: [`photo::develop`] takes the camera's response out
+//!   and says which pixels are clipped.
+//! - [`render`] is light. A [`Tracer`](render::Tracer) is built once for geometry and lights;
+//!   materials come with each question.
+//! - [`recover`] is the way back. An [`Observation`](recover::Observation) is the photograph sorted
+//!   by groups, a [`Problem`](recover::Problem) says what is asked, and [`recover::recover`] answers.
+//!
+//! # All the way round
+//!
+//! A scene in code, a picture of it, and from the picture back to the materials:
+//!
+//! ```
+//! use glam::Vec3;
+//! use unrender::recover::{
+//!     ExposureRule, GroupSpec, Hypothesis, Observation, Options, Picture, Problem, Renderer, Role,
+//!     View,
+//! };
+//! use unrender::render::{Settings, Tracer};
+//! use unrender::scene::{Camera, Group, Material, Mesh, Object, Rgb, Scene};
+//!
+//! // The scene: a floor, a wall and a lamp. Corners go counter-clockwise seen from the
+//! // front; y is up; metres.
+//! let quads = [
+//!     ("floor", [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0]]),
+//!     ("wall", [[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 2.0, -1.0], [-1.0, 2.0, -1.0]]),
+//!     ("lamp", [[-0.4, 2.0, -0.4], [0.4, 2.0, -0.4], [0.4, 2.0, 0.4], [-0.4, 2.0, 0.4]]),
+//! ];
+//! let mut scene = Scene::default();
+//! for (group, (name, corners)) in quads.into_iter().enumerate() {
+//!     let mesh = Mesh::flat(&corners.map(Vec3::from_array), &[], &[[0, 1, 2], [0, 2, 3]]);
+//!     scene.objects.push(Object { name: name.into(), group, mesh });
+//!     let emission = if name == "lamp" { Rgb::splat(8.0) } else { Rgb::ZERO };
+//!     let material = Material::diffuse(Rgb::ZERO);
+//!     scene.groups.push(Group { name: name.into(), material, emission });
+//! }
+//! scene.validate()?;
+//! let camera =
+//!     Camera::look_at("camera", Vec3::new(0.0, 1.4, 3.0), Vec3::new(0.0, 0.6, 0.0), Vec3::Y, 0.6);
+//!
+//! // The photograph: 16 x 16 pixels of the scene with the materials that are to be found.
+//! let truth = [Rgb::new(0.6, 0.3, 0.1), Rgb::splat(0.7), Rgb::ZERO].map(Material::diffuse);
+//! let tracer = Tracer::new(&scene);
+//! let view = View::new(&tracer, &camera, (16, 16), scene.brdf);
+//! let settings = Settings { spp: 256, ..Settings::default() };
+//! let photograph = view.render(&truth, &settings, &|_| {}).mean;
+//!
+//! // Floating-point values: nothing is clipped, and there is no step between two codes.
+//! let picture = Picture {
+//!     trusted: photograph.map(|_| true),
+//!     quantum: photograph.map(|_| Rgb::ZERO),
+//!     values: photograph,
+//! };
+//! let observation = Observation::new(picture, view.geometry(), scene.groups.len());
+//!
+//! // Floor and wall are asked for; the lamp is given.
+//! let spec = |group: &Group| GroupSpec {
+//!     name: group.name.clone(),
+//!     role: if group.is_emitter() { Role::Emitter } else { Role::Unknown },
+//!     material: group.material.clone(),
+//! };
+//! let problem = Problem {
+//!     observation: &observation,
+//!     renderer: &view,
+//!     groups: scene.groups.iter().map(spec).collect(),
+//!     exposure: ExposureRule::Fixed(Rgb::ONE),
+//! };
+//! // The observer `()` does not listen to the turns.
+//! let recovery = unrender::recover::recover(&problem, &Options::default(), &mut ())?;
+//!
+//! for group in 0..2 {
+//!     let found = &recovery.groups[group];
+//!     assert_eq!(found.hypothesis, Hypothesis::Diffuse, "{}", found.name);
+//!     let error = (found.material.rho_d - truth[group].rho_d).abs().max_element();
+//!     assert!(error < 0.01, "{}: rho_d is {}", found.name, found.material.rho_d);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # With files
+//!
+//! The command does the same from a project file: [`Project::read`] checks the text, [`Job::load`]
+//! reads what it names, and `unrender recover` writes what came out. [`score`] compares two such
+//! results.
 
 pub mod cli;
 pub mod commands;

@@ -116,3 +116,16 @@ fn names_are_checked_against_the_scene() {
     let error = check("camera = \"door\"").unwrap_err();
     assert!(error.contains("camera: the scene has no \"door\"; it has none"), "{error}");
 }
+
+#[test]
+fn the_readmes_project_files_are_understood() {
+    let readme = include_str!("../../../README.md");
+    let blocks: Vec<&str> = readme.split("```toml\n").skip(1).collect();
+    assert_eq!(blocks.len(), 2, "a whole project, and a camera as a table");
+    for block in blocks {
+        let text = block.split("```").next().unwrap();
+        let files = if text.contains("scene = ") { "" } else { FILES };
+        let read = Project::parse(Path::new("readme.toml"), &format!("{files}{text}"));
+        assert!(read.is_ok(), "{:?} in {text}", read.err());
+    }
+}

@@ -3,11 +3,11 @@
 //! In every turn each group's current hypothesis is fitted to the light that arrives at it. Where
 //! that light comes from diffuse surfaces that the camera sees, the photograph itself says how much
 //! it is (`unrender_render::seen`); only the rest hangs on what is believed of the other groups, and
-//! the reflectances move most of the way to their fits ([`DAMPING`]). When nothing moves any more, the groups
-//! that their hypothesis explains worst get a trial: all uniform rungs are fitted to one cache of
-//! incident light and the simplest good one is taken ([`super::choice`]). Only the worst ones,
-//! because a wrong group spoils the light of its neighbours: once it is right, their errors may be
-//! gone. At the end every group that is not plainly diffuse is tried once again under the final
+//! the reflectances move most of the way to their fits (`DAMPING`). When nothing moves any more, the
+//! groups that their hypothesis explains worst get a trial: all uniform rungs are fitted to one
+//! cache of incident light and the simplest good one is taken ([`super::choice`]). Only the worst
+//! ones, because a wrong group spoils the light of its neighbours: once it is right, their errors
+//! may be gone. At the end every group that is not plainly diffuse is tried once again under the final
 //! light. Sample counts grow from level to level ([`super::effort`]).
 
 use super::effort::{self, FINEST, SETTLED};

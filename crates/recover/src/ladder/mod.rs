@@ -3,7 +3,7 @@
 //!
 //! Two ways up: [`climb`], which tries all rungs on one cache of incident light and takes the
 //! simplest that the noise allows, and [`paper`], the paper's method as written. Both move a
-//! [`State`] and leave the same records.
+//! `State` and leave the same records.
 
 pub mod choice;
 pub mod climb;

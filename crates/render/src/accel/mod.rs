@@ -2,7 +2,7 @@
 //!
 //! The interface is [`Accel::closest`] and [`Accel::occluded`]; nobody outside this module knows
 //! what stands behind them. The tree is built by `obvhs` and walked four boxes at a time with a
-//! watertight triangle test ([`woop`]): a ray that meets an edge or a vertex of a closed mesh
+//! watertight triangle test (`woop`): a ray that meets an edge or a vertex of a closed mesh
 //! never slips through. The vectors are glam's, hence SSE2 or NEON without any unsafe code.
 
 mod bvh4;

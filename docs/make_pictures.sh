@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# Makes the pictures of the README anew: docs/images/*.png.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+out=$(mktemp -d)
+trap 'rm -rf "$out"' EXIT
+
+# Lays pictures side by side.
+sheet() {
+    cargo run --release --example contact_sheet -- "$@"
+}
+
+# More paths than by default, so that the picture shows the error and not the noise.
+cargo run --release -- recover examples/fig8/fig8.toml --spp 512 --out "$out"
+sheet docs/images/fig8.png 2 examples/fig8/photo.exr "$out/rerendered.exr" "$out/error.png"
