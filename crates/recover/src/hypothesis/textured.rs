@@ -10,7 +10,7 @@
 //! Texels that no pixel sees are filled from their neighbours over a pyramid, and marked.
 
 use crate::evidence::{Effort, Evidence, Stage};
-use glam::Vec2;
+use glam::{DVec3, Vec2};
 use std::sync::Arc;
 use unrender_render::GeometryBuffers;
 use unrender_scene::{Image, Material, Rgb, RgbImage, Texture, Wrap};
@@ -207,6 +207,6 @@ pub fn mean(extracted: &Extracted) -> Rgb {
     let texels = extracted.texture.image.pixels().iter().zip(extracted.seen.pixels());
     let (sum, count) = texels
         .filter(|(_, seen)| **seen)
-        .fold((Rgb::ZERO, 0.0), |(sum, count), (value, _)| (sum + *value, count + 1.0));
-    sum / f32::max(count, 1.0)
+        .fold((DVec3::ZERO, 0.0), |(sum, count), (value, _)| (sum + value.as_dvec3(), count + 1.0));
+    (sum / f64::max(count, 1.0)).as_vec3()
 }
