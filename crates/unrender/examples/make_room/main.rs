@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     write_truth(&scene, &folder)?;
     write_photo(&scene, &folder, spp)?;
-    atomic::write(&folder.join("room.toml"), project(&scene)?.as_bytes())?;
+    atomic::write(&folder.join("room.toml"), project(&scene).as_bytes())?;
     scene.groups.iter_mut().filter(|g| !g.is_emitter()).for_each(|group| {
         group.material = Material::diffuse(Rgb::splat(GREY));
     });
@@ -89,7 +89,7 @@ fn write_truth(scene: &Scene, folder: &Path) -> Result<(), Box<dyn Error>> {
 fn entry(scene: &Scene, index: usize) -> GroupEntry {
     let Group { name, material, .. } = &scene.groups[index];
     let kind = hypothesis::of(material);
-    let known = name == room::UNSEEN;
+    let known = is_unseen(name);
     GroupEntry {
         hypothesis: Some(kind),
         status: Some(if known { Status::Known } else { Status::Recovered }),
@@ -113,26 +113,31 @@ fn direction(scene: &Scene, group: usize) -> Vec3 {
 }
 
 /// The project file.
-fn project(scene: &Scene) -> Result<String, Box<dyn Error>> {
-    let index = scene.group_index(room::UNSEEN).ok_or("the scene lacks its unseen group")?;
-    let [r, g, b] = scene.groups[index].material.rho_d.to_array();
-    Ok(format!(
+fn project(scene: &Scene) -> String {
+    let unseen = scene.groups.iter().filter(|group| is_unseen(&group.name));
+    let known = unseen.map(|Group { name, material, .. }| {
+        let [r, g, b] = material.rho_d.to_array();
+        format!("[groups.{name}]\nknown = {{ rho_d = [{r}, {g}, {b}] }}\n")
+    });
+    format!(
         "\
 # A furnished room: diffuse walls, glossy boards, a mirror, a glass table, brushed steel, a rug with
 # shadows on it. All files here were made by `cargo run --release --example make_room`.
 scene = \"scene.glb\"        # every material grey, as a modeller leaves it
 photo = \"photo.png\"
 response = \"srgb\"
-exposure = {EXPOSURE:.1}             # scene radiance of a linear pixel value of one
+exposure = {EXPOSURE}            # scene radiance of a linear pixel value of one
 
-# It stands behind the camera: neither the picture nor the mirror shows it.
-[groups.{name}]
-known = {{ rho_d = [{r}, {g}, {b}] }}
-
+# Neither the picture nor the mirror in it shows these.
+{known}
 [recover]
 brdf = \"{brdf}\"
 ",
-        name = room::UNSEEN,
+        known = known.collect::<String>(),
         brdf = scene.brdf.name(),
-    ))
+    )
+}
+
+fn is_unseen(name: &str) -> bool {
+    room::UNSEEN.contains(&name)
 }

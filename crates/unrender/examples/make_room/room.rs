@@ -12,8 +12,8 @@ use unrender::scene::{
 
 /// Width and height of the photograph.
 pub(crate) const SIZE: (usize, usize) = (480, 360);
-/// The group that the camera sees neither directly nor in a mirror.
-pub(crate) const UNSEEN: &str = "wardrobe";
+/// The groups that the camera sees neither directly nor in a mirror.
+pub(crate) const UNSEEN: [&str; 2] = ["ceiling", "wardrobe"];
 
 const HEIGHT: f32 = 2.6;
 
@@ -24,10 +24,10 @@ pub(crate) fn scene() -> Scene {
     furniture(&mut scene);
     small_things(&mut scene);
     lights(&mut scene);
-    let eye = Vec3::new(0.7, 1.62, 1.9);
+    let eye = Vec3::new(0.7, 1.68, 1.93);
     let fov_y_rad = 60f32.to_radians();
     let mut camera =
-        Camera::look_at("camera", eye, Vec3::new(-0.12, 0.80, -1.3), Vec3::Y, fov_y_rad);
+        Camera::look_at("camera", eye, Vec3::new(-0.12, 0.68, -1.1), Vec3::Y, fov_y_rad);
     camera.aspect = Some(SIZE.0 as f32 / SIZE.1 as f32);
     scene.cameras.push(camera);
     scene
@@ -84,7 +84,7 @@ fn furniture(scene: &mut Scene) {
     add(scene, "sofa", diffuse(0.62, 0.27, 0.14), sofa);
 
     let rug = Material { texture: Some(rug::texture()), ..diffuse(0.0, 0.0, 0.0) };
-    let laid = quad(at(-1.45, 0.008, 0.75), 2.0 * Vec3::X, -1.6 * Vec3::Z);
+    let laid = quad(at(-1.2, 0.008, 0.4), 1.7 * Vec3::X, -0.85 * Vec3::Z);
     add(scene, "rug", rug, vec![laid]);
 
     let steel = Material {
@@ -97,14 +97,14 @@ fn furniture(scene: &mut Scene) {
     add(scene, "steel", steel, vec![front]);
 
     let glass = Material::mirror(Rgb::new(0.50, 0.55, 0.60));
-    let top = cuboid(at(-0.85, 0.40, -0.35), at(0.1, 0.43, 0.25));
+    let top = cuboid(at(-0.85, 0.40, -0.98), at(0.1, 0.43, -0.46));
     add(scene, "dark_glass", glass, vec![top]);
 
     let mirror = quad(at(-1.98, 0.95, -0.35), -0.95 * Vec3::Z, 1.15 * Vec3::Y);
     add(scene, "mirror", Material::mirror(Rgb::ONE), vec![mirror]);
 
-    let legs = [(-0.8, -0.3), (0.05, -0.3), (-0.8, 0.2), (0.05, 0.2)];
-    let mut oak: Vec<Mesh> = legs.iter().map(|&(x, z)| bar(x, z, 0.05, 0.008, 0.40)).collect();
+    let legs = [(-0.8, -0.93), (0.05, -0.93), (-0.8, -0.51), (0.05, -0.51)];
+    let mut oak: Vec<Mesh> = legs.iter().map(|&(x, z)| bar(x, z, 0.05, 0.0, 0.40)).collect();
     // The shelf, the cupboard behind its steel front, the lamp's pole and foot, the mirror's frame.
     oak.push(cuboid(at(-1.3, 1.42, -2.0), at(0.3, 1.46, -1.76)));
     oak.push(cuboid(at(0.85, 0.0, -2.0), at(1.8, 1.76, -1.502)));
@@ -114,7 +114,7 @@ fn furniture(scene: &mut Scene) {
     add(scene, "oak", diffuse(0.50, 0.33, 0.18), oak);
 
     let wardrobe = cuboid(at(-1.9, 0.0, 1.4), at(-0.5, 2.0, 1.98));
-    add(scene, UNSEEN, diffuse(0.35, 0.28, 0.22), vec![wardrobe]);
+    add(scene, "wardrobe", diffuse(0.35, 0.28, 0.22), vec![wardrobe]);
 }
 
 fn small_things(scene: &mut Scene) {
@@ -141,31 +141,31 @@ fn small_things(scene: &mut Scene) {
     ];
     let profile: Vec<Vec2> = profile.into_iter().map(Vec2::from).collect();
     let glazed = Material::isotropic(Rgb::new(0.10, 0.30, 0.48), Rgb::splat(0.10), 0.10);
-    add(scene, "vase", glazed, vec![revolved(at(-0.2, 0.431, -0.1), &profile, 48)]);
+    add(scene, "vase", glazed, vec![revolved(at(-0.2, 0.431, -0.7), &profile, 48)]);
 
-    let pouf = ellipsoid(at(-1.3, 0.0, 0.05), 0.34, 0.21, 24);
+    let pouf = ellipsoid(at(-1.6, 0.0, -0.15), 0.34, 0.21, 24);
     add(scene, "pouf", diffuse(0.70, 0.50, 0.12), vec![pouf]);
 }
 
 fn lights(scene: &mut Scene) {
-    let panel = quad(at(-0.7, HEIGHT - 0.01, -0.3), 1.2 * Vec3::X, 0.8 * Vec3::Z);
-    let globe = ellipsoid(at(1.55, 1.2, -0.4), 0.13, 0.13, 12);
+    let panel = quad(at(-0.9, HEIGHT - 0.01, -0.5), 1.8 * Vec3::X, 1.2 * Vec3::Z);
+    let globe = ellipsoid(at(1.55, 1.2, -0.4), 0.16, 0.16, 12);
     for (name, mesh, emission) in [
-        ("ceiling_panel", panel, Rgb::new(6.0, 5.8, 5.4)),
-        ("globe", merged(&[globe]), Rgb::new(9.0, 7.4, 5.2)),
+        ("ceiling_panel", panel, Rgb::new(2.8, 2.7, 2.5)),
+        ("globe", merged(&[globe]), Rgb::new(6.0, 5.0, 3.5)),
     ] {
         add(scene, name, diffuse(0.0, 0.0, 0.0), vec![mesh]);
         if let Some(group) = scene.groups.last_mut() {
             group.emission = emission;
         }
     }
-    let position = at(-1.5, 2.45, -1.0);
+    let position = at(-0.9, 2.45, -1.7);
     scene.lights.push(Light {
         name: "spot".to_owned(),
         kind: LightKind::Spot {
             position,
-            direction: (at(-0.3, 0.0, 0.0) - position).normalize(),
-            intensity: Rgb::new(5.0, 4.6, 4.0),
+            direction: (at(-0.3, 0.0, -0.2) - position).normalize(),
+            intensity: Rgb::new(6.0, 5.5, 4.7),
             inner_rad: 18f32.to_radians(),
             outer_rad: 32f32.to_radians(),
         },

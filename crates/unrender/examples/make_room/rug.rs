@@ -5,9 +5,12 @@ use std::sync::Arc;
 use unrender::scene::color::{linear_from_srgb, srgb_from_linear};
 use unrender::scene::{Image, Rgb, Texture, Wrap};
 
-const TEXELS: usize = 256;
+const WIDTH: usize = 256;
+const HEIGHT: usize = 128;
+/// Width over height, on the floor.
+const ASPECT: f32 = 2.0;
 /// Half the width of the softest edge of the pattern: a weave has no sharp ones.
-const SOFT: f32 = 0.012;
+const SOFT: f32 = 0.02;
 
 const FIELD: Rgb = Rgb::new(0.42, 0.09, 0.07);
 const CREAM: Rgb = Rgb::new(0.66, 0.57, 0.42);
@@ -18,8 +21,9 @@ const OCHRE: Rgb = Rgb::new(0.58, 0.36, 0.10);
 ///
 /// Its values are those that a PNG of 8 bits can hold, so that the file is the truth.
 pub(crate) fn texture() -> Arc<Texture> {
-    let image = Image::from_fn(TEXELS, TEXELS, |x, y| {
-        let uv = (Vec2::new(x as f32, y as f32) + 0.5) / TEXELS as f32;
+    let image = Image::from_fn(WIDTH, HEIGHT, |x, y| {
+        let size = Vec2::new(WIDTH as f32, HEIGHT as f32);
+        let uv = (Vec2::new(x as f32, y as f32) + 0.5) / size;
         Rgb::from_array(colour(uv).to_array().map(as_in_a_png))
     });
     let wrap = Wrap::ClampToEdge;
@@ -31,7 +35,7 @@ fn as_in_a_png(linear: f32) -> f32 {
 }
 
 fn colour(uv: Vec2) -> Rgb {
-    let from_edge = uv.min(1.0 - uv).min_element();
+    let from_edge = (uv.min(1.0 - uv) * Vec2::new(ASPECT, 1.0)).min_element();
     let diamond = (uv - 0.5).abs().element_sum();
     let mut rgb = FIELD;
     for (radius, next) in [(0.40, CREAM), (0.345, NAVY), (0.23, OCHRE), (0.12, CREAM)] {
