@@ -16,6 +16,8 @@ pub(crate) const SIZE: (usize, usize) = (480, 360);
 pub(crate) const UNSEEN: [&str; 2] = ["ceiling", "wardrobe"];
 
 const HEIGHT: f32 = 2.6;
+/// The profile of the vase is that of a small one.
+const VASE_SCALE: f32 = 1.6;
 
 /// The furnished room with its true materials.
 pub(crate) fn scene() -> Scene {
@@ -139,9 +141,9 @@ fn small_things(scene: &mut Scene) {
         (0.052, 0.33),
         (0.06, 0.37),
     ];
-    let profile: Vec<Vec2> = profile.into_iter().map(Vec2::from).collect();
-    let glazed = Material::isotropic(Rgb::new(0.10, 0.30, 0.48), Rgb::splat(0.10), 0.10);
-    add(scene, "vase", glazed, vec![revolved(at(-0.2, 0.431, -0.7), &profile, 48)]);
+    let profile: Vec<Vec2> = profile.map(|p| VASE_SCALE * Vec2::from(p)).to_vec();
+    let glazed = Material::isotropic(Rgb::new(0.10, 0.30, 0.48), Rgb::splat(0.10), 0.12);
+    add(scene, "vase", glazed, vec![revolved(at(0.95, 0.0, -0.55), &profile, 48)]);
 
     let pouf = ellipsoid(at(-1.6, 0.0, -0.15), 0.34, 0.21, 24);
     add(scene, "pouf", diffuse(0.70, 0.50, 0.12), vec![pouf]);

@@ -10,7 +10,7 @@ const HEIGHT: usize = 128;
 /// Width over height, on the floor.
 const ASPECT: f32 = 2.0;
 /// Half the width of the softest edge of the pattern: a weave has no sharp ones.
-const SOFT: f32 = 0.02;
+const SOFT: f32 = 0.03;
 
 const FIELD: Rgb = Rgb::new(0.42, 0.09, 0.07);
 const CREAM: Rgb = Rgb::new(0.66, 0.57, 0.42);
