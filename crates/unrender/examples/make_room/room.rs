@@ -142,7 +142,7 @@ fn small_things(scene: &mut Scene) {
         (0.06, 0.37),
     ];
     let profile: Vec<Vec2> = profile.map(|p| VASE_SCALE * Vec2::from(p)).to_vec();
-    let glazed = Material::isotropic(Rgb::new(0.10, 0.30, 0.48), Rgb::splat(0.10), 0.12);
+    let glazed = Material::isotropic(Rgb::new(0.10, 0.30, 0.48), Rgb::splat(0.30), 0.12);
     add(scene, "vase", glazed, vec![revolved(at(0.95, 0.0, -0.55), &profile, 48)]);
 
     let pouf = ellipsoid(at(-1.6, 0.0, -0.15), 0.34, 0.21, 24);

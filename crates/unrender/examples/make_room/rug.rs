@@ -17,7 +17,7 @@ const CREAM: Rgb = Rgb::new(0.66, 0.57, 0.42);
 const NAVY: Rgb = Rgb::new(0.06, 0.09, 0.20);
 const OCHRE: Rgb = Rgb::new(0.58, 0.36, 0.10);
 
-/// The pattern: a border in three bands and a medallion of nested diamonds.
+/// The pattern: a border in two bands and a medallion of nested diamonds.
 ///
 /// Its values are those that a PNG of 8 bits can hold, so that the file is the truth.
 pub(crate) fn texture() -> Arc<Texture> {
@@ -38,10 +38,10 @@ fn colour(uv: Vec2) -> Rgb {
     let from_edge = (uv.min(1.0 - uv) * Vec2::new(ASPECT, 1.0)).min_element();
     let diamond = (uv - 0.5).abs().element_sum();
     let mut rgb = FIELD;
-    for (radius, next) in [(0.40, CREAM), (0.345, NAVY), (0.23, OCHRE), (0.12, CREAM)] {
+    for (radius, next) in [(0.40, CREAM), (0.32, NAVY), (0.20, OCHRE)] {
         rgb = rgb.lerp(next, below(diamond, radius));
     }
-    for (width, next) in [(0.13, OCHRE), (0.105, NAVY), (0.035, CREAM)] {
+    for (width, next) in [(0.13, NAVY), (0.045, CREAM)] {
         rgb = rgb.lerp(next, below(from_edge, width));
     }
     rgb
