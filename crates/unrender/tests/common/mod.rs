@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The largest errors that an example's result may have.
-pub struct Limits {
-    pub rho: f64,
-    pub alpha_percent: f64,
-    pub degrees: f64,
+pub(crate) struct Limits {
+    pub(crate) rho: f64,
+    pub(crate) alpha_percent: f64,
+    pub(crate) degrees: f64,
 }
 
 /// The folder `name` beside the crates.
-pub fn beside_crates(name: &str) -> PathBuf {
+pub(crate) fn beside_crates(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
 }
 
@@ -19,7 +19,7 @@ pub fn beside_crates(name: &str) -> PathBuf {
 ///
 /// # Panics
 /// If the recovery fails, a hypothesis is wrong, or a number is further off than `limits` allow.
-pub fn recovers(folder: &Path, file: &str, limits: &Limits) {
+pub(crate) fn recovers(folder: &Path, file: &str, limits: &Limits) {
     let out = std::env::temp_dir().join(format!("unrender-{}-{file}", std::process::id()));
     let mut recover = Command::new(env!("CARGO_BIN_EXE_unrender"));
     recover.arg("recover").arg(folder.join(file)).arg("--out").arg(&out).arg("--quiet");
