@@ -188,6 +188,8 @@ const LIGHT: u64 = 2;
 const COSINE: u64 = 3;
 const FIRST_LOBE: u64 = 4;
 const STREAMS: u64 = 16;
+/// One path in the mirror direction for this many by the cosine.
+const MIRROR_SHARE: u32 = 4;
 /// Mirrors in a row that a camera ray follows at most.
 const MIRRORS_MAX: usize = 16;
 
@@ -385,9 +387,13 @@ impl Gathering<'_, '_> {
         }
         let transport = &self.gatherer.transport;
         let seen = transport.surface(&Transport::leave(&self.surface, wi))?;
-        let mut sampler = self.gatherer.sampler(pixel, MIRROR, index);
-        let radiance = transport.emitted(&seen)
-            + transport.reflected(seen, -wi, &mut sampler, self.bounces + 1);
+        // One path beyond the mirrored point is very noisy where no cache ends it.
+        let count = self.gatherer.settings.cosine.div_ceil(MIRROR_SHARE).max(1);
+        let paths = (0..count).map(|k| {
+            let mut sampler = self.gatherer.sampler(pixel, MIRROR, index * count + k);
+            transport.reflected(seen, -wi, &mut sampler, self.bounces + 1)
+        });
+        let radiance = transport.emitted(&seen) + paths.sum::<Rgb>() / count as f32;
         Some((radiance, Mirrored { object: seen.object, point: seen.point }))
     }
 }

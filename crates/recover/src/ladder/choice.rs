@@ -2,7 +2,8 @@
 //! the user's threshold let anyone tell.
 //!
 //! Two rungs are compared pixel by pixel on the same light: most of the noise is in both and drops
-//! out of the difference, so that a difference can be told long before either error can.
+//! out of the difference, so that a difference can be told long before either error can. A rung
+//! whose error drowns in noise of its own has no claim to be the best, nor to be as good as it.
 
 use crate::error::deviation_of_sum;
 use crate::hypothesis::Fit;
@@ -11,13 +12,15 @@ use crate::problem::Thresholds;
 /// The index of the fit to take; `fits` go from simple to complex, all on the same evidence, and
 /// there is at least one.
 pub fn choose(fits: &[Fit], thresholds: &Thresholds) -> usize {
-    let Some(best) = fits.iter().min_by(|a, b| a.misfit.squared.total_cmp(&b.misfit.squared))
-    else {
+    let at_most = |fit: &Fit| fit.misfit.squared + 2.0 * fit.misfit.deviation;
+    let Some(best) = fits.iter().min_by(|a, b| at_most(a).total_cmp(&at_most(b))) else {
         return 0;
     };
     let allowed = thresholds.simpler * best.misfit.relative();
     let good = |fit: &Fit| {
-        fit.misfit.relative() <= allowed || excess(fit, best) <= thresholds.explained.powi(2)
+        let unexplained = thresholds.explained.powi(2);
+        let like_best = fit.misfit.squared <= at_most(best) + unexplained;
+        fit.misfit.relative() <= allowed || (like_best && excess(fit, best) <= unexplained)
     };
     fits.iter().position(good).unwrap_or(fits.len() - 1)
 }

@@ -1,0 +1,143 @@
+//! Makes `examples/room`: a furnished room, its photograph, and the truth about its materials.
+//!
+//! Run from the root of the workspace:
+//!
+//! ```text
+//! cargo run --release --example make_room [FOLDER]
+//! ```
+//!
+//! It writes the scene as a user would model it (`scene.glb`, all materials grey), the photograph
+//! (`photo.png`: 8 bits, sRGB, with the noise of a sensor), the project (`room.toml`), and the
+//! materials that the photograph was rendered with (`truth.json` and the textures that it names).
+//!
+//! `room` builds the scene, `shapes` its meshes, `rug` the texture; `sensor` takes the photograph.
+
+mod room;
+mod rug;
+mod sensor;
+mod shapes;
+
+use glam::Vec3;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use unrender::formats::materials::{GroupEntry, MaterialsFile, Status, VERSION};
+use unrender::formats::{atomic, gltf, materials, picture};
+use unrender::recover::hypothesis::{self, Hypothesis};
+use unrender::render::{Settings, Tracer};
+use unrender::scene::{Group, Material, Rgb, Scene};
+
+/// Scene radiance of a linear pixel value of one: such that the lamps alone are clipped.
+const EXPOSURE: f32 = 0.65;
+/// Another seed than the recovery's, so that both do not make the same errors.
+const SEED: u64 = 2002;
+const SPP: u32 = 1024;
+/// What each group reflects before anything is known of it.
+const GREY: f32 = 0.5;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args_os().skip(1);
+    let folder = arguments.next().map_or_else(|| PathBuf::from("examples/room"), PathBuf::from);
+    let spp = match arguments.next() {
+        Some(spp) => spp.to_string_lossy().parse()?,
+        None => SPP,
+    };
+    std::fs::create_dir_all(&folder)?;
+    let mut scene = room::scene();
+    for warning in scene.validate()?.0 {
+        eprintln!("warning: {warning}");
+    }
+    write_truth(&scene, &folder)?;
+    write_photo(&scene, &folder, spp)?;
+    atomic::write(&folder.join("room.toml"), project(&scene).as_bytes())?;
+    scene.groups.iter_mut().filter(|g| !g.is_emitter()).for_each(|group| {
+        group.material = Material::diffuse(Rgb::splat(GREY));
+    });
+    atomic::write(&folder.join("scene.glb"), &gltf::to_glb(&scene)?)?;
+    Ok(())
+}
+
+fn write_photo(scene: &Scene, folder: &Path, spp: u32) -> Result<(), Box<dyn Error>> {
+    let settings = Settings { spp, seed: SEED, ..Settings::default() };
+    let camera = &scene.cameras[0];
+    let materials = scene.materials();
+    let film = Tracer::new(scene).render(&materials, camera, room::SIZE, &settings, &|_| ());
+    picture::write(&folder.join("photo.png"), &sensor::expose(&film.mean, EXPOSURE, SEED))?;
+    Ok(())
+}
+
+fn write_truth(scene: &Scene, folder: &Path) -> Result<(), Box<dyn Error>> {
+    let mut file = MaterialsFile {
+        version: Some(VERSION),
+        brdf: Some(scene.brdf.name().to_owned()),
+        exposure: Some([EXPOSURE; 3]),
+        ..MaterialsFile::default()
+    };
+    for (index, group) in scene.groups.iter().enumerate().filter(|(_, g)| !g.is_emitter()) {
+        let mut entry = entry(scene, index);
+        if let Some(texture) = &group.material.texture {
+            let name = format!("truth_{}.png", group.name);
+            picture::write_png_srgb(&folder.join(&name), &texture.image)?;
+            entry.rho_d = Some(materials::mean_of(&texture.image).to_array());
+            entry.texture = Some(name);
+        }
+        file.groups.insert(group.name.clone(), entry);
+    }
+    materials::write(&folder.join("truth.json"), &file)?;
+    Ok(())
+}
+
+fn entry(scene: &Scene, index: usize) -> GroupEntry {
+    let Group { name, material, .. } = &scene.groups[index];
+    let kind = hypothesis::of(material);
+    let known = is_unseen(name);
+    GroupEntry {
+        hypothesis: Some(kind),
+        status: Some(if known { Status::Known } else { Status::Recovered }),
+        rho_d: Some(material.rho_d.to_array()),
+        rho_s: Some(material.rho_s.to_array()),
+        alpha_x: Some(material.alpha_x),
+        alpha_y: Some(material.alpha_y),
+        theta_deg: Some(material.theta_rad.to_degrees()),
+        direction: (kind == Hypothesis::Anisotropic).then(|| direction(scene, index).to_array()),
+        ..GroupEntry::default()
+    }
+}
+
+/// The brushed direction of a flat group whose texture coordinates grow along its first edge.
+fn direction(scene: &Scene, group: usize) -> Vec3 {
+    let Some(object) = scene.objects.iter().find(|o| o.group == group) else { return Vec3::ZERO };
+    let [a, b, _] = object.mesh.corners(0);
+    let (tangent, normal) = ((b - a).normalize(), object.mesh.normals[0]);
+    let (sin, cos) = scene.groups[group].material.theta_rad.sin_cos();
+    cos * tangent + sin * normal.cross(tangent)
+}
+
+/// The project file.
+fn project(scene: &Scene) -> String {
+    let unseen = scene.groups.iter().filter(|group| is_unseen(&group.name));
+    let known = unseen.map(|Group { name, material, .. }| {
+        let [r, g, b] = material.rho_d.to_array();
+        format!("[groups.{name}]\nknown = {{ rho_d = [{r}, {g}, {b}] }}\n")
+    });
+    format!(
+        "\
+# A furnished room: diffuse walls, glossy boards, a mirror, a glass table, brushed steel, a rug with
+# shadows on it. All files here were made by `cargo run --release --example make_room`.
+scene = \"scene.glb\"        # every material grey, as a modeller leaves it
+photo = \"photo.png\"
+response = \"srgb\"
+exposure = {EXPOSURE}            # scene radiance of a linear pixel value of one
+
+# Neither the picture nor the mirror in it shows these.
+{known}
+[recover]
+brdf = \"{brdf}\"
+",
+        known = known.collect::<String>(),
+        brdf = scene.brdf.name(),
+    )
+}
+
+fn is_unseen(name: &str) -> bool {
+    room::UNSEEN.contains(&name)
+}

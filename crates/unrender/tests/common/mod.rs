@@ -1,0 +1,42 @@
+//! Runs the built command on an example and holds the score of its result to limits.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The largest errors that an example's result may have.
+pub(crate) struct Limits {
+    pub(crate) rho: f64,
+    pub(crate) alpha_percent: f64,
+    pub(crate) degrees: f64,
+}
+
+/// The folder `name` beside the crates.
+pub(crate) fn beside_crates(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
+}
+
+/// Recovers the project `file` in `folder` and scores it against the folder's truth.json.
+///
+/// # Panics
+/// If the recovery fails, a hypothesis is wrong, or a number is further off than `limits` allow.
+pub(crate) fn recovers(folder: &Path, file: &str, limits: &Limits) {
+    let out = std::env::temp_dir().join(format!("unrender-{}-{file}", std::process::id()));
+    let mut recover = Command::new(env!("CARGO_BIN_EXE_unrender"));
+    recover.arg("recover").arg(folder.join(file)).arg("--out").arg(&out).arg("--quiet");
+    assert!(recover.status().unwrap().success(), "{file} was not recovered");
+    let mut score = Command::new(env!("CARGO_BIN_EXE_unrender"));
+    score.arg("score").arg(&out).arg(folder.join("truth.json"));
+    for (flag, limit) in [
+        ("--max-rho", limits.rho),
+        ("--max-alpha-percent", limits.alpha_percent),
+        ("--max-degrees", limits.degrees),
+    ] {
+        score.arg(flag).arg(limit.to_string());
+    }
+    let scored = score.output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    println!("{file}\n{}", text(&scored.stdout));
+    assert!(scored.status.success(), "{file}:\n{}", text(&scored.stderr));
+    // A folder that is left behind in the temporary files does no harm.
+    let _ = std::fs::remove_dir_all(out);
+}

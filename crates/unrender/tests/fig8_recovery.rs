@@ -1,0 +1,17 @@
+//! Figure 8 of the paper from its picture: a Cornell box with an anisotropic floor.
+
+mod common;
+
+use common::{Limits, beside_crates, recovers};
+
+#[test]
+fn figure_8_is_recovered_from_linear_radiance() {
+    let limits = Limits { rho: 0.005, alpha_percent: 2.0, degrees: 0.5 };
+    recovers(&beside_crates("examples/fig8"), "fig8.toml", &limits);
+}
+
+#[test]
+fn figure_8_is_recovered_from_8_bits() {
+    let limits = Limits { rho: 0.01, alpha_percent: 4.0, degrees: 1.0 };
+    recovers(&beside_crates("examples/fig8"), "fig8_png.toml", &limits);
+}

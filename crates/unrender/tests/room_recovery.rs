@@ -1,0 +1,11 @@
+//! The furnished room of `examples/room` from its photograph.
+
+mod common;
+
+use common::{Limits, beside_crates, recovers};
+
+#[test]
+fn the_furnished_room_is_recovered() {
+    let limits = Limits { rho: 0.02, alpha_percent: 5.0, degrees: 0.5 };
+    recovers(&beside_crates("examples/room"), "room.toml", &limits);
+}
