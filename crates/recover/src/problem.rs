@@ -88,7 +88,7 @@ impl Default for Options {
             seed: 0,
             spp: 64,
             max_bounces: unrender_render::path::MAX_BOUNCES,
-            max_turns: 40,
+            max_turns: 100,
         }
     }
 }

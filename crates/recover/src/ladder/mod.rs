@@ -42,6 +42,13 @@ pub(crate) struct Standing {
     pub(crate) note: Option<String>,
 }
 
+impl Standing {
+    /// Whether the story does not tell of `hypothesis` yet.
+    fn is_new_to(&self, hypothesis: Hypothesis) -> bool {
+        self.story.last().is_none_or(|trial| trial.hypothesis != hypothesis)
+    }
+}
+
 /// Every unknown group starts as diffuse with this reflectance.
 const START: f32 = 0.5;
 

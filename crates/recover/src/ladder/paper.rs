@@ -63,6 +63,10 @@ pub(crate) fn climb(
             rungs[group].change = distance(&state.materials[group], &next[group]);
         }
         state.materials = next;
+        if !leaving.is_empty() {
+            // A group on a new rung changes the light of all: their ratios get their turns again.
+            rungs.iter_mut().for_each(|rung| rung.turns = 0);
+        }
         let change = rungs.iter().map(|r| r.change).fold(0.0, f64::max);
         let done = turn as f64 / (turn as f64 + 8.0);
         observer.turn(state.end_turn(change, options.thresholds.paper[4], done));
@@ -157,7 +161,7 @@ impl PaperTurn<'_> {
     ) -> Material {
         let Seen { group, pixels, rerendered, error } = seen;
         let hypothesis = state.standing[*group].hypothesis;
-        if leaves || rung.turns == 1 {
+        if leaves || (rung.turns == 1 && state.standing[*group].is_new_to(hypothesis)) {
             let material = state.materials[*group].clone();
             let trial =
                 Trial { turn: self.turn, hypothesis, material, misfit: *error, taken: !leaves };

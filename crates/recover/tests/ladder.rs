@@ -1,0 +1,270 @@
+//! The ladder against a renderer in closed form: horizontal stripes of seven materials under a grid
+//! of directional lights, without noise. Every rung must be found, with its numbers.
+
+use glam::{Vec2, Vec3};
+use std::f32::consts::FRAC_1_PI;
+use unrender_recover::{
+    ExposureRule, GroupSpec, Hypothesis, LadderKind, Observation, Options, Picture, Problem,
+    Recovery, Renderer, Role, Status, recover,
+};
+use unrender_render::geometry::PixelGeometry;
+use unrender_render::probe::Incident;
+use unrender_render::{
+    GeometryBuffers, Probe, ProbeSettings, Probes, SeenRadiance, Settings, WardLobe,
+};
+use unrender_scene::{Image, Material, Rgb, RgbImage, Texture, WardModel, Wrap};
+
+const WIDTH: usize = 64;
+const STRIPE: usize = 24;
+
+/// Stripes of materials, one group and one object each, seen under directions that change over the
+/// picture.
+struct Stripes {
+    truth: Vec<Material>,
+    geometry: GeometryBuffers,
+}
+
+impl Stripes {
+    fn new(truth: Vec<Material>) -> Self {
+        let geometry = Image::from_fn(WIDTH, STRIPE * truth.len(), |x, y| PixelGeometry {
+            object: (y / STRIPE) as u32,
+            group: (y / STRIPE) as u32,
+            depth: 1.0,
+            normal: Vec3::Z,
+            tangent: Vec3::X,
+            uv: Vec2::new((x as f32 + 0.5) / 64.0, ((y % STRIPE) as f32 + 0.5) / 24.0),
+            front: true,
+        });
+        Self { truth, geometry }
+    }
+
+    fn wo(pixel: u32) -> Vec3 {
+        let (x, y) = (pixel as usize % WIDTH, pixel as usize / WIDTH % STRIPE);
+        Vec3::new((x as f32 - 32.0) / 40.0, (y as f32 - 12.0) / 30.0 + 0.5, 1.0).normalize()
+    }
+
+    fn incident() -> Vec<Incident> {
+        let light = |i: usize| {
+            let (a, b) = ((i % 7) as f32 - 3.0, (i / 7) as f32 - 3.0);
+            let wi = Vec3::new(0.25 * a, 0.25 * b - 0.4, 1.0).normalize();
+            let colour = Rgb::new(1.0 + 0.1 * a, 1.0, 1.0 - 0.1 * b);
+            Incident { wi, irradiance: 0.1 * colour * wi.z }
+        };
+        (0..49).map(light).collect()
+    }
+
+    fn mirror(wo: Vec3) -> Rgb {
+        let (x, y) = (-wo.x, -wo.y);
+        Rgb::new(
+            0.6 + 0.4 * (6.0 * x).sin(),
+            0.5 + 0.3 * (5.0 * y).cos(),
+            0.7 + 0.2 * (4.0 * x + 3.0 * y).sin(),
+        )
+    }
+
+    fn radiance(&self, material: &Material, pixel: u32) -> Rgb {
+        let wo = Self::wo(pixel);
+        let irradiance: Rgb = Self::incident().iter().map(|i| i.irradiance).sum();
+        let rho_d = material.rho_d_at(self.geometry.pixels()[pixel as usize].uv);
+        let shine = if material.is_glossy() {
+            let lobe = WardLobe::new(self.model(), material.alpha_x, material.alpha_y);
+            let (sin, cos) = material.theta_rad.sin_cos();
+            let turn = |v: Vec3| Vec3::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z);
+            let one = |i: &Incident| lobe.value(turn(wo), turn(i.wi)) * i.irradiance;
+            Self::incident().iter().map(one).sum()
+        } else {
+            Self::mirror(wo)
+        };
+        rho_d * irradiance * FRAC_1_PI + material.rho_s * shine
+    }
+
+    fn photograph(&self) -> Picture {
+        let radiance = |i: usize| {
+            let group = self.geometry.pixels()[i].group as usize;
+            self.radiance(&self.truth[group], i as u32)
+        };
+        let (width, height) = (WIDTH, STRIPE * self.truth.len());
+        Picture {
+            values: RgbImage::new(width, height, (0..width * height).map(radiance).collect()),
+            trusted: Image::new(width, height, vec![true; width * height]),
+            quantum: RgbImage::new(width, height, vec![Rgb::ZERO; width * height]),
+        }
+    }
+}
+
+impl Renderer for Stripes {
+    fn geometry(&self) -> &GeometryBuffers {
+        &self.geometry
+    }
+
+    fn model(&self) -> WardModel {
+        WardModel::WardGmd
+    }
+
+    fn probe(
+        &self,
+        _: &[Material],
+        pixels: &[u32],
+        settings: &ProbeSettings,
+        _: Option<&SeenRadiance>,
+    ) -> Probes {
+        let mut all = Probes::default();
+        for &pixel in pixels {
+            let incident = Self::incident();
+            let irradiance: Rgb = incident.iter().map(|i| i.irradiance).sum();
+            let first = all.incident.len() as u32;
+            let count = if settings.keep_incident { incident.len() as u32 } else { 0 };
+            all.incident.extend(incident.into_iter().take(count as usize));
+            let at = self.geometry.pixels()[pixel as usize];
+            all.probes.push(Probe {
+                pixel,
+                group: at.group,
+                throughput: Rgb::ONE,
+                wo: Self::wo(pixel),
+                point: at.uv.extend(0.0),
+                emitted: Rgb::ZERO,
+                diffuse: irradiance * FRAC_1_PI,
+                mirror: Self::mirror(Self::wo(pixel)),
+                mirrored: None,
+                first,
+                count,
+            });
+        }
+        all
+    }
+
+    fn rerender(&self, materials: &[Material], pixels: &[u32], _: &Settings) -> Vec<Rgb> {
+        let one = |&p: &u32| {
+            self.radiance(&materials[self.geometry.pixels()[p as usize].group as usize], p)
+        };
+        pixels.iter().map(one).collect()
+    }
+}
+
+fn checkers() -> Material {
+    let image = Image::from_fn(64, 24, |x, y| {
+        if (x / 8 + y / 6) % 2 == 0 { Rgb::new(0.7, 0.5, 0.2) } else { Rgb::splat(0.1) }
+    });
+    let texture = Texture { image, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat };
+    Material { texture: Some(texture.into()), ..Material::diffuse(Rgb::new(0.4, 0.3, 0.15)) }
+}
+
+/// One material a rung, in the ladder's order.
+fn one_of_each() -> Vec<Material> {
+    let brushed = Material {
+        rho_s: Rgb::new(0.5, 0.6, 0.4),
+        alpha_x: 0.08,
+        alpha_y: 0.2,
+        theta_rad: 30f32.to_radians(),
+        ..Material::diffuse(Rgb::new(0.1, 0.2, 0.05))
+    };
+    vec![
+        Material::diffuse(Rgb::new(0.2, 0.5, 0.8)),
+        Material::mirror(Rgb::ONE),
+        Material::mirror(Rgb::new(0.4, 0.6, 0.5)),
+        Material { rho_d: Rgb::new(0.3, 0.1, 0.2), ..Material::mirror(Rgb::splat(0.25)) },
+        Material::isotropic(Rgb::new(0.3, 0.12, 0.4), Rgb::splat(0.2), 0.12),
+        brushed,
+        checkers(),
+    ]
+}
+
+fn recovered(
+    renderer: &Stripes,
+    exposure: ExposureRule,
+    scale: f32,
+    options: &Options,
+) -> Recovery {
+    let mut picture = renderer.photograph();
+    picture.values = picture.values.map(|v| *v * scale);
+    let groups = renderer.truth.len() + 1;
+    let observation = Observation::new(picture, &renderer.geometry, groups);
+    let anchor = match exposure {
+        ExposureRule::Anchor { group, .. } => Some(group),
+        ExposureRule::Fixed(_) => None,
+    };
+    let spec = |group: usize| GroupSpec {
+        name: format!("stripe {group}"),
+        role: if anchor == Some(group) { Role::Known } else { Role::Unknown },
+        material: Material::diffuse(Rgb::new(0.2, 0.5, 0.8)),
+    };
+    let problem = Problem {
+        observation: &observation,
+        renderer,
+        groups: (0..groups).map(spec).collect(),
+        exposure,
+    };
+    recover(&problem, options, &mut ()).unwrap()
+}
+
+fn close(found: Rgb, truth: Rgb, tolerance: f32) -> bool {
+    (found - truth).abs().max_element() <= tolerance
+}
+
+/// Every stripe's hypothesis, reflectances, roughness and direction.
+fn check(recovery: &Recovery, truth: &[Material]) {
+    for (group, (truth, hypothesis)) in
+        recovery.groups.iter().zip(truth.iter().zip(Hypothesis::ALL))
+    {
+        let found = &group.material;
+        assert_eq!(group.hypothesis, hypothesis, "{}: {:#?}", group.name, group.story);
+        assert_eq!(group.status, Status::Recovered);
+        let tolerance = if hypothesis == Hypothesis::Textured { 0.02 } else { 0.002 };
+        assert!(close(found.rho_d, truth.rho_d, tolerance), "{}: {found:?}", group.name);
+        assert!(close(found.rho_s, truth.rho_s, 0.002), "{}: {found:?}", group.name);
+        if truth.is_glossy() {
+            assert!((found.alpha_x / truth.alpha_x - 1.0).abs() < 0.005, "{found:?}");
+            assert!((found.alpha_y / truth.alpha_y - 1.0).abs() < 0.005, "{found:?}");
+        }
+        if hypothesis == Hypothesis::Anisotropic {
+            assert!((found.theta_rad - truth.theta_rad).to_degrees().abs() < 0.2, "{found:?}");
+        }
+    }
+}
+
+#[test]
+fn every_rung_is_found_with_its_numbers() {
+    let renderer = Stripes::new(one_of_each());
+    let options = Options::default();
+    let recovery = recovered(&renderer, ExposureRule::Fixed(Rgb::ONE), 1.0, &options);
+    check(&recovery, &renderer.truth);
+    let checkers = recovery.groups[6].material.texture.as_ref().unwrap();
+    let light = checkers.sample(Vec2::new(4.0 / 64.0, 3.0 / 24.0));
+    let dark = checkers.sample(Vec2::new(12.0 / 64.0, 3.0 / 24.0));
+    assert!(close(light, Rgb::new(0.7, 0.5, 0.2), 0.005), "{light}");
+    assert!(close(dark, Rgb::splat(0.1), 0.005), "{dark}");
+}
+
+#[test]
+fn an_anchor_fixes_an_unknown_exposure() {
+    let renderer = Stripes::new(one_of_each());
+    let rule = ExposureRule::Anchor { group: 0, rho_d: Rgb::new(0.2, 0.5, 0.8) };
+    let recovery = recovered(&renderer, rule, 0.4, &Options::default());
+    assert!(close(recovery.exposure, Rgb::splat(2.5), 1e-3), "{}", recovery.exposure);
+    assert_eq!(recovery.groups[0].status, Status::Known);
+    assert!(close(recovery.groups[4].material.rho_d, renderer.truth[4].rho_d, 0.002));
+}
+
+#[test]
+fn a_group_that_no_pixel_shows_is_assumed_white() {
+    let renderer = Stripes::new(one_of_each());
+    let options = Options::default();
+    let recovery = recovered(&renderer, ExposureRule::Fixed(Rgb::ONE), 1.0, &options);
+    let unseen = recovery.groups.last().unwrap();
+    assert_eq!((unseen.status, unseen.pixels), (Status::Assumed, 0));
+    assert_eq!(unseen.material, Material::diffuse(Rgb::ONE));
+    assert!(unseen.note.as_ref().unwrap().contains("no pixel"));
+}
+
+#[test]
+fn the_papers_ladder_finds_the_rungs_that_it_can_tell_apart() {
+    let renderer = Stripes::new(one_of_each()[..4].to_vec());
+    let options = Options { ladder: LadderKind::Paper, ..Options::default() };
+    let recovery = recovered(&renderer, ExposureRule::Fixed(Rgb::ONE), 1.0, &options);
+    for group in [0, 1, 2, 3] {
+        let result = &recovery.groups[group];
+        assert_eq!(result.hypothesis, Hypothesis::ALL[group], "{:#?}", result.story);
+        assert!(close(result.material.rho_d, renderer.truth[group].rho_d, 0.01));
+        assert!(close(result.material.rho_s, renderer.truth[group].rho_s, 0.01));
+    }
+}
