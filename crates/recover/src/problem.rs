@@ -118,7 +118,7 @@ impl Default for Thresholds {
             simpler: 1.5,
             textured: 0.06,
             dispersion: 0.5,
-            paper: [0.05, 0.05, 0.05, 0.05, 0.01, 0.05],
+            paper: [0.1, 0.1, 0.1, 0.1, 0.01, 0.1],
         }
     }
 }

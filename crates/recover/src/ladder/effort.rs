@@ -13,7 +13,7 @@ pub const FINEST: usize = 2;
 pub const SETTLED: [f64; 3] = [0.02, 0.005, 0.002];
 
 const PIXELS: [usize; 3] = [1500, 4000, 10000];
-const COSINE: [u32; 3] = [12, 32, 96];
+const COSINE: [u32; 3] = [12, 32, 64];
 const GLOSSY_PIXELS: [usize; 3] = [1500, 4000, 10000];
 const GLOSSY_COSINE: [u32; 3] = [12, 24, 32];
 const PER_LOBE: [u32; 3] = [12, 24, 32];

@@ -54,7 +54,11 @@ pub(crate) fn climb(
         state.update_exposure(options.seed)?;
         let climber = PaperTurn { options, turn };
         let views = climber.look(state);
-        let leaving = climber.leaving(state, &views, &rungs);
+        let all_at_rest = views
+            .iter()
+            .all(|view| rungs[view.group].has_had_its_turns(state.standing[view.group].hypothesis));
+        // While reflectances still move anywhere, errors say little.
+        let leaving = if all_at_rest { climber.leaving(state, &views) } else { Vec::new() };
         let mut next = state.materials.clone();
         for view in &views {
             let group = view.group;
@@ -70,8 +74,7 @@ pub(crate) fn climb(
         let change = rungs.iter().map(|r| r.change).fold(0.0, f64::max);
         let done = turn as f64 / (turn as f64 + 8.0);
         observer.turn(state.end_turn(change, options.thresholds.paper[4], done));
-        let waiting = views.iter().any(|v| rungs[v.group].turns < 2);
-        if leaving.is_empty() && !waiting && change < SETTLED {
+        if leaving.is_empty() && all_at_rest && change < SETTLED {
             return Ok(Termination::Settled);
         }
     }
@@ -134,19 +137,14 @@ impl PaperTurn<'_> {
         views
     }
 
-    /// The groups that leave their rungs: above its threshold after its turns, and among the worst.
-    fn leaving(&self, state: &State<'_>, views: &[Seen], rungs: &[Rung]) -> Vec<usize> {
+    /// The groups that leave their rungs: those in error above its threshold, and among the worst.
+    fn leaving(&self, state: &State<'_>, views: &[Seen]) -> Vec<usize> {
         let hypothesis = |v: &Seen| state.standing[v.group].hypothesis;
         let in_error = |v: &&Seen| {
             hypothesis(v) != Hypothesis::Textured
                 && v.error.total() > self.options.thresholds.paper[hypothesis(v) as usize]
         };
         let worst = views.iter().filter(in_error).map(|v| v.error.total()).fold(0.0, f64::max);
-        // While ratios swing anywhere, errors say little.
-        let swinging = views.iter().any(|v| !rungs[v.group].has_had_its_turns(hypothesis(v)));
-        if swinging {
-            return Vec::new();
-        }
         let among_worst = |v: &&Seen| v.error.total() >= WORST * worst;
         views.iter().filter(in_error).filter(among_worst).map(|v| v.group).collect()
     }

@@ -128,7 +128,7 @@ photo = \"photo.png\"
 response = \"srgb\"
 exposure = {EXPOSURE}            # scene radiance of a linear pixel value of one
 
-# Neither the picture nor the mirror in it shows these.
+# The picture shows next to nothing of the first and nothing of the second.
 {known}
 [recover]
 brdf = \"{brdf}\"

@@ -12,7 +12,7 @@ use unrender::scene::{
 
 /// Width and height of the photograph.
 pub(crate) const SIZE: (usize, usize) = (480, 360);
-/// The groups that the camera sees neither directly nor in a mirror.
+/// The groups of which the picture shows next to nothing (a sliver of the ceiling) or nothing.
 pub(crate) const UNSEEN: [&str; 2] = ["ceiling", "wardrobe"];
 
 const HEIGHT: f32 = 2.6;

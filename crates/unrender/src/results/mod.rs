@@ -2,6 +2,7 @@
 
 mod error_picture;
 mod materials_file;
+mod report;
 mod run_file;
 mod scale_bar;
 mod summary;
@@ -24,7 +25,12 @@ pub(crate) fn write(job: &Job, recovered: &Recovered, folder: &Path) -> Result<W
     let exposure = recovery.exposure;
     let as_photo = recovery.rerendered.map(|radiance| *radiance / exposure);
     bad += picture::write_png_srgb(&folder.join("rerendered.png"), &as_photo)?;
+    let fixed = matches!(job.project.exposure, unrender_photo::Exposure::Fixed(_));
+    let developed = if fixed { exposure } else { unrender_scene::Rgb::ONE };
+    let photo = job.photo.radiance.map(|radiance| *radiance / developed);
+    bad += picture::write_png_srgb(&folder.join("photo.png"), &photo)?;
     error_picture::write(job, recovery, &folder.join("error.png"))?;
+    report::write(job, recovered, folder)?;
     let glb = unrender_formats::wear(&job.project.scene, &dressed(job, recovered))?;
     atomic::write(&folder.join("scene.glb"), &glb)?;
     run_file::write(recovered, &folder.join("run.json"))?;

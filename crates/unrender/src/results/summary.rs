@@ -1,16 +1,27 @@
-//! The table at the end: what a person wants to know in ten seconds.
+//! The table at the end: what a person wants to know in ten seconds. Black lamps are left out.
 
 use crate::engine::Recovered;
-use unrender_recover::{GroupResult, Status};
+use unrender_recover::{GroupResult, Recovery, Status};
 use unrender_scene::{Hypothesis, Rgb};
+
+const HEADER: [&str; 8] =
+    ["group", "hypothesis", "rho_d", "rho_s", "alpha", "direction", "error", "pixels"];
+
+/// The header and a row for each group that reflects something.
+pub(super) fn rows(recovery: &Recovery) -> ([&'static str; 8], Vec<[String; 8]>) {
+    let reflects = |g: &&GroupResult| {
+        g.status != Status::Known || (g.material.rho_d + g.material.rho_s).max_element() > 0.0
+    };
+    (HEADER, recovery.groups.iter().filter(reflects).map(row).collect())
+}
 
 /// The summary of a recovery: a line a group, then time and turns.
 pub(crate) fn summary(recovered: &Recovered) -> String {
     let recovery = &recovered.recovery;
-    let header = ["group", "hypothesis", "rho_d", "rho_s", "alpha", "direction", "error", "pixels"];
-    let mut rows = vec![header.map(str::to_owned)];
-    rows.extend(recovery.groups.iter().map(row));
-    let mut text = table(&rows);
+    let (header, groups) = rows(recovery);
+    let mut lines = vec![header.map(str::to_owned)];
+    lines.extend(groups);
+    let mut text = table(&lines);
     for group in &recovery.groups {
         if let Some(note) = &group.note {
             text.push_str(&format!("{}: {note}\n", group.name));

@@ -1,0 +1,32 @@
+//! Ctrl-C in the middle of a recovery: exit code 130, and no half-written results.
+#![cfg(unix)]
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+#[test]
+fn an_interrupted_recovery_leaves_nothing_behind() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/fig8/fig8.toml");
+    let out = std::env::temp_dir().join(format!("unrender-interrupt-{}", std::process::id()));
+    let mut running = Command::new(env!("CARGO_BIN_EXE_unrender"))
+        .arg("recover")
+        .arg(project)
+        .args(["--spp", "4096", "--out"])
+        .arg(&out)
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    // With so many paths the work takes minutes; long before, the folder is there.
+    while !out.is_dir() {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    std::thread::sleep(Duration::from_secs(1));
+    let pid = running.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
+    let status = running.wait().unwrap();
+    assert_eq!(status.code(), Some(130), "{status}");
+    let left: Vec<_> = std::fs::read_dir(&out).unwrap().collect();
+    assert!(left.is_empty(), "left behind: {left:?}");
+    std::fs::remove_dir_all(out).unwrap();
+}
