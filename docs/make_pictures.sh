@@ -14,3 +14,7 @@ sheet() {
 # More paths than by default, so that the picture shows the error and not the noise.
 cargo run --release -- recover examples/fig8/fig8.toml --spp 512 --out "$out"
 sheet docs/images/fig8.png 2 examples/fig8/photo.exr "$out/rerendered.exr" "$out/error.png"
+
+cargo run --release -- recover examples/room/room.toml --spp 256 --out "$out/room"
+sheet docs/images/room.png 2 \
+    "$out/room/photo.png" "$out/room/rerendered.png" "$out/room/error.png"

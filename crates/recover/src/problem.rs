@@ -118,7 +118,7 @@ impl Default for Thresholds {
             simpler: 1.5,
             textured: 0.06,
             dispersion: 0.5,
-            paper: [0.1, 0.1, 0.1, 0.1, 0.01, 0.1],
+            paper: [0.15, 0.15, 0.15, 0.15, 0.01, 0.15],
         }
     }
 }

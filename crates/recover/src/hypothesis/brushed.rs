@@ -118,3 +118,61 @@ fn mean_deviation(points: &[&OnPlane], theta: f32, half_extent: Vec2) -> Option<
     };
     (count > 0).then(|| full.iter().map(deviation).sum::<f32>() / count as f32)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evidence::{Gathered, Observed};
+    use unrender_render::geometry::PixelGeometry;
+    use unrender_render::probe::Mirrored;
+    use unrender_render::{Probe, Probes};
+    use unrender_scene::{Image, Rgb, WardModel};
+
+    const SIDE: usize = 60;
+
+    /// A plane on which the photograph differs from the mirror by waves along `theta`.
+    fn waves(theta: f32) -> (Evidence, GeometryBuffers) {
+        let across = Vec2::new(-theta.sin(), theta.cos());
+        let position = |i: usize| Vec2::new((i % SIDE) as f32, (i / SIDE) as f32) / SIDE as f32;
+        let probe = |i: usize| Probe {
+            pixel: i as u32,
+            group: 0,
+            throughput: Rgb::ONE,
+            wo: Vec3::Z,
+            point: position(i).extend(0.0),
+            emitted: Rgb::ZERO,
+            diffuse: Rgb::ZERO,
+            mirror: Rgb::splat(0.5),
+            mirrored: Some(Mirrored { object: 1, point: Vec3::Z }),
+            first: 0,
+            count: 0,
+        };
+        let observed = |i: usize| Observed {
+            pixel: i as u32,
+            radiance: Rgb::splat(0.5 + 0.3 * (9.0 * position(i).dot(across)).sin()),
+            variance: Rgb::ZERO,
+            weight: Rgb::ONE,
+        };
+        let all = 0..SIDE * SIDE;
+        let set = Gathered {
+            probes: Probes { probes: all.clone().map(probe).collect(), incident: Vec::new() },
+        };
+        let evidence = Evidence {
+            model: WardModel::WardGmd,
+            pixels: all.map(observed).collect(),
+            sets: [set.clone(), set],
+        };
+        let facing = PixelGeometry { normal: Vec3::Z, tangent: Vec3::X, ..PixelGeometry::EMPTY };
+        (evidence, Image::new(SIDE, SIDE, vec![facing; SIDE * SIDE]))
+    }
+
+    #[test]
+    fn the_difference_varies_least_along_the_brushed_direction() {
+        for degrees in [0.0f32, 37.0, 90.0, 141.0] {
+            let (evidence, geometry) = waves(degrees.to_radians());
+            let found = direction(&evidence, &geometry).unwrap().to_degrees();
+            let off = (found - degrees + 90.0).rem_euclid(180.0) - 90.0;
+            assert!(off.abs() <= 3.0, "{degrees} came out as {found}");
+        }
+    }
+}

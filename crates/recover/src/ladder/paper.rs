@@ -40,8 +40,8 @@ const SIMPLEX_PIXELS: usize = 600;
 /// Paths a pixel of both.
 const SPP: u32 = 16;
 /// The method ends when no reflectance moves by more than this.
-const SETTLED: f64 = 0.003;
-const SIMPLEX_TURNS: u64 = 90;
+const SETTLED: f64 = 0.02;
+const SIMPLEX_TURNS: u64 = 80;
 
 /// Climbs one rung at a time.
 pub(crate) fn climb(
@@ -202,15 +202,14 @@ impl PaperTurn<'_> {
             Hypothesis::DiffuseSpecular => {
                 hypothesis::fit(rung, &self.gather(state, group), now, SEARCH).material
             }
-            Hypothesis::Isotropic => self.simplex(state, group, now, stays, false),
+            // Found once: searching again in every turn only walks with the noise of the search.
+            Hypothesis::Isotropic | Hypothesis::Anisotropic if stays => now.clone(),
+            Hypothesis::Isotropic => self.simplex(state, group, now, false),
             Hypothesis::Anisotropic => {
-                let mut start = now.clone();
-                if !stays {
-                    let geometry = state.problem.renderer.geometry();
-                    let evidence = self.gather(state, group);
-                    start.theta_rad = brushed::direction(&evidence, geometry).unwrap_or(0.0);
-                }
-                self.simplex(state, group, &start, stays, true)
+                let geometry = state.problem.renderer.geometry();
+                let evidence = self.gather(state, group);
+                let theta_rad = brushed::direction(&evidence, geometry).unwrap_or(0.0);
+                self.simplex(state, group, &Material { theta_rad, ..now.clone() }, true)
             }
             Hypothesis::Textured => {
                 let before = if stays { now.texture.as_deref() } else { None };
@@ -265,7 +264,6 @@ impl PaperTurn<'_> {
         state: &State<'_>,
         group: usize,
         start: &Material,
-        stays: bool,
         brushed: bool,
     ) -> Material {
         let believed = &state.problem.observation.pixels_of_group[group];
@@ -288,7 +286,7 @@ impl PaperTurn<'_> {
                 (0..pixels.len()).map(product).sum::<f64>()
             };
             let first = [start.rho_d[c], start.rho_s[c], alphas[0], alphas[1]].map(f64::from);
-            let best = search(&mut error, first, if stays { 0.03 } else { 0.2 }, brushed);
+            let best = search(&mut error, first, brushed);
             sums.0[c] = best[0] as f32;
             sums.1[c] = best[1] as f32;
             sums.2[0] += best[2] as f32 / 3.0;
@@ -321,12 +319,7 @@ fn grey(p: &[f64; 4], theta_rad: f32) -> Material {
 }
 
 /// The better of the simplex with `rho_s` free and with `rho_s = 1`; with one roughness, or two.
-fn search(
-    error: &mut dyn FnMut(&[f64; 4]) -> f64,
-    first: [f64; 4],
-    step: f64,
-    brushed: bool,
-) -> [f64; 4] {
+fn search(error: &mut dyn FnMut(&[f64; 4]) -> f64, first: [f64; 4], brushed: bool) -> [f64; 4] {
     let error = std::cell::RefCell::new(error);
     let full = |rho_d: f64, rho_s: f64, alphas: &[f64]| {
         let last = alphas[alphas.len() - 1].exp();
@@ -334,8 +327,8 @@ fn search(
     };
     let logs: Vec<f64> =
         if brushed { vec![first[2].ln(), first[3].ln() + 0.2] } else { vec![first[2].ln()] };
-    let mut steps = vec![step, step];
-    steps.extend(logs.iter().map(|_| 2.0 * step));
+    let mut steps = vec![0.2, 0.2];
+    steps.extend(logs.iter().map(|_| 0.4));
     let start: Vec<f64> = [first[0], first[1]].into_iter().chain(logs.clone()).collect();
     let free = |p: &[f64]| full(p[0], p[1], &p[2..]);
     let fixed = |p: &[f64]| full(p[0], 1.0, &p[1..]);

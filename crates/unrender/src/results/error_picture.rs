@@ -1,8 +1,9 @@
 //! error.png: where photograph and re-rendering differ, and by how much.
 //!
-//! The difference of luminances relative to the photograph's mean: grey where they agree, red where
-//! the re-rendering is too bright, blue where it is too dark. A bar below the picture carries the
-//! scale.
+//! The difference of luminances relative to the photograph's mean, averaged over 5 x 5 pixels so
+//! that the re-rendering's noise does not hide it: light where they agree, red where the
+//! re-rendering is too bright, blue where it is too dark; dark grey where the photograph is clipped
+//! or broken. A bar below the picture carries the scale.
 
 use crate::{Error, Job};
 use std::path::Path;
@@ -13,6 +14,10 @@ use unrender_scene::{Rgb, RgbImage};
 
 /// The ends of the scale: a difference of this share of the photograph's mean.
 const FULL_SCALE: f32 = 0.2;
+/// Averages reach this many pixels to each side.
+const REACH: usize = 2;
+/// The linear grey of pixels that are not compared.
+const LEFT_OUT: f32 = 0.1;
 
 /// Writes the error picture of a recovery.
 pub(super) fn write(job: &Job, recovery: &Recovery, path: &Path) -> Result<(), Error> {
@@ -27,8 +32,19 @@ pub(super) fn write(job: &Job, recovery: &Recovery, path: &Path) -> Result<(), E
         if y >= height {
             return super::scale_bar::pixel(x, y - height, width, FULL_SCALE, diverging);
         }
-        let difference = luminance(*shown.at(x, y)) - photo.at(x, y);
-        diverging(difference / (mean * FULL_SCALE).max(f32::MIN_POSITIVE))
+        if !job.photo.trusted.at(x, y) {
+            return Rgb::splat(LEFT_OUT);
+        }
+        let (mut sum, mut count) = (0.0, 0.0);
+        for row in y.saturating_sub(REACH)..(y + REACH + 1).min(height) {
+            for column in x.saturating_sub(REACH)..(x + REACH + 1).min(width) {
+                if *job.photo.trusted.at(column, row) {
+                    sum += luminance(*shown.at(column, row)) - photo.at(column, row);
+                    count += 1.0;
+                }
+            }
+        }
+        diverging(sum / count / (mean * FULL_SCALE).max(f32::MIN_POSITIVE))
     });
     picture::write_png_srgb(path, &picture)?;
     Ok(())
