@@ -7,7 +7,7 @@
 //! the radiosity texture. A group whose rung has had its turns and still shows an error above its
 //! threshold goes one rung up.
 //!
-//! One thing is not as written: the ratio is damped ([`RELAXATION`]), since without it the diffuse
+//! One thing is not as written: the ratio is damped (`RELAXATION`), since without it the diffuse
 //! turns do not settle. Where the paper is silent: the difference is measured as the product of two renderings'
 //! residuals, for else our noise would count as error and every search would shun shine; the simplex runs channel by channel on a
 //! sample of the group's pixels, and the roughness is the mean over the channels.
