@@ -10,7 +10,7 @@ use crate::rerender::Renderer;
 use glam::Vec3;
 use rayon::prelude::*;
 use unrender_render::sampler::mix;
-use unrender_render::{Probe, ProbeSettings, Probes, SeenRadiance, WardLobe};
+use unrender_render::{Appearance, Probe, ProbeSettings, Probes, SeenRadiance, WardLobe};
 use unrender_scene::{Material, Rgb, WardModel};
 
 /// What is known of one group in one turn.
@@ -73,10 +73,10 @@ const RELATIVE: f32 = 0.02;
 const DARK: f32 = 0.1;
 
 impl Evidence {
-    /// Gathers the evidence on group `group` behind `pixels`, under the current `materials`.
+    /// Gathers the evidence on group `group` behind `pixels`, under the current `appearance`.
     pub fn gather(
         stage: &Stage<'_>,
-        materials: &[Material],
+        appearance: Appearance<'_>,
         group: usize,
         pixels: &[u32],
         effort: &Effort,
@@ -86,7 +86,7 @@ impl Evidence {
         let sets = [0u64, 1].map(|half| {
             let seed = mix(effort.probe.seed).wrapping_add(half);
             let settings = ProbeSettings { seed, probes_per_pixel: 1, ..effort.probe.clone() };
-            renderer.probe(materials, &wanted, &settings, known)
+            renderer.probe(appearance, &wanted, &settings, known)
         });
         let seen = pixels_of_both(&sets, group as u32);
         let sets = sets.map(|probes| Gathered { probes: keep_pixels(probes, &seen, group as u32) });

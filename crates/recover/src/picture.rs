@@ -5,9 +5,9 @@ use crate::problem::{Options, Role};
 use crate::record::{GroupResult, Observer, Recovery, Status, Termination};
 use crate::rerender::Renderer;
 use glam::Vec3;
-use unrender_render::Settings;
 use unrender_render::sampler::mix;
-use unrender_scene::{Material, Rgb, RgbImage};
+use unrender_render::{Appearance, Settings};
+use unrender_scene::{Rgb, RgbImage};
 
 /// Pixels rendered between two words to the observer.
 const CHUNK: usize = 4096;
@@ -19,7 +19,7 @@ pub(crate) fn finish(
     termination: Termination,
     observer: &dyn Observer,
 ) -> Recovery {
-    let halves = render_twice(state.problem.renderer, &state.materials, options, observer);
+    let halves = render_twice(state.problem.renderer, state.appearance(), options, observer);
     let groups = (0..state.materials.len()).map(|g| group_result(&state, g, &halves)).collect();
     let mean = halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (*a + *b)).collect();
     let geometry = state.problem.renderer.geometry();
@@ -35,7 +35,7 @@ pub(crate) fn finish(
 /// Two pictures with half of the paths each, so that their noise can be told from the error.
 fn render_twice(
     renderer: &dyn Renderer,
-    materials: &[Material],
+    appearance: Appearance<'_>,
     options: &Options,
     observer: &dyn Observer,
 ) -> [Vec<Rgb>; 2] {
@@ -46,7 +46,7 @@ fn render_twice(
         let settings = Settings { spp, seed, max_bounces: options.max_bounces };
         let mut picture = Vec::with_capacity(pixels.len());
         for chunk in pixels.chunks(CHUNK) {
-            picture.extend(renderer.rerender(materials, chunk, &settings));
+            picture.extend(renderer.rerender(appearance, chunk, &settings));
             observer.picture((half as f64 + picture.len() as f64 / pixels.len() as f64) / 2.0);
         }
         picture

@@ -2,12 +2,12 @@
 //! closed-form renderers in milliseconds.
 
 use unrender_render::{
-    Film, GeometryBuffers, ProbeSettings, Probes, ProposalLobe, SeenRadiance, Settings, Tracer,
-    seen::Lookup,
+    Appearance, Film, GeometryBuffers, Jacobian, Parameter, ProbeSettings, Probes, ProposalLobe,
+    SeenRadiance, Settings, Tracer, seen::Lookup,
 };
-use unrender_scene::{Camera, Material, Rgb, WardModel};
+use unrender_scene::{Camera, Rgb, WardModel};
 
-/// A scene seen by the photograph's camera, to be rendered with any materials of its groups.
+/// A scene seen by the photograph's camera, to be rendered in any appearance.
 pub trait Renderer: Sync {
     /// What stands in each pixel.
     fn geometry(&self) -> &GeometryBuffers;
@@ -16,13 +16,24 @@ pub trait Renderer: Sync {
     /// The light that arrives behind `pixels`; paths end where `seen` knows the radiance.
     fn probe(
         &self,
-        materials: &[Material],
+        appearance: Appearance<'_>,
         pixels: &[u32],
         settings: &ProbeSettings,
         seen: Option<&SeenRadiance>,
     ) -> Probes;
+    /// The radiance of `pixels` and its derivatives by `parameters`; paths end where `seen` knows
+    /// the radiance.
+    fn jacobian(
+        &self,
+        appearance: Appearance<'_>,
+        pixels: &[u32],
+        parameters: &[Parameter],
+        settings: &Settings,
+        seen: Option<&SeenRadiance>,
+    ) -> Jacobian;
     /// The radiance of `pixels`, re-rendered.
-    fn rerender(&self, materials: &[Material], pixels: &[u32], settings: &Settings) -> Vec<Rgb>;
+    fn rerender(&self, appearance: Appearance<'_>, pixels: &[u32], settings: &Settings)
+    -> Vec<Rgb>;
 }
 
 /// The path tracer behind one camera.
@@ -47,14 +58,18 @@ impl<'a> View<'a> {
         Self { tracer, camera, size: (width, height), model, geometry }
     }
 
+    fn lookup<'s>(&'s self, seen: Option<&'s SeenRadiance>) -> Option<Lookup<'s>> {
+        seen.map(|seen| Lookup { seen, camera: self.camera, geometry: &self.geometry })
+    }
+
     /// The whole picture, with its variance.
-    pub fn render(
+    pub fn render<'m>(
         &self,
-        materials: &[Material],
+        appearance: impl Into<Appearance<'m>>,
         settings: &Settings,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Film {
-        self.tracer.render(materials, self.camera, self.size, settings, progress)
+        self.tracer.render(appearance, self.camera, self.size, settings, progress)
     }
 }
 
@@ -69,19 +84,36 @@ impl Renderer for View<'_> {
 
     fn probe(
         &self,
-        materials: &[Material],
+        appearance: Appearance<'_>,
         pixels: &[u32],
         settings: &ProbeSettings,
         seen: Option<&SeenRadiance>,
     ) -> Probes {
-        let lookup =
-            seen.map(|seen| Lookup { seen, camera: self.camera, geometry: &self.geometry });
-        self.tracer.probe(materials, self.camera, self.size, pixels, settings, lookup)
+        let lookup = self.lookup(seen);
+        self.tracer.probe(appearance, self.camera, self.size, pixels, settings, lookup)
     }
 
-    fn rerender(&self, materials: &[Material], pixels: &[u32], settings: &Settings) -> Vec<Rgb> {
+    fn jacobian(
+        &self,
+        appearance: Appearance<'_>,
+        pixels: &[u32],
+        parameters: &[Parameter],
+        settings: &Settings,
+        seen: Option<&SeenRadiance>,
+    ) -> Jacobian {
+        let lookup = self.lookup(seen);
+        let Self { camera, size, .. } = *self;
+        self.tracer.jacobian(appearance, camera, size, pixels, parameters, settings, lookup)
+    }
+
+    fn rerender(
+        &self,
+        appearance: Appearance<'_>,
+        pixels: &[u32],
+        settings: &Settings,
+    ) -> Vec<Rgb> {
         let estimates =
-            self.tracer.render_pixels(materials, self.camera, self.size, pixels, settings);
+            self.tracer.render_pixels(appearance, self.camera, self.size, pixels, settings);
         estimates.into_iter().map(|(mean, _)| mean).collect()
     }
 }

@@ -10,7 +10,8 @@ use unrender_recover::{
 use unrender_render::geometry::PixelGeometry;
 use unrender_render::probe::Incident;
 use unrender_render::{
-    GeometryBuffers, Probe, ProbeSettings, Probes, SeenRadiance, Settings, WardLobe,
+    Appearance, GeometryBuffers, Jacobian, Parameter, Probe, ProbeSettings, Probes, SeenRadiance,
+    Settings, WardLobe,
 };
 use unrender_scene::{Image, Material, Rgb, RgbImage, Texture, WardModel, Wrap};
 
@@ -103,7 +104,7 @@ impl Renderer for Stripes {
 
     fn probe(
         &self,
-        _: &[Material],
+        _: Appearance<'_>,
         pixels: &[u32],
         settings: &ProbeSettings,
         _: Option<&SeenRadiance>,
@@ -133,9 +134,23 @@ impl Renderer for Stripes {
         all
     }
 
-    fn rerender(&self, materials: &[Material], pixels: &[u32], _: &Settings) -> Vec<Rgb> {
+    fn jacobian(
+        &self,
+        _: Appearance<'_>,
+        _: &[u32],
+        _: &[Parameter],
+        _: &Settings,
+        _: Option<&SeenRadiance>,
+    ) -> Jacobian {
+        unimplemented!()
+    }
+
+    fn rerender(&self, appearance: Appearance<'_>, pixels: &[u32], _: &Settings) -> Vec<Rgb> {
         let one = |&p: &u32| {
-            self.radiance(&materials[self.geometry.pixels()[p as usize].group as usize], p)
+            self.radiance(
+                &appearance.materials[self.geometry.pixels()[p as usize].group as usize],
+                p,
+            )
         };
         pixels.iter().map(one).collect()
     }

@@ -14,6 +14,8 @@ use unrender_scene::{Light, LightKind, Rgb};
 pub struct Emitters {
     triangles: Vec<EmittingTriangle>,
     punctual: Vec<LightKind>,
+    /// The source of the first punctual light; the others follow.
+    first_punctual: u32,
     /// Running sum of the powers: the triangles', then the others'; ends with one.
     cumulative: Vec<f32>,
     /// For each triangle of the scene: its index in `triangles`, or `NONE`. Empty without any.
@@ -24,6 +26,7 @@ const NONE: u32 = u32::MAX;
 
 #[derive(Debug)]
 struct EmittingTriangle {
+    source: u32,
     corners: [Vec3; 3],
     normal: Vec3,
     radiance: Rgb,
@@ -34,6 +37,8 @@ struct EmittingTriangle {
 /// Light that would arrive at a point if nothing stood between.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
+    /// Which source it is: the group that emits, or the number of groups plus the light's index.
+    pub source: u32,
     /// Unit vector towards the light.
     pub wi: Vec3,
     /// How far a shadow ray must be free.
@@ -46,23 +51,25 @@ pub struct LightSample {
 }
 
 impl Emitters {
-    /// The emitters among `triangles`, and `lights`; `bounds` is the box around the scene.
+    /// The emitters among `triangles`, whose source and radiance `emission` knows, and `lights`
+    /// with the source of the first; `bounds` is the box around the scene.
     pub fn new(
         triangles: &[[Vec3; 3]],
-        emission: impl Fn(usize) -> Rgb,
-        lights: &[Light],
+        emission: impl Fn(usize) -> (u32, Rgb),
+        (lights, first_punctual): (&[Light], u32),
         bounds: [Vec3; 2],
     ) -> Self {
         let mut emitting = Vec::new();
         let mut powers = Vec::new();
         let mut index_of = vec![NONE; triangles.len()];
         for (index, corners) in triangles.iter().enumerate() {
-            let radiance = emission(index);
+            let (source, radiance) = emission(index);
             let power = PI * area(corners) * luminance(radiance);
             if power > 0.0 {
                 index_of[index] = emitting.len() as u32;
                 let normal = accel::front_normal(*corners);
                 emitting.push(EmittingTriangle {
+                    source,
                     corners: *corners,
                     normal,
                     radiance,
@@ -87,7 +94,7 @@ impl Emitters {
                 sum as f32
             })
             .collect();
-        Self { triangles: emitting, punctual, cumulative, index_of }
+        Self { triangles: emitting, punctual, first_punctual, cumulative, index_of }
     }
 
     /// The radiance that a triangle emits from its front.
@@ -116,12 +123,13 @@ impl Emitters {
         }
         let before = if chosen == 0 { 0.0 } else { self.cumulative[chosen - 1] };
         let probability = self.cumulative[chosen] - before;
-        let (wi, distance, irradiance) =
-            self.punctual[chosen - self.triangles.len()].illuminate(point);
+        let index = chosen - self.triangles.len();
+        let (wi, distance, irradiance) = self.punctual[index].illuminate(point);
         if irradiance.max_element() <= 0.0 || probability <= 0.0 {
             return None;
         }
-        Some(LightSample { wi, distance, weight: irradiance / probability, pdf: None })
+        let source = self.first_punctual + index as u32;
+        Some(LightSample { source, wi, distance, weight: irradiance / probability, pdf: None })
     }
 }
 
@@ -138,7 +146,8 @@ impl EmittingTriangle {
             return None;
         }
         let pdf = self.density * distance * distance / cos.max(1e-6);
-        Some(LightSample { wi, distance, weight: self.radiance / pdf, pdf: Some(pdf) })
+        let weight = self.radiance / pdf;
+        Some(LightSample { source: self.source, wi, distance, weight, pdf: Some(pdf) })
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::accel::Ray;
 use crate::path::{MAX_BOUNCES, Transport};
 use crate::sampler::Sampler;
-use crate::tracer::{Materials, Tracer};
+use crate::tracer::{Appearance, Tracer};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -45,20 +45,21 @@ const CHUNK: usize = 256;
 impl Tracer {
     /// Renders what `camera` sees in `width` x `height` pixels. `progress` hears the share done, 0
     /// to 1, from any thread.
-    pub fn render(
+    pub fn render<'a>(
         &self,
-        materials: &Materials,
+        appearance: impl Into<Appearance<'a>>,
         camera: &Camera,
         (width, height): (usize, usize),
         settings: &Settings,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Film {
+        let appearance = appearance.into();
         let pixels: Vec<u32> = (0..(width * height) as u32).collect();
         let done = AtomicUsize::new(0);
         let estimates: Vec<(Rgb, Rgb)> = pixels
             .par_chunks(CHUNK)
             .flat_map_iter(|chunk| {
-                let part = self.render_chunk(materials, camera, (width, height), chunk, settings);
+                let part = self.render_chunk(appearance, camera, (width, height), chunk, settings);
                 let so_far = done.fetch_add(chunk.len(), Ordering::Relaxed) + chunk.len();
                 progress(so_far as f64 / pixels.len() as f64);
                 part
@@ -71,29 +72,30 @@ impl Tracer {
     }
 
     /// Renders some pixels of the picture, given by index: mean and variance of each.
-    pub fn render_pixels(
+    pub fn render_pixels<'a>(
         &self,
-        materials: &Materials,
+        appearance: impl Into<Appearance<'a>>,
         camera: &Camera,
         size: (usize, usize),
         pixels: &[u32],
         settings: &Settings,
     ) -> Vec<(Rgb, Rgb)> {
+        let appearance = appearance.into();
         pixels
             .par_chunks(CHUNK)
-            .flat_map_iter(|chunk| self.render_chunk(materials, camera, size, chunk, settings))
+            .flat_map_iter(|chunk| self.render_chunk(appearance, camera, size, chunk, settings))
             .collect()
     }
 
     fn render_chunk(
         &self,
-        materials: &Materials,
+        appearance: Appearance<'_>,
         camera: &Camera,
         size: (usize, usize),
         pixels: &[u32],
         settings: &Settings,
     ) -> Vec<(Rgb, Rgb)> {
-        let transport = Transport::new(self, materials, settings.max_bounces);
+        let transport = Transport::new(self, appearance, settings.max_bounces);
         let one = |&pixel: &u32| {
             let mut sum = DVec3::ZERO;
             let mut squares = DVec3::ZERO;

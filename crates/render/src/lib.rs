@@ -1,12 +1,14 @@
 //! Scene to radiance: global illumination by path tracing, and the evidence that recovery reads.
 //!
 //! Everything starts at a [`Tracer`], built once for a scene's geometry and lights. It then answers
-//! three questions, each for any set of materials:
+//! four questions, each for any [`Appearance`] (materials and brightness of lights):
 //!  - [`Tracer::render`]: what does the camera see? (module [`film`])
 //!  - [`Tracer::geometry`]: which object, group, depth and normal stands in each pixel?
 //!    (module [`geometry`])
 //!  - [`Tracer::probe`]: what light arrives at the surfaces in these pixels, so that any reflectance
 //!    can be tried on them without tracing again? (module [`probe`])
+//!  - [`Tracer::jacobian`]: how does what the camera sees change with every parameter? (module
+//!    [`jacobian`])
 //!
 //! Reading order: [`path`] is the light transport, [`surface`] and [`bsdf`] what it meets,
 //! [`emitters`] where it ends, [`sampler`] the numbers that steer it, [`accel`] how rays find
@@ -20,6 +22,7 @@ pub mod bsdf;
 pub mod emitters;
 pub mod film;
 pub mod geometry;
+pub mod jacobian;
 pub mod path;
 pub mod probe;
 pub mod sampler;
@@ -30,6 +33,7 @@ pub mod tracer;
 pub use bsdf::ward::WardLobe;
 pub use film::{Film, Settings};
 pub use geometry::{GeometryBuffers, NOTHING, PixelGeometry};
+pub use jacobian::{Jacobian, Parameter};
 pub use probe::{Probe, ProbeSettings, Probes, ProposalLobe};
 pub use seen::SeenRadiance;
-pub use tracer::Tracer;
+pub use tracer::{Appearance, Tracer};

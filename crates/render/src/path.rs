@@ -11,7 +11,7 @@ use crate::bsdf::Bsdf;
 use crate::sampler::Sampler;
 use crate::seen::Lookup;
 use crate::surface::{Frame, Surface};
-use crate::tracer::{Materials, Tracer};
+use crate::tracer::{Appearance, Tracer};
 use glam::Vec3;
 use unrender_scene::Rgb;
 
@@ -22,11 +22,11 @@ const ROULETTE_FROM: u32 = 3;
 /// A path survives a bounce with this probability at most, so that none lives for ever.
 const SURVIVAL_MAX: f32 = 0.98;
 
-/// The light transport of one scene under one set of materials.
+/// The light transport of one scene under one appearance.
 #[derive(Clone, Copy)]
 pub struct Transport<'a> {
     tracer: &'a Tracer,
-    materials: &'a Materials,
+    appearance: Appearance<'a>,
     max_bounces: u32,
     seen: Option<Lookup<'a>>,
 }
@@ -35,9 +35,9 @@ impl<'a> Transport<'a> {
     /// Transport with at most `max_bounces` reflections along a path; one means direct light only.
     ///
     /// # Panics
-    /// Later, if there are fewer materials than groups.
-    pub fn new(tracer: &'a Tracer, materials: &'a Materials, max_bounces: u32) -> Self {
-        Self { tracer, materials, max_bounces, seen: None }
+    /// Later, if the appearance has fewer materials than groups.
+    pub fn new(tracer: &'a Tracer, appearance: Appearance<'a>, max_bounces: u32) -> Self {
+        Self { tracer, appearance, max_bounces, seen: None }
     }
 
     /// The same transport, but paths end where `seen` knows the radiance.
@@ -57,12 +57,15 @@ impl<'a> Transport<'a> {
 
     /// The radiance that `surface` emits to its viewer: from the front only.
     pub fn emitted(&self, surface: &Surface) -> Rgb {
-        if surface.front { self.tracer.emitters.radiance(surface.triangle) } else { Rgb::ZERO }
+        if !surface.front {
+            return Rgb::ZERO;
+        }
+        self.tracer.emitters.radiance(surface.triangle) * self.appearance.light(surface.group)
     }
 
     /// The reflectance at `surface` and the brushed frame that it lives in.
     pub fn bsdf(&self, surface: &Surface) -> (Bsdf, Frame) {
-        let material = &self.materials[surface.group as usize];
+        let material = &self.appearance.materials[surface.group as usize];
         let bsdf = Bsdf::new(material, material.rho_d_at(surface.uv), self.tracer.model);
         (bsdf, surface.frame.brushed(material.theta_rad))
     }
@@ -154,7 +157,7 @@ impl<'a> Transport<'a> {
             return Rgb::ZERO;
         }
         let share = light.pdf.map_or(1.0, |pdf| pdf / (pdf + bsdf.pdf(wo, wi)));
-        f * light.weight * share
+        f * light.weight * self.appearance.light(light.source) * share
     }
 
     /// Whether nothing stands between `origin` and a light at `distance` along `wi`.
@@ -169,6 +172,7 @@ impl<'a> Transport<'a> {
         let origin = accel::offset(at.point, at.geometric_normal);
         let light = self.tracer.emitters.sample(origin, u)?;
         let seen = at.is_above(light.wi) && self.is_free(origin, light.wi, light.distance);
-        seen.then_some((light.wi, light.weight, light.pdf))
+        let weight = light.weight * self.appearance.light(light.source);
+        seen.then_some((light.wi, weight, light.pdf))
     }
 }

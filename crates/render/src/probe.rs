@@ -20,11 +20,11 @@ use crate::path::{MAX_BOUNCES, Transport};
 use crate::sampler::Sampler;
 use crate::seen::Lookup;
 use crate::surface::Surface;
-use crate::tracer::{Materials, Tracer};
+use crate::tracer::{Appearance, Tracer};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
-use unrender_scene::{Camera, Rgb};
+use unrender_scene::{Camera, Material, Rgb};
 
 /// What to gather at each pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,16 +142,17 @@ const CHUNK: usize = 64;
 impl Tracer {
     /// Gathers the light at the surfaces behind `pixels` (indices into a picture of `size`); paths
     /// end where `seen` knows the radiance.
-    pub fn probe(
+    pub fn probe<'a>(
         &self,
-        materials: &Materials,
+        appearance: impl Into<Appearance<'a>>,
         camera: &Camera,
         size: (usize, usize),
         pixels: &[u32],
         settings: &ProbeSettings,
         seen: Option<Lookup<'_>>,
     ) -> Probes {
-        let gatherer = Gatherer::new(self, materials, settings, seen);
+        let appearance = appearance.into();
+        let gatherer = Gatherer::new(self, appearance, settings, seen);
         let parts: Vec<Probes> = pixels
             .par_chunks(CHUNK)
             .map(|chunk| {
@@ -195,7 +196,7 @@ const MIRRORS_MAX: usize = 16;
 
 struct Gatherer<'a> {
     transport: Transport<'a>,
-    materials: &'a Materials,
+    materials: &'a [Material],
     settings: &'a ProbeSettings,
     lobes: Vec<(WardLobe, f32, f32)>,
 }
@@ -203,7 +204,7 @@ struct Gatherer<'a> {
 impl<'a> Gatherer<'a> {
     fn new(
         tracer: &'a Tracer,
-        materials: &'a Materials,
+        appearance: Appearance<'a>,
         settings: &'a ProbeSettings,
         seen: Option<Lookup<'a>>,
     ) -> Self {
@@ -213,8 +214,8 @@ impl<'a> Gatherer<'a> {
             (WardLobe::new(tracer.model, lobe.alpha_x, lobe.alpha_y), cos, sin)
         });
         Self {
-            transport: Transport::new(tracer, materials, settings.max_bounces).ending_at(seen),
-            materials,
+            transport: Transport::new(tracer, appearance, settings.max_bounces).ending_at(seen),
+            materials: appearance.materials,
             settings,
             lobes: lobes.collect(),
         }

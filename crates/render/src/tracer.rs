@@ -4,7 +4,7 @@ use crate::accel::{Accel, Hit, Ray};
 use crate::emitters::Emitters;
 use crate::surface::{Frame, Surface};
 use glam::{Vec2, Vec3};
-use unrender_scene::{Material, Mesh, Scene, WardModel};
+use unrender_scene::{Material, Mesh, Rgb, Scene, WardModel};
 
 /// Answers what light does in one scene, for any materials of its groups.
 ///
@@ -44,7 +44,12 @@ impl Tracer {
         let accel = Accel::build(&triangles);
         let group_of = |t: usize| objects[object_of_triangle[t] as usize].group as usize;
         let emission = |t: usize| scene.groups[group_of(t)].emission;
-        let emitters = Emitters::new(&triangles, emission, &scene.lights, accel.bounds());
+        let emitters = Emitters::new(
+            &triangles,
+            |t| (group_of(t) as u32, emission(t)),
+            (&scene.lights, scene.groups.len() as u32),
+            accel.bounds(),
+        );
         Self { accel, emitters, model: scene.brdf, objects, object_of_triangle }
     }
 
@@ -125,5 +130,32 @@ fn direction_of_u(mesh: &Mesh, [a, b, c]: [usize; 3]) -> Vec3 {
     (e1 * d2.y - e2 * d1.y) * area.signum()
 }
 
-/// The materials of a scene's groups, one a group, as every question takes them.
-pub type Materials = [Material];
+/// What a question assumes of the scene beyond its geometry: what recovery guesses.
+#[derive(Clone, Copy, Debug)]
+pub struct Appearance<'a> {
+    /// The material of every group.
+    pub materials: &'a [Material],
+    /// How many times as bright as in the scene each source shines, per channel: first the groups
+    /// (those that emit), then the lights without a surface. Sources beyond the end shine as they
+    /// are.
+    pub lights: &'a [Rgb],
+}
+
+impl Appearance<'_> {
+    /// How many times as bright as in the scene `source` shines.
+    pub fn light(&self, source: u32) -> Rgb {
+        self.lights.get(source as usize).copied().unwrap_or(Rgb::ONE)
+    }
+}
+
+impl<'a> From<&'a [Material]> for Appearance<'a> {
+    fn from(materials: &'a [Material]) -> Self {
+        Self { materials, lights: &[] }
+    }
+}
+
+impl<'a> From<&'a Vec<Material>> for Appearance<'a> {
+    fn from(materials: &'a Vec<Material>) -> Self {
+        materials.as_slice().into()
+    }
+}

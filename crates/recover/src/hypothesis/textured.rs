@@ -12,7 +12,7 @@
 use crate::evidence::{Effort, Evidence, Stage};
 use glam::{DVec3, Vec2};
 use std::sync::Arc;
-use unrender_render::GeometryBuffers;
+use unrender_render::{Appearance, GeometryBuffers};
 use unrender_scene::{Image, Material, Rgb, RgbImage, Texture, Wrap};
 
 /// A texture and which of its texels the photograph shows.
@@ -29,11 +29,11 @@ const SIDE_MAX: f32 = 2048.0;
 /// Texels are this many pixels wide in the middle of the range of sizes, so that few fall between.
 const PIXELS_PER_TEXEL: f32 = 1.2;
 
-/// The texture of group `group` under the light of the current `materials`; none if the group has
+/// The texture of group `group` under the light of the current `appearance`; none if the group has
 /// no texture coordinates. `specular` holds what of the reflectance is known to be specular.
 pub fn extract(
     stage: &Stage<'_>,
-    materials: &[Material],
+    appearance: Appearance<'_>,
     group: usize,
     specular: &Material,
     effort: &Effort,
@@ -41,7 +41,7 @@ pub fn extract(
     let geometry = stage.renderer.geometry();
     let believed = &stage.observation.pixels_of_group[group];
     let (width, height) = resolution(geometry, believed)?;
-    let evidence = Evidence::gather(stage, materials, group, believed, effort);
+    let evidence = Evidence::gather(stage, appearance, group, believed, effort);
     let diffuse = smoothed(geometry, &evidence, evidence.diffuse());
     let shine = evidence.specular(specular);
     let mut splat = Splat::new(width, height);

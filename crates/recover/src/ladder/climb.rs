@@ -135,7 +135,7 @@ impl Climber<'_> {
         mut effort: crate::evidence::Effort,
     ) -> Evidence {
         effort.probe.max_bounces = self.options.max_bounces;
-        Evidence::gather(&state.stage(), &state.materials, group, pixels, &effort)
+        Evidence::gather(&state.stage(), state.appearance(), group, pixels, &effort)
     }
 
     fn thresholds(&self) -> &crate::problem::Thresholds {
@@ -220,7 +220,7 @@ impl Climber<'_> {
         let extracted = if few {
             None
         } else {
-            textured::extract(&stage, &state.materials, group, &plain, &effort)
+            textured::extract(&stage, state.appearance(), group, &plain, &effort)
         };
         let standing = &mut state.standing[group];
         let Some(extracted) = extracted else {

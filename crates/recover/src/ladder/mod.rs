@@ -15,7 +15,7 @@ use crate::evidence::Stage;
 use crate::hypothesis::{self, Hypothesis};
 use crate::problem::{ExposureRule, Problem, RecoverError, Role};
 use crate::record::{Status, Trial, TurnRecord};
-use unrender_render::SeenRadiance;
+use unrender_render::{Appearance, SeenRadiance};
 use unrender_scene::{Image, Material, Rgb};
 
 /// Where a recovery stands.
@@ -23,6 +23,8 @@ pub(crate) struct State<'a> {
     pub(crate) problem: &'a Problem<'a>,
     /// The current material of every group.
     pub(crate) materials: Vec<Material>,
+    /// How many times as bright as in the scene each source of light shines (see [`Appearance`]).
+    pub(crate) lights: Vec<Rgb>,
     /// The current standing of every group.
     pub(crate) standing: Vec<Standing>,
     pub(crate) exposure: Rgb,
@@ -81,7 +83,13 @@ impl<'a> State<'a> {
             ExposureRule::Fixed(exposure) => exposure,
             ExposureRule::Anchor { .. } => Rgb::ONE,
         };
-        Ok(Self { problem, materials, standing, exposure, turns: Vec::new(), seen: None })
+        let lights = Vec::new();
+        Ok(Self { problem, materials, lights, standing, exposure, turns: Vec::new(), seen: None })
+    }
+
+    /// What the scene is believed to look like now.
+    pub(crate) fn appearance(&self) -> Appearance<'_> {
+        Appearance { materials: &self.materials, lights: &self.lights }
     }
 
     /// Where evidence comes from now.
@@ -127,7 +135,7 @@ impl<'a> State<'a> {
         let pixels = &self.problem.observation.pixels_of_group[group];
         let effort = effort::diffuse(2, seed);
         let evidence =
-            crate::evidence::Evidence::gather(&stage, &self.materials, group, pixels, &effort);
+            crate::evidence::Evidence::gather(&stage, self.appearance(), group, pixels, &effort);
         let [a, b] = evidence.diffuse();
         let light: Rgb = 0.5 * (a.iter().sum::<Rgb>() + b.iter().sum::<Rgb>());
         let values: Rgb = evidence.pixels.iter().map(|p| p.radiance).sum();

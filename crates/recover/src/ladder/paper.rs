@@ -19,7 +19,7 @@ use crate::fit::simplex;
 use crate::hypothesis::{self, Hypothesis, brushed, textured};
 use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Termination, Trial};
-use unrender_render::{ProbeSettings, Settings};
+use unrender_render::{Appearance, ProbeSettings, Settings};
 use unrender_scene::{Material, Rgb};
 
 /// Turns on a rung that is corrected by ratios: at least these (the paper finds four sufficient) ...
@@ -175,7 +175,8 @@ impl PaperTurn<'_> {
 
     fn rerender(&self, s: &State<'_>, materials: &[Material], px: &[u32], seed: u64) -> Vec<Rgb> {
         let settings = Settings { spp: SPP, seed, max_bounces: self.options.max_bounces };
-        s.problem.renderer.rerender(materials, px, &settings)
+        let appearance = Appearance { materials, lights: &s.lights };
+        s.problem.renderer.rerender(appearance, px, &settings)
     }
 
     /// The group's parameters on `rung`, from the picture `rerendered` of its `pixels`.
@@ -254,7 +255,7 @@ impl PaperTurn<'_> {
         };
         let pixels = &state.problem.observation.pixels_of_group[group];
         let effort = Effort { pixels: TURN_PIXELS, probe };
-        Evidence::gather(&state.stage(), &state.materials, group, pixels, &effort)
+        Evidence::gather(&state.stage(), state.appearance(), group, pixels, &effort)
     }
 
     /// Sections 4.2.4 and 4.2.5: downhill simplex over `rho_d`, `rho_s` and the roughness, every
