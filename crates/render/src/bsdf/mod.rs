@@ -14,7 +14,7 @@ pub mod ward;
 use glam::Vec3;
 use unrender_scene::color::luminance;
 use unrender_scene::{Material, Rgb, WardModel};
-use ward::WardLobe;
+use ward::{LobeDerivatives, WardLobe};
 
 /// The specular part of a reflectance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +25,37 @@ pub enum Specular {
     Mirror,
     /// A lobe with a roughness.
     Ward(WardLobe),
+}
+
+/// What `f` is made of in one pair of directions: `f = rho_d diffuse + rho_s specular.value`. So
+/// `diffuse` is `df/d rho_d`, `specular.value` is `df/d rho_s`, and `rho_s` times the other members
+/// of `specular` are the derivatives of `f` by the shape.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Terms {
+    /// Of the diffuse reflectance, sr^-1.
+    pub diffuse: f32,
+    /// Of the specular reflectance, sr^-1.
+    pub specular: LobeDerivatives,
+}
+
+impl Terms {
+    /// The reflectance that they make, sr^-1.
+    pub fn value(&self, rho_d: Rgb, rho_s: Rgb) -> Rgb {
+        rho_d * self.diffuse + rho_s * self.specular.value
+    }
+}
+
+impl Specular {
+    /// The terms of `f` without the cosine, for two directions above a surface with this specular
+    /// part. A perfect mirror counts nothing here.
+    #[inline]
+    pub fn terms(&self, wo: Vec3, wi: Vec3) -> Terms {
+        let specular = match self {
+            Self::Ward(lobe) => lobe.derivatives(wo, wi),
+            _ => LobeDerivatives::default(),
+        };
+        Terms { diffuse: lambert::VALUE, specular }
+    }
 }
 
 /// A reflectance at one point, ready to be evaluated and sampled.
@@ -78,6 +109,11 @@ impl Bsdf {
     /// True if nothing but a perfect mirror is there, which no light sample can meet.
     pub fn is_pure_mirror(&self) -> bool {
         self.specular == Specular::Mirror && self.specular_share >= 1.0
+    }
+
+    /// The probability with which sampling takes the specular part.
+    pub fn specular_share(&self) -> f32 {
+        self.specular_share
     }
 
     /// `f` without the cosine, sr^-1. A perfect mirror counts nothing here.

@@ -27,6 +27,19 @@ pub struct WardLobe {
     norm: f32,
 }
 
+/// [`WardLobe::value`] and how it changes with the lobe's shape.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LobeDerivatives {
+    /// `w`, sr^-1.
+    pub value: f32,
+    /// `dw / d alpha_x`, sr^-1.
+    pub by_alpha_x: f32,
+    /// `dw / d alpha_y`, sr^-1.
+    pub by_alpha_y: f32,
+    /// `dw / d theta`, sr^-1 per radian: the brushed direction turns, the light does not.
+    pub by_theta: f32,
+}
+
 impl WardLobe {
     /// A lobe with roughness `alpha_x` along and `alpha_y` across the brushed direction; both are
     /// raised to [`ALPHA_MIN`].
@@ -50,6 +63,30 @@ impl WardLobe {
             WardModel::Ward1992 => e * self.norm / (wo.z * wi.z).sqrt(),
             WardModel::WardDuer => e * self.norm / (wo.z * wi.z),
             WardModel::WardGmd => e * self.norm * 4.0 * h.length_squared() * inv_z2 * inv_z2,
+        }
+    }
+
+    /// [`WardLobe::value`] with its derivatives. Of roughnesses raised to [`ALPHA_MIN`], they are
+    /// those at [`ALPHA_MIN`].
+    ///
+    /// With `X = (h_x/alpha_x)^2/h_z^2`: `dw/d alpha_x = w (2 X - 1)/alpha_x`. The angle moves the
+    /// half vector in the brushed frame, `dh_x = h_y dtheta` and `dh_y = -h_x dtheta`, and neither
+    /// h_z nor |h|: `dw/d theta = 2 w h_x h_y (1/alpha_y^2 - 1/alpha_x^2)/h_z^2`. All this holds
+    /// for every normalisation.
+    #[inline]
+    pub fn derivatives(&self, wo: Vec3, wi: Vec3) -> LobeDerivatives {
+        let value = self.value(wo, wi);
+        if value <= 0.0 {
+            return LobeDerivatives::default();
+        }
+        let h = wo + wi;
+        let (x, y) = (h.x / h.z, h.y / h.z);
+        let (a, b) = (x * self.inv_alpha_x, y * self.inv_alpha_y);
+        LobeDerivatives {
+            value,
+            by_alpha_x: value * (2.0 * a * a - 1.0) * self.inv_alpha_x,
+            by_alpha_y: value * (2.0 * b * b - 1.0) * self.inv_alpha_y,
+            by_theta: 2.0 * value * (b * x * self.inv_alpha_y - a * y * self.inv_alpha_x),
         }
     }
 
