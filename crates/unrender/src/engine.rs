@@ -103,7 +103,11 @@ impl Observer for Teller<'_> {
             n if n <= 4 => record.open_groups.join(", "),
             n => format!("{n} groups"),
         };
-        let ladder = if self.paper { "paper's ladder, " } else { "" };
+        let ladder = match (self.paper, record.refining) {
+            (true, _) => "paper's ladder, ",
+            (_, true) => "refining all, ",
+            _ => "",
+        };
         self.progress.say(
             format!(
                 "{ladder}turn {}: error {:.2} %, change {:.4}, still open: {open}",

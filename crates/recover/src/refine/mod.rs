@@ -16,6 +16,7 @@
 //! It ends when no step is larger than its own standard deviation. Then [`verdict`] says what the
 //! photograph could not tell; where that makes a hypothesis simpler, the rest is refined again.
 
+mod means;
 mod normal;
 mod sample;
 mod unknowns;
@@ -28,7 +29,6 @@ use crate::problem::Options;
 use crate::record::{Observer, Termination};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use normal::Normal;
-use sample::{Block, GroupNoise};
 use unknowns::{Quantity, Unknowns, prior_deviation};
 use unrender_render::Settings;
 use unrender_render::sampler::mix;
@@ -60,12 +60,7 @@ pub(crate) fn refine(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Termination {
-    let mut refiner = Refiner {
-        options,
-        level: 0,
-        noise: vec![GroupNoise::default(); state.materials.len()],
-        passes: 0,
-    };
+    let mut refiner = Refiner { options, level: 0, passes: 0 };
     for round in 1.. {
         let solution = refiner.converge(state, observer);
         if round < ROUNDS_MAX && verdict::simplify(state, &solution) {
@@ -84,14 +79,14 @@ pub(crate) fn refine(
 /// are known: it brings them near enough for the ladder to begin.
 pub(crate) fn adjust_nuisances(state: &mut State<'_>, options: &Options) {
     let unknowns = Unknowns::nuisances(state);
-    let blocks = sample::sample_known(state, PIXELS[0], options.seed);
-    if unknowns.len() == 0 || blocks.is_empty() {
+    let cells = sample::known(state, PIXELS[0], options.seed);
+    if unknowns.len() == 0 || cells.is_empty() {
         return;
     }
-    let noise = vec![GroupNoise::default(); state.materials.len()];
     let seed = mix(options.seed ^ 0x11687);
     let settings = Settings { spp: SPP[0], seed, max_bounces: options.max_bounces };
-    let normal = normal::gather(state, &unknowns, &blocks, &noise, &settings);
+    let means = means::gather(state, &unknowns, &cells, &settings);
+    let normal = Normal::of(&means, unknowns.len(), state.materials.len());
     let values = unknowns.values(state);
     let system = System::new(&unknowns, &normal, &(&values - &values));
     if let Some(step) = system.step(0.0, &unknowns.bounds(state)) {
@@ -102,7 +97,6 @@ pub(crate) fn adjust_nuisances(state: &mut State<'_>, options: &Options) {
 struct Refiner<'o> {
     options: &'o Options,
     level: usize,
-    noise: Vec<GroupNoise>,
     passes: u64,
 }
 
@@ -147,6 +141,7 @@ impl Refiner<'_> {
                 }
             };
             covariance = place.system.covariance();
+            for (k, u) in unknowns.list.iter().enumerate() { if u.of == 0 || u.quantity == Quantity::Theta { eprintln!("{:?} {} {:?} value {:.5} std {:.5}", u.quantity, u.of, u.channel, unknowns.value(state, u), covariance[(k,k)].sqrt()); } }
             let bounds = unknowns.bounds(state);
             let Some(step) = place.system.step(damping, &bounds) else { break };
             unknowns.apply(state, &step);
@@ -167,14 +162,12 @@ impl Refiner<'_> {
         state.look_at_photograph();
         self.passes += 1;
         let seed = mix(self.options.seed ^ 0x4EF1_4E00).wrapping_add(self.passes << 8);
-        let blocks: Vec<Block> = sample::sample(state, PIXELS[self.level], seed);
+        let cells = sample::all(state, PIXELS[self.level], seed);
         let max_bounces = self.options.max_bounces;
         let settings = Settings { spp: SPP[self.level], seed, max_bounces };
-        let normal = normal::gather(state, unknowns, &blocks, &self.noise, &settings);
-        for (noise, measured) in self.noise.iter_mut().zip(&normal.noise) {
-            *noise = measured.unwrap_or(*noise);
-        }
-        (normal, blocks.iter().map(Vec::len).sum())
+        let means = means::gather(state, unknowns, &cells, &settings);
+        let normal = Normal::of(&means, unknowns.len(), state.materials.len());
+        (normal, cells.iter().map(|cell| cell.pixels.len()).sum())
     }
 
     fn tell(

@@ -10,7 +10,7 @@ use crate::ladder::State;
 use crate::problem::{ExposureRule, Role};
 use crate::record::Status;
 use nalgebra::DVector;
-use unrender_render::{Jacobian, Parameter};
+use unrender_render::Parameter;
 use unrender_scene::{Rgb, WardModel};
 
 /// One kind of number.
@@ -150,31 +150,27 @@ impl Unknowns {
         self.list.len()
     }
 
-    /// The row of the Jacobian of pixel number `pixel` in `channel`: which unknowns it hangs on and
-    /// how strongly, from two renderings. `photograph` is the pixel's radiance there, which moves
-    /// with the exposure.
+    /// The row of the Jacobian in `channel`: which unknowns it hangs on and how strongly, from the
+    /// derivatives of two renderings by [`Unknowns::parameters`]. `photograph` is the radiance there,
+    /// which moves with the exposure.
     pub(crate) fn row(
         &self,
         state: &State<'_>,
-        jacobians: &[Jacobian; 2],
-        (pixel, channel): (usize, usize),
-        photograph: f32,
-        row: &mut Vec<(usize, f64, f64)>,
-    ) {
-        row.clear();
-        let first = pixel * self.parameters.len();
-        for column in &self.columns[channel] {
+        derivatives: &[Vec<Rgb>; 2],
+        channel: usize,
+        photograph: f64,
+    ) -> Vec<(usize, f64, f64)> {
+        let one = |column: &Column| {
             let unknown = &self.list[column.unknown];
-            let [a, b] = jacobians.each_ref().map(|jacobian| {
-                let at = |p: usize| f64::from(jacobian.derivatives[first + p][channel]);
+            let [a, b] = derivatives.each_ref().map(|derivatives| {
+                let at = |p: usize| f64::from(derivatives[p][channel]);
                 let [one, two] = column.parameters;
                 let sum = if one == two { at(one) } else { at(one) + at(two) };
-                self.scaled(state, unknown, sum, f64::from(photograph))
+                self.scaled(state, unknown, sum, photograph)
             });
-            if a != 0.0 || b != 0.0 {
-                row.push((column.unknown, a, b));
-            }
-        }
+            (a != 0.0 || b != 0.0).then_some((column.unknown, a, b))
+        };
+        self.columns[channel].iter().filter_map(one).collect()
     }
 
     /// The derivative of (rendering - photograph) by the unknown, from the renderer's `derivative`.
