@@ -1,11 +1,12 @@
 //! Project files: what they may say, and a fault a line of the table below.
 
+use glam::Vec3;
 use std::path::Path;
 use unrender::Project;
 use unrender::formats::FileError;
 use unrender::photo::{Exposure, Response};
 use unrender::project::CameraChoice;
-use unrender::scene::{Group, Material, Rgb, Scene, WardModel, Warnings};
+use unrender::scene::{Group, Light, LightKind, Material, Rgb, Scene, WardModel, Warnings};
 
 const FILES: &str = "scene = \"s.glb\"\nphoto = \"p.png\"\n";
 
@@ -81,6 +82,9 @@ fn every_fault_names_its_key_or_line() {
         ("[groups.a]\nknown = { rho_s = 1, alpha_x = 0.1, alpha_y = 0 }", "both"),
         ("[groups.a]\nknown = { rho_s = 1, theta_deg = nan }", "theta_deg is"),
         ("[groups.a]\nfixed = 1", "line 4: unknown field `fixed`"),
+        ("[lights.a]", "line 3: missing field `unknown`"),
+        ("[lights.a]\nunknown = 1", "line 4: invalid type"),
+        ("[lights.a]\nunkown = true", "line 4: unknown field `unkown`"),
         ("[recover]\nbrdf = \"phong\"", "recover.brdf: unknown brdf \"phong\""),
         ("[recover]\nthresholds = { shiny = 1 }", "recover.thresholds.shiny"),
         ("[recover]\nthresholds = { diffuse = 0 }", "recover.thresholds.diffuse is 0"),
@@ -98,15 +102,26 @@ fn every_fault_names_its_key_or_line() {
     assert!(error.to_string().contains("missing field `scene`"), "{error}");
 }
 
-#[test]
-fn names_are_checked_against_the_scene() {
+/// A scene of a wall, of groups that emit and of lights from above.
+fn lit(emitters: &[(&str, Rgb)], lights: &[&str]) -> Scene {
     let group = |name: &str, emission| Group {
         name: name.into(),
         material: Material::diffuse(Rgb::ONE),
         emission,
     };
-    let groups = vec![group("wall", Rgb::ZERO), group("lamp", Rgb::ONE)];
-    let scene = Scene { groups, ..Scene::default() };
+    let kind = LightKind::Directional { direction: Vec3::NEG_Y, irradiance: Rgb::ONE };
+    Scene {
+        groups: std::iter::once(group("wall", Rgb::ZERO))
+            .chain(emitters.iter().map(|(name, emission)| group(name, *emission)))
+            .collect(),
+        lights: lights.iter().map(|&name| Light { name: name.into(), kind }).collect(),
+        ..Scene::default()
+    }
+}
+
+#[test]
+fn names_are_checked_against_the_scene() {
+    let scene = lit(&[("lamp", Rgb::ONE)], &[]);
     let check = |text: &str| good(text).check_against(&scene).map_err(|e| e.to_string());
     assert_eq!(check("[groups.wall]\nknown = { rho_d = 1 }"), Ok(()));
     let error = check("[groups.wal]\nknown = { rho_d = 1 }").unwrap_err();
@@ -115,6 +130,25 @@ fn names_are_checked_against_the_scene() {
     assert!(error.contains("anchor.group: the group emits"), "{error}");
     let error = check("camera = \"door\"").unwrap_err();
     assert!(error.contains("camera: the scene has no \"door\"; it has none"), "{error}");
+}
+
+#[test]
+fn lights_are_unknown_where_the_project_says_so() {
+    let text = "[lights.sun]\nunknown = true\n[lights.lamp]\nunknown = false\n";
+    let project = good(text);
+    assert_eq!(project.unknown_lights.iter().collect::<Vec<_>>(), ["sun"]);
+    assert_eq!(project.known_lights.iter().collect::<Vec<_>>(), ["lamp"]);
+    let mut scene = lit(&[("lamp", Rgb::ONE)], &["sun"]);
+    let check = |scene: &Scene| project.check_against(scene).map_err(|e| e.to_string());
+    assert_eq!(check(&scene), Ok(()));
+    scene.groups[1].emission = Rgb::ZERO;
+    let error = check(&scene).unwrap_err();
+    assert!(error.contains("no light \"lamp\"; it has sun; the group"), "{error}");
+    let error = check(&lit(&[("lamp", Rgb::ONE), ("ball", Rgb::ONE)], &["son"])).unwrap_err();
+    assert!(error.starts_with("folder/a.toml: lights.sun: "), "{error}");
+    assert!(error.ends_with("no light \"sun\"; it has lamp, ball, son"), "{error}");
+    let error = check(&lit(&[("lamp", Rgb::ONE)], &["sun", "sun"])).unwrap_err();
+    assert!(error.contains("lights.sun: the scene has 2 lights of this name"), "{error}");
 }
 
 #[test]

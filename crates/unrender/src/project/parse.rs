@@ -25,6 +25,10 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
             all_known.insert(name.clone(), known(&format!("groups.{name}.known"), raw_known)?);
         }
     }
+    let lights = |unknown| {
+        let named = raw.lights.iter().filter(move |(_, light)| light.unknown == unknown);
+        named.map(|(name, _)| name.clone()).collect()
+    };
     let brdf = raw.recover.brdf.as_deref().map(str::parse::<WardModel>).transpose();
     let project = Project {
         path: path.to_owned(),
@@ -34,6 +38,8 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         exposure,
         anchor,
         known: all_known,
+        unknown_lights: lights(true),
+        known_lights: lights(false),
         brdf: brdf.map_err(|problem| format!("recover.brdf: {problem}"))?.unwrap_or_default(),
         thresholds: thresholds(&raw.recover.thresholds)?,
         camera: raw.camera.map_or(Ok(CameraChoice::First), camera)?,
