@@ -27,7 +27,8 @@ pub struct Project {
     pub response: Option<Response>,
     /// Scene radiance per unit of linear pixel value.
     pub exposure: Exposure,
-    /// What fixes the absolute scale; always there with [`Exposure::Auto`].
+    /// What fixes the absolute scale; always there with [`Exposure::Auto`]. See
+    /// [`Project::used_anchor`].
     pub anchor: Option<Anchor>,
     /// The groups that are not to be recovered.
     pub known: BTreeMap<String, Known>,
@@ -43,7 +44,7 @@ pub struct Project {
     pub camera: CameraChoice,
 }
 
-/// A group whose diffuse reflectance fixes the exposure.
+/// A group whose diffuse reflectance fixes the scale of exposure and lights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Anchor {
     /// The group's name.

@@ -16,8 +16,9 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     let mut warnings = Warnings::default();
     let anchor = raw.anchor.as_ref().map(anchor).transpose()?;
     let exposure = exposure(raw.exposure.as_ref(), anchor.is_some(), &mut warnings)?;
-    if anchor.is_some() && exposure != Exposure::Auto {
-        warnings.push("[anchor] was not used, as the exposure is stated");
+    let any_light_unknown = raw.lights.values().any(|light| light.unknown);
+    if anchor.is_some() && exposure != Exposure::Auto && !any_light_unknown {
+        warnings.push("[anchor] was not used, as the exposure is stated and no light is unknown");
     }
     let mut all_known = BTreeMap::new();
     for (name, group) in &raw.groups {
