@@ -101,7 +101,7 @@ fn every_parameter_is_compared_with_its_std() {
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 7, "{text}");
     let columns: Vec<&str> = lines[4].split_whitespace().collect();
-    assert_eq!(columns, ["floor", "alpha_y", "0.00700", "0.00140", "5.00"]);
+    assert_eq!(columns, ["floor", "alpha_y", "0.0070", "0.0014", "5.00"]);
     assert!(lines[1].ends_with("0.00 2.00 -"), "{text}");
     assert!(lines[6].starts_with("8 parameters: 62 % within 1 std, "), "{text}");
     assert!(certainty(&all[2..], &[]).is_none());
@@ -142,7 +142,7 @@ fn lights_are_compared_by_name() {
     assert!(near(Some(sum.worst), 2.0), "{sum:?}");
     assert_eq!(table::lights(&lights), "light  error %\nlamp      2.50\nsun      10.00\n");
     let text = table::parameters(&[], &lights, &sum);
-    assert!(text.contains("lamp   intensity  1.00 0.200 0.100  0.500 0.400 0.100"), "{text}");
+    assert!(text.contains("lamp   intensity  1.0 0.20 0.10  0.50 0.40 0.10"), "{text}");
 }
 
 #[test]

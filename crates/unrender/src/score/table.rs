@@ -79,9 +79,9 @@ fn of_parameter(owner: &str, score: &ParameterScore) -> [String; 5] {
     ]
 }
 
-/// `value` to three digits that say something, but no more than six after the point.
+/// `value` to two digits that say something, but no more than six after the point.
 fn significant(value: f64) -> String {
-    let digits = if value > 0.0 { (2.0 - value.log10().floor()).clamp(0.0, 6.0) } else { 0.0 };
+    let digits = if value > 0.0 { (1.0 - value.log10().floor()).clamp(0.0, 6.0) } else { 0.0 };
     format!("{value:.*}", digits as usize)
 }
 
