@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     ];
     let recovery = run(&recover)?;
     let peak = children::peak_memory();
-    println!("recovery                  {recovery}");
+    tell("recovery", &recovery.to_string());
 
     let render: [OsString; 13] = [
         "render".into(),
@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         "--quiet".into(),
     ];
     let rendering = run(&render)?;
-    println!("rendering with {SPP} spp    {rendering}");
+    tell(&format!("rendering, {SPP} spp"), &rendering.to_string());
 
     let ratio = |f: fn(&Cost) -> Option<Duration>| {
         let seconds = |cost: &Cost| f(cost).map(|time| time.as_secs_f64());
@@ -62,10 +62,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         Some(format!("{ratio:.2}"))
     };
     let [by_clock, by_cpu] = [ratio(|c| Some(c.elapsed)), ratio(|c| c.cpu)].map(or_unknown);
-    println!("recovery / {RENDERINGS} renderings  {by_clock} (processor time: {by_cpu})");
+    let compared = format!("{by_clock} (processor time: {by_cpu})");
+    tell(&format!("recovery / {RENDERINGS} renderings"), &compared);
     let peak = peak.map(|bytes| format!("{:.0} MiB", bytes as f64 / f64::from(1 << 20)));
-    println!("recovery's peak memory    {}", or_unknown(peak));
+    tell("recovery's peak memory", &or_unknown(peak));
     Ok(())
+}
+
+fn tell(what: &str, value: &str) {
+    println!("{what:<24}  {value}");
 }
 
 fn or_unknown(value: Option<String>) -> String {
