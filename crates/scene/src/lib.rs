@@ -20,7 +20,7 @@ pub use camera::Camera;
 pub use color::Rgb;
 pub use hypothesis::{Hypothesis, Status};
 pub use image::{Image, RgbImage};
-pub use light::{Light, LightKind};
+pub use light::{Light, LightKind, Source};
 pub use material::{Material, Texture, WardModel, Wrap};
 pub use mesh::{Mesh, Object};
 pub use validate::{SceneError, Warnings};

@@ -65,7 +65,7 @@ pub(crate) fn recover(
 
 fn spec(job: &Job, group: usize) -> GroupSpec {
     let of_scene = &job.scene.groups[group];
-    let anchored = job.project.anchor.as_ref().filter(|a| a.group == of_scene.name);
+    let anchored = job.project.used_anchor().filter(|a| a.group == of_scene.name);
     let (role, material) = if of_scene.is_emitter() {
         (Role::Emitter, of_scene.material.clone())
     } else if let Some(anchor) = anchored {

@@ -49,6 +49,7 @@ fn entry(group: &GroupResult, texture: Option<String>) -> GroupEntry {
         pixels: Some(group.pixels as u64),
         error: group.error,
         note: group.note.clone(),
+        alternatives: Vec::new(),
     }
 }
 
