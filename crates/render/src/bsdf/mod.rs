@@ -141,6 +141,8 @@ impl Bsdf {
     }
 
     /// Draws `wi` from three numbers in [0, 1); none if the direction falls below the surface.
+    // Out of line, as the compiler would have it with several callers, pictures take 2 % longer.
+    #[inline(always)]
     pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
         if wo.z <= 0.0 {
             return None;
