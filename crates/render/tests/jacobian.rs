@@ -191,8 +191,12 @@ fn step(parameter: Parameter) -> f32 {
     }
 }
 
+/// Measured: 2.8e-3 at the worst pixel and channel, by rho_d of the walls (the step's own error, as
+/// by the shapes) and of the lamp (the rounding of its radiance); most are below 1e-3.
+const ERROR_MAX: f64 = 5e-3;
+
 /// Asserts that all derivatives are the differences on the same paths.
-fn assert_exact(room: &Room, parameters: &[Parameter], seen: Option<&SeenRadiance>, most: f64) {
+fn assert_exact(room: &Room, parameters: &[Parameter], seen: Option<&SeenRadiance>) {
     let settings = settings(64);
     let geometry = room.tracer.geometry(&room.camera, SIDE, SIDE);
     let lookup = seen.map(|seen| Lookup { seen, camera: &room.camera, geometry: &geometry });
@@ -203,8 +207,7 @@ fn assert_exact(room: &Room, parameters: &[Parameter], seen: Option<&SeenRadianc
             [step, -step].map(|step| room.reweighted((parameter, step), &settings, seen));
         let found = column(&jacobian, k);
         let error = distance(&found, &differences(&plus, &minus, step));
-        eprintln!("{parameter:?} {error:.1e} {:.2}", rms(&found));
-        assert!(error < most, "{parameter:?}: {error} off");
+        assert!(error < ERROR_MAX, "{parameter:?}: {error} off");
         assert!(rms(&found).max_element() > 1e-2, "{parameter:?} has no effect");
     }
 }
@@ -212,7 +215,7 @@ fn assert_exact(room: &Room, parameters: &[Parameter], seen: Option<&SeenRadianc
 #[test]
 fn derivatives_are_the_differences_of_the_same_paths() {
     for model in WardModel::ALL {
-        assert_exact(&Room::new(model), &everything(), None, 1e-2);
+        assert_exact(&Room::new(model), &everything(), None);
     }
 }
 
@@ -221,7 +224,21 @@ fn they_are_so_too_where_paths_end_at_the_photograph() {
     let room = Room::new(WardModel::WardGmd);
     let mut all = everything();
     all.push(Parameter::Seen);
-    assert_exact(&room, &all, Some(&room.photograph()), 1e-2);
+    assert_exact(&room, &all, Some(&room.photograph()));
+}
+
+#[test]
+fn what_the_camera_looks_at_is_not_taken_from_the_photograph() {
+    let room = Room::new(WardModel::WardGmd);
+    let photograph = room.photograph();
+    let geometry = room.tracer.geometry(&room.camera, SIDE, SIDE);
+    let lookup = Lookup { seen: &photograph, camera: &room.camera, geometry: &geometry };
+    for (max_bounces, same) in [(1, true), (2, false)] {
+        let settings = Settings { max_bounces, ..settings(4) };
+        let [with, without] =
+            [Some(lookup), None].map(|seen| room.jacobian(&everything(), &settings, seen));
+        assert_eq!(with == without, same, "{max_bounces} bounces");
+    }
 }
 
 #[test]
