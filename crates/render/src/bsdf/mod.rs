@@ -1,7 +1,7 @@
 //! How a surface reflects: `f = rho_d/pi + rho_s w` [Boivin & Gagalowicz 2002, section 4.2].
 //!
-//! One BRDF is one file. To add another: give it `value`, `pdf` and `sample` in a file of its own,
-//! let [`Bsdf`] choose it, and run it through `tests/bsdf_laws.rs`.
+//! One BRDF is one file. To add another: give it `value`, `pdf`, `sample` and the derivatives of its
+//! shape in a file of its own, let [`Bsdf`] choose it, and run it through `tests/bsdf_laws.rs`.
 //!
 //! All directions here are unit vectors in the *brushed frame*: x along the brushed direction, z
 //! the shading normal on the viewer's side. Both point away from the surface. `wo` is where the
@@ -141,6 +141,8 @@ impl Bsdf {
     }
 
     /// Draws `wi` from three numbers in [0, 1); none if the direction falls below the surface.
+    // Out of line, as the compiler would have it with several callers, pictures take 2 % longer.
+    #[inline(always)]
     pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
         if wo.z <= 0.0 {
             return None;
