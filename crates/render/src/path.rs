@@ -12,6 +12,7 @@
 
 use crate::accel::{self, Ray};
 use crate::bsdf::{Bsdf, BsdfSample};
+use crate::caustic::Shiny;
 use crate::emitters::LightSample;
 use crate::sampler::Sampler;
 use crate::seen::Lookup;
@@ -107,12 +108,13 @@ impl Ledger for Sum<'_> {
 }
 
 /// The light transport of one scene under one appearance.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct Transport<'a> {
     tracer: &'a Tracer,
     appearance: Appearance<'a>,
     max_bounces: u32,
     seen: Option<Lookup<'a>>,
+    shiny: Vec<Shiny>,
 }
 
 impl<'a> Transport<'a> {
@@ -121,7 +123,8 @@ impl<'a> Transport<'a> {
     /// # Panics
     /// Later, if the appearance has fewer materials than groups.
     pub fn new(tracer: &'a Tracer, appearance: Appearance<'a>, max_bounces: u32) -> Self {
-        Self { tracer, appearance, max_bounces, seen: None }
+        let shiny = tracer.caustics.shiny(&appearance);
+        Self { tracer, appearance, max_bounces, seen: None, shiny }
     }
 
     /// The same transport, but paths end where `seen` knows the radiance; never at the surface of
@@ -156,7 +159,12 @@ impl<'a> Transport<'a> {
     pub fn bsdf(&self, surface: &Surface) -> (Bsdf, Frame) {
         let material = &self.appearance.materials[surface.group as usize];
         let bsdf = Bsdf::new(material, material.rho_d_at(surface.uv), self.tracer.model);
-        (bsdf, surface.frame.brushed(material.theta_rad))
+        let frame = surface.frame.brushed(material.theta_rad);
+        if self.shiny.is_empty() || bsdf.rho_d.max_element() <= 0.0 {
+            return (bsdf, frame);
+        }
+        let images = self.tracer.caustics.images(&self.shiny, surface, &frame);
+        (bsdf.looking_at(images), frame)
     }
 
     /// All radiance that arrives along the ray. Counts the first surface's reflection as the

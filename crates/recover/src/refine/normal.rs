@@ -22,6 +22,8 @@ pub(crate) struct Normal {
     pub(crate) g: DVector<f64>,
     /// The covariance of `g`.
     pub(crate) g_covariance: DMatrix<f64>,
+    /// The part of it that the renderings' noise has.
+    pub(crate) g_rendering: DMatrix<f64>,
     /// What each cell contributes to the relative squared error that both renderings see.
     pub(crate) errors: Vec<f64>,
 }
@@ -44,6 +46,7 @@ impl Normal {
             h: DMatrix::zeros(n, n),
             g: DVector::zeros(n),
             g_covariance: DMatrix::zeros(n, n),
+            g_rendering: DMatrix::zeros(n, n),
             errors: Vec::with_capacity(means.len()),
         };
         for mean in means {
@@ -52,19 +55,26 @@ impl Normal {
             let deviations = (0.5 * (a + b)).abs() / variance.map(f32::sqrt);
             let trust = (HUBER / deviations.max_element()).min(1.0);
             let shrink = |k: usize| shrinkage[(mean.group, k)];
-            let mut g = DVector::zeros(n);
+            let (mut g, mut g_rendering) = (DVector::zeros(n), DVector::zeros(n));
             for channel in 0..3 {
                 let weight = f64::from(trust / variance[channel]);
                 let residuals = [f64::from(a[channel]), f64::from(b[channel])];
-                normal.add_row(&mean.rows[channel], shrink, weight, residuals, &mut g);
+                let row = &mean.rows[channel];
+                normal.add_row(row, shrink, weight, residuals, &mut g);
+                // The difference of the two has the noise of their mean and nothing else.
+                let noise = 0.5 * weight * (residuals[0] - residuals[1]);
+                row.iter()
+                    .for_each(|&(k, a, b)| g_rendering[k] += shrink(k) * noise * 0.5 * (a + b));
             }
             normal.g_covariance.syger(1.0, &g, &g, 1.0);
+            normal.g_rendering.syger(1.0, &g_rendering, &g_rendering, 1.0);
             normal.g += g;
             let error = f64::from((trust * a * b / mean.level2).element_sum());
             normal.errors.push(error * mean.pixels);
         }
         normal.h.fill_upper_triangle_with_lower_triangle();
         normal.g_covariance.fill_upper_triangle_with_lower_triangle();
+        normal.g_rendering.fill_upper_triangle_with_lower_triangle();
         normal
     }
 
@@ -107,7 +117,9 @@ fn shrinkage(means: &[Mean], n: usize, groups: usize) -> DMatrix<f64> {
     }
     let m = signal.zip_map(&noise, |s, n| if s > 0.0 { s / (s + n) } else { 0.0 });
     eprintln!("{:.2}", m);
-    if std::env::var("CUT").is_ok() { return m.map(|v| if v < 0.9 {0.0} else {v}); }
+    if std::env::var("CUT").is_ok() {
+        return m.map(|v| if v < 0.9 { 0.0 } else { v });
+    }
     m
 }
 

@@ -39,6 +39,7 @@ pub(crate) fn known(state: &State<'_>, per_group: usize, seed: u64) -> Vec<Cell>
     cells(&state.stage(), groups, per_group, seed)
 }
 
+/// The cells of `groups`, group by group.
 fn cells(
     stage: &Stage<'_>,
     groups: impl Iterator<Item = usize>,
@@ -52,8 +53,8 @@ fn cells(
         let wanted = spread(believed, per_group, seed ^ group as u64);
         for seen in observe(stage.observation, stage.exposure, group, &wanted) {
             let (x, y) = (seen.pixel as usize % width, seen.pixel as usize / width);
-            cells.entry((y / BLOCK, x / BLOCK, group)).or_default().push(seen);
+            cells.entry((group, y / BLOCK, x / BLOCK)).or_default().push(seen);
         }
     }
-    cells.into_iter().map(|((_, _, group), pixels)| Cell { group, pixels }).collect()
+    cells.into_iter().map(|((group, ..), pixels)| Cell { group, pixels }).collect()
 }

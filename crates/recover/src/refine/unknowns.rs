@@ -60,9 +60,6 @@ struct Column {
     parameters: [usize; 2],
 }
 
-/// Nothing is darker than this, so that every surface sends some light by which its derivative can
-/// be seen.
-const RHO_MIN: f64 = 1e-5;
 /// A step changes no reflectance by more than this ...
 const STEP_RHO: f64 = 0.3;
 /// ... no roughness by more than this factor's logarithm ...
@@ -211,7 +208,7 @@ impl Unknowns {
         let interval = |u: &Unknown| {
             let value = self.value(state, u);
             let (low, high, step) = match u.quantity {
-                Quantity::RhoD | Quantity::RhoS => (RHO_MIN, 1.0, STEP_RHO),
+                Quantity::RhoD | Quantity::RhoS => (0.0, 1.0, STEP_RHO),
                 Quantity::Alpha | Quantity::AlphaX | Quantity::AlphaY => {
                     (ln_min, ln_max, STEP_LN_ALPHA)
                 }

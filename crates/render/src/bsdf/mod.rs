@@ -11,6 +11,7 @@ pub mod lambert;
 pub mod mirror;
 pub mod ward;
 
+use crate::caustic::Images;
 use glam::Vec3;
 use unrender_scene::color::luminance;
 use unrender_scene::{Material, Rgb, WardModel};
@@ -69,6 +70,8 @@ pub struct Bsdf {
     pub specular: Specular,
     /// The probability with which sampling takes the specular part.
     specular_share: f32,
+    /// Where the diffuse part looks for light beside the cosine.
+    images: Images,
 }
 
 /// A direction drawn from a [`Bsdf`].
@@ -98,7 +101,12 @@ impl Bsdf {
             _ if diffuse_power <= 0.0 => 1.0,
             _ => (specular_power / (diffuse_power + specular_power)).clamp(0.1, 0.9),
         };
-        Self { rho_d, rho_s: material.rho_s, specular, specular_share }
+        Self { rho_d, rho_s: material.rho_s, specular, specular_share, images: Images::NONE }
+    }
+
+    /// The same reflectance, sampled towards `images` too, which are given in its frame.
+    pub fn looking_at(self, images: Images) -> Self {
+        Self { images, ..self }
     }
 
     /// True if the surface reflects nothing.
@@ -133,7 +141,12 @@ impl Bsdf {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return 0.0;
         }
-        let mut pdf = (1.0 - self.specular_share) * lambert::pdf(wi);
+        let share = self.images.share();
+        let mut diffuse = (1.0 - share) * lambert::pdf(wi);
+        if share > 0.0 {
+            diffuse += share * self.images.pdf(wi);
+        }
+        let mut pdf = (1.0 - self.specular_share) * diffuse;
         if let Specular::Ward(lobe) = self.specular {
             pdf += self.specular_share * lobe.pdf(wo, wi);
         }
@@ -154,12 +167,22 @@ impl Bsdf {
                 return Some(BsdfSample { wi: mirror::reflect(wo), weight, pdf: f32::INFINITY });
             }
             Specular::Ward(lobe) if take_specular => lobe.sample(wo, [u[1], u[2]]),
-            _ => lambert::sample([u[1], u[2]]),
+            _ => self.sample_diffuse(u),
         };
         let pdf = self.pdf(wo, wi);
         if wi.z <= 0.0 || pdf <= 0.0 || !pdf.is_finite() {
             return None;
         }
         Some(BsdfSample { wi, weight: self.value(wo, wi) * (wi.z / pdf), pdf })
+    }
+
+    /// A direction for the diffuse part, given that `u[0]` chose it.
+    fn sample_diffuse(&self, u: [f32; 3]) -> Vec3 {
+        let share = self.images.share();
+        let pick = (u[0] - self.specular_share) / (1.0 - self.specular_share);
+        if pick < share {
+            return self.images.sample(pick / share, [u[1], u[2]]);
+        }
+        lambert::sample([u[1], u[2]])
     }
 }
