@@ -44,14 +44,14 @@ const DAMPING: f64 = 0.1;
 /// A pass is worse if its error is higher by this many standard deviations of the difference.
 const WORSE: f64 = 3.0;
 /// The renderings may have this share of a number's variance.
-const RENDERING_SHARE: f64 = 0.25;
+const RENDERING_SHARE: f64 = 0.35;
 
 /// The standard deviation below which nobody asks for more.
 fn precise_enough(quantity: Quantity) -> f64 {
     match quantity {
-        Quantity::RhoD | Quantity::RhoS => 5e-4,
-        Quantity::Alpha | Quantity::AlphaX | Quantity::AlphaY => 1.5e-3,
-        Quantity::Theta => 5e-4,
+        Quantity::RhoD | Quantity::RhoS => 7e-4,
+        Quantity::Alpha | Quantity::AlphaX | Quantity::AlphaY => 2e-3,
+        Quantity::Theta => 1e-3,
         Quantity::Light | Quantity::Exposure => 1e-3,
     }
 }

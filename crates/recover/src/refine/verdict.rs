@@ -208,7 +208,7 @@ impl Verdict<'_> {
             if alpha && self.solution.deviation(i) > ALPHA_OPEN {
                 doubts.push(format!("{} is hardly determined", name(list[i].quantity)));
             }
-            for &j in &indices[..k] {
+            for &j in indices[..k].iter().filter(|j| list[**j].quantity != list[i].quantity) {
                 let c = &self.solution.covariance;
                 let correlation = c[(i, j)] / (c[(i, i)] * c[(j, j)]).sqrt();
                 let pair = [name(list[j].quantity), name(list[i].quantity)].join(" and ");
