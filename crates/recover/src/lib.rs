@@ -25,11 +25,32 @@ pub use problem::{
     ExposureRule, GroupSpec, LadderKind, Options, Problem, RecoverError, Role, Thresholds,
 };
 pub use record::{
-    Deviations, GroupResult, LightResult, Observer, Recovery, Status, Termination, TurnRecord,
+    Alternative, Deviations, GroupResult, LightResult, Observer, Recovery, Status, Termination,
+    TurnRecord,
 };
 pub use rerender::{Renderer, View};
 
 use ladder::{State, climb, paper};
+use unrender_scene::Material;
+
+/// Refines `materials`, one for each group of `problem`, which are near what the photograph shows:
+/// those of an earlier recovery, say. Each keeps its hypothesis unless the photograph does not bear
+/// it out.
+///
+/// # Errors
+/// If the camera sees nothing, or the anchor cannot fix the exposure.
+pub fn refine_from(
+    problem: &Problem<'_>,
+    materials: &[Material],
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Result<Recovery, RecoverError> {
+    let mut state = State::new(problem)?;
+    state.wear(materials);
+    refine::settle_nuisances(&mut state, options)?;
+    let termination = refine::refine(&mut state, options, observer);
+    Ok(picture::finish(state, options, termination, observer))
+}
 
 /// Recovers the material of every group of `problem`.
 ///
@@ -44,9 +65,16 @@ pub fn recover(
     let termination = match options.ladder {
         LadderKind::Default => {
             let climbed = climb::climb(&mut state, options, observer)?;
-            let refined = options.refine.then(|| refine::refine(&mut state, options, observer));
+            let mut termination = climbed;
+            if options.refine {
+                termination = refine::refine(&mut state, options, observer);
+                if climb::reconsider_textures(&mut state, options) {
+                    termination = refine::refine(&mut state, options, observer);
+                }
+                refine::basins::find(&mut state, options);
+            }
             climb::finish_textures(&mut state, options);
-            refined.unwrap_or(climbed)
+            termination
         }
         LadderKind::Paper => paper::climb(&mut state, options, observer)?,
     };

@@ -1,8 +1,9 @@
 //! The end: the photograph's view rendered with what was found, and each group's error in it.
 
+use crate::hypothesis::Fit;
 use crate::ladder::State;
 use crate::problem::{Options, Role};
-use crate::record::{GroupResult, Observer, Recovery, Status, Termination};
+use crate::record::{Alternative, GroupResult, Observer, Recovery, Status, Termination};
 use crate::rerender::Renderer;
 use glam::Vec3;
 use unrender_render::sampler::mix;
@@ -71,6 +72,7 @@ fn group_result(state: &State<'_>, group: usize, halves: &[Vec<Rgb>; 2]) -> Grou
         hypothesis: standing.hypothesis,
         material: state.materials[group].clone(),
         std: standing.std,
+        alternatives: standing.alternatives.iter().map(alternative).collect(),
         direction: direction(state, group),
         seen_texels: standing.seen_texels.clone(),
         pixels: observation.all_pixels_of_group[group].len(),
@@ -79,6 +81,11 @@ fn group_result(state: &State<'_>, group: usize, halves: &[Vec<Rgb>; 2]) -> Grou
         story: standing.story.clone(),
         note,
     }
+}
+
+fn alternative(fit: &Fit) -> Alternative {
+    let error = fit.misfit.relative();
+    Alternative { hypothesis: fit.hypothesis, material: fit.material.clone(), error }
 }
 
 /// Relative root mean square of photograph minus re-rendering: the products of the two halves'

@@ -36,6 +36,8 @@ pub struct GroupResult {
     pub hypothesis: Hypothesis,
     /// The parameters.
     pub material: Material,
+    /// Other parameters that explain the photograph alike.
+    pub alternatives: Vec<Alternative>,
     /// How well they are known; none where nothing was free or nothing was refined.
     pub std: Option<Deviations>,
     /// The brushed direction in world space where the group is seen best: the tangent of its middle
@@ -54,6 +56,17 @@ pub struct GroupResult {
     pub story: Vec<Trial>,
     /// What the user should know about it.
     pub note: Option<String>,
+}
+
+/// Other parameters of a group that explain the photograph alike.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Alternative {
+    /// The rung.
+    pub hypothesis: Hypothesis,
+    /// The parameters.
+    pub material: Material,
+    /// The relative error that they leave.
+    pub error: f64,
 }
 
 /// Standard deviations of a group's numbers; none for numbers that were not free.

@@ -52,7 +52,7 @@ pub(crate) fn recover(
         renderer: &view,
         groups: (0..groups).map(|group| spec(job, group)).collect(),
         exposure: exposure_rule(job),
-        unknown_lights: Vec::new(),
+        unknown_lights: job.unknown_lights.clone(),
     };
     let mut teller = Teller { progress, paper: options.ladder == LadderKind::Paper };
     let mut recovery = unrender_recover::recover(&problem, options, &mut teller)?;

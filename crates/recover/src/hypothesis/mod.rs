@@ -96,6 +96,12 @@ fn judged(
     Fit { hypothesis, material, misfit, by_pixel }
 }
 
+/// What the lobe of `material`, with the reflectances that fit best beside it, leaves unexplained.
+pub(crate) fn cost_of_shape(evidence: &Evidence, material: &Material) -> f64 {
+    let Material { alpha_x, alpha_y, theta_rad, .. } = *material;
+    fit_lobe(evidence, &evidence.diffuse(), alpha_x, alpha_y, theta_rad).objective
+}
+
 /// The reflectances that fit best beside a lobe of the given shape.
 fn fit_lobe(
     evidence: &Evidence,

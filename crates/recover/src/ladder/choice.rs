@@ -33,6 +33,11 @@ fn excess(fit: &Fit, best: &Fit) -> f64 {
     difference.iter().sum::<f64>() - 2.0 * deviation_of_sum(&difference)
 }
 
+/// Whether no difference between two fits to the same evidence can be told, or `fit` is better.
+pub(crate) fn explains_alike(fit: &Fit, best: &Fit) -> bool {
+    excess(fit, best) <= 0.0
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -41,23 +41,9 @@ pub(crate) fn climb(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Termination, RecoverError> {
-    let groups = state.materials.len();
-    let mut climber = Climber {
-        options,
-        level: 0,
-        trials: vec![0; groups],
-        tried_at: vec![None; groups],
-        aims: state.materials.clone(),
-        calm: 0,
-    };
+    let mut climber = Climber::new(state, options);
     for turn in 1..=options.max_turns {
-        state.look_at_photograph();
-        if state.problem.unknown_lights.is_empty() {
-            state.update_exposure(options.seed)?;
-        } else {
-            refine::adjust_nuisances(state, options);
-        }
-        state.look_at_photograph();
+        refine::settle_nuisances(state, options)?;
         let change = climber.turn(state);
         let done = turn as f64 / (turn as f64 + 10.0 - 4.0 * climber.level as f64);
         let threshold = options.thresholds.explained;
@@ -92,7 +78,19 @@ struct Climber<'o> {
     calm: usize,
 }
 
-impl Climber<'_> {
+impl<'o> Climber<'o> {
+    fn new(state: &State<'_>, options: &'o Options) -> Self {
+        let groups = state.materials.len();
+        Self {
+            options,
+            level: 0,
+            trials: vec![0; groups],
+            tried_at: vec![None; groups],
+            aims: state.materials.clone(),
+            calm: 0,
+        }
+    }
+
     /// One turn over all groups; returns the largest change that is still called for.
     fn turn(&mut self, state: &mut State<'_>) -> f64 {
         let mut next = state.materials.clone();
@@ -267,6 +265,28 @@ fn extract(state: &mut State<'_>, options: &Options, group: usize, last: bool) -
     let rho_d = textured::mean(&extracted);
     standing.seen_texels = Some(extracted.seen);
     Some(Material { texture: Some(extracted.texture), rho_d, ..plain })
+}
+
+/// Tries the uniform rungs once more on groups that came out textured: under the refined light one
+/// of them may do. True if one does.
+pub(crate) fn reconsider_textures(state: &mut State<'_>, options: &Options) -> bool {
+    let mut climber = Climber::new(state, options);
+    let (turn, mut moved) = (state.turns.len(), false);
+    for group in state.visible_unknowns() {
+        if state.standing[group].hypothesis != Hypothesis::Textured {
+            continue;
+        }
+        let material = climber.trial(state, group, turn);
+        let standing = &mut state.standing[group];
+        if standing.misfit.is_some_and(|m| m.is_within(options.thresholds.textured)) {
+            state.materials[group] = material;
+            standing.seen_texels = None;
+            moved = true;
+        } else {
+            standing.hypothesis = Hypothesis::Textured;
+        }
+    }
+    moved
 }
 
 /// The textures once more, with more light samples, under the final light.

@@ -12,7 +12,7 @@ pub mod paper;
 
 use crate::error::Misfit;
 use crate::evidence::Stage;
-use crate::hypothesis::{self, Hypothesis};
+use crate::hypothesis::{self, Fit, Hypothesis};
 use crate::problem::{ExposureRule, Problem, RecoverError, Role};
 use crate::record::{Deviations, LightResult, Status, Trial, TurnRecord};
 use unrender_render::{Appearance, SeenRadiance};
@@ -45,13 +45,18 @@ pub(crate) struct Standing {
     pub(crate) seen_texels: Option<Image<bool>>,
     pub(crate) note: Option<String>,
     pub(crate) std: Option<Deviations>,
+    /// Other fits that explain the photograph alike.
+    pub(crate) alternatives: Vec<Fit>,
 }
 
 impl Standing {
     /// Adds a sentence to what the user should know.
     pub(crate) fn add_note(&mut self, note: String) {
-        self.note =
-            Some(self.note.take().map_or(note.clone(), |before| format!("{before}; {note}")));
+        self.note = match self.note.take() {
+            Some(before) if before.contains(&note) => Some(before),
+            Some(before) => Some(format!("{before}; {note}")),
+            None => Some(note),
+        };
     }
 
     /// Whether the story does not tell of `hypothesis` yet.
@@ -87,6 +92,7 @@ impl<'a> State<'a> {
             seen_texels: None,
             note: None,
             std: None,
+            alternatives: Vec::new(),
         };
         let standing = (0..problem.groups.len()).map(standing).collect();
         let exposure = match problem.exposure {
@@ -110,6 +116,16 @@ impl<'a> State<'a> {
     /// What the scene is believed to look like now.
     pub(crate) fn appearance(&self) -> Appearance<'_> {
         Appearance { materials: &self.materials, lights: &self.lights }
+    }
+
+    /// Gives the groups that are asked for `materials`, one for each group.
+    pub(crate) fn wear(&mut self, materials: &[Material]) {
+        for (group, material) in materials.iter().enumerate() {
+            if self.problem.groups[group].role == Role::Unknown {
+                self.materials[group] = material.clone();
+                self.standing[group].hypothesis = hypothesis::of(material);
+            }
+        }
     }
 
     /// Makes one channel of a source `factor` times as bright as in the scene.

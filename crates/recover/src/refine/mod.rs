@@ -10,6 +10,7 @@
 //! large they are. Then [`verdict`] says what the photograph could not tell; where that makes a
 //! hypothesis simpler, the rest is refined again.
 
+pub(crate) mod basins;
 mod means;
 mod normal;
 mod passes;
@@ -19,8 +20,8 @@ mod unknowns;
 mod verdict;
 
 use crate::ladder::State;
-use crate::problem::Options;
-use crate::record::{Observer, Termination};
+use crate::problem::{Options, RecoverError};
+use crate::record::{Observer, Status, Termination};
 use nalgebra::{DMatrix, DVector};
 use normal::Normal;
 use passes::{COARSE, Passes};
@@ -44,6 +45,7 @@ pub(crate) fn refine(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Termination {
+    free_the_unseen(state);
     let mut passes = Passes::new(options);
     for round in 1.. {
         let solution = passes.converge(state, observer);
@@ -59,9 +61,33 @@ pub(crate) fn refine(
     Termination::Refined
 }
 
-/// One Gauss-Newton step for the lights and the exposure alone, from the pixels of the groups that
-/// are known: it brings them near enough for the ladder to begin.
-pub(crate) fn adjust_nuisances(state: &mut State<'_>, options: &Options) {
+/// Groups out of sight are asked too: the verdict may assume them again.
+fn free_the_unseen(state: &mut State<'_>) {
+    for standing in &mut state.standing {
+        if standing.status == Status::Assumed {
+            standing.status = Status::Recovered;
+        }
+    }
+}
+
+/// Brings the lights and the exposure near enough for the ladder to begin: the exposure by the
+/// anchor's ratio, or both by one Gauss-Newton step on the groups that are known. Ends with the
+/// photograph as the cache that it now is.
+pub(crate) fn settle_nuisances(
+    state: &mut State<'_>,
+    options: &Options,
+) -> Result<(), RecoverError> {
+    state.look_at_photograph();
+    if state.problem.unknown_lights.is_empty() {
+        state.update_exposure(options.seed)?;
+    } else {
+        adjust_nuisances(state, options);
+    }
+    state.look_at_photograph();
+    Ok(())
+}
+
+fn adjust_nuisances(state: &mut State<'_>, options: &Options) {
     let unknowns = Unknowns::nuisances(state);
     let cells = sample::known(state, COARSE.0, options.seed);
     if unknowns.len() == 0 || cells.is_empty() {

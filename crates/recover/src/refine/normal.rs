@@ -115,12 +115,7 @@ fn shrinkage(means: &[Mean], n: usize, groups: usize) -> DMatrix<f64> {
             }
         }
     }
-    let m = signal.zip_map(&noise, |s, n| if s > 0.0 { s / (s + n) } else { 0.0 });
-    eprintln!("{:.2}", m);
-    if std::env::var("CUT").is_ok() {
-        return m.map(|v| if v < 0.9 { 0.0 } else { v });
-    }
-    m
+    signal.zip_map(&noise, |s, n| if s > 0.0 { s / (s + n) } else { 0.0 })
 }
 
 /// What is not the photograph's noise in the residuals of a group, relative to the local radiance.

@@ -9,13 +9,13 @@
 //! carried along to where the parameters have moved, `r -> r - J s`. Paths go to the groups whose
 //! numbers the renderings' noise leaves least certain. It ends when the last step is smaller than
 //! its own standard deviation, and the renderings' noise is below the photograph's or below what
-//! anyone would ask for (`precise_enough`).
+//! anyone would ask for (`precise_enough`), or after so many passes that more would help little.
 
 use super::means::{self, Mean};
 use super::normal::Normal;
 use super::sample::{self, Cell};
 use super::system::System;
-use super::unknowns::{Quantity, Unknowns};
+use super::unknowns::{Quantity, Unknown, Unknowns};
 use super::{Solution, believed};
 use crate::error::deviation_of_sum;
 use crate::ladder::State;
@@ -47,8 +47,11 @@ const WORSE: f64 = 3.0;
 const RENDERING_SHARE: f64 = 0.35;
 
 /// The standard deviation below which nobody asks for more.
-fn precise_enough(quantity: Quantity) -> f64 {
-    match quantity {
+fn precise_enough(state: &State<'_>, unknown: &Unknown) -> f64 {
+    let seen = |group: usize| !state.problem.observation.pixels_of_group[group].is_empty();
+    match unknown.quantity {
+        // By the light that it sends to others, a group is never known well.
+        Quantity::RhoD | Quantity::RhoS if !seen(unknown.of) => 1e-2,
         Quantity::RhoD | Quantity::RhoS => 7e-4,
         Quantity::Alpha | Quantity::AlphaX | Quantity::AlphaY => 2e-3,
         Quantity::Theta => 1e-3,
@@ -152,6 +155,7 @@ impl<'o> Passes<'o> {
         let mut average: Vec<Mean> = Vec::new();
         let mut covariance = DMatrix::zeros(unknowns.len(), unknowns.len());
         let pixels_seed = self.seed();
+        let mut settled = false;
         for pass in 1..=PASSES_MAX[1] {
             state.look_at_photograph();
             let cells = sample::all(state, FINE.0, pixels_seed);
@@ -170,17 +174,18 @@ impl<'o> Passes<'o> {
                 .map(|k| step[k].abs() / covariance[(k, k)].sqrt().max(f64::MIN_POSITIVE))
                 .fold(0.0, f64::max);
             let rendering = system.rendering_variance();
-            if longest <= 1.0 && is_precise(unknowns, &covariance, &rendering) {
-                return (covariance, true);
+            settled = longest <= 1.0;
+            if settled && is_precise(state, unknowns, &covariance, &rendering) {
+                break;
             }
             if longest > FAR {
                 average.clear();
             } else {
                 average.iter_mut().for_each(|mean| mean.move_by(&step));
             }
-            spp = allocate(unknowns, &rendering, &cells, spp.len());
+            spp = allocate(state, unknowns, &rendering, &cells);
         }
-        (covariance, false)
+        (covariance, settled)
     }
 
     fn seed(&mut self) -> u64 {
@@ -202,25 +207,31 @@ impl<'o> Passes<'o> {
 }
 
 /// Whether the renderings' noise matters nowhere.
-fn is_precise(unknowns: &Unknowns, covariance: &DMatrix<f64>, rendering: &DVector<f64>) -> bool {
+fn is_precise(
+    state: &State<'_>,
+    unknowns: &Unknowns,
+    covariance: &DMatrix<f64>,
+    rendering: &DVector<f64>,
+) -> bool {
     unknowns.list.iter().enumerate().all(|(k, u)| {
         rendering[k] <= RENDERING_SHARE * covariance[(k, k)]
-            || rendering[k] <= precise_enough(u.quantity).powi(2)
+            || rendering[k] <= precise_enough(state, u).powi(2)
     })
 }
 
 /// The paths a pixel of every group for the next pass: all together as many as `FINE` has, most for
 /// the groups whose worst number has the largest variance from the renderings.
 fn allocate(
+    state: &State<'_>,
     unknowns: &Unknowns,
     rendering: &DVector<f64>,
     cells: &[Cell],
-    groups: usize,
 ) -> Vec<u32> {
+    let groups = state.materials.len();
     let mut need = vec![0.0f64; groups];
     for (k, u) in unknowns.list.iter().enumerate() {
         if !matches!(u.quantity, Quantity::Light | Quantity::Exposure) {
-            need[u.of] = need[u.of].max(rendering[k] / precise_enough(u.quantity).powi(2));
+            need[u.of] = need[u.of].max(rendering[k] / precise_enough(state, u).powi(2));
         }
     }
     let mut pixels = vec![0.0f64; groups];

@@ -4,9 +4,11 @@ use crate::engine::Recovered;
 use crate::{Error, Job};
 use glam::Vec3;
 use std::path::Path;
-use unrender_formats::materials::{GroupEntry, MaterialsFile, StdEntry, VERSION};
+use unrender_formats::materials::{
+    AlternativeEntry, GroupEntry, LightEntry, MaterialsFile, StdEntry, VERSION,
+};
 use unrender_formats::picture;
-use unrender_recover::{Deviations, GroupResult};
+use unrender_recover::{Alternative, Deviations, GroupResult};
 use unrender_scene::{Hypothesis, Image, Material, Rgb, RgbImage};
 
 /// The contents of materials.json; writes the textures beside it and counts bad values in `bad`.
@@ -25,6 +27,15 @@ pub(super) fn build(
         termination: Some(recovery.termination.message(recovery.turns.len())),
         ..MaterialsFile::default()
     };
+    let sources: Vec<_> = job.scene.sources().collect();
+    for light in &recovery.lights {
+        let Some(source) = sources.iter().find(|s| s.index == light.source) else { continue };
+        let entry = LightEntry {
+            intensity: Some((source.strength * light.factor).to_array()),
+            std: Some((source.strength * light.std).to_array()),
+        };
+        file.lights.insert(source.name.to_owned(), entry);
+    }
     for (index, group) in recovery.groups.iter().enumerate() {
         let texture = write_texture(group, index, folder, bad)?;
         file.groups.insert(group.name.clone(), entry(group, texture));
@@ -49,7 +60,20 @@ fn entry(group: &GroupResult, texture: Option<String>) -> GroupEntry {
         pixels: Some(group.pixels as u64),
         error: group.error,
         note: group.note.clone(),
-        alternatives: Vec::new(),
+        alternatives: group.alternatives.iter().map(alternative).collect(),
+    }
+}
+
+fn alternative(alternative: &Alternative) -> AlternativeEntry {
+    let material = &alternative.material;
+    AlternativeEntry {
+        hypothesis: Some(alternative.hypothesis),
+        rho_d: Some(material.rho_d.to_array()),
+        rho_s: Some(material.rho_s.to_array()),
+        alpha_x: Some(material.alpha_x),
+        alpha_y: Some(material.alpha_y),
+        theta_deg: Some(material.theta_rad.to_degrees()),
+        error: Some(alternative.error),
     }
 }
 

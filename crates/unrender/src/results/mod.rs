@@ -48,5 +48,10 @@ fn dressed(job: &Job, recovered: &Recovered) -> Scene {
     for (group, result) in scene.groups.iter_mut().zip(&recovered.recovery.groups) {
         group.material = result.material.clone();
     }
+    for light in &recovered.recovery.lights {
+        if let Some(strength) = scene.strength_mut(light.source) {
+            *strength *= light.factor;
+        }
+    }
     scene
 }

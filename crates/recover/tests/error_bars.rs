@@ -1,0 +1,229 @@
+//! What the standard deviations are worth: a small room is photographed again and again with fresh
+//! noise, and each time all its numbers are refined. The truth must lie within two of the stated
+//! standard deviations in 90 to 99 % of the cases, for every kind of number.
+//!
+//! The room has a brushed floor, a round gloss on the back wall, two diffuse walls, and a ceiling
+//! that no pixel shows; its lamp's brightness or the exposure is unknown too.
+
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::f32::consts::{FRAC_PI_2, TAU};
+use unrender_recover::{
+    ExposureRule, GroupResult, GroupSpec, Observation, Options, Picture, Problem, Recovery, Role,
+    Status, View, refine_from,
+};
+use unrender_render::sampler::mix;
+use unrender_render::{Settings, Tracer};
+use unrender_scene::{
+    Camera, Group, Image, Material, Mesh, Object, Rgb, RgbImage, Scene, WardModel,
+};
+
+const SIDE: usize = 64;
+const REALISATIONS: u64 = 32;
+/// Of the photograph, relative.
+const NOISE: f32 = 0.03;
+
+const FLOOR: usize = 0;
+const BACK: usize = 1;
+const LEFT: usize = 2;
+const RIGHT: usize = 3;
+const CEILING: usize = 4;
+const LAMP: usize = 5;
+
+/// A square of side 2 about `centre`, its front towards `normal`.
+fn wall(group: usize, centre: Vec3, normal: Vec3, half: f32) -> Object {
+    let x = if normal.x.abs() > 0.5 { Vec3::Z } else { Vec3::X };
+    let y = normal.cross(x);
+    let corner = |u: f32, v: f32| centre + half * (u * x + v * y);
+    let positions =
+        vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+    let mesh = Mesh {
+        normals: vec![normal; 4],
+        tangents: vec![x.extend(1.0); 4],
+        uvs: vec![Vec2::ZERO; 4],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        positions,
+    };
+    Object { name: format!("wall {group}"), group, mesh }
+}
+
+fn truth() -> Vec<Material> {
+    let floor = Material {
+        alpha_y: 0.28,
+        theta_rad: 0.4,
+        ..Material::isotropic(Rgb::new(0.2, 0.25, 0.3), Rgb::new(0.4, 0.35, 0.3), 0.12)
+    };
+    vec![
+        floor,
+        Material::isotropic(Rgb::new(0.3, 0.2, 0.4), Rgb::splat(0.25), 0.2),
+        Material::diffuse(Rgb::new(0.6, 0.3, 0.2)),
+        Material::diffuse(Rgb::new(0.2, 0.5, 0.7)),
+        Material::diffuse(Rgb::new(0.7, 0.6, 0.5)),
+        Material::diffuse(Rgb::ZERO),
+    ]
+}
+
+fn room() -> Scene {
+    let names = ["floor", "back", "left", "right", "ceiling", "lamp"];
+    let group = |(i, material): (usize, Material)| Group {
+        name: names[i].to_owned(),
+        material,
+        emission: if i == LAMP { Rgb::splat(12.0) } else { Rgb::ZERO },
+    };
+    let mut scene = Scene {
+        objects: vec![
+            wall(FLOOR, Vec3::NEG_Y, Vec3::Y, 1.0),
+            wall(BACK, Vec3::NEG_Z, Vec3::Z, 1.0),
+            wall(LEFT, Vec3::NEG_X, Vec3::X, 1.0),
+            wall(RIGHT, Vec3::X, Vec3::NEG_X, 1.0),
+            wall(CEILING, Vec3::Y, Vec3::NEG_Y, 1.0),
+            wall(LAMP, 0.98 * Vec3::Y, Vec3::NEG_Y, 0.35),
+        ],
+        groups: truth().into_iter().enumerate().map(group).collect(),
+        brdf: WardModel::WardGmd,
+        ..Scene::default()
+    };
+    scene.validate().unwrap();
+    scene
+}
+
+fn camera() -> Camera {
+    // Looks a little down: the ceiling is out of the picture.
+    Camera::look_at("camera", Vec3::new(0.0, -0.1, 1.9), Vec3::new(0.0, -0.55, 0.0), Vec3::Y, 0.75)
+}
+
+/// Two normal numbers a pixel and channel, from the realisation and the pixel.
+fn normal(seed: u64) -> f32 {
+    let uniform = |x: u64| ((mix(x) >> 40) as f32 + 0.5) / (1u64 << 24) as f32;
+    let (u, v) = (uniform(2 * seed), uniform(2 * seed + 1));
+    (-2.0 * u.ln()).sqrt() * (TAU * v).cos()
+}
+
+fn noisy(clean: &RgbImage, realisation: u64) -> Picture {
+    let value = |i: usize| {
+        let noise = |c: u64| normal((realisation << 32) + 3 * i as u64 + c);
+        clean.pixels()[i] * (Rgb::ONE + NOISE * Rgb::new(noise(0), noise(1), noise(2)))
+    };
+    let count = SIDE * SIDE;
+    Picture {
+        values: RgbImage::new(SIDE, SIDE, (0..count).map(value).collect()),
+        trusted: Image::new(SIDE, SIDE, vec![true; count]),
+        quantum: RgbImage::new(SIDE, SIDE, vec![Rgb::ZERO; count]),
+    }
+}
+
+/// Where the refinement starts: off in every number.
+fn start() -> Vec<Material> {
+    let off = |m: Material| Material {
+        rho_d: m.rho_d * 0.9,
+        rho_s: m.rho_s * 1.1,
+        alpha_x: m.alpha_x * 1.15,
+        alpha_y: m.alpha_y * 1.15,
+        theta_rad: m.theta_rad + 0.08,
+        texture: None,
+    };
+    truth().into_iter().map(off).collect()
+}
+
+/// Refines one realisation; with odd ones the lamp is unknown, with even ones the exposure.
+fn refined(scene: &Scene, tracer: &Tracer, clean: &RgbImage, realisation: u64) -> Recovery {
+    let camera = camera();
+    let view = View::new(tracer, &camera, (SIDE, SIDE), scene.brdf);
+    let geometry = unrender_recover::Renderer::geometry(&view);
+    let observation = Observation::new(noisy(clean, realisation), geometry, scene.groups.len());
+    let unknown_lamp = realisation % 2 == 1;
+    let spec = |(i, group): (usize, &Group)| GroupSpec {
+        name: group.name.clone(),
+        role: match i {
+            LAMP => Role::Emitter,
+            LEFT => Role::Known,
+            _ => Role::Unknown,
+        },
+        material: group.material.clone(),
+    };
+    let problem = Problem {
+        observation: &observation,
+        renderer: &view,
+        groups: scene.groups.iter().enumerate().map(spec).collect(),
+        exposure: if unknown_lamp {
+            ExposureRule::Fixed(Rgb::ONE)
+        } else {
+            ExposureRule::Anchor { group: LEFT, rho_d: truth()[LEFT].rho_d }
+        },
+        unknown_lights: if unknown_lamp { vec![LAMP] } else { Vec::new() },
+    };
+    let options = Options { seed: realisation, spp: 2, ..Options::default() };
+    refine_from(&problem, &start(), &options, &mut ()).unwrap()
+}
+
+type Errors = BTreeMap<&'static str, Vec<f32>>;
+
+fn note(errors: &mut Errors, kind: &'static str, found: Rgb, truth: Rgb, std: Option<Rgb>) {
+    let std = std.expect(kind);
+    errors.entry(kind).or_default().extend(((found - truth) / std).to_array());
+}
+
+/// Errors in units of their stated standard deviation, by kind.
+fn errors(recovery: &Recovery, errors: &mut Errors) {
+    let truth = truth();
+    for (group, result) in recovery.groups.iter().enumerate() {
+        let Some(std) = result.std else { continue };
+        let found = &result.material;
+        let kind = if group == CEILING { "rho_d out of sight" } else { "rho_d" };
+        note(errors, kind, found.rho_d, truth[group].rho_d, std.rho_d);
+        if group != FLOOR && group != BACK {
+            continue;
+        }
+        note(errors, "rho_s", found.rho_s, truth[group].rho_s, std.rho_s);
+        let mut one = |kind, error: f32, std: Option<f32>| {
+            errors.entry(kind).or_default().push(error / std.expect(kind));
+        };
+        let ln = |found: f32, truth: f32| (found / truth).ln();
+        let alpha_x = ln(found.alpha_x, truth[group].alpha_x);
+        if group == BACK {
+            one("alpha", alpha_x, std.ln_alpha_x);
+            continue;
+        }
+        one("alpha_x", alpha_x, std.ln_alpha_x);
+        one("alpha_y", ln(found.alpha_y, truth[group].alpha_y), std.ln_alpha_y);
+        let turn = found.theta_rad - truth[group].theta_rad + FRAC_PI_2;
+        one("theta", turn.rem_euclid(2.0 * FRAC_PI_2) - FRAC_PI_2, std.theta_rad);
+    }
+    for light in &recovery.lights {
+        note(errors, "light", light.factor, Rgb::ONE, Some(light.std));
+    }
+    if recovery.exposure_std.is_some() {
+        note(errors, "exposure", recovery.exposure, Rgb::ONE, recovery.exposure_std);
+    }
+}
+
+#[test]
+fn the_truth_lies_within_two_standard_deviations_as_often_as_it_should() {
+    let scene = room();
+    let tracer = Tracer::new(&scene);
+    let settings = Settings { spp: 4096, seed: 99, ..Settings::default() };
+    let clean = tracer.render(&scene.materials(), &camera(), (SIDE, SIDE), &settings, &|_| {}).mean;
+    let recoveries: Vec<Recovery> = (0..REALISATIONS)
+        .into_par_iter()
+        .map(|realisation| refined(&scene, &tracer, &clean, realisation))
+        .collect();
+    let mut all = Errors::new();
+    recoveries.iter().for_each(|recovery| errors(recovery, &mut all));
+    for (kind, errors) in &all {
+        let n = errors.len() as f32;
+        let within = errors.iter().filter(|e| e.abs() <= 2.0).count() as f32 / n;
+        let rms = (errors.iter().map(|e| e * e).sum::<f32>() / n).sqrt();
+        let mean = errors.iter().sum::<f32>() / n;
+        println!("{kind}: {n} numbers, {within:.3} within two, rms {rms:.2}, mean {mean:.2}");
+    }
+    let unseen = recoveries.iter().map(|r| &r.groups[CEILING]);
+    let recovered: Vec<&GroupResult> = unseen.filter(|g| g.status == Status::Recovered).collect();
+    println!("ceiling recovered in {} of {REALISATIONS}", recovered.len());
+    assert!(recovered.iter().all(|g| g.pixels == 0));
+    assert_eq!(all.len(), 9, "{:?}", all.keys());
+    for (kind, errors) in &all {
+        let within = errors.iter().filter(|e| e.abs() <= 2.0).count() as f32 / errors.len() as f32;
+        assert!((0.9..=0.99).contains(&within), "{kind}: {within}");
+    }
+}
