@@ -5,7 +5,7 @@ use super::document::{Camera as CameraJson, Light as LightJson};
 use super::geometry::unit;
 use super::names::given;
 use glam::{Affine3A, DAffine3, DVec3, Mat3, Vec3};
-use unrender_scene::{Camera, Light, LightKind, Rgb, Warnings};
+use unrender_scene::{Camera, Lens, Light, LightKind, Rgb, Warnings};
 
 /// The light of a node; it stands at the node's origin and shines along its -z.
 pub(super) fn light(
@@ -77,7 +77,7 @@ pub(super) fn camera(
     let world_from_camera = rigid(world_from_node).ok_or_else(|| {
         format!("camera \"{name}\" is scaled to nothing or stands at no finite place; move it")
     })?;
-    Ok(Some(Camera { name, world_from_camera, fov_y_rad, aspect }))
+    Ok(Some(Camera { name, world_from_camera, fov_y_rad, aspect, lens: Lens::default() }))
 }
 
 /// The motion without scale and shear that keeps where the camera looks and, nearly, its right.
