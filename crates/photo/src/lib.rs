@@ -5,6 +5,7 @@
 //! only "at least this much" and are not trusted, nor are their neighbours, into which they may
 //! have bled.
 
+pub mod calibrate;
 pub mod clipping;
 pub mod response;
 
