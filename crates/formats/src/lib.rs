@@ -8,6 +8,7 @@
 
 pub mod atomic;
 pub mod error;
+pub mod fspy;
 pub mod gltf;
 pub mod materials;
 mod names;
@@ -18,4 +19,4 @@ pub mod scene_file;
 mod texels;
 
 pub use error::FileError;
-pub use scene_file::{load_scene, wear};
+pub use scene_file::{load_scene, place, wear};
