@@ -3,8 +3,11 @@
 //! `parse` turns the text into a [`Project`] and checks every number; names are checked against
 //! the scene by [`Project::check_against`], once that is read.
 
+mod camera;
 mod parse;
 mod raw;
+
+pub use camera::CameraTable;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -1,14 +1,14 @@
 //! From the raw project to one whose values are understood; every fault names its key.
 
 use super::raw::{RawAnchor, RawCamera, RawKnown, RawProject};
-use super::{Anchor, CameraChoice, Known, Project};
+use super::{Anchor, CameraChoice, CameraTable, Known, Project};
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Value;
 use unrender_photo::{Exposure, Response};
 use unrender_recover::Thresholds;
-use unrender_scene::{Camera, Lens, Rgb, WardModel, Warnings};
+use unrender_scene::{Lens, Rgb, WardModel, Warnings};
 
 pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), String> {
     let raw: RawProject = toml::from_str(text).map_err(|error| with_line(&error, text))?;
@@ -187,10 +187,8 @@ fn camera(value: Value) -> Result<CameraChoice, String> {
     if sideways.length() < 1e-4 {
         return Err("camera.up: it must not point along the line of sight".into());
     }
-    let fov_y_rad = raw.fov_y_deg.to_radians();
-    let lens = lens(&raw)?;
-    let camera = Camera::look_at("project", eye, target, up, fov_y_rad);
-    Ok(CameraChoice::Placed(Camera { lens, ..camera }))
+    let table = CameraTable { eye, target, up, fov_y_deg: raw.fov_y_deg, lens: lens(&raw)? };
+    Ok(CameraChoice::Placed(table.camera("project")))
 }
 
 fn lens(raw: &RawCamera) -> Result<Lens, String> {
