@@ -267,15 +267,22 @@ fn doubtful_points(
         &|pair| (0..2).any(|n| !(0.0..=sides[n]).contains(&pair.pixel[n])),
         &format!("points that are not in the photo of {width} x {height} pixels"),
     );
-    if let Some(path) = scene {
-        let (scene, _) = unrender_formats::load_scene(path)?;
-        let (low, high) = bounds(&scene);
-        let margin = OUTSIDE * (high - low).max_element();
-        let away = |pair: &Pair| {
-            let point = DVec3::from_array(pair.point).as_vec3();
-            (point - point.clamp(low, high)).length() > margin
-        };
-        tell(&away, "points outside the scene; are they in its axes, in metres?");
+    let Some(path) = scene else { return Ok(warnings) };
+    if !path.is_file() {
+        return Err(FileError::new(path, "there is no such scene file").into());
+    }
+    // A scene that lacks its lights yet is no reason not to calibrate.
+    match unrender_formats::load_scene(path) {
+        Ok((scene, _)) => {
+            let (low, high) = bounds(&scene);
+            let margin = OUTSIDE * (high - low).max_element();
+            let away = |pair: &Pair| {
+                let point = DVec3::from_array(pair.point).as_vec3();
+                (point - point.max(low).min(high)).length() > margin
+            };
+            tell(&away, "points outside the scene; are they in its axes, in metres?");
+        }
+        Err(error) => warnings.push(format!("the points were not held against the scene: {error}")),
     }
     Ok(warnings)
 }
