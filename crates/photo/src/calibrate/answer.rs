@@ -101,6 +101,8 @@ pub(super) struct Found {
     pub(super) believed: Vec<bool>,
     /// Another camera that fits nearly as well.
     pub(super) other: Option<Model>,
+    /// What should not have been held, and the residual that it would leave.
+    pub(super) missed: Vec<(&'static str, f64)>,
 }
 
 /// The numbers of what was found; `sights` are the `pairs` in the picture's own frame.
@@ -159,7 +161,7 @@ pub(super) fn answer(
         warnings: Warnings::default(),
         size,
     };
-    doubts(&mut calibration, up.y, found.other.as_ref());
+    doubts(&mut calibration, up.y, found);
     calibration
 }
 
@@ -176,18 +178,25 @@ fn rejected(pairs: &[Pair], sights: &[Sight], believed: &[bool], model: &Model) 
     out
 }
 
-fn doubts(calibration: &mut Calibration, up_y: f64, other: Option<&Model>) {
+fn doubts(calibration: &mut Calibration, up_y: f64, found: &Found) {
     let warnings = &mut calibration.warnings;
     let (width, height) = calibration.size;
     let diagonal = (width as f64).hypot(height as f64);
     if calibration.sigma_px > UNUSUAL * diagonal {
         warnings.push(format!(
             "the pairs are {:.1} px off in each coordinate, more than measured points should be; \
-             check them, or the lens bends lines: find its distortion",
+             check them",
             calibration.sigma_px
         ));
     }
-    if let Some(other) = other {
+    for (name, rms_px) in &found.missed {
+        warnings.push(format!(
+            "find the {name} too: with it the pairs fit to {rms_px:.2} px instead of {:.2} px rms, \
+             and what is held wrongly makes the other numbers wrong",
+            calibration.rms_px
+        ));
+    }
+    if let Some(other) = &found.other {
         let [x, y, z] = other.eye.into();
         warnings.push(format!(
             "the points lie nearly in one plane, and a camera at ({x:.3}, {y:.3}, {z:.3}) explains \

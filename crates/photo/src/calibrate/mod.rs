@@ -29,7 +29,7 @@ pub use error::CalibrateError;
 use layout::Layout;
 use model::{Free, Model, Sight};
 use nalgebra::{Matrix3, Vector2, Vector3};
-use robust::{Agreement, agree, select};
+use robust::{Agreement, LEAST_SIGMA, agree, greatest_chance, select};
 use unrender_formats::points::Pair;
 
 /// Mirrored pairs must fit so many times better before the world is called mirrored ...
@@ -40,6 +40,8 @@ const DOUBTFUL: f64 = 1e-3;
 const SENSELESS: f64 = 0.02;
 /// Another pose fits nearly as well with up to so many times the squared residuals.
 const NEARLY: f64 = 4.0;
+/// So many equations must be left over before a number that was held is doubted.
+const LEAST_FREEDOM: usize = 6;
 /// A focal length whose relative standard deviation is above this is not determined.
 const VAGUE: f64 = 0.5;
 
@@ -121,7 +123,8 @@ pub fn calibrate(
     if vague {
         return Err(undetermined(6, free));
     }
-    let found = answer::Found { model, certainty, believed: agreed.believed, other };
+    let missed = missed(&model, &chosen, free);
+    let found = answer::Found { model, certainty, believed: agreed.believed, other, missed };
     Ok(answer::answer(pairs, &sights, size, free, &found))
 }
 
@@ -226,6 +229,29 @@ fn undetermined(number: usize, free: Free) -> CalibrateError {
         _ => "measure points up to the picture's corners, or leave it out",
     };
     CalibrateError::Undetermined { what, remedy: remedy.into() }
+}
+
+/// What was held although the pairs tell that it is something else, with the root of the mean
+/// squared residual that it would leave, pixels. The fall of the squares by two numbers more is
+/// held against chance as a wrong pair is.
+fn missed(model: &Model, sights: &[Sight], free: Free) -> Vec<(&'static str, f64)> {
+    let with_bend = Free { distortion: true, ..free };
+    let with_shift = Free { principal_point: true, ..free };
+    let mut missed = Vec::new();
+    for (more, name) in [(with_bend, "distortion"), (with_shift, "principal point")] {
+        let in_vain = more == free || check_layout(sights, more).is_err();
+        if in_vain || 2 * sights.len() < more.count() + LEAST_FREEDOM {
+            continue;
+        }
+        let better = refine::refine(model, sights, more, refine::FINAL);
+        let (before, after) = (model.cost(sights), better.cost(sights));
+        let freedom = 2 * sights.len() - more.count();
+        let variance = (after / freedom as f64).max(LEAST_SIGMA.powi(2));
+        if (before - after) / (2.0 * variance) > greatest_chance(freedom) {
+            missed.push((name, (after / sights.len() as f64).sqrt()));
+        }
+    }
+    missed
 }
 
 /// The other pose of points that lie nearly in a plane: turned about the line of sight as the cube

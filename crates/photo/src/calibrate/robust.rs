@@ -27,7 +27,7 @@ const TURNS: usize = 20;
 /// The chance that a good pair is thrown out.
 const CHANCE: f64 = 1e-5;
 /// No pair is wrong for differences that small, whatever the others do, pixels.
-const LEAST_SIGMA: f64 = 0.2;
+pub(super) const LEAST_SIGMA: f64 = 0.2;
 /// Squared residuals of the best 60 % of pairs times this are those of all, for normal errors.
 const TRIMMED: f64 = 2.57;
 /// The first guess of who is right: residuals up to so many standard deviations.
@@ -173,7 +173,7 @@ fn fits(model: &Model, sight: &Sight, believed: bool, free: Free, certainty: &Ce
 
 /// The value that F(2, freedom) exceeds with the probability [`CHANCE`]:
 /// `P(F > x) = (1 + 2 x / freedom)^(-freedom / 2)`.
-fn greatest_chance(freedom: usize) -> f64 {
+pub(super) fn greatest_chance(freedom: usize) -> f64 {
     let half = 0.5 * freedom as f64;
     half * (CHANCE.powf(-1.0 / half) - 1.0)
 }

@@ -62,7 +62,7 @@ pub struct Args {
     /// The camera's name in a .glb.
     #[arg(long, value_name = "NAME", default_value = "calibrated")]
     pub name: String,
-    /// A project file (.toml), which is made, or whose [camera] is replaced; or the scene with the
+    /// A project file (.toml), which is made, or whose camera is replaced; or the scene with the
     /// camera in it (.glb).
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
