@@ -120,6 +120,8 @@ fn reaches_the_bound(what: &str, truth: &Truth, points: &[DVec3], request: &Requ
         let pairs = truth.pairs(points, SIGMA, &mut random);
         let calibration = calibrate(&pairs, SIZE, request).unwrap();
         assert!(calibration.rejected.is_empty(), "{what}: {:?}", calibration.rejected);
+        let doubted = calibration.warnings.0.iter().any(|w| w.starts_with("find the"));
+        assert!(!doubted, "{what}: {:?}", calibration.warnings);
         let found = found(&calibration);
         for (n, &number) in free.iter().enumerate() {
             let std = found[number].std.expect("free numbers have a deviation");

@@ -221,6 +221,25 @@ fn a_plane_seen_from_afar_has_two_poses() {
 }
 
 #[test]
+fn a_mirrored_floor_is_doubted() {
+    let mut random = Random(17);
+    let tile = |n: usize| DVec3::new(0.45 * (n % 4) as f64, 0.0, 0.45 * (n / 4) as f64);
+    let points: Vec<DVec3> = (0..16).map(tile).collect();
+    let truth = Truth::pinhole([2.6, 1.5, 2.4], [0.7, 0.0, 0.7], 1300.0);
+    let good = truth.pairs(&points, 0.5, &mut random);
+    let told = |spoil: &dyn Fn(&mut Pair)| {
+        let mut pairs = good.clone();
+        pairs.iter_mut().for_each(spoil);
+        calibrate(&pairs, SIZE, &Request::default()).unwrap().warnings.0
+    };
+    assert_eq!(told(&|_| {}), [""; 0]);
+    let from_bottom = told(&|pair| pair.pixel[1] = SIZE.1 as f64 - pair.pixel[1]);
+    assert!(from_bottom[0].contains("below the points"), "{from_bottom:?}");
+    let left_handed = told(&|pair| pair.point[2] = -pair.point[2]);
+    assert!(left_handed[0].contains("upside down"), "{left_handed:?}");
+}
+
+#[test]
 fn the_camera_shows_the_points_where_they_were_seen() {
     let truth =
         Truth { k: [-0.15, 0.03], principal_point: DVec2::new(20.0, -10.0), roll: 0.4, ..view() };

@@ -1,5 +1,6 @@
 //! The camera in numbers that people use, each with its standard deviation.
 
+use super::layout::Layout;
 use super::model::{Free, Model, Sight};
 use super::refine::Certainty;
 use super::robust::distance;
@@ -161,7 +162,7 @@ pub(super) fn answer(
         warnings: Warnings::default(),
         size,
     };
-    doubts(&mut calibration, up.y, found);
+    doubts(&mut calibration, found, &good);
     calibration
 }
 
@@ -178,7 +179,7 @@ fn rejected(pairs: &[Pair], sights: &[Sight], believed: &[bool], model: &Model) 
     out
 }
 
-fn doubts(calibration: &mut Calibration, up_y: f64, found: &Found) {
+fn doubts(calibration: &mut Calibration, found: &Found, good: &[Sight]) {
     let warnings = &mut calibration.warnings;
     let (width, height) = calibration.size;
     let diagonal = (width as f64).hypot(height as f64);
@@ -203,11 +204,8 @@ fn doubts(calibration: &mut Calibration, up_y: f64, found: &Found) {
              them nearly as well; measure points off the plane"
         ));
     }
-    if up_y < 0.0 {
-        warnings.push(
-            "the camera hangs upside down: if yours did not, the points lie in a plane that it sees \
-             from the wrong side; y_px counts from the top, and the points' y goes up",
-        );
+    if let Some(doubt) = wrong_side(&found.model, good) {
+        warnings.push(doubt);
     }
     if !calibration.camera("").covers(width, height) {
         calibration.warnings.push(
@@ -215,6 +213,26 @@ fn doubts(calibration: &mut Calibration, up_y: f64, found: &Found) {
              leave it out",
         );
     }
+}
+
+/// Mirrored measurements of points in a plane fit as well as good ones, but the camera sees the
+/// plane from its other side: what is odd about that.
+fn wrong_side(model: &Model, good: &[Sight]) -> Option<&'static str> {
+    /// How level a floor or a ceiling is, the cosine of its slope.
+    const LEVEL: f64 = 0.8;
+    let (centre, normal) = Layout::plane(good)?;
+    // The camera's second axis points downwards in the picture.
+    if model.camera_from_world[(1, 1)] > 0.0 {
+        return Some(
+            "the camera hangs upside down: if yours did not, it sees the plane of the points from \
+             the wrong side; y_px counts from the top, and the points' axes are right-handed",
+        );
+    }
+    let below = normal.y.abs() > LEVEL && model.eye.y < centre.y;
+    below.then_some(
+        "the camera is below the points, as below a ceiling: if they are on a floor, it sees that \
+         from the wrong side; y_px counts from the top, and the points' axes are right-handed",
+    )
 }
 
 struct Deviations<'a> {
