@@ -1,9 +1,12 @@
 //! materials.json: read leniently, written in a fixed order, put onto a scene.
 
+use glam::Vec3;
 use std::path::{Path, PathBuf};
-use unrender_formats::materials::{self, GroupEntry, Hypothesis, MaterialsFile, Status, StdEntry};
+use unrender_formats::materials::{
+    self, AlternativeEntry, GroupEntry, Hypothesis, LightEntry, MaterialsFile, Status, StdEntry,
+};
 use unrender_formats::picture;
-use unrender_scene::{Group, Image, Material, Rgb, Scene, WardModel};
+use unrender_scene::{Group, Image, Light, LightKind, Material, Rgb, Scene, WardModel};
 
 fn folder(test: &str) -> PathBuf {
     let folder =
@@ -44,6 +47,87 @@ fn a_truth_file_reads_and_applies() {
     assert_eq!((wall.rho_d, wall.rho_s), (Rgb::new(0.66, 0.5, 0.4), Rgb::ZERO));
     assert_eq!(wall.alpha_x, 0.2, "null means as in the scene");
     assert_eq!(other, Material::isotropic(Rgb::splat(0.5), Rgb::splat(0.25), 0.2));
+}
+
+#[test]
+fn lights_shine_as_the_file_says() {
+    let file = parsed(
+        r#"{"groups": {}, "lights": {
+            "lamp": {"intensity": [1, 2.5, 40], "std": null},
+            "sun": {"intensity": [3, 2, 1], "std": [0.1, 0.1, 0.1], "note": "bright"},
+            "spot": {"intensity": null}, "floor": {"intensity": [1, 1, 1]},
+            "twin": {"intensity": [1, 1, 1]}}}"#,
+    );
+    let mut scene = scene(&["floor", "lamp"]);
+    scene.groups[1].emission = Rgb::ONE;
+    let (position, direction, half) = (Vec3::ZERO, Vec3::NEG_Y, Rgb::splat(0.5));
+    for (name, kind) in [
+        ("sun", LightKind::Directional { direction, irradiance: half }),
+        (
+            "spot",
+            LightKind::Spot {
+                position,
+                direction,
+                intensity: half,
+                inner_rad: 0.1,
+                outer_rad: 0.2,
+            },
+        ),
+        ("twin", LightKind::Point { position, intensity: half }),
+        ("twin", LightKind::Point { position, intensity: half }),
+    ] {
+        scene.lights.push(Light { name: name.into(), kind });
+    }
+    let warnings = materials::apply(&file, Path::new("."), &mut scene).unwrap();
+    let told = [
+        "the scene has no light \"floor\"; its numbers were not used",
+        "the scene has several lights called \"twin\"; its numbers were not used",
+    ];
+    assert_eq!(warnings.0, told);
+    let strengths: Vec<Rgb> = scene.sources().map(|source| source.strength).collect();
+    let wanted = [Rgb::new(1.0, 2.5, 40.0), Rgb::new(3.0, 2.0, 1.0), half, half, half];
+    assert_eq!(strengths, wanted);
+    assert_eq!(scene.groups[0].emission, Rgb::ZERO);
+
+    let file = parsed(r#"{"groups": {}, "lights": {"lamp": {"intensity": [1, -2, 0]}}}"#);
+    let error = materials::apply(&file, Path::new("a"), &mut scene).unwrap_err().to_string();
+    assert!(error.contains("light \"lamp\": intensity is -2"), "{error}");
+}
+
+#[test]
+fn lights_and_alternatives_come_back_and_are_left_out_where_there_are_none() {
+    let folder = folder("lights");
+    let path = folder.join("materials.json");
+    let mut file = MaterialsFile::default();
+    let light = |intensity, std| LightEntry { intensity, std };
+    file.lights.insert("z".into(), light(Some([1.0, 2.0, 0.1]), Some([0.1, f32::NAN, 0.1])));
+    file.lights.insert("a".into(), light(Some([f32::INFINITY; 3]), Some([0.5; 3])));
+    let alternative = AlternativeEntry {
+        hypothesis: Some(Hypothesis::Isotropic),
+        rho_d: Some([0.1, 0.2, 0.3]),
+        rho_s: Some([f32::NAN; 3]),
+        alpha_x: Some(0.2),
+        alpha_y: Some(0.2),
+        theta_deg: None,
+        error: Some(0.004),
+    };
+    let group = GroupEntry { alternatives: vec![alternative], ..GroupEntry::default() };
+    file.groups.insert("floor".into(), group);
+    materials::write(&path, &file).unwrap();
+    file.lights["z"].std = None;
+    file.lights["a"].intensity = None;
+    file.groups["floor"].alternatives[0].rho_s = None;
+    assert_eq!(materials::read(&path).unwrap(), file);
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.find("\"z\"").unwrap() < text.find("\"a\"").unwrap(), "{text}");
+    assert!(text.contains("\"std\": null") && text.contains("\"alternatives\""), "{text}");
+
+    file.lights.clear();
+    file.groups["floor"].alternatives.clear();
+    materials::write(&path, &file).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(!text.contains("lights") && !text.contains("alternatives"), "{text}");
+    std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]

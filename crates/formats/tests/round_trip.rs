@@ -189,6 +189,66 @@ fn a_dressed_file_keeps_the_rest() {
 }
 
 #[test]
+fn a_dressed_file_shines_as_the_scene_does() {
+    let folder = Folder::new();
+    let source = changed(|json, _| {
+        let punctual = |light: usize| json!({ "KHR_lights_punctual": { "light": light } });
+        json["nodes"] = json!([
+            { "name": "tri", "mesh": 0, "children": [1] },
+            { "name": "left", "extensions": punctual(1) },
+            { "name": "right", "extensions": punctual(1), "translation": [1, 0, 0] },
+            { "extensions": punctual(0), "rotation": [0.6, 0, 0, 0.8] },
+            { "name": "kept", "extensions": punctual(2) },
+        ]);
+        json["scenes"][0]["nodes"] = json!([0, 3, 2, 4]);
+        json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [
+            { "name": "sun", "type": "directional", "intensity": 3 },
+            { "type": "spot", "color": [1, 0.5, 0.1], "range": 9, "spot": { "outerConeAngle": 0.5 } },
+            { "type": "point", "color": [0.3, 0.2, 0.1], "intensity": 0.7 },
+        ] } });
+        json["materials"][0]["emissiveTexture"] = json!({ "index": 0 });
+    });
+    let path = folder.file("source.glb", &source);
+    let (mut scene, _) = load_scene(&path).unwrap();
+    let same = json_of(&wear(&path, &scene).unwrap());
+    assert_eq!(same["extensions"], json_of(&source)["extensions"]);
+    assert_eq!(same["materials"][0]["emissiveFactor"], json!([1, 0.5, 0.25]));
+    assert!(same["materials"][0].get("emissiveTexture").is_some());
+
+    let names: Vec<&str> = scene.sources().map(|source| source.name).collect();
+    assert_eq!(names, ["lamp", "left", "sun", "right", "kept"]);
+    let strengths = [
+        Rgb::new(0.1, 1e-3, 1.0 / 3.0),
+        Rgb::new(123.456, 7.0, 0.0),
+        Rgb::splat(0.9),
+        Rgb::new(0.3, 40.1, 2e-7),
+    ];
+    for (index, strength) in strengths.into_iter().enumerate() {
+        *scene.strength_mut(index).unwrap() = strength;
+    }
+    let bytes = wear(&path, &scene).unwrap();
+    let (back, _) = load_scene(&folder.file("worn.glb", &bytes)).unwrap();
+    assert_eq!((&back.lights, &back.groups), (&scene.lights, &scene.groups));
+    let json = json_of(&bytes);
+    let lights = &json["extensions"]["KHR_lights_punctual"]["lights"];
+    assert_eq!(lights.as_array().unwrap().len(), 5, "what two nodes shared has become two");
+    assert_eq!(lights[1], json_of(&source)["extensions"]["KHR_lights_punctual"]["lights"][1]);
+    assert_eq!(lights[2], json!({ "type": "point", "color": [0.3, 0.2, 0.1], "intensity": 0.7 }));
+    assert_eq!((&lights[3]["range"], &lights[3]["type"]), (&json!(9), &json!("spot")));
+    assert!(json["materials"][0].get("emissiveTexture").is_none(), "it shines alike all over");
+    let used = json["extensionsUsed"].as_array().unwrap();
+    assert!(!used.contains(&json!("KHR_materials_emissive_strength")), "{used:?}");
+
+    // Brighter than one: the colour stays within glTF's bounds, and the product is exact.
+    scene.groups[0].emission = Rgb::new(41.3, 12.34, 0.1);
+    let bytes = wear(&path, &scene).unwrap();
+    let (back, _) = load_scene(&folder.file("worn.glb", &bytes)).unwrap();
+    assert_eq!(back.groups, scene.groups);
+    let factor = &json_of(&bytes)["materials"][0]["emissiveFactor"];
+    assert!(factor.as_array().unwrap().iter().all(|c| c.as_f64().unwrap() <= 1.0), "{factor}");
+}
+
+#[test]
 fn buffers_and_pictures_beside_the_file_are_embedded() {
     let folder = Folder::new();
     let picture = {
@@ -242,7 +302,11 @@ fn damaged_textures_and_lights_never_panic() {
     let mut numbers = Numbers(11);
     for _ in 0..2000 {
         let path = folder.file("a.glb", damaged(&whole, &mut numbers));
-        if let Ok((scene, _)) = load_scene(&path) {
+        if let Ok((mut scene, _)) = load_scene(&path) {
+            wear(&path, &scene).unwrap();
+            for index in 0..scene.groups.len() + scene.lights.len() {
+                *scene.strength_mut(index).unwrap() *= 0.3;
+            }
             wear(&path, &scene).unwrap();
             gltf::to_glb(&scene).unwrap();
         }

@@ -33,6 +33,9 @@ pub struct Observed {
     pub radiance: Rgb,
     /// The variance of its noise.
     pub variance: Rgb,
+    /// The radiance around it, dark pixels raised to a share of the group's mean: what relative
+    /// errors are relative to.
+    pub level: Rgb,
     /// The weight of its residual in fits.
     pub weight: Rgb,
 }
@@ -186,9 +189,11 @@ pub fn observe(
     let dark = Rgb::splat(DARK * mean.max_element()).max(DARK * mean);
     let one = |&pixel: &u32| {
         let variance = exposure * exposure * observation.noise_variance(group, pixel);
-        let level = value(&observation.smooth, pixel).max(dark) * RELATIVE;
-        let weight = (variance + level * level).max(Rgb::splat(f32::MIN_POSITIVE)).recip();
-        Observed { pixel, radiance: value(&observation.picture.values, pixel), variance, weight }
+        let level = value(&observation.smooth, pixel).max(dark);
+        let tolerance = level * RELATIVE;
+        let weight = (variance + tolerance * tolerance).max(Rgb::splat(f32::MIN_POSITIVE)).recip();
+        let radiance = value(&observation.picture.values, pixel);
+        Observed { pixel, radiance, variance, level, weight }
     };
     pixels.iter().map(one).collect()
 }

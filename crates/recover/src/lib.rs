@@ -16,6 +16,7 @@ pub mod observation;
 mod picture;
 pub mod problem;
 pub mod record;
+mod refine;
 pub mod rerender;
 
 pub use hypothesis::Hypothesis;
@@ -23,7 +24,9 @@ pub use observation::{Observation, Picture};
 pub use problem::{
     ExposureRule, GroupSpec, LadderKind, Options, Problem, RecoverError, Role, Thresholds,
 };
-pub use record::{GroupResult, Observer, Recovery, Status, Termination, TurnRecord};
+pub use record::{
+    Deviations, GroupResult, LightResult, Observer, Recovery, Status, Termination, TurnRecord,
+};
 pub use rerender::{Renderer, View};
 
 use ladder::{State, climb, paper};
@@ -39,7 +42,12 @@ pub fn recover(
 ) -> Result<Recovery, RecoverError> {
     let mut state = State::new(problem)?;
     let termination = match options.ladder {
-        LadderKind::Default => climb::climb(&mut state, options, observer)?,
+        LadderKind::Default => {
+            let climbed = climb::climb(&mut state, options, observer)?;
+            let refined = options.refine.then(|| refine::refine(&mut state, options, observer));
+            climb::finish_textures(&mut state, options);
+            refined.unwrap_or(climbed)
+        }
         LadderKind::Paper => paper::climb(&mut state, options, observer)?,
     };
     Ok(picture::finish(state, options, termination, observer))

@@ -26,6 +26,8 @@ pub(crate) fn finish(
     Recovery {
         groups,
         exposure: state.exposure,
+        exposure_std: state.exposure_std,
+        lights: state.light_results,
         rerendered: RgbImage::new(geometry.width(), geometry.height(), mean),
         turns: state.turns,
         termination,
@@ -68,6 +70,7 @@ fn group_result(state: &State<'_>, group: usize, halves: &[Vec<Rgb>; 2]) -> Grou
         status: standing.status,
         hypothesis: standing.hypothesis,
         material: state.materials[group].clone(),
+        std: standing.std,
         direction: direction(state, group),
         seen_texels: standing.seen_texels.clone(),
         pixels: observation.all_pixels_of_group[group].len(),

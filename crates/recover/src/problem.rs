@@ -15,6 +15,9 @@ pub struct Problem<'a> {
     pub groups: Vec<GroupSpec>,
     /// What turns the photograph's values into radiance.
     pub exposure: ExposureRule,
+    /// The sources of light whose brightness is asked for too, numbered as in
+    /// [`unrender_render::Appearance::lights`].
+    pub unknown_lights: Vec<usize>,
 }
 
 /// What is known of a group beforehand.
@@ -76,8 +79,11 @@ pub struct Options {
     pub spp: u32,
     /// Reflections along a path at most.
     pub max_bounces: u32,
-    /// Global re-renderings at most.
+    /// Global re-renderings of the ladder at most.
     pub max_turns: usize,
+    /// Whether all parameters are refined together after the default ladder, with their standard
+    /// deviations.
+    pub refine: bool,
 }
 
 impl Default for Options {
@@ -89,6 +95,7 @@ impl Default for Options {
             spp: 64,
             max_bounces: unrender_render::path::MAX_BOUNCES,
             max_turns: 100,
+            refine: true,
         }
     }
 }

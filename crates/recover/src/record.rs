@@ -13,6 +13,10 @@ pub struct Recovery {
     pub groups: Vec<GroupResult>,
     /// Scene radiance per unit of the photograph's linear values.
     pub exposure: Rgb,
+    /// The standard deviation of the exposure, where it was asked for.
+    pub exposure_std: Option<Rgb>,
+    /// The sources of light whose brightness was asked for.
+    pub lights: Vec<LightResult>,
     /// The photograph's view rendered with the recovered materials, radiance.
     pub rerendered: RgbImage,
     /// One record a global re-rendering.
@@ -32,6 +36,8 @@ pub struct GroupResult {
     pub hypothesis: Hypothesis,
     /// The parameters.
     pub material: Material,
+    /// How well they are known; none where nothing was free or nothing was refined.
+    pub std: Option<Deviations>,
     /// The brushed direction in world space where the group is seen best: the tangent of its middle
     /// pixel turned by theta. None where no pixel shows the group.
     pub direction: Option<Vec3>,
@@ -48,6 +54,32 @@ pub struct GroupResult {
     pub story: Vec<Trial>,
     /// What the user should know about it.
     pub note: Option<String>,
+}
+
+/// Standard deviations of a group's numbers; none for numbers that were not free.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Deviations {
+    /// Of the diffuse reflectance; of a textured group, of one texel.
+    pub rho_d: Option<Rgb>,
+    /// Of the specular reflectance.
+    pub rho_s: Option<Rgb>,
+    /// Of the roughness along the brushed direction, relative to it.
+    pub ln_alpha_x: Option<f32>,
+    /// Of the roughness across it, relative to it.
+    pub ln_alpha_y: Option<f32>,
+    /// Of the brushed direction, radians.
+    pub theta_rad: Option<f32>,
+}
+
+/// What came out for one source of light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightResult {
+    /// Its number, as in [`unrender_render::Appearance::lights`].
+    pub source: usize,
+    /// How many times as bright as in the scene it is.
+    pub factor: Rgb,
+    /// The standard deviation of that.
+    pub std: Rgb,
 }
 
 /// One rung tried on one group.
@@ -68,6 +100,8 @@ pub struct Trial {
 /// One global re-rendering.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TurnRecord {
+    /// Whether it was a pass of the joint refinement.
+    pub refining: bool,
     /// Counted from one.
     pub turn: usize,
     /// The largest change of a reflectance, and of the logarithm of a roughness.
@@ -87,6 +121,10 @@ pub enum Termination {
     Settled,
     /// The limit of global re-renderings was reached.
     TurnLimit,
+    /// All parameters were refined together, until no step was larger than its uncertainty.
+    Refined,
+    /// They were refined together, and still moved by more than that at the limit of passes.
+    RefinementLimit,
 }
 
 impl Termination {
@@ -94,6 +132,14 @@ impl Termination {
     pub fn message(self, turns: usize) -> String {
         match self {
             Self::Settled => format!("settled after {turns} global re-renderings"),
+            Self::Refined => format!(
+                "refined together until no step was larger than its own uncertainty, after {turns} \
+                 global re-renderings"
+            ),
+            Self::RefinementLimit => format!(
+                "stopped at the limit of passes, after {turns} global re-renderings, while a step \
+                 was still larger than its own uncertainty"
+            ),
             Self::TurnLimit => {
                 format!("stopped at the limit of {turns} global re-renderings before settling")
             }

@@ -79,6 +79,24 @@ impl Stripes {
         rho_d * irradiance * FRAC_1_PI + material.rho_s * shine
     }
 
+    /// Central differences.
+    fn derivative(&self, material: &Material, group: u32, by: Parameter, pixel: u32) -> Rgb {
+        const STEP: f32 = 1e-3;
+        let moved = |step: f32| {
+            let mut moved = material.clone();
+            match by {
+                Parameter::RhoD(g) if g == group => moved.rho_d += step,
+                Parameter::RhoS(g) if g == group => moved.rho_s += step,
+                Parameter::AlphaX(g) if g == group => moved.alpha_x += step,
+                Parameter::AlphaY(g) if g == group => moved.alpha_y += step,
+                Parameter::Theta(g) if g == group => moved.theta_rad += step,
+                _ => {}
+            }
+            self.radiance(&moved, pixel)
+        };
+        (moved(STEP) - moved(-STEP)) / (2.0 * STEP)
+    }
+
     fn photograph(&self) -> Picture {
         let radiance = |i: usize| {
             let group = self.geometry.pixels()[i].group as usize;
@@ -136,13 +154,22 @@ impl Renderer for Stripes {
 
     fn jacobian(
         &self,
-        _: Appearance<'_>,
-        _: &[u32],
-        _: &[Parameter],
+        appearance: Appearance<'_>,
+        pixels: &[u32],
+        parameters: &[Parameter],
         _: &Settings,
         _: Option<&SeenRadiance>,
     ) -> Jacobian {
-        unimplemented!()
+        let mut jacobian = Jacobian::default();
+        for &pixel in pixels {
+            let group = self.geometry.pixels()[pixel as usize].group;
+            let material = &appearance.materials[group as usize];
+            jacobian.radiance.push(self.radiance(material, pixel));
+            for parameter in parameters {
+                jacobian.derivatives.push(self.derivative(material, group, *parameter, pixel));
+            }
+        }
+        jacobian
     }
 
     fn rerender(&self, appearance: Appearance<'_>, pixels: &[u32], _: &Settings) -> Vec<Rgb> {
@@ -208,6 +235,7 @@ fn recovered(
         renderer,
         groups: (0..groups).map(spec).collect(),
         exposure,
+        unknown_lights: Vec::new(),
     };
     recover(&problem, options, &mut ()).unwrap()
 }

@@ -97,6 +97,12 @@ impl Emitters {
         Self { triangles: emitting, punctual, first_punctual, cumulative, index_of }
     }
 
+    /// The number of sources: all groups, whether they emit or not, and the lights without a
+    /// surface.
+    pub fn source_count(&self) -> usize {
+        self.first_punctual as usize + self.punctual.len()
+    }
+
     /// The radiance that a triangle emits from its front.
     pub fn radiance(&self, triangle: u32) -> Rgb {
         match self.index_of[triangle as usize] {

@@ -37,10 +37,10 @@ pub struct Film {
 }
 
 /// Keeps the numbers of pictures apart from those of probes under the same seed.
-const STREAM: u64 = 0x0F11_0000_0000_0000;
+pub(crate) const STREAM: u64 = 0x0F11_0000_0000_0000;
 
 /// Pixels that one task renders before it reports progress.
-const CHUNK: usize = 256;
+pub(crate) const CHUNK: usize = 256;
 
 impl Tracer {
     /// Renders what `camera` sees in `width` x `height` pixels. `progress` hears the share done, 0

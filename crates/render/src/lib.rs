@@ -19,6 +19,7 @@
 
 pub mod accel;
 pub mod bsdf;
+pub mod caustic;
 pub mod emitters;
 pub mod film;
 pub mod geometry;

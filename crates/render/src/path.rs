@@ -5,9 +5,15 @@
 //! `integral f(wo, wi) L(wi) cos_i dwi`. The integral is estimated by one light sample and one
 //! direction drawn from the reflectance; the direction's ray goes on as the path. Light that both
 //! could have found is shared out by their densities. Perfect mirrors take no light samples.
+//!
+//! A path is walked in one place, `Transport::walk`, and tells a `Ledger` what it meets:
+//! [`Transport::reflected`] adds up the light, the Jacobian (module [`crate::jacobian`]) also how
+//! it changes.
 
 use crate::accel::{self, Ray};
-use crate::bsdf::Bsdf;
+use crate::bsdf::{Bsdf, BsdfSample};
+use crate::caustic::Shiny;
+use crate::emitters::LightSample;
 use crate::sampler::Sampler;
 use crate::seen::Lookup;
 use crate::surface::{Frame, Surface};
@@ -22,13 +28,93 @@ const ROULETTE_FROM: u32 = 3;
 /// A path survives a bounce with this probability at most, so that none lives for ever.
 const SURVIVAL_MAX: f32 = 0.98;
 
-/// The light transport of one scene under one appearance.
+/// A surface on a path, with all that scatters light there.
 #[derive(Clone, Copy)]
+pub(crate) struct Vertex<'a> {
+    pub(crate) surface: &'a Surface,
+    /// The reflectance that directions are drawn from.
+    pub(crate) bsdf: &'a Bsdf,
+    /// Its brushed frame, in which `wo` and all other directions of the vertex are given.
+    frame: &'a Frame,
+    /// Unit vector back along the path.
+    pub(crate) wo: Vec3,
+}
+
+/// What a path meets is told to a ledger, in the path's order. `throughput` is the share of the
+/// light from there that the camera sees, by the appearance that directions are drawn from.
+pub(crate) trait Ledger {
+    /// The path stands at a surface that reflects.
+    fn arrive(&mut self, at: &Vertex<'_>);
+
+    /// `light` arrives there unhindered from `wi`; `f_cos` is the reflectance times the cosine,
+    /// `share` what light samples have to account for of light that both strategies find.
+    fn direct(
+        &mut self,
+        throughput: Rgb,
+        at: &Vertex<'_>,
+        wi: Vec3,
+        f_cos: Rgb,
+        light: &LightSample,
+        share: f32,
+    );
+
+    /// The path goes on in the direction of `sample`, which it did with the probability `survival`.
+    fn bounce(&mut self, at: &Vertex<'_>, sample: &BsdfSample, survival: f32);
+
+    /// The ray meets the source `source`, which emits `radiance` in the scene as it is; `share` is
+    /// what rays have to account for.
+    fn emission(&mut self, throughput: Rgb, source: u32, radiance: Rgb, share: f32);
+
+    /// The path ends at a surface of known radiance.
+    fn known(&mut self, throughput: Rgb, radiance: Rgb);
+}
+
+/// The ledger that adds up radiance.
+struct Sum<'a> {
+    appearance: Appearance<'a>,
+    radiance: Rgb,
+}
+
+impl Ledger for Sum<'_> {
+    #[inline]
+    fn arrive(&mut self, _: &Vertex<'_>) {}
+
+    #[inline]
+    fn direct(
+        &mut self,
+        throughput: Rgb,
+        _: &Vertex<'_>,
+        _: Vec3,
+        f_cos: Rgb,
+        light: &LightSample,
+        share: f32,
+    ) {
+        let factor = self.appearance.light(light.source);
+        self.radiance += throughput * (f_cos * light.weight * factor * share);
+    }
+
+    #[inline]
+    fn bounce(&mut self, _: &Vertex<'_>, _: &BsdfSample, _: f32) {}
+
+    #[inline]
+    fn emission(&mut self, throughput: Rgb, source: u32, radiance: Rgb, share: f32) {
+        self.radiance += throughput * (radiance * self.appearance.light(source)) * share;
+    }
+
+    #[inline]
+    fn known(&mut self, throughput: Rgb, radiance: Rgb) {
+        self.radiance += throughput * radiance;
+    }
+}
+
+/// The light transport of one scene under one appearance.
+#[derive(Clone)]
 pub struct Transport<'a> {
     tracer: &'a Tracer,
     appearance: Appearance<'a>,
     max_bounces: u32,
     seen: Option<Lookup<'a>>,
+    shiny: Vec<Shiny>,
 }
 
 impl<'a> Transport<'a> {
@@ -37,10 +123,12 @@ impl<'a> Transport<'a> {
     /// # Panics
     /// Later, if the appearance has fewer materials than groups.
     pub fn new(tracer: &'a Tracer, appearance: Appearance<'a>, max_bounces: u32) -> Self {
-        Self { tracer, appearance, max_bounces, seen: None }
+        let shiny = tracer.caustics.shiny(&appearance);
+        Self { tracer, appearance, max_bounces, seen: None, shiny }
     }
 
-    /// The same transport, but paths end where `seen` knows the radiance.
+    /// The same transport, but paths end where `seen` knows the radiance; never at the surface of
+    /// the reflection number zero, which the camera itself looks at.
     pub fn ending_at(self, seen: Option<Lookup<'a>>) -> Self {
         Self { seen, ..self }
     }
@@ -57,17 +145,26 @@ impl<'a> Transport<'a> {
 
     /// The radiance that `surface` emits to its viewer: from the front only.
     pub fn emitted(&self, surface: &Surface) -> Rgb {
-        if !surface.front {
-            return Rgb::ZERO;
-        }
-        self.tracer.emitters.radiance(surface.triangle) * self.appearance.light(surface.group)
+        self.emission(surface) * self.appearance.light(surface.group)
+    }
+
+    /// What `surface` emits in the scene as it is.
+    pub(crate) fn emission(&self, surface: &Surface) -> Rgb {
+        if surface.front { self.tracer.emitters.radiance(surface.triangle) } else { Rgb::ZERO }
     }
 
     /// The reflectance at `surface` and the brushed frame that it lives in.
+    // Out of line, as the compiler would have it with several callers, pictures take 2 % longer.
+    #[inline(always)]
     pub fn bsdf(&self, surface: &Surface) -> (Bsdf, Frame) {
         let material = &self.appearance.materials[surface.group as usize];
         let bsdf = Bsdf::new(material, material.rho_d_at(surface.uv), self.tracer.model);
-        (bsdf, surface.frame.brushed(material.theta_rad))
+        let frame = surface.frame.brushed(material.theta_rad);
+        if self.shiny.is_empty() || bsdf.rho_d.max_element() <= 0.0 {
+            return (bsdf, frame);
+        }
+        let images = self.tracer.caustics.images(&self.shiny, surface, &frame);
+        (bsdf.looking_at(images), frame)
     }
 
     /// All radiance that arrives along the ray. Counts the first surface's reflection as the
@@ -78,30 +175,41 @@ impl<'a> Transport<'a> {
     }
 
     /// The radiance that `surface` reflects into `wo` (world space), emission left out.
-    pub fn reflected(
+    pub fn reflected(&self, surface: Surface, wo: Vec3, sampler: &mut Sampler, bounce: u32) -> Rgb {
+        let mut sum = Sum { appearance: self.appearance, radiance: Rgb::ZERO };
+        self.walk(surface, wo, sampler, bounce, &mut sum);
+        sum.radiance
+    }
+
+    /// Walks a path on from `surface`, seen from `wo` (world space), and tells `ledger` what it
+    /// meets.
+    #[inline]
+    pub(crate) fn walk(
         &self,
         mut surface: Surface,
         mut wo: Vec3,
         sampler: &mut Sampler,
         bounce: u32,
-    ) -> Rgb {
-        let mut radiance = Rgb::ZERO;
+        ledger: &mut impl Ledger,
+    ) {
         let mut throughput = Rgb::ONE;
         for bounce in bounce..self.max_bounces {
-            if let Some(known) = self.seen.and_then(|seen| seen.radiance(&surface)) {
-                return radiance + throughput * known;
+            if let Some(known) = self.known(&surface, bounce) {
+                ledger.known(throughput, known);
+                break;
             }
             let (bsdf, frame) = self.bsdf(&surface);
             if bsdf.is_black() {
                 break;
             }
             let wo_local = frame.local_from_world(wo);
+            let at = Vertex { surface: &surface, bsdf: &bsdf, frame: &frame, wo: wo_local };
+            ledger.arrive(&at);
 
             // Light that comes straight from an emitter.
             let [pick, u, v, _] = sampler.next4();
             if !bsdf.is_pure_mirror() {
-                radiance +=
-                    throughput * self.direct(&surface, &bsdf, &frame, wo_local, [pick, u, v]);
+                self.direct(throughput, &at, [pick, u, v], ledger);
             }
 
             // Light from the direction in which the path goes on.
@@ -114,27 +222,34 @@ impl<'a> Transport<'a> {
             throughput *= sample.weight;
 
             // Possibly end the path.
+            let mut probability = 1.0;
             if bounce >= ROULETTE_FROM {
-                let probability = throughput.max_element().min(SURVIVAL_MAX);
+                probability = throughput.max_element().min(SURVIVAL_MAX);
                 if survival >= probability {
                     break;
                 }
                 throughput /= probability;
             }
+            ledger.bounce(&at, &sample, probability);
 
             let Some(next) = self.surface(&Self::leave(&surface, wi)) else { break };
-            let emitted = self.emitted(&next);
-            if emitted != Rgb::ZERO {
+            let emission = self.emission(&next);
+            if emission != Rgb::ZERO {
                 let share = if sample.pdf.is_finite() {
                     sample.pdf / (sample.pdf + self.light_pdf(&surface, &next, wi))
                 } else {
                     1.0
                 };
-                radiance += throughput * emitted * share;
+                ledger.emission(throughput, next.group, emission, share);
             }
             (surface, wo) = (next, -wi);
         }
-        radiance
+    }
+
+    /// The radiance of `surface` if the cache knows it.
+    #[inline]
+    fn known(&self, surface: &Surface, bounce: u32) -> Option<Rgb> {
+        self.seen.filter(|_| bounce > 0).and_then(|seen| seen.radiance(surface))
     }
 
     /// The density over solid angle with which light samples at `from` find `emitter` along `wi`.
@@ -145,19 +260,20 @@ impl<'a> Transport<'a> {
     }
 
     /// One light sample, weighted against what the reflectance's own sampling finds.
-    fn direct(&self, at: &Surface, bsdf: &Bsdf, frame: &Frame, wo: Vec3, u: [f32; 3]) -> Rgb {
-        let origin = accel::offset(at.point, at.geometric_normal);
-        let Some(light) = self.tracer.emitters.sample(origin, u) else { return Rgb::ZERO };
-        if !at.is_above(light.wi) {
-            return Rgb::ZERO;
+    #[inline]
+    fn direct(&self, throughput: Rgb, at: &Vertex<'_>, u: [f32; 3], ledger: &mut impl Ledger) {
+        let origin = accel::offset(at.surface.point, at.surface.geometric_normal);
+        let Some(light) = self.tracer.emitters.sample(origin, u) else { return };
+        if !at.surface.is_above(light.wi) {
+            return;
         }
-        let wi = frame.local_from_world(light.wi);
-        let f = bsdf.value(wo, wi) * wi.z;
-        if f.max_element() <= 0.0 || !self.is_free(origin, light.wi, light.distance) {
-            return Rgb::ZERO;
+        let wi = at.frame.local_from_world(light.wi);
+        let f_cos = at.bsdf.value(at.wo, wi) * wi.z;
+        if f_cos.max_element() <= 0.0 || !self.is_free(origin, light.wi, light.distance) {
+            return;
         }
-        let share = light.pdf.map_or(1.0, |pdf| pdf / (pdf + bsdf.pdf(wo, wi)));
-        f * light.weight * self.appearance.light(light.source) * share
+        let share = light.pdf.map_or(1.0, |pdf| pdf / (pdf + at.bsdf.pdf(at.wo, wi)));
+        ledger.direct(throughput, at, wi, f_cos, &light, share);
     }
 
     /// Whether nothing stands between `origin` and a light at `distance` along `wi`.

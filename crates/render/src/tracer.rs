@@ -1,6 +1,7 @@
 //! A scene made ready for rays: flat arrays, the tree, and the lights.
 
 use crate::accel::{Accel, Hit, Ray};
+use crate::caustic::Caustics;
 use crate::emitters::Emitters;
 use crate::surface::{Frame, Surface};
 use glam::{Vec2, Vec3};
@@ -14,6 +15,7 @@ use unrender_scene::{Material, Mesh, Rgb, Scene, WardModel};
 pub struct Tracer {
     pub(crate) accel: Accel,
     pub(crate) emitters: Emitters,
+    pub(crate) caustics: Caustics,
     pub(crate) model: WardModel,
     objects: Vec<TracedObject>,
     /// For each triangle of the scene: its object.
@@ -50,7 +52,8 @@ impl Tracer {
             (&scene.lights, scene.groups.len() as u32),
             accel.bounds(),
         );
-        Self { accel, emitters, model: scene.brdf, objects, object_of_triangle }
+        let caustics = Caustics::new(scene);
+        Self { accel, emitters, caustics, model: scene.brdf, objects, object_of_triangle }
     }
 
     /// The nearest surface along the ray.

@@ -144,6 +144,16 @@ mod tests {
             let plain = Vec3::new((x - 0.5 * w as f32) * pixel, (0.5 * h as f32 - y) * pixel, -1.0);
             let plain = camera.world_from_camera.transform_vector3(plain).normalize();
             assert_eq!(camera.direction(x, y, w, h), plain);
+            let point = eye + 3.7 * plain;
+            let axes = camera.world_from_camera.matrix3;
+            let to_point = point - camera.origin();
+            let depth = -to_point.dot(axes.z_axis.into());
+            let pixels = 0.5 * h as f32 / ((0.5f32 * 0.9).tan() * depth);
+            let shown = (
+                0.5 * w as f32 + to_point.dot(axes.x_axis.into()) * pixels,
+                0.5 * h as f32 - to_point.dot(axes.y_axis.into()) * pixels,
+            );
+            assert_eq!(camera.project(point, w, h), Some(shown));
         }
     }
 }

@@ -22,7 +22,7 @@ pub use color::Rgb;
 pub use hypothesis::{Hypothesis, Status};
 pub use image::{Image, RgbImage};
 pub use lens::Lens;
-pub use light::{Light, LightKind};
+pub use light::{Light, LightKind, Source};
 pub use material::{Material, Texture, WardModel, Wrap};
 pub use mesh::{Mesh, Object};
 pub use validate::{SceneError, Warnings};

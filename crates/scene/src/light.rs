@@ -3,7 +3,7 @@
 //! Area lights are not here: they are groups whose `emission` is not zero.
 //! glTF counts these lights in candela and lux; the numbers are taken as radiometric, per channel.
 
-use crate::Rgb;
+use crate::{Rgb, Scene};
 use glam::Vec3;
 
 /// A point, spot or directional light.
@@ -47,7 +47,58 @@ pub enum LightKind {
     },
 }
 
+/// A source of light, with or without a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Source<'a> {
+    /// The group's index for area lights; for the others, the number of groups plus the index in
+    /// [`Scene::lights`].
+    pub index: usize,
+    /// The name of the group or of the light; two sources may share one.
+    pub name: &'a str,
+    /// How bright it is: radiance of area lights, radiant intensity of point and spot lights,
+    /// irradiance of directional ones.
+    pub strength: Rgb,
+}
+
+impl Scene {
+    /// All sources of light: the groups that emit, then the lights without a surface.
+    pub fn sources(&self) -> impl Iterator<Item = Source<'_>> {
+        let groups = self.groups.iter().enumerate().filter(|(_, group)| group.is_emitter());
+        let area = groups.map(|(index, g)| Source { index, name: &g.name, strength: g.emission });
+        let others = self.lights.iter().enumerate().map(|(index, light)| Source {
+            index: self.groups.len() + index,
+            name: &light.name,
+            strength: light.kind.strength(),
+        });
+        area.chain(others)
+    }
+
+    /// How bright the source of this index is, to be changed; none if there is no such source.
+    pub fn strength_mut(&mut self, index: usize) -> Option<&mut Rgb> {
+        match index.checked_sub(self.groups.len()) {
+            None => Some(&mut self.groups[index].emission),
+            Some(light) => self.lights.get_mut(light).map(|light| light.kind.strength_mut()),
+        }
+    }
+}
+
 impl LightKind {
+    /// How bright it is: radiant intensity, or irradiance of directional lights.
+    pub fn strength(&self) -> Rgb {
+        match *self {
+            Self::Point { intensity, .. } | Self::Spot { intensity, .. } => intensity,
+            Self::Directional { irradiance, .. } => irradiance,
+        }
+    }
+
+    /// As [`LightKind::strength`], to be changed.
+    pub fn strength_mut(&mut self) -> &mut Rgb {
+        match self {
+            Self::Point { intensity, .. } | Self::Spot { intensity, .. } => intensity,
+            Self::Directional { irradiance, .. } => irradiance,
+        }
+    }
+
     /// The unit vector from `point` to the light, the distance (infinite for directional lights)
     /// and the irradiance that it would bring to a surface at `point` that faces it.
     pub fn illuminate(&self, point: Vec3) -> (Vec3, f32, Rgb) {
@@ -86,6 +137,27 @@ mod tests {
         let light = LightKind::Point { position: Vec3::Y * 2.0, intensity: Rgb::splat(8.0) };
         let (wi, distance, irradiance) = light.illuminate(Vec3::ZERO);
         assert_eq!((wi, distance, irradiance), (Vec3::Y, 2.0, Rgb::splat(2.0)));
+    }
+
+    #[test]
+    fn sources_count_the_groups_then_the_lights() {
+        let group = |name: &str, emission| crate::Group {
+            name: name.into(),
+            material: crate::Material::diffuse(Rgb::ONE),
+            emission,
+        };
+        let kind = LightKind::Directional { direction: Vec3::NEG_Y, irradiance: Rgb::ONE };
+        let mut scene = Scene {
+            groups: vec![group("wall", Rgb::ZERO), group("lamp", Rgb::splat(2.0))],
+            lights: vec![Light { name: "sun".into(), kind }],
+            ..Scene::default()
+        };
+        for index in [1, 2] {
+            *scene.strength_mut(index).unwrap() *= 3.0;
+        }
+        assert_eq!(scene.strength_mut(3), None);
+        let told: Vec<_> = scene.sources().map(|s| (s.index, s.name, s.strength.x)).collect();
+        assert_eq!(told, [(1, "lamp", 6.0), (2, "sun", 3.0)]);
     }
 
     #[test]

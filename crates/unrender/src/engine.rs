@@ -52,6 +52,7 @@ pub(crate) fn recover(
         renderer: &view,
         groups: (0..groups).map(|group| spec(job, group)).collect(),
         exposure: exposure_rule(job),
+        unknown_lights: Vec::new(),
     };
     let mut teller = Teller { progress, paper: options.ladder == LadderKind::Paper };
     let mut recovery = unrender_recover::recover(&problem, options, &mut teller)?;
@@ -64,7 +65,7 @@ pub(crate) fn recover(
 
 fn spec(job: &Job, group: usize) -> GroupSpec {
     let of_scene = &job.scene.groups[group];
-    let anchored = job.project.anchor.as_ref().filter(|a| a.group == of_scene.name);
+    let anchored = job.project.used_anchor().filter(|a| a.group == of_scene.name);
     let (role, material) = if of_scene.is_emitter() {
         (Role::Emitter, of_scene.material.clone())
     } else if let Some(anchor) = anchored {
@@ -102,7 +103,11 @@ impl Observer for Teller<'_> {
             n if n <= 4 => record.open_groups.join(", "),
             n => format!("{n} groups"),
         };
-        let ladder = if self.paper { "paper's ladder, " } else { "" };
+        let ladder = match (self.paper, record.refining) {
+            (true, _) => "paper's ladder, ",
+            (_, true) => "refining all, ",
+            _ => "",
+        };
         self.progress.say(
             format!(
                 "{ladder}turn {}: error {:.2} %, change {:.4}, still open: {open}",

@@ -19,8 +19,11 @@ pub struct Job {
     pub camera: Camera,
     /// The photograph as radiance; with exposure "auto", for an exposure of one.
     pub photo: Photo,
-    /// What the project file says.
+    /// What the project file says, its exposure settled by [`Project::settle_scale`].
     pub project: Project,
+    /// The sources whose brightness is asked for, ascending: a group's index for area lights, and
+    /// for the others the number of groups plus the index among the scene's lights.
+    pub unknown_lights: Vec<usize>,
     /// What is doubtful about all of it.
     pub warnings: Warnings,
 }
@@ -29,8 +32,9 @@ impl Job {
     /// Reads what `project` names; `warnings` are those that it was read with.
     ///
     /// # Errors
-    /// If the photograph or the scene cannot be read, or they do not fit the project.
-    pub fn load(project: Project, mut warnings: Warnings) -> Result<Self, Error> {
+    /// If the photograph or the scene cannot be read, if they do not fit the project, or if nothing
+    /// fixes the scale of unknown lights.
+    pub fn load(mut project: Project, mut warnings: Warnings) -> Result<Self, Error> {
         let (picture, told) = picture::read(&project.photo)?;
         warnings.extend(told);
         let (response, told) = choose_response(picture.depth, project.response);
@@ -38,6 +42,7 @@ impl Job {
         let (mut scene, told) = unrender_formats::load_scene(&project.scene)?;
         warnings.extend(told);
         project.check_against(&scene)?;
+        warnings.extend(project.settle_scale(&scene)?);
         scene.brdf = project.brdf;
         for (name, known) in &project.known {
             if let Some(index) = scene.group_index(name) {
@@ -57,7 +62,8 @@ impl Job {
                 camera.name, camera.lens.k1, camera.lens.k2
             ));
         }
-        Ok(Self { scene, camera, photo, project, warnings })
+        let unknown_lights = project.unknown_sources(&scene);
+        Ok(Self { scene, camera, photo, project, unknown_lights, warnings })
     }
 }
 

@@ -75,6 +75,7 @@
 //!     renderer: &view,
 //!     groups: scene.groups.iter().map(spec).collect(),
 //!     exposure: ExposureRule::Fixed(Rgb::ONE),
+//!     unknown_lights: Vec::new(),
 //! };
 //! // The observer `()` does not listen to the turns.
 //! let recovery = unrender::recover::recover(&problem, &Options::default(), &mut ())?;

@@ -1,5 +1,6 @@
 //! The `unrender` command: exit codes and messages.
 
+use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use unrender::formats::picture;
@@ -158,4 +159,25 @@ fn score_prints_columns_or_json_and_holds_limits() {
     assert_error(&over, "wall: rho_d is 0.0100 off");
     let json: serde_json::Value = serde_json::from_slice(&over.stdout).unwrap();
     assert_eq!(json["worst"]["counted"], 1);
+    assert_eq!((&json["certainty"], &json["lights"]), (&serde_json::Value::Null, &json!([])));
+}
+
+#[test]
+fn score_prints_every_std_that_is_stated() {
+    let folder = Folder::new("std");
+    let wall = r#""wall": {"status": "recovered", "rho_d": [0.5, 0.5, 0.5],
+        "std": {"rho_d": [0.1, 0.2, 0.4]}}"#;
+    let lamp = r#""lamp": {"intensity": [9, 9, 9], "std": [1, 1, 1]}"#;
+    let file = format!(r#"{{"groups": {{{wall}}}, "lights": {{{lamp}}}}}"#);
+    folder.write("materials.json", &file);
+    let truth = folder.write("truth.json", file.replace("0.5, 0.5, 0.5", "0.7, 0.7, 0.7"));
+    let plain = unrender(&[&"score", &folder.0, &truth]);
+    let text = String::from_utf8_lossy(&plain.stdout).into_owned();
+    assert!(text.contains("\n\nlight  error %\nlamp      0.00\n\ngroup  parameter"), "{text}");
+    assert!(text.ends_with("6 parameters: 83 % within 1 std, 100 % within 2 std, worst 2.0\n"));
+    let output = unrender(&[&"score", &folder.0, &truth, &"--json"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["groups"][0]["parameters"][0]["parameter"], "rho_d");
+    assert_eq!(json["lights"][0]["parameters"][0]["in_std"], json!([0.0, 0.0, 0.0]));
+    assert_eq!(json["certainty"]["parameters"], 6);
 }

@@ -1,11 +1,12 @@
 //! Project files: what they may say, and a fault a line of the table below.
 
+use glam::Vec3;
 use std::path::Path;
-use unrender::Project;
 use unrender::formats::FileError;
 use unrender::photo::{Exposure, Response};
 use unrender::project::CameraChoice;
-use unrender::scene::{Group, Lens, Material, Rgb, Scene, WardModel, Warnings};
+use unrender::scene::{Group, Lens, Light, LightKind, Material, Rgb, Scene, WardModel, Warnings};
+use unrender::{Job, Project};
 
 const FILES: &str = "scene = \"s.glb\"\nphoto = \"p.png\"\n";
 
@@ -83,6 +84,9 @@ fn every_fault_names_its_key_or_line() {
         ("[groups.a]\nknown = { rho_s = 1, alpha_x = 0.1, alpha_y = 0 }", "both"),
         ("[groups.a]\nknown = { rho_s = 1, theta_deg = nan }", "theta_deg is"),
         ("[groups.a]\nfixed = 1", "line 4: unknown field `fixed`"),
+        ("[lights.a]", "line 3: missing field `unknown`"),
+        ("[lights.a]\nunknown = 1", "line 4: invalid type"),
+        ("[lights.a]\nunkown = true", "line 4: unknown field `unkown`"),
         ("[recover]\nbrdf = \"phong\"", "recover.brdf: unknown brdf \"phong\""),
         ("[recover]\nthresholds = { shiny = 1 }", "recover.thresholds.shiny"),
         ("[recover]\nthresholds = { diffuse = 0 }", "recover.thresholds.diffuse is 0"),
@@ -105,15 +109,26 @@ fn every_fault_names_its_key_or_line() {
     assert!(error.to_string().contains("missing field `scene`"), "{error}");
 }
 
-#[test]
-fn names_are_checked_against_the_scene() {
+/// A scene of a wall, of groups that emit and of lights from above.
+fn lit(emitters: &[(&str, Rgb)], lights: &[&str]) -> Scene {
     let group = |name: &str, emission| Group {
         name: name.into(),
         material: Material::diffuse(Rgb::ONE),
         emission,
     };
-    let groups = vec![group("wall", Rgb::ZERO), group("lamp", Rgb::ONE)];
-    let scene = Scene { groups, ..Scene::default() };
+    let kind = LightKind::Directional { direction: Vec3::NEG_Y, irradiance: Rgb::ONE };
+    Scene {
+        groups: std::iter::once(group("wall", Rgb::ZERO))
+            .chain(emitters.iter().map(|(name, emission)| group(name, *emission)))
+            .collect(),
+        lights: lights.iter().map(|&name| Light { name: name.into(), kind }).collect(),
+        ..Scene::default()
+    }
+}
+
+#[test]
+fn names_are_checked_against_the_scene() {
+    let scene = lit(&[("lamp", Rgb::ONE)], &[]);
     let check = |text: &str| good(text).check_against(&scene).map_err(|e| e.to_string());
     assert_eq!(check("[groups.wall]\nknown = { rho_d = 1 }"), Ok(()));
     let error = check("[groups.wal]\nknown = { rho_d = 1 }").unwrap_err();
@@ -122,6 +137,117 @@ fn names_are_checked_against_the_scene() {
     assert!(error.contains("anchor.group: the group emits"), "{error}");
     let error = check("camera = \"door\"").unwrap_err();
     assert!(error.contains("camera: the scene has no \"door\"; it has none"), "{error}");
+}
+
+#[test]
+fn lights_are_unknown_where_the_project_says_so() {
+    let text = "[lights.sun]\nunknown = true\n[lights.lamp]\nunknown = false\n";
+    let project = good(text);
+    assert_eq!(project.unknown_lights.iter().collect::<Vec<_>>(), ["sun"]);
+    assert_eq!(project.known_lights.iter().collect::<Vec<_>>(), ["lamp"]);
+    let mut scene = lit(&[("lamp", Rgb::ONE)], &["sun"]);
+    let check = |scene: &Scene| project.check_against(scene).map_err(|e| e.to_string());
+    assert_eq!(check(&scene), Ok(()));
+    scene.groups[1].emission = Rgb::ZERO;
+    let error = check(&scene).unwrap_err();
+    assert!(error.contains("no light \"lamp\"; it has sun; the group"), "{error}");
+    let error = check(&lit(&[("lamp", Rgb::ONE), ("ball", Rgb::ONE)], &["son"])).unwrap_err();
+    assert!(error.starts_with("folder/a.toml: lights.sun: "), "{error}");
+    assert!(error.ends_with("no light \"sun\"; it has lamp, ball, son"), "{error}");
+    let error = check(&lit(&[("lamp", Rgb::ONE)], &["sun", "sun"])).unwrap_err();
+    assert!(error.contains("lights.sun: the scene has 2 lights of this name"), "{error}");
+}
+
+const UNKNOWN_LAMP: &str = "[lights.lamp]\nunknown = true\n";
+const ANCHOR: &str = "[anchor]\ngroup = \"wall\"\nrho_d = [0.9, 0.9, 0.9]\n";
+const LOOSE: &str = "folder/a.toml: every light is unknown and no reflectance is known: light and \
+    reflectance can only be told apart up to one common factor. Give an [anchor], a known group, \
+    or one light's intensity";
+
+/// The project after [`Project::settle_scale`], and its warnings.
+fn settled(text: &str, scene: &Scene) -> Result<(Project, Vec<String>), String> {
+    let mut project = good(text);
+    project.check_against(scene).map_err(|e| e.to_string())?;
+    let warnings = project.settle_scale(scene).map_err(|e| e.to_string())?;
+    Ok((project, warnings.0))
+}
+
+#[test]
+fn something_must_fix_the_scale_of_unknown_lights() {
+    let scene = lit(&[("lamp", Rgb::ONE)], &[]);
+    let fixed = format!("exposure = 2\n{UNKNOWN_LAMP}");
+    assert_eq!(settled(&fixed, &scene).unwrap_err(), LOOSE);
+    for known in ["wall]\nknown = { rho_d = 0 }", "lamp]\nknown = { rho_d = 1 }"] {
+        assert_eq!(settled(&format!("{fixed}[groups.{known}"), &scene).unwrap_err(), LOOSE);
+    }
+    for known in ["rho_d = 0.1", "rho_s = 0.1"] {
+        let text = format!("{fixed}[groups.wall]\nknown = {{ {known} }}");
+        assert_eq!(settled(&text, &scene).unwrap().1, [""; 0]);
+    }
+    let two = lit(&[("lamp", Rgb::ONE)], &["sun"]);
+    assert_eq!(settled(&fixed, &two).unwrap().1, [""; 0]);
+    assert!(settled(&format!("{fixed}[lights.sun]\nunknown = true"), &two).is_err());
+    assert_eq!(settled("exposure = 2", &scene).unwrap().1, [""; 0]);
+}
+
+#[test]
+fn the_scale_is_fixed_in_every_channel() {
+    let warm = lit(&[("lamp", Rgb::ONE), ("fire", Rgb::new(1.0, 0.5, 0.0))], &[]);
+    let fixed = format!("exposure = 2\n{UNKNOWN_LAMP}");
+    let error = settled(&fixed, &warm).unwrap_err();
+    assert!(error.contains("a.toml: in blue every light is unknown and"), "{error}");
+    let text = format!("{fixed}[groups.wall]\nknown = {{ rho_d = [0, 0, 0.5] }}");
+    assert_eq!(settled(&text, &warm).unwrap().1, [""; 0]);
+    let error =
+        settled(&format!("exposure = \"auto\"\n{ANCHOR}{UNKNOWN_LAMP}"), &warm).unwrap_err();
+    assert!(error.contains("in blue every light is unknown, and so is the exposure"), "{error}");
+    // A channel without any light needs nothing.
+    let red = lit(&[("lamp", Rgb::X)], &[]);
+    let error = settled(&fixed, &red).unwrap_err();
+    assert_eq!(error, LOOSE);
+    let text = format!("{fixed}[groups.wall]\nknown = {{ rho_d = [0.5, 0, 0] }}");
+    let told = settled(&text, &red).unwrap().1;
+    assert!(told[0].contains("\"lamp\" has no green and blue in the scene"), "{told:?}");
+    let mut black = lit(&[("lamp", Rgb::ONE)], &["sun"]);
+    *black.strength_mut(2).unwrap() = Rgb::ZERO;
+    let error = settled("[lights.sun]\nunknown = true", &black).unwrap_err();
+    assert!(error.contains("lights.sun: the light is black in the scene"), "{error}");
+}
+
+#[test]
+fn an_anchor_serves_unknown_exposures_and_unknown_lights() {
+    let (one, two) = (lit(&[("lamp", Rgb::ONE)], &[]), lit(&[("lamp", Rgb::ONE)], &["sun"]));
+    let stated = format!("exposure = 2\n{ANCHOR}");
+    assert_eq!(good(&stated).used_anchor(), None);
+    let (project, warnings) = parse(&format!("{stated}{UNKNOWN_LAMP}")).unwrap();
+    assert_eq!(warnings.0, [""; 0]);
+    assert_eq!(project.used_anchor().unwrap().group, "wall");
+    let (project, warnings) = settled(&format!("{stated}{UNKNOWN_LAMP}"), &one).unwrap();
+    assert_eq!((project.exposure, warnings.len()), (Exposure::Fixed(Rgb::splat(2.0)), 0));
+
+    let auto = format!("exposure = \"auto\"\n{ANCHOR}{UNKNOWN_LAMP}");
+    let (project, warnings) = settled(&auto, &two).unwrap();
+    assert_eq!((project.exposure, warnings.len()), (Exposure::Auto, 0));
+    let (project, warnings) = settled(&auto, &one).unwrap();
+    assert_eq!(project.exposure, Exposure::Fixed(Rgb::ONE));
+    assert!(warnings[0].contains("per unit of exposure"), "{warnings:?}");
+    assert_eq!(project.used_anchor().unwrap().group, "wall");
+}
+
+#[test]
+fn a_job_counts_unknown_lights_as_the_renderer_does() {
+    let scene = lit(&[("lamp", Rgb::ONE), ("fire", Rgb::ONE)], &["sun", "moon"]);
+    let project = good("[lights.moon]\nunknown = true\n[lights.fire]\nunknown = true\n");
+    assert_eq!(project.unknown_sources(&scene), [2, 4]);
+    let fig8 = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/fig8");
+    let text = "scene = \"scene.glb\"\nphoto = \"photo.exr\"\nresponse = \"linear\"\n\
+        exposure = \"auto\"\n[anchor]\ngroup = \"floor\"\nrho_d = 0.1\n\
+        [lights.light]\nunknown = true\n";
+    let (project, warnings) = Project::parse(&fig8.join("a.toml"), text).unwrap();
+    let job = Job::load(project, warnings).unwrap();
+    assert_eq!(job.unknown_lights, [job.scene.group_index("light").unwrap()]);
+    assert_eq!(job.project.exposure, Exposure::Fixed(Rgb::ONE));
+    assert_eq!(job.warnings.0.len(), 1, "{:?}", job.warnings);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The file that a scene came from, in which the materials wear what the scene says.
+//! The file that a scene came from, in which materials and lights are what the scene says.
 
 use super::Problem;
 use super::document::UNDERSTOOD;
@@ -6,14 +6,16 @@ use super::names::group_names;
 use super::source::Source;
 use super::ward::{self, object};
 use super::write::Glb;
+use super::{lights, material};
 use crate::FileError;
 use serde_json::{Value, json};
 use std::path::Path;
-use unrender_scene::{Scene, Warnings};
+use unrender_scene::{Rgb, Scene, Warnings};
 
 /// The bytes of a `.glb` with everything that is in the glTF file `source` (hierarchy, names,
-/// extras, animations, emission), in which every material that is a group of `scene` wears that
-/// group's reflectance. Buffers and pictures beside the file are embedded.
+/// extras, animations), in which every material that is a group of `scene` wears that group's
+/// reflectance and emission, and the lights of `scene` are as bright as they are there. Buffers and
+/// pictures beside the file are embedded.
 ///
 /// # Errors
 /// If `source` cannot be read, or if the result would be larger than 4 GiB.
@@ -35,8 +37,16 @@ fn dressed(source: &Source, scene: &Scene) -> Result<Vec<u8>, Problem> {
         let material = &scene.groups[group].material;
         let texture = material.texture.as_ref();
         let texture = texture.map(|texture| glb.push_texture(texture)).transpose()?;
-        ward::dress(&mut glb.root["materials"][index], material, scene.brdf, texture);
+        let json = &mut glb.root["materials"][index];
+        ward::dress(json, material, scene.brdf, texture);
+        let emission = scene.groups[group].emission;
+        // What has no material in the file is black.
+        let in_file = source.document.materials.get(index);
+        if in_file.map_or(Some(Rgb::ZERO), material::emission) != Some(emission) {
+            material::set_emission(json, emission);
+        }
     }
+    lights::dress(&mut glb, &source.document, scene)?;
     glb.finish()
 }
 

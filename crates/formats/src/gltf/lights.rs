@@ -1,11 +1,19 @@
-//! `KHR_lights_punctual` and cameras, from nodes.
+//! `KHR_lights_punctual` and cameras, from nodes; and the lights of a scene back into its file.
 
 use super::Problem;
-use super::document::{Camera as CameraJson, Light as LightJson};
+use super::document::{Camera as CameraJson, Document, Light as LightJson, Node};
 use super::geometry::unit;
+use super::graph::placed_nodes;
 use super::names::given;
+use super::numbers::color_and_factor;
+use super::source::get;
+use super::ward::object;
+use super::write::Glb;
 use glam::{Affine3A, DAffine3, DVec3, Mat3, Vec3};
-use unrender_scene::{Camera, Lens, Light, LightKind, Rgb, Warnings};
+use serde_json::{Value, json};
+use unrender_scene::{Camera, Lens, Light, LightKind, Rgb, Scene, Warnings};
+
+const PUNCTUAL: &str = "KHR_lights_punctual";
 
 /// The light of a node; it stands at the node's origin and shines along its -z.
 pub(super) fn light(
@@ -14,10 +22,9 @@ pub(super) fn light(
     world_from_node: &DAffine3,
     warnings: &mut Warnings,
 ) -> Result<Light, Problem> {
-    let name = node_name.or_else(|| given(json.name.as_ref())).unwrap_or("light").to_owned();
+    let name = name_of(json, node_name).to_owned();
     let problem = |what: &str| format!("light \"{name}\" {what}; export the scene again");
-    let strength = DVec3::from_array(json.color) * json.intensity;
-    let strength: Rgb = strength.as_vec3();
+    let strength = strength(json);
     if !strength.is_finite() || strength.min_element() < 0.0 {
         return Err(problem("has a negative or infinite intensity"));
     }
@@ -46,6 +53,51 @@ pub(super) fn light(
         other => return Err(problem(&format!("is of the unknown type \"{other}\""))),
     };
     Ok(Light { name, kind })
+}
+
+fn name_of<'a>(json: &'a LightJson, node_name: Option<&'a str>) -> &'a str {
+    node_name.or_else(|| given(json.name.as_ref())).unwrap_or("light")
+}
+
+fn strength(json: &LightJson) -> Rgb {
+    (DVec3::from_array(json.color) * json.intensity).as_vec3()
+}
+
+/// Makes the lights of the file `document`, which `glb` is to become, as bright as those of `scene`,
+/// which was read from it.
+pub(super) fn dress(glb: &mut Glb, document: &Document, scene: &Scene) -> Result<(), Problem> {
+    let mut wanted = scene.lights.iter();
+    for placed in placed_nodes(document)? {
+        let node = get(&document.nodes, placed.node, "node")?;
+        let Some(index) = node.extensions.punctual.as_ref().map(|punctual| punctual.light) else {
+            continue;
+        };
+        let json = get(&document.extensions.punctual.lights, index, "light")?;
+        let name = name_of(json, given(node.name.as_ref()));
+        let Some(light) = wanted.next().filter(|light| light.name == name) else { continue };
+        if strength(json) == light.kind.strength() {
+            continue;
+        }
+        let uses = |other: &Node| other.extensions.punctual.as_ref().map(|p| p.light);
+        let shared = document.nodes.iter().filter(|other| uses(other) == Some(index)).count() > 1;
+        let own = if shared { own_light(glb, placed.node, index) } else { index };
+        let (color, intensity) = color_and_factor(light.kind.strength());
+        let json = object(&mut glb.root["extensions"][PUNCTUAL]["lights"][own]);
+        json.insert("color".into(), color);
+        json.insert("intensity".into(), json!(intensity));
+    }
+    Ok(())
+}
+
+/// Gives `node` a copy of the light that it shares with others; returns the copy's index.
+fn own_light(glb: &mut Glb, node: usize, light: usize) -> usize {
+    let Value::Array(lights) = &mut glb.root["extensions"][PUNCTUAL]["lights"] else {
+        return light;
+    };
+    lights.push(lights[light].clone());
+    let own = lights.len() - 1;
+    glb.root["nodes"][node]["extensions"][PUNCTUAL]["light"] = json!(own);
+    own
 }
 
 /// The camera of a node, if it is one in perspective.

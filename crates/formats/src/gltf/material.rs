@@ -2,10 +2,12 @@
 
 use super::Problem;
 use super::document::{Material as MaterialJson, TextureInfo};
+use super::numbers::color_and_factor;
 use super::source::Source;
 use super::{texture, ward};
 use crate::texels;
 use glam::DVec3;
+use serde_json::{Value, json};
 use std::sync::Arc;
 use unrender_scene::{Group, Material, Rgb, Texture, WardModel, Warnings};
 
@@ -44,7 +46,8 @@ pub(super) fn group(
     Ok((Group { name: name.to_owned(), material, emission }, brdf))
 }
 
-fn emission(json: &MaterialJson) -> Option<Rgb> {
+/// The radiance that the material emits; none if it is no such thing.
+pub(super) fn emission(json: &MaterialJson) -> Option<Rgb> {
     let strength = json
         .extensions
         .emissive_strength
@@ -52,6 +55,23 @@ fn emission(json: &MaterialJson) -> Option<Rgb> {
         .map_or(1.0, |strength| strength.emissive_strength);
     let emission: Rgb = (DVec3::from_array(json.emissive_factor) * strength).as_vec3();
     (emission.is_finite() && emission.min_element() >= 0.0).then_some(emission)
+}
+
+/// Makes the material `json` emit `emission` all over.
+pub(super) fn set_emission(json: &mut Value, emission: Rgb) {
+    const STRENGTH: &str = "KHR_materials_emissive_strength";
+    let (color, factor) = color_and_factor(emission);
+    let root = ward::object(json);
+    root.insert("emissiveFactor".into(), color);
+    root.remove("emissiveTexture");
+    let extensions = ward::object(root.entry("extensions").or_insert_with(|| json!({})));
+    extensions.remove(STRENGTH);
+    if factor != 1.0 {
+        extensions.insert(STRENGTH.into(), json!({ "emissiveStrength": factor }));
+    }
+    if extensions.is_empty() {
+        root.remove("extensions");
+    }
 }
 
 fn warn_of_the_unread(json: &MaterialJson, name: &str, warnings: &mut Warnings) {

@@ -1,7 +1,7 @@
 //! A scene to a `.glb`: one node an object, a light, a camera; everything in world space.
 
 use super::numbers::{color_and_factor, number, triple};
-use super::{Problem, container, texture, ward};
+use super::{Problem, container, material, texture, ward};
 use crate::texels;
 use glam::{Affine3A, Mat3, Vec3};
 use serde_json::{Value, json};
@@ -115,12 +115,7 @@ impl Glb {
         let texture = texture.map(|texture| self.push_texture(texture)).transpose()?;
         let mut json = json!({ "name": group.name });
         if group.is_emitter() {
-            let (color, factor) = color_and_factor(group.emission);
-            json["emissiveFactor"] = color;
-            if factor != 1.0 {
-                json["extensions"] =
-                    json!({ "KHR_materials_emissive_strength": { "emissiveStrength": factor } });
-            }
+            material::set_emission(&mut json, group.emission);
         }
         ward::dress(&mut json, &group.material, scene.brdf, texture);
         Ok(json)

@@ -1,4 +1,4 @@
-//! Puts the numbers of a `materials.json` onto the groups of a scene.
+//! Puts the numbers of a `materials.json` onto the groups and lights of a scene.
 
 use super::{GroupEntry, Hypothesis, MaterialsFile};
 use crate::{FileError, picture};
@@ -9,7 +9,7 @@ use unrender_scene::{Image, Material, Rgb, Scene, Texture, Warnings, Wrap};
 /// Rounding of a reflectance of one on its way through text and single precision.
 const ROUNDING: f32 = 1e-5;
 
-/// Sets the BRDF and the materials of `scene` as `file` says; `folder` is where its texture paths
+/// Sets the BRDF, the materials and the lights of `scene` as `file` says; `folder` is where its texture paths
 /// start. Keys that the file leaves out stay as they are in the scene, but a `rho_d` without a
 /// texture takes the place of the scene's texture.
 ///
@@ -59,6 +59,8 @@ fn apply_named(
             ));
         }
     }
+    let told = super::light_entry::apply(&file.lights, scene);
+    warnings.extend(told.map_err(|problem| FileError::new(origin, problem))?);
     Ok(warnings)
 }
 

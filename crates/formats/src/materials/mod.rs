@@ -1,12 +1,16 @@
-//! `materials.json`: what was found out about every group, as plain numbers.
+//! `materials.json`: what was found out about every group and light, as plain numbers.
 //!
 //! On reading, keys that are absent or null mean "as in the scene" and unknown keys are ignored,
 //! so that a hand-written file with two numbers in it works. [`apply`] puts a file onto a scene.
 
+mod alternative;
 mod apply;
+mod light_entry;
 mod std_entry;
 
+pub use alternative::AlternativeEntry;
 pub use apply::{apply, apply_from, mean_of, read_texture};
+pub use light_entry::LightEntry;
 pub use std_entry::StdEntry;
 
 use crate::{FileError, atomic};
@@ -32,6 +36,9 @@ pub struct MaterialsFile {
     pub exposure: Option<[f32; 3]>,
     /// The groups by name, in the order of the scene.
     pub groups: IndexMap<String, GroupEntry>,
+    /// The lights whose brightness was asked for, by name, in the order of the scene.
+    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    pub lights: IndexMap<String, LightEntry>,
     /// How long the recovery took.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
@@ -71,6 +78,9 @@ pub struct GroupEntry {
     /// What else there is to say, such as why a number was assumed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
+    /// Other explanations that the photograph allows just as well.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub alternatives: Vec<AlternativeEntry>,
 }
 
 /// Reads a `materials.json` or a file like it.
@@ -96,6 +106,7 @@ pub fn read(path: &Path) -> Result<MaterialsFile, FileError> {
 pub fn write(path: &Path, file: &MaterialsFile) -> Result<(), FileError> {
     let mut file = file.clone();
     file.groups.values_mut().for_each(GroupEntry::drop_not_finite);
+    file.lights.values_mut().for_each(LightEntry::drop_not_finite);
     let mut text =
         serde_json::to_string_pretty(&file).map_err(|error| FileError::new(path, error))?;
     text.push('\n');
@@ -111,6 +122,7 @@ impl GroupEntry {
         drop_number(&mut self.alpha_y);
         drop_number(&mut self.theta_deg);
         self.error = self.error.filter(|e| e.is_finite());
+        self.alternatives.iter_mut().for_each(AlternativeEntry::drop_not_finite);
         if let Some(std) = &mut self.std {
             drop_triple(&mut std.rho_d);
             drop_triple(&mut std.rho_s);

@@ -151,6 +151,7 @@ mod tests {
             pixel: i as u32,
             radiance: Rgb::splat(0.5 + 0.3 * (9.0 * position(i).dot(across)).sin()),
             variance: Rgb::ZERO,
+            level: Rgb::ONE,
             weight: Rgb::ONE,
         };
         let all = 0..SIDE * SIDE;

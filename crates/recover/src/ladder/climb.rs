@@ -17,6 +17,7 @@ use crate::evidence::Evidence;
 use crate::hypothesis::{self, Fit, Hypothesis, Search, brushed, textured};
 use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Status, Termination, Trial};
+use crate::refine;
 use unrender_scene::Material;
 
 /// The share of the way to the fitted reflectances that a turn goes. Groups that the camera does not
@@ -51,7 +52,11 @@ pub(crate) fn climb(
     };
     for turn in 1..=options.max_turns {
         state.look_at_photograph();
-        state.update_exposure(options.seed)?;
+        if state.problem.unknown_lights.is_empty() {
+            state.update_exposure(options.seed)?;
+        } else {
+            refine::adjust_nuisances(state, options);
+        }
         state.look_at_photograph();
         let change = climber.turn(state);
         let done = turn as f64 / (turn as f64 + 10.0 - 4.0 * climber.level as f64);
@@ -63,7 +68,6 @@ pub(crate) fn climb(
         }
         if !climber.try_worst(state, turn) {
             if climber.level == FINEST {
-                climber.finish_textures(state);
                 return Ok(Termination::Settled);
             }
             climber.level += 1;
@@ -71,7 +75,6 @@ pub(crate) fn climb(
         climber.aims = state.materials.clone();
         climber.calm = 0;
     }
-    climber.finish_textures(state);
     Ok(Termination::TurnLimit)
 }
 
@@ -110,7 +113,7 @@ impl Climber<'_> {
         let material = state.materials[group].clone();
         let hypothesis = state.standing[group].hypothesis;
         if hypothesis == Hypothesis::Textured {
-            return self.extract(state, group, false);
+            return extract(state, self.options, group, false);
         }
         let effort = if hypothesis == Hypothesis::Diffuse {
             effort::diffuse(self.level, self.options.seed)
@@ -183,7 +186,7 @@ impl Climber<'_> {
             let explained = |m: Misfit| m.is_within(self.thresholds().textured);
             if !state.standing[group].misfit.is_some_and(explained)
                 && self.level > 0
-                && let Some(textured) = self.extract(state, group, false)
+                && let Some(textured) = extract(state, self.options, group, false)
             {
                 state.standing[group].hypothesis = Hypothesis::Textured;
                 material = textured;
@@ -207,42 +210,6 @@ impl Climber<'_> {
         let done = self.trials[group] >= TRIALS_MAX || self.tried_at[group] == Some(self.level);
         let wanted = !explained || (climbed && self.level > 0);
         wanted && !done && standing.hypothesis != Hypothesis::Textured
-    }
-
-    /// The group's texture under the present light; none without texture coordinates or with too
-    /// few pixels, which the group's note then says.
-    fn extract(&self, state: &mut State<'_>, group: usize, last: bool) -> Option<Material> {
-        let few = state.problem.observation.pixels_of_group[group].len() < TEXTURE_PIXELS;
-        let mut effort = effort::texture(last, self.options.seed);
-        effort.probe.max_bounces = self.options.max_bounces;
-        let plain = Material::diffuse(state.materials[group].rho_d);
-        let stage = state.stage();
-        let extracted = if few {
-            None
-        } else {
-            textured::extract(&stage, state.appearance(), group, &plain, &effort)
-        };
-        let standing = &mut state.standing[group];
-        let Some(extracted) = extracted else {
-            let reason = if few { "too few pixels" } else { "no texture coordinates" };
-            standing.note = Some(format!(
-                "no uniform reflectance explains this group, and it has {reason} for a texture"
-            ));
-            return None;
-        };
-        let rho_d = textured::mean(&extracted);
-        standing.seen_texels = Some(extracted.seen);
-        Some(Material { texture: Some(extracted.texture), rho_d, ..plain })
-    }
-
-    fn finish_textures(&self, state: &mut State<'_>) {
-        for group in state.visible_unknowns() {
-            if state.standing[group].hypothesis == Hypothesis::Textured
-                && let Some(material) = self.extract(state, group, true)
-            {
-                state.materials[group] = material;
-            }
-        }
     }
 
     /// Groups that no pixel shows directly may be seen in a mirror: there they get a diffuse
@@ -272,6 +239,43 @@ impl Climber<'_> {
             standing.misfit = Some(fit.misfit);
             standing.status = Status::Recovered;
             standing.note = Some("seen in a mirror only; taken as diffuse".to_owned());
+        }
+    }
+}
+
+/// The group's texture under the present light; none without texture coordinates or with too
+/// few pixels, which the group's note then says.
+fn extract(state: &mut State<'_>, options: &Options, group: usize, last: bool) -> Option<Material> {
+    let few = state.problem.observation.pixels_of_group[group].len() < TEXTURE_PIXELS;
+    let mut effort = effort::texture(last, options.seed);
+    effort.probe.max_bounces = options.max_bounces;
+    let plain = Material::diffuse(state.materials[group].rho_d);
+    let stage = state.stage();
+    let extracted = if few {
+        None
+    } else {
+        textured::extract(&stage, state.appearance(), group, &plain, &effort)
+    };
+    let standing = &mut state.standing[group];
+    let Some(extracted) = extracted else {
+        let reason = if few { "too few pixels" } else { "no texture coordinates" };
+        standing.note = Some(format!(
+            "no uniform reflectance explains this group, and it has {reason} for a texture"
+        ));
+        return None;
+    };
+    let rho_d = textured::mean(&extracted);
+    standing.seen_texels = Some(extracted.seen);
+    Some(Material { texture: Some(extracted.texture), rho_d, ..plain })
+}
+
+/// The textures once more, with more light samples, under the final light.
+pub(crate) fn finish_textures(state: &mut State<'_>, options: &Options) {
+    for group in state.visible_unknowns() {
+        if state.standing[group].hypothesis == Hypothesis::Textured
+            && let Some(material) = extract(state, options, group, true)
+        {
+            state.materials[group] = material;
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::error::Misfit;
 use crate::evidence::Stage;
 use crate::hypothesis::{self, Hypothesis};
 use crate::problem::{ExposureRule, Problem, RecoverError, Role};
-use crate::record::{Status, Trial, TurnRecord};
+use crate::record::{Deviations, LightResult, Status, Trial, TurnRecord};
 use unrender_render::{Appearance, SeenRadiance};
 use unrender_scene::{Image, Material, Rgb};
 
@@ -28,6 +28,8 @@ pub(crate) struct State<'a> {
     /// The current standing of every group.
     pub(crate) standing: Vec<Standing>,
     pub(crate) exposure: Rgb,
+    pub(crate) exposure_std: Option<Rgb>,
+    pub(crate) light_results: Vec<LightResult>,
     pub(crate) turns: Vec<TurnRecord>,
     /// The photograph's radiance where it shows diffuse surfaces.
     pub(crate) seen: Option<SeenRadiance>,
@@ -42,9 +44,16 @@ pub(crate) struct Standing {
     pub(crate) story: Vec<Trial>,
     pub(crate) seen_texels: Option<Image<bool>>,
     pub(crate) note: Option<String>,
+    pub(crate) std: Option<Deviations>,
 }
 
 impl Standing {
+    /// Adds a sentence to what the user should know.
+    pub(crate) fn add_note(&mut self, note: String) {
+        self.note =
+            Some(self.note.take().map_or(note.clone(), |before| format!("{before}; {note}")));
+    }
+
     /// Whether the story does not tell of `hypothesis` yet.
     fn is_new_to(&self, hypothesis: Hypothesis) -> bool {
         self.story.last().is_none_or(|trial| trial.hypothesis != hypothesis)
@@ -77,6 +86,7 @@ impl<'a> State<'a> {
             story: Vec::new(),
             seen_texels: None,
             note: None,
+            std: None,
         };
         let standing = (0..problem.groups.len()).map(standing).collect();
         let exposure = match problem.exposure {
@@ -84,12 +94,30 @@ impl<'a> State<'a> {
             ExposureRule::Anchor { .. } => Rgb::ONE,
         };
         let lights = Vec::new();
-        Ok(Self { problem, materials, lights, standing, exposure, turns: Vec::new(), seen: None })
+        Ok(Self {
+            problem,
+            materials,
+            lights,
+            standing,
+            exposure,
+            exposure_std: None,
+            light_results: Vec::new(),
+            turns: Vec::new(),
+            seen: None,
+        })
     }
 
     /// What the scene is believed to look like now.
     pub(crate) fn appearance(&self) -> Appearance<'_> {
         Appearance { materials: &self.materials, lights: &self.lights }
+    }
+
+    /// Makes one channel of a source `factor` times as bright as in the scene.
+    pub(crate) fn set_light(&mut self, source: usize, channel: usize, factor: f32) {
+        if self.lights.len() <= source {
+            self.lights.resize(source + 1, Rgb::ONE);
+        }
+        self.lights[source][channel] = factor;
     }
 
     /// Where evidence comes from now.
@@ -146,6 +174,15 @@ impl<'a> State<'a> {
         Ok(())
     }
 
+    /// Notes the end of a pass of the joint refinement, with the error that it started from.
+    pub(crate) fn end_pass(&mut self, change: f64, error: f64, done: f64) -> &TurnRecord {
+        let (turn, open_groups) = (self.turns.len() + 1, Vec::new());
+        let worst_error = error;
+        let record = TurnRecord { refining: true, turn, change, worst_error, open_groups, done };
+        self.turns.push(record);
+        &self.turns[self.turns.len() - 1]
+    }
+
     /// Notes the end of a turn in which the largest change was `change`.
     pub(crate) fn end_turn(&mut self, change: f64, threshold: f64, done: f64) -> &TurnRecord {
         let error = |s: &Standing| s.misfit.map_or(0.0, |m| m.relative());
@@ -156,6 +193,7 @@ impl<'a> State<'a> {
         };
         let open_groups = self.visible_unknowns().into_iter().filter(open);
         let record = TurnRecord {
+            refining: false,
             turn: self.turns.len() + 1,
             change,
             worst_error: self.standing.iter().map(error).fold(0.0, f64::max),

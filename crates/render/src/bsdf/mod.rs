@@ -1,7 +1,7 @@
 //! How a surface reflects: `f = rho_d/pi + rho_s w` [Boivin & Gagalowicz 2002, section 4.2].
 //!
-//! One BRDF is one file. To add another: give it `value`, `pdf` and `sample` in a file of its own,
-//! let [`Bsdf`] choose it, and run it through `tests/bsdf_laws.rs`.
+//! One BRDF is one file. To add another: give it `value`, `pdf`, `sample` and the derivatives of its
+//! shape in a file of its own, let [`Bsdf`] choose it, and run it through `tests/bsdf_laws.rs`.
 //!
 //! All directions here are unit vectors in the *brushed frame*: x along the brushed direction, z
 //! the shading normal on the viewer's side. Both point away from the surface. `wo` is where the
@@ -11,10 +11,11 @@ pub mod lambert;
 pub mod mirror;
 pub mod ward;
 
+use crate::caustic::Images;
 use glam::Vec3;
 use unrender_scene::color::luminance;
 use unrender_scene::{Material, Rgb, WardModel};
-use ward::WardLobe;
+use ward::{LobeDerivatives, WardLobe};
 
 /// The specular part of a reflectance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +26,37 @@ pub enum Specular {
     Mirror,
     /// A lobe with a roughness.
     Ward(WardLobe),
+}
+
+/// What `f` is made of in one pair of directions: `f = rho_d diffuse + rho_s specular.value`. So
+/// `diffuse` is `df/d rho_d`, `specular.value` is `df/d rho_s`, and `rho_s` times the other members
+/// of `specular` are the derivatives of `f` by the shape.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Terms {
+    /// Of the diffuse reflectance, sr^-1.
+    pub diffuse: f32,
+    /// Of the specular reflectance, sr^-1.
+    pub specular: LobeDerivatives,
+}
+
+impl Terms {
+    /// The reflectance that they make, sr^-1.
+    pub fn value(&self, rho_d: Rgb, rho_s: Rgb) -> Rgb {
+        rho_d * self.diffuse + rho_s * self.specular.value
+    }
+}
+
+impl Specular {
+    /// The terms of `f` without the cosine, for two directions above a surface with this specular
+    /// part. A perfect mirror counts nothing here.
+    #[inline]
+    pub fn terms(&self, wo: Vec3, wi: Vec3) -> Terms {
+        let specular = match self {
+            Self::Ward(lobe) => lobe.derivatives(wo, wi),
+            _ => LobeDerivatives::default(),
+        };
+        Terms { diffuse: lambert::VALUE, specular }
+    }
 }
 
 /// A reflectance at one point, ready to be evaluated and sampled.
@@ -38,6 +70,8 @@ pub struct Bsdf {
     pub specular: Specular,
     /// The probability with which sampling takes the specular part.
     specular_share: f32,
+    /// Where the diffuse part looks for light beside the cosine.
+    images: Images,
 }
 
 /// A direction drawn from a [`Bsdf`].
@@ -67,7 +101,12 @@ impl Bsdf {
             _ if diffuse_power <= 0.0 => 1.0,
             _ => (specular_power / (diffuse_power + specular_power)).clamp(0.1, 0.9),
         };
-        Self { rho_d, rho_s: material.rho_s, specular, specular_share }
+        Self { rho_d, rho_s: material.rho_s, specular, specular_share, images: Images::NONE }
+    }
+
+    /// The same reflectance, sampled towards `images` too, which are given in its frame.
+    pub fn looking_at(self, images: Images) -> Self {
+        Self { images, ..self }
     }
 
     /// True if the surface reflects nothing.
@@ -78,6 +117,11 @@ impl Bsdf {
     /// True if nothing but a perfect mirror is there, which no light sample can meet.
     pub fn is_pure_mirror(&self) -> bool {
         self.specular == Specular::Mirror && self.specular_share >= 1.0
+    }
+
+    /// The probability with which sampling takes the specular part.
+    pub fn specular_share(&self) -> f32 {
+        self.specular_share
     }
 
     /// `f` without the cosine, sr^-1. A perfect mirror counts nothing here.
@@ -97,7 +141,12 @@ impl Bsdf {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return 0.0;
         }
-        let mut pdf = (1.0 - self.specular_share) * lambert::pdf(wi);
+        let share = self.images.share();
+        let mut diffuse = (1.0 - share) * lambert::pdf(wi);
+        if share > 0.0 {
+            diffuse += share * self.images.pdf(wi);
+        }
+        let mut pdf = (1.0 - self.specular_share) * diffuse;
         if let Specular::Ward(lobe) = self.specular {
             pdf += self.specular_share * lobe.pdf(wo, wi);
         }
@@ -105,6 +154,8 @@ impl Bsdf {
     }
 
     /// Draws `wi` from three numbers in [0, 1); none if the direction falls below the surface.
+    // Out of line, as the compiler would have it with several callers, pictures take 2 % longer.
+    #[inline(always)]
     pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
         if wo.z <= 0.0 {
             return None;
@@ -116,12 +167,22 @@ impl Bsdf {
                 return Some(BsdfSample { wi: mirror::reflect(wo), weight, pdf: f32::INFINITY });
             }
             Specular::Ward(lobe) if take_specular => lobe.sample(wo, [u[1], u[2]]),
-            _ => lambert::sample([u[1], u[2]]),
+            _ => self.sample_diffuse(u),
         };
         let pdf = self.pdf(wo, wi);
         if wi.z <= 0.0 || pdf <= 0.0 || !pdf.is_finite() {
             return None;
         }
         Some(BsdfSample { wi, weight: self.value(wo, wi) * (wi.z / pdf), pdf })
+    }
+
+    /// A direction for the diffuse part, given that `u[0]` chose it.
+    fn sample_diffuse(&self, u: [f32; 3]) -> Vec3 {
+        let share = self.images.share();
+        let pick = (u[0] - self.specular_share) / (1.0 - self.specular_share);
+        if pick < share {
+            return self.images.sample(pick / share, [u[1], u[2]]);
+        }
+        lambert::sample([u[1], u[2]])
     }
 }

@@ -27,6 +27,19 @@ pub struct WardLobe {
     norm: f32,
 }
 
+/// [`WardLobe::value`] and how it changes with the lobe's shape.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LobeDerivatives {
+    /// `w`, sr^-1.
+    pub value: f32,
+    /// `dw / d alpha_x`, sr^-1.
+    pub by_alpha_x: f32,
+    /// `dw / d alpha_y`, sr^-1.
+    pub by_alpha_y: f32,
+    /// `dw / d theta`, sr^-1 per radian: the brushed direction turns, the light does not.
+    pub by_theta: f32,
+}
+
 impl WardLobe {
     /// A lobe with roughness `alpha_x` along and `alpha_y` across the brushed direction; both are
     /// raised to [`ALPHA_MIN`].
@@ -50,6 +63,30 @@ impl WardLobe {
             WardModel::Ward1992 => e * self.norm / (wo.z * wi.z).sqrt(),
             WardModel::WardDuer => e * self.norm / (wo.z * wi.z),
             WardModel::WardGmd => e * self.norm * 4.0 * h.length_squared() * inv_z2 * inv_z2,
+        }
+    }
+
+    /// [`WardLobe::value`] with its derivatives. Of roughnesses raised to [`ALPHA_MIN`], they are
+    /// those at [`ALPHA_MIN`].
+    ///
+    /// With `X = (h_x/alpha_x)^2/h_z^2`: `dw/d alpha_x = w (2 X - 1)/alpha_x`. The angle moves the
+    /// half vector in the brushed frame, `dh_x = h_y dtheta` and `dh_y = -h_x dtheta`, and neither
+    /// h_z nor |h|: `dw/d theta = 2 w h_x h_y (1/alpha_y^2 - 1/alpha_x^2)/h_z^2`. All this holds
+    /// for every normalisation.
+    #[inline]
+    pub fn derivatives(&self, wo: Vec3, wi: Vec3) -> LobeDerivatives {
+        let value = self.value(wo, wi);
+        if value <= 0.0 {
+            return LobeDerivatives::default();
+        }
+        let h = wo + wi;
+        let (x, y) = (h.x / h.z, h.y / h.z);
+        let (a, b) = (x * self.inv_alpha_x, y * self.inv_alpha_y);
+        LobeDerivatives {
+            value,
+            by_alpha_x: value * (2.0 * a * a - 1.0) * self.inv_alpha_x,
+            by_alpha_y: value * (2.0 * b * b - 1.0) * self.inv_alpha_y,
+            by_theta: 2.0 * value * (b * x * self.inv_alpha_y - a * y * self.inv_alpha_x),
         }
     }
 
@@ -101,4 +138,77 @@ pub fn albedo(lobe: &WardLobe, wo: Vec3, n: usize) -> f64 {
         }
     }
     sum / (n * n) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// The lobe in double precision, from its definition; its frame is turned by `theta`.
+    fn value(model: WardModel, [alpha_x, alpha_y, theta]: [f64; 3], wo: DVec3, wi: DVec3) -> f64 {
+        use std::f64::consts::PI;
+        let h = wo + wi;
+        let (sin, cos) = theta.sin_cos();
+        let (x, y) = (cos * h.x + sin * h.y, cos * h.y - sin * h.x);
+        let e = (-((x / alpha_x).powi(2) + (y / alpha_y).powi(2)) / (h.z * h.z)).exp();
+        let area = PI * alpha_x * alpha_y;
+        match model {
+            WardModel::Ward1992 => e / (4.0 * area * (wo.z * wi.z).sqrt()),
+            WardModel::WardDuer => e / (4.0 * area * wo.z * wi.z),
+            WardModel::WardGmd => e * h.length_squared() / (area * h.z.powi(4)),
+        }
+    }
+
+    fn direction(cos: f64, phi: f64) -> DVec3 {
+        let sin = (1.0 - cos * cos).sqrt();
+        DVec3::new(sin * phi.cos(), sin * phi.sin(), cos)
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_formulas() {
+        let mut worst = 0.0f64;
+        let alphas = [(0.05, 0.05), (0.1, 0.3), (0.6, 0.2), (0.02, 0.5)];
+        let grid = (1..=8).flat_map(|i| (0..9).map(move |j| (i, j)));
+        let pairs = grid.flat_map(|a| [0.3, 0.8].map(|b| (a, b)));
+        for ((i, j), cos_o) in pairs {
+            let wi = direction(f64::from(i) / 8.5, 0.3 + 0.7 * f64::from(j));
+            let wo = direction(cos_o, 3.0);
+            for (model, (alpha_x, alpha_y)) in
+                WardModel::ALL.into_iter().flat_map(|m| alphas.map(|a| (m, a)))
+            {
+                let lobe = WardLobe::new(model, alpha_x as f32, alpha_y as f32);
+                let found = lobe.derivatives(wo.as_vec3(), wi.as_vec3());
+                let shape = [alpha_x, alpha_y, 0.0];
+                let expected = [0, 1, 2].map(|k| {
+                    let step = 1e-6;
+                    let [plus, minus] = [step, -step].map(|s| {
+                        let mut shape = shape;
+                        shape[k] += s;
+                        value(model, shape, wo, wi)
+                    });
+                    (plus - minus) / (2.0 * step)
+                });
+                // The exponent's rounding is what counts far out in the lobe.
+                let peak =
+                    f64::from(lobe.value(wo.as_vec3(), wo.as_vec3().reflect(Vec3::Z) * -1.0));
+                let scale = peak / alpha_x.min(alpha_y);
+                for (found, expected) in
+                    [found.by_alpha_x, found.by_alpha_y, found.by_theta].into_iter().zip(expected)
+                {
+                    let error =
+                        (f64::from(found) - expected).abs() / (expected.abs() + 1e-3 * scale);
+                    worst = worst.max(error);
+                }
+            }
+        }
+        assert!(worst < 1e-4, "{worst}");
+    }
+
+    #[test]
+    fn far_from_the_lobe_derivatives_are_zero_and_not_nan() {
+        let lobe = WardLobe::new(WardModel::WardGmd, 1e-3, 1e-3);
+        let (wo, wi) = (direction(0.9, 0.0).as_vec3(), direction(1e-6, 1.0).as_vec3());
+        assert_eq!(lobe.derivatives(wo, wi), LobeDerivatives::default());
+    }
 }

@@ -30,6 +30,9 @@ pub struct Args {
     /// The most reflections of a path; 1 is direct light only [default: until it carries nothing].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub bounces: Option<u32>,
+    /// Leave out the joint refinement after the ladder, and with it the standard deviations.
+    #[arg(long)]
+    pub no_refine: bool,
 }
 
 /// The ladders of hypotheses.
@@ -73,6 +76,7 @@ fn options(args: &Args, project: &Project) -> Options {
         spp: args.spp.unwrap_or(defaults.spp),
         max_bounces: args.bounces.unwrap_or(defaults.max_bounces),
         thresholds: project.thresholds,
+        refine: !args.no_refine,
         ..defaults
     }
 }

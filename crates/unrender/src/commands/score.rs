@@ -1,7 +1,9 @@
 //! `unrender score`: recovered materials against the truth.
 
 use crate::Error;
-use crate::score::{GroupScore, Limits, Worst, score, table, worst};
+use crate::score::{
+    Certainty, GroupScore, LightScore, Limits, Worst, certainty, score, score_lights, table, worst,
+};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -10,8 +12,9 @@ use unrender_formats::materials;
 /// Compares the materials of a recovery with known ones.
 ///
 /// Groups whose status is known or assumed are shown in brackets and not counted. A lobe and the
-/// same lobe with its alphas swapped and turned by 90 degrees are one. With a limit, the exit code
-/// is 1 if it is exceeded, a hypothesis is wrong or a number is missing.
+/// same lobe with its alphas swapped and turned by 90 degrees are one. Where the results state
+/// standard deviations, a second table has the error of every parameter in their units. With a limit,
+/// the exit code is 1 if it is exceeded, a hypothesis is wrong or a number is missing.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  \
     unrender score result truth.json --max-rho 0.005 --max-alpha-percent 2 --max-degrees 0.5")]
@@ -37,7 +40,9 @@ pub struct Args {
 #[derive(Serialize)]
 struct Json<'a> {
     groups: &'a [GroupScore],
+    lights: &'a [LightScore],
     worst: &'a Worst,
+    certainty: Option<Certainty>,
     exceeded: &'a [String],
 }
 
@@ -54,7 +59,8 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
     let (results, truth) = (materials::read(&path)?, materials::read(&args.truth)?);
     let scores = score(&results, &folder(&path), &truth, &folder(&args.truth))?;
-    let worst = worst(&scores);
+    let lights = score_lights(&results, &truth);
+    let (worst, certainty) = (worst(&scores), certainty(&scores, &lights));
     let limits = Limits {
         rho: args.max_rho,
         alpha_percent: args.max_alpha_percent,
@@ -62,12 +68,18 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     };
     let exceeded = if limits.any() { limits.exceeded(&scores) } else { Vec::new() };
     if args.json {
-        let json = Json { groups: &scores, worst: &worst, exceeded: &exceeded };
+        let (groups, lights, worst, exceeded) = (&scores, &lights, &worst, &exceeded);
+        let json = Json { groups, lights, worst, certainty, exceeded };
         let text = serde_json::to_string_pretty(&json)
             .map_err(|error| Error::Request(format!("the scores cannot be written: {error}")))?;
         print(&(text + "\n"));
     } else {
-        print(&table::table(&scores, &worst));
+        let tables = [
+            Some(table::table(&scores, &worst)),
+            Some(table::lights(&lights)).filter(|text| !text.is_empty()),
+            certainty.map(|certainty| table::parameters(&scores, &lights, &certainty)),
+        ];
+        print(&tables.into_iter().flatten().collect::<Vec<_>>().join("\n"));
     }
     exceeded.iter().for_each(|fault| eprintln!("error: {fault}"));
     Ok(if exceeded.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })

@@ -4,12 +4,13 @@
 //! the scene by [`Project::check_against`], once that is read.
 
 mod camera;
+mod lights;
 mod parse;
 mod raw;
 
 pub use camera::CameraTable;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use unrender_formats::FileError;
 use unrender_photo::{Exposure, Response};
@@ -29,10 +30,15 @@ pub struct Project {
     pub response: Option<Response>,
     /// Scene radiance per unit of linear pixel value.
     pub exposure: Exposure,
-    /// What fixes the absolute scale; always there with [`Exposure::Auto`].
+    /// What fixes the absolute scale; always there with [`Exposure::Auto`]. See
+    /// [`Project::used_anchor`].
     pub anchor: Option<Anchor>,
     /// The groups that are not to be recovered.
     pub known: BTreeMap<String, Known>,
+    /// The lights whose brightness is asked for: groups that emit, and lights without a surface.
+    pub unknown_lights: BTreeSet<String>,
+    /// The lights that the project calls known, as lights are by default.
+    pub known_lights: BTreeSet<String>,
     /// The form of Ward's lobe to recover.
     pub brdf: WardModel,
     /// When a hypothesis is good enough.
@@ -41,7 +47,7 @@ pub struct Project {
     pub camera: CameraChoice,
 }
 
-/// A group whose diffuse reflectance fixes the exposure.
+/// A group whose diffuse reflectance fixes the scale of exposure and lights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Anchor {
     /// The group's name.
@@ -114,7 +120,7 @@ impl Project {
     /// Checks that the names in the project are names in `scene`.
     ///
     /// # Errors
-    /// If a group or a camera does not exist, or the anchor is a light.
+    /// If a group, a light or a camera does not exist, or the anchor is a light.
     pub fn check_against(&self, scene: &Scene) -> Result<(), FileError> {
         let fault = |problem: String| Err(FileError::new(&self.path, problem));
         let known = self.known.keys().map(|name| (format!("groups.{name}"), name));
@@ -132,6 +138,7 @@ impl Project {
                 "anchor.group: the group emits light; take one that only reflects".into(),
             );
         }
+        lights::check(self, scene).or_else(fault)?;
         if let CameraChoice::Named(name) = &self.camera
             && !scene.cameras.iter().any(|c| c.name == *name)
         {

@@ -16,8 +16,9 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     let mut warnings = Warnings::default();
     let anchor = raw.anchor.as_ref().map(anchor).transpose()?;
     let exposure = exposure(raw.exposure.as_ref(), anchor.is_some(), &mut warnings)?;
-    if anchor.is_some() && exposure != Exposure::Auto {
-        warnings.push("[anchor] was not used, as the exposure is stated");
+    let any_light_unknown = raw.lights.values().any(|light| light.unknown);
+    if anchor.is_some() && exposure != Exposure::Auto && !any_light_unknown {
+        warnings.push("[anchor] was not used, as the exposure is stated and no light is unknown");
     }
     let mut all_known = BTreeMap::new();
     for (name, group) in &raw.groups {
@@ -25,6 +26,10 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
             all_known.insert(name.clone(), known(&format!("groups.{name}.known"), raw_known)?);
         }
     }
+    let lights = |unknown| {
+        let named = raw.lights.iter().filter(move |(_, light)| light.unknown == unknown);
+        named.map(|(name, _)| name.clone()).collect()
+    };
     let brdf = raw.recover.brdf.as_deref().map(str::parse::<WardModel>).transpose();
     let project = Project {
         path: path.to_owned(),
@@ -34,6 +39,8 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         exposure,
         anchor,
         known: all_known,
+        unknown_lights: lights(true),
+        known_lights: lights(false),
         brdf: brdf.map_err(|problem| format!("recover.brdf: {problem}"))?.unwrap_or_default(),
         thresholds: thresholds(&raw.recover.thresholds)?,
         camera: raw.camera.map_or(Ok(CameraChoice::First), camera)?,

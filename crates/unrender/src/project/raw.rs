@@ -16,6 +16,8 @@ pub(super) struct RawProject {
     #[serde(default)]
     pub(super) groups: BTreeMap<String, RawGroup>,
     #[serde(default)]
+    pub(super) lights: BTreeMap<String, RawLight>,
+    #[serde(default)]
     pub(super) recover: RawRecover,
     pub(super) camera: Option<Value>,
 }
@@ -31,6 +33,12 @@ pub(super) struct RawAnchor {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawGroup {
     pub(super) known: Option<RawKnown>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawLight {
+    pub(super) unknown: bool,
 }
 
 #[derive(Debug, Deserialize)]

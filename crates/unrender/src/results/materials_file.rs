@@ -4,10 +4,10 @@ use crate::engine::Recovered;
 use crate::{Error, Job};
 use glam::Vec3;
 use std::path::Path;
-use unrender_formats::materials::{GroupEntry, MaterialsFile, VERSION};
+use unrender_formats::materials::{GroupEntry, MaterialsFile, StdEntry, VERSION};
 use unrender_formats::picture;
-use unrender_recover::GroupResult;
-use unrender_scene::{Hypothesis, Image, Rgb, RgbImage};
+use unrender_recover::{Deviations, GroupResult};
+use unrender_scene::{Hypothesis, Image, Material, Rgb, RgbImage};
 
 /// The contents of materials.json; writes the textures beside it and counts bad values in `bad`.
 pub(super) fn build(
@@ -45,10 +45,22 @@ fn entry(group: &GroupResult, texture: Option<String>) -> GroupEntry {
         theta_deg: Some(material.theta_rad.to_degrees()),
         direction: group.direction.filter(|_| anisotropic).map(|d| Vec3::to_array(&d)),
         texture,
-        std: None,
+        std: group.std.map(|std| std_entry(&std, material)),
         pixels: Some(group.pixels as u64),
         error: group.error,
         note: group.note.clone(),
+        alternatives: Vec::new(),
+    }
+}
+
+/// Standard deviations in the file's units: of a roughness itself, of an angle in degrees.
+fn std_entry(std: &Deviations, material: &Material) -> StdEntry {
+    StdEntry {
+        rho_d: std.rho_d.map(|v| v.to_array()),
+        rho_s: std.rho_s.map(|v| v.to_array()),
+        alpha_x: std.ln_alpha_x.map(|v| v * material.alpha_x),
+        alpha_y: std.ln_alpha_y.map(|v| v * material.alpha_y),
+        theta_deg: std.theta_rad.map(f32::to_degrees),
     }
 }
 

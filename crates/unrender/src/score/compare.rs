@@ -1,6 +1,7 @@
 //! The errors of one group.
 
 use super::GroupScore;
+use super::certainty::{ParameterScore, largest};
 use super::lobe::Lobe;
 use glam::Vec2;
 use std::path::Path;
@@ -31,7 +32,11 @@ pub(super) fn group(
         Some(texture) => {
             let (truth, _) = read_texture(&wanted_folder.join(texture))?;
             match found_texture(found, found_folder)? {
-                Some(texture) => score.rho_d = Some(texture_error(&texture, &truth)),
+                Some(texture) => {
+                    let error = texture_error(&texture, &truth);
+                    note("rho_d", &error, std_of(found, |s| s.rho_d), &mut score);
+                    score.rho_d = Some(largest_of(&error));
+                }
                 None => score.missing.push("texture"),
             }
         }
@@ -41,6 +46,7 @@ pub(super) fn group(
     if wanted.rho_s.is_some_and(|rho| rho.iter().any(|&r| r > 0.0)) {
         compare_lobes(found, wanted, &mut score);
     }
+    score.in_std = largest(&score.parameters);
     Ok(score)
 }
 
@@ -77,15 +83,13 @@ fn compare_triple(
         score.missing.push(key);
         return;
     };
-    let error = |c: usize| (f64::from(found[c]) - f64::from(wanted[c])).abs();
-    let worst = (0..3).map(error).fold(0.0, f64::max);
-    for (channel, std) in std.into_iter().flatten().enumerate() {
-        note_in_std(error(channel), Some(f64::from(std)), score);
-    }
+    let error: [f64; 3] =
+        std::array::from_fn(|c| (f64::from(found[c]) - f64::from(wanted[c])).abs());
+    note(key, &error, std, score);
     if key == "rho_d" {
-        score.rho_d = Some(worst);
+        score.rho_d = Some(largest_of(&error));
     } else {
-        score.rho_s = Some(worst);
+        score.rho_s = Some(largest_of(&error));
     }
 }
 
@@ -98,24 +102,35 @@ fn compare_lobes(found: &GroupEntry, wanted: &GroupEntry, score: &mut GroupScore
     let error = |i: usize| (lobe.alphas[i] - truth.alphas[i]).abs();
     let percent = |i: usize| 100.0 * error(i) / truth.alphas[i];
     score.alpha_percent = Some(percent(0).max(percent(1)));
-    for i in 0..2 {
-        note_in_std(error(i), lobe.stds[i], score);
+    // The two alphas of a lobe without a direction are one number.
+    let is_one = [&lobe, &truth].iter().all(|lobe| lobe.alphas[0] == lobe.alphas[1]);
+    for (key, i) in lobe.places().into_iter().take(if is_one { 1 } else { 2 }) {
+        note(key, &[error(i)], lobe.stds[i].map(|std| [std]), score);
     }
     if truth.is_anisotropic() {
         score.degrees = lobe.degrees_from(&truth);
         match score.degrees {
             Some(degrees) => {
-                note_in_std(degrees, std_of(found, |s| s.theta_deg).map(f64::from), score);
+                let std = std_of(found, |s| s.theta_deg).map(|std| [std]);
+                note("theta_deg", &[degrees], std, score);
             }
             None => score.missing.push("direction or theta_deg"),
         }
     }
 }
 
-fn note_in_std(error: f64, std: Option<f64>, score: &mut GroupScore) {
-    if let Some(std) = std.filter(|std| *std > 0.0) {
-        score.in_std = Some(score.in_std.unwrap_or(0.0).max(error / std));
-    }
+/// Notes a parameter if the results state its standard deviation.
+fn note<const N: usize>(
+    key: &'static str,
+    error: &[f64; N],
+    std: Option<[f32; N]>,
+    score: &mut GroupScore,
+) {
+    score.parameters.extend(std.map(|std| ParameterScore::new(key, error, &std)));
+}
+
+fn largest_of(errors: &[f64; 3]) -> f64 {
+    errors.iter().copied().fold(0.0, f64::max)
 }
 
 /// The group's texture; its mean rho_d where it has none, or nothing.
@@ -128,8 +143,8 @@ fn found_texture(found: &GroupEntry, folder: &Path) -> Result<Option<Texture>, F
     Ok(Some(Texture { image, wrap_u: Wrap::ClampToEdge, wrap_v: Wrap::ClampToEdge }))
 }
 
-/// The mean error over the texels of `truth`, in the worst channel.
-fn texture_error(found: &Texture, truth: &Image<Rgb>) -> f64 {
+/// The mean error over the texels of `truth`, by channel.
+fn texture_error(found: &Texture, truth: &Image<Rgb>) -> [f64; 3] {
     let (width, height) = (truth.width() as f32, truth.height() as f32);
     let mut sum = [0.0f64; 3];
     for y in 0..truth.height() {
@@ -139,5 +154,5 @@ fn texture_error(found: &Texture, truth: &Image<Rgb>) -> f64 {
             (0..3).for_each(|c| sum[c] += f64::from(error[c]));
         }
     }
-    sum.into_iter().fold(0.0, f64::max) / truth.pixels().len() as f64
+    sum.map(|sum| sum / truth.pixels().len() as f64)
 }

@@ -11,7 +11,7 @@ pub(super) struct Lobe {
     /// The smaller and the larger alpha.
     pub(super) alphas: [f64; 2],
     /// Their standard deviations.
-    pub(super) stds: [Option<f64>; 2],
+    pub(super) stds: [Option<f32>; 2],
     /// True if alpha_x was the larger one: the smaller lies at 90 degrees to the direction.
     is_swapped: bool,
     theta_deg: Option<f64>,
@@ -23,7 +23,7 @@ impl Lobe {
     pub(super) fn of(entry: &GroupEntry) -> Option<Self> {
         let std = entry.std.unwrap_or_default();
         let mut alphas = [f64::from(entry.alpha_x?), f64::from(entry.alpha_y?)];
-        let mut stds = [std.alpha_x.map(f64::from), std.alpha_y.map(f64::from)];
+        let mut stds = [std.alpha_x, std.alpha_y];
         let is_swapped = alphas[0] > alphas[1];
         if is_swapped {
             alphas.reverse();
@@ -36,6 +36,12 @@ impl Lobe {
             theta_deg: entry.theta_deg.map(f64::from),
             direction: entry.direction.map(|d| d.map(f64::from)),
         })
+    }
+
+    /// The keys that the alphas had, and where they stand in [`Lobe::alphas`].
+    pub(super) fn places(&self) -> [(&'static str, usize); 2] {
+        let x = usize::from(self.is_swapped);
+        [("alpha_x", x), ("alpha_y", 1 - x)]
     }
 
     /// True if the lobe has a direction.

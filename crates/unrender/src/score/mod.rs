@@ -1,10 +1,14 @@
 //! How far recovered materials are from the truth, group by group.
 //!
-//! `compare` does the arithmetic of one group, `table` prints it.
+//! `compare` does the arithmetic of one group, `certainty` that of the standard deviations, `table`
+//! prints both.
 
+mod certainty;
 mod compare;
 mod lobe;
 pub mod table;
+
+pub use certainty::{Certainty, LightScore, ParameterScore, certainty, score_lights};
 
 use serde::Serialize;
 use std::path::Path;
@@ -34,6 +38,8 @@ pub struct GroupScore {
     pub degrees: Option<f64>,
     /// Largest error of all these numbers in units of its stated standard deviation.
     pub in_std: Option<f64>,
+    /// All these numbers, where the results state their standard deviations.
+    pub parameters: Vec<ParameterScore>,
     /// Keys that the truth has and the results lack.
     pub missing: Vec<&'static str>,
 }

@@ -1,0 +1,164 @@
+//! One pass over the photograph: residuals and Jacobians, each rendered twice, as means over the
+//! pixels of a group in a block.
+//!
+//! The Jacobian of one pixel is mostly noise: that of a wall by the roughness of the floor lives on
+//! rare paths. A least-squares fit multiplies it with the residual, and noise times noise drowns
+//! the sum. Over a block both change little, while their noise falls by the number of its pixels;
+//! and the means of all blocks fit into memory where the Jacobians of all pixels would not: only
+//! those of some thousand pixels are ever there.
+
+use super::sample::Cell;
+use super::unknowns::Unknowns;
+use crate::evidence::Observed;
+use crate::ladder::State;
+use nalgebra::DVector;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use unrender_render::sampler::mix;
+use unrender_render::{Jacobian, Settings};
+use unrender_scene::Rgb;
+
+/// What one cell shows on the mean.
+#[derive(Clone, Debug)]
+pub(crate) struct Mean {
+    pub(crate) group: usize,
+    /// Pixels in the mean.
+    pub(crate) pixels: f64,
+    /// Paths a pixel in each of the two renderings.
+    paths: f64,
+    /// Photograph minus rendering, for each of the two renderings.
+    pub(crate) residuals: [Rgb; 2],
+    /// The variance of the photograph's noise.
+    pub(crate) variance: Rgb,
+    /// What relative errors are relative to, squared.
+    pub(crate) level2: Rgb,
+    /// For each channel: the unknowns on which the rendering hangs, and its derivative by them in
+    /// each of the two renderings.
+    pub(crate) rows: [Vec<(usize, f64, f64)>; 3],
+}
+
+/// Pixels whose Jacobians are in memory together, about.
+const TILE: usize = 4096;
+
+/// One pass over `cells`, which come group by group, with `spp` paths a pixel of each group, twice.
+pub(crate) fn gather(
+    state: &State<'_>,
+    unknowns: &Unknowns,
+    cells: &[Cell],
+    spp: &[u32],
+    settings: &Settings,
+) -> Vec<Mean> {
+    let mut means = Vec::with_capacity(cells.len());
+    for tile in tiles(cells) {
+        let spp = spp[tile[0].group];
+        let pixels: Vec<u32> = tile.iter().flat_map(|c| &c.pixels).map(|p| p.pixel).collect();
+        let jacobians = [0u64, 1].map(|half| {
+            let seed = mix(settings.seed).wrapping_add(half);
+            let settings = Settings { seed, spp, ..*settings };
+            let (appearance, seen) = (state.appearance(), state.seen.as_ref());
+            let asked = &unknowns.parameters;
+            state.problem.renderer.jacobian(appearance, &pixels, asked, &settings, seen)
+        });
+        let starts: Vec<usize> = tile
+            .iter()
+            .scan(0, |next, cell| {
+                *next += cell.pixels.len();
+                Some(*next - cell.pixels.len())
+            })
+            .collect();
+        let of_cell =
+            |(cell, start): (&Cell, usize)| mean(state, unknowns, (cell, spp), start, &jacobians);
+        means.par_extend(tile.par_iter().zip(starts).map(of_cell));
+    }
+    means
+}
+
+/// Adds what a pass found to the average of those before, cell by cell; each counts by its paths.
+pub(crate) fn average(average: &mut Vec<Mean>, found: Vec<Mean>) {
+    if average.is_empty() {
+        *average = found;
+        return;
+    }
+    average.iter_mut().zip(found).for_each(|(mean, found)| mean.add(&found));
+}
+
+impl Mean {
+    fn add(&mut self, other: &Self) {
+        let paths = self.paths + other.paths;
+        let (mine, theirs) = (self.paths / paths, other.paths / paths);
+        for (residual, other) in self.residuals.iter_mut().zip(other.residuals) {
+            *residual = *residual * mine as f32 + other * theirs as f32;
+        }
+        for (row, other) in self.rows.iter_mut().zip(&other.rows) {
+            let mut all: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
+            for (share, row) in [(mine, &*row), (theirs, other)] {
+                for &(k, a, b) in row {
+                    let sum = all.entry(k).or_default();
+                    *sum = (sum.0 + share * a, sum.1 + share * b);
+                }
+            }
+            *row = all.into_iter().map(|(k, (a, b))| (k, a, b)).collect();
+        }
+        self.paths = paths;
+    }
+
+    /// Carries the residuals along to where the unknowns move by `step`.
+    pub(crate) fn move_by(&mut self, step: &DVector<f64>) {
+        for (channel, row) in self.rows.iter().enumerate() {
+            for &(k, a, b) in row {
+                self.residuals[0][channel] -= (a * step[k]) as f32;
+                self.residuals[1][channel] -= (b * step[k]) as f32;
+            }
+        }
+    }
+}
+
+/// The cells in tiles of about [`TILE`] pixels, each of one group.
+fn tiles(cells: &[Cell]) -> Vec<&[Cell]> {
+    let mut tiles = Vec::new();
+    let (mut start, mut pixels) = (0, 0);
+    for (i, cell) in cells.iter().enumerate() {
+        pixels += cell.pixels.len();
+        if pixels >= TILE || cells.get(i + 1).is_none_or(|next| next.group != cell.group) {
+            tiles.push(&cells[start..=i]);
+            (start, pixels) = (i + 1, 0);
+        }
+    }
+    tiles
+}
+
+/// The mean over a cell, whose first pixel is number `start` of the Jacobians.
+fn mean(
+    state: &State<'_>,
+    unknowns: &Unknowns,
+    (cell, spp): (&Cell, u32),
+    start: usize,
+    jacobians: &[Jacobian; 2],
+) -> Mean {
+    let n = cell.pixels.len() as f32;
+    let range = start..start + cell.pixels.len();
+    let over = |f: &dyn Fn(&Observed) -> Rgb| cell.pixels.iter().map(f).sum::<Rgb>() / n;
+    let photograph = over(&|p| p.radiance);
+    let radiance = jacobians.each_ref().map(|j| j.radiance[range.clone()].iter().sum::<Rgb>() / n);
+    let slots = unknowns.parameters.len();
+    let derivatives = jacobians.each_ref().map(|j| {
+        let mut sums = vec![Rgb::ZERO; slots];
+        for pixel in range.clone() {
+            let row = &j.derivatives[pixel * slots..(pixel + 1) * slots];
+            sums.iter_mut().zip(row).for_each(|(sum, d)| *sum += *d / n);
+        }
+        sums
+    });
+    let level = over(&|p| p.level);
+    Mean {
+        group: cell.group,
+        pixels: f64::from(n),
+        paths: f64::from(spp),
+        residuals: radiance.map(|radiance| photograph - radiance),
+        variance: over(&|p| p.variance) / n,
+        level2: (level * level).max(Rgb::splat(f32::MIN_POSITIVE)),
+        rows: [0, 1, 2].map(|channel| {
+            unknowns.row(state, &derivatives, channel, f64::from(photograph[channel]))
+        }),
+    }
+}

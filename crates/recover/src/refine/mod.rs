@@ -1,0 +1,91 @@
+//! Every parameter of every group at once, against the whole photograph, with how well it is known.
+//!
+//! The ladder has chosen the hypotheses and stands near their best parameters. What is left is a
+//! least-squares problem of tens of unknowns ([`unknowns`]), for which Gauss-Newton needs a handful
+//! of passes ([`passes`]). Each renders radiance and derivatives twice ([`means`]), makes the normal
+//! equations of them ([`normal`]), and solves these within the bounds ([`system`]).
+//!
+//! The covariance of the result comes from the spread of the picture's blocks. It holds the noise of
+//! the photograph, of our renderings, and what the model does not explain, without being told how
+//! large they are. Then [`verdict`] says what the photograph could not tell; where that makes a
+//! hypothesis simpler, the rest is refined again.
+
+mod means;
+mod normal;
+mod passes;
+mod sample;
+mod system;
+mod unknowns;
+mod verdict;
+
+use crate::ladder::State;
+use crate::problem::Options;
+use crate::record::{Observer, Termination};
+use nalgebra::{DMatrix, DVector};
+use normal::Normal;
+use passes::{COARSE, Passes};
+use system::System;
+use unknowns::{Quantity, Unknowns};
+use unrender_render::Settings;
+use unrender_render::sampler::mix;
+
+/// How often hypotheses may be made simpler.
+const ROUNDS_MAX: usize = 3;
+/// Where the joint refinement stands.
+struct Solution {
+    unknowns: Unknowns,
+    covariance: DMatrix<f64>,
+    settled: bool,
+}
+
+/// Refines all unknowns of `state` together and says how well they are known.
+pub(crate) fn refine(
+    state: &mut State<'_>,
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Termination {
+    let mut passes = Passes::new(options);
+    for round in 1.. {
+        let solution = passes.converge(state, observer);
+        if round < ROUNDS_MAX && verdict::simplify(state, &solution) {
+            continue;
+        }
+        verdict::record(state, &solution);
+        if !solution.settled {
+            return Termination::RefinementLimit;
+        }
+        break;
+    }
+    Termination::Refined
+}
+
+/// One Gauss-Newton step for the lights and the exposure alone, from the pixels of the groups that
+/// are known: it brings them near enough for the ladder to begin.
+pub(crate) fn adjust_nuisances(state: &mut State<'_>, options: &Options) {
+    let unknowns = Unknowns::nuisances(state);
+    let cells = sample::known(state, COARSE.0, options.seed);
+    if unknowns.len() == 0 || cells.is_empty() {
+        return;
+    }
+    let spp = vec![COARSE.1; state.materials.len()];
+    let seed = mix(options.seed ^ 0x11687);
+    let settings = Settings { spp: 0, seed, max_bounces: options.max_bounces };
+    let means = means::gather(state, &unknowns, &cells, &spp, &settings);
+    let normal = Normal::of(&means, unknowns.len(), state.materials.len());
+    let system = System::new(&unknowns, &normal, &DVector::zeros(unknowns.len()));
+    if let Some(step) = system.step(0.0, &unknowns.bounds(state)) {
+        unknowns.apply(state, &step);
+    }
+}
+
+/// Where the prior stands: at the ladder's answer; for groups out of sight, which have none, in the
+/// middle.
+fn believed(state: &State<'_>, unknowns: &Unknowns) -> DVector<f64> {
+    const MIDDLE: f64 = 0.5;
+    let out_of_sight = |g: usize| state.problem.observation.pixels_of_group[g].is_empty();
+    let believed = unknowns.list.iter().map(|u| match u.quantity {
+        Quantity::RhoD if out_of_sight(u.of) => MIDDLE,
+        _ => unknowns.value(state, u),
+    });
+    DVector::from_iterator(unknowns.len(), believed)
+}

@@ -1,0 +1,277 @@
+//! Pass after pass over the photograph: towards the minimum, then until it is known well enough.
+//!
+//! *Coarse*: some pixels, few paths. A step is taken while one of its numbers is certainly not zero
+//! (`SIGNIFICANT`), so that noise never leads away from the ladder's answer. A pass that finds the
+//! error worse than before is taken back and its step tried again with damping [Levenberg 1944,
+//! Marquardt 1963].
+//!
+//! *Fine*: all pixels, always the same ones, and what the passes find is averaged, the residuals
+//! carried along to where the parameters have moved, `r -> r - J s`. Paths go to the groups whose
+//! numbers the renderings' noise leaves least certain. It ends when the last step is smaller than
+//! its own standard deviation, and the renderings' noise is below the photograph's or below what
+//! anyone would ask for (`precise_enough`).
+
+use super::means::{self, Mean};
+use super::normal::Normal;
+use super::sample::{self, Cell};
+use super::system::System;
+use super::unknowns::{Quantity, Unknowns};
+use super::{Solution, believed};
+use crate::error::deviation_of_sum;
+use crate::ladder::State;
+use crate::problem::Options;
+use crate::record::Observer;
+use nalgebra::{DMatrix, DVector};
+use unrender_render::Settings;
+use unrender_render::sampler::mix;
+use unrender_scene::{Material, Rgb};
+
+/// Pixels of a group at most and paths a pixel, in each of the two renderings, of a coarse pass.
+pub(super) const COARSE: (usize, u32) = (8000, 16);
+/// The same of a fine pass, to begin with.
+const FINE: (usize, u32) = (40_000, 32);
+/// Paths a pixel that a group may get in a fine pass.
+const FINE_SPP: [f64; 2] = [8.0, 256.0];
+/// Coarse and fine passes at most.
+const PASSES_MAX: [usize; 2] = [10, 10];
+/// A coarse step is taken if one of its numbers is this many standard deviations long.
+const SIGNIFICANT: f64 = 3.0;
+/// What fine passes found is dropped after a step of so many standard deviations: it was found too
+/// far away.
+const FAR: f64 = 4.0;
+/// The first damping after a step that made things worse, relative to the curvature; then tenfold.
+const DAMPING: f64 = 0.1;
+/// A pass is worse if its error is higher by this many standard deviations of the difference.
+const WORSE: f64 = 3.0;
+/// The renderings may have this share of a number's variance.
+const RENDERING_SHARE: f64 = 0.35;
+
+/// The standard deviation below which nobody asks for more.
+fn precise_enough(quantity: Quantity) -> f64 {
+    match quantity {
+        Quantity::RhoD | Quantity::RhoS => 7e-4,
+        Quantity::Alpha | Quantity::AlphaX | Quantity::AlphaY => 2e-3,
+        Quantity::Theta => 1e-3,
+        Quantity::Light | Quantity::Exposure => 1e-3,
+    }
+}
+
+/// The passes of one refinement.
+pub(super) struct Passes<'o> {
+    options: &'o Options,
+    count: u64,
+}
+
+/// Where a step started, to go back if it was wrong.
+struct Place {
+    materials: Vec<Material>,
+    lights: Vec<Rgb>,
+    exposure: Rgb,
+    error: Error,
+    system: System,
+}
+
+/// A relative squared error and its standard deviation.
+#[derive(Clone, Copy)]
+struct Error {
+    mean: f64,
+    deviation: f64,
+}
+
+impl<'o> Passes<'o> {
+    pub(super) fn new(options: &'o Options) -> Self {
+        Self { options, count: 0 }
+    }
+
+    /// Moves the unknowns of `state` to where they explain the photograph best.
+    pub(super) fn converge(
+        &mut self,
+        state: &mut State<'_>,
+        observer: &mut dyn Observer,
+    ) -> Solution {
+        let unknowns = Unknowns::of(state);
+        let prior = believed(state, &unknowns);
+        self.coarse(state, &unknowns, &prior, observer);
+        let (covariance, settled) = self.fine(state, &unknowns, &prior, observer);
+        Solution { unknowns, covariance, settled }
+    }
+
+    fn coarse(
+        &mut self,
+        state: &mut State<'_>,
+        unknowns: &Unknowns,
+        prior: &DVector<f64>,
+        observer: &mut dyn Observer,
+    ) {
+        let mut last: Option<Place> = None;
+        let mut damping = 0.0;
+        let spp = vec![COARSE.1; state.materials.len()];
+        for _ in 0..PASSES_MAX[0] {
+            state.look_at_photograph();
+            let cells = sample::all(state, COARSE.0, self.seed());
+            let means = self.pass(state, unknowns, &cells, &spp);
+            let normal = Normal::of(&means, unknowns.len(), state.materials.len());
+            let error = Error::of(&normal, &means);
+            let worse = last.as_ref().is_some_and(|last| error.is_above(&last.error));
+            let place = match last.take() {
+                Some(before) if worse => {
+                    damping = f64::max(10.0 * damping, DAMPING);
+                    before.restore(state);
+                    before
+                }
+                _ => {
+                    damping *= 0.1;
+                    Place::of(
+                        state,
+                        error,
+                        System::new(unknowns, &normal, &(prior - unknowns.values(state))),
+                    )
+                }
+            };
+            let covariance = place.system.covariance();
+            let Some(step) = place.system.step(damping, &unknowns.bounds(state)) else { return };
+            let significant = |k: usize| step[k].powi(2) > SIGNIFICANT.powi(2) * covariance[(k, k)];
+            if !worse && !(0..step.len()).any(significant) {
+                return;
+            }
+            unknowns.apply(state, &step);
+            tell(state, observer, unknowns, (&step, error), 0.1);
+            last = Some(place);
+        }
+    }
+
+    /// Returns the covariance and whether it settled.
+    fn fine(
+        &mut self,
+        state: &mut State<'_>,
+        unknowns: &Unknowns,
+        prior: &DVector<f64>,
+        observer: &mut dyn Observer,
+    ) -> (DMatrix<f64>, bool) {
+        let mut spp = vec![FINE.1; state.materials.len()];
+        let mut average: Vec<Mean> = Vec::new();
+        let mut covariance = DMatrix::zeros(unknowns.len(), unknowns.len());
+        let pixels_seed = self.seed();
+        for pass in 1..=PASSES_MAX[1] {
+            state.look_at_photograph();
+            let cells = sample::all(state, FINE.0, pixels_seed);
+            let found = self.pass(state, unknowns, &cells, &spp);
+            means::average(&mut average, found);
+            let normal = Normal::of(&average, unknowns.len(), state.materials.len());
+            let to_prior = prior - unknowns.values(state);
+            let system = System::new(unknowns, &normal, &to_prior);
+            covariance = system.covariance();
+            let Some(step) = system.step(0.0, &unknowns.bounds(state)) else { break };
+            unknowns.apply(state, &step);
+            let error = Error::of(&normal, &average);
+            let done = 0.1 + 0.9 * pass as f64 / PASSES_MAX[1] as f64;
+            tell(state, observer, unknowns, (&step, error), done);
+            let longest = (0..step.len())
+                .map(|k| step[k].abs() / covariance[(k, k)].sqrt().max(f64::MIN_POSITIVE))
+                .fold(0.0, f64::max);
+            let rendering = system.rendering_variance();
+            if longest <= 1.0 && is_precise(unknowns, &covariance, &rendering) {
+                return (covariance, true);
+            }
+            if longest > FAR {
+                average.clear();
+            } else {
+                average.iter_mut().for_each(|mean| mean.move_by(&step));
+            }
+            spp = allocate(unknowns, &rendering, &cells, spp.len());
+        }
+        (covariance, false)
+    }
+
+    fn seed(&mut self) -> u64 {
+        self.count += 1;
+        mix(self.options.seed ^ 0x4EF1_4E00).wrapping_add(self.count << 8)
+    }
+
+    fn pass(
+        &mut self,
+        state: &State<'_>,
+        unknowns: &Unknowns,
+        cells: &[Cell],
+        spp: &[u32],
+    ) -> Vec<Mean> {
+        let settings =
+            Settings { spp: 0, seed: self.seed(), max_bounces: self.options.max_bounces };
+        means::gather(state, unknowns, cells, spp, &settings)
+    }
+}
+
+/// Whether the renderings' noise matters nowhere.
+fn is_precise(unknowns: &Unknowns, covariance: &DMatrix<f64>, rendering: &DVector<f64>) -> bool {
+    unknowns.list.iter().enumerate().all(|(k, u)| {
+        rendering[k] <= RENDERING_SHARE * covariance[(k, k)]
+            || rendering[k] <= precise_enough(u.quantity).powi(2)
+    })
+}
+
+/// The paths a pixel of every group for the next pass: all together as many as `FINE` has, most for
+/// the groups whose worst number has the largest variance from the renderings.
+fn allocate(
+    unknowns: &Unknowns,
+    rendering: &DVector<f64>,
+    cells: &[Cell],
+    groups: usize,
+) -> Vec<u32> {
+    let mut need = vec![0.0f64; groups];
+    for (k, u) in unknowns.list.iter().enumerate() {
+        if !matches!(u.quantity, Quantity::Light | Quantity::Exposure) {
+            need[u.of] = need[u.of].max(rendering[k] / precise_enough(u.quantity).powi(2));
+        }
+    }
+    let mut pixels = vec![0.0f64; groups];
+    cells.iter().for_each(|cell| pixels[cell.group] += cell.pixels.len() as f64);
+    let paths = f64::from(FINE.1) * pixels.iter().sum::<f64>();
+    let wanted: f64 = pixels.iter().zip(&need).map(|(n, need)| n * need).sum();
+    let spp = |need: &f64| (paths * need / wanted.max(f64::MIN_POSITIVE)).round();
+    need.iter().map(|n| spp(n).clamp(FINE_SPP[0], FINE_SPP[1]) as u32).collect()
+}
+
+/// Notes the end of a pass that ended with a step.
+fn tell(
+    state: &mut State<'_>,
+    observer: &mut dyn Observer,
+    unknowns: &Unknowns,
+    (step, error): (&DVector<f64>, Error),
+    done: f64,
+) {
+    let reflectance = |q: Quantity| matches!(q, Quantity::RhoD | Quantity::RhoS);
+    let steps = unknowns.list.iter().zip(step.iter());
+    let change = steps.filter(|(u, _)| reflectance(u.quantity)).map(|(_, s)| s.abs());
+    let change = change.fold(0.0, f64::max);
+    observer.turn(state.end_pass(change, error.mean.max(0.0).sqrt(), done));
+}
+
+impl Place {
+    fn of(state: &State<'_>, error: Error, system: System) -> Self {
+        Self {
+            materials: state.materials.clone(),
+            lights: state.lights.clone(),
+            exposure: state.exposure,
+            error,
+            system,
+        }
+    }
+
+    fn restore(&self, state: &mut State<'_>) {
+        state.materials.clone_from(&self.materials);
+        state.lights.clone_from(&self.lights);
+        state.exposure = self.exposure;
+    }
+}
+
+impl Error {
+    fn of(normal: &Normal, means: &[Mean]) -> Self {
+        let n = 3.0 * means.iter().map(|m| m.pixels).sum::<f64>().max(1.0);
+        let mean = normal.errors.iter().sum::<f64>() / n;
+        Self { mean, deviation: deviation_of_sum(&normal.errors) / n }
+    }
+
+    fn is_above(&self, other: &Self) -> bool {
+        self.mean - other.mean > WORSE * self.deviation.hypot(other.deviation)
+    }
+}

@@ -1,0 +1,60 @@
+//! The pixels of a refinement pass, in blocks.
+
+use crate::evidence::{Observed, Stage, observe, spread};
+use crate::ladder::State;
+use crate::problem::Role;
+use std::collections::BTreeMap;
+use unrender_scene::Hypothesis;
+
+/// The side of a block in pixels, that of JPEG: what is wrong with a photograph is often wrong with
+/// neighbours alike.
+const BLOCK: usize = 8;
+
+/// The pixels of one group in one block.
+#[derive(Clone, Debug)]
+pub(crate) struct Cell {
+    pub(crate) group: usize,
+    pub(crate) pixels: Vec<Observed>,
+}
+
+/// At most `per_group` pixels of every group whose residual says something: those that are free or
+/// known, not textures (which explain every pixel) and not lights (unless they are unknown).
+pub(crate) fn all(state: &State<'_>, per_group: usize, seed: u64) -> Vec<Cell> {
+    let says_something = |group: &usize| match state.problem.groups[*group].role {
+        Role::Emitter => state.problem.unknown_lights.contains(group),
+        _ => state.standing[*group].hypothesis != Hypothesis::Textured,
+    };
+    let groups = (0..state.materials.len()).filter(says_something);
+    cells(&state.stage(), groups, per_group, seed)
+}
+
+/// At most `per_group` pixels of every group that is known, and of every unknown light.
+pub(crate) fn known(state: &State<'_>, per_group: usize, seed: u64) -> Vec<Cell> {
+    let known = |group: &usize| match state.problem.groups[*group].role {
+        Role::Emitter => state.problem.unknown_lights.contains(group),
+        Role::Known => true,
+        Role::Unknown => false,
+    };
+    let groups = (0..state.materials.len()).filter(known);
+    cells(&state.stage(), groups, per_group, seed)
+}
+
+/// The cells of `groups`, group by group.
+fn cells(
+    stage: &Stage<'_>,
+    groups: impl Iterator<Item = usize>,
+    per_group: usize,
+    seed: u64,
+) -> Vec<Cell> {
+    let width = stage.observation.picture.values.width();
+    let mut cells: BTreeMap<(usize, usize, usize), Vec<Observed>> = BTreeMap::new();
+    for group in groups {
+        let believed = &stage.observation.pixels_of_group[group];
+        let wanted = spread(believed, per_group, seed ^ group as u64);
+        for seen in observe(stage.observation, stage.exposure, group, &wanted) {
+            let (x, y) = (seen.pixel as usize % width, seen.pixel as usize / width);
+            cells.entry((group, y / BLOCK, x / BLOCK)).or_default().push(seen);
+        }
+    }
+    cells.into_iter().map(|((group, ..), pixels)| Cell { group, pixels }).collect()
+}

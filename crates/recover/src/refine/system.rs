@@ -1,0 +1,66 @@
+//! The normal equations with what is believed beforehand, in its units.
+//!
+//! `(H + P) s = g + P (p_0 - p)`: `P` is the inverse of the variances of the prior, so wide that it
+//! only matters where the photograph is silent. The covariance of the solution is the sandwich
+//! `(H + P)^-1 (G + P) (H + P)^-1`.
+
+use super::normal::Normal;
+use super::unknowns::{Unknowns, prior_deviation};
+use crate::fit::quadratic;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+/// The equations of one place.
+pub(super) struct System {
+    unit: DVector<f64>,
+    h: DMatrix<f64>,
+    g: DVector<f64>,
+    g_covariance: DMatrix<f64>,
+    g_rendering: DMatrix<f64>,
+}
+
+impl System {
+    /// `to_belief` leads from where the unknowns stand to where the prior does.
+    pub(super) fn new(unknowns: &Unknowns, normal: &Normal, to_belief: &DVector<f64>) -> Self {
+        let n = unknowns.len();
+        let deviations = unknowns.list.iter().map(|u| prior_deviation(u.quantity));
+        let unit = DVector::from_iterator(n, deviations);
+        let scaled =
+            |m: &DMatrix<f64>| DMatrix::from_fn(n, n, |i, j| unit[i] * m[(i, j)] * unit[j]);
+        // Noise can give the curvature a direction below zero; nothing is known along it.
+        let mut eigen = SymmetricEigen::new(scaled(&normal.h));
+        eigen.eigenvalues.apply(|v| *v = v.max(0.0));
+        let one = DMatrix::identity(n, n);
+        let h = eigen.recompose() + &one;
+        let g = normal.g.component_mul(&unit) + to_belief.component_div(&unit);
+        let g_covariance = scaled(&normal.g_covariance) + one;
+        Self { h, g, g_covariance, g_rendering: scaled(&normal.g_rendering), unit }
+    }
+
+    /// The step to the minimum within `bounds`; `damping` shortens it.
+    pub(super) fn step(&self, damping: f64, bounds: &quadratic::Bounds) -> Option<DVector<f64>> {
+        let mut h = self.h.clone();
+        for i in 0..h.nrows() {
+            h[(i, i)] *= 1.0 + damping;
+        }
+        let h =
+            DMatrix::from_fn(h.nrows(), h.ncols(), |i, j| h[(i, j)] / self.unit[i] / self.unit[j]);
+        quadratic::minimise(&h, &self.g.component_div(&self.unit), bounds)
+    }
+
+    /// The covariance of the minimum.
+    pub(super) fn covariance(&self) -> DMatrix<f64> {
+        self.sandwich(&self.g_covariance)
+    }
+
+    /// The part of its diagonal that comes from the noise of the renderings.
+    pub(super) fn rendering_variance(&self) -> DVector<f64> {
+        self.sandwich(&self.g_rendering).diagonal()
+    }
+
+    fn sandwich(&self, of_gradient: &DMatrix<f64>) -> DMatrix<f64> {
+        let n = self.unit.len();
+        let inverse = self.h.clone().cholesky().map_or(DMatrix::identity(n, n), |c| c.inverse());
+        let covariance = &inverse * of_gradient * &inverse;
+        DMatrix::from_fn(n, n, |i, j| self.unit[i] * covariance[(i, j)] * self.unit[j])
+    }
+}

@@ -1,0 +1,238 @@
+//! What the photograph can tell and what it cannot.
+//!
+//! A number is worth what its standard deviation allows. A lobe that cannot be told from nothing
+//! goes; an anisotropy that cannot be told from none becomes a round lobe; a group out of sight
+//! whose reflectance stays open is assumed white, as the paper does.
+
+use super::Solution;
+use super::unknowns::{Quantity, Unknown};
+use crate::hypothesis::{Hypothesis, anisotropic};
+use crate::ladder::State;
+use crate::record::{Deviations, LightResult, Status};
+use unrender_scene::{Material, Rgb};
+
+/// A number counts as told from zero at this many standard deviations.
+const TOLD: f64 = 2.0;
+/// A group out of sight is recovered if all its standard deviations are below this.
+const UNSEEN_MAX: f64 = 0.1;
+/// From this correlation on, two numbers of one group are named as tied.
+const TIED: f64 = 0.95;
+/// A roughness with a larger relative standard deviation than this is said to be open.
+const ALPHA_OPEN: f64 = 0.5;
+
+/// Makes simpler what the photograph does not bear out. True if something changed.
+pub(super) fn simplify(state: &mut State<'_>, solution: &Solution) -> bool {
+    let mut changed = false;
+    for group in 0..state.materials.len() {
+        let verdict = Verdict { solution, group };
+        let out_of_sight = state.problem.observation.pixels_of_group[group].is_empty();
+        match state.standing[group].hypothesis {
+            _ if !verdict.is_free() => continue,
+            Hypothesis::Diffuse if out_of_sight => {
+                if verdict.largest(Quantity::RhoD) <= UNSEEN_MAX {
+                    continue;
+                }
+                assume_white(state, group, verdict.largest(Quantity::RhoD));
+            }
+            Hypothesis::DiffuseSpecular | Hypothesis::Isotropic | Hypothesis::Anisotropic
+                if !verdict.is_told_from_zero(state, Quantity::RhoS) =>
+            {
+                let material = Material::diffuse(state.materials[group].rho_d);
+                let note = "the photograph cannot tell its specular part from none";
+                step_down(state, group, Hypothesis::Diffuse, material, note);
+            }
+            Hypothesis::Anisotropic if !verdict.is_brushed(state) => {
+                let mut material = state.materials[group].clone();
+                let alpha = (material.alpha_x * material.alpha_y).sqrt();
+                (material.alpha_x, material.alpha_y, material.theta_rad) = (alpha, alpha, 0.0);
+                let note = "the photograph cannot tell its two roughnesses apart";
+                step_down(state, group, Hypothesis::Isotropic, material, note);
+            }
+            _ => continue,
+        }
+        changed = true;
+    }
+    changed
+}
+
+fn step_down(
+    state: &mut State<'_>,
+    group: usize,
+    hypothesis: Hypothesis,
+    material: Material,
+    note: &str,
+) {
+    state.materials[group] = material;
+    let standing = &mut state.standing[group];
+    standing.hypothesis = hypothesis;
+    standing.add_note(format!("{note}: taken as {hypothesis}"));
+}
+
+fn assume_white(state: &mut State<'_>, group: usize, deviation: f64) {
+    state.materials[group] = Material::diffuse(Rgb::ONE);
+    let standing = &mut state.standing[group];
+    standing.status = Status::Assumed;
+    standing.add_note(format!(
+        "no pixel shows this group, and the light that it sends leaves its reflectance open (to \
+         {deviation:.2}): taken as white diffuse"
+    ));
+}
+
+/// Writes down how well each number is known.
+pub(super) fn record(state: &mut State<'_>, solution: &Solution) {
+    for group in 0..state.materials.len() {
+        let verdict = Verdict { solution, group };
+        if !verdict.is_free() {
+            continue;
+        }
+        state.standing[group].std = Some(verdict.deviations());
+        if state.standing[group].hypothesis == Hypothesis::Anisotropic {
+            canonical(state, group);
+        }
+        if state.problem.observation.pixels_of_group[group].is_empty() {
+            state.standing[group].status = Status::Recovered;
+            if state.standing[group].note.is_none() {
+                let note = "never seen directly: from the light that it sends to the others";
+                state.standing[group].add_note(note.to_owned());
+            }
+        }
+        for note in verdict.doubts() {
+            state.standing[group].add_note(note);
+        }
+    }
+    let rgb = |quantity, of| solution.rgb(quantity, of);
+    for &source in &state.problem.unknown_lights {
+        let factor = state.appearance().light(source as u32);
+        let std = rgb(Quantity::Light, source).unwrap_or(Rgb::ZERO);
+        state.light_results.push(LightResult { source, factor, std });
+    }
+    state.exposure_std = rgb(Quantity::Exposure, 0).map(|std| std * state.exposure);
+}
+
+/// The smoother direction comes first, and the angle lies within half a turn.
+fn canonical(state: &mut State<'_>, group: usize) {
+    let material = &mut state.materials[group];
+    let swapped = material.alpha_x > material.alpha_y;
+    let shape = [material.alpha_x, material.alpha_y, material.theta_rad];
+    [material.alpha_x, material.alpha_y, material.theta_rad] = anisotropic::canonical(shape);
+    if let Some(std) = state.standing[group].std.as_mut().filter(|_| swapped) {
+        std::mem::swap(&mut std.ln_alpha_x, &mut std.ln_alpha_y);
+    }
+}
+
+impl Solution {
+    /// The index of an unknown.
+    fn index(&self, quantity: Quantity, of: usize, channel: Option<usize>) -> Option<usize> {
+        let wanted = Unknown { quantity, of, channel };
+        self.unknowns.list.iter().position(|u| *u == wanted)
+    }
+
+    /// The standard deviations of a quantity with three channels.
+    fn rgb(&self, quantity: Quantity, of: usize) -> Option<Rgb> {
+        let std = |c: usize| self.index(quantity, of, Some(c)).map(|i| self.deviation(i) as f32);
+        Some(Rgb::new(std(0)?, std(1)?, std(2)?))
+    }
+
+    fn deviation(&self, i: usize) -> f64 {
+        self.covariance[(i, i)].max(0.0).sqrt()
+    }
+}
+
+/// The judge of one group.
+struct Verdict<'a> {
+    solution: &'a Solution,
+    group: usize,
+}
+
+impl Verdict<'_> {
+    fn indices(&self) -> impl Iterator<Item = usize> + '_ {
+        let light = |q: Quantity| matches!(q, Quantity::Light | Quantity::Exposure);
+        let list = self.solution.unknowns.list.iter().enumerate();
+        list.filter(move |(_, u)| u.of == self.group && !light(u.quantity)).map(|(i, _)| i)
+    }
+
+    fn is_free(&self) -> bool {
+        self.indices().next().is_some()
+    }
+
+    /// The largest standard deviation of a quantity over the channels.
+    fn largest(&self, quantity: Quantity) -> f64 {
+        let std = self.solution.rgb(quantity, self.group).unwrap_or(Rgb::ZERO);
+        f64::from(std.max_element())
+    }
+
+    fn is_told_from_zero(&self, state: &State<'_>, quantity: Quantity) -> bool {
+        let list = &self.solution.unknowns.list;
+        let mut of_quantity = self.indices().filter(|i| list[*i].quantity == quantity);
+        of_quantity.any(|i| {
+            self.solution.unknowns.value(state, &list[i]) > TOLD * self.solution.deviation(i)
+        })
+    }
+
+    /// Whether the two roughnesses differ by more than chance.
+    fn is_brushed(&self, state: &State<'_>) -> bool {
+        let place = |quantity| self.solution.index(quantity, self.group, None);
+        let (Some(x), Some(y)) = (place(Quantity::AlphaX), place(Quantity::AlphaY)) else {
+            return true;
+        };
+        let c = &self.solution.covariance;
+        let variance = c[(x, x)] + c[(y, y)] - 2.0 * c[(x, y)];
+        let material = &state.materials[self.group];
+        let difference = f64::from((material.alpha_x / material.alpha_y).ln());
+        difference.powi(2) > TOLD.powi(2) * variance
+    }
+
+    fn deviations(&self) -> Deviations {
+        let one = |quantity| {
+            let index = self.solution.index(quantity, self.group, None);
+            index.map(|i| self.solution.deviation(i) as f32)
+        };
+        let round = one(Quantity::Alpha);
+        Deviations {
+            rho_d: self.solution.rgb(Quantity::RhoD, self.group),
+            rho_s: self.solution.rgb(Quantity::RhoS, self.group),
+            ln_alpha_x: round.or(one(Quantity::AlphaX)),
+            ln_alpha_y: round.or(one(Quantity::AlphaY)),
+            theta_rad: one(Quantity::Theta),
+        }
+    }
+
+    /// What the user should know about the group's numbers.
+    fn doubts(&self) -> Vec<String> {
+        let list = &self.solution.unknowns.list;
+        let mut doubts: Vec<String> = Vec::new();
+        let indices: Vec<usize> = self.indices().collect();
+        for (k, &i) in indices.iter().enumerate() {
+            let alpha =
+                matches!(list[i].quantity, Quantity::Alpha | Quantity::AlphaX | Quantity::AlphaY);
+            if alpha && self.solution.deviation(i) > ALPHA_OPEN {
+                doubts.push(format!("{} is hardly determined", name(list[i].quantity)));
+            }
+            for &j in indices[..k].iter().filter(|j| list[**j].quantity != list[i].quantity) {
+                let c = &self.solution.covariance;
+                let correlation = c[(i, j)] / (c[(i, i)] * c[(j, j)]).sqrt();
+                let pair = [name(list[j].quantity), name(list[i].quantity)].join(" and ");
+                if correlation.abs() > TIED && !doubts.iter().any(|d| d.starts_with(&pair)) {
+                    doubts.push(format!(
+                        "{pair} are tied together (correlation {correlation:.3}): their \
+                         combination is known better than either"
+                    ));
+                }
+            }
+        }
+        doubts
+    }
+}
+
+fn name(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::RhoD => "rho_d",
+        Quantity::RhoS => "rho_s",
+        Quantity::Alpha => "alpha",
+        Quantity::AlphaX => "alpha_x",
+        Quantity::AlphaY => "alpha_y",
+        Quantity::Theta => "theta",
+        Quantity::Light => "light",
+        Quantity::Exposure => "exposure",
+    }
+}

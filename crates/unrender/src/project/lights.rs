@@ -1,0 +1,147 @@
+//! The lights that a project names, and what tells them from the surfaces that they light.
+//!
+//! Lights twice as bright on surfaces that reflect half as much make nearly the same picture. So
+//! wherever a light is unknown, something else must fix the scale, channel by channel: another
+//! light, a known group, or an anchor.
+
+use super::{Anchor, Project, some_names};
+use unrender_formats::FileError;
+use unrender_photo::Exposure;
+use unrender_scene::{Rgb, Scene, Source, Warnings};
+
+const CHANNELS: [&str; 3] = ["red", "green", "blue"];
+
+impl Project {
+    /// The anchor, if anything needs it: an exposure or a light that is unknown.
+    pub fn used_anchor(&self) -> Option<&Anchor> {
+        let needed = self.exposure == Exposure::Auto || !self.unknown_lights.is_empty();
+        self.anchor.as_ref().filter(|_| needed)
+    }
+
+    /// The indices of the unknown lights, ascending, as [`Source::index`] counts; the names must
+    /// have passed [`Project::check_against`].
+    pub fn unknown_sources(&self, scene: &Scene) -> Vec<usize> {
+        let unknown = scene.sources().filter(|source| self.unknown_lights.contains(source.name));
+        unknown.map(|source| source.index).collect()
+    }
+
+    /// Makes sure that light and reflectance can be told apart in `scene`. Where exposure and all
+    /// lights are unknown, brightness is only relative: the exposure becomes one, with a warning.
+    ///
+    /// # Errors
+    /// If nothing fixes the scale, or an unknown light is black.
+    pub fn settle_scale(&mut self, scene: &Scene) -> Result<Warnings, FileError> {
+        settle_scale(self, scene).map_err(|problem| FileError::new(&self.path, problem))
+    }
+}
+
+/// Checks that the lights in `project` are lights of `scene`.
+pub(super) fn check(project: &Project, scene: &Scene) -> Result<(), String> {
+    for name in project.known_lights.iter().chain(&project.unknown_lights) {
+        find(name, scene)?;
+    }
+    Ok(())
+}
+
+/// The source called `name`.
+fn find<'a>(name: &str, scene: &'a Scene) -> Result<Source<'a>, String> {
+    let mut of_this_name = scene.sources().filter(|source| source.name == name);
+    let found = of_this_name.next();
+    let others = of_this_name.count();
+    if others > 0 {
+        let count = others + 1;
+        return Err(format!(
+            "lights.{name}: the scene has {count} lights of this name; give each its own"
+        ));
+    }
+    found.ok_or_else(|| {
+        let there = some_names(scene.sources().map(|source| source.name));
+        let dark = match scene.group_index(name) {
+            Some(_) => "; the group of this name emits nothing: give it an emission",
+            None => "",
+        };
+        format!("lights.{name}: the scene has no light \"{name}\"; it has {there}{dark}")
+    })
+}
+
+fn settle_scale(project: &mut Project, scene: &Scene) -> Result<Warnings, String> {
+    let mut warnings = Warnings::default();
+    for name in &project.unknown_lights {
+        warnings.extend(dark_channels(&find(name, scene)?)?);
+    }
+    let is_unknown = |source: &Source| project.unknown_lights.contains(source.name);
+    let lit = channels(scene.sources().map(|source| source.strength));
+    let known = scene.sources().filter(|source| !is_unknown(source));
+    let known = channels(known.map(|source| source.strength));
+    // Where light comes from unknown lights alone.
+    let open: [bool; 3] = std::array::from_fn(|c| lit[c] && !known[c]);
+    if open == [false; 3] {
+        return Ok(warnings);
+    }
+    if project.exposure == Exposure::Auto {
+        if open != lit {
+            return Err(format!(
+                "{}every light is unknown, and so is the exposure: one common factor stays \
+                 unknown. Give the exposure, or one light's intensity",
+                in_channels(open, lit)
+            ));
+        }
+        project.exposure = Exposure::Fixed(Rgb::ONE);
+        warnings.push(
+            "the exposure and every light are unknown, so intensities are only relative: the \
+             exposure was taken as 1, and the lights' numbers are per unit of exposure",
+        );
+    } else if project.anchor.is_none() {
+        let known = project.known.iter().filter(|(name, _)| reflects(scene, name));
+        let reflecting = channels(known.map(|(_, known)| known.rho_d + known.rho_s));
+        let loose: [bool; 3] = std::array::from_fn(|c| open[c] && !reflecting[c]);
+        if loose != [false; 3] {
+            return Err(format!(
+                "{}every light is unknown and no reflectance is known: light and reflectance can \
+                 only be told apart up to one common factor. Give an [anchor], a known group, or \
+                 one light's intensity",
+                in_channels(loose, lit)
+            ));
+        }
+    }
+    Ok(warnings)
+}
+
+/// How bright a light is, is asked as a multiple of what the scene says: zero stays zero.
+fn dark_channels(source: &Source) -> Result<Warnings, String> {
+    let mut warnings = Warnings::default();
+    let dark = source.strength.to_array().map(|strength| strength <= 0.0);
+    let name = source.name;
+    if dark == [true; 3] {
+        return Err(format!(
+            "lights.{name}: the light is black in the scene; give it any intensity there"
+        ));
+    }
+    if dark != [false; 3] {
+        warnings.push(format!(
+            "the unknown light \"{name}\" has no {} in the scene, and none is looked for",
+            names_of(dark)
+        ));
+    }
+    Ok(warnings)
+}
+
+/// True for groups that show their reflectance and not their own light.
+fn reflects(scene: &Scene, group: &str) -> bool {
+    scene.group_index(group).is_some_and(|index| !scene.groups[index].is_emitter())
+}
+
+/// The channels in which some value is positive.
+fn channels(values: impl Iterator<Item = Rgb>) -> [bool; 3] {
+    values.fold(Rgb::ZERO, Rgb::max).to_array().map(|value| value > 0.0)
+}
+
+/// The beginning of a sentence about `some` of the channels in which there is light.
+fn in_channels(some: [bool; 3], lit: [bool; 3]) -> String {
+    if some == lit { String::new() } else { format!("in {} ", names_of(some)) }
+}
+
+fn names_of(channels: [bool; 3]) -> String {
+    let names = CHANNELS.iter().zip(channels).filter(|(_, is)| *is).map(|(name, _)| *name);
+    names.collect::<Vec<_>>().join(" and ")
+}
