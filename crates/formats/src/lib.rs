@@ -8,13 +8,15 @@
 
 pub mod atomic;
 pub mod error;
+pub mod fspy;
 pub mod gltf;
 pub mod materials;
 mod names;
 pub mod obj;
 pub mod picture;
+pub mod points;
 pub mod scene_file;
 mod texels;
 
 pub use error::FileError;
-pub use scene_file::{load_scene, wear};
+pub use scene_file::{load_scene, place, wear};

@@ -2,7 +2,7 @@
 
 use crate::{FileError, gltf, obj};
 use std::path::Path;
-use unrender_scene::{Scene, Warnings};
+use unrender_scene::{Camera, Scene, Warnings};
 
 enum Format {
     Gltf,
@@ -40,6 +40,22 @@ pub fn wear(source: &Path, scene: &Scene) -> Result<Vec<u8>, FileError> {
     match format_of(source)? {
         Format::Gltf => gltf::dress(source, scene),
         Format::Obj => gltf::to_glb(scene).map_err(|error| FileError::new(source, error)),
+    }
+}
+
+/// The bytes of a `.glb` that shows what `source` shows, seen by one camera more; one of the same
+/// name is replaced. glTF has no words for what a lens does.
+///
+/// # Errors
+/// If `source` cannot be read or the scene cannot be written.
+pub fn place(source: &Path, camera: &Camera) -> Result<Vec<u8>, FileError> {
+    match format_of(source)? {
+        Format::Gltf => gltf::place(source, camera),
+        Format::Obj => {
+            let (mut scene, _) = obj::read(source)?;
+            scene.cameras.push(camera.clone());
+            gltf::to_glb(&scene).map_err(|error| FileError::new(source, error))
+        }
     }
 }
 

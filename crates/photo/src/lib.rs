@@ -4,7 +4,11 @@
 //! of the [`Response`], then times the exposure. Pixels that the sensor or the file cut off say
 //! only "at least this much" and are not trusted, nor are their neighbours, into which they may
 //! have bled.
+//!
+//! Where the camera stood and what its lens does, [`calibrate`](mod@calibrate) finds from points of
+//! the scene that the photograph shows.
 
+pub mod calibrate;
 pub mod clipping;
 pub mod response;
 

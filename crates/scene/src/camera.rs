@@ -1,5 +1,7 @@
-//! The pinhole camera of glTF: it looks along its own -z, with +y up and +x to the right.
+//! The pinhole camera of glTF: it looks along its own -z, with +y up and +x to the right; and what
+//! its lens adds to that.
 
+use crate::Lens;
 use glam::{Affine3A, Mat3, Vec3};
 
 /// A perspective camera.
@@ -9,10 +11,13 @@ pub struct Camera {
     pub name: String,
     /// Places the camera in the world; a rigid motion.
     pub world_from_camera: Affine3A,
-    /// Full vertical field of view, radians. Held fixed whatever the picture's aspect.
+    /// Full vertical field of view, radians, of the pinhole with its axis through the picture's
+    /// centre: 2 atan(height / (2 focal length)). Held fixed whatever the picture's aspect.
     pub fov_y_rad: f32,
     /// Width over height that the scene file states, if it does.
     pub aspect: Option<f32>,
+    /// Principal point and distortion.
+    pub lens: Lens,
 }
 
 impl Camera {
@@ -22,7 +27,8 @@ impl Camera {
         let right = up.cross(back).normalize();
         let axes = Mat3::from_cols(right, back.cross(right), back);
         let world_from_camera = Affine3A::from_mat3_translation(axes, eye);
-        Self { name: name.to_owned(), world_from_camera, fov_y_rad, aspect: None }
+        let lens = Lens::default();
+        Self { name: name.to_owned(), world_from_camera, fov_y_rad, aspect: None, lens }
     }
 
     /// The camera's centre in world space.
@@ -37,9 +43,13 @@ impl Camera {
         let axes = self.world_from_camera.matrix3;
         let depth = -to_point.dot(axes.z_axis.into());
         let half_height = (0.5 * self.fov_y_rad).tan();
-        let pixels = 0.5 * height as f32 / (half_height * depth);
-        let x = 0.5 * width as f32 + to_point.dot(axes.x_axis.into()) * pixels;
-        let y = 0.5 * height as f32 - to_point.dot(axes.y_axis.into()) * pixels;
+        let (right, up) = (to_point.dot(axes.x_axis.into()), to_point.dot(axes.y_axis.into()));
+        let mut pixels = 0.5 * height as f32 / (half_height * depth);
+        if self.lens.distorts() {
+            pixels *= self.lens.factor((right * right + up * up) / (depth * depth))?;
+        }
+        let (centre_x, centre_y) = self.principal_point(width, height);
+        let (x, y) = (centre_x + right * pixels, centre_y - up * pixels);
         let inside =
             depth > 0.0 && (0.0..width as f32).contains(&x) && (0.0..height as f32).contains(&y);
         inside.then_some((x, y))
@@ -50,9 +60,28 @@ impl Camera {
     pub fn direction(&self, x: f32, y: f32, width: usize, height: usize) -> Vec3 {
         let half_height = (0.5 * self.fov_y_rad).tan();
         let pixel = 2.0 * half_height / height as f32;
-        let in_camera =
-            Vec3::new((x - 0.5 * width as f32) * pixel, (0.5 * height as f32 - y) * pixel, -1.0);
+        let (centre_x, centre_y) = self.principal_point(width, height);
+        let on_plane = ((x - centre_x) * pixel, (centre_y - y) * pixel);
+        let (right, up) = self.lens.undistorted(on_plane.0, on_plane.1);
+        let in_camera = Vec3::new(right, up, -1.0);
         self.world_from_camera.transform_vector3(in_camera).normalize()
+    }
+
+    /// Whether the lens can show all of a picture of `width` x `height` pixels; a distortion that
+    /// is too strong folds over before the corners.
+    pub fn covers(&self, width: usize, height: usize) -> bool {
+        let pixel = 2.0 * (0.5 * self.fov_y_rad).tan() / height as f32;
+        let (x, y) = self.principal_point(width, height);
+        let (side_x, side_y) = (x.max(width as f32 - x), y.max(height as f32 - y));
+        self.lens.reaches(pixel * side_x.hypot(side_y))
+    }
+
+    /// Where the optical axis meets a picture of `width` x `height` pixels, in pixels from the top
+    /// left.
+    pub fn principal_point(&self, width: usize, height: usize) -> (f32, f32) {
+        let [right, down] = self.lens.principal_point;
+        let (width, height) = (width as f32, height as f32);
+        (0.5 * width + right * height, 0.5 * height + down * height)
     }
 }
 
@@ -81,5 +110,50 @@ mod tests {
         let back = camera.project(point, 64, 48).unwrap();
         assert!((back.0 - x).abs() < 1e-3 && (back.1 - y).abs() < 1e-3, "{back:?}");
         assert_eq!(camera.project(camera.origin() * 2.0 - point, 64, 48), None);
+    }
+
+    #[test]
+    fn a_lens_shifts_and_bends_and_projection_follows() {
+        let target = Vec3::new(0.2, 0.1, -1.0);
+        let mut camera = Camera::look_at("c", Vec3::new(1.0, 2.0, 3.0), target, Vec3::Y, 0.9);
+        camera.lens = Lens { principal_point: [0.05, -0.03], k1: -0.15, k2: 0.02 };
+        let (w, h) = (640, 480);
+        let axis = camera.direction(320.0 + 0.05 * 480.0, 240.0 - 0.03 * 480.0, w, h);
+        assert!((axis - (target - camera.origin()).normalize()).length() < 1e-6);
+        for (x, y) in [(0.5, 0.5), (639.5, 479.5), (17.25, 300.5), (344.0, 225.6)] {
+            let point = camera.origin() + 4.0 * camera.direction(x, y, w, h);
+            let back = camera.project(point, w, h).unwrap();
+            assert!((back.0 - x).abs() < 2e-3 && (back.1 - y).abs() < 2e-3, "{back:?}");
+        }
+        // A barrel sees more of the world in the same picture.
+        let plain = Camera { lens: Lens::default(), ..camera.clone() };
+        let corner = |c: &Camera| c.direction(0.0, 0.0, w, h).dot(axis);
+        assert!(corner(&camera) < corner(&plain));
+        assert!(camera.covers(w, h));
+        camera.lens.k1 = -0.9;
+        assert!(!camera.covers(w, h));
+    }
+
+    #[test]
+    fn the_default_lens_leaves_the_bits_as_they_were() {
+        let eye = Vec3::new(1.0, 2.0, 3.0);
+        let camera = Camera::look_at("c", eye, Vec3::new(0.2, 0.1, -1.0), Vec3::Y, 0.9);
+        let (w, h) = (641, 479);
+        let pixel = 2.0 * (0.5f32 * 0.9).tan() / h as f32;
+        for (x, y) in [(0.5f32, 0.5f32), (320.7, 17.1), (640.5, 478.5)] {
+            let plain = Vec3::new((x - 0.5 * w as f32) * pixel, (0.5 * h as f32 - y) * pixel, -1.0);
+            let plain = camera.world_from_camera.transform_vector3(plain).normalize();
+            assert_eq!(camera.direction(x, y, w, h), plain);
+            let point = eye + 3.7 * plain;
+            let axes = camera.world_from_camera.matrix3;
+            let to_point = point - camera.origin();
+            let depth = -to_point.dot(axes.z_axis.into());
+            let pixels = 0.5 * h as f32 / ((0.5f32 * 0.9).tan() * depth);
+            let shown = (
+                0.5 * w as f32 + to_point.dot(axes.x_axis.into()) * pixels,
+                0.5 * h as f32 - to_point.dot(axes.y_axis.into()) * pixels,
+            );
+            assert_eq!(camera.project(point, w, h), Some(shown));
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! The command line: global flags, the subcommands, and what becomes of errors.
 
-use crate::commands::{recover, render, score};
+use crate::commands::{calibrate, recover, render, score};
 use crate::{Error, interrupt};
 use clap::{Parser, Subcommand};
 use std::num::NonZeroUsize;
@@ -31,6 +31,7 @@ pub struct Global {
 #[derive(Debug, Subcommand)]
 enum Command {
     Recover(recover::Args),
+    Calibrate(calibrate::Args),
     Render(render::Args),
     Score(score::Args),
 }
@@ -60,6 +61,7 @@ fn prepare(global: &Global) -> Result<(), Error> {
 fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
     match &cli.command {
         Command::Recover(args) => recover::run(args, &cli.global),
+        Command::Calibrate(args) => calibrate::run(args, &cli.global),
         Command::Render(args) => render::run(args, &cli.global),
         Command::Score(args) => score::run(args),
     }

@@ -20,6 +20,14 @@ pub enum Error {
     /// Something that was asked for does not fit the scene or the machine.
     #[error("{0}")]
     Request(String),
+    /// The measured points give no camera.
+    #[error("{}: {problem}", path.display())]
+    Calibrate {
+        /// The file with the points.
+        path: std::path::PathBuf,
+        /// Why.
+        problem: unrender_photo::calibrate::CalibrateError,
+    },
     /// Recovery cannot start.
     #[error(transparent)]
     Recover(#[from] unrender_recover::RecoverError),

@@ -53,7 +53,15 @@ impl Job {
         let (camera, told) = choose_camera(&project, &scene)?;
         warnings.extend(told);
         let photo = develop(&picture, response, project.exposure.or_one());
-        warnings.extend(doubtful_aspect(&camera, photo.radiance.width(), photo.radiance.height()));
+        let (width, height) = (photo.radiance.width(), photo.radiance.height());
+        warnings.extend(doubtful_aspect(&camera, width, height));
+        if !camera.covers(width, height) {
+            warnings.push(format!(
+                "the distortion of camera \"{}\" (k1 = {}, k2 = {}) folds over before the corners \
+                 of the photo; what lies beyond is not shown right",
+                camera.name, camera.lens.k1, camera.lens.k2
+            ));
+        }
         let unknown_lights = project.unknown_sources(&scene);
         Ok(Self { scene, camera, photo, project, unknown_lights, warnings })
     }

@@ -10,7 +10,8 @@
 //!   into groups that share one reflectance; area lights are groups that emit.
 //! - [`formats`] reads and writes files: [`formats::load_scene`], [`formats::picture::read`].
 //! - [`photo`] turns code values into radiance: [`photo::develop`] takes the camera's response out
-//!   and says which pixels are clipped.
+//!   and says which pixels are clipped; [`photo::calibrate`](photo::calibrate::calibrate) finds the
+//!   camera from measured points.
 //! - [`render`] is light. A [`Tracer`](render::Tracer) is built once for geometry and lights;
 //!   materials come with each question.
 //! - [`recover`] is the way back. An [`Observation`](recover::Observation) is the photograph sorted

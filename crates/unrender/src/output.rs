@@ -13,15 +13,30 @@ pub(crate) fn prepare_folder(folder: &Path) -> Result<(), FileError> {
 
 /// Checks that a picture can be written to `path`: its extension and its folder.
 pub(crate) fn check_picture(path: &Path) -> Result<(), FileError> {
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    if !["exr", "hdr", "png"].contains(&extension.as_str()) {
-        return Err(FileError::new(path, "end the name of the picture in .exr, .hdr or .png"));
+    check_file(path, &["exr", "hdr", "png"], "end the name of the picture in .exr, .hdr or .png")
+}
+
+/// Checks that a file can be written to `path`, whose extension is one of `extensions`; `remedy`
+/// says so.
+pub(crate) fn check_file(path: &Path, extensions: &[&str], remedy: &str) -> Result<(), FileError> {
+    if !extensions.contains(&extension(path).as_str()) {
+        return Err(FileError::new(path, remedy));
     }
     if path.is_dir() {
         return Err(FileError::new(path, "is a folder; name a file"));
     }
-    let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    try_file(folder).map_err(|error| FileError::new(path, format!("cannot be written: {error}")))
+    try_file(folder(path))
+        .map_err(|error| FileError::new(path, format!("cannot be written: {error}")))
+}
+
+/// The extension in small letters.
+pub(crate) fn extension(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
+}
+
+/// The folder that a file is in.
+pub(crate) fn folder(path: &Path) -> &Path {
+    path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 fn try_file(folder: &Path) -> std::io::Result<()> {

@@ -5,7 +5,7 @@ use std::path::Path;
 use unrender::formats::FileError;
 use unrender::photo::{Exposure, Response};
 use unrender::project::CameraChoice;
-use unrender::scene::{Group, Light, LightKind, Material, Rgb, Scene, WardModel, Warnings};
+use unrender::scene::{Group, Lens, Light, LightKind, Material, Rgb, Scene, WardModel, Warnings};
 use unrender::{Job, Project};
 
 const FILES: &str = "scene = \"s.glb\"\nphoto = \"p.png\"\n";
@@ -22,7 +22,8 @@ fn good(text: &str) -> Project {
 fn a_full_project_is_understood() {
     let project = good(
         "response = \"srgb\"\nexposure = [1, 2, 0.5]\n\
-         camera = { eye = [0, 1, 5], target = [0, 1, 0], up = [0, 1, 0], fov_y_deg = 40 }\n\
+         camera = { eye = [0, 1, 5], target = [0, 1, 0], up = [0, 1, 0], fov_y_deg = 40, \
+         principal_point = [0.01, -0.02], k1 = -0.1, k2 = 0.01 }\n\
          [groups.ceil]\nknown = { rho_d = [1, 1, 1] }\n\
          [groups.floor]\nknown = { rho_d = 0.1, rho_s = [0.9, 0.9, 0.9], alpha_x = 0.1, \
          alpha_y = 0.2, theta_deg = 180 }\n\
@@ -39,6 +40,7 @@ fn a_full_project_is_understood() {
     assert!((floor.theta_rad - std::f32::consts::PI).abs() < 1e-6);
     let CameraChoice::Placed(camera) = project.camera else { panic!("a placed camera") };
     assert!((camera.fov_y_rad.to_degrees() - 40.0).abs() < 1e-4);
+    assert_eq!(camera.lens, Lens { principal_point: [0.01, -0.02], k1: -0.1, k2: 0.01 });
 }
 
 #[test]
@@ -93,6 +95,11 @@ fn every_fault_names_its_key_or_line() {
         ("camera = { eye = [0,0,1], target = [0,0,1], fov_y_deg = 40 }", "camera: eye and"),
         ("camera = { eye = [0,5,0], target = [0,0,0], fov_y_deg = 40 }", "camera.up"),
         ("camera = { eye = [0,0,5], target = [0,0,0], fov_y_deg = 180 }", "camera.fov_y_deg"),
+        (
+            "camera = { eye = [0,0,5], target = [0,0,0], fov_y_deg = 40, principal_point = [320, 9] }",
+            "camera.principal_point is [320.0, 9.0]",
+        ),
+        ("camera = { eye = [0,0,5], target = [0,0,0], fov_y_deg = 40, k1 = nan }", "camera.k1 is"),
     ];
     for (text, problem) in faults {
         let error = parse(text).expect_err(text).to_string();

@@ -26,9 +26,7 @@ pub fn dress(source: &Path, scene: &Scene) -> Result<Vec<u8>, FileError> {
 }
 
 fn dressed(source: &Source, scene: &Scene) -> Result<Vec<u8>, Problem> {
-    let mut glb = Glb { root: source.json.clone(), bin: Vec::new() };
-    embed_buffers(&mut glb, source);
-    embed_images(&mut glb, source);
+    let mut glb = Glb::embedding(source);
     let names = group_names(&source.document, &mut Warnings::default());
     if let Some(name) = names.last().filter(|name| scene.group_index(name).is_some()) {
         name_the_nameless(&mut glb, name);
@@ -50,6 +48,16 @@ fn dressed(source: &Source, scene: &Scene) -> Result<Vec<u8>, Problem> {
     }
     lights::dress(&mut glb, &source.document, scene)?;
     glb.finish()
+}
+
+impl Glb {
+    /// Everything that is in `source`, buffers and pictures inside.
+    pub(super) fn embedding(source: &Source) -> Self {
+        let mut glb = Self { root: source.json.clone(), bin: Vec::new() };
+        embed_buffers(&mut glb, source);
+        embed_images(&mut glb, source);
+        glb
+    }
 }
 
 /// Joins all buffers into one.

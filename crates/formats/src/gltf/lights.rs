@@ -11,7 +11,7 @@ use super::ward::object;
 use super::write::Glb;
 use glam::{Affine3A, DAffine3, DVec3, Mat3, Vec3};
 use serde_json::{Value, json};
-use unrender_scene::{Camera, Light, LightKind, Rgb, Scene, Warnings};
+use unrender_scene::{Camera, Lens, Light, LightKind, Rgb, Scene, Warnings};
 
 const PUNCTUAL: &str = "KHR_lights_punctual";
 
@@ -129,7 +129,7 @@ pub(super) fn camera(
     let world_from_camera = rigid(world_from_node).ok_or_else(|| {
         format!("camera \"{name}\" is scaled to nothing or stands at no finite place; move it")
     })?;
-    Ok(Some(Camera { name, world_from_camera, fov_y_rad, aspect }))
+    Ok(Some(Camera { name, world_from_camera, fov_y_rad, aspect, lens: Lens::default() }))
 }
 
 /// The motion without scale and shear that keeps where the camera looks and, nearly, its right.

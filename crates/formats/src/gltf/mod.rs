@@ -2,6 +2,7 @@
 //!
 //! - [`read`] bakes the nodes of the default scene into world space.
 //! - [`dress`] gives back the file that was read, in which the materials wear what was recovered.
+//! - [`place`](place()) gives it back with one camera more.
 //! - [`to_glb`] writes a scene that has no such file.
 //!
 //! What a Ward material is in glTF's words, both ways, is the business of one file, `ward.rs`.
@@ -18,6 +19,7 @@ mod lights;
 mod material;
 mod names;
 mod numbers;
+mod place;
 mod read;
 mod source;
 mod texture;
@@ -25,6 +27,7 @@ mod ward;
 mod write;
 
 pub use dress::dress;
+pub use place::place;
 pub use read::read;
 pub use write::{GlbError, to_glb};
 

@@ -188,7 +188,8 @@ impl Glb {
         self.push("accessors", accessor)
     }
 
-    fn camera_node(&mut self, camera: &Camera) -> Value {
+    /// Lists `camera` and returns a node that places it.
+    pub(super) fn camera_node(&mut self, camera: &Camera) -> Value {
         let mut perspective = json!({ "yfov": number(camera.fov_y_rad), "znear": 0.01 });
         if let Some(aspect) = camera.aspect {
             perspective["aspectRatio"] = json!(number(aspect));

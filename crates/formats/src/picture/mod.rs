@@ -3,10 +3,12 @@
 //! [`read`] hands out the code values of the file, not yet radiance: `unrender-photo` knows what
 //! the camera did to them. The writers take linear values.
 
+mod exif;
 mod jpeg_end;
 mod read;
 mod write;
 
+pub use exif::exif_focal_px;
 pub use read::{decode, read};
 pub use write::{write, write_exr, write_hdr, write_png_srgb};
 

@@ -1,5 +1,6 @@
 //! The subcommands: each file holds the arguments of one and its `run`.
 
+pub mod calibrate;
 pub mod recover;
 pub mod render;
 pub mod score;

@@ -3,9 +3,12 @@
 //! `parse` turns the text into a [`Project`] and checks every number; names are checked against
 //! the scene by [`Project::check_against`], once that is read.
 
+mod camera;
 mod lights;
 mod parse;
 mod raw;
+
+pub use camera::CameraTable;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

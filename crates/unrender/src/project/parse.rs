@@ -1,14 +1,14 @@
 //! From the raw project to one whose values are understood; every fault names its key.
 
 use super::raw::{RawAnchor, RawCamera, RawKnown, RawProject};
-use super::{Anchor, CameraChoice, Known, Project};
+use super::{Anchor, CameraChoice, CameraTable, Known, Project};
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Value;
 use unrender_photo::{Exposure, Response};
 use unrender_recover::Thresholds;
-use unrender_scene::{Camera, Rgb, WardModel, Warnings};
+use unrender_scene::{Lens, Rgb, WardModel, Warnings};
 
 pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), String> {
     let raw: RawProject = toml::from_str(text).map_err(|error| with_line(&error, text))?;
@@ -194,8 +194,25 @@ fn camera(value: Value) -> Result<CameraChoice, String> {
     if sideways.length() < 1e-4 {
         return Err("camera.up: it must not point along the line of sight".into());
     }
-    let fov_y_rad = raw.fov_y_deg.to_radians();
-    Ok(CameraChoice::Placed(Camera::look_at("project", eye, target, up, fov_y_rad)))
+    let table = CameraTable { eye, target, up, fov_y_deg: raw.fov_y_deg, lens: lens(&raw)? };
+    Ok(CameraChoice::Placed(table.camera("project")))
+}
+
+fn lens(raw: &RawCamera) -> Result<Lens, String> {
+    let principal_point = raw.principal_point.unwrap_or_default();
+    if !principal_point.iter().all(|shift| shift.abs() <= 2.0) {
+        return Err(format!(
+            "camera.principal_point is {principal_point:?}; it is its way from the picture's \
+             centre, right and down, in heights of the picture"
+        ));
+    }
+    let (k1, k2) = (raw.k1.unwrap_or_default(), raw.k2.unwrap_or_default());
+    for (name, k) in [("k1", k1), ("k2", k2)] {
+        if !k.is_finite() {
+            return Err(format!("camera.{name} is {k}; it is a finite number, mostly below one"));
+        }
+    }
+    Ok(Lens { principal_point, k1, k2 })
 }
 
 fn reflectance(key: &str, value: &Value) -> Result<Rgb, String> {

@@ -66,4 +66,7 @@ pub(super) struct RawCamera {
     pub(super) target: [f32; 3],
     pub(super) up: Option<[f32; 3]>,
     pub(super) fov_y_deg: f32,
+    pub(super) principal_point: Option<[f32; 2]>,
+    pub(super) k1: Option<f32>,
+    pub(super) k2: Option<f32>,
 }

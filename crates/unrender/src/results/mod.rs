@@ -1,5 +1,6 @@
-//! What `recover` leaves in its folder, and the table that it prints.
+//! What `recover` leaves in its folder, and the tables that it and `calibrate` print.
 
+mod calibration;
 mod error_picture;
 mod materials_file;
 mod report;
@@ -7,6 +8,7 @@ mod run_file;
 mod scale_bar;
 mod summary;
 
+pub(crate) use calibration::calibration;
 pub(crate) use summary::summary;
 
 use crate::engine::Recovered;

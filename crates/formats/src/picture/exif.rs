@@ -1,0 +1,106 @@
+//! What a photograph's EXIF data say of its lens.
+
+use exif::{Exif, In, Reader, Tag, Value};
+use std::io::Cursor;
+
+/// Diagonal of the 24 x 36 mm frame, to which cameras relate their focal lengths, millimetres.
+const FULL_FRAME_DIAGONAL_MM: f64 = 43.266_615_305_567_87;
+
+/// The focal length in pixels by the EXIF data in the file `bytes` of a picture of `width` x
+/// `height` pixels: from the equivalent for a full frame, else from focal length and pixel pitch.
+/// None where they do not say. Zoom lenses and croppings make it a first guess, no more.
+pub fn exif_focal_px(bytes: &[u8], width: usize, height: usize) -> Option<f64> {
+    let exif = Reader::new().read_from_container(&mut Cursor::new(bytes)).ok()?;
+    let (width, height) = (width as f64, height as f64);
+    let focal = match number(&exif, Tag::FocalLengthIn35mmFilm) {
+        Some(equivalent_mm) if equivalent_mm > 0.0 => {
+            equivalent_mm / FULL_FRAME_DIAGONAL_MM * width.hypot(height)
+        }
+        _ => by_pixel_pitch(&exif, width.max(height))?,
+    };
+    (focal.is_finite() && focal > 0.0).then_some(focal)
+}
+
+fn by_pixel_pitch(exif: &Exif, longer_side: f64) -> Option<f64> {
+    let focal_mm = number(exif, Tag::FocalLength)?;
+    let unit_mm = match number(exif, Tag::FocalPlaneResolutionUnit) {
+        Some(3.0) => 10.0,
+        _ => 25.4,
+    };
+    let pixels_per_mm = number(exif, Tag::FocalPlaneXResolution)? / unit_mm;
+    // The pitch is that of the picture as the camera wrote it; it may have been scaled since.
+    let side = |tag| number(exif, tag).filter(|side| *side > 0.0);
+    let (x, y) = (side(Tag::PixelXDimension), side(Tag::PixelYDimension));
+    let scale = x.zip(y).map_or(1.0, |(x, y)| longer_side / x.max(y));
+    Some(focal_mm * pixels_per_mm * scale)
+}
+
+fn number(exif: &Exif, tag: Tag) -> Option<f64> {
+    match &exif.get_field(tag, In::PRIMARY)?.value {
+        Value::Rational(values) => values.first().map(exif::Rational::to_f64),
+        other => other.get_uint(0).map(f64::from),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use exif::experimental::Writer;
+    use exif::{Field, Rational};
+
+    /// A JPEG without a picture, with the fields.
+    fn jpeg(fields: &[(Tag, Value)]) -> Vec<u8> {
+        let field = |(tag, value): &(Tag, Value)| Field {
+            tag: *tag,
+            ifd_num: In::PRIMARY,
+            value: value.clone(),
+        };
+        let fields: Vec<Field> = fields.iter().map(field).collect();
+        let mut writer = Writer::new();
+        fields.iter().for_each(|field| writer.push_field(field));
+        let mut tiff = Cursor::new(Vec::new());
+        writer.write(&mut tiff, true).unwrap();
+        let tiff = tiff.into_inner();
+        let mut bytes = vec![0xFF, 0xD8, 0xFF, 0xE1];
+        bytes.extend_from_slice(&(tiff.len() as u16 + 8).to_be_bytes());
+        bytes.extend_from_slice(b"Exif\0\0");
+        bytes.extend_from_slice(&tiff);
+        bytes.extend_from_slice(&[0xFF, 0xD9]);
+        bytes
+    }
+
+    fn rational(num: u32, denom: u32) -> Value {
+        Value::Rational(vec![Rational { num, denom }])
+    }
+
+    #[test]
+    fn the_full_frame_equivalent_counts_by_the_diagonal() {
+        let bytes = jpeg(&[(Tag::FocalLengthIn35mmFilm, Value::Short(vec![28]))]);
+        let focal = exif_focal_px(&bytes, 3600, 2400).unwrap();
+        assert!((focal - 2800.0).abs() < 1e-6, "{focal}");
+        let upright = exif_focal_px(&bytes, 2400, 3600).unwrap();
+        assert!((focal - upright).abs() < 1e-9);
+    }
+
+    #[test]
+    fn focal_length_and_pixel_pitch_do_too() {
+        let bytes = jpeg(&[
+            (Tag::FocalLength, rational(350, 10)),
+            (Tag::FocalPlaneXResolution, rational(6000, 3)),
+            (Tag::FocalPlaneResolutionUnit, Value::Short(vec![3])),
+            (Tag::PixelXDimension, Value::Long(vec![4800])),
+            (Tag::PixelYDimension, Value::Long(vec![3200])),
+        ]);
+        // 35 mm at 200 pixels a millimetre, in a picture of half the size.
+        let focal = exif_focal_px(&bytes, 1600, 2400).unwrap();
+        assert!((focal - 3500.0).abs() < 1e-6, "{focal}");
+    }
+
+    #[test]
+    fn files_that_say_nothing_say_nothing() {
+        assert_eq!(exif_focal_px(b"no picture", 10, 10), None);
+        assert_eq!(exif_focal_px(&jpeg(&[(Tag::FocalLength, rational(35, 1))]), 10, 10), None);
+        let none = jpeg(&[(Tag::FocalLengthIn35mmFilm, Value::Short(vec![0]))]);
+        assert_eq!(exif_focal_px(&none, 10, 10), None);
+    }
+}

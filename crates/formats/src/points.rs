@@ -1,0 +1,142 @@
+//! Measured points: where points of the scene are seen in a photograph, as CSV.
+//!
+//! ```text
+//! # the desk, measured with a tape; pixels from the viewer
+//! x_px,y_px,x_m,y_m,z_m,name
+//! 812.5,433.0,0.00,0.74,-1.20,desk left
+//! 1033.0,440.5,1.40,0.74,-1.20,desk right
+//! ```
+//!
+//! The first line that is no comment names the columns, in any order; `name` may be left out.
+//! `x_px`, `y_px` are pixels of the upright photograph: (0, 0) is its top left corner, the centre of
+//! its first pixel (0.5, 0.5). `x_m`, `y_m`, `z_m` are metres, right-handed with y up. Lines that
+//! begin with `#` do not count.
+
+use crate::FileError;
+use std::path::Path;
+
+/// A point and where it is seen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pair {
+    /// Its name, or `line N`.
+    pub name: String,
+    /// Pixels from the picture's top left corner, to the right and down.
+    pub pixel: [f64; 2],
+    /// Metres, world space.
+    pub point: [f64; 3],
+}
+
+const COLUMNS: [&str; 5] = ["x_px", "y_px", "x_m", "y_m", "z_m"];
+const NAME: &str = "name";
+
+/// Reads the pairs in the file at `path`.
+///
+/// # Errors
+/// If the file is missing, lacks a column, has an unknown one, or a value is no finite number.
+pub fn read(path: &Path) -> Result<Vec<Pair>, FileError> {
+    let bytes = std::fs::read(path)
+        .map_err(|error| FileError::new(path, format!("cannot be read: {error}")))?;
+    parse(&bytes).map_err(|problem| FileError::new(path, problem))
+}
+
+/// As [`read`], from the bytes of the file.
+///
+/// # Errors
+/// As [`read`], in words without the file's name.
+pub fn parse(bytes: &[u8]) -> Result<Vec<Pair>, String> {
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .flexible(true)
+        .from_reader(bytes);
+    let header = reader.headers().map_err(|error| faulty(bytes, &error))?.clone();
+    let unknown = |column: &&str| *column != NAME && !COLUMNS.contains(column);
+    if let Some(unknown) = header.iter().find(unknown) {
+        return Err(format!(
+            "there is no column \"{unknown}\"; the first line is x_px,y_px,x_m,y_m,z_m and, if \
+             points have names, name"
+        ));
+    }
+    let place = |column: &str| header.iter().position(|c| c == column);
+    let mut places = [0; 5];
+    for (slot, column) in places.iter_mut().zip(COLUMNS) {
+        *slot = place(column).ok_or_else(|| format!("the column {column} is missing"))?;
+    }
+    let mut pairs = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(|error| faulty(bytes, &error))?;
+        let line = line_of(bytes, record.position());
+        if record.len() != header.len() {
+            return Err(format!(
+                "line {line}: has {} values, but there are {} columns",
+                record.len(),
+                header.len()
+            ));
+        }
+        let mut numbers = [0.0; 5];
+        for ((number, place), column) in numbers.iter_mut().zip(places).zip(COLUMNS) {
+            let text = &record[place];
+            *number = text.parse().ok().filter(|v: &f64| v.is_finite()).ok_or_else(|| {
+                format!("line {line}: {column} is \"{text}\"; write a number such as 12.5")
+            })?;
+        }
+        let name = place(NAME).map_or("", |place| &record[place]);
+        let name = if name.is_empty() { format!("line {line}") } else { name.to_owned() };
+        let [x_px, y_px, x, y, z] = numbers;
+        pairs.push(Pair { name, pixel: [x_px, y_px], point: [x, y, z] });
+    }
+    Ok(pairs)
+}
+
+fn faulty(bytes: &[u8], error: &csv::Error) -> String {
+    match error.position() {
+        Some(position) => format!("line {}: is not CSV ({error})", line_of(bytes, Some(position))),
+        None => format!("is not CSV ({error})"),
+    }
+}
+
+/// The line of the record at `position`, which the reader gives as where it began to look: comments
+/// and empty lines may come first.
+fn line_of(bytes: &[u8], position: Option<&csv::Position>) -> usize {
+    let start = position.map_or(0, |p| p.byte() as usize).min(bytes.len());
+    let (before, after) = bytes.split_at(start);
+    let skipped = after.split(|byte| *byte == b'\n').take_while(|line| {
+        let line = line.trim_ascii();
+        line.is_empty() || line.starts_with(b"#")
+    });
+    1 + before.iter().filter(|byte| **byte == b'\n').count() + skipped.count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_may_stand_in_any_order_and_comments_anywhere() {
+        let text = "# made by hand\nname, x_m,y_m,z_m,x_px,y_px\n\n# two\na b,1,2,3,10.5,20\n,4,5,6,7,-8\n";
+        let pairs = parse(text.as_bytes()).unwrap();
+        assert_eq!(pairs.len(), 2);
+        assert_eq!((pairs[0].pixel, pairs[0].point), ([10.5, 20.0], [1.0, 2.0, 3.0]));
+        assert_eq!(pairs[0].name, "a b");
+        assert_eq!(pairs[1].name, "line 6");
+        assert_eq!(parse(b"\xEF\xBB\xBFx_px,y_px,x_m,y_m,z_m\r\n1,2,3,4,5\r\n").unwrap().len(), 1);
+    }
+
+    #[test]
+    fn faults_have_a_line() {
+        let header = "x_px,y_px,x_m,y_m,z_m\n";
+        let faults = [
+            ("x,y\n".to_owned(), "there is no column \"x\""),
+            ("x_px,y_px,x_m,y_m\n".to_owned(), "the column z_m is missing"),
+            (format!("{header}1,2,3,4,5\n1,2,3,4\n"), "line 3: has 4 values"),
+            (format!("{header}# c\n1,2,3,4,five\n"), "line 3: z_m is \"five\""),
+            (format!("{header}1,2,3,4,inf\n"), "line 2: z_m is \"inf\""),
+            (String::new(), "the column x_px is missing"),
+        ];
+        for (text, problem) in faults {
+            let told = parse(text.as_bytes()).expect_err(&text);
+            assert!(told.contains(problem), "{text}: {told}");
+        }
+    }
+}

@@ -1,0 +1,269 @@
+//! Pose, focal length and lens of a camera from points of the scene and where they are seen.
+//!
+//! The paper does it by the method of DeMenthon and Davis and a downhill simplex (section 3.1); so
+//! does this module, one file a step, and then polishes and says how sure each number is:
+//!
+//! 1. `posit`: pose from few points by iterated scaled orthography, also for points in one plane;
+//!    `start` does so for one focal length after the other, where that is unknown;
+//! 2. `robust`: random subsets find the camera that most pairs agree on, whatever the others say;
+//! 3. `simplex`: downhill on the reprojection error of the believed pairs;
+//! 4. `refine`: least squares by Levenberg and Marquardt, whose curvature gives the standard
+//!    deviations; `answer` turns both into numbers that people use.
+//!
+//! [`calibrate`] is all of it. Points behind a wrong sign somewhere (left-handed axes, y counted
+//! from the bottom) do fit, but only in a mirror; that is tried, and said.
+
+mod answer;
+mod error;
+mod layout;
+mod model;
+mod posit;
+mod refine;
+mod robust;
+mod simplex;
+mod start;
+
+pub use answer::{Calibration, Estimate, Rejected};
+pub use error::CalibrateError;
+
+use layout::Layout;
+use model::{Free, Model, Sight};
+use nalgebra::{Matrix3, Vector2, Vector3};
+use robust::{Agreement, LEAST_SIGMA, agree, greatest_chance, select};
+use unrender_formats::points::Pair;
+
+/// Mirrored pairs must fit so many times better before the world is called mirrored ...
+const MIRRORED_BETTER: f64 = 4.0;
+/// ... and unmirrored ones worse than this share of the picture's diagonal.
+const DOUBTFUL: f64 = 1e-3;
+/// No camera fits pairs that are farther off than this share of the picture's diagonal.
+const SENSELESS: f64 = 0.02;
+/// Another pose fits nearly as well with up to so many times the squared residuals.
+const NEARLY: f64 = 4.0;
+/// So many equations must be left over before a number that was held is doubted.
+const LEAST_FREEDOM: usize = 6;
+/// A focal length whose relative standard deviation is above this is not determined.
+const VAGUE: f64 = 0.5;
+
+/// What is known of the focal length.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Focal {
+    /// Nothing.
+    #[default]
+    Unknown,
+    /// About this many pixels, as the photograph's EXIF data say.
+    Near(f64),
+    /// Exactly this many pixels; it is held.
+    Known(f64),
+}
+
+/// What to find.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Request {
+    /// The focal length, or what is known of it.
+    pub focal: Focal,
+    /// Whether to find the principal point, else it is the picture's centre.
+    pub principal_point: bool,
+    /// Whether to find the radial distortion k1 and k2, else there is none.
+    pub distortion: bool,
+    /// Chooses the subsets of pairs that are tried; the same seed gives the same numbers.
+    pub seed: u64,
+}
+
+impl Request {
+    fn free(&self) -> Free {
+        Free {
+            focal: !matches!(self.focal, Focal::Known(_)),
+            principal_point: self.principal_point,
+            distortion: self.distortion,
+        }
+    }
+}
+
+/// The camera that saw `pairs` in a photograph of `size` (width, height) pixels.
+///
+/// # Errors
+/// If the pairs are too few, do not determine what is asked for, or contradict each other.
+pub fn calibrate(
+    pairs: &[Pair],
+    size: (usize, usize),
+    request: &Request,
+) -> Result<Calibration, CalibrateError> {
+    let (width, height) = (size.0 as f64, size.1 as f64);
+    let centre = Vector2::new(0.5 * width, 0.5 * height);
+    let sight = |pair: &Pair| Sight {
+        image: Vector2::from(pair.pixel) - centre,
+        point: Vector3::from(pair.point),
+    };
+    let sights: Vec<Sight> = pairs.iter().map(sight).collect();
+    let free = request.free();
+    check_layout(&sights, free)?;
+    let (known, guess) = match request.focal {
+        Focal::Unknown => (None, None),
+        Focal::Near(focal) => (None, Some(focal)),
+        Focal::Known(focal) => (Some(focal), None),
+    };
+    let focals = start::focals(known, guess, width.max(height));
+    let agreed = agree(&sights, &focals, free, request.seed);
+    let agreed = check_agreement(agreed, &sights, &focals, request, width.hypot(height))?;
+    let chosen = select(&sights, &agreed.believed);
+    check_layout(&chosen, free)?;
+    let near = simplex::downhill(&agreed.model, &chosen, free);
+    let mut model = refine::refine(&near, &chosen, free, refine::FINAL);
+    let mut other = other_pose(&model, &chosen, free);
+    if let Some(better) = other.as_mut().filter(|o| o.cost(&chosen) < model.cost(&chosen)) {
+        std::mem::swap(better, &mut model);
+    }
+    // Errors of a hundredth of a pixel tell no pose from another.
+    let floor = 1e-4 * chosen.len() as f64;
+    let alike = |other: &Model| other.cost(&chosen) < NEARLY * model.cost(&chosen).max(floor);
+    let other = other.filter(alike);
+    let certainty = refine::certainty(&model, &chosen, free).map_err(|n| undetermined(n, free))?;
+    let vague = free.focal && certainty.sigma * certainty.inverse[(6, 6)].sqrt() > VAGUE;
+    if vague {
+        return Err(undetermined(6, free));
+    }
+    let missed = missed(&model, &chosen, free);
+    let found = answer::Found { model, certainty, believed: agreed.believed, other, missed };
+    Ok(answer::answer(pairs, &sights, size, free, &found))
+}
+
+fn check_layout(sights: &[Sight], free: Free) -> Result<(), CalibrateError> {
+    let needed = free.fewest_pairs();
+    if sights.len() < needed {
+        let hint = if free.focal {
+            ", or state the field of view if you know it: the pose alone needs 4"
+        } else {
+            ""
+        };
+        return Err(CalibrateError::TooFew {
+            there: sights.len(),
+            needed,
+            numbers: in_words(free),
+            unknowns: free.count(),
+            hint: hint.into(),
+        });
+    }
+    let layout = Layout::of(sights);
+    if layout.is_line() {
+        let [length, width, _] = layout.spread;
+        return Err(CalibrateError::Collinear { length, width });
+    }
+    if layout.is_planar() && free.principal_point && free.focal {
+        return Err(CalibrateError::CoplanarPrincipalPoint);
+    }
+    Ok(())
+}
+
+fn in_words(free: Free) -> String {
+    let parts = [
+        (true, "pose"),
+        (free.focal, "focal length"),
+        (free.principal_point, "principal point"),
+        (free.distortion, "distortion"),
+    ];
+    let asked: Vec<&str> = parts.iter().filter(|(is, _)| *is).map(|(_, name)| *name).collect();
+    match asked.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => asked.concat(),
+    }
+}
+
+/// Whether most pairs agree, and do so unmirrored.
+fn check_agreement(
+    agreed: Option<Agreement>,
+    sights: &[Sight],
+    focals: &[f64],
+    request: &Request,
+    diagonal: f64,
+) -> Result<Agreement, CalibrateError> {
+    let free = request.free();
+    let (agreeing, scale) = agreed.as_ref().map_or((0, f64::INFINITY), |agreed| {
+        (agreed.believed.iter().filter(|b| **b).count(), agreed.scale)
+    });
+    let needed = (sights.len() / 2 + 1).max(free.fewest_pairs());
+    let all_well = agreeing == sights.len() && scale < DOUBTFUL * diagonal;
+    if !all_well && !Layout::of(sights).is_planar() {
+        let mirror = |sight: &Sight| {
+            let image = Vector2::new(-sight.image.x, sight.image.y);
+            Sight { image, ..*sight }
+        };
+        let mirrored: Vec<Sight> = sights.iter().map(mirror).collect();
+        let other = agree(&mirrored, focals, free, request.seed);
+        let mirrored_px = other.map_or(f64::INFINITY, |other| other.scale);
+        // No photograph is measured so well that a smaller misfit says anything.
+        if MIRRORED_BETTER * mirrored_px.max(0.01) < scale && scale > DOUBTFUL * diagonal {
+            return Err(CalibrateError::Mirrored { mirrored_px, plain_px: scale });
+        }
+    }
+    match agreed {
+        Some(agreed) if agreeing >= needed && scale < SENSELESS * diagonal => Ok(agreed),
+        _ => Err(CalibrateError::NoConsensus {
+            agreeing,
+            there: sights.len(),
+            needed,
+            scale_px: scale,
+        }),
+    }
+}
+
+fn undetermined(number: usize, free: Free) -> CalibrateError {
+    let mut names = vec!["the camera's direction"; 3];
+    names.extend(["the camera's position"; 3]);
+    if free.focal {
+        names.push("the focal length");
+    }
+    if free.principal_point {
+        names.extend(["the principal point"; 2]);
+    }
+    if free.distortion {
+        names.extend(["the distortion"; 2]);
+    }
+    let what = names.get(number).copied().unwrap_or("the camera").to_owned();
+    let remedy = match number {
+        6 if free.focal => {
+            "seen from afar, or in a plane that faces the camera, a near short lens and a far long \
+             one show the same; measure points at different depths, or state the field of view"
+        }
+        0..6 => "measure points farther apart, also in depth",
+        _ => "measure points up to the picture's corners, or leave it out",
+    };
+    CalibrateError::Undetermined { what, remedy: remedy.into() }
+}
+
+/// What was held although the pairs tell that it is something else, with the root of the mean
+/// squared residual that it would leave, pixels. The fall of the squares by two numbers more is
+/// held against chance as a wrong pair is.
+fn missed(model: &Model, sights: &[Sight], free: Free) -> Vec<(&'static str, f64)> {
+    let with_bend = Free { distortion: true, ..free };
+    let with_shift = Free { principal_point: true, ..free };
+    let mut missed = Vec::new();
+    for (more, name) in [(with_bend, "distortion"), (with_shift, "principal point")] {
+        let in_vain = more == free || check_layout(sights, more).is_err();
+        if in_vain || 2 * sights.len() < more.count() + LEAST_FREEDOM {
+            continue;
+        }
+        let better = refine::refine(model, sights, more, refine::FINAL);
+        let (before, after) = (model.cost(sights), better.cost(sights));
+        let freedom = 2 * sights.len() - more.count();
+        let variance = (after / freedom as f64).max(LEAST_SIGMA.powi(2));
+        if (before - after) / (2.0 * variance) > greatest_chance(freedom) {
+            missed.push((name, (after / sights.len() as f64).sqrt()));
+        }
+    }
+    missed
+}
+
+/// The other pose of points that lie nearly in a plane: turned about the line of sight as the cube
+/// that Necker drew. Seen from afar it shows them nearly alike. Refined; none if it is the same.
+fn other_pose(model: &Model, sights: &[Sight], free: Free) -> Option<Model> {
+    let (centre, normal) = Layout::plane(sights)?;
+    let in_camera = model.in_camera(&centre);
+    let mirror = |axis: &Vector3<f64>| Matrix3::identity() - 2.0 * axis * axis.transpose();
+    let turned = mirror(&in_camera.normalize()) * model.camera_from_world * mirror(&normal);
+    let eye = centre - turned.transpose() * in_camera;
+    let start = Model { camera_from_world: turned, eye, ..*model };
+    let other = refine::refine(&start, sights, free, refine::FINAL);
+    let apart = (other.eye - model.eye).norm() > 0.05 * in_camera.norm();
+    (apart && sights.iter().all(|sight| other.sees(sight))).then_some(other)
+}

@@ -1,0 +1,116 @@
+//! The last word: least squares by Levenberg and Marquardt, and how sure each number is.
+//!
+//! For independent errors of one standard deviation sigma in all image coordinates this is the
+//! maximum-likelihood estimate; its covariance is, to first order, the Cramer-Rao bound
+//!
+//! ```text
+//! C = sigma^2 (J^T J)^-1,      sigma^2 = sum of the squared residuals / (2 pairs - numbers)
+//! ```
+
+use super::model::{Free, Model, Sight, jacobian, residuals};
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
+use nalgebra::storage::Owned;
+use nalgebra::{DMatrix, DVector, Dyn, Vector3};
+
+/// When the search ends.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Care {
+    /// Relative changes of cost and numbers that are taken to be none.
+    tolerance: f64,
+    /// Evaluations of the residuals: this many times the count of numbers.
+    patience: usize,
+}
+
+/// Good enough to compare cameras.
+pub(super) const ROUGH: Care = Care { tolerance: 1e-4, patience: 2 };
+/// As well as the machine can.
+pub(super) const FINAL: Care = Care { tolerance: 1e-13, patience: 60 };
+/// Numbers that differ only by this, each scaled to change the picture alike, cannot be told apart.
+const SINGULAR: f64 = 1e-7;
+
+struct Problem<'a> {
+    start: &'a Model,
+    sights: &'a [Sight],
+    free: Free,
+    step: DVector<f64>,
+}
+
+impl Problem<'_> {
+    fn model(&self) -> Model {
+        self.start.moved(self.step.as_slice(), self.free)
+    }
+}
+
+impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
+    type ResidualStorage = Owned<f64, Dyn>;
+    type JacobianStorage = Owned<f64, Dyn, Dyn>;
+    type ParameterStorage = Owned<f64, Dyn>;
+
+    fn set_params(&mut self, step: &DVector<f64>) {
+        self.step.copy_from(step);
+    }
+
+    fn params(&self) -> DVector<f64> {
+        self.step.clone()
+    }
+
+    fn residuals(&self) -> Option<DVector<f64>> {
+        let all = residuals(&self.model(), self.sights);
+        all.iter().all(|r| r.is_finite()).then_some(all)
+    }
+
+    fn jacobian(&self) -> Option<DMatrix<f64>> {
+        let turn = Vector3::new(self.step[0], self.step[1], self.step[2]);
+        let all = jacobian(&self.model(), self.sights, self.free, &turn);
+        all.iter().all(|d| d.is_finite()).then_some(all)
+    }
+}
+
+/// The camera near `start` whose residuals have the least squares; `start` where none is better.
+pub(super) fn refine(start: &Model, sights: &[Sight], free: Free, care: Care) -> Model {
+    let step = DVector::zeros(free.count());
+    let search = LevenbergMarquardt::new().with_tol(care.tolerance).with_patience(care.patience);
+    let (problem, _) = search.minimize(Problem { start, sights, free, step });
+    let found = problem.model();
+    if found.cost(sights) <= start.cost(sights) { found } else { *start }
+}
+
+/// What the pairs say about the numbers.
+#[derive(Clone, Debug)]
+pub(super) struct Certainty {
+    /// The standard deviation of one image coordinate, pixels.
+    pub(super) sigma: f64,
+    /// How many equations there are beyond the numbers.
+    pub(super) freedom: usize,
+    /// The inverse of J^T J; times sigma^2 the covariance of the steps of [`Model::moved`].
+    pub(super) inverse: DMatrix<f64>,
+}
+
+/// The certainty of `model`, which fits `sights`.
+///
+/// # Errors
+/// If the sights do not determine the numbers: the index of the number that is the least certain.
+pub(super) fn certainty(model: &Model, sights: &[Sight], free: Free) -> Result<Certainty, usize> {
+    let jacobian = jacobian(model, sights, free, &Vector3::zeros());
+    let norms: Vec<f64> = jacobian.column_iter().map(|column| column.norm()).collect();
+    if let Some(index) = norms.iter().position(|norm| !(*norm > 0.0 && norm.is_finite())) {
+        return Err(index);
+    }
+    let mut scaled = jacobian;
+    scaled.column_iter_mut().zip(&norms).for_each(|(mut column, norm)| column /= *norm);
+    let decomposed = scaled.svd(false, true);
+    let values = &decomposed.singular_values;
+    let (last, least) = values.argmin();
+    let Some(directions) = decomposed.v_t else { return Err(0) };
+    if sights.len() * 2 < free.count() || least < SINGULAR * values.max() {
+        return Err(directions.row(last).transpose().icamax());
+    }
+    let mut half = directions.transpose();
+    for (column, value) in values.iter().enumerate() {
+        half.column_mut(column).scale_mut(1.0 / value);
+    }
+    half.row_iter_mut().zip(&norms).for_each(|(mut row, norm)| row /= *norm);
+    let freedom = 2 * sights.len() - free.count();
+    let sigma = (model.cost(sights) / freedom.max(1) as f64).sqrt();
+    Ok(Certainty { sigma, freedom, inverse: &half * half.transpose() })
+}

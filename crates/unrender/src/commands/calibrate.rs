@@ -1,0 +1,355 @@
+//! `unrender calibrate`: from measured points, or an fSpy project, to the camera of a photograph.
+
+use crate::cli::{Global, warn};
+use crate::project::{CameraTable, Project};
+use crate::{Error, interrupt, output, results};
+use clap::ValueEnum;
+use glam::{DVec3, Vec3};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use unrender_formats::points::{self, Pair};
+use unrender_formats::{FileError, atomic, fspy, picture};
+use unrender_photo::calibrate::{Calibration, Focal, Request, calibrate};
+use unrender_scene::{Lens, Scene, Warnings};
+
+/// Focal lengths that differ from the EXIF data's by more than this share are worth a word.
+const EXIF_TOLERANCE: f64 = 0.15;
+/// Measured points may lie outside the scene by this share of its size.
+const OUTSIDE: f32 = 0.1;
+
+/// Finds the camera of a photograph from points of the scene that it shows.
+///
+/// POINTS.csv has a line a point, below the header x_px,y_px,x_m,y_m,z_m,name: pixels of the upright
+/// photo ((0, 0) is its top left corner, the centre of the first pixel (0.5, 0.5)), then metres in
+/// the scene (right-handed, y up). The name may be left out; lines that begin with # do not count.
+///
+/// Pose alone needs 4 pairs (--fov-y-deg), with the focal length 5, with the principal point or the
+/// distortion 6, with both 7; twice as many show which are wrong. Wrong pairs are thrown out, up to
+/// a third of them.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  \
+    unrender calibrate room.jpg --scene room.glb --points desk.csv --out room.toml\n  \
+    unrender calibrate --points desk.csv --distortion --out room.toml\n  \
+    unrender calibrate room.jpg --scene room.glb --points desk.csv --out room_seen.glb\n  \
+    unrender calibrate room.jpg --scene room.glb --fspy room.fspy --out room.toml")]
+pub struct Args {
+    /// The photograph [default: that of the project in --out].
+    pub photo: Option<PathBuf>,
+    /// The scene file [default: that of the project in --out].
+    #[arg(long, value_name = "FILE")]
+    pub scene: Option<PathBuf>,
+    /// Points of the scene and where the photograph shows them.
+    #[arg(long, value_name = "FILE.csv", required_unless_present = "fspy")]
+    pub points: Option<PathBuf>,
+    /// Take the camera of an fSpy project instead.
+    #[arg(long, value_name = "FILE.fspy", conflicts_with_all = ["points", "principal_point", "distortion", "fov_y_deg", "seed"])]
+    pub fspy: Option<PathBuf>,
+    /// The axis of the fSpy project that points upwards [default: whichever does in the picture].
+    #[arg(long, value_enum, requires = "fspy")]
+    pub fspy_up: Option<UpAxis>,
+    /// Find the principal point too; else it is the picture's centre.
+    #[arg(long)]
+    pub principal_point: bool,
+    /// Find the radial distortion k1, k2 too; else there is none.
+    #[arg(long)]
+    pub distortion: bool,
+    /// The vertical field of view in degrees, if it is known; else it is found.
+    #[arg(long, value_name = "X")]
+    pub fov_y_deg: Option<f64>,
+    /// Chooses the subsets of pairs that are tried; the same seed gives the same camera.
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// The camera's name in a .glb.
+    #[arg(long, value_name = "NAME", default_value = "calibrated")]
+    pub name: String,
+    /// A project file (.toml), which is made, or whose camera is replaced; or the scene with the
+    /// camera in it (.glb).
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+}
+
+/// Axes that may point upwards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum UpAxis {
+    /// As in glTF.
+    Y,
+    /// As in Blender.
+    Z,
+}
+
+/// What the camera goes into.
+struct Target {
+    /// The text of the project file, if there is one already.
+    project: Option<String>,
+    photo: Option<PathBuf>,
+    scene: Option<PathBuf>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// If the input cannot be used, gives no camera, or the result cannot be written.
+pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
+    let remedy = "end --out in .toml for a project file, or in .glb for the scene with the camera";
+    output::check_file(&args.out, &["toml", "glb"], remedy)?;
+    let is_project = output::extension(&args.out) == "toml";
+    if !is_project && (args.principal_point || args.distortion) {
+        return Err(lens_in_gltf(&args.out));
+    }
+    let target = target(args)?;
+    let (table, origin, summary) = match (&args.fspy, &args.points) {
+        (Some(path), _) => from_fspy(args, path)?,
+        (None, Some(path)) => from_points(args, path, &target)?,
+        (None, None) => return Err(Error::Request("give --points or --fspy".into())),
+    };
+    let _until_written = interrupt::writing();
+    if is_project {
+        write_project(args, &target, &table, &origin)?;
+    } else {
+        write_scene(args, &target, &table)?;
+    }
+    if !global.quiet {
+        print!("{summary}");
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The photograph and the scene, by the arguments or by the project that is there already.
+fn target(args: &Args) -> Result<Target, Error> {
+    let mut target = Target { project: None, photo: args.photo.clone(), scene: args.scene.clone() };
+    if output::extension(&args.out) != "toml" || !args.out.exists() {
+        if target.scene.is_none() {
+            return Err(Error::Request(
+                "give the scene (--scene), or the project file that names it (--out)".into(),
+            ));
+        }
+        return Ok(target);
+    }
+    let text = std::fs::read_to_string(&args.out)
+        .map_err(|error| FileError::new(&args.out, format!("cannot be read: {error}")))?;
+    let (project, _) = Project::parse(&args.out, &text)?;
+    let mut warnings = Warnings::default();
+    for (given, stated, key) in
+        [(&mut target.photo, project.photo, "photo"), (&mut target.scene, project.scene, "scene")]
+    {
+        let same = |path: &Path| path.canonicalize().ok() == stated.canonicalize().ok();
+        if given.as_deref().is_some_and(|path| !same(path)) {
+            warnings.push(format!(
+                "{}: names another {key}, {}; only its camera was changed",
+                args.out.display(),
+                stated.display()
+            ));
+        }
+        given.get_or_insert(stated);
+    }
+    warn(&warnings);
+    target.project = Some(text);
+    Ok(target)
+}
+
+type Found = (CameraTable, String, String);
+
+fn from_fspy(args: &Args, path: &Path) -> Result<Found, Error> {
+    let up = args.fspy_up.map(|up| match up {
+        UpAxis::Y => fspy::Up::Y,
+        UpAxis::Z => fspy::Up::Z,
+    });
+    let (matched, mut warnings) = fspy::read(path, up)?;
+    let (width, height) = matched.size;
+    if let Some(photo) = &args.photo {
+        let (picture, _) = picture::read(photo)?;
+        let size = (picture.values.width(), picture.values.height());
+        if size.0 * height != size.1 * width {
+            warnings.push(format!(
+                "{} has {} x {} pixels, the picture in {} {width} x {height}; is it the same?",
+                photo.display(),
+                size.0,
+                size.1,
+                path.display()
+            ));
+        }
+    }
+    warn(&warnings);
+    // fSpy's origin is a point that somebody marked in the picture.
+    let distance = matched.camera.origin().length().max(0.1);
+    let table = CameraTable::of(&matched.camera, distance);
+    let [x, y, z] = table.eye.to_array();
+    let axis = match matched.up {
+        fspy::Up::Y => "y",
+        fspy::Up::Z => "z",
+    };
+    let summary = format!(
+        "eye ({x:.4}, {y:.4}, {z:.4}) m, vertical field of view {:.3} deg; fSpy's {axis} points \
+         upwards\n",
+        table.fov_y_deg
+    );
+    Ok((table, format!("by fSpy: {}.", file_name(path)), summary))
+}
+
+fn from_points(args: &Args, path: &Path, target: &Target) -> Result<Found, Error> {
+    let Some(photo) = &target.photo else {
+        return Err(Error::Request("give the photo whose pixels the points are in".into()));
+    };
+    let bytes = std::fs::read(photo)
+        .map_err(|error| FileError::new(photo, format!("cannot be read: {error}")))?;
+    let (picture, _) = picture::decode(&bytes, photo)?;
+    let size = (picture.values.width(), picture.values.height());
+    let pairs = points::read(path)?;
+    let mut warnings = doubtful_points(&pairs, size, target.scene.as_deref())?;
+    let exif = picture::exif_focal_px(&bytes, size.0, size.1);
+    let request = Request {
+        focal: focal(args.fov_y_deg, exif, size.1)?,
+        principal_point: args.principal_point,
+        distortion: args.distortion,
+        seed: args.seed,
+    };
+    let found = calibrate(&pairs, size, &request)
+        .map_err(|problem| Error::Calibrate { path: path.to_owned(), problem })?;
+    warnings.extend(found.warnings.clone());
+    warnings.extend(doubtful_exif(&found, exif));
+    warn(&warnings);
+    let eye = found.camera("").origin();
+    let distance = eye.distance(DVec3::from_array(found.target).as_vec3());
+    let table = CameraTable::of(&found.camera("photo"), distance.max(0.1));
+    let origin = format!(
+        "from {}: {} of {} pairs, {:.2} px rms.",
+        file_name(path),
+        pairs.len() - found.rejected.len(),
+        pairs.len(),
+        found.rms_px
+    );
+    Ok((table, origin, results::calibration(&found, pairs.len())))
+}
+
+fn focal(fov_y_deg: Option<f64>, exif: Option<f64>, height: usize) -> Result<Focal, Error> {
+    match (fov_y_deg, exif) {
+        (Some(fov), _) if !(fov > 0.0 && fov < 180.0) => {
+            Err(Error::Request(format!("--fov-y-deg is {fov}; it is between 0 and 180")))
+        }
+        (Some(fov), _) => Ok(Focal::Known(0.5 * height as f64 / (0.5 * fov).to_radians().tan())),
+        (None, Some(focal)) => Ok(Focal::Near(focal)),
+        (None, None) => Ok(Focal::Unknown),
+    }
+}
+
+fn doubtful_exif(found: &Calibration, exif: Option<f64>) -> Warnings {
+    let mut warnings = Warnings::default();
+    let focal = found.focal_px.value;
+    let tolerance = found.focal_px.std.map_or(0.0, |std| 3.0 * std);
+    if let Some(exif) = exif
+        && (focal - exif).abs() > (EXIF_TOLERANCE * exif).max(tolerance)
+    {
+        warnings.push(format!(
+            "the photo's EXIF data say a focal length of {exif:.0} px, but it is {focal:.0} px by \
+             the points; is the photo cropped, or are lengths not in metres?"
+        ));
+    }
+    warnings
+}
+
+/// Pixels beside the photo and points beside the scene.
+fn doubtful_points(
+    pairs: &[Pair],
+    (width, height): (usize, usize),
+    scene: Option<&Path>,
+) -> Result<Warnings, Error> {
+    let mut warnings = Warnings::default();
+    let mut tell = |is_doubtful: &dyn Fn(&Pair) -> bool, what: &str| {
+        let doubtful = pairs.iter().filter(|pair| is_doubtful(pair));
+        let names: Vec<&str> = doubtful.map(|pair| pair.name.as_str()).collect();
+        if !names.is_empty() {
+            let names = names.join(", ");
+            warnings.push(format!("{what}: {names}"));
+        }
+    };
+    let sides = [width as f64, height as f64];
+    tell(
+        &|pair| (0..2).any(|n| !(0.0..=sides[n]).contains(&pair.pixel[n])),
+        &format!("points that are not in the photo of {width} x {height} pixels"),
+    );
+    let Some(path) = scene else { return Ok(warnings) };
+    if !path.is_file() {
+        return Err(FileError::new(path, "there is no such scene file").into());
+    }
+    // A scene that lacks its lights yet is no reason not to calibrate.
+    match unrender_formats::load_scene(path) {
+        Ok((scene, _)) => {
+            let (low, high) = bounds(&scene);
+            let margin = OUTSIDE * (high - low).max_element();
+            let away = |pair: &Pair| {
+                let point = DVec3::from_array(pair.point).as_vec3();
+                (point - point.max(low).min(high)).length() > margin
+            };
+            tell(&away, "points outside the scene; are they in its axes, in metres?");
+        }
+        Err(error) => warnings.push(format!("the points were not held against the scene: {error}")),
+    }
+    Ok(warnings)
+}
+
+fn bounds(scene: &Scene) -> (Vec3, Vec3) {
+    let positions = scene.objects.iter().flat_map(|object| &object.mesh.positions);
+    let empty = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    positions.fold(empty, |(low, high), p| (low.min(*p), high.max(*p)))
+}
+
+fn write_project(
+    args: &Args,
+    target: &Target,
+    table: &CameraTable,
+    origin: &str,
+) -> Result<(), Error> {
+    let text = match (&target.project, &target.photo, &target.scene) {
+        (Some(text), ..) => text.clone(),
+        (None, Some(photo), Some(scene)) => {
+            let mut document = toml_edit::DocumentMut::new();
+            for (key, path) in [("scene", scene), ("photo", photo)] {
+                document[key] = toml_edit::value(relative(path, output::folder(&args.out)));
+            }
+            document.to_string()
+        }
+        _ => {
+            return Err(Error::Request(format!(
+                "{}: a new project needs the photo and --scene",
+                args.out.display()
+            )));
+        }
+    };
+    let text = table.put_into(&text, &args.out, origin)?;
+    Project::parse(&args.out, &text)?;
+    atomic::write(&args.out, text.as_bytes())?;
+    Ok(())
+}
+
+fn write_scene(args: &Args, target: &Target, table: &CameraTable) -> Result<(), Error> {
+    let Some(scene) = &target.scene else {
+        return Err(Error::Request("give the scene (--scene)".into()));
+    };
+    if table.lens != Lens::default() {
+        return Err(lens_in_gltf(&args.out));
+    }
+    let camera = table.camera(&args.name);
+    atomic::write(&args.out, &unrender_formats::place(scene, &camera)?)?;
+    Ok(())
+}
+
+fn lens_in_gltf(out: &Path) -> Error {
+    let problem = "glTF has no words for a principal point or a distortion; end --out in .toml";
+    FileError::new(out, problem).into()
+}
+
+/// `path` as seen from `folder`, with forward slashes; `path` itself where that cannot be told.
+fn relative(path: &Path, folder: &Path) -> String {
+    let told = path.canonicalize().ok().zip(folder.canonicalize().ok()).map(|(path, folder)| {
+        let shared = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
+        let up = folder.components().skip(shared).map(|_| "..".to_owned());
+        let down = path.components().skip(shared);
+        let down = down.map(|part| part.as_os_str().to_string_lossy().into_owned());
+        up.chain(down).collect::<Vec<_>>().join("/")
+    });
+    told.unwrap_or_else(|| path.display().to_string())
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}

@@ -1,0 +1,157 @@
+//! The table `[camera]` of a project file: from numbers to a camera, and into a file that keeps
+//! everything else.
+
+use glam::Vec3;
+use std::path::Path;
+use toml_edit::{Array, DocumentMut, Item, Table, Value};
+use unrender_formats::FileError;
+use unrender_scene::{Camera, Lens};
+
+/// A camera as the project file has it; reading what was written gives the same bits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraTable {
+    /// The camera's centre, metres.
+    pub eye: Vec3,
+    /// A point that it looks at.
+    pub target: Vec3,
+    /// Upwards in the picture, not along the line of sight.
+    pub up: Vec3,
+    /// Full vertical field of view, degrees.
+    pub fov_y_deg: f32,
+    /// Principal point and distortion.
+    pub lens: Lens,
+}
+
+impl CameraTable {
+    /// The table for `camera`, with a target `distance` metres before it.
+    pub fn of(camera: &Camera, distance: f32) -> Self {
+        let axes = camera.world_from_camera.matrix3;
+        let eye = camera.origin();
+        Self {
+            eye,
+            target: eye - distance * Vec3::from(axes.z_axis),
+            up: axes.y_axis.into(),
+            fov_y_deg: camera.fov_y_rad.to_degrees(),
+            lens: camera.lens,
+        }
+    }
+
+    /// The camera, called `name`.
+    pub fn camera(&self, name: &str) -> Camera {
+        let fov_y_rad = self.fov_y_deg.to_radians();
+        let camera = Camera::look_at(name, self.eye, self.target, self.up, fov_y_rad);
+        Camera { lens: self.lens, ..camera }
+    }
+
+    /// The project file `text`, which `path` names in messages, with this camera in place of
+    /// whatever camera it had. Comments and all other keys stay. `origin` is a line that says where
+    /// the camera comes from.
+    ///
+    /// # Errors
+    /// If `text` is not TOML.
+    pub fn put_into(&self, text: &str, path: &Path, origin: &str) -> Result<String, FileError> {
+        let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
+            FileError::new(path, format!("is not TOML: {}", error.message()))
+        })?;
+        if !document.get("camera").is_some_and(Item::is_table) {
+            document.remove("camera");
+            document.insert("camera", Item::Table(Table::new()));
+        }
+        if let Some(table) = document["camera"].as_table_mut() {
+            self.fill(table);
+            let before = table.decor().prefix().and_then(|p| p.as_str()).unwrap_or("\n");
+            let kept = before.lines().filter(|line| !line.starts_with(ORIGIN));
+            let kept: String = kept.map(|line| format!("{line}\n")).collect();
+            let gap = if kept.is_empty() && !text.trim().is_empty() { "\n" } else { "" };
+            table.decor_mut().set_prefix(format!("{gap}{kept}{ORIGIN}{origin}\n"));
+        }
+        Ok(document.to_string())
+    }
+
+    fn fill(&self, table: &mut Table) {
+        let triple = |v: Vec3| Item::Value(list(&v.to_array()));
+        table.insert("eye", triple(self.eye));
+        table.insert("target", triple(self.target));
+        table.insert("up", triple(self.up));
+        table.insert("fov_y_deg", Item::Value(number(self.fov_y_deg)));
+        let Lens { principal_point, k1, k2 } = self.lens;
+        let shift = (principal_point != [0.0; 2]).then(|| list(&principal_point));
+        let bend = |k: f32| self.lens.distorts().then(|| number(k));
+        for (key, value) in [("principal_point", shift), ("k1", bend(k1)), ("k2", bend(k2))] {
+            match value {
+                Some(value) => table.insert(key, Item::Value(value)),
+                None => table.remove(key),
+            };
+        }
+    }
+}
+
+/// How the line begins that says where the camera comes from.
+const ORIGIN: &str = "# Calibrated ";
+
+fn list(values: &[f32]) -> Value {
+    let numbers: Array = values.iter().map(|value| number(*value)).collect();
+    Value::Array(numbers)
+}
+
+/// The shortest decimal that reads back as `value`.
+fn number(value: f32) -> Value {
+    let short = value.to_string().parse().unwrap_or(f64::from(value));
+    Value::from(if short as f32 == value { short } else { f64::from(value) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table() -> CameraTable {
+        CameraTable {
+            eye: Vec3::new(0.1, 1.6, 4.0),
+            target: Vec3::new(-0.3, 1.2, 0.0),
+            up: Vec3::new(0.01, 0.99, -0.1),
+            fov_y_deg: 39.6,
+            lens: Lens { principal_point: [0.01, -0.02], k1: -0.1, k2: 0.0 },
+        }
+    }
+
+    fn put(text: &str) -> String {
+        table().put_into(text, Path::new("a.toml"), "from points.csv.").unwrap()
+    }
+
+    const TABLE: &str = "eye = [0.1, 1.6, 4.0]\ntarget = [-0.3, 1.2, 0.0]\n\
+        up = [0.01, 0.99, -0.1]\nfov_y_deg = 39.6\n";
+
+    #[test]
+    fn everything_else_stays() {
+        let head = "# my room\nscene = \"s.glb\" # here\nphoto = \"p.png\"\n";
+        let tail = "\n[groups.wall] # white\nknown = { rho_d = 0.9 }\n";
+        let expected = format!(
+            "{head}{tail}\n# Calibrated from points.csv.\n[camera]\n{TABLE}\
+             principal_point = [0.01, -0.02]\nk1 = -0.1\nk2 = 0.0\n"
+        );
+        let once = put(&format!("{head}camera = \"door\"\n{tail}"));
+        assert_eq!(once, expected);
+        assert_eq!(put(&once), once, "again changes nothing");
+        let inline = "camera = { eye = [0, 0, 1], target = [0, 0, 0], fov_y_deg = 40 }\n";
+        assert_eq!(put(&format!("{head}{inline}{tail}")), expected);
+    }
+
+    #[test]
+    fn a_table_stays_in_its_place_and_loses_what_no_longer_holds() {
+        let plain = CameraTable { lens: Lens::default(), ..table() };
+        let text =
+            "scene = \"s\"\n\n# mine\n[camera]\neye = [0, 0, 1]\nk1 = 0.5\nk2 = 1\n\n[recover]\n";
+        let text = plain.put_into(text, Path::new("a.toml"), "by hand.").unwrap();
+        let expected = "scene = \"s\"\n\n# mine\n# Calibrated by hand.\n[camera]\neye = ";
+        assert!(text.starts_with(expected) && text.ends_with("\n\n[recover]\n"), "{text}");
+        assert!(!text.contains("k1") && !text.contains("k2"), "{text}");
+    }
+
+    #[test]
+    fn a_camera_gives_its_table_and_back() {
+        let camera = table().camera("a");
+        let back = CameraTable::of(&camera, 3.0).camera("a");
+        let (a, b) = (camera.world_from_camera, back.world_from_camera);
+        assert!(a.abs_diff_eq(b, 1e-6) && camera.lens == back.lens);
+    }
+}
