@@ -22,6 +22,8 @@ pub struct Extracted {
     pub texture: Arc<Texture>,
     /// True for texels that a pixel shows; the others are guessed from their neighbours.
     pub seen: Image<bool>,
+    /// The standard deviation of one of these, on the mean; zero where it was not asked for.
+    pub deviation: Rgb,
 }
 
 /// A side of a texture has this many texels at most.
@@ -51,7 +53,26 @@ pub fn extract(
         let shine = specular.rho_s * 0.5 * (shine[0][i] + shine[1][i]);
         splat.add(uv, 0.5 * (a + b) * (pixel.radiance - shine), a * b);
     }
-    Some(splat.finish())
+    let deviation = deviation(&evidence, &diffuse);
+    Some(Extracted { deviation, ..splat.finish() })
+}
+
+/// The standard deviation of a texel, root mean square over the pixels: `q = B/D` has the relative
+/// variance of `B` (the photograph's noise) and of `D` (ours, from the difference of its two
+/// renderings), and a texel takes in [`PIXELS_PER_TEXEL`]^2 pixels.
+fn deviation(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2]) -> Rgb {
+    let mut sum = DVec3::ZERO;
+    for (i, pixel) in evidence.pixels.iter().enumerate() {
+        let [a, b] = [diffuse[0][i], diffuse[1][i]];
+        let d = (0.5 * (a + b)).max(Rgb::splat(f32::MIN_POSITIVE));
+        let q = pixel.radiance / d;
+        let of_light = 0.25 * (a - b) * (a - b);
+        let variance = (pixel.variance + q * q * of_light) / (d * d);
+        // A texel in the dark says nothing of the others.
+        sum += variance.min(Rgb::ONE).as_dvec3();
+    }
+    let n = evidence.pixels.len().max(1) as f64 * f64::from(PIXELS_PER_TEXEL.powi(2));
+    (sum / n).map(f64::sqrt).as_vec3()
 }
 
 /// The paper's own step: the texture times the ratio of what is extracted from the photograph and
@@ -169,7 +190,7 @@ impl Splat {
         let image = RgbImage::new(width, height, (0..width * height).map(quotient).collect());
         let image = fill(&image, &seen);
         let texture = Texture { image, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat };
-        Extracted { texture: Arc::new(texture), seen }
+        Extracted { texture: Arc::new(texture), seen, deviation: Rgb::ZERO }
     }
 }
 

@@ -16,7 +16,7 @@ use crate::error::Misfit;
 use crate::evidence::Evidence;
 use crate::hypothesis::{self, Fit, Hypothesis, Search, brushed, textured};
 use crate::problem::{Options, RecoverError};
-use crate::record::{Observer, Status, Termination, Trial};
+use crate::record::{Deviations, Observer, Status, Termination, Trial};
 use crate::refine;
 use unrender_scene::Material;
 
@@ -262,9 +262,11 @@ fn extract(state: &mut State<'_>, options: &Options, group: usize, last: bool) -
         ));
         return None;
     };
-    let rho_d = textured::mean(&extracted);
+    let mean = textured::mean(&extracted);
     standing.seen_texels = Some(extracted.seen);
-    Some(Material { texture: Some(extracted.texture), rho_d, ..plain })
+    let rho_d = Some(extracted.deviation);
+    standing.std = last.then_some(Deviations { rho_d, ..Deviations::default() });
+    Some(Material { texture: Some(extracted.texture), rho_d: mean, ..plain })
 }
 
 /// Tries the uniform rungs once more on groups that came out textured: under the refined light one
