@@ -12,7 +12,7 @@
 
 use crate::accel::{self, Ray};
 use crate::bsdf::{Bsdf, BsdfSample};
-use crate::caustic::Shiny;
+use crate::caustic::{Images, Shiny};
 use crate::emitters::LightSample;
 use crate::sampler::Sampler;
 use crate::seen::Lookup;
@@ -163,8 +163,7 @@ impl<'a> Transport<'a> {
         if self.shiny.is_empty() || bsdf.rho_d.max_element() <= 0.0 {
             return (bsdf, frame);
         }
-        let images = self.tracer.caustics.images(&self.shiny, surface, &frame);
-        (bsdf.looking_at(images), frame)
+        (bsdf.looking_at(Images::seen_from(surface, &frame, &self.shiny)), frame)
     }
 
     /// All radiance that arrives along the ray. Counts the first surface's reflection as the
