@@ -10,6 +10,7 @@ use std::f64::consts::TAU;
 use unrender_render::WardLobe;
 use unrender_render::bsdf::Bsdf;
 use unrender_render::bsdf::ward;
+use unrender_render::caustic::Images;
 use unrender_scene::{Material, Rgb, WardModel};
 
 const ALPHAS: [(f32, f32); 6] =
@@ -44,7 +45,36 @@ fn reflectances() -> Vec<(String, Bsdf)> {
             all.push((name, ward(model, rho_d, rho_s, (0.1, 0.3))));
         }
     }
+    all.extend(guided());
     all
+}
+
+/// Reflectances that look for light in mirror images too: one and several, narrow and wide, some
+/// of which reach below the surface.
+fn guided() -> impl Iterator<Item = (String, Bsdf)> {
+    let image = |degrees, phi, deviation| (direction(degrees, phi), deviation);
+    let cases = [
+        ("a narrow image", vec![image(50.0, 0.3, 0.002)]),
+        ("an image straight above", vec![image(0.0, 0.0, 0.1)]),
+        ("a wide image", vec![image(20.0, 2.0, 0.5)]),
+        ("an image near the horizon", vec![image(85.0, -2.0, 0.1)]),
+        ("two images, one in the other", vec![image(40.0, 1.0, 0.03), image(45.0, 1.1, 0.3)]),
+        (
+            "four images",
+            vec![
+                image(30.0, 3.0, 0.01),
+                image(60.0, 0.0, 0.05),
+                image(70.0, -1.0, 0.2),
+                image(89.0, 2.0, 0.4),
+            ],
+        ),
+    ];
+    cases.into_iter().flat_map(|(name, axes)| {
+        let images = Images::towards(&axes);
+        let glossy = ward(WardModel::WardGmd, 0.5, 0.3, (0.1, 0.3));
+        [("lambert", lambert()), ("mixture", glossy)]
+            .map(|(base, bsdf)| (format!("{base} with {name}"), bsdf.looking_at(images)))
+    })
 }
 
 /// A cell of directions: bounds of cos theta and of phi.
@@ -198,6 +228,15 @@ fn chi_squared_notices_a_density_that_is_a_little_wrong() {
     let wrong = ward(model, 0.0, 1.0, (0.2, 0.206));
     let pdf = |wi| f64::from(wrong.pdf(wo, wi));
     assert!(p_value(&bsdf, wo, pdf, &mut Random::new(3)) < 1e-6);
+}
+
+#[test]
+fn chi_squared_notices_an_image_that_is_a_little_elsewhere() {
+    let wo = direction(35.0, 0.7);
+    let towards =
+        |degrees| lambert().looking_at(Images::towards(&[(direction(degrees, 0.0), 0.1)]));
+    let pdf = |wi| f64::from(towards(40.3).pdf(wo, wi));
+    assert!(p_value(&towards(40.0), wo, pdf, &mut Random::new(3)) < 1e-6);
 }
 
 #[test]
