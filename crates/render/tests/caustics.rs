@@ -93,36 +93,47 @@ fn a_mirror_floor_lights_the_wall_like_a_second_lamp() {
     }
 }
 
+/// Fails unless the floor shows the same picture with a crumb.
+#[track_caller]
+fn assert_unbiased(what: &str, build: impl Fn(bool) -> Stage) {
+    let render = |crumb, seed, spp| {
+        let settings = Settings { seed, ..settings(spp) };
+        Estimate::of_film(&build(crumb).render(&view(), 24, settings))
+    };
+    assert_agree(what, render(false, 1, 1024), render(true, 2, 4096), 4e-3);
+}
+
 #[test]
-fn looking_for_images_biases_nothing() {
-    let lamps: [(&str, fn(Material, bool) -> Stage); 3] = [
-        ("area", with_area_lamp),
-        ("point", |material, crumb| {
-            let mut stage = stage(material, crumb);
+fn looking_for_an_area_light_biases_nothing() {
+    for (floor, material) in floors() {
+        assert_unbiased(floor, |crumb| with_area_lamp(material.clone(), crumb));
+    }
+}
+
+#[test]
+fn looking_for_a_light_at_a_point_biases_nothing() {
+    for (floor, material) in floors() {
+        assert_unbiased(floor, |crumb| {
+            let mut stage = stage(material.clone(), crumb);
             let position = Vec3::new(0.2, 0.7, 1.4);
             stage.light(LightKind::Point { position, intensity: RADIANCE });
             stage
-        }),
-        // More pairs than are looked for: some images are left out.
-        ("many", |material, crumb| {
-            let mut stage = stage(material, crumb);
-            for i in 0..20 {
-                let group = stage.group(Material::diffuse(Rgb::ZERO), RADIANCE);
-                let aside = 0.1 * (i as f32 - 10.0) * Vec3::X;
-                stage.quad(group, lamp().map(|v| v * Vec3::new(0.2, 1.0, 1.0) + aside));
-            }
-            stage
-        }),
-    ];
-    for (lamp, build) in lamps {
-        for (floor, material) in floors() {
-            let render = |crumb, seed| {
-                let settings = Settings { seed, ..settings(1024) };
-                Estimate::of_film(&build(material.clone(), crumb).render(&view(), 24, settings))
-            };
-            assert_agree(&format!("{lamp}, {floor}"), render(false, 1), render(true, 2), 4e-3);
-        }
+        });
     }
+}
+
+#[test]
+fn leaving_some_of_many_images_out_biases_nothing() {
+    let (floor, material) = floors()[2].clone();
+    assert_unbiased(floor, |crumb| {
+        let mut stage = stage(material.clone(), crumb);
+        for i in 0..20 {
+            let group = stage.group(Material::diffuse(Rgb::ZERO), RADIANCE);
+            let aside = 0.1 * (i as f32 - 10.0) * Vec3::X;
+            stage.quad(group, lamp().map(|v| v * Vec3::new(0.2, 1.0, 1.0) + aside));
+        }
+        stage
+    });
 }
 
 /// The variance of the picture's mean, all channels together.
@@ -137,8 +148,8 @@ fn looking_for_images_takes_most_of_the_noise_away() {
             variance(&with_area_lamp(material.clone(), crumb).render(&view(), 24, settings(256)))
         };
         let gain = noise(true) / noise(false);
-        eprintln!("{floor}: {gain}");
-        let expected = if floor == "dull gloss" { 1.2 } else { 3.0 };
+        // 33, 22, 14, 3.4 and 7.9 when this was written.
+        let expected = if floor == "dull gloss" { 2.0 } else { 4.0 };
         assert!(gain > expected, "{floor}: the variance falls by {gain} only");
     }
 }
