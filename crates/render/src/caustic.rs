@@ -22,6 +22,8 @@ use unrender_scene::{LightKind, Mesh, Rgb, Scene};
 
 /// The share of a diffuse surface's directions that is drawn towards mirror images.
 const SHARE: f32 = 0.4;
+/// Only the first so many surfaces of a path look for images.
+pub(crate) const BOUNCES: u32 = 2;
 /// Pairs of a plane and a lamp that a picture looks for at most: the strongest.
 const PAIRS_MAX: usize = 16;
 /// Mirror images that one surface looks for at most: the strongest that it may see.

@@ -22,19 +22,19 @@ fn direction(degrees: f32, phi: f32) -> Vec3 {
     Vec3::new(sin * phi.cos(), sin * phi.sin(), cos)
 }
 
-fn ward(model: WardModel, rho_d: f32, rho_s: f32, (alpha_x, alpha_y): (f32, f32)) -> Bsdf {
+fn ward(model: WardModel, rho_d: f32, rho_s: f32, (alpha_x, alpha_y): (f32, f32)) -> Bsdf<'static> {
     let (rho_d, rho_s) = (Rgb::splat(rho_d), Rgb::new(1.0, 0.8, 0.6) * rho_s);
     let material = Material { alpha_x, alpha_y, rho_s, ..Material::diffuse(rho_d) };
     Bsdf::new(&material, rho_d, model)
 }
 
-fn lambert() -> Bsdf {
+fn lambert() -> Bsdf<'static> {
     let rho_d = Rgb::new(1.0, 0.5, 0.2);
     Bsdf::new(&Material::diffuse(rho_d), rho_d, WardModel::WardGmd)
 }
 
 /// All reflectances under test, each with a name.
-fn reflectances() -> Vec<(String, Bsdf)> {
+fn reflectances() -> Vec<(String, Bsdf<'static>)> {
     let mut all = vec![("lambert".to_owned(), lambert())];
     for model in WardModel::ALL {
         for alphas in ALPHAS {
@@ -51,7 +51,7 @@ fn reflectances() -> Vec<(String, Bsdf)> {
 
 /// Reflectances that look for light in mirror images too: one and several, narrow and wide, some
 /// of which reach below the surface.
-fn guided() -> impl Iterator<Item = (String, Bsdf)> {
+fn guided() -> impl Iterator<Item = (String, Bsdf<'static>)> {
     let image = |degrees, phi, deviation| (direction(degrees, phi), deviation);
     let cases = [
         ("a narrow image", vec![image(50.0, 0.3, 0.002)]),
@@ -70,7 +70,8 @@ fn guided() -> impl Iterator<Item = (String, Bsdf)> {
         ),
     ];
     cases.into_iter().flat_map(|(name, axes)| {
-        let images = Images::towards(&axes);
+        // For as long as the tests run, which is short.
+        let images: &'static Images = Box::leak(Box::new(Images::towards(&axes)));
         let glossy = ward(WardModel::WardGmd, 0.5, 0.3, (0.1, 0.3));
         [("lambert", lambert()), ("mixture", glossy)]
             .map(|(base, bsdf)| (format!("{base} with {name}"), bsdf.looking_at(images)))
@@ -165,7 +166,7 @@ fn chi2_tail(chi2: f64, freedom: usize) -> f64 {
 const SAMPLES: usize = 100_000;
 
 /// The p-value of samples of `bsdf` against the density `pdf`.
-fn p_value(bsdf: &Bsdf, wo: Vec3, pdf: impl Fn(Vec3) -> f64, random: &mut Random) -> f64 {
+fn p_value(bsdf: &Bsdf<'_>, wo: Vec3, pdf: impl Fn(Vec3) -> f64, random: &mut Random) -> f64 {
     let mut expected = on_grid(pdf);
     expected.push((1.0 - expected.iter().sum::<f64>()).max(0.0));
     let mut found = vec![0.0; expected.len()];
@@ -233,10 +234,10 @@ fn chi_squared_notices_a_density_that_is_a_little_wrong() {
 #[test]
 fn chi_squared_notices_an_image_that_is_a_little_elsewhere() {
     let wo = direction(35.0, 0.7);
-    let towards =
-        |degrees| lambert().looking_at(Images::towards(&[(direction(degrees, 0.0), 0.1)]));
-    let pdf = |wi| f64::from(towards(40.6).pdf(wo, wi));
-    assert!(p_value(&towards(40.0), wo, pdf, &mut Random::new(3)) < 1e-6);
+    let towards = |degrees| Images::towards(&[(direction(degrees, 0.0), 0.1)]);
+    let (right, wrong) = (towards(40.0), towards(40.6));
+    let pdf = |wi| f64::from(lambert().looking_at(&wrong).pdf(wo, wi));
+    assert!(p_value(&lambert().looking_at(&right), wo, pdf, &mut Random::new(3)) < 1e-6);
 }
 
 #[test]
@@ -320,7 +321,7 @@ fn no_more_light_leaves_than_arrives() {
 
 #[test]
 fn the_albedo_over_directions_is_the_one_over_half_vectors() {
-    let albedo = |bsdf: &Bsdf, wo: Vec3| -> f64 {
+    let albedo = |bsdf: &Bsdf<'_>, wo: Vec3| -> f64 {
         on_grid(|wi| f64::from(bsdf.value(wo, wi).x * wi.z)).iter().sum()
     };
     for degrees in [0.0, 45.0, 75.0] {
