@@ -8,6 +8,10 @@
 //! make the patch. It is one more strategy in the mixture that directions are drawn from, so it
 //! biases nothing.
 //!
+//! The directions that are left to the cosine weigh more, surface by surface,
+//! so that the share is small and only the first surfaces of a path look for images; and every pair
+//! of a plane and a lamp is asked at each of them, so that only the strongest pairs are.
+//!
 //! Width: with the half vector tilted by `epsilon (1 + a/b) / 2` when the direction is off by
 //! `epsilon` (`a` from here to the plane, `b` on to the lamp) and Ward's slopes of the deviation
 //! `alpha/sqrt 2`, the patch has the deviation `sqrt 2 alpha / (1 + a/b)`, and the lamp's own.
@@ -20,10 +24,11 @@ use std::f32::consts::{PI, SQRT_2, TAU};
 use unrender_scene::color::luminance;
 use unrender_scene::{LightKind, Mesh, Rgb, Scene};
 
-/// The share of a diffuse surface's directions that is drawn towards mirror images.
-const SHARE: f32 = 0.4;
-/// Only the first so many surfaces of a path look for images.
-pub(crate) const BOUNCES: u32 = 2;
+/// The share of a diffuse surface's directions that is drawn towards mirror images. The others weigh
+/// `1/(1 - SHARE)` as much, at every surface of a path anew: a large share makes rare bright paths.
+const SHARE: f32 = 0.2;
+/// Only the first so many surfaces of a path look for images, so that those weights end.
+pub(crate) const BOUNCES: u32 = 3;
 /// Pairs of a plane and a lamp that a picture looks for at most: the strongest.
 const PAIRS_MAX: usize = 16;
 /// Mirror images that one surface looks for at most: the strongest that it may see.
