@@ -8,9 +8,9 @@
 //! make the patch. It is one more strategy in the mixture that directions are drawn from, so it
 //! biases nothing.
 //!
-//! The directions that are left to the cosine weigh more, surface by surface,
-//! so that the share is small and only the first surfaces of a path look for images; and every pair
-//! of a plane and a lamp is asked at each of them, so that only the strongest pairs are.
+//! The directions that are left to the cosine weigh more, at surface after surface; so the share is
+//! small, and only the first surfaces of a path look for images. Every pair of a plane and a lamp is
+//! asked at each of them; so only the strongest pairs are.
 //!
 //! Width: with the half vector tilted by `epsilon (1 + a/b) / 2` when the direction is off by
 //! `epsilon` (`a` from here to the plane, `b` on to the lamp) and Ward's slopes of the deviation
