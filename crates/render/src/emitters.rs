@@ -162,7 +162,7 @@ fn area([a, b, c]: &[Vec3; 3]) -> f32 {
 }
 
 /// The power of a light without a surface, W; what a directional one brings to the scene.
-fn power(kind: &LightKind, scene_radius2: f32) -> f32 {
+pub(crate) fn power(kind: &LightKind, scene_radius2: f32) -> f32 {
     match kind {
         LightKind::Point { intensity, .. } => 4.0 * PI * luminance(*intensity),
         LightKind::Spot { intensity, inner_rad, outer_rad, .. } => {

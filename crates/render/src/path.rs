@@ -12,7 +12,7 @@
 
 use crate::accel::{self, Ray};
 use crate::bsdf::{Bsdf, BsdfSample};
-use crate::caustic::Shiny;
+use crate::caustic::{self, Images, Shiny};
 use crate::emitters::LightSample;
 use crate::sampler::Sampler;
 use crate::seen::Lookup;
@@ -33,7 +33,7 @@ const SURVIVAL_MAX: f32 = 0.98;
 pub(crate) struct Vertex<'a> {
     pub(crate) surface: &'a Surface,
     /// The reflectance that directions are drawn from.
-    pub(crate) bsdf: &'a Bsdf,
+    pub(crate) bsdf: &'a Bsdf<'a>,
     /// Its brushed frame, in which `wo` and all other directions of the vertex are given.
     frame: &'a Frame,
     /// Unit vector back along the path.
@@ -156,15 +156,10 @@ impl<'a> Transport<'a> {
     /// The reflectance at `surface` and the brushed frame that it lives in.
     // Out of line, as the compiler would have it with several callers, pictures take 2 % longer.
     #[inline(always)]
-    pub fn bsdf(&self, surface: &Surface) -> (Bsdf, Frame) {
+    pub fn bsdf(&self, surface: &Surface) -> (Bsdf<'static>, Frame) {
         let material = &self.appearance.materials[surface.group as usize];
         let bsdf = Bsdf::new(material, material.rho_d_at(surface.uv), self.tracer.model);
-        let frame = surface.frame.brushed(material.theta_rad);
-        if self.shiny.is_empty() || bsdf.rho_d.max_element() <= 0.0 {
-            return (bsdf, frame);
-        }
-        let images = self.tracer.caustics.images(&self.shiny, surface, &frame);
-        (bsdf.looking_at(images), frame)
+        (bsdf, surface.frame.brushed(material.theta_rad))
     }
 
     /// All radiance that arrives along the ray. Counts the first surface's reflection as the
@@ -202,6 +197,13 @@ impl<'a> Transport<'a> {
             if bsdf.is_black() {
                 break;
             }
+            let images;
+            let bsdf = if self.looks_for_images(&bsdf, bounce) {
+                images = Images::seen_from(&surface, &frame, &self.shiny);
+                bsdf.looking_at(&images)
+            } else {
+                bsdf
+            };
             let wo_local = frame.local_from_world(wo);
             let at = Vertex { surface: &surface, bsdf: &bsdf, frame: &frame, wo: wo_local };
             ledger.arrive(&at);
@@ -244,6 +246,12 @@ impl<'a> Transport<'a> {
             }
             (surface, wo) = (next, -wi);
         }
+    }
+
+    /// Whether a reflectance met at the reflection number `bounce` is sampled towards images.
+    #[inline]
+    fn looks_for_images(&self, bsdf: &Bsdf<'_>, bounce: u32) -> bool {
+        !self.shiny.is_empty() && bounce < caustic::BOUNCES && bsdf.rho_d.max_element() > 0.0
     }
 
     /// The radiance of `surface` if the cache knows it.

@@ -10,6 +10,7 @@ use std::f64::consts::TAU;
 use unrender_render::WardLobe;
 use unrender_render::bsdf::Bsdf;
 use unrender_render::bsdf::ward;
+use unrender_render::caustic::Images;
 use unrender_scene::{Material, Rgb, WardModel};
 
 const ALPHAS: [(f32, f32); 6] =
@@ -21,19 +22,19 @@ fn direction(degrees: f32, phi: f32) -> Vec3 {
     Vec3::new(sin * phi.cos(), sin * phi.sin(), cos)
 }
 
-fn ward(model: WardModel, rho_d: f32, rho_s: f32, (alpha_x, alpha_y): (f32, f32)) -> Bsdf {
+fn ward(model: WardModel, rho_d: f32, rho_s: f32, (alpha_x, alpha_y): (f32, f32)) -> Bsdf<'static> {
     let (rho_d, rho_s) = (Rgb::splat(rho_d), Rgb::new(1.0, 0.8, 0.6) * rho_s);
     let material = Material { alpha_x, alpha_y, rho_s, ..Material::diffuse(rho_d) };
     Bsdf::new(&material, rho_d, model)
 }
 
-fn lambert() -> Bsdf {
+fn lambert() -> Bsdf<'static> {
     let rho_d = Rgb::new(1.0, 0.5, 0.2);
     Bsdf::new(&Material::diffuse(rho_d), rho_d, WardModel::WardGmd)
 }
 
 /// All reflectances under test, each with a name.
-fn reflectances() -> Vec<(String, Bsdf)> {
+fn reflectances() -> Vec<(String, Bsdf<'static>)> {
     let mut all = vec![("lambert".to_owned(), lambert())];
     for model in WardModel::ALL {
         for alphas in ALPHAS {
@@ -44,7 +45,37 @@ fn reflectances() -> Vec<(String, Bsdf)> {
             all.push((name, ward(model, rho_d, rho_s, (0.1, 0.3))));
         }
     }
+    all.extend(guided());
     all
+}
+
+/// Reflectances that look for light in mirror images too: one and several, narrow and wide, some
+/// of which reach below the surface.
+fn guided() -> impl Iterator<Item = (String, Bsdf<'static>)> {
+    let image = |degrees, phi, deviation| (direction(degrees, phi), deviation);
+    let cases = [
+        ("a narrow image", vec![image(50.0, 0.3, 0.002)]),
+        ("an image straight above", vec![image(0.0, 0.0, 0.1)]),
+        ("a wide image", vec![image(20.0, 2.0, 0.5)]),
+        ("an image near the horizon", vec![image(85.0, -2.0, 0.1)]),
+        ("two images, one in the other", vec![image(40.0, 1.0, 0.03), image(45.0, 1.1, 0.3)]),
+        (
+            "four images",
+            vec![
+                image(30.0, 3.0, 0.01),
+                image(60.0, 0.0, 0.05),
+                image(70.0, -1.0, 0.2),
+                image(89.0, 2.0, 0.4),
+            ],
+        ),
+    ];
+    cases.into_iter().flat_map(|(name, axes)| {
+        // For as long as the tests run, which is short.
+        let images: &'static Images = Box::leak(Box::new(Images::towards(&axes)));
+        let glossy = ward(WardModel::WardGmd, 0.5, 0.3, (0.1, 0.3));
+        [("lambert", lambert()), ("mixture", glossy)]
+            .map(|(base, bsdf)| (format!("{base} with {name}"), bsdf.looking_at(images)))
+    })
 }
 
 /// A cell of directions: bounds of cos theta and of phi.
@@ -135,7 +166,7 @@ fn chi2_tail(chi2: f64, freedom: usize) -> f64 {
 const SAMPLES: usize = 100_000;
 
 /// The p-value of samples of `bsdf` against the density `pdf`.
-fn p_value(bsdf: &Bsdf, wo: Vec3, pdf: impl Fn(Vec3) -> f64, random: &mut Random) -> f64 {
+fn p_value(bsdf: &Bsdf<'_>, wo: Vec3, pdf: impl Fn(Vec3) -> f64, random: &mut Random) -> f64 {
     let mut expected = on_grid(pdf);
     expected.push((1.0 - expected.iter().sum::<f64>()).max(0.0));
     let mut found = vec![0.0; expected.len()];
@@ -198,6 +229,15 @@ fn chi_squared_notices_a_density_that_is_a_little_wrong() {
     let wrong = ward(model, 0.0, 1.0, (0.2, 0.206));
     let pdf = |wi| f64::from(wrong.pdf(wo, wi));
     assert!(p_value(&bsdf, wo, pdf, &mut Random::new(3)) < 1e-6);
+}
+
+#[test]
+fn chi_squared_notices_an_image_that_is_a_little_elsewhere() {
+    let wo = direction(35.0, 0.7);
+    let towards = |degrees| Images::towards(&[(direction(degrees, 0.0), 0.1)]);
+    let (right, wrong) = (towards(40.0), towards(41.0));
+    let pdf = |wi| f64::from(lambert().looking_at(&wrong).pdf(wo, wi));
+    assert!(p_value(&lambert().looking_at(&right), wo, pdf, &mut Random::new(3)) < 1e-6);
 }
 
 #[test]
@@ -281,7 +321,7 @@ fn no_more_light_leaves_than_arrives() {
 
 #[test]
 fn the_albedo_over_directions_is_the_one_over_half_vectors() {
-    let albedo = |bsdf: &Bsdf, wo: Vec3| -> f64 {
+    let albedo = |bsdf: &Bsdf<'_>, wo: Vec3| -> f64 {
         on_grid(|wi| f64::from(bsdf.value(wo, wi).x * wi.z)).iter().sum()
     };
     for degrees in [0.0, 45.0, 75.0] {

@@ -61,7 +61,7 @@ impl Specular {
 
 /// A reflectance at one point, ready to be evaluated and sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bsdf {
+pub struct Bsdf<'a> {
     /// Diffuse reflectance.
     pub rho_d: Rgb,
     /// Specular reflectance.
@@ -71,7 +71,7 @@ pub struct Bsdf {
     /// The probability with which sampling takes the specular part.
     specular_share: f32,
     /// Where the diffuse part looks for light beside the cosine.
-    images: Images,
+    images: &'a Images,
 }
 
 /// A direction drawn from a [`Bsdf`].
@@ -85,7 +85,7 @@ pub struct BsdfSample {
     pub pdf: f32,
 }
 
-impl Bsdf {
+impl<'a> Bsdf<'a> {
     /// The reflectance of `material` with the given diffuse part.
     pub fn new(material: &Material, rho_d: Rgb, model: WardModel) -> Self {
         let specular = if material.is_delta() {
@@ -101,11 +101,11 @@ impl Bsdf {
             _ if diffuse_power <= 0.0 => 1.0,
             _ => (specular_power / (diffuse_power + specular_power)).clamp(0.1, 0.9),
         };
-        Self { rho_d, rho_s: material.rho_s, specular, specular_share, images: Images::NONE }
+        Self { rho_d, rho_s: material.rho_s, specular, specular_share, images: &Images::NONE }
     }
 
     /// The same reflectance, sampled towards `images` too, which are given in its frame.
-    pub fn looking_at(self, images: Images) -> Self {
+    pub fn looking_at(self, images: &'a Images) -> Self {
         Self { images, ..self }
     }
 
