@@ -6,12 +6,12 @@ use common::{Limits, beside_crates, recovers};
 
 #[test]
 fn figure_8_is_recovered_from_linear_radiance() {
-    let limits = Limits { rho: 0.005, alpha_percent: 2.0, degrees: 0.5 };
+    let limits = Limits { rho: 0.002, alpha_percent: 0.5, degrees: 0.1 };
     recovers(&beside_crates("examples/fig8"), "fig8.toml", &limits);
 }
 
 #[test]
 fn figure_8_is_recovered_from_8_bits() {
-    let limits = Limits { rho: 0.01, alpha_percent: 4.0, degrees: 1.0 };
+    let limits = Limits { rho: 0.005, alpha_percent: 2.0, degrees: 0.5 };
     recovers(&beside_crates("examples/fig8"), "fig8_png.toml", &limits);
 }

@@ -158,7 +158,8 @@ fn mean(
         variance: over(&|p| p.variance) / n,
         level2: (level * level).max(Rgb::splat(f32::MIN_POSITIVE)),
         rows: [0, 1, 2].map(|channel| {
-            unknowns.row(state, &derivatives, channel, f64::from(photograph[channel]))
+            let radiance = radiance.map(|radiance| f64::from(radiance[channel]));
+            unknowns.row(state, &derivatives, channel, radiance)
         }),
     }
 }

@@ -8,7 +8,9 @@
 //! rendering, which would favour the renderings that happen to be dark.
 //!
 //! `g` is a sum over cells. From their spread comes its covariance, whatever the noise is and
-//! however it hangs together within a cell: `G = sum g_b g_b^T` [Huber 1967, White 1982].
+//! however it hangs together within a cell: `G = m/(m - n) sum g_b g_b^T` for `m` cells and `n`
+//! unknowns, which make the residuals smaller than the noise [Huber 1967, White 1982; MacKinnon &
+//! White 1985].
 
 use super::means::Mean;
 use nalgebra::{DMatrix, DVector};
@@ -72,6 +74,8 @@ impl Normal {
             let error = f64::from((trust * a * b / mean.level2).element_sum());
             normal.errors.push(error * mean.pixels);
         }
+        let free = means.len().saturating_sub(n).max(1);
+        normal.g_covariance *= means.len() as f64 / free as f64;
         normal.h.fill_upper_triangle_with_lower_triangle();
         normal.g_covariance.fill_upper_triangle_with_lower_triangle();
         normal.g_rendering.fill_upper_triangle_with_lower_triangle();

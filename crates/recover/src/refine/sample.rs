@@ -8,7 +8,10 @@ use unrender_scene::Hypothesis;
 
 /// The side of a block in pixels, that of JPEG: what is wrong with a photograph is often wrong with
 /// neighbours alike.
-const BLOCK: usize = 8;
+const SIDE_MAX: usize = 8;
+/// A picture has at least this many blocks, or their spread could not tell the noise of tens of
+/// numbers: in small pictures they are smaller.
+const BLOCKS_MIN: usize = 250;
 
 /// The pixels of one group in one block.
 #[derive(Clone, Debug)]
@@ -46,14 +49,16 @@ fn cells(
     per_group: usize,
     seed: u64,
 ) -> Vec<Cell> {
-    let width = stage.observation.picture.values.width();
+    let (width, height) =
+        (stage.observation.picture.values.width(), stage.observation.picture.values.height());
+    let side = ((width * height / BLOCKS_MIN).isqrt()).clamp(1, SIDE_MAX);
     let mut cells: BTreeMap<(usize, usize, usize), Vec<Observed>> = BTreeMap::new();
     for group in groups {
         let believed = &stage.observation.pixels_of_group[group];
         let wanted = spread(believed, per_group, seed ^ group as u64);
         for seen in observe(stage.observation, stage.exposure, group, &wanted) {
             let (x, y) = (seen.pixel as usize % width, seen.pixel as usize / width);
-            cells.entry((group, y / BLOCK, x / BLOCK)).or_default().push(seen);
+            cells.entry((group, y / side, x / side)).or_default().push(seen);
         }
     }
     cells.into_iter().map(|((group, ..), pixels)| Cell { group, pixels }).collect()

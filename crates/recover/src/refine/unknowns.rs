@@ -148,22 +148,24 @@ impl Unknowns {
     }
 
     /// The row of the Jacobian in `channel`: which unknowns it hangs on and how strongly, from the
-    /// derivatives of two renderings by [`Unknowns::parameters`]. `photograph` is the radiance there,
-    /// which moves with the exposure.
+    /// derivatives of two renderings by [`Unknowns::parameters`] and their `radiance`. The latter
+    /// stands in for the photograph's, which moves with the exposure but whose noise is that of the
+    /// residuals too.
     pub(crate) fn row(
         &self,
         state: &State<'_>,
         derivatives: &[Vec<Rgb>; 2],
         channel: usize,
-        photograph: f64,
+        radiance: [f64; 2],
     ) -> Vec<(usize, f64, f64)> {
         let one = |column: &Column| {
             let unknown = &self.list[column.unknown];
-            let [a, b] = derivatives.each_ref().map(|derivatives| {
+            let [a, b] = [0, 1].map(|half: usize| {
+                let derivatives = &derivatives[half];
                 let at = |p: usize| f64::from(derivatives[p][channel]);
                 let [one, two] = column.parameters;
                 let sum = if one == two { at(one) } else { at(one) + at(two) };
-                self.scaled(state, unknown, sum, photograph)
+                self.scaled(state, unknown, sum, radiance[half])
             });
             (a != 0.0 || b != 0.0).then_some((column.unknown, a, b))
         };
@@ -171,13 +173,13 @@ impl Unknowns {
     }
 
     /// The derivative of (rendering - photograph) by the unknown, from the renderer's `derivative`.
-    fn scaled(&self, state: &State<'_>, u: &Unknown, derivative: f64, photograph: f64) -> f64 {
+    fn scaled(&self, state: &State<'_>, u: &Unknown, derivative: f64, radiance: f64) -> f64 {
         match u.quantity {
             Quantity::Alpha | Quantity::AlphaX => {
                 derivative * f64::from(state.materials[u.of].alpha_x)
             }
             Quantity::AlphaY => derivative * f64::from(state.materials[u.of].alpha_y),
-            Quantity::Exposure => (derivative - photograph) / self.value(state, u),
+            Quantity::Exposure => (derivative - radiance) / self.value(state, u),
             _ => derivative,
         }
     }

@@ -2,7 +2,8 @@
 //!
 //! A number is worth what its standard deviation allows. A lobe that cannot be told from nothing
 //! goes; an anisotropy that cannot be told from none becomes a round lobe; a group out of sight
-//! whose reflectance stays open is assumed white, as the paper does.
+//! whose reflectance stays open is assumed: at its best guess, or white, as the paper does, where
+//! there is nothing to guess from.
 
 use super::Solution;
 use super::unknowns::{Quantity, Unknown};
@@ -13,8 +14,11 @@ use unrender_scene::{Material, Rgb};
 
 /// A number counts as told from zero at this many standard deviations.
 const TOLD: f64 = 2.0;
-/// A group out of sight is recovered if all its standard deviations are below this.
+/// A group out of sight is recovered if all its standard deviations are below this ...
 const UNSEEN_MAX: f64 = 0.1;
+/// ... and below this its best guess serves, so that the others are not fitted under light that the
+/// photograph speaks against.
+const GUESS_MAX: f64 = 0.3;
 /// From this correlation on, two numbers of one group are named as tied.
 const TIED: f64 = 0.95;
 /// A roughness with a larger relative standard deviation than this is said to be open.
@@ -29,10 +33,10 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution) -> bool {
         match state.standing[group].hypothesis {
             _ if !verdict.is_free() => continue,
             Hypothesis::Diffuse if out_of_sight => {
-                if verdict.largest(Quantity::RhoD) <= UNSEEN_MAX {
+                if verdict.largest(Quantity::RhoD) <= GUESS_MAX {
                     continue;
                 }
-                assume_white(state, group, verdict.largest(Quantity::RhoD));
+                assume_white(state, group);
             }
             Hypothesis::DiffuseSpecular | Hypothesis::Isotropic | Hypothesis::Anisotropic
                 if !verdict.is_told_from_zero(state, Quantity::RhoS) =>
@@ -68,14 +72,15 @@ fn step_down(
     standing.add_note(format!("{note}: taken as {hypothesis}"));
 }
 
-fn assume_white(state: &mut State<'_>, group: usize, deviation: f64) {
+fn assume_white(state: &mut State<'_>, group: usize) {
     state.materials[group] = Material::diffuse(Rgb::ONE);
     let standing = &mut state.standing[group];
     standing.status = Status::Assumed;
-    standing.add_note(format!(
-        "no pixel shows this group, and the light that it sends leaves its reflectance open (to \
-         {deviation:.2}): taken as white diffuse"
-    ));
+    standing.note = Some(
+        "no pixel shows this group, and the light that it sends leaves its reflectance open: taken \
+         as white diffuse"
+            .to_owned(),
+    );
 }
 
 /// Writes down how well each number is known.
@@ -90,11 +95,13 @@ pub(super) fn record(state: &mut State<'_>, solution: &Solution) {
             canonical(state, group);
         }
         if state.problem.observation.pixels_of_group[group].is_empty() {
-            state.standing[group].status = Status::Recovered;
-            if state.standing[group].note.is_none() {
-                let note = "never seen directly: from the light that it sends to the others";
-                state.standing[group].add_note(note.to_owned());
-            }
+            let told = verdict.largest(Quantity::RhoD) <= UNSEEN_MAX;
+            let standing = &mut state.standing[group];
+            standing.status = if told { Status::Recovered } else { Status::Assumed };
+            let how = if told { "" } else { ", which leaves it open: a guess" };
+            standing.note.get_or_insert_with(|| {
+                format!("never seen directly: from the light that it sends to the others{how}")
+            });
         }
         for note in verdict.doubts() {
             state.standing[group].add_note(note);
