@@ -6,6 +6,6 @@ use common::{Limits, beside_crates, recovers};
 
 #[test]
 fn the_furnished_room_is_recovered() {
-    let limits = Limits { rho: 0.02, alpha_percent: 5.0, degrees: 0.5 };
+    let limits = Limits { rho: 0.02, alpha_percent: 2.0, degrees: 0.3 };
     recovers(&beside_crates("examples/room"), "room.toml", &limits);
 }
