@@ -157,6 +157,12 @@ impl<'a> From<&'a [Material]> for Appearance<'a> {
     }
 }
 
+impl<'a, const N: usize> From<&'a [Material; N]> for Appearance<'a> {
+    fn from(materials: &'a [Material; N]) -> Self {
+        materials.as_slice().into()
+    }
+}
+
 impl<'a> From<&'a Vec<Material>> for Appearance<'a> {
     fn from(materials: &'a Vec<Material>) -> Self {
         materials.as_slice().into()
