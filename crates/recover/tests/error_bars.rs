@@ -20,7 +20,7 @@ use unrender_scene::{
 };
 
 const SIDE: usize = 64;
-const REALISATIONS: u64 = 32;
+const REALISATIONS: u64 = 72;
 /// Of the photograph, relative.
 const NOISE: f32 = 0.03;
 

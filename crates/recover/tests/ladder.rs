@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 use unrender_recover::{
     ExposureRule, GroupSpec, Hypothesis, LadderKind, Observation, Options, Picture, Problem,
-    Recovery, Renderer, Role, Status, recover,
+    Recovery, Renderer, Role, Status, recover, refine_from,
 };
 use unrender_render::geometry::PixelGeometry;
 use unrender_render::probe::Incident;
@@ -217,6 +217,15 @@ fn recovered(
     scale: f32,
     options: &Options,
 ) -> Recovery {
+    with_problem(renderer, exposure, scale, |p| recover(p, options, &mut ()).unwrap())
+}
+
+fn with_problem(
+    renderer: &Stripes,
+    exposure: ExposureRule,
+    scale: f32,
+    solve: impl Fn(&Problem<'_>) -> Recovery,
+) -> Recovery {
     let mut picture = renderer.photograph();
     picture.values = picture.values.map(|v| *v * scale);
     let groups = renderer.truth.len() + 1;
@@ -237,7 +246,7 @@ fn recovered(
         exposure,
         unknown_lights: Vec::new(),
     };
-    recover(&problem, options, &mut ()).unwrap()
+    solve(&problem)
 }
 
 fn close(found: Rgb, truth: Rgb, tolerance: f32) -> bool {
@@ -276,6 +285,29 @@ fn every_rung_is_found_with_its_numbers() {
     let dark = checkers.sample(Vec2::new(12.0 / 64.0, 3.0 / 24.0));
     assert!(close(light, Rgb::new(0.7, 0.5, 0.2), 0.005), "{light}");
     assert!(close(dark, Rgb::splat(0.1), 0.005), "{dark}");
+}
+
+#[test]
+fn what_the_photograph_does_not_bear_out_is_made_simpler() {
+    // A diffuse stripe that is thought to shine a little, and a round lobe that is thought brushed.
+    let round = Material::isotropic(Rgb::splat(0.2), Rgb::splat(0.4), 0.2);
+    let diffuse = Material::diffuse(Rgb::new(0.2, 0.5, 0.8));
+    let renderer = Stripes::new(vec![diffuse.clone(), round.clone()]);
+    let shiny = Material { rho_s: Rgb::splat(0.03), alpha_x: 0.3, alpha_y: 0.3, ..diffuse.clone() };
+    let brushed = Material { alpha_x: 0.19, alpha_y: 0.21, theta_rad: 1.0, ..round };
+    let thought = [shiny, brushed, diffuse];
+    let recovery = with_problem(&renderer, ExposureRule::Fixed(Rgb::ONE), 1.0, |problem| {
+        refine_from(problem, &thought, &Options::default(), &mut ()).unwrap()
+    });
+    let hypotheses = [Hypothesis::Diffuse, Hypothesis::Isotropic];
+    for ((found, truth), hypothesis) in recovery.groups.iter().zip(&renderer.truth).zip(hypotheses)
+    {
+        assert_eq!(found.hypothesis, hypothesis, "{}", found.name);
+        assert!(close(found.material.rho_d, truth.rho_d, 1e-3), "{:?}", found.material);
+        assert!((found.material.alpha_x - truth.alpha_x).abs() < 2e-3, "{:?}", found.material);
+        let note = found.note.as_deref().unwrap_or_default();
+        assert!(note.contains("the photograph cannot tell"), "{note}");
+    }
 }
 
 #[test]

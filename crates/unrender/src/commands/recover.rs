@@ -59,7 +59,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     drop(progress);
     warn(&results::write(&job, &recovered, &args.out)?);
     if !global.quiet {
-        print!("{}", results::summary(&recovered));
+        print!("{}", results::summary(&job, &recovered));
     }
     Ok(ExitCode::SUCCESS)
 }

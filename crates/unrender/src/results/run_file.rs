@@ -1,8 +1,8 @@
 //! run.json: the story of a recovery, turn by turn and rung by rung, for reports and for the
 //! curious.
 //!
-//! `turns`: each global re-rendering with its largest `change`, `worst_error` (relative, noise taken
-//! out) and the groups still open. `groups.NAME.story`: every rung tried, in which turn, with its
+//! `turns`: each global re-rendering, whether it was a pass of the joint refinement, its largest
+//! `change`, `worst_error` (relative, noise taken out) and the groups still open. `groups.NAME.story`: every rung tried, in which turn, with its
 //! parameters, its error, the standard deviation of the error's square, and whether it was taken.
 
 use crate::Error;
@@ -21,6 +21,7 @@ pub(super) fn write(recovered: &Recovered, path: &Path) -> Result<(), Error> {
         .map(|turn| {
             json!({
                 "turn": turn.turn,
+                "refining": turn.refining,
                 "change": turn.change,
                 "worst_error": turn.worst_error,
                 "open_groups": turn.open_groups,

@@ -1,5 +1,6 @@
 //! The table at the end: what a person wants to know in ten seconds. Black lamps are left out.
 
+use crate::Job;
 use crate::engine::Recovered;
 use unrender_recover::{GroupResult, Recovery, Status};
 use unrender_scene::{Hypothesis, Rgb};
@@ -15,13 +16,19 @@ pub(super) fn rows(recovery: &Recovery) -> ([&'static str; 8], Vec<[String; 8]>)
     (HEADER, recovery.groups.iter().filter(reflects).map(row).collect())
 }
 
-/// The summary of a recovery: a line a group, then time and turns.
-pub(crate) fn summary(recovered: &Recovered) -> String {
+/// The summary of a recovery: a line a group and unknown light, then time and turns.
+pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
     let recovery = &recovered.recovery;
     let (header, groups) = rows(recovery);
     let mut lines = vec![header.map(str::to_owned)];
     lines.extend(groups);
     let mut text = table(&lines);
+    for source in job.scene.sources() {
+        if let Some(light) = recovery.lights.iter().find(|l| l.source == source.index) {
+            let [found, std] = [light.factor, light.std].map(|v| rgb(v * source.strength));
+            text.push_str(&format!("{}: intensity {found}, std {std}\n", source.name));
+        }
+    }
     for group in &recovery.groups {
         if let Some(note) = &group.note {
             text.push_str(&format!("{}: {note}\n", group.name));
@@ -35,9 +42,12 @@ pub(crate) fn summary(recovered: &Recovered) -> String {
     text
 }
 
+fn rgb(v: Rgb) -> String {
+    format!("{:.3} {:.3} {:.3}", v.x, v.y, v.z)
+}
+
 fn row(group: &GroupResult) -> [String; 8] {
     let material = &group.material;
-    let rgb = |v: Rgb| format!("{:.3} {:.3} {:.3}", v.x, v.y, v.z);
     let dash = || "-".to_owned();
     let specular = material.rho_s.max_element() > 0.0;
     let hypothesis = match group.status {
