@@ -2,7 +2,8 @@
 //!
 //! The modules stand in the order of one turn of the paper's loop:
 //! photograph and scene ([`observation`], [`problem`]) -> [`evidence`] -> [`hypothesis`] ->
-//! [`rerender`] -> [`error`] -> next hypothesis (`ladder`) -> materials ([`record`]).
+//! [`rerender`] -> [`error`] -> next hypothesis (`ladder`) -> all numbers at once (`refine`) ->
+//! materials ([`record`]).
 //!
 //! [`recover`] is the whole of it. It touches no file, no clock and no terminal; the renderer is
 //! behind the small trait [`Renderer`], and whoever wants to follow gives an [`Observer`].
@@ -64,8 +65,7 @@ pub fn recover(
     let mut state = State::new(problem)?;
     let termination = match options.ladder {
         LadderKind::Default => {
-            let climbed = climb::climb(&mut state, options, observer)?;
-            let mut termination = climbed;
+            let mut termination = climb::climb(&mut state, options, observer)?;
             if options.refine {
                 termination = refine::refine(&mut state, options, observer);
                 if climb::reconsider_textures(&mut state, options) {

@@ -221,6 +221,7 @@ fn the_truth_lies_within_two_standard_deviations_as_often_as_it_should() {
     let recovered: Vec<&GroupResult> = unseen.filter(|g| g.status == Status::Recovered).collect();
     println!("ceiling recovered in {} of {REALISATIONS}", recovered.len());
     assert!(recovered.iter().all(|g| g.pixels == 0));
+    assert!(2 * recovered.len() as u64 > REALISATIONS);
     assert_eq!(all.len(), 9, "{:?}", all.keys());
     for (kind, errors) in &all {
         let within = errors.iter().filter(|e| e.abs() <= 2.0).count() as f32 / errors.len() as f32;

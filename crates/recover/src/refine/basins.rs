@@ -57,10 +57,10 @@ fn others(hypothesis: Hypothesis, evidence: &Evidence, answer: &Material) -> Vec
     let costs: Vec<f64> =
         starts.iter().map(|start| hypothesis::cost_of_shape(evidence, start)).collect();
     let n = starts.len();
-    let round = hypothesis == Hypothesis::Anisotropic;
+    let ring = hypothesis == Hypothesis::Anisotropic;
     let cost = |i: usize, step: usize| match (i + n + step).checked_sub(1) {
         // Directions close in a ring; roughnesses have ends.
-        Some(j) if round => costs[j % n],
+        Some(j) if ring => costs[j % n],
         Some(j) if (n..2 * n).contains(&j) => costs[j - n],
         _ => f64::INFINITY,
     };
