@@ -8,6 +8,7 @@
 
 pub mod atomic;
 pub mod error;
+pub mod export;
 pub mod fspy;
 pub mod gltf;
 pub mod materials;

@@ -61,3 +61,14 @@ pub(crate) fn png(image: &Image<Rgb>) -> Result<Vec<u8>, String> {
         .map_err(|error| format!("cannot be encoded as PNG: {error}"))?;
     Ok(bytes.into_inner())
 }
+
+/// Linear texels as a Radiance picture, eight bits and a common exponent a texel.
+pub(crate) fn hdr(image: &Image<Rgb>) -> Result<Vec<u8>, String> {
+    let texels: Vec<image::Rgb<f32>> =
+        image.pixels().iter().map(|texel| image::Rgb(texel.to_array())).collect();
+    let mut bytes = Vec::new();
+    image::codecs::hdr::HdrEncoder::new(&mut bytes)
+        .encode(&texels, image.width(), image.height())
+        .map_err(|error| format!("cannot be encoded as a Radiance picture: {error}"))?;
+    Ok(bytes)
+}

@@ -1,6 +1,6 @@
 //! The command line: global flags, the subcommands, and what becomes of errors.
 
-use crate::commands::{calibrate, recover, render, score};
+use crate::commands::{calibrate, export, recover, render, score};
 use crate::{Error, interrupt};
 use clap::{Parser, Subcommand};
 use std::num::NonZeroUsize;
@@ -34,6 +34,7 @@ enum Command {
     Calibrate(calibrate::Args),
     Render(render::Args),
     Score(score::Args),
+    Export(export::Args),
 }
 
 /// Runs the command line that the process was started with.
@@ -64,6 +65,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Calibrate(args) => calibrate::run(args, &cli.global),
         Command::Render(args) => render::run(args, &cli.global),
         Command::Score(args) => score::run(args),
+        Command::Export(args) => export::run(args, &cli.global),
     }
 }
 

@@ -106,6 +106,7 @@ mod progress;
 pub mod project;
 mod results;
 pub mod score;
+mod view;
 
 pub use error::Error;
 pub use job::Job;

@@ -35,7 +35,7 @@ pub(crate) fn write(job: &Job, recovered: &Recovered, folder: &Path) -> Result<W
     report::write(job, recovered, folder)?;
     let glb = unrender_formats::wear(&job.project.scene, &dressed(job, recovered))?;
     atomic::write(&folder.join("scene.glb"), &glb)?;
-    run_file::write(recovered, &folder.join("run.json"))?;
+    run_file::write(job, recovered, &folder.join("run.json"))?;
     materials::write(&folder.join("materials.json"), &file)?;
     let mut warnings = Warnings::default();
     if bad > 0 {

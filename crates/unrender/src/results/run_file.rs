@@ -1,19 +1,20 @@
 //! run.json: the story of a recovery, turn by turn and rung by rung, for reports and for the
 //! curious.
 //!
-//! `turns`: each global re-rendering, whether it was a pass of the joint refinement, its largest
+//! `view`: the photograph's camera and size. `turns`: each global re-rendering, whether it was a pass of the joint refinement, its largest
 //! `change`, `worst_error` (relative, noise taken out) and the groups still open. `groups.NAME.story`: every rung tried, in which turn, with its
 //! parameters, its error, the standard deviation of the error's square, and whether it was taken.
 
-use crate::Error;
 use crate::engine::Recovered;
+use crate::view::ViewRecord;
+use crate::{Error, Job};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use unrender_formats::atomic;
 use unrender_recover::record::Trial;
 
 /// Writes run.json.
-pub(super) fn write(recovered: &Recovered, path: &Path) -> Result<(), Error> {
+pub(super) fn write(job: &Job, recovered: &Recovered, path: &Path) -> Result<(), Error> {
     let recovery = &recovered.recovery;
     let turns: Vec<Value> = recovery
         .turns
@@ -42,8 +43,10 @@ pub(super) fn write(recovered: &Recovered, path: &Path) -> Result<(), Error> {
             (group.name.clone(), value)
         })
         .collect();
+    let size = (job.photo.radiance.width(), job.photo.radiance.height());
     let run = json!({
         "version": 1,
+        "view": ViewRecord::of(&job.camera, size),
         "seconds": recovered.seconds,
         "termination": recovery.termination.message(recovery.turns.len()),
         "turns": turns,

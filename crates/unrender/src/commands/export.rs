@@ -1,0 +1,95 @@
+//! `unrender export`: a scene with its materials, for another program.
+
+use crate::cli::{Global, warn};
+use crate::commands::render;
+use crate::{Error, interrupt, job, view};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use unrender_formats::export::{self, Shot, Target};
+use unrender_formats::materials;
+use unrender_scene::{Camera, Scene, Warnings};
+
+/// Writes a scene and its materials for another program.
+///
+/// Radiance shines with the same lobe as unrender (ward-gmd).
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  \
+    unrender export result --to radiance --out room_radiance\n  \
+    unrender export --scene room.glb --materials truth.json --to radiance --out room_radiance")]
+pub struct Args {
+    /// The folder that `recover` left its results in.
+    #[arg(value_name = "DIR", required_unless_present = "scene", conflicts_with_all = ["scene", "materials"])]
+    pub results: Option<PathBuf>,
+    /// The scene file, instead of a folder of results.
+    #[arg(long, value_name = "FILE")]
+    pub scene: Option<PathBuf>,
+    /// Materials to put onto the scene's groups.
+    #[arg(long, value_name = "FILE.json", requires = "scene")]
+    pub materials: Option<PathBuf>,
+    /// The program to write for: radiance.
+    #[arg(long, value_name = "FORMAT")]
+    pub to: Target,
+    /// The folder to write.
+    #[arg(long, value_name = "PATH")]
+    pub out: PathBuf,
+    /// The camera's name [default: the photograph's, else the scene's first].
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// Pixels in a row [default: the photograph's, else by the height and the camera's aspect].
+    #[arg(long, value_name = "N")]
+    pub width: Option<usize>,
+    /// Rows [default: the photograph's, else by the width and the camera's aspect].
+    #[arg(long, value_name = "N")]
+    pub height: Option<usize>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// If the input cannot be used or the export cannot be written.
+pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
+    export::check_path(&args.out, args.to)?;
+    let (scene, camera, size, warnings) = input(args)?;
+    warn(&warnings);
+    let materials = scene.materials();
+    let shot = Shot { scene: &scene, materials: &materials, camera: &camera, size };
+    let (files, warnings) = export::export(&shot, args.to)
+        .map_err(|problem| Error::Request(format!("the scene cannot be exported: {problem}")))?;
+    warn(&warnings);
+    let _until_written = interrupt::writing();
+    export::write(&args.out, args.to, &files)?;
+    if !global.quiet {
+        println!("{}", args.to.next_step(&args.out));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The scene with its materials, the camera, and the size of its picture.
+fn input(args: &Args) -> Result<(Scene, Camera, (usize, usize), Warnings), Error> {
+    let (path, materials) = match (&args.results, &args.scene) {
+        (Some(folder), _) => (folder.join("scene.glb"), Some(folder.join("materials.json"))),
+        (None, scene) => (scene.clone().unwrap_or_default(), args.materials.clone()),
+    };
+    let (mut scene, mut warnings) = unrender_formats::load_scene(&path)?;
+    if let Some(materials) = materials {
+        warnings.extend(materials::apply_from(&materials, &mut scene)?);
+    }
+    warnings.extend(job::validate(&mut scene, &path)?);
+    let photographed = match &args.results {
+        Some(folder) if args.camera.is_none() => view::read(&folder.join("run.json"))?,
+        _ => None,
+    };
+    let (camera, size) = match photographed {
+        Some((camera, size)) => (camera, Some(size)),
+        None => {
+            let (camera, told) = job::named_camera(&scene, args.camera.as_deref(), &path)?;
+            warnings.extend(told);
+            (camera, None)
+        }
+    };
+    let size = match (size, args.width, args.height) {
+        (Some(size), None, None) => size,
+        (_, width, height) => render::size(width, height, &camera)?,
+    };
+    Ok((scene, camera, size, warnings))
+}
