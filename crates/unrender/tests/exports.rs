@@ -72,6 +72,6 @@ fn renders_alike(
 fn radiance_makes_the_same_picture() {
     let is_diffuse =
         |scene: &Scene, group: usize| !scene.groups[group].material.rho_s.cmpgt(Rgb::ZERO).any();
-    let limit = |scene: &Scene, group| if is_diffuse(scene, group) { 0.01 } else { 0.025 };
+    let limit = |scene: &Scene, group| if is_diffuse(scene, group) { 0.01 } else { 0.015 };
     renders_alike(Target::Radiance, Program::radiance(), 64, limit);
 }

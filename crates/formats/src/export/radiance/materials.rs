@@ -159,13 +159,15 @@ fn color_picture(id: &str, picture: &str, texture: &Texture) -> String {
 }
 
 /// An expression for the place of `coordinate` among `texels` texels with one more on each side.
+/// Radiance puts the centres of the outermost texels onto the picture's edges.
 fn place(coordinate: &str, wrap: Wrap, texels: usize, shorter: f32) -> String {
     let within = match wrap {
         Wrap::Repeat => format!("frac({coordinate})"),
         Wrap::MirroredRepeat => format!("(1-abs(2*frac(.5*({coordinate}))-1))"),
         Wrap::ClampToEdge => format!("if({coordinate},if({coordinate}-1,1,{coordinate}),0)"),
     };
-    format!("({within}*{texels}+1)/{shorter}")
+    let side = (texels + 2) as f32 / shorter / (texels + 1) as f32;
+    format!("({within}*{texels}+.5)*{side}")
 }
 
 /// The texture with the texels that lie around it, by which those at its edges are interpolated.
