@@ -8,8 +8,9 @@ use common::Random;
 use glam::Vec3;
 use std::f64::consts::TAU;
 use unrender_render::WardLobe;
-use unrender_render::bsdf::Bsdf;
+use unrender_render::bsdf::ggx::GgxLobe;
 use unrender_render::bsdf::ward;
+use unrender_render::bsdf::{Bsdf, Specular};
 use unrender_render::caustic::Images;
 use unrender_scene::{Material, Rgb, WardModel};
 
@@ -26,6 +27,11 @@ fn ward(model: WardModel, rho_d: f32, rho_s: f32, (alpha_x, alpha_y): (f32, f32)
     let (rho_d, rho_s) = (Rgb::splat(rho_d), Rgb::new(1.0, 0.8, 0.6) * rho_s);
     let material = Material { alpha_x, alpha_y, rho_s, ..Material::diffuse(rho_d) };
     Bsdf::new(&material, rho_d, model)
+}
+
+fn ggx(rho_d: f32, rho_s: f32, (alpha_x, alpha_y): (f32, f32)) -> Bsdf<'static> {
+    let rho_s = Rgb::new(1.0, 0.8, 0.6) * rho_s;
+    Bsdf::with(Rgb::splat(rho_d), rho_s, Specular::Ggx(GgxLobe::new(alpha_x, alpha_y)))
 }
 
 fn lambert() -> Bsdf<'static> {
@@ -45,6 +51,10 @@ fn reflectances() -> Vec<(String, Bsdf<'static>)> {
             all.push((name, ward(model, rho_d, rho_s, (0.1, 0.3))));
         }
     }
+    for alphas in ALPHAS {
+        all.push((format!("ggx {alphas:?}"), ggx(0.0, 1.0, alphas)));
+    }
+    all.push(("ggx mixture".into(), ggx(0.5, 0.3, (0.1, 0.3))));
     all.extend(guided());
     all
 }

@@ -23,7 +23,7 @@ pub use hypothesis::{Hypothesis, Status};
 pub use image::{Image, RgbImage};
 pub use lens::Lens;
 pub use light::{Light, LightKind, Source};
-pub use material::{Material, Texture, WardModel, Wrap};
+pub use material::{Lobe, Material, Texture, WardModel, Wrap};
 pub use mesh::{Mesh, Object};
 pub use validate::{SceneError, Warnings};
 

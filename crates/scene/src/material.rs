@@ -52,6 +52,17 @@ impl FromStr for WardModel {
     }
 }
 
+/// The shapes of a glossy reflection that programs know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lobe {
+    /// Ward's.
+    Ward(WardModel),
+    /// Beckmann's microfacets, masked by Smith's term for each direction on its own.
+    Beckmann,
+    /// Trowbridge and Reitz's microfacets (GGX) with Smith's height-correlated masking.
+    Ggx,
+}
+
 /// The reflectance of a group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {

@@ -6,7 +6,8 @@ mod programs;
 use export_scene::{SIZE, camera, scene};
 use programs::{Program, compare, our_picture};
 use unrender::formats::export::{self, Shot, Target};
-use unrender::scene::{Rgb, Scene};
+use unrender::recover::convert::convert;
+use unrender::scene::{Material, Rgb, Scene};
 
 /// A folder of this test that is removed at the end.
 struct Folder(std::path::PathBuf);
@@ -43,7 +44,9 @@ fn renders_alike(
     };
     let (scene, camera) = (scene(), camera());
     let folder = Folder::new(target.name());
-    let shot = Shot { scene: &scene, materials: &scene.materials(), camera: &camera, size: SIZE };
+    let converted = |material: &Material| convert(material, scene.brdf, target.lobe()).material;
+    let materials: Vec<Material> = scene.groups.iter().map(|g| converted(&g.material)).collect();
+    let shot = Shot { scene: &scene, materials: &materials, camera: &camera, size: SIZE };
     let (files, warnings) = export::export(&shot, target).unwrap();
     assert!(warnings.0.is_empty(), "{warnings:?}");
     export::write(&folder.0, target, &files).unwrap();
@@ -74,4 +77,13 @@ fn radiance_makes_the_same_picture() {
         |scene: &Scene, group: usize| !scene.groups[group].material.rho_s.cmpgt(Rgb::ZERO).any();
     let limit = |scene: &Scene, group| if is_diffuse(scene, group) { 0.01 } else { 0.015 };
     renders_alike(Target::Radiance, Program::radiance(), 64, limit);
+}
+
+/// Glossy groups shine with converted lobes.
+#[test]
+fn mitsuba_makes_the_same_picture() {
+    let limit = |scene: &Scene, group: usize| {
+        if scene.groups[group].material.is_glossy() { 0.05 } else { 0.01 }
+    };
+    renders_alike(Target::Mitsuba, Program::mitsuba(), 1024, limit);
 }

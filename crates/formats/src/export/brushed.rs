@@ -20,6 +20,25 @@ pub(super) fn front_normal(mesh: &Mesh, index: usize) -> Vec3 {
     (b - a).cross(c - a).normalize_or_zero().as_vec3()
 }
 
+/// `mesh` with texture coordinates that grow along the brushed direction, metre by metre, for
+/// programs that count from there. Every triangle gets corners of its own.
+pub(super) fn along_u(mesh: &Mesh, theta_rad: f32) -> Mesh {
+    let mut turned = Mesh::default();
+    for index in 0..mesh.triangles.len() {
+        let along = direction(mesh, index, theta_rad);
+        let across = front_normal(mesh, index).cross(along);
+        let first = turned.positions.len() as u32;
+        for corner in mesh.triangles[index].map(|i| i as usize) {
+            let position = mesh.positions[corner];
+            turned.positions.push(position);
+            turned.normals.push(mesh.normals[corner]);
+            turned.uvs.push(Vec2::new(position.dot(along), position.dot(across)));
+        }
+        turned.triangles.push([first, first + 1, first + 2]);
+    }
+    turned
+}
+
 fn tangent(mesh: &Mesh, index: usize, normal: Vec3) -> Vec3 {
     let corners = mesh.triangles[index].map(|i| i as usize);
     let usable = |t: &Vec3| t.is_finite() && t.reject_from(normal).length_squared() > 1e-12;

@@ -186,7 +186,8 @@ fn anisotropy(material: &Material) -> Value {
     })
 }
 
-fn note_exact(root: &mut Map<String, Value>, material: &Material, brdf: WardModel) {
+/// Notes the exact numbers, which reading prefers.
+pub(super) fn note_exact(root: &mut Map<String, Value>, material: &Material, brdf: WardModel) {
     let extras = root.entry("extras").or_insert_with(|| json!({}));
     if !extras.is_object() && !extras.is_null() {
         let other = extras.take();

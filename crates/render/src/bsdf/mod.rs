@@ -7,11 +7,13 @@
 //! the shading normal on the viewer's side. Both point away from the surface. `wo` is where the
 //! light goes (towards the camera), `wi` where it comes from.
 
+pub mod ggx;
 pub mod lambert;
 pub mod mirror;
 pub mod ward;
 
 use crate::caustic::Images;
+use ggx::GgxLobe;
 use glam::Vec3;
 use unrender_scene::color::luminance;
 use unrender_scene::{Material, Rgb, WardModel};
@@ -26,6 +28,8 @@ pub enum Specular {
     Mirror,
     /// A lobe with a roughness.
     Ward(WardLobe),
+    /// Microfacets.
+    Ggx(GgxLobe),
 }
 
 /// What `f` is made of in one pair of directions: `f = rho_d diffuse + rho_s specular.value`. So
@@ -53,6 +57,7 @@ impl Specular {
     pub fn terms(&self, wo: Vec3, wi: Vec3) -> Terms {
         let specular = match self {
             Self::Ward(lobe) => lobe.derivatives(wo, wi),
+            Self::Ggx(lobe) => lobe.derivatives(wo, wi),
             _ => LobeDerivatives::default(),
         };
         Terms { diffuse: lambert::VALUE, specular }
@@ -95,13 +100,18 @@ impl<'a> Bsdf<'a> {
         } else {
             Specular::None
         };
-        let (diffuse_power, specular_power) = (luminance(rho_d), luminance(material.rho_s));
+        Self::with(rho_d, material.rho_s, specular)
+    }
+
+    /// The reflectance of these two parts.
+    pub fn with(rho_d: Rgb, rho_s: Rgb, specular: Specular) -> Self {
+        let (diffuse_power, specular_power) = (luminance(rho_d), luminance(rho_s));
         let specular_share = match specular {
             Specular::None => 0.0,
             _ if diffuse_power <= 0.0 => 1.0,
             _ => (specular_power / (diffuse_power + specular_power)).clamp(0.1, 0.9),
         };
-        Self { rho_d, rho_s: material.rho_s, specular, specular_share, images: &Images::NONE }
+        Self { rho_d, rho_s, specular, specular_share, images: &Images::NONE }
     }
 
     /// The same reflectance, sampled towards `images` too, which are given in its frame.
@@ -130,8 +140,10 @@ impl<'a> Bsdf<'a> {
             return Rgb::ZERO;
         }
         let mut f = self.rho_d * lambert::VALUE;
-        if let Specular::Ward(lobe) = self.specular {
-            f += self.rho_s * lobe.value(wo, wi);
+        match self.specular {
+            Specular::Ward(lobe) => f += self.rho_s * lobe.value(wo, wi),
+            Specular::Ggx(lobe) => f += self.rho_s * lobe.value(wo, wi),
+            Specular::None | Specular::Mirror => {}
         }
         f
     }
@@ -147,8 +159,10 @@ impl<'a> Bsdf<'a> {
             diffuse += share * self.images.pdf(wi);
         }
         let mut pdf = (1.0 - self.specular_share) * diffuse;
-        if let Specular::Ward(lobe) = self.specular {
-            pdf += self.specular_share * lobe.pdf(wo, wi);
+        match self.specular {
+            Specular::Ward(lobe) => pdf += self.specular_share * lobe.pdf(wo, wi),
+            Specular::Ggx(lobe) => pdf += self.specular_share * lobe.pdf(wo, wi),
+            Specular::None | Specular::Mirror => {}
         }
         pdf
     }
@@ -167,6 +181,7 @@ impl<'a> Bsdf<'a> {
                 return Some(BsdfSample { wi: mirror::reflect(wo), weight, pdf: f32::INFINITY });
             }
             Specular::Ward(lobe) if take_specular => lobe.sample(wo, [u[1], u[2]]),
+            Specular::Ggx(lobe) if take_specular => lobe.sample(wo, [u[1], u[2]]),
             _ => self.sample_diffuse(u),
         };
         let pdf = self.pdf(wo, wi);

@@ -7,11 +7,13 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_formats::export::{self, Shot, Target};
 use unrender_formats::materials;
-use unrender_scene::{Camera, Scene, Warnings};
+use unrender_recover::convert::{Conversion, convert};
+use unrender_scene::{Camera, Material, Scene, Warnings};
 
 /// Writes a scene and its materials for another program.
 ///
-/// Radiance shines with the same lobe as unrender (ward-gmd).
+/// Radiance shines with the same lobe as unrender (ward-gmd). For other programs, and other forms of
+/// Ward's lobe, glossy reflections are converted, and how far off they are is told.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     unrender export result --to radiance --out room_radiance\n  \
@@ -26,7 +28,7 @@ pub struct Args {
     /// Materials to put onto the scene's groups.
     #[arg(long, value_name = "FILE.json", requires = "scene")]
     pub materials: Option<PathBuf>,
-    /// The program to write for: radiance.
+    /// The program to write for: mitsuba, radiance.
     #[arg(long, value_name = "FORMAT")]
     pub to: Target,
     /// The folder to write.
@@ -51,7 +53,15 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     export::check_path(&args.out, args.to)?;
     let (scene, camera, size, warnings) = input(args)?;
     warn(&warnings);
-    let materials = scene.materials();
+    let conversions: Vec<Conversion> = scene
+        .groups
+        .iter()
+        .map(|group| convert(&group.material, scene.brdf, args.to.lobe()))
+        .collect();
+    if !global.quiet {
+        tell(&scene, &conversions);
+    }
+    let materials: Vec<Material> = conversions.into_iter().map(|c| c.material).collect();
     let shot = Shot { scene: &scene, materials: &materials, camera: &camera, size };
     let (files, warnings) = export::export(&shot, args.to)
         .map_err(|problem| Error::Request(format!("the scene cannot be exported: {problem}")))?;
@@ -62,6 +72,28 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         println!("{}", args.to.next_step(&args.out));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Prints on stderr what became of the lobes that the target does not know.
+fn tell(scene: &Scene, conversions: &[Conversion]) {
+    for (group, conversion) in scene.groups.iter().zip(conversions) {
+        let (from, to) = (&group.material, &conversion.material);
+        if from == to {
+            continue;
+        }
+        let alphas = |m: &Material| format!("alpha {:.4} {:.4}", m.alpha_x, m.alpha_y);
+        eprintln!(
+            "{}: {} of {} became {}, rho_s {:.4} times; over the lobe the reflected radiance is \
+             {:.1} % off, and {:.1} % of it is there",
+            group.name,
+            alphas(from),
+            scene.brdf,
+            alphas(to),
+            to.rho_s.max_element() / from.rho_s.max_element(),
+            100.0 * conversion.difference,
+            100.0 * conversion.albedo
+        );
+    }
 }
 
 /// The scene with its materials, the camera, and the size of its picture.

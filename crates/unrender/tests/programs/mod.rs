@@ -3,6 +3,8 @@
 //! Each comes from a package registry into a folder of its own beside the build's outputs, and stays
 //! there. Where that cannot be, the reason is told and the test skipped.
 
+#![allow(dead_code)]
+
 mod compare;
 mod install;
 mod render;

@@ -3,6 +3,7 @@
 use super::install::{python, run};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use unrender::formats::export::Target;
 use unrender::formats::picture;
 use unrender::render::{Settings, Tracer};
 use unrender::scene::{Camera, Image, Rgb, RgbImage, Scene};
@@ -11,9 +12,21 @@ use unrender::scene::{Camera, Image, Rgb, RgbImage, Scene};
 pub(crate) enum Program {
     /// The folder of Radiance's programs and of its library.
     Radiance(PathBuf, PathBuf),
+    /// The Python that has Mitsuba.
+    Mitsuba(PathBuf),
 }
 
 impl Program {
+    /// The one that renders exports for `target`.
+    #[allow(dead_code)]
+    pub(crate) fn for_target(target: Target) -> Result<Self, String> {
+        match target {
+            Target::Mitsuba => Self::mitsuba(),
+            Target::Radiance => Self::radiance(),
+            _ => Err(format!("no renderer is installed for {target}")),
+        }
+    }
+
     /// Radiance, from `pyradiance` of PyPI.
     pub(crate) fn radiance() -> Result<Self, String> {
         let python = python("pyradiance", &["pyradiance==1.3.1"])?;
@@ -24,10 +37,16 @@ impl Program {
         Ok(Self::Radiance(folder.join("bin"), folder.join("lib")))
     }
 
+    /// Mitsuba 3, from `mitsuba` of PyPI.
+    pub(crate) fn mitsuba() -> Result<Self, String> {
+        python("mitsuba", &["mitsuba==3.9.1"]).map(Self::Mitsuba)
+    }
+
     /// The picture of the export in `folder`, by about `spp` paths a pixel.
     pub(crate) fn picture(&self, folder: &Path, spp: u32) -> Result<RgbImage, String> {
         match self {
             Self::Radiance(programs, library) => radiance(programs, library, folder, spp),
+            Self::Mitsuba(python) => mitsuba(python, folder, spp),
         }
     }
 }
@@ -53,6 +72,23 @@ fn radiance(programs: &Path, library: &Path, folder: &Path, spp: u32) -> Result<
     let pixels = floats.chunks_exact(3).map(Rgb::from_slice).collect();
     let size = read(&picture)?;
     Ok(Image::new(size.width(), size.height(), pixels))
+}
+
+const MITSUBA: &str = "
+import sys, mitsuba
+mitsuba.set_variant('scalar_rgb')
+scene = mitsuba.load_file(sys.argv[1])
+picture = mitsuba.Bitmap(mitsuba.render(scene, spp=int(sys.argv[2])))
+picture.convert(mitsuba.Bitmap.PixelFormat.RGB, mitsuba.Struct.Type.Float32, False).write(sys.argv[3])
+";
+
+/// Renders `scene.xml` by the scalar variant, which needs no compiler.
+fn mitsuba(python: &Path, folder: &Path, spp: u32) -> Result<RgbImage, String> {
+    let picture = folder.join("picture.exr");
+    let mut command = Command::new(python);
+    command.args(["-c", MITSUBA]).arg(folder.join("scene.xml")).arg(spp.to_string()).arg(&picture);
+    run(&mut command)?;
+    read(&picture)
 }
 
 fn read(path: &Path) -> Result<RgbImage, String> {

@@ -1,0 +1,76 @@
+//! Reflectances.
+
+use super::{comment, float, reflectance};
+use crate::export::{Files, Shot, tiling};
+use crate::texels;
+use unrender_scene::{Material, Rgb, Warnings};
+
+/// The reflectance of group `index` as a BSDF called `id`, and the picture that it names.
+pub(super) fn bsdf(
+    shot: &Shot,
+    index: usize,
+    id: &str,
+    warnings: &mut Warnings,
+) -> Result<(String, Files), String> {
+    let (name, material) = (&shot.scene.groups[index].name, &shot.materials[index]);
+    let weight = blend(material);
+    let (mut color, mut files) =
+        (reflectance("reflectance", material.rho_d / (1.0 - weight)), Files::new());
+    if let Some(texture) = &material.texture {
+        let tile = tiling::tile(texture);
+        let path = format!("textures/{id}.exr");
+        let image = tile.image.map(|texel| *texel / (1.0 - weight));
+        files.push((path.clone(), texels::exr(&image)?));
+        let mode = if tile.clamps { "clamp" } else { "repeat" };
+        color = format!(
+            "<texture type=\"bitmap\" name=\"reflectance\">\
+             <string name=\"filename\" value=\"{path}\"/><boolean name=\"raw\" value=\"true\"/>\
+             <string name=\"wrap_mode\" value=\"{mode}\"/></texture>"
+        );
+        warnings.0.extend(tile.doubt.map(|doubt| format!("group \"{name}\": {doubt}")));
+        if material.is_glossy() && material.alpha_x != material.alpha_y {
+            warnings.push(format!(
+                "group \"{name}\": Mitsuba counts the brushed direction from the texture's u"
+            ));
+        }
+    }
+    let diffuse = format!("<bsdf type=\"diffuse\">{color}</bsdf>");
+    let inside = match weight {
+        0.0 => diffuse,
+        1.0 => specular(material, material.rho_s),
+        _ => format!(
+            "<bsdf type=\"blendbsdf\">{}{diffuse}{}</bsdf>",
+            float("weight", weight),
+            specular(material, material.rho_s / weight)
+        ),
+    };
+    let text = format!(
+        "    {}\n    <bsdf type=\"twosided\" id=\"{id}\">{inside}</bsdf>\n",
+        comment("group", name)
+    );
+    Ok((text, files))
+}
+
+/// The weight of the specular part in a blend that leaves both parts at most one, if any weight does.
+fn blend(material: &Material) -> f32 {
+    let textured = material.texture.as_ref();
+    let highest =
+        |image: &unrender_scene::RgbImage| image.pixels().iter().fold(Rgb::ZERO, |a, b| a.max(*b));
+    let rho_d = textured.map_or(material.rho_d, |texture| highest(&texture.image));
+    let (diffuse, specular) = (rho_d.max_element(), material.rho_s.max_element());
+    if specular <= 0.0 { 0.0 } else { specular / (diffuse + specular) }
+}
+
+fn specular(material: &Material, color: Rgb) -> String {
+    let color = reflectance("specular_reflectance", color);
+    let perfect = "<string name=\"material\" value=\"none\"/>";
+    if material.is_delta() {
+        return format!("<bsdf type=\"conductor\">{perfect}{color}</bsdf>");
+    }
+    format!(
+        "<bsdf type=\"roughconductor\">{perfect}<string name=\"distribution\" value=\"beckmann\"/>\
+         {}{}{color}</bsdf>",
+        float("alpha_u", material.alpha_x),
+        float("alpha_v", material.alpha_y)
+    )
+}
