@@ -11,11 +11,14 @@ pub mod error;
 pub mod export;
 pub mod fspy;
 pub mod gltf;
+pub mod import;
 pub mod materials;
 mod names;
+mod numbers;
 pub mod obj;
 pub mod picture;
 pub mod points;
+mod record;
 pub mod scene_file;
 mod texels;
 

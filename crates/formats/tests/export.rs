@@ -1,8 +1,9 @@
 //! What exports leave on the disk, and names in them.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
+use std::sync::Arc;
 use unrender_formats::export::{self, Shot, Target};
-use unrender_scene::{Camera, Group, Material, Mesh, Object, Rgb, Scene};
+use unrender_scene::{Camera, Group, Image, Material, Mesh, Object, Rgb, Scene, Texture, Wrap};
 
 fn scene(names: &[&str]) -> Scene {
     let mut scene = Scene::default();
@@ -32,10 +33,13 @@ fn an_export_is_written_whole_or_not_at_all() {
     std::fs::write(root.join("file"), "mine").unwrap();
     for target in Target::ALL {
         let files = export(&scene(&["lamp"]), target);
-        for bad in ["taken", "file", "file/inside", "no/such/folder"] {
+        let inside = if target == Target::Gltf { "file/inside.glb" } else { "file/inside" };
+        for bad in ["taken", "no/such/folder", inside] {
             assert!(export::write(&root.join(bad), target, &files).is_err(), "{target} {bad}");
         }
     }
+    assert!(export::check_path(&root.join("scene.png"), Target::Gltf).is_err());
+    assert!(export::check_path(&root.join("file"), Target::Radiance).is_err());
     let files = export(&scene(&["lamp"]), Target::Radiance);
     // The last file cannot be written: its folder is a file.
     let mut broken = files.clone();
@@ -50,4 +54,37 @@ fn an_export_is_written_whole_or_not_at_all() {
         assert_eq!(&std::fs::read(root.join("good").join(name)).unwrap(), bytes, "{name}");
     }
     std::fs::remove_dir_all(root).unwrap();
+}
+
+#[test]
+fn names_survive_in_every_format() {
+    let names = ["a lamp", "Wand \"ü\" 门", "wand \"ü\" 门", "<&> -- 'x' \\\\", "two\nlines"];
+    let scene = scene(&names);
+    for target in Target::ALL {
+        let files = export(&scene, target);
+        let mut paths: Vec<String> = files.iter().map(|f| f.0.to_ascii_lowercase()).collect();
+        paths.sort();
+        paths.dedup();
+        assert_eq!(paths.len(), files.len(), "{target}: every file has a name of its own");
+        assert!(paths.iter().all(|path| path.is_ascii() && !path.contains(' ')), "{paths:?}");
+    }
+}
+
+#[test]
+fn a_texture_reaches_every_format() {
+    let mut scene = scene(&["lamp", "wall"]);
+    let image = Image::from_fn(4, 3, |x, y| Rgb::new(0.1 * x as f32, 0.2 * y as f32, 0.5));
+    let (wrap_u, wrap_v) = (Wrap::Repeat, Wrap::MirroredRepeat);
+    scene.groups[1].material.texture = Some(Arc::new(Texture { image, wrap_u, wrap_v }));
+    scene.objects[1].mesh.uvs = vec![Vec2::ZERO, Vec2::X, Vec2::Y];
+    for target in Target::ALL {
+        let files = export(&scene, target);
+        let is_picture = |name: &str| name.ends_with(".exr") || name.ends_with(".hdr");
+        let has_picture = match target {
+            // The PNG inside.
+            Target::Gltf => files[0].1.windows(8).any(|w| w == b"\x89PNG\r\n\x1a\n"),
+            _ => files.iter().any(|(name, bytes)| is_picture(name) && bytes.len() > 50),
+        };
+        assert!(has_picture, "{target}");
+    }
 }

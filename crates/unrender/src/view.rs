@@ -55,6 +55,9 @@ impl ViewRecord {
     }
 }
 
+/// A camera, and the width and height of its picture.
+pub(crate) type View = (Camera, (usize, usize));
+
 #[derive(Deserialize)]
 struct Run {
     view: Option<ViewRecord>,
@@ -65,7 +68,7 @@ struct Run {
 ///
 /// # Errors
 /// If the file cannot be read or is damaged.
-pub(crate) fn read(path: &Path) -> Result<Option<(Camera, (usize, usize))>, FileError> {
+pub(crate) fn read(path: &Path) -> Result<Option<View>, FileError> {
     if !path.exists() {
         return Ok(None);
     }

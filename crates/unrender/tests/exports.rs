@@ -87,3 +87,128 @@ fn mitsuba_makes_the_same_picture() {
     };
     renders_alike(Target::Mitsuba, Program::mitsuba(), 1024, limit);
 }
+
+/// Exports the scene as `target` and says where; the folder goes with the first value.
+fn exported(target: Target) -> (Folder, std::path::PathBuf) {
+    let folder = Folder::new(&format!("{target}-file"));
+    std::fs::create_dir_all(&folder.0).unwrap();
+    let path = folder.0.join(if target == Target::Gltf { "scene.glb" } else { "scene" });
+    let (scene, camera) = (scene(), camera());
+    let converted = |material: &Material| convert(material, scene.brdf, target.lobe()).material;
+    let materials: Vec<Material> = scene.groups.iter().map(|g| converted(&g.material)).collect();
+    let shot = Shot { scene: &scene, materials: &materials, camera: &camera, size: SIZE };
+    let (files, _) = export::export(&shot, target).unwrap();
+    export::write(&path, target, &files).unwrap();
+    (folder, path)
+}
+
+const VALIDATE_GLTF: &str = "
+const validator = require(process.argv[1] + '/node_modules/gltf-validator');
+const bytes = new Uint8Array(require('fs').readFileSync(process.argv[2]));
+validator.validateBytes(bytes).then(report => {
+    console.log(JSON.stringify(report.issues));
+    process.exitCode = report.issues.numErrors + report.issues.numWarnings > 0 ? 1 : 0;
+});
+";
+
+#[test]
+fn khronos_validator_finds_nothing_wrong_with_gltf() {
+    let validator = match programs::npm("gltf-validator") {
+        Ok(validator) => validator,
+        Err(problem) => {
+            eprintln!("skipped: the glTF validator cannot be installed here ({problem})");
+            return;
+        }
+    };
+    let (_folder, path) = exported(Target::Gltf);
+    let mut node = std::process::Command::new("node");
+    let report = node.args(["-e", VALIDATE_GLTF]).arg(validator).arg(path).output().unwrap();
+    let said = String::from_utf8_lossy(&report.stdout).into_owned();
+    assert!(report.status.success(), "{said} {}", String::from_utf8_lossy(&report.stderr));
+}
+
+#[test]
+fn gltf_comes_back_to_the_same_numbers() {
+    let (_folder, path) = exported(Target::Gltf);
+    let (back, _) = unrender::formats::load_scene(&path).unwrap();
+    for (found, group) in back.groups.iter().zip(&scene().groups) {
+        let expected =
+            Material { texture: found.material.texture.clone(), ..group.material.clone() };
+        assert_eq!((&found.name, &found.material), (&group.name, &expected));
+        assert_eq!(found.emission, group.emission);
+    }
+}
+
+const VALIDATE_MATERIALX: &str = "
+import sys, MaterialX
+document = MaterialX.createDocument()
+libraries = MaterialX.createDocument()
+MaterialX.loadLibraries(MaterialX.getDefaultDataLibraryFolders(), MaterialX.getDefaultDataSearchPath(), libraries)
+MaterialX.readFromXmlFile(document, sys.argv[1])
+document.setDataLibrary(libraries)
+valid, message = document.validate()
+names = [m.getAttribute('doc') for m in document.getNodes('standard_surface')]
+print(message, names)
+sys.exit(0 if valid and len(names) == int(sys.argv[2]) else 1)
+";
+
+#[test]
+fn materialx_is_valid() {
+    let python = match programs::python("materialx", &["MaterialX==1.39.5"]) {
+        Ok(python) => python,
+        Err(problem) => {
+            eprintln!("skipped: MaterialX cannot be installed here ({problem})");
+            return;
+        }
+    };
+    let (_folder, path) = exported(Target::Materialx);
+    let mut command = std::process::Command::new(python);
+    command.args(["-c", VALIDATE_MATERIALX]).arg(path.join("materials.mtlx"));
+    let report = command.arg(scene().groups.len().to_string()).output().unwrap();
+    let said = String::from_utf8_lossy(&report.stdout).into_owned();
+    assert!(report.status.success(), "{said} {}", String::from_utf8_lossy(&report.stderr));
+}
+
+/// The scene that is read back from an export to `target`, whose main file is `file`.
+fn back(target: Target, file: &str) -> Scene {
+    let folder = Folder::new(&format!("{target}-back"));
+    let (scene, camera) = (scene(), camera());
+    let materials = scene.materials();
+    let shot = Shot { scene: &scene, materials: &materials, camera: &camera, size: SIZE };
+    let (files, _) = export::export(&shot, target).unwrap();
+    export::write(&folder.0, target, &files).unwrap();
+    let (back, warnings) = unrender::formats::load_scene(&folder.0.join(file)).unwrap();
+    assert!(warnings.0.is_empty(), "{warnings:?}");
+    back
+}
+
+/// Asserts that `back` has all that the scene has: names, numbers, and the same picture.
+fn assert_same(back: &Scene) {
+    let (scene, camera) = (scene(), camera());
+    assert_eq!(back.brdf, scene.brdf);
+    assert_eq!(back.groups.len(), scene.groups.len());
+    for (found, group) in back.groups.iter().zip(&scene.groups) {
+        assert_eq!((&found.name, found.emission), (&group.name, group.emission));
+        let numbers = |m: &Material| (m.rho_d, m.rho_s, m.alpha_x, m.alpha_y, m.texture.is_some());
+        assert_eq!(numbers(&found.material), numbers(&group.material), "{}", group.name);
+    }
+    assert_eq!(back.triangle_count(), scene.triangle_count());
+    let lights = |scene: &Scene| scene.lights.iter().map(|l| l.name.clone()).collect::<Vec<_>>();
+    assert_eq!(lights(back), lights(&scene));
+    let theirs = our_picture(back, &back.cameras[0], SIZE, 256);
+    let ours = our_picture(&scene, &camera, SIZE, 256);
+    for row in compare(&scene, &camera, &ours, &theirs, 20) {
+        let name = &scene.groups[row.group].name;
+        assert!(row.difference() < 0.005, "{name}: {} for {}", row.theirs, row.ours);
+    }
+}
+
+#[test]
+fn mitsuba_scenes_come_back() {
+    assert_same(&back(Target::Mitsuba, "scene.xml"));
+}
+
+#[test]
+fn radiance_scenes_come_back() {
+    assert_same(&back(Target::Radiance, "scene.rad"));
+}

@@ -10,10 +10,10 @@ mod materials;
 mod sensor;
 
 use super::identifiers::{identifiers, quoted};
-use super::{Files, Shot, brushed, ply, tiling};
+use super::{Files, Shot, ply, tiling};
 use glam::{Affine3A, Mat4, Vec3};
 use std::fmt::Write;
-use unrender_scene::{Mesh, Object, Warnings};
+use unrender_scene::{Object, Warnings};
 
 /// The files of `shot`.
 ///
@@ -40,7 +40,10 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
     for (object, id) in shot.scene.objects.iter().zip(&objects) {
         if !object.mesh.triangles.is_empty() {
             let path = format!("mesh/{id}.ply");
-            files.push((path.clone(), ply::bytes(&mesh(shot, object))));
+            files.push((
+                path.clone(),
+                ply::bytes(&tiling::mesh(shot, object, shot.materials[object.group].theta_rad)),
+            ));
             xml.push_str(&shape(shot, object, &path, &groups[object.group]));
         }
     }
@@ -50,23 +53,6 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
     xml.push_str("</scene>\n");
     files.push(("scene.xml".into(), xml.into_bytes()));
     Ok((files, warnings))
-}
-
-/// The object's mesh, with the texture coordinates that its material asks for.
-fn mesh(shot: &Shot, object: &Object) -> Mesh {
-    let material = &shot.materials[object.group];
-    match &material.texture {
-        Some(texture) => {
-            let scale = tiling::tile(texture).scale;
-            // Mitsuba counts v from the bottom of the picture.
-            let flip = |uv: &glam::Vec2| glam::Vec2::new(uv.x * scale.x, 1.0 - uv.y * scale.y);
-            Mesh { uvs: object.mesh.uvs.iter().map(flip).collect(), ..object.mesh.clone() }
-        }
-        None if material.is_glossy() && material.alpha_x != material.alpha_y => {
-            brushed::along_u(&object.mesh, material.theta_rad)
-        }
-        None => object.mesh.clone(),
-    }
 }
 
 fn shape(shot: &Shot, object: &Object, path: &str, material: &str) -> String {
@@ -90,7 +76,11 @@ fn shape(shot: &Shot, object: &Object, path: &str, material: &str) -> String {
 
 /// A comment with the name of something; two hyphens may not stand in one.
 fn comment(what: &str, name: &str) -> String {
-    format!("<!-- {what} {} -->", quoted(name).replace('-', "\\u002d"))
+    safe(&format!("{what} {}", quoted(name)))
+}
+
+fn safe(text: &str) -> String {
+    format!("<!-- {} -->", text.replace("--", "\\u002d\\u002d"))
 }
 
 fn rgb(name: &str, value: Vec3) -> String {

@@ -5,11 +5,14 @@
 //! Writers see the materials already in the words of that lobe (`Shot::materials`); whoever calls
 //! them has converted Ward's.
 
+mod blender;
 mod brushed;
 mod folder;
 mod identifiers;
+mod materialx;
 mod mitsuba;
 mod obj;
+mod pbrt;
 mod ply;
 mod radiance;
 mod tiling;
@@ -39,23 +42,33 @@ pub type Files = Vec<(String, Vec<u8>)>;
 /// A program that scenes can be written for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
+    /// Blender.
+    Blender,
     /// glTF 2.0, one binary file.
     Gltf,
+    /// MaterialX.
+    Materialx,
     /// Mitsuba 3.
     Mitsuba,
+    /// PBRT v4.
+    Pbrt,
     /// Radiance.
     Radiance,
 }
 
 impl Target {
     /// All targets, by name.
-    pub const ALL: [Self; 3] = [Self::Gltf, Self::Mitsuba, Self::Radiance];
+    pub const ALL: [Self; 6] =
+        [Self::Blender, Self::Gltf, Self::Materialx, Self::Mitsuba, Self::Pbrt, Self::Radiance];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Blender => "blender",
             Self::Gltf => "gltf",
+            Self::Materialx => "materialx",
             Self::Mitsuba => "mitsuba",
+            Self::Pbrt => "pbrt",
             Self::Radiance => "radiance",
         }
     }
@@ -69,6 +82,11 @@ impl Target {
     pub fn next_step(self, path: &Path) -> String {
         let path = path.display();
         match self {
+            Self::Blender => {
+                format!("blender --background --python {path}/scene.py -- picture.exr scene.blend")
+            }
+            Self::Materialx => format!("open {path}/materials.mtlx"),
+            Self::Pbrt => format!("pbrt {path}/scene.pbrt"),
             Self::Gltf => format!("open {path} in any program that reads glTF 2.0"),
             Self::Mitsuba => format!("mitsuba {path}/scene.xml"),
             Self::Radiance => format!("sh {path}/render.sh picture.hdr"),
@@ -78,7 +96,7 @@ impl Target {
     /// The lobe that it can shine with.
     pub fn lobe(self) -> Lobe {
         match self {
-            Self::Gltf => Lobe::Ggx,
+            Self::Blender | Self::Gltf | Self::Materialx | Self::Pbrt => Lobe::Ggx,
             Self::Mitsuba => Lobe::Beckmann,
             Self::Radiance => Lobe::Ward(WardModel::WardGmd),
         }
@@ -108,8 +126,11 @@ impl FromStr for Target {
 /// If the scene cannot be said in the target's words at all.
 pub fn export(shot: &Shot, target: Target) -> Result<(Files, Warnings), String> {
     match target {
+        Target::Blender => blender::export(shot),
         Target::Gltf => gltf(shot),
+        Target::Materialx => materialx::export(shot),
         Target::Mitsuba => mitsuba::export(shot),
+        Target::Pbrt => pbrt::export(shot),
         Target::Radiance => radiance::export(shot),
     }
 }

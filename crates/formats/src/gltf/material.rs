@@ -2,9 +2,9 @@
 
 use super::Problem;
 use super::document::{Material as MaterialJson, TextureInfo};
-use super::numbers::color_and_factor;
 use super::source::Source;
 use super::{texture, ward};
+use crate::numbers::color_and_factor;
 use crate::texels;
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -105,7 +105,7 @@ impl Reader<'_> {
         let fault = |what: &dyn std::fmt::Display| {
             format!("material \"{name}\": extras.unrender {what}; remove or repair it")
         };
-        let record: ward::Record = serde_json::from_value(record.clone())
+        let record: crate::record::Record = serde_json::from_value(record.clone())
             .map_err(|e| fault(&format!("is not valid: {e}")))?;
         let (mut material, brdf) = record.to_material().map_err(|e| fault(&e))?;
         if let Some(pbr) = &json.pbr_metallic_roughness {

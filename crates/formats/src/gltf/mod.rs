@@ -18,7 +18,6 @@ mod graph;
 mod lights;
 mod material;
 mod names;
-mod numbers;
 mod place;
 mod read;
 mod source;

@@ -1,7 +1,7 @@
 //! A scene to a `.glb`: one node an object, a light, a camera; everything in world space.
 
-use super::numbers::{color_and_factor, number, triple};
 use super::{Problem, container, material, texture, ward};
+use crate::numbers::{color_and_factor, number, triple};
 use crate::texels;
 use glam::{Affine3A, Mat3, Vec3};
 use serde_json::{Value, json};

@@ -28,10 +28,10 @@ pub struct Args {
     /// Materials to put onto the scene's groups.
     #[arg(long, value_name = "FILE.json", requires = "scene")]
     pub materials: Option<PathBuf>,
-    /// The program to write for: mitsuba, radiance.
+    /// What to write: blender, gltf, materialx, mitsuba, pbrt or radiance.
     #[arg(long, value_name = "FORMAT")]
     pub to: Target,
-    /// The folder to write.
+    /// The folder to write, or for gltf the .glb file.
     #[arg(long, value_name = "PATH")]
     pub out: PathBuf,
     /// The camera's name [default: the photograph's, else the scene's first].

@@ -21,7 +21,7 @@ const MAX_SIDE: usize = 65_536;
     unrender render room.glb --materials result/materials.json --spp 256 --out room.png\n  \
     unrender render room.glb --camera door --height 1080 --seed 7 --out door.exr")]
 pub struct Args {
-    /// The scene file: glTF (.glb, .gltf) or OBJ.
+    /// The scene file: glTF (.glb, .gltf), OBJ, Mitsuba 3 (.xml) or Radiance (.rad).
     pub scene: PathBuf,
     /// Materials to put onto the scene's groups.
     #[arg(long, value_name = "FILE.json")]

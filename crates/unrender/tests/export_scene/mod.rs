@@ -105,7 +105,7 @@ fn ball(centre: Vec3, radius: f32) -> Mesh {
     let corner = |i: u32| positions[i as usize];
     mesh.triangles.retain(|t| {
         let [a, b, c] = t.map(corner);
-        (b - a).cross(c - a).length() > 1e-9
+        (b - a).cross(c - a).length() > 1e-6
     });
     mesh
 }

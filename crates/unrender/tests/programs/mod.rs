@@ -3,15 +3,12 @@
 //! Each comes from a package registry into a folder of its own beside the build's outputs, and stays
 //! there. Where that cannot be, the reason is told and the test skipped.
 
-#![allow(dead_code)]
+#![allow(dead_code, unused_imports)]
 
 mod compare;
 mod install;
 mod render;
 
-#[allow(unused_imports)]
 pub(crate) use compare::{Row, compare};
-#[allow(unused_imports)]
 pub(crate) use install::{npm, python};
-#[allow(unused_imports)]
 pub(crate) use render::{Program, our_picture};

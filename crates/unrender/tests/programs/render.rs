@@ -14,15 +14,17 @@ pub(crate) enum Program {
     Radiance(PathBuf, PathBuf),
     /// The Python that has Mitsuba.
     Mitsuba(PathBuf),
+    /// The Python that has Blender as a module.
+    Blender(PathBuf),
 }
 
 impl Program {
     /// The one that renders exports for `target`.
-    #[allow(dead_code)]
     pub(crate) fn for_target(target: Target) -> Result<Self, String> {
         match target {
             Target::Mitsuba => Self::mitsuba(),
             Target::Radiance => Self::radiance(),
+            Target::Blender => Self::blender(),
             _ => Err(format!("no renderer is installed for {target}")),
         }
     }
@@ -42,11 +44,17 @@ impl Program {
         python("mitsuba", &["mitsuba==3.9.1"]).map(Self::Mitsuba)
     }
 
+    /// Blender, from `bpy` of PyPI: 350 MB.
+    pub(crate) fn blender() -> Result<Self, String> {
+        python("bpy", &["bpy==4.5.*", "numpy<2"]).map(Self::Blender)
+    }
+
     /// The picture of the export in `folder`, by about `spp` paths a pixel.
     pub(crate) fn picture(&self, folder: &Path, spp: u32) -> Result<RgbImage, String> {
         match self {
             Self::Radiance(programs, library) => radiance(programs, library, folder, spp),
             Self::Mitsuba(python) => mitsuba(python, folder, spp),
+            Self::Blender(python) => blender(python, folder, spp),
         }
     }
 }
@@ -87,6 +95,15 @@ fn mitsuba(python: &Path, folder: &Path, spp: u32) -> Result<RgbImage, String> {
     let picture = folder.join("picture.exr");
     let mut command = Command::new(python);
     command.args(["-c", MITSUBA]).arg(folder.join("scene.xml")).arg(spp.to_string()).arg(&picture);
+    run(&mut command)?;
+    read(&picture)
+}
+
+/// Runs `scene.py`, which renders by Cycles on the processor.
+fn blender(python: &Path, folder: &Path, spp: u32) -> Result<RgbImage, String> {
+    let picture = folder.join("picture.exr");
+    let mut command = Command::new(python);
+    command.arg(folder.join("scene.py")).args(["--spp", &spp.to_string()]).arg(&picture);
     run(&mut command)?;
     read(&picture)
 }

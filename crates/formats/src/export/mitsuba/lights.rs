@@ -1,8 +1,9 @@
 //! Lights without a surface.
 
-use super::{comment, float, rgb, to_world, vector};
+use super::{float, rgb, safe, to_world, vector};
 use crate::export::identifiers::identifiers;
 use crate::export::{Files, Shot};
+use crate::record::light_note;
 use crate::texels;
 use glam::{Affine3A, Mat3, Vec3};
 use unrender_scene::{Image, LightKind, Rgb};
@@ -22,7 +23,7 @@ pub(super) fn text(shot: &Shot) -> Result<(String, Files), String> {
         }
         text.push_str(&format!(
             "    {}\n    {}\n",
-            comment("light", &light.name),
+            safe(&light_note(light)),
             emitter(&light.kind, &picture)
         ));
     }

@@ -1,7 +1,8 @@
 //! Reflectances.
 
-use super::{comment, float, reflectance};
+use super::{float, reflectance, safe};
 use crate::export::{Files, Shot, tiling};
+use crate::record::group_note;
 use crate::texels;
 use unrender_scene::{Material, Rgb, Warnings};
 
@@ -13,7 +14,7 @@ pub(super) fn bsdf(
     warnings: &mut Warnings,
 ) -> Result<(String, Files), String> {
     let (name, material) = (&shot.scene.groups[index].name, &shot.materials[index]);
-    let weight = blend(material);
+    let weight = tiling::specular_share(material);
     let (mut color, mut files) =
         (reflectance("reflectance", material.rho_d / (1.0 - weight)), Files::new());
     if let Some(texture) = &material.texture {
@@ -28,7 +29,7 @@ pub(super) fn bsdf(
              <string name=\"wrap_mode\" value=\"{mode}\"/></texture>"
         );
         warnings.0.extend(tile.doubt.map(|doubt| format!("group \"{name}\": {doubt}")));
-        if material.is_glossy() && material.alpha_x != material.alpha_y {
+        if tiling::is_brushed(material) {
             warnings.push(format!(
                 "group \"{name}\": Mitsuba counts the brushed direction from the texture's u"
             ));
@@ -46,19 +47,9 @@ pub(super) fn bsdf(
     };
     let text = format!(
         "    {}\n    <bsdf type=\"twosided\" id=\"{id}\">{inside}</bsdf>\n",
-        comment("group", name)
+        safe(&group_note(&shot.scene.groups[index], shot.scene.brdf))
     );
     Ok((text, files))
-}
-
-/// The weight of the specular part in a blend that leaves both parts at most one, if any weight does.
-fn blend(material: &Material) -> f32 {
-    let textured = material.texture.as_ref();
-    let highest =
-        |image: &unrender_scene::RgbImage| image.pixels().iter().fold(Rgb::ZERO, |a, b| a.max(*b));
-    let rho_d = textured.map_or(material.rho_d, |texture| highest(&texture.image));
-    let (diffuse, specular) = (rho_d.max_element(), material.rho_s.max_element());
-    if specular <= 0.0 { 0.0 } else { specular / (diffuse + specular) }
 }
 
 fn specular(material: &Material, color: Rgb) -> String {

@@ -6,7 +6,8 @@
 
 use super::triple;
 use crate::export::Shot;
-use crate::export::identifiers::{identifiers, quoted};
+use crate::export::identifiers::identifiers;
+use crate::record::light_note;
 use glam::Vec3;
 use std::f32::consts::PI;
 use unrender_scene::LightKind;
@@ -20,9 +21,10 @@ const DISTANT_DEG: f32 = 0.1;
 pub(super) fn text(shot: &Shot) -> String {
     let lights = &shot.scene.lights;
     let ids = identifiers("l_", lights.iter().map(|l| l.name.as_str()));
-    let texts = lights.iter().zip(&ids).map(|(light, id)| {
-        format!("\n# light {}\n{}", quoted(&light.name), primitives(&light.kind, id))
-    });
+    let texts = lights
+        .iter()
+        .zip(&ids)
+        .map(|(light, id)| format!("\n# {}\n{}", light_note(light), primitives(&light.kind, id)));
     texts.collect()
 }
 

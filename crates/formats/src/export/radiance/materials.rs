@@ -1,8 +1,9 @@
 //! Materials of Radiance: one for each group, or for each brushed direction of an anisotropic one.
 
 use super::triple;
-use crate::export::identifiers::{identifiers, quoted};
+use crate::export::identifiers::identifiers;
 use crate::export::{Files, Shot, brushed};
+use crate::record::group_note;
 use crate::texels;
 use glam::Vec3;
 use std::fmt::Write;
@@ -81,7 +82,7 @@ impl<'a> Materials<'a> {
         let mut text = String::from("# Materials, written by unrender.\n");
         for (index, group) in self.shot.scene.groups.iter().enumerate() {
             let (id, material) = (&self.ids[index], &self.shot.materials[index]);
-            let _ = writeln!(text, "\n# group {}", quoted(&group.name));
+            let _ = writeln!(text, "\n# {}", group_note(group, self.shot.scene.brdf));
             if group.is_emitter() {
                 let _ = writeln!(text, "void light {id}\n0\n0\n3 {}", triple(group.emission));
                 continue;
