@@ -7,7 +7,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_formats::export::{self, Shot, Target};
 use unrender_formats::materials;
-use unrender_recover::convert::{Conversion, convert};
+use unrender_recover::convert::{Conversion, convert_all};
+use unrender_render::Tracer;
 use unrender_scene::{Camera, Material, Scene, Warnings};
 
 /// Writes a scene and its materials for another program.
@@ -53,11 +54,8 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     export::check_path(&args.out, args.to)?;
     let (scene, camera, size, warnings) = input(args)?;
     warn(&warnings);
-    let conversions: Vec<Conversion> = scene
-        .groups
-        .iter()
-        .map(|group| convert(&group.material, scene.brdf, args.to.lobe()))
-        .collect();
+    let geometry = Tracer::new(&scene).geometry(&camera, size.0, size.1);
+    let conversions = convert_all(&scene, &camera, &geometry, args.to.lobe());
     if !global.quiet {
         tell(&scene, &conversions);
     }
