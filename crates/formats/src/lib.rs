@@ -15,6 +15,7 @@ mod names;
 pub mod obj;
 pub mod picture;
 pub mod points;
+pub mod response_curve;
 pub mod scene_file;
 mod texels;
 

@@ -102,6 +102,7 @@ pub mod error;
 mod interrupt;
 pub mod job;
 mod output;
+mod photograph;
 mod progress;
 pub mod project;
 mod results;
