@@ -8,6 +8,7 @@
 //! [`recover`] is the whole of it. It touches no file, no clock and no terminal; the renderer is
 //! behind the small trait [`Renderer`], and whoever wants to follow gives an [`Observer`].
 
+pub mod correction;
 pub mod error;
 pub mod evidence;
 pub mod fit;
@@ -20,6 +21,7 @@ pub mod record;
 mod refine;
 pub mod rerender;
 
+pub use correction::{Corrected, Correction};
 pub use hypothesis::Hypothesis;
 pub use observation::{Observation, Picture};
 pub use problem::{

@@ -10,13 +10,14 @@ pub mod climb;
 pub mod effort;
 pub mod paper;
 
+use crate::correction::Corrected;
 use crate::error::Misfit;
 use crate::evidence::Stage;
 use crate::hypothesis::{self, Fit, Hypothesis};
 use crate::problem::{ExposureRule, Problem, RecoverError, Role};
 use crate::record::{Deviations, LightResult, Status, Trial, TurnRecord};
 use unrender_render::{Appearance, SeenRadiance};
-use unrender_scene::{Image, Material, Rgb};
+use unrender_scene::{Image, Material, Rgb, RgbImage};
 
 /// Where a recovery stands.
 pub(crate) struct State<'a> {
@@ -30,6 +31,7 @@ pub(crate) struct State<'a> {
     pub(crate) exposure: Rgb,
     pub(crate) exposure_std: Option<Rgb>,
     pub(crate) light_results: Vec<LightResult>,
+    pub(crate) corrected: Corrected,
     pub(crate) turns: Vec<TurnRecord>,
     /// The photograph's radiance where it shows diffuse surfaces.
     pub(crate) seen: Option<SeenRadiance>,
@@ -100,6 +102,8 @@ impl<'a> State<'a> {
             ExposureRule::Anchor { .. } => Rgb::ONE,
         };
         let lights = Vec::new();
+        let steps = vec![0.0; problem.corrections.len()];
+        let corrected = Corrected { steps, covariance: Vec::new() };
         Ok(Self {
             problem,
             materials,
@@ -108,6 +112,7 @@ impl<'a> State<'a> {
             exposure,
             exposure_std: None,
             light_results: Vec::new(),
+            corrected,
             turns: Vec::new(),
             seen: None,
         })
@@ -161,7 +166,9 @@ impl<'a> State<'a> {
             }
         }
         let exposure = self.exposure;
-        self.seen = Some(SeenRadiance { radiance: values.map(|v| exposure * *v), known });
+        let radiance = (0..width * height).map(|pixel| exposure * self.value(pixel)).collect();
+        let radiance = RgbImage::new(width, height, radiance);
+        self.seen = Some(SeenRadiance { radiance, known });
     }
 
     /// The groups to be recovered that the photograph shows.
