@@ -2,9 +2,10 @@
 
 use crate::project::{Project, ResponseChoice, VignettingChoice};
 use crate::{Error, camera_numbers};
-use unrender_formats::{FileError, picture::Picture, response_curve};
+use unrender_formats::picture::{Picture, Profile};
+use unrender_formats::{FileError, response_curve};
 use unrender_photo::vignetting::{DARKEST, Law};
-use unrender_photo::{Curve, Response, Transfer, Vignetting, choose_response};
+use unrender_photo::{Curve, Response, Transfer, Vignetting, choose_response, declared_response};
 use unrender_scene::{Camera, Warnings};
 
 /// The transfer function of `project`'s `picture`, which `camera` took; its exposure is the stated
@@ -14,7 +15,11 @@ pub(crate) fn transfer(
     picture: &Picture,
     camera: &Camera,
 ) -> Result<(Transfer, Warnings), Error> {
-    let (response, warnings) = choose_response(picture.depth, stated(project)?);
+    let profile = picture.profile.as_ref();
+    let asked = project.response == Some(ResponseChoice::Auto);
+    let declared = profile.filter(|_| !asked).and_then(declared_response);
+    let (response, mut warnings) = choose_response(picture.depth, stated(project)?, declared);
+    warnings.extend(told(profile));
     let size = (picture.values.width(), picture.values.height());
     let law = project.vignetting.map(|choice| match choice {
         VignettingChoice::Stated(law) => law,
@@ -27,9 +32,27 @@ pub(crate) fn transfer(
     let transfer = Transfer {
         black_level: project.black_level,
         vignetting,
+        srgb_from_file: profile.and_then(|profile| profile.srgb_from_file),
         ..Transfer::plain(response, project.exposure.or_one())
     };
     Ok((transfer, warnings))
+}
+
+/// What the user should know of the colours that the photograph declares.
+fn told(profile: Option<&Profile>) -> Warnings {
+    let mut warnings = Warnings::default();
+    match profile {
+        Some(Profile { understood: false, source, .. }) => warnings.push(format!(
+            "the photo has {source}, which is of a kind that is not understood: its colours were \
+             taken as those of sRGB"
+        )),
+        Some(Profile { srgb_from_file: Some(_), source, .. }) => warnings.push(format!(
+            "the photo's primaries are not those of sRGB, by {source}; its colours were converted \
+             to them"
+        )),
+        _ => {}
+    }
+    warnings
 }
 
 /// The response that the project states.
