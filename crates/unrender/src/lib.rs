@@ -104,6 +104,7 @@ pub mod job;
 mod output;
 mod progress;
 pub mod project;
+mod registration;
 mod results;
 pub mod score;
 
