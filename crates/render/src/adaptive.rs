@@ -103,7 +103,7 @@ mod tests {
     /// Path number `index` of a pixel: one in fifty brings 50, the others nothing; the mean is one.
     fn path(stream: u64, pixel: usize, index: u32) -> Rgb {
         let random = mix(mix(stream) ^ ((pixel as u64) << 32 | u64::from(index)));
-        Rgb::splat(if random % 50 == 0 { 50.0 } else { 0.0 })
+        Rgb::splat(if random.is_multiple_of(50) { 50.0 } else { 0.0 })
     }
 
     fn picture(stream: u64, samples: impl Fn(usize) -> Range<u32>) -> Tally {
