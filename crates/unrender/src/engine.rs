@@ -1,4 +1,4 @@
-//! The seam to the crates that do the work: the renderer and the recovery.
+//! The seam to the recovery.
 
 use crate::cli::warn;
 use crate::progress::Progress;
@@ -10,20 +10,8 @@ use unrender_recover::{
     ExposureRule, GroupSpec, LadderKind, Observation, Observer, Options, Picture, Problem,
     Recovery, Role, TurnRecord, View,
 };
-use unrender_render::{Settings, Tracer};
-use unrender_scene::{Camera, Rgb, RgbImage, Scene};
-
-/// Renders `scene` as `camera` sees it.
-pub(crate) fn render(
-    scene: &Scene,
-    camera: &Camera,
-    size: (usize, usize),
-    settings: &Settings,
-    progress: &Progress,
-) -> RgbImage {
-    let tracer = Tracer::new(scene);
-    tracer.render(&scene.materials(), camera, size, settings, &|share| progress.set(share)).mean
-}
+use unrender_render::Tracer;
+use unrender_scene::Rgb;
 
 /// A recovery and how long it took.
 pub(crate) struct Recovered {
