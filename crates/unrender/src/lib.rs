@@ -105,6 +105,7 @@ pub mod job;
 mod output;
 mod part;
 mod passes;
+mod photograph;
 mod progress;
 pub mod project;
 mod registration;
