@@ -41,7 +41,7 @@ impl Correction {
 impl State<'_> {
     /// The photograph's value at a pixel with the camera's numbers as they stand, before exposure.
     pub(crate) fn value(&self, pixel: usize) -> Rgb {
-        let value = self.problem.observation.picture.values.pixels()[pixel];
+        let value = self.observation.picture.values.pixels()[pixel];
         value + self.correction(pixel)
     }
 

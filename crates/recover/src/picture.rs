@@ -31,6 +31,7 @@ pub(crate) fn finish(
         lights: state.light_results,
         corrected: state.corrected,
         rerendered: RgbImage::new(geometry.width(), geometry.height(), mean),
+        trust: state.observation.trust,
         turns: state.turns,
         termination,
     }
@@ -60,7 +61,7 @@ fn render_twice(
 fn group_result(state: &State<'_>, group: usize, halves: &[Vec<Rgb>; 2]) -> GroupResult {
     let spec = &state.problem.groups[group];
     let standing = &state.standing[group];
-    let observation = state.problem.observation;
+    let observation = &state.observation;
     let believed = &observation.pixels_of_group[group];
     let emitter = spec.role == Role::Emitter;
     let note = standing.note.clone().or_else(|| match standing.status {
@@ -105,7 +106,7 @@ fn relative_error(state: &State<'_>, pixels: &[u32], halves: &[Vec<Rgb>; 2]) -> 
 
 /// The brushed direction at the middle one of the group's believed pixels, world space.
 fn direction(state: &State<'_>, group: usize) -> Option<Vec3> {
-    let believed = &state.problem.observation.pixels_of_group[group];
+    let believed = &state.observation.pixels_of_group[group];
     let middle = *believed.get(believed.len() / 2)?;
     let at = state.problem.renderer.geometry().pixels()[middle as usize];
     let front_normal = if at.front { at.normal } else { -at.normal };

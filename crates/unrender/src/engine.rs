@@ -1,7 +1,9 @@
-//! The seam to the crates that do the work: the renderer and the recovery.
+//! The seam to the recovery.
 
 use crate::camera_numbers::{self, Number};
+use crate::cli::warn;
 use crate::progress::Progress;
+use crate::registration::{self, Alignment, Laid};
 use crate::{Error, Job};
 use std::time::Instant;
 use unrender_formats::materials::PhotographEntry;
@@ -10,26 +12,16 @@ use unrender_recover::{
     Correction, ExposureRule, GroupSpec, LadderKind, Observation, Observer, Options, Picture,
     Problem, RecoverError, Recovery, Role, Thresholds, TurnRecord, View,
 };
-use unrender_render::{Settings, Tracer};
-use unrender_scene::{Camera, Material, Rgb, RgbImage, Scene};
-
-/// Renders `scene` as `camera` sees it.
-pub(crate) fn render(
-    scene: &Scene,
-    camera: &Camera,
-    size: (usize, usize),
-    settings: &Settings,
-    progress: &Progress,
-) -> RgbImage {
-    let tracer = Tracer::new(scene);
-    tracer.render(&scene.materials(), camera, size, settings, &|share| progress.set(share)).mean
-}
+use unrender_render::Tracer;
+use unrender_scene::{Material, Rgb};
 
 /// A recovery and how long it took.
 pub(crate) struct Recovered {
     pub(crate) recovery: Recovery,
     /// The numbers of the camera, where they were asked for.
     pub(crate) photograph: Option<PhotographEntry>,
+    /// How the model was found to lie on the photograph.
+    pub(crate) laid: Laid,
     pub(crate) seconds: f64,
 }
 
@@ -43,35 +35,39 @@ const ROUNDS_MAX: usize = 6;
 pub(crate) fn recover(
     job: &mut Job,
     options: &Options,
+    alignment: Alignment,
     progress: &Progress,
 ) -> Result<Recovered, Error> {
     let started = Instant::now();
+    let laid = registration::lay(job, &Tracer::new(&job.scene), alignment);
+    warn(&laid.warnings);
     let numbers = camera_numbers::asked(&job.project);
     if !numbers.is_empty() && options.refine && options.ladder == LadderKind::Default {
         // A texture explains whatever a wrong gamma does to a group.
         let thresholds = Thresholds { textured: f64::INFINITY, ..options.thresholds };
         let rough = Options { thresholds, spp: 1, ..options.clone() };
         for _ in 0..ROUNDS_MAX {
-            let (_, change) = recover_once(job, &numbers, &rough, progress)?;
+            let (_, change) = recover_once(job, &laid, &numbers, &rough, progress)?;
             if change < NEAR {
                 break;
             }
         }
     }
-    let (mut recovery, _) = recover_once(job, &numbers, options, progress)?;
+    let (mut recovery, _) = recover_once(job, &laid, &numbers, options, progress)?;
     if let Exposure::Fixed(exposure) = job.project.exposure {
         // The photograph was developed with it.
         recovery.exposure = exposure;
     }
     let photograph =
         (!numbers.is_empty()).then(|| camera_numbers::found(job, &numbers, &recovery.corrected));
-    Ok(Recovered { recovery, photograph, seconds: started.elapsed().as_secs_f64() })
+    Ok(Recovered { recovery, photograph, laid, seconds: started.elapsed().as_secs_f64() })
 }
 
 /// A recovery, after which the photograph is developed anew with `numbers` as they came out; and by
 /// what share that changed it.
 fn recover_once(
     job: &mut Job,
+    laid: &Laid,
     numbers: &[Number],
     options: &Options,
     progress: &Progress,
@@ -79,7 +75,7 @@ fn recover_once(
     let corrections = camera_numbers::corrections(job, numbers);
     let mut teller = Teller { progress, paper: options.ladder == LadderKind::Paper };
     let recover = |problem: &Problem<'_>| unrender_recover::recover(problem, options, &mut teller);
-    let recovery = with_problem(job, &corrections, recover)?;
+    let recovery = with_problem(job, laid, &corrections, recover)?;
     let change = if numbers.is_empty() {
         0.0
     } else {
@@ -88,15 +84,16 @@ fn recover_once(
     Ok((recovery, change))
 }
 
-/// What `solve` makes of the problem that `job` poses.
+/// What `solve` makes of the problem that `job` poses, its model laid as `laid` says.
 fn with_problem<T>(
     job: &Job,
+    laid: &Laid,
     corrections: &[Correction],
     solve: impl FnOnce(&Problem<'_>) -> Result<T, RecoverError>,
 ) -> Result<T, RecoverError> {
     let tracer = Tracer::new(&job.scene);
     let size = (job.photo.radiance.width(), job.photo.radiance.height());
-    let view = View::new(&tracer, &job.camera, size, job.scene.brdf);
+    let view = View::new(&tracer, &laid.camera, size, job.scene.brdf);
     let picture = Picture {
         values: job.photo.radiance.clone(),
         trusted: job.photo.trusted.clone(),
@@ -104,7 +101,7 @@ fn with_problem<T>(
     };
     let groups = job.scene.groups.len();
     let geometry = unrender_recover::Renderer::geometry(&view);
-    let observation = Observation::new(picture, geometry, groups);
+    let observation = Observation::with_margins(picture, geometry, &laid.margins, groups);
     solve(&Problem {
         observation: &observation,
         renderer: &view,

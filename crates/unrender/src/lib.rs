@@ -101,12 +101,16 @@ pub mod cli;
 pub mod commands;
 mod engine;
 pub mod error;
+mod fingerprint;
 mod interrupt;
 pub mod job;
 mod output;
+mod part;
+mod passes;
 mod photograph;
 mod progress;
 pub mod project;
+mod registration;
 mod results;
 pub mod score;
 

@@ -5,11 +5,13 @@
 
 mod exif;
 mod jpeg_end;
+mod panorama;
 mod profile;
 mod read;
 mod write;
 
 pub use exif::exif_focal_px;
+pub use panorama::read_environment;
 pub use profile::Profile;
 pub use read::{decode, read};
 pub use write::{write, write_exr, write_hdr, write_png_srgb};

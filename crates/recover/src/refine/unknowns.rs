@@ -157,7 +157,7 @@ impl Unknowns {
             }
         }
         let deviations = list.iter().map(|u| prior_deviation(state, u)).collect();
-        let values = &state.problem.observation.picture.values;
+        let values = &state.observation.picture.values;
         let relative = state.problem.corrections.iter().map(|c| c.relative(values)).collect();
         Self { list, parameters, columns, exposure_start: state.exposure, deviations, relative }
     }
