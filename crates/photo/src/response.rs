@@ -2,7 +2,7 @@
 
 use unrender_formats::picture::Depth;
 use unrender_scene::Warnings;
-use unrender_scene::color::linear_from_srgb;
+use unrender_scene::color::{linear_from_srgb, srgb_from_linear};
 
 /// How the camera or the program behind it encoded linear values, alike in all channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +23,15 @@ impl Response {
             Self::Srgb => linear_from_srgb(code.max(0.0)),
             Self::Linear => code,
             Self::Gamma(gamma) => code.max(0.0).powf(gamma),
+        }
+    }
+
+    /// The code value of a linear value; the inverse of [`Response::linear_from_code`].
+    pub fn code_from_linear(self, linear: f32) -> f32 {
+        match self {
+            Self::Srgb => srgb_from_linear(linear),
+            Self::Linear => linear,
+            Self::Gamma(gamma) => linear.max(0.0).powf(1.0 / gamma),
         }
     }
 

@@ -100,7 +100,7 @@ impl Tracer {
             let mut sum = DVec3::ZERO;
             let mut squares = DVec3::ZERO;
             for index in 0..settings.spp {
-                let mut sampler = Sampler::new(settings.seed ^ STREAM, u64::from(pixel), index);
+                let mut sampler = picture_sampler(settings.seed, pixel, index);
                 let ray = camera_ray(camera, size, pixel, &mut sampler);
                 let radiance = transport.radiance(&ray, &mut sampler, 0).as_dvec3();
                 sum += radiance;
@@ -115,8 +115,13 @@ impl Tracer {
     }
 }
 
+/// The numbers of the path number `index` through a pixel of a picture.
+pub fn picture_sampler(seed: u64, pixel: u32, index: u32) -> Sampler {
+    Sampler::new(seed ^ STREAM, u64::from(pixel), index)
+}
+
 /// A ray through a random point of a pixel: the picture's filter is the pixel itself.
-pub(crate) fn camera_ray(
+pub fn camera_ray(
     camera: &Camera,
     (width, height): (usize, usize),
     pixel: u32,

@@ -1,5 +1,6 @@
 //! The seam to the crates that do the work: the renderer and the recovery.
 
+use crate::edit::{Photograph, Restaging};
 use crate::progress::Progress;
 use crate::{Error, Job};
 use std::time::Instant;
@@ -9,7 +10,8 @@ use unrender_recover::{
     Recovery, Role, TurnRecord, View,
 };
 use unrender_render::{Settings, Tracer};
-use unrender_scene::{Camera, Rgb, RgbImage, Scene};
+use unrender_restage::pair::{Paired, Scenes};
+use unrender_scene::{Camera, Image, Rgb, RgbImage, Scene};
 
 /// Renders `scene` as `camera` sees it.
 pub(crate) fn render(
@@ -21,6 +23,22 @@ pub(crate) fn render(
 ) -> RgbImage {
     let tracer = Tracer::new(scene);
     tracer.render(&scene.materials(), camera, size, settings, &|share| progress.set(share)).mean
+}
+
+/// Renders the scene before and after its edits, as the photograph's camera sees them.
+pub(crate) fn pair(
+    restaging: &Restaging,
+    photograph: &Photograph,
+    settings: &Settings,
+    progress: &Progress,
+) -> Image<Paired> {
+    let scenes = Scenes {
+        before: &restaging.start.scene,
+        after: &restaging.after,
+        change: &restaging.change,
+    };
+    let (camera, size) = (&photograph.camera, photograph.size());
+    unrender_restage::pair::render(&scenes, camera, size, settings, &|share| progress.set(share))
 }
 
 /// A recovery and how long it took.

@@ -97,6 +97,7 @@
 
 pub mod cli;
 pub mod commands;
+pub mod edit;
 mod engine;
 pub mod error;
 mod interrupt;
@@ -114,4 +115,5 @@ pub use unrender_formats as formats;
 pub use unrender_photo as photo;
 pub use unrender_recover as recover;
 pub use unrender_render as render;
+pub use unrender_restage as restage;
 pub use unrender_scene as scene;

@@ -10,7 +10,7 @@ mod write;
 
 pub use exif::exif_focal_px;
 pub use read::{decode, read};
-pub use write::{write, write_exr, write_hdr, write_png_srgb};
+pub use write::{write, write_exr, write_hdr, write_png_codes, write_png_srgb};
 
 use unrender_scene::{Image, Rgb};
 

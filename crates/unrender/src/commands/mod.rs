@@ -3,4 +3,5 @@
 pub mod calibrate;
 pub mod recover;
 pub mod render;
+pub mod restage;
 pub mod score;

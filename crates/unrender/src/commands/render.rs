@@ -81,7 +81,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
 }
 
 /// The picture's width and height; what is not asked for follows from the camera's aspect.
-fn size(
+pub(crate) fn size(
     width: Option<usize>,
     height: Option<usize>,
     camera: &Camera,

@@ -4,6 +4,7 @@ mod calibration;
 mod error_picture;
 mod materials_file;
 mod report;
+pub(crate) mod restaged;
 mod run_file;
 mod scale_bar;
 mod summary;
