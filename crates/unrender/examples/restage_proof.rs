@@ -1,0 +1,179 @@
+//! How near restaged pictures come to the truth: prints the figures of `docs/restage.md`.
+//!
+//! ```text
+//! cargo run --release --example restage_proof -- composite EDIT.toml TRUTH.json SPP
+//! cargo run --release --example restage_proof -- view EDIT.toml TRUTH.json SPP
+//! ```
+//!
+//! Both do the edits of `EDIT.toml` twice: to the scene in its recovered materials, and to the scene
+//! in those of `TRUTH.json`. `composite` puts the change into the photograph and compares with the
+//! true picture, rendered with 4 SPP other paths a pixel, over the pixels that the edit touches.
+//! `view` renders both scenes as the edits' camera sees them, under the same seed, and compares group
+//! by group: all pixels whose surface the photograph shows too.
+
+use glam::Vec3;
+use std::error::Error;
+use std::path::PathBuf;
+use unrender::edit::{Flag, Photograph, Restaging, Sheet};
+use unrender::photo::clipping;
+use unrender::render::{NOTHING, PixelGeometry, Settings, Tracer};
+use unrender::restage::composite::{self, Gain};
+use unrender::restage::pair::{self, Paired, Scenes};
+use unrender::restage::touched;
+use unrender::scene::{Image, Rgb, RgbImage};
+
+type Fallible<T> = Result<T, Box<dyn Error>>;
+
+fn main() -> Fallible<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [what, edits, truth, spp] = arguments.as_slice() else {
+        return Err("usage: restage_proof composite|view EDIT.toml TRUTH.json SPP".into());
+    };
+    let edits = PathBuf::from(edits);
+    let recovered = Restaging::load(&[Sheet::read(&edits)?])?;
+    let truth = Sheet::of_flag(Flag::Materials, truth)?;
+    let truth = Restaging::load(&[Sheet::read(&edits)?, truth])?;
+    let settings = Settings { spp: spp.parse()?, ..Settings::default() };
+    match what.as_str() {
+        "composite" => composite(&recovered, &truth, &settings),
+        "view" => view(&recovered, &truth, &settings),
+        _ => Err("what is it to be, composite or view?".into()),
+    }
+}
+
+/// Renders the scene after its edits.
+fn render(restaging: &Restaging, settings: &Settings) -> Fallible<RgbImage> {
+    let photograph = photograph(restaging)?;
+    let camera = &restaging.view.cameras()[0];
+    let materials = restaging.after.materials();
+    let tracer = Tracer::new(&restaging.after);
+    Ok(tracer.render(&materials, camera, photograph.size(), settings, &|_| ()).mean)
+}
+
+fn photograph(restaging: &Restaging) -> Fallible<&Photograph> {
+    Ok(restaging.start.photograph.as_ref().ok_or("the edits name no project")?)
+}
+
+fn composite(recovered: &Restaging, truth: &Restaging, settings: &Settings) -> Fallible<()> {
+    let photograph = photograph(recovered)?;
+    let (width, height) = photograph.size();
+    let scenes = Scenes {
+        before: &recovered.start.scene,
+        after: &recovered.after,
+        change: &recovered.change,
+    };
+    let camera = &photograph.camera;
+    let paired = pair::render(&scenes, camera, (width, height), settings, &|_| ());
+    let true_settings = Settings { spp: 4 * settings.spp, seed: settings.seed + 1, ..*settings };
+    let truth = render(truth, &true_settings)?;
+    let geometry = Tracer::new(scenes.before).geometry(camera, width, height);
+    let touched = touched::touched(&paired, &geometry, &photograph.photo.quantum);
+    let mut clipped = geometry.map(|_| false);
+    for index in clipping::clipped_pixels(&photograph.picture) {
+        clipped.pixels_mut()[index] = true;
+    }
+    let seen = composite::Photograph {
+        radiance: &photograph.photo.radiance,
+        clipped: &clipped,
+        geometry: &geometry,
+        materials: &scenes.before.materials(),
+    };
+    let count = touched.pixels().iter().filter(|t| **t).count();
+    println!("{count} of {} pixels touched", width * height);
+    println!("{:<12} touched   kept surfaces  new surfaces", "PSNR, dB");
+    for gain in [Gain::Auto, Gain::Difference, Gain::Ratio] {
+        let made = composite::composite(&seen, &paired, &touched, gain);
+        let over = |part: &dyn Fn(&Paired) -> bool| {
+            let counts = |i: usize| touched.pixels()[i] && part(&paired.pixels()[i]);
+            psnr(photograph, &made, &truth, &counts)
+        };
+        println!(
+            "{:<12} {:7.2}   {:13.2}  {:12.2}",
+            format!("{gain:?}"),
+            over(&|_| true),
+            over(&|p| p.replaced == 0.0),
+            over(&|p| p.replaced > 0.0)
+        );
+    }
+    let plain = psnr(photograph, &paired.map(|p| p.after), &truth, &|i| touched.pixels()[i]);
+    println!("{:<12} {plain:7.2}", "synthetic");
+    let nothing = &photograph.photo.radiance;
+    let plain = psnr(photograph, nothing, &truth, &|i| touched.pixels()[i]);
+    println!("{:<12} {plain:7.2}", "photograph");
+    let rest = psnr(photograph, nothing, &truth, &|i| !touched.pixels()[i]);
+    println!("photograph against the truth where nothing is touched: {rest:.2}");
+    Ok(())
+}
+
+/// The peak signal-to-noise ratio in codes of the photograph, over the pixels that `counts`.
+fn psnr(
+    photograph: &Photograph,
+    made: &RgbImage,
+    truth: &RgbImage,
+    counts: &dyn Fn(usize) -> bool,
+) -> f64 {
+    let code = |radiance: Rgb| {
+        let linear = (radiance / photograph.exposure).to_array();
+        Rgb::from_array(linear.map(|v| photograph.response.code_from_linear(v).clamp(0.0, 1.0)))
+    };
+    let (mut squares, mut count) = (0.0, 0.0);
+    for index in (0..made.pixels().len()).filter(|&index| counts(index)) {
+        let error = code(made.pixels()[index]) - code(truth.pixels()[index]);
+        squares += f64::from(error.length_squared());
+        count += 3.0;
+    }
+    -10.0 * (squares / count).log10()
+}
+
+fn view(recovered: &Restaging, truth: &Restaging, settings: &Settings) -> Fallible<()> {
+    let photograph = photograph(recovered)?;
+    let (width, height) = photograph.size();
+    let (made, real) = (render(recovered, settings)?, render(truth, settings)?);
+    let camera = &recovered.view.cameras()[0];
+    let geometry = Tracer::new(&recovered.after).geometry(camera, width, height);
+    let before = Tracer::new(&recovered.start.scene);
+    let shown = before.geometry(&photograph.camera, width, height);
+    let seen = Image::from_fn(width, height, |x, y| {
+        let pixel = geometry.at(x, y);
+        let direction = camera.direction(x as f32 + 0.5, y as f32 + 0.5, width, height);
+        let point = camera.origin() + pixel.depth * direction;
+        pixel.group != NOTHING && is_seen(photograph, &shown, pixel, point)
+    });
+    println!("{:<14} pixels  seen     mean |error|  mean error", "group");
+    for (index, group) in recovered.after.groups.iter().enumerate() {
+        let of_group = |i: &usize| geometry.pixels()[*i].group as usize == index;
+        let pixels: Vec<usize> = (0..made.pixels().len()).filter(of_group).collect();
+        let counted: Vec<usize> = pixels.iter().copied().filter(|&i| seen.pixels()[i]).collect();
+        if counted.is_empty() || group.is_emitter() {
+            continue;
+        }
+        let sum = |f: &dyn Fn(usize) -> Vec3| {
+            counted.iter().map(|&i| f64::from(f(i).element_sum())).sum::<f64>()
+        };
+        let (made, real) = (made.pixels(), real.pixels());
+        let level = sum(&|i| real[i]);
+        println!(
+            "{:<14} {:6}  {:6}  {:10.2} %  {:8.2} %",
+            group.name,
+            pixels.len(),
+            counted.len(),
+            100.0 * sum(&|i| (made[i] - real[i]).abs()) / level,
+            100.0 * sum(&|i| made[i] - real[i]) / level
+        );
+    }
+    Ok(())
+}
+
+/// Whether the photograph shows the point of a pixel of the new view.
+fn is_seen(
+    photograph: &Photograph,
+    shown: &Image<PixelGeometry>,
+    pixel: &PixelGeometry,
+    point: Vec3,
+) -> bool {
+    let (width, height) = photograph.size();
+    let Some((x, y)) = photograph.camera.project(point, width, height) else { return false };
+    let there = shown.at(x as usize, y as usize);
+    let distance = (point - photograph.camera.origin()).length();
+    there.group == pixel.group && (there.depth / distance - 1.0).abs() < 0.02
+}
