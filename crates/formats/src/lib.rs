@@ -14,6 +14,7 @@ pub mod materials;
 mod names;
 pub mod obj;
 pub mod picture;
+pub mod planes;
 pub mod points;
 pub mod scene_file;
 mod texels;

@@ -1,6 +1,5 @@
-//! The seam to the crates that do the work: the renderer and the recovery.
+//! The seam to the recovery.
 
-use crate::edit::{Photograph, Restaging};
 use crate::progress::Progress;
 use crate::{Error, Job};
 use std::time::Instant;
@@ -9,37 +8,8 @@ use unrender_recover::{
     ExposureRule, GroupSpec, LadderKind, Observation, Observer, Options, Picture, Problem,
     Recovery, Role, TurnRecord, View,
 };
-use unrender_render::{Settings, Tracer};
-use unrender_restage::pair::{Paired, Scenes};
-use unrender_scene::{Camera, Image, Rgb, RgbImage, Scene};
-
-/// Renders `scene` as `camera` sees it.
-pub(crate) fn render(
-    scene: &Scene,
-    camera: &Camera,
-    size: (usize, usize),
-    settings: &Settings,
-    progress: &Progress,
-) -> RgbImage {
-    let tracer = Tracer::new(scene);
-    tracer.render(&scene.materials(), camera, size, settings, &|share| progress.set(share)).mean
-}
-
-/// Renders the scene before and after its edits, as the photograph's camera sees them.
-pub(crate) fn pair(
-    restaging: &Restaging,
-    photograph: &Photograph,
-    settings: &Settings,
-    progress: &Progress,
-) -> Image<Paired> {
-    let scenes = Scenes {
-        before: &restaging.start.scene,
-        after: &restaging.after,
-        change: &restaging.change,
-    };
-    let (camera, size) = (&photograph.camera, photograph.size());
-    unrender_restage::pair::render(&scenes, camera, size, settings, &|share| progress.set(share))
-}
+use unrender_render::Tracer;
+use unrender_scene::Rgb;
 
 /// A recovery and how long it took.
 pub(crate) struct Recovered {

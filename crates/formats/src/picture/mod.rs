@@ -5,10 +5,12 @@
 
 mod exif;
 mod jpeg_end;
+mod panorama;
 mod read;
 mod write;
 
 pub use exif::exif_focal_px;
+pub use panorama::read_environment;
 pub use read::{decode, read};
 pub use write::{write, write_exr, write_hdr, write_png_codes, write_png_srgb};
 
