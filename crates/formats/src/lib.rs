@@ -16,6 +16,7 @@ pub mod obj;
 pub mod picture;
 pub mod planes;
 pub mod points;
+pub mod response_curve;
 pub mod scene_file;
 mod texels;
 

@@ -10,14 +10,15 @@
 //! there has been replaced.
 
 use crate::edit::Change;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use unrender_render::accel::Ray;
 use unrender_render::film::{camera_ray, picture_sampler};
 use unrender_render::path::Transport;
 use unrender_render::surface::Surface;
-use unrender_render::{Settings, Tracer};
+use unrender_render::{Moments, Settings, Tracer};
 use unrender_scene::{Camera, Image, Material, Rgb, RgbImage, Scene};
 
 /// What one pixel is, before and after.
@@ -29,7 +30,7 @@ pub struct Paired {
     pub after: Rgb,
     /// The part of `after - before` that comes by paths which see the same surface.
     pub kept_change: Rgb,
-    /// Variance of `after - before`.
+    /// Variance of `kept_change`: where nothing is replaced, that of `after - before`.
     pub change_variance: Rgb,
     /// Variance of `before`.
     pub before_variance: Rgb,
@@ -73,13 +74,21 @@ pub fn render(
         after: Side::new(&after, &after_materials, settings),
         origin: &scenes.change.origin,
         repainted: repainted(scenes),
+        new_surroundings: scenes.before.environment != scenes.after.environment,
+        camera,
+        size: (width, height),
+        settings,
     };
     let pixels: Vec<u32> = (0..(width * height) as u32).collect();
     let done = AtomicUsize::new(0);
     let paired = pixels
         .par_chunks(CHUNK)
         .flat_map_iter(|chunk| {
-            let of_pixel = |&pixel: &u32| pair.pixel(camera, (width, height), pixel, settings);
+            let of_pixel = |&pixel: &u32| {
+                let mut sums = Sums::default();
+                pair.add(pixel, 0..settings.spp, &mut sums);
+                sums.paired()
+            };
             let part: Vec<Paired> = chunk.iter().map(of_pixel).collect();
             let so_far = done.fetch_add(chunk.len(), Ordering::Relaxed) + chunk.len();
             progress(so_far as f64 / pixels.len() as f64);
@@ -105,6 +114,10 @@ struct Pair<'a> {
     after: Side<'a>,
     origin: &'a [Option<usize>],
     repainted: Vec<bool>,
+    new_surroundings: bool,
+    camera: &'a Camera,
+    size: (usize, usize),
+    settings: &'a Settings,
 }
 
 /// What a path sees: an object and a point of it.
@@ -143,28 +156,23 @@ impl<'a> Side<'a> {
 }
 
 impl Pair<'_> {
-    fn pixel(
-        &self,
-        camera: &Camera,
-        size: (usize, usize),
-        pixel: u32,
-        settings: &Settings,
-    ) -> Paired {
-        let mut sums = Sums::default();
-        for index in 0..settings.spp {
-            let mut sampler = picture_sampler(settings.seed, pixel, index);
-            let ray = camera_ray(camera, size, pixel, &mut sampler);
+    /// Adds the paths of the numbers `samples` to those of a pixel.
+    fn add(&self, pixel: u32, samples: Range<u32>, sums: &mut Sums) {
+        for index in samples {
+            let mut sampler = picture_sampler(self.settings.seed, pixel, index);
+            let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
             let mut again = sampler;
             let (before, was) = self.before.look(&ray, &mut sampler);
             let (after, is) = self.after.look(&ray, &mut again);
-            sums.add(before, after, self.compare(was, is));
+            sums.push(before, after, self.compare(was, is));
         }
-        sums.paired(f64::from(settings.spp.max(1)))
     }
 
     /// Whether what is seen was replaced, and whether it was uncovered.
     fn compare(&self, was: Shown, is: Shown) -> (bool, bool) {
-        let Some((object, group, point)) = is else { return (was.is_some(), was.is_some()) };
+        let Some((object, group, point)) = is else {
+            return (was.is_some() || self.new_surroundings, was.is_some());
+        };
         let Some(origin) = self.origin[object as usize] else { return (true, false) };
         if self.repainted[group as usize] {
             return (true, false);
@@ -174,49 +182,51 @@ impl Pair<'_> {
     }
 }
 
-/// The sums over a pixel's paths.
-#[derive(Default)]
-struct Sums {
-    before: [DVec3; 2],
-    after: [DVec3; 2],
-    change: [DVec3; 2],
-    kept_change: DVec3,
-    replaced: u32,
-    uncovered: u32,
+/// The sums over a pixel's paths, in whole numbers: paths that are added up in any order, in any
+/// parts, give the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sums {
+    /// Radiance before the edits.
+    pub before: Moments,
+    /// Radiance after.
+    pub after: Moments,
+    /// What the paths that see the same surface as before bring more than before.
+    pub lighter: Moments,
+    /// What they bring less.
+    pub darker: Moments,
+    /// One, in the first channel, for each path that sees something else; in the second for each
+    /// that sees what was uncovered.
+    pub shown: Moments,
 }
 
 impl Sums {
-    fn add(&mut self, before: Rgb, after: Rgb, (replaced, uncovered): (bool, bool)) {
-        let (before, after) = (before.as_dvec3(), after.as_dvec3());
-        let change = after - before;
-        for (sums, value) in
-            [(&mut self.before, before), (&mut self.after, after), (&mut self.change, change)]
-        {
-            sums[0] += value;
-            sums[1] += value * value;
-        }
-        if !replaced {
-            self.kept_change += change;
-        }
-        self.replaced += u32::from(replaced);
-        self.uncovered += u32::from(uncovered);
+    fn push(&mut self, before: Rgb, after: Rgb, (replaced, uncovered): (bool, bool)) {
+        self.before.push(before);
+        self.after.push(after);
+        let change = if replaced { Rgb::ZERO } else { after - before };
+        self.lighter.push(change.max(Rgb::ZERO));
+        self.darker.push((-change).max(Rgb::ZERO));
+        let one = |is: bool| f32::from(u8::from(is));
+        self.shown.push(Rgb::new(one(replaced), one(uncovered), 0.0));
     }
 
-    fn paired(&self, n: f64) -> Paired {
-        let mean = |sums: &[DVec3; 2]| (sums[0] / n).as_vec3();
-        let variance = |sums: &[DVec3; 2]| {
-            let mean = sums[0] / n;
-            ((sums[1] / n - mean * mean).max(DVec3::ZERO) / (n - 1.0).max(1.0)).as_vec3()
-        };
+    /// What they say of the pixel.
+    pub fn paired(&self) -> Paired {
+        let (lighter, darker) = (self.lighter.mean(), self.darker.mean());
+        let shown = self.shown.mean();
+        let n = (self.lighter.count as f32 - 1.0).max(1.0);
         Paired {
-            before: mean(&self.before),
-            after: mean(&self.after),
-            kept_change: (self.kept_change / n).as_vec3(),
-            change_variance: variance(&self.change),
-            before_variance: variance(&self.before),
-            after_variance: variance(&self.after),
-            replaced: (f64::from(self.replaced) / n) as f32,
-            uncovered: (f64::from(self.uncovered) / n) as f32,
+            before: self.before.mean(),
+            after: self.after.mean(),
+            kept_change: lighter - darker,
+            // A channel of a path is lighter or darker, so their product is nothing.
+            change_variance: self.lighter.variance()
+                + self.darker.variance()
+                + 2.0 * lighter * darker / n,
+            before_variance: self.before.variance(),
+            after_variance: self.after.variance(),
+            replaced: shown.x,
+            uncovered: shown.y,
         }
     }
 }

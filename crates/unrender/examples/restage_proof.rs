@@ -14,12 +14,10 @@
 use glam::Vec3;
 use std::error::Error;
 use std::path::PathBuf;
-use unrender::edit::{Flag, Photograph, Restaging, Sheet};
-use unrender::photo::clipping;
+use unrender::edit::{Composite, Flag, Photograph, Restaging, Sheet};
 use unrender::render::{NOTHING, PixelGeometry, Settings, Tracer};
-use unrender::restage::composite::{self, Gain};
-use unrender::restage::pair::{self, Paired, Scenes};
-use unrender::restage::touched;
+use unrender::restage::composite::Gain;
+use unrender::restage::pair::{self, Paired};
 use unrender::scene::{Image, Rgb, RgbImage};
 
 type Fallible<T> = Result<T, Box<dyn Error>>;
@@ -56,33 +54,18 @@ fn photograph(restaging: &Restaging) -> Fallible<&Photograph> {
 
 fn composite(recovered: &Restaging, truth: &Restaging, settings: &Settings) -> Fallible<()> {
     let photograph = photograph(recovered)?;
-    let (width, height) = photograph.size();
-    let scenes = Scenes {
-        before: &recovered.start.scene,
-        after: &recovered.after,
-        change: &recovered.change,
-    };
-    let camera = &photograph.camera;
-    let paired = pair::render(&scenes, camera, (width, height), settings, &|_| ());
+    let size = photograph.size();
+    let scenes = recovered.scenes();
+    let paired = pair::render(&scenes, &photograph.camera, size, settings, &|_| ());
     let true_settings = Settings { spp: 4 * settings.spp, seed: settings.seed + 1, ..*settings };
     let truth = render(truth, &true_settings)?;
-    let geometry = Tracer::new(scenes.before).geometry(camera, width, height);
-    let touched = touched::touched(&paired, &geometry, &photograph.photo.quantum);
-    let mut clipped = geometry.map(|_| false);
-    for index in clipping::clipped_pixels(&photograph.picture) {
-        clipped.pixels_mut()[index] = true;
-    }
-    let seen = composite::Photograph {
-        radiance: &photograph.photo.radiance,
-        clipped: &clipped,
-        geometry: &geometry,
-        materials: &scenes.before.materials(),
-    };
+    let made = |gain| Composite::new(recovered, photograph, paired.clone(), gain, None);
+    let touched = made(Gain::Auto).touched;
     let count = touched.pixels().iter().filter(|t| **t).count();
-    println!("{count} of {} pixels touched", width * height);
+    println!("{count} of {} pixels touched", size.0 * size.1);
     println!("{:<12} touched   kept surfaces  new surfaces", "PSNR, dB");
     for gain in [Gain::Auto, Gain::Difference, Gain::Ratio] {
-        let made = composite::composite(&seen, &paired, &touched, gain);
+        let made = made(gain).radiance;
         let over = |part: &dyn Fn(&Paired) -> bool| {
             let counts = |i: usize| touched.pixels()[i] && part(&paired.pixels()[i]);
             psnr(photograph, &made, &truth, &counts)
@@ -112,13 +95,12 @@ fn psnr(
     truth: &RgbImage,
     counts: &dyn Fn(usize) -> bool,
 ) -> f64 {
-    let code = |radiance: Rgb| {
-        let linear = (radiance / photograph.exposure).to_array();
-        Rgb::from_array(linear.map(|v| photograph.response.code_from_linear(v).clamp(0.0, 1.0)))
-    };
+    let codes =
+        |radiance| photograph.transfer.codes(radiance).map(|c| c.clamp(Rgb::ZERO, Rgb::ONE));
+    let (made, truth) = (codes(made), codes(truth));
     let (mut squares, mut count) = (0.0, 0.0);
     for index in (0..made.pixels().len()).filter(|&index| counts(index)) {
-        let error = code(made.pixels()[index]) - code(truth.pixels()[index]);
+        let error = made.pixels()[index] - truth.pixels()[index];
         squares += f64::from(error.length_squared());
         count += 3.0;
     }

@@ -106,6 +106,7 @@ pub mod job;
 mod output;
 mod part;
 mod passes;
+mod photograph;
 mod progress;
 pub mod project;
 mod results;

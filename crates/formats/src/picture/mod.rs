@@ -51,6 +51,11 @@ pub struct Picture {
 }
 
 impl Picture {
+    /// A picture of finite code values.
+    pub fn new(values: Image<Rgb>, depth: Depth) -> Self {
+        Self { values, depth, invalid: Vec::new() }
+    }
+
     /// The picture as linear values, where integer files are taken as sRGB and floating-point
     /// files as linear already.
     pub fn to_linear(&self) -> Image<Rgb> {

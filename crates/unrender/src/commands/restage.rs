@@ -2,14 +2,16 @@
 
 use super::render::size;
 use crate::cli::{Global, warn};
-use crate::edit::{Flag, Photograph, Restaging, Sheet, View};
+use crate::edit::{Composite, Flag, Photograph, Restaging, Sheet, View};
 use crate::progress::Progress;
-use crate::results::restaged::{self, Composite};
-use crate::{Error, engine, interrupt, output};
+use crate::results::restaged;
+use crate::{Error, interrupt, output};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_render::Settings;
 use unrender_render::path::MAX_BOUNCES;
+use unrender_restage::composite::Gain;
+use unrender_restage::pair;
 use unrender_scene::Warnings;
 
 /// Renders a recovered scene with edits, or puts them into its photograph.
@@ -146,10 +148,12 @@ fn composite(
     settings: &Settings,
 ) -> Result<usize, Error> {
     let progress = Progress::new("restage", global.quiet);
-    let paired = engine::pair(restaging, photograph, settings, &progress);
+    let (camera, size) = (&photograph.camera, photograph.size());
+    let told = |share: f64| progress.set(share);
+    let paired = pair::render(&restaging.scenes(), camera, size, settings, &told);
     drop(progress);
     let grain = args.grain.then_some(args.seed);
-    let composite = Composite::new(restaging, photograph, paired, grain);
+    let composite = Composite::new(restaging, photograph, paired, Gain::Auto, grain);
     let _until_written = interrupt::writing();
     Ok(restaged::write_composite(&composite, photograph, &args.out)?)
 }

@@ -4,17 +4,20 @@
 //! `start` reads the scene and the photograph that the edits are made to, and `understand` turns
 //! what is written into edits of `unrender-restage`.
 
+mod composite;
 mod raw;
 mod sheet;
 mod start;
 mod understand;
 mod view;
 
+pub use composite::Composite;
 pub use sheet::{Flag, Sheet};
 pub use start::{Photograph, Start};
 pub use view::View;
 
 use crate::Error;
+use unrender_restage::pair::Scenes;
 use unrender_restage::{Change, Edit};
 use unrender_scene::{Scene, Warnings};
 
@@ -34,6 +37,11 @@ pub struct Restaging {
 }
 
 impl Restaging {
+    /// Both scenes, to be rendered together.
+    pub fn scenes(&self) -> Scenes<'_> {
+        Scenes { before: &self.start.scene, after: &self.after, change: &self.change }
+    }
+
     /// Reads what `sheets` name, and does their edits.
     ///
     /// # Errors

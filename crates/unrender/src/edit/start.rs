@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use toml::Spanned;
 use unrender_formats::picture::{self, Picture};
 use unrender_formats::{FileError, materials};
-use unrender_photo::{Exposure, Photo, Response};
+use unrender_photo::{Exposure, Photo, Transfer};
 use unrender_scene::{Camera, Rgb, Scene, Warnings};
 
 /// The scene before the edits.
@@ -27,10 +27,8 @@ pub struct Photograph {
     pub picture: Picture,
     /// The photograph as radiance.
     pub photo: Photo,
-    /// How it was encoded.
-    pub response: Response,
-    /// Scene radiance of a linear pixel value of one.
-    pub exposure: Rgb,
+    /// What turns radiance into its code values, and back.
+    pub transfer: Transfer,
     /// The camera.
     pub camera: Camera,
 }
@@ -97,28 +95,24 @@ impl Start {
 
     fn of_project(path: &Path, materials: Option<&Path>) -> Result<(Self, Warnings), Error> {
         let (project, warnings) = Project::read(path)?;
-        let Job { mut scene, camera, mut photo, project, mut warnings, .. } =
+        let Job { mut scene, camera, mut photo, mut transfer, project, mut warnings, .. } =
             Job::load(project, warnings)?;
         let mut found = None;
         if let Some(materials) = materials {
             warnings.extend(materials::apply_from(materials, &mut scene)?);
             found = materials::read(materials)?.exposure.map(Rgb::from_array);
         }
-        let (picture, _) = picture::read(&project.photo)?;
-        let (response, _) = unrender_photo::choose_response(picture.depth, project.response);
-        let exposure = match project.exposure {
-            Exposure::Fixed(exposure) => exposure,
-            Exposure::Auto => {
-                let found = found.ok_or_else(|| {
-                    FileError::new(path, "exposure is \"auto\"; name the recovery that found it")
-                })?;
-                for values in [&mut photo.radiance, &mut photo.quantum] {
-                    values.pixels_mut().iter_mut().for_each(|value| *value *= found);
-                }
-                found
+        if project.exposure == Exposure::Auto {
+            let found = found.ok_or_else(|| {
+                FileError::new(path, "exposure is \"auto\"; name the recovery that found it")
+            })?;
+            for values in [&mut photo.radiance, &mut photo.quantum] {
+                values.pixels_mut().iter_mut().for_each(|value| *value *= found);
             }
-        };
-        let photograph = Photograph { picture, photo, response, exposure, camera };
+            transfer.exposure = found;
+        }
+        let (picture, _) = picture::read(&project.photo)?;
+        let photograph = Photograph { picture, photo, transfer, camera };
         Ok((Self { scene, path: project.scene, photograph: Some(photograph) }, warnings))
     }
 }
