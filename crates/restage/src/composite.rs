@@ -1,16 +1,18 @@
 //! The change put into the photograph.
 //!
 //! With `P` the photograph's radiance, `B` and `A` the renderings before and after, `r` the share of
-//! the pixel that shows something else than before, and `K` the part of `A - B` that comes by paths
-//! which see the same surface, a touched pixel becomes
+//! the pixel that shows something else than before, `K` the part of `A - B` that comes by paths which
+//! see the same surface, and `D` the change that is believed (module [`crate::touched`]: `K`, or its
+//! mean over the face), a touched pixel becomes
 //!
 //! ```text
-//! C = A + (1 - r) (P - B) + (g - 1) K
+//! C = (A - K) + (1 - r) (P - B) + g D
 //! ```
 //!
-//! Where the same surface is seen, `r = 0` and `C = P + g (A - B)`. With `g = 1` this is differential
+//! Where the same surface is seen, `r = 0`, `A - K = B`, and `C = P + g D`. With `g = 1` this is differential
 //! rendering [Fournier et al. 1993; Debevec 1998]: what the model does not explain, `P - B`, stays as
-//! it is. With `g = P/B` it is the ratio, `C = P A/B`: what the model does not explain is taken for
+//! it is. With `g = P/B` and `D = A - B` it is the
+//! ratio, `C = P A/B`: what the model does not explain is taken for
 //! reflectance, and is shaded like it. Where something new is seen, `r = 1` and `C = A`: the
 //! photograph knows nothing of it.
 //!
@@ -52,19 +54,17 @@ pub struct Photograph<'a> {
     pub materials: &'a [Material],
 }
 
-/// The photograph with the change in it; pixels that are not `touched` keep their radiance to the
-/// bit.
+/// The photograph with the change in it; pixels without a change in `touched` keep their radiance
+/// to the bit.
 pub fn composite(
     photograph: &Photograph<'_>,
     paired: &Image<Paired>,
-    touched: &Image<bool>,
+    touched: &Image<Option<Rgb>>,
     gain: Gain,
 ) -> RgbImage {
     let pixel = |index: usize| {
         let seen = photograph.radiance.pixels()[index];
-        if !touched.pixels()[index] {
-            return seen;
-        }
+        let Some(change) = touched.pixels()[index] else { return seen };
         let pixel = &paired.pixels()[index];
         let clipped = photograph.clipped.pixels()[index];
         // What is cut off was at least as bright as the model says.
@@ -79,7 +79,7 @@ pub fn composite(
             Gain::Auto => ratio(seen, pixel.before, pixel.before_variance, GAIN_MAX),
         };
         let unexplained = (1.0 - pixel.replaced) * (seen - pixel.before);
-        (pixel.after + unexplained + (gain - 1.0) * pixel.kept_change).max(Rgb::ZERO)
+        (pixel.after - pixel.kept_change + unexplained + gain * change).max(Rgb::ZERO)
     };
     let (width, height) = (paired.width(), paired.height());
     Image::from_fn(width, height, |x, y| pixel(y * width + x))

@@ -34,7 +34,7 @@ impl Composite {
         let scene = &restaging.start.scene;
         let (width, height) = photograph.size();
         let geometry = Tracer::new(scene).geometry(&photograph.camera, width, height);
-        let touched = touched::touched(&paired, &geometry, &photograph.photo.quantum);
+        let changes = touched::touched(&paired, &geometry, &photograph.photo.quantum);
         let mut clipped = geometry.map(|_| false);
         let response = &photograph.transfer.response;
         for index in clipping::clipped_pixels(&photograph.picture, response) {
@@ -46,11 +46,12 @@ impl Composite {
             geometry: &geometry,
             materials: &scene.materials(),
         };
-        let mut radiance = composite::composite(&seen, &paired, &touched, gain);
+        let mut radiance = composite::composite(&seen, &paired, &changes, gain);
         if let Some(seed) = grain {
             let shot = shot(photograph, &geometry, scene.groups.len());
             grain::add(&mut radiance, &paired, shot, seed);
         }
+        let touched = changes.map(Option::is_some);
         Self { paired, touched, radiance }
     }
 
