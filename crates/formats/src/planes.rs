@@ -70,7 +70,7 @@ pub fn write(
     atomic::write(path, bytes.get_ref())
 }
 
-/// Reads what [`write`] has written.
+/// Reads what [`write()`] has written.
 ///
 /// # Errors
 /// If the file is missing, cut short, corrupt or of another kind.

@@ -90,3 +90,53 @@ impl Tracer {
         Shares::by_noise(&pilot)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampler::mix;
+    use glam::DVec3;
+    use unrender_scene::Rgb;
+
+    const SIDE: usize = 16;
+
+    /// Path number `index` of a pixel: one in fifty brings 50, the others nothing; the mean is one.
+    fn path(stream: u64, pixel: usize, index: u32) -> Rgb {
+        let random = mix(mix(stream) ^ ((pixel as u64) << 32 | u64::from(index)));
+        Rgb::splat(if random.is_multiple_of(50) { 50.0 } else { 0.0 })
+    }
+
+    fn picture(stream: u64, samples: impl Fn(usize) -> Range<u32>) -> Tally {
+        let mut tally = Tally::new(SIDE, SIDE);
+        for (pixel, moments) in tally.moments.pixels_mut().iter_mut().enumerate() {
+            samples(pixel).for_each(|index| moments.push(path(stream, pixel, index)));
+        }
+        tally
+    }
+
+    /// Mean and deviation of the mean over many pictures whose pilots have the paths that
+    /// `pilot_of` says.
+    fn mean_of_many(pilot_of: impl Fn(u64) -> u64) -> (f64, f64) {
+        let means: Vec<f64> = (0..10_000)
+            .map(|seed| {
+                let shares = Shares::by_noise(&picture(pilot_of(seed), |_| 0..PILOT));
+                let picture = picture(2 * seed, |pixel| shares.samples(pixel, 0..24)).mean();
+                let sum: DVec3 = picture.pixels().iter().map(|rgb| rgb.as_dvec3()).sum();
+                sum.x / (SIDE * SIDE) as f64
+            })
+            .collect();
+        let n = means.len() as f64;
+        let mean = means.iter().sum::<f64>() / n;
+        let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        (mean, (variance / n).sqrt())
+    }
+
+    #[test]
+    fn a_pilot_of_its_own_biases_nothing_where_one_among_the_paths_would() {
+        let (mean, deviation) = mean_of_many(|seed| 2 * seed + 1);
+        assert!((mean - 1.0).abs() < 4.5 * deviation, "{mean} +- {deviation}");
+        assert!(deviation < 1.5e-3);
+        let (mean, deviation) = mean_of_many(|seed| 2 * seed);
+        assert!(mean < 1.0 - 6.0 * deviation, "paths that decide on themselves: {mean}");
+    }
+}

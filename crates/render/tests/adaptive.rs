@@ -45,11 +45,14 @@ fn a_known_mean_is_met_without_bias() {
     // Many pictures of few paths each, whose pilots are as noisy as can be: with 200 x 400 pixels a
     // bias of half a percent would show.
     let stage = room();
-    let pictures: Vec<DVec3> = (0..200)
-        .map(|seed| Estimate::of_film(&rendered(&stage, seed, 6, true).film()).mean)
-        .collect();
     let expected = Estimate::exactly(EMISSION / (Rgb::ONE - RHO));
-    assert_agree("adaptive", Estimate::of_samples(&pictures), expected, 1.2e-3);
+    assert_agree("adaptive", mean_of_many(&stage, 200, 6, true), expected, 1.2e-3);
+}
+
+/// The mean over a number of pictures, with the deviation that these show.
+fn mean_of_many(stage: &Stage, pictures: u64, spp: u32, adaptive: bool) -> Estimate {
+    let mean = |seed| Estimate::of_film(&rendered(stage, seed, spp, adaptive).film()).mean;
+    Estimate::of_samples(&(0..pictures).map(mean).collect::<Vec<DVec3>>())
 }
 
 /// The room with a black hole before half of it, where nothing is noisy.

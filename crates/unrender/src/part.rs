@@ -127,7 +127,7 @@ pub(crate) fn read(path: &Path) -> Result<Part, Error> {
     }
     let count = head.samples.end.checked_sub(head.samples.start);
     let told = |m: &Moments| head.identity.adaptive || Some(m.count) == count;
-    if !moments.iter().all(told) {
+    if count.is_none() || !moments.iter().all(told) {
         return Err(foreign("its pixels do not have the samples that it describes").into());
     }
     let tally = Tally::from_moments(Image::new(planes.width, planes.height, moments));

@@ -21,6 +21,8 @@ use unrender_scene::{Camera, Material, Scene};
 const PASS: Duration = Duration::from_secs(2);
 /// The first number of samples a pixel at which the noise is looked at.
 const FIRST_CHECK: u32 = 16;
+/// The time between two lines about the noise.
+const BETWEEN_LINES: Duration = Duration::from_secs(2);
 /// The time between two savings of the checkpoint.
 const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(60);
 
@@ -64,6 +66,8 @@ struct Run<'a> {
     started: Instant,
     /// What a sample of all pixels takes, by the last pass, seconds.
     sample_seconds: Option<f64>,
+    /// When the noise was told last.
+    told: Instant,
     /// The number of samples at which the noise should be low enough, by the last check.
     expected_end: Option<f64>,
     rendered: Rendered,
@@ -81,8 +85,17 @@ pub(crate) fn run(job: &Job<'_>, goal: &Goal, progress: &Progress) -> Result<Ren
     let shares = job.identity.adaptive.then(pilot);
     let (started, mut saved) = (Instant::now(), Instant::now());
     let (sample_seconds, expected_end) = (None, None);
-    let mut run =
-        Run { job, goal, tracer, shares, started, sample_seconds, expected_end, rendered };
+    let mut run = Run {
+        job,
+        goal,
+        tracer,
+        shares,
+        started,
+        told: started,
+        sample_seconds,
+        expected_end,
+        rendered,
+    };
     let pausable = goal.checkpoint.as_ref().map(|_| Pausable::new());
     while !run.is_done(progress) {
         let Some(end) = run.end_of_pass() else { break };
@@ -110,10 +123,10 @@ impl Run<'_> {
         let Some(limit) = self.goal.noise.filter(|_| is_check(end)) else { return false };
         let noise = self.rendered.tally.noise();
         self.expected_end = Some(f64::from(end) * (noise / limit).powi(2));
-        progress.say(
-            format!("{end} samples a pixel, relative standard error {:.3} %", 100.0 * noise),
-            self.share(end),
-        );
+        if self.told.elapsed() >= BETWEEN_LINES {
+            self.told = Instant::now();
+            progress.say(in_words(end, &self.rendered.tally), self.share(end));
+        }
         noise <= limit
     }
 
@@ -162,6 +175,16 @@ impl Run<'_> {
         let elapsed = self.started.elapsed().as_secs_f64();
         let of_time = self.goal.time.map_or(0.0, |time| elapsed / time.as_secs_f64());
         of_samples.max(of_time).min(1.0)
+    }
+}
+
+/// How far a picture is whose samples are numbered up to `end`.
+pub(crate) fn in_words(end: u32, tally: &Tally) -> String {
+    match tally.noise() {
+        noise if noise.is_finite() => {
+            format!("{end} samples a pixel, relative standard error {:.3} %", 100.0 * noise)
+        }
+        _ => format!("{end} sample(s) a pixel"),
     }
 }
 

@@ -126,10 +126,43 @@ fn unknown_groups_are_named() {
 }
 
 #[test]
+fn panoramas_that_cannot_be_used_are_named() {
+    let folder = Folder::new("panorama");
+    let corners = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let bytes: Vec<u8> = corners.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+    folder.write("triangle.bin", bytes);
+    let (scene, out) = (folder.write("s.gltf", TRIANGLE), folder.path("a.exr"));
+    let render = |panorama: &Path, scale: &str| {
+        let scale = format!("--environment-scale={scale}");
+        let size = "--height=4";
+        unrender(&[&"render", &scene, &size, &"--environment", &panorama, &scale, &"--out", &out])
+    };
+    assert_error(&render(&folder.path("no.hdr"), "1"), "no.hdr: cannot be read");
+    let text = folder.write("text.hdr", "no picture");
+    assert_error(&render(&text, "1"), "text.hdr: is not a PNG, JPEG, TIFF, EXR or HDR file");
+    let sky = folder.path("sky.exr");
+    picture::write(&sky, &Image::from_fn(4, 2, |_, _| Rgb::splat(9.0))).unwrap();
+    assert_error(&render(&sky, "1e38"), "sky.exr: pixel 0 of the panorama is negative or not");
+    assert!(!out.exists());
+    let lit = render(&sky, "0.5");
+    assert!(lit.status.success() && lit.stderr.is_empty());
+    // Its upper left corner shows the sky, which is half as bright as in the file.
+    assert_eq!(*picture::read(&out).unwrap().0.values.at(0, 0), Rgb::splat(4.5));
+}
+
+#[test]
 fn usage_errors_have_exit_code_two() {
-    for arguments in
-        [&["render"][..], &["polish"], &["recover", "a.toml", "--out", "o", "--spp", "0"]]
-    {
+    for arguments in [
+        &["render"][..],
+        &["polish"],
+        &["recover", "a.toml", "--out", "o", "--spp", "0"],
+        &["render", "s.glb", "--out", "a.exr", "--samples", "3..3"],
+        &["render", "s.glb", "--out", "a.exr", "--samples", "0..3", "--spp", "3"],
+        &["render", "s.glb", "--out", "a.exr", "--noise", "0"],
+        &["render", "s.glb", "--out", "a.exr", "--time", "-1"],
+        &["render", "s.glb", "--out", "a.exr", "--environment-rotation", "90"],
+        &["merge", "--out", "a.exr"],
+    ] {
         let arguments: Vec<&dyn AsRef<std::ffi::OsStr>> =
             arguments.iter().map(|a| a as &dyn AsRef<std::ffi::OsStr>).collect();
         assert_eq!(unrender(&arguments).status.code(), Some(2));

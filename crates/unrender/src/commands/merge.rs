@@ -2,7 +2,7 @@
 
 use crate::cli::{Global, warn};
 use crate::part::{self, Part};
-use crate::{Error, interrupt, output};
+use crate::{Error, interrupt, output, passes};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_formats::FileError;
@@ -71,8 +71,8 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     warn(&warnings);
     let tally = sum.map_or_else(|| Tally::new(0, 0), |part| part.tally);
     if !global.quiet {
-        let noise = 100.0 * tally.noise();
-        eprintln!("samples up to {end} a pixel, relative standard error {noise:.3} %");
+        let count = ranges.iter().map(|(samples, _)| samples.end - samples.start).sum();
+        eprintln!("{}", passes::in_words(count, &tally));
     }
     let _until_written = interrupt::writing();
     output::write_picture(&args.out, &tally)?;

@@ -116,8 +116,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         return Ok(ExitCode::SUCCESS);
     }
     if (goal.time.is_some() || goal.noise.is_some()) && !global.quiet {
-        let (end, noise) = (samples.end, 100.0 * tally.noise());
-        eprintln!("{end} samples a pixel, relative standard error {noise:.3} %");
+        eprintln!("{}", passes::in_words(samples.end, &tally));
     }
     output::write_picture(&args.out, &tally)?;
     Ok(ExitCode::SUCCESS)
