@@ -1,5 +1,6 @@
 //! Edits, and what becomes of a scene by them.
 
+use crate::environment::{self, Surround};
 use crate::insert::{self, Insert};
 use crate::light::{self, LightEdit};
 use crate::remove::{self, Remove};
@@ -16,6 +17,8 @@ pub enum Edit {
     Repaint(Repaint),
     /// A light is changed, added or removed.
     Light(LightEdit),
+    /// Another panorama surrounds the scene.
+    Surround(Surround),
     /// An object is added.
     Insert(Insert),
 }
@@ -82,6 +85,7 @@ pub fn apply(scene: &mut Scene, edits: &[Edit]) -> Result<Change, EditError> {
             Edit::Remove(remove) => remove::apply(remove, &mut stage),
             Edit::Repaint(repaint) => repaint::apply(repaint, &mut stage),
             Edit::Light(light) => light::apply(light, &mut stage),
+            Edit::Surround(surround) => environment::apply(surround, &mut stage),
             Edit::Insert(insert) => insert::apply(insert, &mut stage),
         };
         done.map_err(|problem| EditError { edit: index, problem })?;

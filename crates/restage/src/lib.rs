@@ -12,6 +12,7 @@
 pub mod camera;
 pub mod composite;
 pub mod edit;
+pub mod environment;
 pub mod grain;
 pub mod insert;
 pub mod light;

@@ -12,13 +12,15 @@
 use crate::edit::Change;
 use glam::Vec3;
 use rayon::prelude::*;
+use rayon::slice::ChunksMut;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use unrender_render::accel::Ray;
+use unrender_render::adaptive::{self, Shares};
 use unrender_render::film::{camera_ray, picture_sampler};
 use unrender_render::path::Transport;
 use unrender_render::surface::Surface;
-use unrender_render::{Moments, Settings, Tracer};
+use unrender_render::{Moments, Settings, Tally, Tracer};
 use unrender_scene::{Camera, Image, Material, Rgb, RgbImage, Scene};
 
 /// What one pixel is, before and after.
@@ -53,10 +55,136 @@ pub struct Scenes<'a> {
     pub change: &'a Change,
 }
 
+/// The sums that a pairing keeps of every pixel, each in a tally of its own: the radiance after and
+/// before; what the paths that see the same surface as before bring more than before, and less; and
+/// one, in the first channel, for each path that sees something else, in the second for each that
+/// sees what was uncovered.
+pub const LAYERS: [&str; 5] = ["after", "before", "lighter", "darker", "shown"];
+
 /// Pixels that one task renders before it reports progress.
 const CHUNK: usize = 128;
 /// Mirrors in a row that are looked through at most.
 const MIRRORS_MAX: usize = 16;
+
+/// Both scenes, ready to be rendered together.
+#[derive(Debug)]
+pub struct Pairing<'a> {
+    scenes: Scenes<'a>,
+    before: (Tracer, Vec<Material>),
+    after: (Tracer, Vec<Material>),
+    camera: &'a Camera,
+    settings: Settings,
+}
+
+impl<'a> Pairing<'a> {
+    /// Prepares both scenes, as `camera` sees them; `settings.spp` does not count.
+    pub fn new(scenes: Scenes<'a>, camera: &'a Camera, settings: Settings) -> Self {
+        let side = |scene: &Scene| (Tracer::new(scene), scene.materials());
+        let (before, after) = (side(scenes.before), side(scenes.after));
+        Self { scenes, before, after, camera, settings }
+    }
+
+    /// Adds to `layers`, whose size is the picture's, the paths whose numbers `samples` gives for
+    /// each pixel, by its index. However the paths are cut into calls, the sums have the same bits.
+    /// `progress` hears the share done, 0 to 1, from any thread.
+    ///
+    /// # Panics
+    /// If there is not one tally for each of [`LAYERS`].
+    pub fn accumulate(
+        &self,
+        samples: &(dyn Fn(usize) -> Range<u32> + Sync),
+        layers: &mut [Tally],
+        progress: &(dyn Fn(f64) + Sync),
+    ) {
+        let [after, before, lighter, darker, shown] = layers else {
+            panic!("a pairing has {} layers", LAYERS.len());
+        };
+        let size = after.size();
+        let pair = self.pair(size);
+        let done = AtomicUsize::new(0);
+        (chunks(after), chunks(before), chunks(lighter), chunks(darker), chunks(shown))
+            .into_par_iter()
+            .enumerate()
+            .for_each(|(chunk, (after, before, lighter, darker, shown))| {
+                for offset in 0..after.len() {
+                    let pixel = chunk * CHUNK + offset;
+                    let mut sums = Sums {
+                        after: &mut after[offset],
+                        before: &mut before[offset],
+                        lighter: &mut lighter[offset],
+                        darker: &mut darker[offset],
+                        shown: &mut shown[offset],
+                    };
+                    pair.add(pixel as u32, samples(pixel), &mut sums);
+                }
+                let so_far = done.fetch_add(after.len(), Ordering::Relaxed) + after.len();
+                progress(so_far as f64 / (size.0 * size.1) as f64);
+            });
+    }
+
+    /// Renders a pilot of a picture of `size` and says how many paths each pixel should get, by the
+    /// noise of what goes into a composite: the change, or where something new is seen the radiance.
+    pub fn shares(&self, (width, height): (usize, usize)) -> Shares {
+        let settings = Settings { seed: adaptive::pilot_seed(self.settings.seed), ..self.settings };
+        let pilot = Self::new(self.scenes, self.camera, settings);
+        let mut layers = LAYERS.map(|_| Tally::new(width, height));
+        pilot.accumulate(&|_| 0..adaptive::PILOT, &mut layers, &|_| ());
+        let moments = |index: usize| {
+            let of = |layer: usize| layers[layer].moments().pixels()[index];
+            // Each path counts twice then, as lighter and as darker; in all pixels alike.
+            let mut change = of(2);
+            change.add(&of(3));
+            if of(4).sum[0] > 0 { of(0) } else { change }
+        };
+        let moments = (0..width * height).map(moments).collect();
+        Shares::by_noise(&Tally::from_moments(Image::new(width, height, moments)))
+    }
+
+    fn pair(&self, size: (usize, usize)) -> Pair<'_> {
+        Pair {
+            before: Side::new(&self.before, &self.settings),
+            after: Side::new(&self.after, &self.settings),
+            origin: &self.scenes.change.origin,
+            repainted: repainted(&self.scenes),
+            new_surroundings: self.scenes.before.environment != self.scenes.after.environment,
+            camera: self.camera,
+            size,
+            settings: &self.settings,
+        }
+    }
+}
+
+fn chunks(tally: &mut Tally) -> ChunksMut<'_, Moments> {
+    tally.moments_mut().pixels_mut().par_chunks_mut(CHUNK)
+}
+
+/// What the sums in `layers`, one tally for each of [`LAYERS`], say of every pixel.
+///
+/// # Panics
+/// If tallies are missing.
+pub fn paired(layers: &[Tally]) -> Image<Paired> {
+    let (width, height) = layers[0].size();
+    let of_pixel = |index: usize| {
+        let of = |layer: usize| layers[layer].moments().pixels()[index];
+        let (after, before, lighter, darker) = (of(0), of(1), of(2), of(3));
+        let shown = of(4).mean();
+        let n = (lighter.count as f32 - 1.0).max(1.0);
+        Paired {
+            before: before.mean(),
+            after: after.mean(),
+            kept_change: lighter.mean() - darker.mean(),
+            // A channel of a path is lighter or darker, so their product is nothing.
+            change_variance: lighter.variance()
+                + darker.variance()
+                + 2.0 * lighter.mean() * darker.mean() / n,
+            before_variance: before.variance(),
+            after_variance: after.variance(),
+            replaced: shown.x,
+            uncovered: shown.y,
+        }
+    };
+    Image::new(width, height, (0..width * height).map(of_pixel).collect())
+}
 
 /// Renders both scenes as `camera` sees them in `width` x `height` pixels. `progress` hears the
 /// share done, 0 to 1, from any thread.
@@ -67,35 +195,10 @@ pub fn render(
     settings: &Settings,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Image<Paired> {
-    let (before, after) = (Tracer::new(scenes.before), Tracer::new(scenes.after));
-    let (before_materials, after_materials) = (scenes.before.materials(), scenes.after.materials());
-    let pair = Pair {
-        before: Side::new(&before, &before_materials, settings),
-        after: Side::new(&after, &after_materials, settings),
-        origin: &scenes.change.origin,
-        repainted: repainted(scenes),
-        new_surroundings: scenes.before.environment != scenes.after.environment,
-        camera,
-        size: (width, height),
-        settings,
-    };
-    let pixels: Vec<u32> = (0..(width * height) as u32).collect();
-    let done = AtomicUsize::new(0);
-    let paired = pixels
-        .par_chunks(CHUNK)
-        .flat_map_iter(|chunk| {
-            let of_pixel = |&pixel: &u32| {
-                let mut sums = Sums::default();
-                pair.add(pixel, 0..settings.spp, &mut sums);
-                sums.paired()
-            };
-            let part: Vec<Paired> = chunk.iter().map(of_pixel).collect();
-            let so_far = done.fetch_add(chunk.len(), Ordering::Relaxed) + chunk.len();
-            progress(so_far as f64 / pixels.len() as f64);
-            part
-        })
-        .collect();
-    Image::new(width, height, paired)
+    let mut layers = LAYERS.map(|_| Tally::new(width, height));
+    let pairing = Pairing::new(*scenes, camera, *settings);
+    pairing.accumulate(&|_| 0..settings.spp, &mut layers, progress);
+    paired(&layers)
 }
 
 /// For each group of the old scene: whether it reflects or emits differently after.
@@ -124,7 +227,7 @@ struct Pair<'a> {
 type Shown = Option<(u32, u32, Vec3)>;
 
 impl<'a> Side<'a> {
-    fn new(tracer: &'a Tracer, materials: &'a [Material], settings: &Settings) -> Self {
+    fn new((tracer, materials): &'a (Tracer, Vec<Material>), settings: &Settings) -> Self {
         let transport = Transport::new(tracer, materials.into(), settings.max_bounces);
         Self { transport, materials }
     }
@@ -157,7 +260,7 @@ impl<'a> Side<'a> {
 
 impl Pair<'_> {
     /// Adds the paths of the numbers `samples` to those of a pixel.
-    fn add(&self, pixel: u32, samples: Range<u32>, sums: &mut Sums) {
+    fn add(&self, pixel: u32, samples: Range<u32>, sums: &mut Sums<'_>) {
         for index in samples {
             let mut sampler = picture_sampler(self.settings.seed, pixel, index);
             let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
@@ -182,24 +285,16 @@ impl Pair<'_> {
     }
 }
 
-/// The sums over a pixel's paths, in whole numbers: paths that are added up in any order, in any
-/// parts, give the same.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Sums {
-    /// Radiance before the edits.
-    pub before: Moments,
-    /// Radiance after.
-    pub after: Moments,
-    /// What the paths that see the same surface as before bring more than before.
-    pub lighter: Moments,
-    /// What they bring less.
-    pub darker: Moments,
-    /// One, in the first channel, for each path that sees something else; in the second for each
-    /// that sees what was uncovered.
-    pub shown: Moments,
+/// The sums over a pixel's paths.
+struct Sums<'a> {
+    after: &'a mut Moments,
+    before: &'a mut Moments,
+    lighter: &'a mut Moments,
+    darker: &'a mut Moments,
+    shown: &'a mut Moments,
 }
 
-impl Sums {
+impl Sums<'_> {
     fn push(&mut self, before: Rgb, after: Rgb, (replaced, uncovered): (bool, bool)) {
         self.before.push(before);
         self.after.push(after);
@@ -208,26 +303,6 @@ impl Sums {
         self.darker.push((-change).max(Rgb::ZERO));
         let one = |is: bool| f32::from(u8::from(is));
         self.shown.push(Rgb::new(one(replaced), one(uncovered), 0.0));
-    }
-
-    /// What they say of the pixel.
-    pub fn paired(&self) -> Paired {
-        let (lighter, darker) = (self.lighter.mean(), self.darker.mean());
-        let shown = self.shown.mean();
-        let n = (self.lighter.count as f32 - 1.0).max(1.0);
-        Paired {
-            before: self.before.mean(),
-            after: self.after.mean(),
-            kept_change: lighter - darker,
-            // A channel of a path is lighter or darker, so their product is nothing.
-            change_variance: self.lighter.variance()
-                + self.darker.variance()
-                + 2.0 * lighter * darker / n,
-            before_variance: self.before.variance(),
-            after_variance: self.after.variance(),
-            replaced: shown.x,
-            uncovered: shown.y,
-        }
     }
 }
 

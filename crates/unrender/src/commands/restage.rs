@@ -1,18 +1,22 @@
 //! `unrender restage`: new pictures of a recovered scene, and the change put into the photograph.
 
+use super::effort::{self, Effort};
 use super::render::size;
 use crate::cli::{Global, warn};
 use crate::edit::{Composite, Flag, Photograph, Restaging, Sheet, View};
+use crate::part::{self, Identity};
+use crate::passes::{self, Job, Picture};
 use crate::progress::Progress;
 use crate::results::restaged;
 use crate::{Error, interrupt, output};
+use std::fmt::Debug;
+use std::ops::{ControlFlow, Range};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use unrender_render::Settings;
-use unrender_render::path::MAX_BOUNCES;
+use unrender_render::Tally;
 use unrender_restage::composite::Gain;
-use unrender_restage::pair;
-use unrender_scene::Warnings;
+use unrender_restage::pair::{self, Pairing};
+use unrender_scene::{Camera, Warnings};
 
 /// Renders a recovered scene with edits, or puts them into its photograph.
 #[derive(Debug, clap::Args)]
@@ -56,6 +60,9 @@ pub struct Args {
     /// Change, move, add or remove a light: 'NAME: scale = 0.5'.
     #[arg(long, value_name = "EDIT")]
     pub light: Vec<String>,
+    /// Light the scene by a panorama from all around: 'FILE.hdr: rotation_deg = 90'.
+    #[arg(long, value_name = "EDIT")]
+    pub environment: Option<String>,
     /// Put a model into the scene: 'FILE: on = "GROUP", at = [x, z]'.
     #[arg(long, value_name = "EDIT")]
     pub insert: Vec<String>,
@@ -68,15 +75,17 @@ pub struct Args {
     /// Rows [default: the photograph's].
     #[arg(long, value_name = "N", conflicts_with = "composite")]
     pub height: Option<usize>,
-    /// Samples a pixel.
-    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
-    pub spp: u32,
-    /// Chooses the noise; the same seed gives the same bits.
-    #[arg(long, default_value_t = 0)]
-    pub seed: u64,
-    /// The most reflections of a path [default: until it carries nothing more].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    pub bounces: Option<u32>,
+    /// Of a sequence, render the pictures A up to B alone, B not included, counted from 1.
+    #[arg(long, value_name = "A..B", value_parser = effort::range)]
+    #[arg(conflicts_with_all = ["composite", "samples", "checkpoint", "parts"])]
+    pub frames: Option<Range<u32>>,
+    /// Take the samples of these parts, which --samples made, instead of rendering.
+    #[arg(long, value_name = "PART.exr", num_args = 1..)]
+    #[arg(conflicts_with_all = ["spp", "time", "noise", "adaptive", "samples", "checkpoint"])]
+    pub parts: Vec<PathBuf>,
+    /// How much is rendered.
+    #[command(flatten)]
+    pub effort: Effort,
 }
 
 /// Runs the command.
@@ -88,18 +97,10 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let photograph = photograph(args, &restaging)?;
     output::prepare_folder(&args.out)?;
     warn(&restaging.warnings);
-    let max_bounces = args.bounces.unwrap_or(MAX_BOUNCES);
-    let settings = Settings { spp: args.spp, seed: args.seed, max_bounces };
-    let bad = match photograph {
-        Some(photograph) => composite(args, global, &restaging, photograph, &settings)?,
-        None => synthetic(args, global, &restaging, &settings)?,
-    };
-    if bad > 0 {
-        let mut warnings = Warnings::default();
-        warnings.push(format!("{bad} value(s) were not finite numbers and were written as zero"));
-        warn(&warnings);
+    match photograph {
+        Some(photograph) => composite(args, global, &restaging, photograph),
+        None => synthetic(args, global, &restaging),
     }
-    Ok(ExitCode::SUCCESS)
 }
 
 /// The edit file, and behind it the flags.
@@ -113,6 +114,7 @@ fn sheets(args: &Args) -> Result<Vec<Sheet>, Error> {
         (Flag::Remove, &args.remove),
         (Flag::Repaint, &args.repaint),
         (Flag::Light, &args.light),
+        (Flag::Environment, args.environment.as_slice()),
         (Flag::Insert, &args.insert),
         (Flag::Camera, args.camera.as_slice()),
     ];
@@ -145,41 +147,107 @@ fn composite(
     global: &Global,
     restaging: &Restaging,
     photograph: &Photograph,
-    settings: &Settings,
-) -> Result<usize, Error> {
-    let progress = Progress::new("restage", global.quiet);
+) -> Result<ExitCode, Error> {
     let (camera, size) = (&photograph.camera, photograph.size());
-    let told = |share: f64| progress.set(share);
-    let paired = pair::render(&restaging.scenes(), camera, size, settings, &told);
-    drop(progress);
-    let grain = args.grain.then_some(args.seed);
+    let scenes = restaging.scenes();
+    let pairing = Pairing::new(scenes, camera, args.effort.settings());
+    let identity = identity(args, &scenes, camera, size);
+    let job = Job { subject: &pairing, identity };
+    let layers = match samples(args, global, &job)? {
+        ControlFlow::Continue(layers) => layers,
+        ControlFlow::Break(code) => return Ok(code),
+    };
+    let grain = args.grain.then_some(args.effort.seed);
+    let paired = pair::paired(&layers);
     let composite = Composite::new(restaging, photograph, paired, Gain::Auto, grain);
     let _until_written = interrupt::writing();
-    Ok(restaged::write_composite(&composite, photograph, &args.out)?)
+    tell(restaged::write_composite(&composite, photograph, &args.out)?);
+    Ok(ExitCode::SUCCESS)
 }
 
-fn synthetic(
-    args: &Args,
-    global: &Global,
-    restaging: &Restaging,
-    settings: &Settings,
-) -> Result<usize, Error> {
+fn synthetic(args: &Args, global: &Global, restaging: &Restaging) -> Result<ExitCode, Error> {
     let photograph = restaging.start.photograph.as_ref();
     let cameras = restaging.view.cameras();
-    let progress = Progress::new("restage", global.quiet);
-    let tracer = unrender_render::Tracer::new(&restaging.after);
-    let materials = restaging.after.materials();
-    let mut bad = 0;
-    for (index, camera) in cameras.iter().enumerate() {
+    let is_sequence = cameras.len() > 1;
+    if is_sequence && (args.effort.samples.is_some() || args.effort.checkpoint.is_some()) {
+        return Err(Error::Request(
+            "--samples and --checkpoint are for one picture; a sequence is split by --frames"
+                .into(),
+        ));
+    }
+    let all = 1..cameras.len() as u32 + 1;
+    let frames = args.frames.clone().unwrap_or(all.clone());
+    if frames.start < all.start || frames.end > all.end {
+        return Err(Error::Request(format!(
+            "--frames {}..{}: there are the pictures {}..{}",
+            frames.start, frames.end, all.start, all.end
+        )));
+    }
+    for frame in frames {
+        let camera = &cameras[frame as usize - 1];
         let size = match (args.width, args.height, photograph) {
             (None, None, Some(photograph)) => photograph.size(),
             (width, height, _) => size(width, height, camera)?,
         };
-        let told = |share: f64| progress.set((index as f64 + share) / cameras.len() as f64);
-        let rendered = tracer.render(&materials, camera, size, settings, &told).mean;
-        let number = (cameras.len() > 1).then_some(index + 1);
+        let subject = Picture::new(&restaging.after, camera, args.effort.settings());
+        let identity = identity(args, &restaging.after, camera, size);
+        let layers = match samples(args, global, &Job { subject: &subject, identity })? {
+            ControlFlow::Continue(layers) => layers,
+            ControlFlow::Break(code) => return Ok(code),
+        };
+        let number = is_sequence.then_some(frame as usize);
         let _until_written = interrupt::writing();
-        bad += restaged::write_synthetic(&rendered, photograph, &args.out, number)?;
+        tell(restaged::write_synthetic(&layers[0].mean(), photograph, &args.out, number)?);
     }
-    Ok(bad)
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What is rendered; with fingerprints too where parts are compared with it.
+fn identity(args: &Args, scene: &impl Debug, camera: &Camera, size: (usize, usize)) -> Identity {
+    let identity = args.effort.identity(scene, camera, size);
+    if args.parts.is_empty() { identity } else { identity.with_fingerprints(scene, camera) }
+}
+
+/// The sums of all samples: rendered, or those of the parts. Or the exit code, if this run was to
+/// make a part, or was interrupted.
+fn samples(
+    args: &Args,
+    global: &Global,
+    job: &Job<'_>,
+) -> Result<ControlFlow<ExitCode, Vec<Tally>>, Error> {
+    if !args.parts.is_empty() {
+        let (part, warnings) = part::join(&args.parts, false)?;
+        warn(&warnings);
+        passes::check(job, &part.head).map_err(|problem| {
+            Error::Request(format!(
+                "{}: is a part of another picture: {problem}",
+                part.path.display()
+            ))
+        })?;
+        return Ok(ControlFlow::Continue(part.layers));
+    }
+    let progress = Progress::new("restage", global.quiet);
+    let rendered = passes::run(job, &args.effort.goal(), &progress)?;
+    drop(progress);
+    if rendered.interrupted {
+        return Ok(ControlFlow::Break(rendered.goodbye()));
+    }
+    if let Some(samples) = &args.effort.samples {
+        let name = format!("part_{}_{}.exr", samples.start, samples.end);
+        let _until_written = interrupt::writing();
+        part::write(&args.out.join(name), &rendered.head(job), &rendered.layers)?;
+        return Ok(ControlFlow::Break(ExitCode::SUCCESS));
+    }
+    if args.effort.is_open() && !global.quiet {
+        eprintln!("{}", passes::in_words(rendered.samples.end, &rendered.layers[0]));
+    }
+    Ok(ControlFlow::Continue(rendered.layers))
+}
+
+fn tell(bad: usize) {
+    if bad > 0 {
+        let mut warnings = Warnings::default();
+        warnings.push(format!("{bad} value(s) were not finite numbers and were written as zero"));
+        warn(&warnings);
+    }
 }

@@ -16,6 +16,7 @@ pub(super) struct RawEdits {
     pub(super) scene: Option<Spanned<PathBuf>>,
     pub(super) materials: Option<Spanned<PathBuf>>,
     pub(super) camera: Option<Spanned<Value>>,
+    pub(super) environment: Option<Spanned<RawEnvironment>>,
     #[serde(default)]
     pub(super) remove: Vec<Spanned<RawRemove>>,
     #[serde(default)]
@@ -88,6 +89,16 @@ pub(super) enum Kind {
     Point,
     Spot,
     Directional,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawEnvironment {
+    pub(super) file: Option<PathBuf>,
+    #[serde(default)]
+    pub(super) remove: bool,
+    pub(super) rotation_deg: Option<Finite>,
+    pub(super) scale: Option<Positive>,
 }
 
 #[derive(Debug, Deserialize)]

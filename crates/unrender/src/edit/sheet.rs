@@ -29,6 +29,8 @@ pub enum Flag {
     Light,
     /// `--insert 'FILE: on = "floor", at = [0, 1]'`
     Insert,
+    /// `--environment 'FILE: rotation_deg = 90'`
+    Environment,
     /// `--camera NAME`
     Camera,
     /// `--recovered DIR`
@@ -49,6 +51,7 @@ impl Flag {
             Self::Repaint => ("--repaint", "repaint = [{ group = ", "}]"),
             Self::Light => ("--light", "lights = [{ name = ", "}]"),
             Self::Insert => ("--insert", "insert = [{ file = ", "}]"),
+            Self::Environment => ("--environment", "environment = { file = ", "}"),
             Self::Camera => ("--camera", "camera = ", ""),
             Self::Recovered => ("--recovered", "recovered = ", ""),
             Self::Project => ("--project", "project = ", ""),
@@ -59,7 +62,7 @@ impl Flag {
 
     /// Whether more may follow behind the name and a colon.
     fn has_body(self) -> bool {
-        matches!(self, Self::Repaint | Self::Light | Self::Insert)
+        matches!(self, Self::Repaint | Self::Light | Self::Insert | Self::Environment)
     }
 }
 

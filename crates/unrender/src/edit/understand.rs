@@ -1,13 +1,16 @@
 //! From what is written to edits, each with what messages call its place.
 
-use super::raw::{Kind, NotNegative, RawInsert, RawLight, RawMaterial, RawRemove, RawRepaint};
+use super::raw::{
+    Kind, NotNegative, RawEnvironment, RawInsert, RawLight, RawMaterial, RawRemove, RawRepaint,
+};
 use super::sheet::Sheet;
 use super::start::Start;
 use crate::Error;
 use glam::{EulerRot, Quat, Vec3};
 use std::sync::Arc;
-use unrender_formats::materials;
+use unrender_formats::{materials, picture};
 use unrender_restage::Edit;
+use unrender_restage::environment::Surround;
 use unrender_restage::insert::{Insert, Place};
 use unrender_restage::light::{Alter, LightChange, LightEdit, NewLight};
 use unrender_restage::remove::{Bearer, Remove};
@@ -32,6 +35,11 @@ pub(super) fn edits(
     }
     for sheet in sheets {
         collect(sheet, &sheet.raw.lights, &mut edits, &mut |raw| light(raw))?;
+    }
+    for sheet in sheets {
+        collect(sheet, sheet.raw.environment.as_slice(), &mut edits, &mut |raw| {
+            surround(raw, sheet, &mut told)
+        })?;
     }
     for sheet in sheets {
         collect(sheet, &sheet.raw.insert, &mut edits, &mut |raw| {
@@ -167,6 +175,22 @@ fn new_light(kind: Kind, raw: &RawLight) -> Result<NewLight, String> {
             NewLight::Area { centre, normal, size, radiance: strength }
         }
     })
+}
+
+fn surround(raw: &RawEnvironment, sheet: &Sheet, told: &mut Warnings) -> Result<Edit, String> {
+    let environment = match (&raw.file, raw.remove) {
+        (None, true) => None,
+        (Some(file), false) => {
+            let rotation_rad = raw.rotation_deg.map_or(0.0, |angle| angle.0.to_radians());
+            let scale = raw.scale.map_or(1.0, |scale| scale.0);
+            let read = picture::read_environment(&sheet.path(file), rotation_rad, scale);
+            let (environment, warnings) = read.map_err(|error| error.to_string())?;
+            told.extend(warnings);
+            Some(environment)
+        }
+        _ => return Err("environment: give a file, or remove = true".into()),
+    };
+    Ok(Edit::Surround(Surround { environment }))
 }
 
 fn insert(
