@@ -30,6 +30,7 @@ pub(crate) fn finish(
         exposure_std: state.exposure_std,
         lights: state.light_results,
         rerendered: RgbImage::new(geometry.width(), geometry.height(), mean),
+        trust: state.observation.trust,
         turns: state.turns,
         termination,
     }
@@ -59,7 +60,7 @@ fn render_twice(
 fn group_result(state: &State<'_>, group: usize, halves: &[Vec<Rgb>; 2]) -> GroupResult {
     let spec = &state.problem.groups[group];
     let standing = &state.standing[group];
-    let observation = state.problem.observation;
+    let observation = &state.observation;
     let believed = &observation.pixels_of_group[group];
     let emitter = spec.role == Role::Emitter;
     let note = standing.note.clone().or_else(|| match standing.status {
@@ -94,7 +95,7 @@ fn relative_error(state: &State<'_>, pixels: &[u32], halves: &[Vec<Rgb>; 2]) -> 
     let (mut sum, mut scale) = (0.0, 0.0);
     for &pixel in pixels {
         let at = pixel as usize;
-        let photo = state.exposure * state.problem.observation.picture.values.pixels()[at];
+        let photo = state.exposure * state.observation.picture.values.pixels()[at];
         let product = (photo - halves[0][at]) * (photo - halves[1][at]);
         sum += f64::from(product.element_sum());
         scale += f64::from((photo * photo).element_sum());
@@ -104,7 +105,7 @@ fn relative_error(state: &State<'_>, pixels: &[u32], halves: &[Vec<Rgb>; 2]) -> 
 
 /// The brushed direction at the middle one of the group's believed pixels, world space.
 fn direction(state: &State<'_>, group: usize) -> Option<Vec3> {
-    let believed = &state.problem.observation.pixels_of_group[group];
+    let believed = &state.observation.pixels_of_group[group];
     let middle = *believed.get(believed.len() / 2)?;
     let at = state.problem.renderer.geometry().pixels()[middle as usize];
     let front_normal = if at.front { at.normal } else { -at.normal };

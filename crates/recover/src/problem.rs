@@ -84,6 +84,8 @@ pub struct Options {
     /// Whether all parameters are refined together after the default ladder, with their standard
     /// deviations.
     pub refine: bool,
+    /// Whether pixels that show something that is not in the model are looked for.
+    pub strays: bool,
 }
 
 impl Default for Options {
@@ -96,6 +98,7 @@ impl Default for Options {
             max_bounces: unrender_render::path::MAX_BOUNCES,
             max_turns: 100,
             refine: true,
+            strays: true,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::error::Misfit;
 use crate::hypothesis::Hypothesis;
+use crate::observation::Trust;
 use glam::Vec3;
 pub use unrender_scene::Status;
 use unrender_scene::{Image, Material, Rgb, RgbImage};
@@ -19,6 +20,8 @@ pub struct Recovery {
     pub lights: Vec<LightResult>,
     /// The photograph's view rendered with the recovered materials, radiance.
     pub rerendered: RgbImage,
+    /// Which pixels of the photograph were believed in the end, and why not.
+    pub trust: Image<Trust>,
     /// One record a global re-rendering.
     pub turns: Vec<TurnRecord>,
     /// Why it ended.

@@ -1,6 +1,8 @@
 //! The seam to the recovery.
 
+use crate::cli::warn;
 use crate::progress::Progress;
+use crate::registration::{self, Alignment, Laid};
 use crate::{Error, Job};
 use std::time::Instant;
 use unrender_photo::Exposure;
@@ -14,6 +16,8 @@ use unrender_scene::Rgb;
 /// A recovery and how long it took.
 pub(crate) struct Recovered {
     pub(crate) recovery: Recovery,
+    /// How the model was found to lie on the photograph.
+    pub(crate) laid: Laid,
     pub(crate) seconds: f64,
 }
 
@@ -21,12 +25,15 @@ pub(crate) struct Recovered {
 pub(crate) fn recover(
     job: &Job,
     options: &Options,
+    alignment: Alignment,
     progress: &Progress,
 ) -> Result<Recovered, Error> {
     let started = Instant::now();
     let tracer = Tracer::new(&job.scene);
     let size = (job.photo.radiance.width(), job.photo.radiance.height());
-    let view = View::new(&tracer, &job.camera, size, job.scene.brdf);
+    let laid = registration::lay(job, &tracer, alignment);
+    warn(&laid.warnings);
+    let view = View::new(&tracer, &laid.camera, size, job.scene.brdf);
     let picture = Picture {
         values: job.photo.radiance.clone(),
         trusted: job.photo.trusted.clone(),
@@ -34,7 +41,7 @@ pub(crate) fn recover(
     };
     let groups = job.scene.groups.len();
     let geometry = unrender_recover::Renderer::geometry(&view);
-    let observation = Observation::new(picture, geometry, groups);
+    let observation = Observation::with_margins(picture, geometry, &laid.margins, groups);
     let problem = Problem {
         observation: &observation,
         renderer: &view,
@@ -48,7 +55,7 @@ pub(crate) fn recover(
         // The photograph was developed with it.
         recovery.exposure = exposure;
     }
-    Ok(Recovered { recovery, seconds: started.elapsed().as_secs_f64() })
+    Ok(Recovered { recovery, laid, seconds: started.elapsed().as_secs_f64() })
 }
 
 fn spec(job: &Job, group: usize) -> GroupSpec {

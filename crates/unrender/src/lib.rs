@@ -109,6 +109,7 @@ mod passes;
 mod photograph;
 mod progress;
 pub mod project;
+mod registration;
 mod results;
 pub mod score;
 

@@ -13,6 +13,7 @@ pub mod paper;
 use crate::error::Misfit;
 use crate::evidence::Stage;
 use crate::hypothesis::{self, Fit, Hypothesis};
+use crate::observation::Observation;
 use crate::problem::{ExposureRule, Problem, RecoverError, Role};
 use crate::record::{Deviations, LightResult, Status, Trial, TurnRecord};
 use unrender_render::{Appearance, SeenRadiance};
@@ -21,6 +22,8 @@ use unrender_scene::{Image, Material, Rgb};
 /// Where a recovery stands.
 pub(crate) struct State<'a> {
     pub(crate) problem: &'a Problem<'a>,
+    /// The photograph, and what of it is still believed.
+    pub(crate) observation: Observation,
     /// The current material of every group.
     pub(crate) materials: Vec<Material>,
     /// How many times as bright as in the scene each source of light shines (see [`Appearance`]).
@@ -102,6 +105,7 @@ impl<'a> State<'a> {
         let lights = Vec::new();
         Ok(Self {
             problem,
+            observation: problem.observation.clone(),
             materials,
             lights,
             standing,
@@ -140,7 +144,7 @@ impl<'a> State<'a> {
     pub(crate) fn stage(&self) -> Stage<'_> {
         Stage {
             seen: self.seen.as_ref(),
-            observation: self.problem.observation,
+            observation: &self.observation,
             exposure: self.exposure,
             renderer: self.problem.renderer,
         }
@@ -149,7 +153,7 @@ impl<'a> State<'a> {
     /// Lets the photograph say what radiance its diffuse surfaces send: all believed pixels of
     /// groups that are taken as diffuse or textured.
     pub(crate) fn look_at_photograph(&mut self) {
-        let observation = self.problem.observation;
+        let observation = &self.observation;
         let values = &observation.picture.values;
         let (width, height) = (values.width(), values.height());
         let mut known = Image::new(width, height, vec![false; width * height]);
@@ -167,7 +171,7 @@ impl<'a> State<'a> {
     /// The groups to be recovered that the photograph shows.
     pub(crate) fn visible_unknowns(&self) -> Vec<usize> {
         let asked = |g: &usize| self.problem.groups[*g].role == Role::Unknown;
-        let seen = |g: &usize| !self.problem.observation.pixels_of_group[*g].is_empty();
+        let seen = |g: &usize| !self.observation.pixels_of_group[*g].is_empty();
         (0..self.materials.len()).filter(asked).filter(seen).collect()
     }
 
@@ -176,7 +180,7 @@ impl<'a> State<'a> {
     pub(crate) fn update_exposure(&mut self, seed: u64) -> Result<(), RecoverError> {
         let ExposureRule::Anchor { group, rho_d } = self.problem.exposure else { return Ok(()) };
         let stage = Stage { exposure: Rgb::ONE, ..self.stage() };
-        let pixels = &self.problem.observation.pixels_of_group[group];
+        let pixels = &self.observation.pixels_of_group[group];
         let effort = effort::diffuse(2, seed);
         let evidence =
             crate::evidence::Evidence::gather(&stage, self.appearance(), group, pixels, &effort);

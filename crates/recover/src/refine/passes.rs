@@ -48,7 +48,7 @@ const RENDERING_SHARE: f64 = 0.35;
 
 /// The standard deviation below which nobody asks for more.
 fn precise_enough(state: &State<'_>, unknown: &Unknown) -> f64 {
-    let seen = |group: usize| !state.problem.observation.pixels_of_group[group].is_empty();
+    let seen = |group: usize| !state.observation.pixels_of_group[group].is_empty();
     match unknown.quantity {
         // By the light that it sends to others, a group is never known well.
         Quantity::RhoD | Quantity::RhoS if !seen(unknown.of) => 1e-2,

@@ -29,7 +29,7 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution) -> bool {
     let mut changed = false;
     for group in 0..state.materials.len() {
         let verdict = Verdict { solution, group };
-        let out_of_sight = state.problem.observation.pixels_of_group[group].is_empty();
+        let out_of_sight = state.observation.pixels_of_group[group].is_empty();
         match state.standing[group].hypothesis {
             _ if !verdict.is_free() => continue,
             Hypothesis::Diffuse if out_of_sight => {
@@ -94,7 +94,7 @@ pub(super) fn record(state: &mut State<'_>, solution: &Solution) {
         if state.standing[group].hypothesis == Hypothesis::Anisotropic {
             canonical(state, group);
         }
-        if state.problem.observation.pixels_of_group[group].is_empty() {
+        if state.observation.pixels_of_group[group].is_empty() {
             let told = verdict.largest(Quantity::RhoD) <= UNSEEN_MAX;
             let standing = &mut state.standing[group];
             standing.status = if told { Status::Recovered } else { Status::Assumed };

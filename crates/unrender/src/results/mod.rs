@@ -8,6 +8,7 @@ pub(crate) mod restaged;
 mod run_file;
 mod scale_bar;
 mod summary;
+mod trust_picture;
 
 pub(crate) use calibration::calibration;
 pub(crate) use summary::summary;
@@ -33,6 +34,7 @@ pub(crate) fn write(job: &Job, recovered: &Recovered, folder: &Path) -> Result<W
     let photo = job.photo.radiance.map(|radiance| *radiance / developed);
     bad += picture::write_png_srgb(&folder.join("photo.png"), &photo)?;
     error_picture::write(job, recovery, &folder.join("error.png"))?;
+    trust_picture::write(job, recovery, &folder.join("trust.png"))?;
     report::write(job, recovered, folder)?;
     let glb = unrender_formats::wear(&job.project.scene, &dressed(job, recovered))?;
     atomic::write(&folder.join("scene.glb"), &glb)?;

@@ -1,12 +1,16 @@
 //! run.json: the story of a recovery, turn by turn and rung by rung, for reports and for the
 //! curious.
 //!
+//! `registration`: how far the model's edges were from the photograph's under the camera as given
+//! (null where too few were found), and the camera that was used, as in a project's `[camera]`.
 //! `turns`: each global re-rendering, whether it was a pass of the joint refinement, its largest
 //! `change`, `worst_error` (relative, noise taken out) and the groups still open. `groups.NAME.story`: every rung tried, in which turn, with its
 //! parameters, its error, the standard deviation of the error's square, and whether it was taken.
 
 use crate::Error;
 use crate::engine::Recovered;
+use crate::project::CameraTable;
+use crate::registration::Laid;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use unrender_formats::atomic;
@@ -46,10 +50,34 @@ pub(super) fn write(recovered: &Recovered, path: &Path) -> Result<(), Error> {
         "version": 1,
         "seconds": recovered.seconds,
         "termination": recovery.termination.message(recovery.turns.len()),
+        "registration": registration(&recovered.laid),
         "turns": turns,
         "groups": groups,
     });
     Ok(atomic::write(path, format!("{run:#}\n").as_bytes())?)
+}
+
+/// How the model lay on the photograph, and the camera that was used.
+fn registration(laid: &Laid) -> Value {
+    let table = CameraTable::of(&laid.camera, 1.0);
+    let lens = table.lens;
+    let camera = json!({
+        "eye": table.eye.to_array(),
+        "target": table.target.to_array(),
+        "up": table.up.to_array(),
+        "fov_y_deg": table.fov_y_deg,
+        "principal_point": lens.principal_point,
+        "k1": lens.k1,
+        "k2": lens.k2,
+    });
+    let found = laid.registration.as_ref();
+    json!({
+        "camera": camera,
+        "displacement_pixels": found.map(|r| r.displacement),
+        "uncertainty_pixels": found.map(|r| r.uncertainty),
+        "deviation_pixels": found.map(|r| r.deviation),
+        "confirmed_edge_points": found.map(|r| r.confirmed),
+    })
 }
 
 fn trial(trial: &Trial) -> Value {
