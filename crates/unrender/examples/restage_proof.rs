@@ -1,15 +1,16 @@
 //! How near restaged pictures come to the truth: prints the figures of `docs/restage.md`.
 //!
 //! ```text
-//! cargo run --release --example restage_proof -- composite EDIT.toml TRUTH.exr SPP
+//! cargo run --release --example restage_proof -- composite PROJECT.toml DIR TRUTH.exr
 //! cargo run --release --example restage_proof -- view EDIT.toml TRUTH.json SPP
 //! ```
 //!
-//! `composite` puts the change of `EDIT.toml` into its photograph and compares with the true picture
-//! `TRUTH.exr`, over the pixels that the edit touches. The photograph of `examples/room` was rendered
-//! with 1024 paths a pixel under the seed 2002 (`make_room`); if the true picture was too
-//! (`unrender restage EDIT.toml --materials examples/room/truth.json --spp 1024 --seed 2002`), both
-//! are one where nothing changes, but for the sensor's noise.
+//! `composite` compares what `unrender restage --composite --out DIR` made of the photograph of
+//! `PROJECT.toml` with the true picture `TRUTH.exr`, radiance, over the pixels that it touched. The
+//! photograph of `examples/room` was rendered with 1024 paths a pixel under the seed 2002
+//! (`make_room`); if the true picture was too (`unrender restage EDIT.toml --materials
+//! examples/room/truth.json --spp 1024 --seed 2002`), both are one where nothing changes, but for the
+//! sensor's noise.
 //!
 //! `view` does the edits twice, to the scene in its recovered materials and to the scene in those of
 //! `TRUTH.json`, renders both as the edits' camera sees them, under the same seed, and compares group
@@ -17,35 +18,29 @@
 
 use glam::Vec3;
 use std::error::Error;
-use std::path::{Path, PathBuf};
-use unrender::edit::{Composite, Flag, Photograph, Restaging, Sheet};
+use std::path::Path;
+use unrender::edit::{Flag, Photograph, Restaging, Sheet, Start};
 use unrender::formats::picture;
 use unrender::render::{NOTHING, PixelGeometry, Settings, Tracer};
-use unrender::restage::composite::Gain;
-use unrender::restage::pair::{self, Paired};
 use unrender::scene::{Image, Rgb, RgbImage};
 
 type Fallible<T> = Result<T, Box<dyn Error>>;
 
 fn main() -> Fallible<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [what, edits, truth, spp] = arguments.as_slice() else {
-        return Err("usage: restage_proof composite|view EDIT.toml TRUTH.json SPP".into());
-    };
-    let edits = PathBuf::from(edits);
-    let recovered = Restaging::load(&[Sheet::read(&edits)?])?;
-    let settings = Settings { spp: spp.parse()?, ..Settings::default() };
-    match what.as_str() {
-        "composite" => {
-            let (truth, _) = picture::read(Path::new(truth))?;
-            composite(&recovered, &truth.values, &settings)
+    match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["composite", project, folder, truth] => {
+            composite(project, Path::new(folder), Path::new(truth))
         }
-        "view" => {
-            let truth = Sheet::of_flag(Flag::Materials, truth)?;
-            let truth = Restaging::load(&[Sheet::read(&edits)?, truth])?;
-            view(&recovered, &truth, &settings)
+        ["view", edits, truth, spp] => {
+            let read = || Sheet::read(Path::new(edits));
+            let recovered = Restaging::load(&[read()?])?;
+            let truth = Restaging::load(&[read()?, Sheet::of_flag(Flag::Materials, truth)?])?;
+            view(&recovered, &truth, &Settings { spp: spp.parse()?, ..Settings::default() })
         }
-        _ => Err("what is it to be, composite or view?".into()),
+        _ => {
+            Err("usage: restage_proof composite PROJECT DIR TRUTH.exr | view EDIT TRUTH SPP".into())
+        }
     }
 }
 
@@ -62,37 +57,34 @@ fn photograph(restaging: &Restaging) -> Fallible<&Photograph> {
     Ok(restaging.start.photograph.as_ref().ok_or("the edits name no project")?)
 }
 
-fn composite(recovered: &Restaging, truth: &RgbImage, settings: &Settings) -> Fallible<()> {
-    let photograph = photograph(recovered)?;
-    let size = photograph.size();
-    let scenes = recovered.scenes();
-    let paired = pair::render(&scenes, &photograph.camera, size, settings, &|_| ());
-    let made = |gain| Composite::new(recovered, photograph, paired.clone(), gain, None);
-    let touched = made(Gain::Auto).touched;
-    let count = touched.pixels().iter().filter(|t| **t).count();
-    println!("{count} of {} pixels touched", size.0 * size.1);
-    println!("{:<12} touched   kept surfaces  new surfaces", "PSNR, dB");
-    for gain in [Gain::Auto, Gain::Difference, Gain::Ratio] {
-        let made = made(gain).radiance;
-        let over = |part: &dyn Fn(&Paired) -> bool| {
-            let counts = |i: usize| touched.pixels()[i] && part(&paired.pixels()[i]);
-            psnr(photograph, &made, truth, &counts)
-        };
-        println!(
-            "{:<12} {:7.2}   {:13.2}  {:12.2}",
-            format!("{gain:?}"),
-            over(&|_| true),
-            over(&|p| p.replaced == 0.0),
-            over(&|p| p.replaced > 0.0)
-        );
+fn composite(project: &str, folder: &Path, truth: &Path) -> Fallible<()> {
+    let (start, _) = Start::load(&[Sheet::of_flag(Flag::Project, project)?])?;
+    let photograph = start.photograph.ok_or("the project has no photograph")?;
+    let picture = |path: &Path| picture::read(path).map(|(picture, _)| picture.values);
+    let truth = picture(truth)?;
+    let mask = |name: &str| picture(&folder.join(name));
+    let (touched, invented) = (mask("touched.png")?, mask("invented.png")?);
+    let is_touched = |i: usize| touched.pixels()[i].x > 0.0;
+    let is_invented = |i: usize| invented.pixels()[i].x > 0.0;
+    let made = mask("composite.png")?;
+    let photo = &photograph.picture.values;
+    let all = 0..photo.pixels().len();
+    let count = all.clone().filter(|&i| is_touched(i)).count();
+    let same = |i: &usize| made.pixels()[*i] == photo.pixels()[*i];
+    let kept = all.clone().filter(|&i| !is_touched(i)).filter(same).count();
+    println!("{count} of {} pixels touched, {kept} of the others have their codes", all.len());
+    for (name, made) in [
+        ("composite", picture(&folder.join("composite.exr"))?),
+        ("synthetic", picture(&folder.join("synthetic.exr"))?),
+        ("photograph", photograph.photo.radiance.clone()),
+    ] {
+        let touched = psnr(&photograph, &made, &truth, &is_touched);
+        print!("{name:<10}  {touched:5.1} dB where it is touched");
+        if all.clone().any(is_invented) {
+            print!(", {:5.1} dB where invented", psnr(&photograph, &made, &truth, &is_invented));
+        }
+        println!(", {:5.1} dB elsewhere", psnr(&photograph, &made, &truth, &|i| !is_touched(i)));
     }
-    let plain = psnr(photograph, &paired.map(|p| p.after), truth, &|i| touched.pixels()[i]);
-    println!("{:<12} {plain:7.2}", "synthetic");
-    let nothing = &photograph.photo.radiance;
-    let plain = psnr(photograph, nothing, truth, &|i| touched.pixels()[i]);
-    println!("{:<12} {plain:7.2}", "photograph");
-    let rest = psnr(photograph, nothing, truth, &|i| !touched.pixels()[i]);
-    println!("photograph against the truth where nothing is touched: {rest:.2}");
     Ok(())
 }
 

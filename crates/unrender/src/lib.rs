@@ -112,6 +112,7 @@ pub mod project;
 mod registration;
 mod results;
 pub mod score;
+mod subject;
 
 pub use error::Error;
 pub use job::Job;

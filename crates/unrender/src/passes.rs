@@ -8,16 +8,15 @@
 use crate::interrupt::Pausable;
 use crate::part::{self, Head, Identity, Part};
 use crate::progress::Progress;
+use crate::subject::Subject;
 use crate::{Error, interrupt};
 use std::ops::Range;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use unrender_formats::FileError;
+use unrender_render::Tally;
 use unrender_render::adaptive::Shares;
-use unrender_render::{Settings, Tally, Tracer};
-use unrender_restage::pair::{self, Pairing};
-use unrender_scene::{Camera, Material, Scene};
 
 /// How long a pass should take.
 const PASS: Duration = Duration::from_secs(2);
@@ -39,76 +38,6 @@ pub(crate) struct Goal {
     pub(crate) noise: Option<f64>,
     /// Where to keep the samples, and to take up those that are there.
     pub(crate) checkpoint: Option<PathBuf>,
-}
-
-/// What is rendered: a picture, or several sums of one at once.
-pub(crate) trait Subject {
-    /// What each sum is called; the first is the picture whose noise counts.
-    fn layers(&self) -> &'static [&'static str];
-
-    /// Adds the paths whose numbers `samples` gives for each pixel to `layers`.
-    fn accumulate(
-        &self,
-        samples: &(dyn Fn(usize) -> Range<u32> + Sync),
-        layers: &mut [Tally],
-        progress: &(dyn Fn(f64) + Sync),
-    );
-
-    /// How many paths each pixel should get, by a pilot picture of `size`.
-    fn shares(&self, size: (usize, usize)) -> Shares;
-}
-
-/// One picture of a scene.
-pub(crate) struct Picture<'a> {
-    tracer: Tracer,
-    materials: Vec<Material>,
-    camera: &'a Camera,
-    settings: Settings,
-}
-
-impl<'a> Picture<'a> {
-    pub(crate) fn new(scene: &Scene, camera: &'a Camera, settings: Settings) -> Self {
-        Self { tracer: Tracer::new(scene), materials: scene.materials(), camera, settings }
-    }
-}
-
-impl Subject for Picture<'_> {
-    fn layers(&self) -> &'static [&'static str] {
-        &["picture"]
-    }
-
-    fn accumulate(
-        &self,
-        samples: &(dyn Fn(usize) -> Range<u32> + Sync),
-        layers: &mut [Tally],
-        progress: &(dyn Fn(f64) + Sync),
-    ) {
-        let Self { tracer, materials, camera, settings } = self;
-        tracer.accumulate(materials, camera, settings, samples, &mut layers[0], progress);
-    }
-
-    fn shares(&self, size: (usize, usize)) -> Shares {
-        self.tracer.shares(&self.materials, self.camera, size, &self.settings, &|_| ())
-    }
-}
-
-impl Subject for Pairing<'_> {
-    fn layers(&self) -> &'static [&'static str] {
-        &pair::LAYERS
-    }
-
-    fn accumulate(
-        &self,
-        samples: &(dyn Fn(usize) -> Range<u32> + Sync),
-        layers: &mut [Tally],
-        progress: &(dyn Fn(f64) + Sync),
-    ) {
-        self.accumulate(samples, layers, progress);
-    }
-
-    fn shares(&self, size: (usize, usize)) -> Shares {
-        self.shares(size)
-    }
 }
 
 /// What is rendered, and how it is told from other renderings.

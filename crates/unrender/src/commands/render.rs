@@ -3,8 +3,9 @@
 use super::effort::{Effort, positive};
 use crate::cli::{Global, warn};
 use crate::part;
-use crate::passes::{self, Job, Picture};
+use crate::passes::{self, Job};
 use crate::progress::Progress;
+use crate::subject::Picture;
 use crate::{Error, interrupt, job, output};
 use std::path::PathBuf;
 use std::process::ExitCode;

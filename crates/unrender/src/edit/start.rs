@@ -1,7 +1,8 @@
 //! What the edits are made to: a scene in its materials, and the photograph of it.
 
 use super::sheet::Sheet;
-use crate::{Error, Job, Project, job};
+use crate::project::CameraTable;
+use crate::{Error, Job, Project, job, results};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 use unrender_formats::picture::{self, Picture};
@@ -71,7 +72,11 @@ impl Start {
             )));
         }
         if let Some((path, ..)) = project {
-            return Self::of_project(&path, materials.as_deref());
+            return Self::of_project(
+                &path,
+                materials.as_deref(),
+                recovered.as_ref().map(|r| &*r.0),
+            );
         }
         let scene = scene.map(|s| s.0).or(recovered.map(|(folder, ..)| folder.join("scene.glb")));
         let scene = scene.ok_or_else(|| {
@@ -93,9 +98,13 @@ impl Start {
         Ok((Self { scene, path: path.to_owned(), photograph: None }, warnings))
     }
 
-    fn of_project(path: &Path, materials: Option<&Path>) -> Result<(Self, Warnings), Error> {
+    fn of_project(
+        path: &Path,
+        materials: Option<&Path>,
+        recovered: Option<&Path>,
+    ) -> Result<(Self, Warnings), Error> {
         let (project, warnings) = Project::read(path)?;
-        let Job { mut scene, camera, mut photo, mut transfer, project, mut warnings, .. } =
+        let Job { mut scene, mut camera, mut photo, mut transfer, project, mut warnings, .. } =
             Job::load(project, warnings)?;
         let mut found = None;
         if let Some(materials) = materials {
@@ -110,6 +119,13 @@ impl Start {
                 values.pixels_mut().iter_mut().for_each(|value| *value *= found);
             }
             transfer.exposure = found;
+        }
+        // The recovery may have moved the camera to where the model fits the photograph.
+        let run = recovered.map(|folder| folder.join("run.json"));
+        if let Some(used) = run.map(|run| results::recovered_camera(&run)).transpose()?.flatten()
+            && used != CameraTable::of(&camera, 1.0)
+        {
+            camera = Camera { aspect: camera.aspect, ..used.camera(&camera.name) };
         }
         let (picture, _) = picture::read(&project.photo)?;
         let photograph = Photograph { picture, photo, transfer, camera };

@@ -11,6 +11,7 @@ mod summary;
 mod trust_picture;
 
 pub(crate) use calibration::calibration;
+pub(crate) use run_file::camera as recovered_camera;
 pub(crate) use summary::summary;
 
 use crate::engine::Recovered;
