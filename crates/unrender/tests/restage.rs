@@ -254,6 +254,69 @@ fn a_photograph_of_numbers_keeps_them() {
 }
 
 #[test]
+fn relit_is_as_if_the_lamp_had_been_so() {
+    let folder = Folder::new("relit");
+    let mut other = scene();
+    other.groups[2].emission *= Rgb::new(0.5, 1.0, 2.0);
+    std::fs::write(folder.path("other.glb"), gltf::to_glb(&other).unwrap()).unwrap();
+    let size = ["--camera", "photo", "--width", "24", "--spp", "8"];
+    let edit = ["--scene", "scene.glb", "--light", "lamp: scale = [0.5, 1, 2]", "--out", "relit"];
+    folder.succeeds(&[&edit[..], &size[..]].concat());
+    folder.succeeds(&[&["--scene", "other.glb", "--out", "other"][..], &size[..]].concat());
+    assert_eq!(folder.bytes("relit/synthetic.exr"), folder.bytes("other/synthetic.exr"));
+}
+
+#[test]
+fn the_camera_and_the_exposure_of_the_recovery_count() {
+    let folder = Folder::new("recovery");
+    std::fs::create_dir(folder.path("rec")).unwrap();
+    folder.write("rec/materials.json", r#"{"version": 1, "exposure": [2, 2, 2], "groups": {}}"#);
+    let camera = r#"{"eye": [0.5, 1.25, 2.5], "target": [0, 0.5, -0.5], "up": [0, 1, 0],
+        "fov_y_deg": 45.0, "principal_point": [0, 0], "k1": 0, "k2": 0}"#;
+    folder.write("rec/run.json", &format!(r#"{{"registration": {{"camera": {camera}}}}}"#));
+    folder.write(
+        "auto.toml",
+        "scene = \"scene.glb\"\nphoto = \"8.png\"\nresponse = \"srgb\"\nexposure = \"auto\"\n\
+         [anchor]\ngroup = \"wall\"\nrho_d = 0.6\n",
+    );
+    folder.write("moved.toml", "recovered = \"rec\"\nproject = \"auto.toml\"\n");
+    folder.write(
+        "stated.toml",
+        "materials = \"rec/materials.json\"\nproject = \"auto.toml\"\n[camera]\n\
+         eye = [0.5, 1.25, 2.5]\ntarget = [0, 0.5, -0.5]\nfov_y_deg = 45\n",
+    );
+    for name in ["moved", "stated"] {
+        folder.succeeds(&[&format!("{name}.toml"), "--spp", "4", "--out", name]);
+    }
+    assert_eq!(folder.bytes("moved/synthetic.exr"), folder.bytes("stated/synthetic.exr"));
+    // Shown at the exposure that was found.
+    let radiance = read(&folder.path("moved/synthetic.exr")).values;
+    let shown = read(&folder.path("moved/synthetic.png")).values;
+    let code = |rgb: Rgb| (rgb / 2.0).map(unrender::scene::color::srgb_from_linear);
+    for (radiance, shown) in radiance.pixels().iter().zip(shown.pixels()) {
+        assert!((code(*radiance) - *shown).abs().max_element() < 0.003);
+    }
+    let output = folder.restage(&["--project", "auto.toml", "--out", "none"]);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(stderr.contains("name the recovery that found it"), "{stderr}");
+}
+
+#[test]
+fn grain_goes_into_what_is_synthetic_alone() {
+    let folder = Folder::new("grain");
+    folder.write("e.toml", &format!("project = \"8.toml\"\n{INSERT}"));
+    folder.succeeds(&["e.toml", "--composite", "--spp", "64", "--out", "plain"]);
+    folder.succeeds(&["e.toml", "--composite", "--spp", "64", "--grain", "--out", "grain"]);
+    let [plain, grain] =
+        ["plain", "grain"].map(|name| read(&folder.path(&format!("{name}/composite.png"))));
+    let touched = read(&folder.path("plain/touched.png"));
+    let pairs = plain.values.pixels().iter().zip(grain.values.pixels());
+    for ((plain, grain), touched) in pairs.zip(touched.values.pixels()) {
+        assert!(touched.x > 0.0 || plain == grain);
+    }
+}
+
+#[test]
 fn bad_edits_are_told_with_their_line() {
     let folder = Folder::new("bad");
     let scene = "scene = \"scene.glb\"\n";
