@@ -12,7 +12,7 @@ trap 'rm -rf "$out"' EXIT
 restage() {
     local edit=$1
     shift
-    cargo run --release -- restage "examples/room/$edit.toml" --spp 256 "$@" --out "$out/$edit"
+    cargo run --release -- restage "examples/room/$edit.toml" --spp 64 "$@" --out "$out/$edit"
 }
 restage removed --composite
 restage viewpoint
