@@ -99,6 +99,7 @@
 mod camera_numbers;
 pub mod cli;
 pub mod commands;
+pub mod edit;
 mod engine;
 pub mod error;
 mod fingerprint;
@@ -113,6 +114,7 @@ pub mod project;
 mod registration;
 mod results;
 pub mod score;
+mod subject;
 
 pub use error::Error;
 pub use job::Job;
@@ -121,4 +123,5 @@ pub use unrender_formats as formats;
 pub use unrender_photo as photo;
 pub use unrender_recover as recover;
 pub use unrender_render as render;
+pub use unrender_restage as restage;
 pub use unrender_scene as scene;

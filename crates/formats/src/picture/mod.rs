@@ -14,7 +14,7 @@ pub use exif::exif_focal_px;
 pub use panorama::read_environment;
 pub use profile::Profile;
 pub use read::{decode, read};
-pub use write::{write, write_exr, write_hdr, write_png_srgb};
+pub use write::{write, write_exr, write_hdr, write_png_codes, write_png_srgb};
 
 use unrender_scene::{Image, Rgb};
 
