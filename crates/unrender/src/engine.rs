@@ -7,8 +7,8 @@ use crate::{Error, Job};
 use std::time::Instant;
 use unrender_photo::Exposure;
 use unrender_recover::{
-    ExposureRule, GroupSpec, LadderKind, Observation, Observer, Options, Picture, Problem,
-    Recovery, Role, TurnRecord, View,
+    ExposureRule, GroupSpec, LadderKind, Observer, Options, Problem, Recovery, Role, TurnRecord,
+    View,
 };
 use unrender_render::Tracer;
 use unrender_scene::Rgb;
@@ -34,18 +34,11 @@ pub(crate) fn recover(
     let laid = registration::lay(job, &tracer, alignment);
     warn(&laid.warnings);
     let view = View::new(&tracer, &laid.camera, size, job.scene.brdf);
-    let picture = Picture {
-        values: job.photo.radiance.clone(),
-        trusted: job.photo.trusted.clone(),
-        quantum: job.photo.quantum.clone(),
-    };
-    let groups = job.scene.groups.len();
-    let geometry = unrender_recover::Renderer::geometry(&view);
-    let observation = Observation::with_margins(picture, geometry, &laid.margins, groups);
+    let observation = laid.observe(job, unrender_recover::Renderer::geometry(&view));
     let problem = Problem {
         observation: &observation,
         renderer: &view,
-        groups: (0..groups).map(|group| spec(job, group)).collect(),
+        groups: (0..job.scene.groups.len()).map(|group| spec(job, group)).collect(),
         exposure: exposure_rule(job),
         unknown_lights: job.unknown_lights.clone(),
     };
@@ -58,7 +51,8 @@ pub(crate) fn recover(
     Ok(Recovered { recovery, laid, seconds: started.elapsed().as_secs_f64() })
 }
 
-fn spec(job: &Job, group: usize) -> GroupSpec {
+/// What the project says of a group.
+pub(crate) fn spec(job: &Job, group: usize) -> GroupSpec {
     let of_scene = &job.scene.groups[group];
     let anchored = job.project.used_anchor().filter(|a| a.group == of_scene.name);
     let (role, material) = if of_scene.is_emitter() {

@@ -95,6 +95,7 @@
 //! reads what it names, and `unrender recover` writes what came out. [`score`] compares two such
 //! results.
 
+pub mod check;
 pub mod cli;
 pub mod commands;
 mod engine;

@@ -1,6 +1,7 @@
 //! The subcommands: each file holds the arguments of one and its `run`.
 
 pub mod calibrate;
+pub mod check;
 pub mod merge;
 pub mod recover;
 pub mod render;
