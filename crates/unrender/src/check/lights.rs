@@ -128,8 +128,10 @@ fn spread_over(mesh: &Mesh, count: usize) -> Vec<Seen> {
             before += areas[triangle];
             triangle += 1;
         }
-        // Along the plastic number's lattice [Roberts 2018].
-        let (u, v) = ((0.754_877_7 * i as f32).fract(), (0.569_840_3 * i as f32).fract());
+        // Along the plastic number's lattice [Roberts 2018]; from a half on, so that none is a corner,
+        // which lies on other faces too.
+        let place = i as f32 + 0.5;
+        let (u, v) = ((0.754_877_7 * place).fract(), (0.569_840_3 * place).fract());
         let root = u.sqrt();
         let [a, b, c] = mesh.corners(triangle);
         let point = a * (1.0 - root) + b * (root * (1.0 - v)) + c * (root * v);
@@ -181,7 +183,7 @@ fn is_turned_inwards(tracer: &Tracer, points: &[Seen], lamp: u32) -> bool {
 /// A light without a surface.
 fn small_light(subject: &Subject<'_>, light: &Light, seen: &[Seen]) -> Warnings {
     let mut warnings = Warnings::default();
-    let (tracer, scene) = (subject.tracer, &subject.job.scene);
+    let tracer = subject.tracer;
     let (kind, position) = match light.kind {
         LightKind::Point { position, .. } => ("point light", Some(position)),
         LightKind::Spot { position, .. } => ("spot light", Some(position)),
@@ -195,20 +197,21 @@ fn small_light(subject: &Subject<'_>, light: &Light, seen: &[Seen]) -> Warnings 
     };
     let lights = seen.iter().filter(lit).count();
     let name = &light.name;
-    let nearest = position.and_then(|position| nearest(tracer, position));
-    if let Some((distance, object, enclosed)) = nearest.filter(|n| n.0 < BESIDE * size) {
-        let place = if enclosed { "inside" } else { "at" };
+    let around = position.and_then(|position| around(tracer, position));
+    let beside =
+        around.as_ref().map(|a| a.nearest).filter(|(distance, _)| *distance < BESIDE * size);
+    let shut_in_by = around.as_ref().and_then(|a| a.shut_in_by).filter(|_| lights == 0);
+    if let Some((distance, object)) = beside {
         warnings.push(format!(
-            "{kind} \"{name}\" stands {place} object \"{}\", {} from its surface: move it into the \
-             open",
-            scene.objects[object as usize].name,
+            "{kind} \"{name}\" stands at object \"{}\", {} from its surface: move it into the open",
+            subject.object_name(object),
             length(distance)
         ));
-    } else if let Some((_, object, true)) = nearest.filter(|_| lights == 0) {
+    } else if let Some(object) = shut_in_by {
         warnings.push(format!(
             "{kind} \"{name}\" is shut in by object \"{}\" and lights nothing that the picture \
              shows: move it out of the wall or shade, or take that object out of the scene",
-            scene.objects[object as usize].name
+            subject.object_name(object)
         ));
     } else if lights == 0 {
         warnings.push(out_of_sight(kind, name));
@@ -222,8 +225,16 @@ fn scene_size(subject: &Subject<'_>) -> f32 {
     corners().fold(Vec3::NEG_INFINITY, |high, &p| high.max(p)).distance(low)
 }
 
-/// What is nearest to `position`: how far, which object, and whether it alone stands all around.
-fn nearest(tracer: &Tracer, position: Vec3) -> Option<(f32, u32, bool)> {
+/// What stands around a light.
+struct Around {
+    /// The nearest surface: how far away it is, and its object.
+    nearest: (f32, u32),
+    /// The object that stands around it on most sides, if no side is open.
+    shut_in_by: Option<u32>,
+}
+
+/// What stands around `position`; none if nothing does.
+fn around(tracer: &Tracer, position: Vec3) -> Option<Around> {
     // Fibonacci's sphere.
     let direction = |i: usize| {
         let z = 1.0 - (2.0 * i as f32 + 1.0) / AROUND as f32;
@@ -235,7 +246,11 @@ fn nearest(tracer: &Tracer, position: Vec3) -> Option<(f32, u32, bool)> {
         .filter_map(|i| tracer.surface(&Ray::new(position, direction(i))))
         .map(|surface| (surface.point.distance(position), surface.object))
         .collect();
-    let nearest = met.iter().min_by(|a, b| a.0.total_cmp(&b.0)).copied()?;
-    let enclosed = met.len() == AROUND && met.iter().all(|m| m.1 == nearest.1);
-    Some((nearest.0, nearest.1, enclosed))
+    let mut sides: BTreeMap<u32, usize> = BTreeMap::new();
+    met.iter().for_each(|(_, object)| *sides.entry(*object).or_default() += 1);
+    let (&most, &count) = sides.iter().max_by_key(|(_, count)| **count)?;
+    Some(Around {
+        nearest: met.iter().min_by(|a, b| a.0.total_cmp(&b.0)).copied()?,
+        shut_in_by: (met.len() == AROUND && 2 * count > AROUND).then_some(most),
+    })
 }
