@@ -3,6 +3,7 @@
 use glam::Vec3;
 use std::path::Path;
 use std::process::{Command, Output};
+use std::sync::OnceLock;
 use unrender::check::{Checkup, EdgeKind, check, edge_picture};
 use unrender::formats::picture::{self, Depth, Picture};
 use unrender::photo::{Response, Transfer, develop};
@@ -104,6 +105,12 @@ fn photograph(scene: &Scene, camera: &Camera) -> RgbImage {
     Tracer::new(scene).render(&scene.materials(), camera, SIZE, &settings, &|_| ()).mean
 }
 
+/// What `camera()` takes of `room()`.
+fn photo_of_room() -> RgbImage {
+    static PHOTO: OnceLock<RgbImage> = OnceLock::new();
+    PHOTO.get_or_init(|| photograph(&room(), &camera())).clone()
+}
+
 /// A project and what its photograph's file holds.
 struct Input {
     job: Job,
@@ -125,7 +132,7 @@ impl Input {
 
     /// A floating-point photograph that `camera()` took of `room()`, claimed to be one of `scene`.
     fn of_room(scene: &Scene) -> Self {
-        let codes = Picture::new(photograph(&room(), &camera()), Depth::Float);
+        let codes = Picture::new(photo_of_room(), Depth::Float);
         Self::new(scene, camera(), codes, Response::Linear, "exposure = 1\n")
     }
 
@@ -202,7 +209,7 @@ fn edges_are_drawn_where_the_model_has_them() {
 
 #[test]
 fn a_camera_and_an_object_that_are_off_are_told_and_drawn() {
-    let photo = Picture::new(photograph(&room(), &camera()), Depth::Float);
+    let photo = Picture::new(photo_of_room(), Depth::Float);
     let turned = Camera::look_at(
         "camera",
         camera().origin(),
@@ -234,7 +241,7 @@ fn a_camera_and_an_object_that_are_off_are_told_and_drawn() {
 
 #[test]
 fn responses_that_look_wrong_are_told() {
-    let radiance = photograph(&room(), &camera());
+    let radiance = photo_of_room();
     let brightest = radiance.pixels().iter().fold(0.0f32, |most, v| most.max(v.max_element()));
     let linear = radiance.map(|v| (*v / brightest).clamp(Rgb::ZERO, Rgb::ONE));
     let text = format!("exposure = {brightest}\n");
@@ -270,7 +277,7 @@ fn a_stretched_histogram_is_told() {
 
 #[test]
 fn bright_dark_and_clipped_photos_are_told() {
-    let radiance = photograph(&room(), &camera());
+    let radiance = photo_of_room();
     let of = |scale: f32, text: &str| {
         let code = |v: f32| (255.0 * srgb_from_linear(v)).round() / 255.0;
         let codes = radiance.map(|v| (scale * *v).map(code));
@@ -349,7 +356,7 @@ fn scaled(scale: f32) -> Input {
     }
     let mut camera = camera();
     camera.world_from_camera.translation *= scale;
-    let codes = Picture::new(photograph(&room(), &self::camera()), Depth::Float);
+    let codes = Picture::new(photo_of_room(), Depth::Float);
     Input::new(&scene, camera, codes, Response::Linear, "exposure = 1\n")
 }
 
@@ -397,7 +404,7 @@ fn groups_that_are_unseen_small_or_dark_are_told() {
     scene.objects.push(Object { name: "box".into(), group: 5, mesh: dark });
     let inside =
         Camera::look_at("c", Vec3::new(0.5, 1.0, 0.8), Vec3::new(-0.3, 0.4, -0.4), Vec3::Y, 1.0);
-    let codes = Picture::new(photograph(&room(), &camera()), Depth::Float);
+    let codes = Picture::new(photo_of_room(), Depth::Float);
     let text = "exposure = 1\n";
     Input::new(&scene, inside, codes, Response::Linear, text)
         .warns("light reaches", "lamp missing");

@@ -38,7 +38,7 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
 fn in_the_way(subject: &Subject<'_>) -> Warnings {
     let mut warnings = Warnings::default();
     let pixels = subject.geometry.pixels();
-    let [low, high] = bounds(subject);
+    let [low, high] = subject.bounds();
     let near = NEAR * low.distance(high);
     // For each object: pixels, those from behind, those that are near.
     let mut counts: BTreeMap<u32, [usize; 3]> = BTreeMap::new();
@@ -65,12 +65,6 @@ fn in_the_way(subject: &Subject<'_>) -> Warnings {
         }
     }
     warnings
-}
-
-/// The corners of the box around the scene.
-fn bounds(subject: &Subject<'_>) -> [Vec3; 2] {
-    let corners = subject.job.scene.objects.iter().flat_map(|object| &object.mesh.positions);
-    corners.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], &p| [low.min(p), high.max(p)])
 }
 
 /// Scenes of a size that no room has.

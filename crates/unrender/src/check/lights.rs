@@ -86,7 +86,7 @@ fn area_light(subject: &Subject<'_>, (index, lamp): (u32, &Object), seen: &[Seen
         })
     };
     let lights = seen.iter().enumerate().filter(|(i, seen)| reaches(*i, seen)).count();
-    let size = points_area(&lamp.mesh).sqrt();
+    let size = area(&lamp.mesh).sqrt();
     let (stopped, by) = stopped(tracer, &points, BEFORE * size);
     let name = &lamp.name;
     if stopped > MOST && by != Some(index) {
@@ -113,7 +113,8 @@ fn area_light(subject: &Subject<'_>, (index, lamp): (u32, &Object), seen: &[Seen
 fn out_of_sight(kind: &str, name: &str) -> String {
     format!(
         "no light comes straight from {kind} \"{name}\" to anything that the picture shows: does it \
-         stand outside, behind a wall, inside a shade that lets nothing through, or turned away?"
+         stand outside, behind a wall, inside a shade that lets nothing through, or turned away? \
+         If it is meant to light the scene indirectly, all is well"
     )
 }
 
@@ -130,8 +131,8 @@ fn spread_over(mesh: &Mesh, count: usize) -> Vec<Seen> {
         }
         // Along the plastic number's lattice [Roberts 2018]; from a half on, so that none is a corner,
         // which lies on other faces too.
-        let place = i as f32 + 0.5;
-        let (u, v) = ((0.754_877_7 * place).fract(), (0.569_840_3 * place).fract());
+        let step = i as f32 + 0.5;
+        let (u, v) = ((0.754_877_7 * step).fract(), (0.569_840_3 * step).fract());
         let root = u.sqrt();
         let [a, b, c] = mesh.corners(triangle);
         let point = a * (1.0 - root) + b * (root * (1.0 - v)) + c * (root * v);
@@ -146,7 +147,7 @@ fn normal(mesh: &Mesh, triangle: usize) -> Vec3 {
     (b - a).cross(c - a)
 }
 
-fn points_area(mesh: &Mesh) -> f32 {
+fn area(mesh: &Mesh) -> f32 {
     (0..mesh.triangles.len()).map(|t| 0.5 * normal(mesh, t).length()).sum()
 }
 
@@ -189,7 +190,8 @@ fn small_light(subject: &Subject<'_>, light: &Light, seen: &[Seen]) -> Warnings 
         LightKind::Spot { position, .. } => ("spot light", Some(position)),
         LightKind::Directional { .. } => ("directional light", None),
     };
-    let size = scene_size(subject);
+    let [low, high] = subject.bounds();
+    let size = low.distance(high);
     let lit = |(point, normal): &&Seen| {
         let (wi, distance, irradiance) = light.kind.illuminate(*point);
         let to = *point + wi * distance.min(2.0 * size);
@@ -217,12 +219,6 @@ fn small_light(subject: &Subject<'_>, light: &Light, seen: &[Seen]) -> Warnings 
         warnings.push(out_of_sight(kind, name));
     }
     warnings
-}
-
-fn scene_size(subject: &Subject<'_>) -> f32 {
-    let corners = || subject.job.scene.objects.iter().flat_map(|object| &object.mesh.positions);
-    let low = corners().fold(Vec3::INFINITY, |low, &p| low.min(p));
-    corners().fold(Vec3::NEG_INFINITY, |high, &p| high.max(p)).distance(low)
 }
 
 /// What stands around a light.

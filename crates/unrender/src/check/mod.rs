@@ -21,6 +21,7 @@ pub use table::{json, table};
 use crate::Job;
 use crate::engine;
 use crate::registration::{self, Alignment, Laid};
+use glam::Vec3;
 use unrender_formats::picture::Picture;
 use unrender_recover::evidence::Stage;
 use unrender_recover::prospect::{Prospect, prospect};
@@ -98,6 +99,13 @@ struct Subject<'a> {
 impl Subject<'_> {
     fn group_name(&self, group: usize) -> &str {
         &self.job.scene.groups[group].name
+    }
+
+    /// The corners of the box around the scene.
+    fn bounds(&self) -> [Vec3; 2] {
+        let corners = self.job.scene.objects.iter().flat_map(|object| &object.mesh.positions);
+        let nothing = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        corners.fold(nothing, |[low, high], &p| [low.min(p), high.max(p)])
     }
 
     fn object_name(&self, object: u32) -> &str {
