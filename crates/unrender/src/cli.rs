@@ -1,6 +1,6 @@
 //! The command line: global flags, the subcommands, and what becomes of errors.
 
-use crate::commands::{calibrate, check, merge, recover, render, score};
+use crate::commands::{calibrate, check, merge, recover, render, restage, score};
 use crate::{Error, interrupt};
 use clap::{Parser, Subcommand};
 use std::num::NonZeroUsize;
@@ -35,6 +35,7 @@ enum Command {
     Check(check::Args),
     Render(render::Args),
     Merge(merge::Args),
+    Restage(restage::Args),
     Score(score::Args),
 }
 
@@ -67,6 +68,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Check(args) => check::run(args),
         Command::Render(args) => render::run(args, &cli.global),
         Command::Merge(args) => merge::run(args, &cli.global),
+        Command::Restage(args) => restage::run(args, &cli.global),
         Command::Score(args) => score::run(args),
     }
 }

@@ -111,11 +111,8 @@ fn photo_of_room() -> RgbImage {
     PHOTO.get_or_init(|| photograph(&room(), &camera())).clone()
 }
 
-/// A project and what its photograph's file holds.
-struct Input {
-    job: Job,
-    codes: Picture,
-}
+/// A project and all that it names.
+struct Input(Job);
 
 impl Input {
     /// The photograph `codes` of `scene` by `camera`, with the project's lines `text`.
@@ -126,8 +123,8 @@ impl Input {
         let photo = develop(&codes, &transfer);
         let (scene, warnings) = (scene.clone(), Warnings::default());
         let unknown_lights = project.unknown_sources(&scene);
-        let job = Job { scene, camera, photo, transfer, project, unknown_lights, warnings };
-        Self { job, codes }
+        let picture = codes;
+        Self(Job { scene, camera, picture, photo, transfer, project, unknown_lights, warnings })
     }
 
     /// A floating-point photograph that `camera()` took of `room()`, claimed to be one of `scene`.
@@ -137,7 +134,7 @@ impl Input {
     }
 
     fn check(&self) -> Checkup {
-        check(&self.job, &self.codes)
+        check(&self.0)
     }
 
     /// Asserts that one of the warnings contains `problem` and `remedy`.
@@ -190,12 +187,12 @@ fn edges_are_drawn_where_the_model_has_them() {
     let checkup = input.check();
     let edges = &checkup.edges;
     assert!(edges.fit > 0.85 && edges.off < 0.03, "{} {}", edges.fit, edges.off);
-    let drawn = edge_picture(&input.job.photo.radiance, &edges.points);
+    let drawn = edge_picture(&input.0.photo.radiance, &edges.points);
     let zoom = drawn.width() / SIZE.0;
     assert_eq!((drawn.width(), drawn.height()), (zoom * SIZE.0, zoom * SIZE.1));
     let is_green = |v: &Rgb| v.y > 0.5 && v.x < 0.2 && v.z < 0.2;
     // The edge between the back wall and the floor, left of the block.
-    let at = input.job.camera.project(Vec3::new(-0.8, 0.0, -1.0), SIZE.0, SIZE.1).unwrap();
+    let at = input.0.camera.project(Vec3::new(-0.8, 0.0, -1.0), SIZE.0, SIZE.1).unwrap();
     let pixel = |dy: f32| {
         let (x, y) = (at.0 * zoom as f32, (at.1 + dy) * zoom as f32);
         *drawn.at(x as usize, y as usize)
@@ -226,7 +223,7 @@ fn a_camera_and_an_object_that_are_off_are_told_and_drawn() {
     let apart: Vec<f32> = apart.collect();
     let mean = apart.iter().sum::<f32>() / apart.len() as f32;
     assert!((edges.displacement_px.unwrap() - mean).abs() < 1.0, "{mean}");
-    let drawn = edge_picture(&input.job.photo.radiance, &edges.points);
+    let drawn = edge_picture(&input.0.photo.radiance, &edges.points);
     let count = |is: fn(&&Rgb) -> bool| drawn.pixels().iter().filter(is).count();
     assert!(count(|v| v.x > 0.9 && v.y < 0.1) > 100, "red");
     assert!(count(|v| v.x > 0.9 && v.y > 0.7 && v.z < 0.1) > 100, "yellow");
@@ -344,7 +341,7 @@ fn objects_from_behind_and_doubled_ones_are_told() {
     normals.iter_mut().for_each(|normal| *normal = -*normal);
     let warnings = scene.validate().unwrap();
     let mut input = Input::of_room(&scene);
-    input.job.warnings = warnings;
+    input.0.warnings = warnings;
     input.warns("normals of 12 triangle(s) point against", "winding was taken");
 }
 

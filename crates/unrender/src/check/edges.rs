@@ -5,7 +5,7 @@ use super::{Subject, some};
 use crate::registration::{CLEAR, OBJECT_NOTABLE};
 use glam::Vec2;
 use serde::Serialize;
-use unrender_recover::register::edges::{Edgel, FINER, edgels};
+use unrender_recover::register::edges::{Edgel, edgels, finer};
 use unrender_recover::register::offset::EdgePicture;
 use unrender_scene::{Camera, Warnings};
 
@@ -20,8 +20,8 @@ const NEIGHBOURS: f32 = 6.0;
 const AGREE: f32 = 0.75;
 /// A smaller share of edges in place than this says that the model is not that of the photograph.
 const FITTING: f32 = 0.15;
-/// Fewer edge points than this say nothing.
-const EDGES_MIN: usize = 60 * FINER;
+/// Edges of fewer pixels than this say nothing.
+const PIXELS_MIN: usize = 60;
 
 /// How an edge of the model lies on the photograph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +48,7 @@ pub struct Edge {
 /// The edges of the model.
 #[derive(Clone, Debug, Serialize)]
 pub struct Edges {
-    /// Its points, some three a pixel of their length.
+    /// Its points, up to three a pixel of their length.
     #[serde(skip)]
     pub points: Vec<Edge>,
     /// The share of them that fits, 0 to 1.
@@ -65,8 +65,9 @@ pub struct Edges {
 pub(super) fn find(subject: &Subject<'_>) -> Edges {
     let (job, laid) = (subject.job, subject.laid);
     let (width, height) = (job.photo.radiance.width(), job.photo.radiance.height());
-    let geometry = subject.tracer.geometry(&job.camera, FINER * width, FINER * height);
-    let found = edgels(&geometry, &job.camera);
+    let finer = finer((width, height));
+    let geometry = subject.tracer.geometry(&job.camera, finer * width, finer * height);
+    let found = edgels(&geometry, &job.camera, finer);
     let camera_is_off = laid.camera != job.camera;
     let picture = EdgePicture::new(&job.photo.radiance);
     let offsets: Vec<Option<f32>> =
@@ -146,7 +147,9 @@ fn agreed(found: &[Edgel], offsets: &[Option<f32>], width: usize) -> Vec<Option<
 /// A model that does not lie where the photograph has it.
 pub(super) fn warnings(subject: &Subject<'_>, edges: &Edges) -> Warnings {
     let mut warnings = Warnings::default();
-    if edges.points.len() >= EDGES_MIN && edges.fit + edges.off < FITTING {
+    let size = (subject.geometry.width(), subject.geometry.height());
+    let enough = edges.points.len() >= PIXELS_MIN * finer(size);
+    if enough && edges.fit + edges.off < FITTING {
         warnings.push(
             "hardly any of the model's edges are found in the photo: is it the photo of this model, \
              and the camera right? `unrender calibrate` finds it from measured points",

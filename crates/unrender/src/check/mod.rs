@@ -22,7 +22,6 @@ use crate::Job;
 use crate::engine;
 use crate::registration::{self, Alignment, Laid};
 use glam::Vec3;
-use unrender_formats::picture::Picture;
 use unrender_recover::evidence::Stage;
 use unrender_recover::prospect::{Prospect, prospect};
 use unrender_recover::{GroupSpec, Observation, Role, Trust, View};
@@ -48,11 +47,11 @@ const PIXELS: usize = 6000;
 /// And of each.
 const PIXELS_OF_GROUP: [usize; 2] = [40, 400];
 
-/// Looks at all of `job`, whose photograph's file holds `codes`.
-pub fn check(job: &Job, codes: &Picture) -> Checkup {
+/// Looks at all of `job`.
+pub fn check(job: &Job) -> Checkup {
     let tracer = Tracer::new(&job.scene);
     let laid = registration::lay(job, &tracer, Alignment::Auto);
-    let size = (codes.values.width(), codes.values.height());
+    let size = (job.photo.radiance.width(), job.photo.radiance.height());
     let view = View::new(&tracer, &laid.camera, size, job.scene.brdf);
     let geometry = unrender_recover::Renderer::geometry(&view);
     let observation = laid.observe(job, geometry);
@@ -71,7 +70,7 @@ pub fn check(job: &Job, codes: &Picture) -> Checkup {
     let edges = edges::find(&subject);
     let mut warnings = job.warnings.clone();
     for told in [
-        photograph::warnings(&subject, codes),
+        photograph::warnings(&subject),
         camera::warnings(&subject),
         edges::warnings(&subject, &edges),
         model::warnings(&subject),

@@ -10,6 +10,7 @@
 //!  - **Brightness**: clipped, black, or far from what the lights can do on middle grey.
 
 use super::{GREY, Subject};
+use crate::project::ResponseChoice;
 use unrender_formats::picture::{Depth, Picture};
 use unrender_photo::{Exposure, Response};
 use unrender_recover::{Role, Trust};
@@ -34,7 +35,8 @@ const SLOPES: [f32; 2] = [0.65, 1.6];
 const FACTOR: f32 = 10.0;
 
 /// What is doubtful about the photograph.
-pub(super) fn warnings(subject: &Subject<'_>, codes: &Picture) -> Warnings {
+pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
+    let codes = &subject.job.picture;
     let mut warnings = Warnings::default();
     for told in [
         steps(subject, codes),
@@ -100,6 +102,9 @@ fn gaps(codes: &Picture) -> Option<String> {
 
 /// The slope that most of the groups show.
 fn slope(subject: &Subject<'_>) -> Option<String> {
+    if subject.job.project.response == Some(ResponseChoice::Auto) {
+        return None;
+    }
     let pixels = |g: usize| subject.observation.pixels_of_group[g].len();
     let slopes = subject.prospects.iter().enumerate();
     let mut slopes: Vec<(f32, usize)> = slopes

@@ -14,7 +14,7 @@ const COLUMNS: usize = 1400;
 const ENLARGED: usize = 4;
 /// The share of its pixels that a photograph of any brightness has below white here.
 const BELOW_WHITE: f32 = 0.98;
-/// Half the width of a line, and of its dark border, pixels of the picture.
+/// Half the width of a line, and of its dark border, pixels of a picture of [`COLUMNS`] or less.
 const LINE: f32 = 1.2;
 const BORDER: f32 = 2.2;
 
@@ -40,10 +40,13 @@ pub fn edge_picture(photo: &RgbImage, edges: &[Edge]) -> RgbImage {
         (of(EdgeKind::Off).map(|e| e.at).collect(), RED),
         (edges.iter().filter_map(|e| e.there).collect(), YELLOW),
     ];
+    let wider = (width as f32 / COLUMNS as f32).max(1.0);
     for (points, color) in layers {
         for (radius, srgb) in [(BORDER, BLACK), (LINE, color)] {
             let color = srgb.map(linear_from_srgb);
-            points.iter().for_each(|&at| dot(&mut picture, at * zoom as f32, radius, color));
+            points
+                .iter()
+                .for_each(|&at| dot(&mut picture, at * zoom as f32, wider * radius, color));
         }
     }
     picture

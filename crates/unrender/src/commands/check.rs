@@ -40,8 +40,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     let (project, warnings) = Project::read(&args.project)?;
     output::check_file(&args.out, &["png"], "end the name of the picture in .png")?;
     let job = Job::load(project, warnings)?;
-    let (codes, _) = picture::read(&job.project.photo)?;
-    let checkup = check(&job, &codes);
+    let checkup = check(&job);
     let drawn = edge_picture(&job.photo.radiance, &checkup.edges.points);
     let until_written = interrupt::writing();
     picture::write(&args.out, &drawn)?;

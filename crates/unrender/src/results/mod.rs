@@ -4,12 +4,14 @@ mod calibration;
 mod error_picture;
 mod materials_file;
 mod report;
+pub(crate) mod restaged;
 mod run_file;
 mod scale_bar;
 mod summary;
 mod trust_picture;
 
 pub(crate) use calibration::calibration;
+pub(crate) use run_file::camera as recovered_camera;
 pub(crate) use summary::{summary, table};
 
 use crate::engine::Recovered;
