@@ -1,6 +1,6 @@
 //! The command line: global flags, the subcommands, and what becomes of errors.
 
-use crate::commands::{calibrate, merge, recover, render, score};
+use crate::commands::{calibrate, merge, recover, render, report, score};
 use crate::{Error, interrupt};
 use clap::{Parser, Subcommand};
 use std::num::NonZeroUsize;
@@ -35,6 +35,7 @@ enum Command {
     Render(render::Args),
     Merge(merge::Args),
     Score(score::Args),
+    Report(report::Args),
 }
 
 /// Runs the command line that the process was started with.
@@ -43,7 +44,7 @@ pub fn run() -> ExitCode {
     match prepare(&cli.global).and_then(|()| dispatch(&cli)) {
         Ok(code) => code,
         Err(error) => {
-            report(&error);
+            tell(&error);
             ExitCode::FAILURE
         }
     }
@@ -66,6 +67,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Render(args) => render::run(args, &cli.global),
         Command::Merge(args) => merge::run(args, &cli.global),
         Command::Score(args) => score::run(args),
+        Command::Report(args) => report::run(args, &cli.global),
     }
 }
 
@@ -77,7 +79,7 @@ pub(crate) fn warn(warnings: &Warnings) {
 }
 
 /// Prints `error` and its causes on stderr.
-fn report(error: &Error) {
+fn tell(error: &Error) {
     eprintln!("error: {error}");
     let mut cause = std::error::Error::source(error);
     while let Some(inner) = cause {

@@ -11,13 +11,19 @@ use unrender_recover::{
     Recovery, Role, TurnRecord, View,
 };
 use unrender_render::Tracer;
-use unrender_scene::Rgb;
+use unrender_scene::{Image, Rgb};
 
-/// A recovery and how long it took.
+/// A recovery, how it was asked for and how long it took.
 pub(crate) struct Recovered {
     pub(crate) recovery: Recovery,
+    pub(crate) options: Options,
     /// How the model was found to lie on the photograph.
     pub(crate) laid: Laid,
+    /// The group of every pixel, or [`unrender_render::NOTHING`].
+    pub(crate) group_map: Image<u32>,
+    /// Seconds until the ladder began, until the end of each turn, and until all was done.
+    pub(crate) registered: f64,
+    pub(crate) turns: Vec<f64>,
     pub(crate) seconds: f64,
 }
 
@@ -41,6 +47,7 @@ pub(crate) fn recover(
     };
     let groups = job.scene.groups.len();
     let geometry = unrender_recover::Renderer::geometry(&view);
+    let group_map = geometry.map(|pixel| pixel.group);
     let observation = Observation::with_margins(picture, geometry, &laid.margins, groups);
     let problem = Problem {
         observation: &observation,
@@ -49,13 +56,17 @@ pub(crate) fn recover(
         exposure: exposure_rule(job),
         unknown_lights: job.unknown_lights.clone(),
     };
-    let mut teller = Teller { progress, paper: options.ladder == LadderKind::Paper };
+    let registered = started.elapsed().as_secs_f64();
+    let paper = options.ladder == LadderKind::Paper;
+    let mut teller = Teller { progress, paper, started, turns: Vec::new() };
     let mut recovery = unrender_recover::recover(&problem, options, &mut teller)?;
     if let Exposure::Fixed(exposure) = job.project.exposure {
         // The photograph was developed with it.
         recovery.exposure = exposure;
     }
-    Ok(Recovered { recovery, laid, seconds: started.elapsed().as_secs_f64() })
+    let (options, turns) = (options.clone(), teller.turns);
+    let seconds = started.elapsed().as_secs_f64();
+    Ok(Recovered { recovery, options, laid, group_map, registered, turns, seconds })
 }
 
 fn spec(job: &Job, group: usize) -> GroupSpec {
@@ -82,10 +93,13 @@ fn exposure_rule(job: &Job) -> ExposureRule {
     }
 }
 
-/// Passes a recovery's progress on to the terminal.
+/// Passes a recovery's progress on to the terminal, and keeps the time of its turns.
 struct Teller<'a> {
     progress: &'a Progress,
     paper: bool,
+    started: Instant,
+    /// Seconds from the start to the end of each turn.
+    turns: Vec<f64>,
 }
 
 /// The final picture's share of the time, roughly.
@@ -93,6 +107,7 @@ const PICTURE: f64 = 0.4;
 
 impl Observer for Teller<'_> {
     fn turn(&mut self, record: &TurnRecord) {
+        self.turns.push(self.started.elapsed().as_secs_f64());
         let open = match record.open_groups.len() {
             0 => "none".to_owned(),
             n if n <= 4 => record.open_groups.join(", "),

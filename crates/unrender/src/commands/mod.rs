@@ -4,4 +4,5 @@ pub mod calibrate;
 pub mod merge;
 pub mod recover;
 pub mod render;
+pub mod report;
 pub mod score;
