@@ -41,20 +41,25 @@ fn row(told: &Told<'_>, name: &str, group: &RunGroup) -> Result<Markup, Error> {
                     span class="group-name" { (name) }
                 }
             }
-            td role="cell" data-head="hypothesis" {
+            (cell("hypothesis", &html! {
                 (hypothesis)
                 @match entry.status {
                     Some(Status::Known) => { " " span class="status" { "given" } }
                     Some(Status::Assumed) => { " " span class="status bad" { "assumed" } }
                     _ => {}
                 }
-            }
-            td role="cell" data-head="parameters" { (parameters::list(&key, entry)) }
-            td role="cell" data-head="error" { (errors(told, &key, name, group)) }
-            td role="cell" data-head="pixels" { (pixels(&key, group)) }
-            td role="cell" data-head="why" { (story::of(told, &key, name, group)) }
+            }))
+            (cell("parameters", &parameters::list(&key, entry)))
+            (cell("error", &errors(told, &key, name, group)))
+            (cell("pixels", &pixels(&key, group)))
+            (cell("why", &story::of(told, &key, name, group)))
         }
     })
+}
+
+/// A cell; on narrow screens its head stands before it.
+fn cell(head: &str, content: &Markup) -> Markup {
+    html! { td role="cell" data-head=(head) { div { (content) } } }
 }
 
 /// A ball of the material, or the texture.

@@ -60,13 +60,19 @@ fn logarithmic<'a>(area: &Area<'a>, curves: &[Curve]) -> Drawn<'a> {
         .axis_style(INK.mix(0.5))
         .label_style(("sans-serif", 12, &INK))
         .x_label_formatter(&|turn| format!("{turn:.0}"))
-        .y_label_formatter(&|error| format!("{} %", 100.0 * error))
+        .y_label_formatter(&|error| decade(100.0 * error))
         .draw()?;
     for curve in curves {
         let points = curve.points.iter().copied().filter(|(_, y)| *y > 0.0);
         chart.draw_series(LineSeries::new(points, curve.color.stroke_width(2)).point_size(2))?;
     }
     Ok(())
+}
+
+/// A power of ten in percent.
+fn decade(percent: f64) -> String {
+    let digits = (-percent.log10()).round().max(0.0) as usize;
+    format!("{percent:.digits$} %")
 }
 
 fn linear<'a>(area: &Area<'a>, curves: &[Curve]) -> Drawn<'a> {

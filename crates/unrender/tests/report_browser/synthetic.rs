@@ -46,9 +46,7 @@ pub(crate) fn write(folder: &Path, names: &[String], (width, height): (usize, us
     write("trust.png", &grainy(0.5));
     write("error.png", &grainy(0.4));
     let flat = Image::from_fn(width, height, |x, y| match cell(x, y) {
-        group if group < names.len() => {
-            Rgb::from_array(color(group).map(|c| f32::from(c) / 255.0))
-        }
+        group if group < names.len() => Rgb::from_array(color(group).map(|c| f32::from(c) / 255.0)),
         _ => Rgb::ZERO,
     });
     std::fs::write(folder.join("report/groups.png"), picture::png_bytes(&flat).unwrap()).unwrap();
