@@ -32,7 +32,8 @@ pub(super) fn section(told: &Told<'_>) -> Markup {
             (plot(&curves, Axis::Logarithmic, ERRORS, "Error of every group against turns"))
             figcaption {
                 "The relative error of every group that noise does not explain, against turns; \
-                 in passes of the refinement that of means over blocks of pixels. Colours as in the \
+                 in passes of the refinement that of means over blocks of pixels. On the lower \
+                 edge noise explains all. Colours as in the \
                  group map: "
                 @for name in &asked { (legend(&run.groups[*name].map_color, name)) " " }
             }

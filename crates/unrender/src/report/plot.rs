@@ -12,11 +12,14 @@ pub(super) struct Curve {
 /// The vertical axis.
 #[derive(Clone, Copy)]
 pub(super) enum Axis {
-    /// Decades; what is not positive is left out.
+    /// Decades; what is below the last lies on the lower edge.
     Logarithmic,
     /// From zero.
     Linear,
 }
+
+/// No logarithmic axis goes further down.
+const LEAST: f64 = 1e-5;
 
 /// The colour that the page replaces by that of its text.
 const INK: RGBColor = RGBColor(1, 2, 3);
@@ -46,7 +49,7 @@ type Drawn<'a> = Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBacke
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
 fn logarithmic<'a>(area: &Area<'a>, curves: &[Curve]) -> Drawn<'a> {
-    let (turns, [low, high]) = ranges(curves, |y| y > 0.0);
+    let (turns, [low, high]) = ranges(curves, |y| y > LEAST);
     let (low, high) = (10f64.powf(low.log10().floor()), 10f64.powf(high.log10().ceil()));
     let mut chart = ChartBuilder::on(area)
         .margin(6)
@@ -63,7 +66,7 @@ fn logarithmic<'a>(area: &Area<'a>, curves: &[Curve]) -> Drawn<'a> {
         .y_label_formatter(&|error| decade(100.0 * error))
         .draw()?;
     for curve in curves {
-        let points = curve.points.iter().copied().filter(|(_, y)| *y > 0.0);
+        let points = curve.points.iter().map(|(x, y)| (*x, y.max(low)));
         chart.draw_series(LineSeries::new(points, curve.color.stroke_width(2)).point_size(2))?;
     }
     Ok(())

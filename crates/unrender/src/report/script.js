@@ -35,7 +35,12 @@ function setUpMap(figure) {
   const rows = new Map();
   for (const row of document.querySelectorAll("tr[data-color]")) rows.set(row.dataset.color, row);
   const photo = document.querySelector(".compare .over");
-  if (photo) figure.querySelector(".frame").style.backgroundImage = `url("${photo.src}")`;
+  if (photo) {
+    const under = photo.cloneNode();
+    under.className = "under";
+    under.alt = "";
+    image.before(under);
+  }
 
   // The colours of the map, read once.
   const plain = document.createElement("canvas");

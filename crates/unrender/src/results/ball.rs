@@ -69,9 +69,9 @@ fn panorama() -> RgbImage {
         };
         // The middle of the panorama lies behind the ball, its edges behind the camera.
         if inside(0.04, 0.20, 0.14, 0.40) {
-            Rgb::splat(9.0)
+            Rgb::splat(5.0)
         } else if inside(0.76, 0.79, 0.25, 0.55) {
-            Rgb::splat(6.0)
+            Rgb::splat(4.0)
         } else if v < 0.5 {
             Rgb::splat(0.25 + 0.3 * (0.5 - v))
         } else {

@@ -107,8 +107,8 @@ fn settings(job: &Job, options: &Options) -> SettingsEntry {
 /// The time by stage: turns of the ladder come before passes of the refinement.
 fn stages(recovered: &Recovered) -> Stages {
     let turns = recovered.recovery.turns.iter().zip(&recovered.turns);
-    let climbed = turns.filter(|(turn, _)| !turn.refining).map(|(_, seconds)| *seconds);
-    let climbed = climbed.last().unwrap_or(recovered.registered);
+    let mut climbed = turns.filter(|(turn, _)| !turn.refining).map(|(_, seconds)| *seconds);
+    let climbed = climbed.next_back().unwrap_or(recovered.registered);
     let refined = recovered.turns.last().copied().unwrap_or(climbed);
     Stages {
         registration: recovered.registered,
