@@ -21,4 +21,4 @@ pub mod scene_file;
 mod texels;
 
 pub use error::FileError;
-pub use scene_file::{load_scene, place, wear};
+pub use scene_file::{load_model, load_scene, place, wear};

@@ -213,3 +213,69 @@ fn shot_noise(picture: &Picture, pixels: &[u32]) -> Rgb {
     let level = mean(&value);
     Rgb::select(level.cmpgt(Rgb::ZERO), excess / level.max(Rgb::splat(1e-20)), Rgb::ZERO)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use unrender_render::PixelGeometry;
+
+    const SIDE: usize = 24;
+
+    /// Three upright stripes, one a group: columns 0..11, 11..13, 13..24.
+    fn stripes() -> GeometryBuffers {
+        Image::from_fn(SIDE, SIDE, |x, _| {
+            let group = u32::from(x >= 11) + u32::from(x >= 13);
+            PixelGeometry {
+                object: group,
+                group,
+                depth: 1.0,
+                normal: Vec3::Z,
+                ..PixelGeometry::EMPTY
+            }
+        })
+    }
+
+    fn observed(margin: f32, value: impl Fn(usize, usize) -> f32) -> Observation {
+        let picture = Picture {
+            values: RgbImage::from_fn(SIDE, SIDE, |x, y| Rgb::splat(value(x, y))),
+            trusted: Image::new(SIDE, SIDE, vec![true; SIDE * SIDE]),
+            quantum: RgbImage::new(SIDE, SIDE, vec![Rgb::ZERO; SIDE * SIDE]),
+        };
+        let margins = Image::new(SIDE, SIDE, vec![margin; SIDE * SIDE]);
+        Observation::with_margins(picture, &stripes(), &margins, 3)
+    }
+
+    fn columns(observation: &Observation, group: usize) -> Vec<usize> {
+        let columns = observation.pixels_of_group[group].iter().map(|&p| p as usize % SIDE);
+        columns.collect::<std::collections::BTreeSet<_>>().into_iter().collect()
+    }
+
+    #[test]
+    fn pixels_near_an_edge_of_the_model_do_not_count_but_a_thin_group_keeps_some() {
+        let fits = observed(1.0, |_, _| 0.5);
+        assert_eq!(columns(&fits, 0), (0..10).collect::<Vec<_>>());
+        assert_eq!(*fits.trust.at(10, 5), Trust::Edge);
+        let off = observed(4.0, |_, _| 0.5);
+        assert_eq!(columns(&off, 0), (0..7).collect::<Vec<_>>());
+        assert_eq!(columns(&off, 2), (17..SIDE).collect::<Vec<_>>());
+        assert_eq!(columns(&off, 1), [11, 12], "nothing would be left");
+    }
+
+    #[test]
+    fn an_edge_of_the_photograph_matters_where_the_model_is_off() {
+        let step = |x: usize, _: usize| if x < 18 { 0.5 } else { 0.2 };
+        assert_eq!(columns(&observed(1.0, step), 2), (14..SIDE).collect::<Vec<_>>());
+        let off = columns(&observed(2.5, step), 2);
+        assert!(!off.contains(&17) && !off.contains(&18), "{off:?}");
+        assert!(off.contains(&22), "{off:?}");
+    }
+
+    #[test]
+    fn strays_no_longer_count() {
+        let mut observation = observed(1.0, |_, _| 0.5);
+        let before = observation.pixels_of_group[0].len();
+        observation.distrust(0, &[2, 3]);
+        assert_eq!(observation.pixels_of_group[0].len(), before - 2);
+        assert_eq!(*observation.trust.at(3, 0), Trust::Stray);
+    }
+}

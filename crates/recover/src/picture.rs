@@ -35,6 +35,7 @@ pub(crate) fn finish(
         exposure: state.exposure,
         exposure_std: state.exposure_std,
         lights: state.light_results,
+        corrected: state.corrected,
         noise,
         rerendered: RgbImage::new(geometry.width(), geometry.height(), mean),
         trust: state.observation.trust,
@@ -114,7 +115,7 @@ impl Squares {
         }
         for &pixel in &state.observation.pixels_of_group[group] {
             let at = pixel as usize;
-            let photo = state.exposure * state.observation.picture.values.pixels()[at];
+            let photo = state.exposure * state.value(at);
             let product = (photo - halves[0][at]) * (photo - halves[1][at]);
             squares.error += f64::from(product.element_sum());
             squares.photo += f64::from((photo * photo).element_sum());

@@ -29,6 +29,11 @@ pub const EVEN: f64 = 0.25;
 /// Keeps the pilot's numbers apart from those of the picture under the same seed.
 const STREAM: u64 = 0x9170_0000_0000_0000;
 
+/// The seed of the pilot of a picture under `seed`.
+pub fn pilot_seed(seed: u64) -> u64 {
+    seed ^ STREAM
+}
+
 /// How many paths each pixel gets, relative to the mean over the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shares {
@@ -84,7 +89,7 @@ impl Tracer {
         settings: &Settings,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Shares {
-        let settings = Settings { seed: settings.seed ^ STREAM, ..*settings };
+        let settings = Settings { seed: pilot_seed(settings.seed), ..*settings };
         let mut pilot = Tally::new(width, height);
         self.accumulate(appearance, camera, &settings, &|_| 0..PILOT, &mut pilot, progress);
         Shares::by_noise(&pilot)

@@ -146,15 +146,20 @@ impl<'a> Painter<'a> {
     /// Adds the paths of the numbers `samples` to what a pixel has brought.
     fn add(&self, pixel: u32, samples: Range<u32>, moments: &mut Moments) {
         for index in samples {
-            let mut sampler = Sampler::new(self.settings.seed ^ STREAM, u64::from(pixel), index);
+            let mut sampler = picture_sampler(self.settings.seed, pixel, index);
             let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
             moments.push(self.transport.radiance(&ray, &mut sampler, 0));
         }
     }
 }
 
+/// The numbers of the path number `index` through a pixel of a picture.
+pub fn picture_sampler(seed: u64, pixel: u32, index: u32) -> Sampler {
+    Sampler::new(seed ^ STREAM, u64::from(pixel), index)
+}
+
 /// A ray through a random point of a pixel: the picture's filter is the pixel itself.
-pub(crate) fn camera_ray(
+pub fn camera_ray(
     camera: &Camera,
     (width, height): (usize, usize),
     pixel: u32,

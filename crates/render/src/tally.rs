@@ -114,6 +114,11 @@ impl Tally {
         &self.moments
     }
 
+    /// What every pixel has brought, to be added to.
+    pub fn moments_mut(&mut self) -> &mut Image<Moments> {
+        &mut self.moments
+    }
+
     /// Width and height in pixels.
     pub fn size(&self) -> (usize, usize) {
         (self.moments.width(), self.moments.height())

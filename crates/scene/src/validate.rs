@@ -68,6 +68,19 @@ impl Scene {
     /// # Errors
     /// If an index is out of range, an attribute is not finite, or triangles or lights are missing.
     pub fn validate(&mut self) -> Result<Warnings, SceneError> {
+        let warnings = self.validate_meshes()?;
+        let surrounded = self.environment.as_ref().is_some_and(Environment::is_bright);
+        if self.lights.is_empty() && !self.has_emitting_triangle() && !surrounded {
+            return Err(SceneError::NoLight);
+        }
+        Ok(warnings)
+    }
+
+    /// As [`Scene::validate`] for a model that is to be put into a scene, and needs no light.
+    ///
+    /// # Errors
+    /// If an index is out of range, an attribute is not finite, or triangles are missing.
+    pub fn validate_meshes(&mut self) -> Result<Warnings, SceneError> {
         let mut warnings = Warnings::default();
         for object in &mut self.objects {
             check_indices(&object.name, &object.mesh)?;
@@ -90,10 +103,6 @@ impl Scene {
         }
         if self.triangle_count() == 0 {
             return Err(SceneError::NoGeometry);
-        }
-        let surrounded = self.environment.as_ref().is_some_and(Environment::is_bright);
-        if self.lights.is_empty() && !self.has_emitting_triangle() && !surrounded {
-            return Err(SceneError::NoLight);
         }
         Ok(warnings)
     }

@@ -1,6 +1,6 @@
 //! The command line: global flags, the subcommands, and what becomes of errors.
 
-use crate::commands::{calibrate, merge, recover, render, report, score};
+use crate::commands::{calibrate, merge, recover, render, report, restage, score};
 use crate::{Error, interrupt};
 use clap::{Parser, Subcommand};
 use std::num::NonZeroUsize;
@@ -34,6 +34,7 @@ enum Command {
     Calibrate(calibrate::Args),
     Render(render::Args),
     Merge(merge::Args),
+    Restage(restage::Args),
     Score(score::Args),
     Report(report::Args),
 }
@@ -66,6 +67,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Calibrate(args) => calibrate::run(args, &cli.global),
         Command::Render(args) => render::run(args, &cli.global),
         Command::Merge(args) => merge::run(args, &cli.global),
+        Command::Restage(args) => restage::run(args, &cli.global),
         Command::Score(args) => score::run(args),
         Command::Report(args) => report::run(args, &cli.global),
     }

@@ -76,6 +76,7 @@
 //!     groups: scene.groups.iter().map(spec).collect(),
 //!     exposure: ExposureRule::Fixed(Rgb::ONE),
 //!     unknown_lights: Vec::new(),
+//!     corrections: &[],
 //! };
 //! // The observer `()` does not listen to the turns.
 //! let recovery = unrender::recover::recover(&problem, &Options::default(), &mut ())?;
@@ -95,8 +96,10 @@
 //! reads what it names, and `unrender recover` writes what came out. [`score`] compares two such
 //! results.
 
+mod camera_numbers;
 pub mod cli;
 pub mod commands;
+pub mod edit;
 mod engine;
 pub mod error;
 mod fingerprint;
@@ -113,6 +116,7 @@ pub mod report;
 mod results;
 pub mod run;
 pub mod score;
+mod subject;
 
 pub use error::Error;
 pub use job::Job;
@@ -121,4 +125,5 @@ pub use unrender_formats as formats;
 pub use unrender_photo as photo;
 pub use unrender_recover as recover;
 pub use unrender_render as render;
+pub use unrender_restage as restage;
 pub use unrender_scene as scene;

@@ -8,14 +8,15 @@
 use crate::interrupt::Pausable;
 use crate::part::{self, Head, Identity, Part};
 use crate::progress::Progress;
+use crate::subject::Subject;
 use crate::{Error, interrupt};
 use std::ops::Range;
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use unrender_formats::FileError;
+use unrender_render::Tally;
 use unrender_render::adaptive::Shares;
-use unrender_render::{Settings, Tally, Tracer};
-use unrender_scene::{Camera, Material, Scene};
 
 /// How long a pass should take.
 const PASS: Duration = Duration::from_secs(2);
@@ -39,29 +40,42 @@ pub(crate) struct Goal {
     pub(crate) checkpoint: Option<PathBuf>,
 }
 
-/// What is rendered.
+/// What is rendered, and how it is told from other renderings.
 pub(crate) struct Job<'a> {
-    pub(crate) scene: &'a Scene,
-    pub(crate) camera: &'a Camera,
-    pub(crate) settings: Settings,
+    pub(crate) subject: &'a dyn Subject,
     /// Has the picture's size, and whether sampling is adaptive.
     pub(crate) identity: Identity,
 }
 
 /// A rendering as far as it came.
 pub(crate) struct Rendered {
-    pub(crate) tally: Tally,
+    /// One for each of the subject's layers.
+    pub(crate) layers: Vec<Tally>,
     /// The numbers of its samples; with adaptive sampling, of a pixel of mean noise.
     pub(crate) samples: Range<u32>,
     /// Whether Ctrl-C ended it.
     pub(crate) interrupted: bool,
 }
 
+impl Rendered {
+    /// Says that the rendering was interrupted; the exit code for that.
+    pub(crate) fn goodbye(&self) -> ExitCode {
+        let end = self.samples.end;
+        eprintln!("stopped after sample {end}; the same command goes on from there");
+        interrupt::code()
+    }
+
+    /// What a part of these samples says of itself.
+    pub(crate) fn head(&self, job: &Job<'_>) -> Head {
+        let layers = job.subject.layers().iter().map(|layer| (*layer).to_owned()).collect();
+        Head { identity: job.identity.clone(), samples: self.samples.clone(), layers }
+    }
+}
+
 /// A rendering in the course of being made.
 struct Run<'a> {
     job: &'a Job<'a>,
     goal: &'a Goal,
-    tracer: Tracer,
     shares: Option<Shares>,
     started: Instant,
     /// What a sample of all pixels takes, by the last pass, seconds.
@@ -79,27 +93,16 @@ struct Run<'a> {
 /// If the checkpoint is of something else or cannot be written.
 pub(crate) fn run(job: &Job<'_>, goal: &Goal, progress: &Progress) -> Result<Rendered, Error> {
     let rendered = begin(job, goal)?;
-    let tracer = Tracer::new(job.scene);
-    let (materials, size) = (job.scene.materials(), (job.identity.width, job.identity.height));
-    let pilot = || tracer.shares(&materials, job.camera, size, &job.settings, &|_| ());
-    let shares = job.identity.adaptive.then(pilot);
+    let size = (job.identity.width, job.identity.height);
+    let shares = job.identity.adaptive.then(|| job.subject.shares(size));
     let (started, mut saved) = (Instant::now(), Instant::now());
     let (sample_seconds, expected_end) = (None, None);
-    let mut run = Run {
-        job,
-        goal,
-        tracer,
-        shares,
-        started,
-        told: started,
-        sample_seconds,
-        expected_end,
-        rendered,
-    };
+    let mut run =
+        Run { job, goal, shares, started, told: started, sample_seconds, expected_end, rendered };
     let pausable = goal.checkpoint.as_ref().map(|_| Pausable::new());
     while !run.is_done(progress) {
         let Some(end) = run.end_of_pass() else { break };
-        run.pass(&materials, end, progress);
+        run.pass(end, progress);
         run.rendered.interrupted = pausable.as_ref().is_some_and(Pausable::is_asked);
         if run.rendered.interrupted {
             break;
@@ -121,11 +124,11 @@ impl Run<'_> {
             return true;
         }
         let Some(limit) = self.goal.noise.filter(|_| is_check(end)) else { return false };
-        let noise = self.rendered.tally.noise();
+        let noise = self.rendered.layers[0].noise();
         self.expected_end = Some(f64::from(end) * (noise / limit).powi(2));
         if self.told.elapsed() >= BETWEEN_LINES {
             self.told = Instant::now();
-            progress.say(in_words(end, &self.rendered.tally), self.share(end));
+            progress.say(in_words(end, &self.rendered.layers[0]), self.share(end));
         }
         noise <= limit
     }
@@ -151,18 +154,17 @@ impl Run<'_> {
     }
 
     /// Adds the samples up to the number `end`.
-    fn pass(&mut self, materials: &[Material], end: u32, progress: &Progress) {
+    fn pass(&mut self, end: u32, progress: &Progress) {
         let (pass, samples) = (Instant::now(), self.rendered.samples.end..end);
         let (before, after) = (self.share(samples.start), self.share(samples.end));
-        let Self { job, tracer, shares, rendered, .. } = self;
+        let Self { job, shares, rendered, .. } = self;
         let shares = shares.as_ref();
         let of_pixel = |pixel: usize| match shares {
             Some(shares) => shares.samples(pixel, samples.clone()),
             None => samples.clone(),
         };
         let tell = |done: f64| progress.set(before + (after - before) * done);
-        let tally = &mut rendered.tally;
-        tracer.accumulate(materials, job.camera, &job.settings, &of_pixel, tally, &tell);
+        job.subject.accumulate(&of_pixel, &mut rendered.layers, &tell);
         rendered.samples.end = end;
         self.sample_seconds = Some(pass.elapsed().as_secs_f64() / samples.len() as f64);
     }
@@ -192,28 +194,40 @@ pub(crate) fn in_words(end: u32, tally: &Tally) -> String {
 fn begin(job: &Job<'_>, goal: &Goal) -> Result<Rendered, Error> {
     let Range { start, end } = goal.samples;
     let Some(path) = goal.checkpoint.as_ref().filter(|path| path.exists()) else {
-        let tally = Tally::new(job.identity.width, job.identity.height);
-        return Ok(Rendered { tally, samples: start..start, interrupted: false });
+        let empty = |_: &&str| Tally::new(job.identity.width, job.identity.height);
+        let layers = job.subject.layers().iter().map(empty).collect();
+        return Ok(Rendered { layers, samples: start..start, interrupted: false });
     };
-    let Part { head, tally, .. } = part::read(path)?;
-    let problem = if let Some(difference) = job.identity.difference(&head.identity) {
-        format!("is the checkpoint of another rendering: this one has {difference}")
+    let Part { head, layers, .. } = part::read(path)?;
+    let problem = if let Err(problem) = check(job, &head) {
+        format!("is the checkpoint of another rendering: {problem}")
     } else if head.samples.start != start {
         format!("begins with sample {}, not with {start}", head.samples.start)
     } else if head.samples.end > end {
         format!("has the samples up to {} already, more than the {end} asked for", head.samples.end)
     } else {
-        return Ok(Rendered { tally, samples: head.samples, interrupted: false });
+        return Ok(Rendered { layers, samples: head.samples, interrupted: false });
     };
     Err(FileError::new(path, problem + "; name another checkpoint, or remove it").into())
+}
+
+/// Checks that a part which says `head` of itself has samples of `job`.
+///
+/// # Errors
+/// With what differs.
+pub(crate) fn check(job: &Job<'_>, head: &Head) -> Result<(), String> {
+    if head.layers != job.subject.layers() {
+        return Err(format!("it has the layers {}", head.layers.join(", ")));
+    }
+    let difference = job.identity.difference(&head.identity);
+    difference.map_or(Ok(()), |difference| Err(format!("this one has {difference}")))
 }
 
 /// Writes the checkpoint, if there is to be one.
 fn save(job: &Job<'_>, goal: &Goal, rendered: &Rendered) -> Result<(), Error> {
     let Some(path) = &goal.checkpoint else { return Ok(()) };
-    let head = Head { identity: job.identity.clone(), samples: rendered.samples.clone() };
     let _until_written = interrupt::writing();
-    part::write(path, &head, &rendered.tally)
+    part::write(path, &rendered.head(job), &rendered.layers)
 }
 
 /// The least number of samples above `done` at which the noise is looked at: each is a quarter

@@ -24,8 +24,8 @@ const TUKEY: f64 = 4.685;
 /// No deviation of the offsets is believed to be below this, pixels: the model's edges are only
 /// known to a part of a pixel.
 const DEVIATION_MIN: f64 = 0.15;
-/// Neighbouring edge points share their pixels: so many of them count as one.
-const SHARED: f64 = 4.0 * super::edges::FINER as f64;
+/// Neighbouring edge points share pixels of the photograph: those of so many pixels count as one.
+const SHARED: f64 = 4.0;
 const REWEIGHTINGS: usize = 12;
 
 /// An edge point and how far the photograph's edge is from it.
@@ -71,12 +71,13 @@ pub fn vote(offsets: &[Offset], reach: f32) -> (Vec2, f32) {
 }
 
 /// The change of `camera`, of pictures of `size`, that fits `offsets`, none if they fix nothing;
-/// `shift` is where to begin.
+/// `shift` is where to begin. A pixel of the photograph has `per_pixel` edge points along an edge.
 pub fn align(
     offsets: &[Offset],
     camera: &Camera,
     size: (usize, usize),
     shift: Vec2,
+    per_pixel: usize,
 ) -> Option<Alignment> {
     let distance = median(offsets.iter().map(|o| o.edgel.point.distance(camera.origin())))?;
     let rows = rows(offsets, camera, size, distance);
@@ -89,7 +90,8 @@ pub fn align(
         normal.fill(0.0);
         let mut right = DVector::zeros(FREEDOMS);
         for ((row, offset), residual) in rows.iter().zip(offsets).zip(&residuals) {
-            let weight = tukey(residual / deviation) / (deviation * deviation * SHARED);
+            let weight =
+                tukey(residual / deviation) / (deviation * deviation * SHARED * per_pixel as f64);
             normal.syger(weight, row, row, 1.0);
             right += row * (weight * f64::from(offset.distance));
         }

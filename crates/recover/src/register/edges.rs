@@ -10,9 +10,16 @@ const SAME_NORMAL: f32 = 0.95;
 /// The direction of an edge is read from a window that reaches this many pixels of the geometry to
 /// each side.
 const WINDOW: isize = 5;
-/// The model's edges are found in a picture with this many times as many rows, so that their places
-/// are known to a fraction of a pixel.
-pub const FINER: usize = 3;
+/// The model's edges are found in a picture with up to this many times as many rows, so that their
+/// places are known to a fraction of a pixel ...
+const FINER_MAX: usize = 3;
+/// ... but with no more pixels than this.
+const PIXELS_MAX: usize = 8_000_000;
+
+/// How many times as many rows as a photograph of `size` the picture has in which edges are found.
+pub fn finer((width, height): (usize, usize)) -> usize {
+    (PIXELS_MAX / (width * height).max(1)).isqrt().clamp(1, FINER_MAX)
+}
 
 /// A point on an edge of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,8 +46,9 @@ pub fn is_interior(geometry: &GeometryBuffers, index: usize) -> bool {
 }
 
 /// The edges of the model as `camera` sees them, one point for every two neighbouring pixels of the
-/// [`FINER`] `geometry` that an edge divides; their places are in pixels of the photograph.
-pub fn edgels(geometry: &GeometryBuffers, camera: &Camera) -> Vec<Edgel> {
+/// `geometry` that an edge divides; it has `finer` times the rows of the photograph, in whose pixels
+/// their places are.
+pub fn edgels(geometry: &GeometryBuffers, camera: &Camera, finer: usize) -> Vec<Edgel> {
     let (width, height) = (geometry.width(), geometry.height());
     let mut found = Vec::new();
     for y in 0..height {
@@ -52,6 +60,7 @@ pub fn edgels(geometry: &GeometryBuffers, camera: &Camera) -> Vec<Edgel> {
             }
         }
     }
+    found.iter_mut().for_each(|edgel| edgel.at /= finer as f32);
     found
 }
 
@@ -76,7 +85,7 @@ fn edgel(
     let at = Vec2::new(0.5 * (x + to_x + 1) as f32, 0.5 * (y + to_y + 1) as f32);
     let towards = camera.direction(at.x, at.y, geometry.width(), geometry.height());
     let point = camera.origin() + towards * nearer.depth;
-    Some(Edgel { at: at / FINER as f32, across, point, object: nearer.object })
+    Some(Edgel { at, across, point, object: nearer.object })
 }
 
 /// The direction in which the surface at a pixel ends: from the middle of the pixels around it that

@@ -13,7 +13,7 @@ pub mod offset;
 pub mod steep;
 
 use align::{Alignment, Offset, align, median, vote};
-use edges::{Edgel, FINER, edgels};
+use edges::{Edgel, edgels, finer};
 use glam::{Vec2, Vec3};
 use offset::EdgePicture;
 use unrender_render::{GeometryBuffers, NOTHING};
@@ -27,17 +27,10 @@ const REACH_PIXELS: [f32; 2] = [4.0, 16.0];
 const STEPS_MAX: usize = 8;
 /// It has arrived when no edge point moves by more than this on the median, pixels.
 const ARRIVED: f32 = 0.05;
-/// Fewer edge points than this fix no camera.
+/// Edges along fewer pixels than this fix no camera.
 const EDGELS_MIN: usize = 60;
-
-impl Registration {
-    /// What remains to be said once [`Registration::camera`] is the camera.
-    #[must_use]
-    pub fn taken(mut self) -> Self {
-        self.displacements = self.displacements.map(|_| 0.0);
-        self
-    }
-}
+/// With edges along fewer pixels than this, an object says nothing of its own place.
+const FEW: usize = 20;
 
 /// Traces what a camera sees in a picture of so many columns and rows.
 pub type GeometryOf<'a> = &'a dyn Fn(&Camera, usize, usize) -> GeometryBuffers;
@@ -62,6 +55,15 @@ pub struct Registration {
     pub own: Vec<f32>,
 }
 
+impl Registration {
+    /// What remains to be said once [`Registration::camera`] is the camera.
+    #[must_use]
+    pub fn taken(mut self) -> Self {
+        self.displacements = self.displacements.map(|_| 0.0);
+        self
+    }
+}
+
 /// Finds how the model, as `camera` sees it, lies on the photograph's linear `values`. None if the photograph has too few edges where the model
 /// has them.
 pub fn register(
@@ -70,17 +72,18 @@ pub fn register(
     geometry_of: GeometryOf<'_>,
 ) -> Option<Registration> {
     let size = (values.width(), values.height());
-    let search = Search { picture: EdgePicture::new(values), size, geometry_of };
+    let finer = finer(size);
+    let search = Search { picture: EdgePicture::new(values), size, finer, geometry_of };
     let reach = (REACH * size.1 as f32).clamp(REACH_PIXELS[0], REACH_PIXELS[1]);
     let offsets = search.offsets(camera, reach);
-    if offsets.len() < EDGELS_MIN {
+    if offsets.len() < EDGELS_MIN * finer {
         return None;
     }
-    let mut found = align(&offsets, camera, size, vote(&offsets, reach).0)?;
+    let mut found = align(&offsets, camera, size, vote(&offsets, reach).0, finer)?;
     for _ in 1..STEPS_MAX {
         let reach = (4.0 * found.deviation as f32).clamp(REACH_PIXELS[0], reach);
         let offsets = search.offsets(&found.camera, reach);
-        let next = align(&offsets, &found.camera, size, Vec2::ZERO)?;
+        let next = align(&offsets, &found.camera, size, Vec2::ZERO, finer)?;
         let moved = offsets.iter().map(|o| moved(&o.edgel.at, o.edgel.point, &next.camera, size));
         let moved = median(moved)?;
         found = next;
@@ -88,20 +91,22 @@ pub fn register(
             break;
         }
     }
-    (found.inliers >= EDGELS_MIN).then(|| search.report(camera, found))
+    (found.inliers >= EDGELS_MIN * finer).then(|| search.report(camera, found))
 }
 
 /// A photograph to be searched for the edges of a model.
 struct Search<'a> {
     picture: EdgePicture,
     size: (usize, usize),
+    finer: usize,
     geometry_of: GeometryOf<'a>,
 }
 
 impl Search<'_> {
     fn edgels(&self, camera: &Camera) -> Vec<Edgel> {
         let (width, height) = self.size;
-        edgels(&(self.geometry_of)(camera, FINER * width, FINER * height), camera)
+        let finer = self.finer;
+        edgels(&(self.geometry_of)(camera, finer * width, finer * height), camera, finer)
     }
 
     /// How far the photograph's edges are from the model's, where they are found.
@@ -135,18 +140,19 @@ impl Search<'_> {
             uncertainty: found.uncertainty as f32,
             confirmed: found.inliers,
             displacements: Image::from_fn(width, height, displacement),
-            own: (0..objects).map(|object| own_displacement(&left, object)).collect(),
+            own: (0..objects)
+                .map(|object| own_displacement(&left, object, FEW * self.finer))
+                .collect(),
             camera: found.camera,
         }
     }
 }
 
 /// How far an object's edges are from the photograph's, if most of them agree on it.
-fn own_displacement(left: &[Offset], object: u32) -> f32 {
-    const FEW: usize = 20 * FINER;
+fn own_displacement(left: &[Offset], object: u32, few: usize) -> f32 {
     const MOST: f32 = 0.8;
     let own: Vec<Offset> = left.iter().filter(|o| o.edgel.object == object).copied().collect();
-    if own.len() < FEW {
+    if own.len() < few {
         return 0.0;
     }
     let (shift, share) = vote(&own, REACH_PIXELS[0]);

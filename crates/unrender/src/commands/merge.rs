@@ -1,13 +1,10 @@
 //! `unrender merge`: parts of a rendering become the picture that one run would have made.
 
 use crate::cli::{Global, warn};
-use crate::part::{self, Part};
-use crate::{Error, interrupt, output, passes};
+use crate::{Error, interrupt, output, part, passes};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_formats::FileError;
-use unrender_render::Tally;
-use unrender_scene::Warnings;
 
 /// Puts parts of a rendering together: to the bit the picture that one run would have made.
 ///
@@ -36,58 +33,20 @@ pub struct Args {
 /// picture cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     output::check_picture(&args.out)?;
-    let mut sum: Option<Part> = None;
-    let mut ranges = Vec::new();
-    for path in &args.parts {
-        let part = part::read(path)?;
-        ranges.push((part.head.samples.clone(), path));
-        match &mut sum {
-            None => sum = Some(part),
-            Some(sum) => add(sum, &part)?,
-        }
-    }
-    ranges.sort_by_key(|(samples, _)| (samples.start, samples.end));
-    let mut warnings = Warnings::default();
-    let mut end = 0;
-    for (index, (samples, path)) in ranges.iter().enumerate() {
-        if samples.start < end {
-            let (before, other) = &ranges[index - 1];
-            return Err(FileError::new(path, format!(
-                "has the samples {}..{}, of which {} has some too ({}..{}); leave one of them out",
-                samples.start, samples.end, other.display(), before.start, before.end
-            ))
-            .into());
-        }
-        if samples.start > end {
-            let gap = format!("the samples {end}..{} are in no part", samples.start);
-            if !args.allow_gaps {
-                let remedy = "render them, or take the picture without them by --allow-gaps";
-                return Err(Error::Request(format!("{gap}; {remedy}")));
-            }
-            warnings.push(format!("{gap}; the picture was made without them"));
-        }
-        end = samples.end;
-    }
+    let (sum, warnings) = part::join(&args.parts, args.allow_gaps)?;
+    let [tally] = &sum.layers[..] else {
+        return Err(FileError::new(
+            &args.parts[0],
+            "is a part of a composite; `unrender restage EDIT.toml --composite --parts ...` puts \
+             such parts together",
+        )
+        .into());
+    };
     warn(&warnings);
-    let tally = sum.map_or_else(|| Tally::new(0, 0), |part| part.tally);
     if !global.quiet {
-        let count = ranges.iter().map(|(samples, _)| samples.end - samples.start).sum();
-        eprintln!("{}", passes::in_words(count, &tally));
+        eprintln!("{}", passes::in_words(sum.head.samples.end, tally));
     }
     let _until_written = interrupt::writing();
-    output::write_picture(&args.out, &tally)?;
+    output::write_picture(&args.out, tally)?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// Adds the samples of `part`, if both are of one rendering.
-fn add(sum: &mut Part, part: &Part) -> Result<(), Error> {
-    let problem = if let Some(difference) = part.head.identity.difference(&sum.head.identity) {
-        format!("does not belong to {}: it has {difference}", sum.path.display())
-    } else if part.head.identity.adaptive {
-        "was sampled adaptively, which is not done in parts; it can only be merged alone".into()
-    } else {
-        sum.tally.add(&part.tally);
-        return Ok(());
-    };
-    Err(FileError::new(&part.path, problem).into())
 }

@@ -1,8 +1,11 @@
-//! The subcommands: each file holds the arguments of one and its `run`.
+//! The subcommands: each file holds the arguments of one and its `run`; [`effort`] holds flags that
+//! two share.
 
 pub mod calibrate;
+pub mod effort;
 pub mod merge;
 pub mod recover;
 pub mod render;
 pub mod report;
+pub mod restage;
 pub mod score;

@@ -1,8 +1,9 @@
 //! How the run was made: command, versions, time, memory, settings, warnings.
 
 use super::number::{Shown, count, number, numbers};
-use super::{Told, under};
+use super::{Key, Told, under};
 use maud::{Markup, html};
+use unrender_formats::materials::PhotographEntry;
 
 /// The section.
 pub(super) fn section(told: &Told<'_>) -> Markup {
@@ -17,6 +18,9 @@ pub(super) fn section(told: &Told<'_>) -> Markup {
             div { h3 { "Time and memory" } (costs(told)) }
             div { h3 { "Input" } (input(told)) }
             div { h3 { "Settings" } (settings(told)) }
+        }
+        @if let Some(photograph) = &run.photograph {
+            h3 { "Camera" } (camera(&told.key.at("photograph"), photograph))
         }
         @if !run.lights.is_empty() { h3 { "Lights" } (lights(told)) }
     };
@@ -44,6 +48,7 @@ fn costs(told: &Told<'_>) -> Markup {
     let (run, key) = (told.run, &told.key);
     let stages = [
         ("registration", run.stages.registration),
+        ("camera", run.stages.camera),
         ("ladder", run.stages.ladder),
         ("refinement", run.stages.refinement),
         ("picture", run.stages.picture),
@@ -105,6 +110,33 @@ fn settings(told: &Told<'_>) -> Markup {
                     &number(&key.at("thresholds").at(name), *value, Shown::Significant(2))))
             }
         } }
+    }
+}
+
+/// The numbers of the camera that were asked for.
+fn camera(key: &Key, found: &PhotographEntry) -> Markup {
+    let std = found.std.clone().unwrap_or_default();
+    let one = |name: &str, value: Option<f64>, std: Option<f64>| {
+        html! { @if let Some(value) = value {
+            (row(name, &html! {
+                (number(&key.at(name), value, Shown::Fixed(4)))
+                @if let Some(std) = std {
+                    " ± " (number(&key.at("std").at(name), std, Shown::Significant(2)))
+                }
+            }))
+        } }
+    };
+    html! {
+        table { tbody {
+            (one("gamma", found.gamma, std.gamma))
+            @if let Some(radial) = &found.vignetting {
+                (row("vignetting", &html! { @for (index, value) in radial.iter().enumerate() {
+                    (number(&key.at("vignetting").at(index), *value, Shown::Fixed(3))) " "
+                } }))
+            }
+            (one("corner", found.corner, std.corner))
+        } }
+        @if let Some(note) = &found.note { p class="note" { (note) } }
     }
 }
 

@@ -1,6 +1,6 @@
-//! A gallery: pictures with captions on one page.
+//! A gallery: pictures with captions on one page, two of them under a divider if that tells more.
 
-use super::{embed, head};
+use super::{comparison, embed, head};
 use crate::Error;
 use maud::{Markup, html};
 use std::path::Path;
@@ -16,7 +16,8 @@ pub struct Exhibit {
     pub caption: String,
 }
 
-/// The page called `title` that shows the `exhibits` in `folder`, under `lead`.
+/// The page called `title` that shows the `exhibits` in `folder` under `lead`, a sentence, and
+/// before them the two of `pair` in one frame, the first on the left.
 ///
 /// # Errors
 /// If a picture is missing or broken.
@@ -24,13 +25,18 @@ pub fn gallery(
     title: &str,
     lead: &str,
     folder: &Path,
+    pair: Option<&[Exhibit; 2]>,
     exhibits: &[Exhibit],
 ) -> Result<String, Error> {
+    let compared = pair.map(|pair| comparison::figure(folder, pair)).transpose()?;
     let figures = exhibits.iter().map(|exhibit| figure(folder, exhibit));
     let figures = figures.collect::<Result<Vec<_>, _>>()?;
     let body = html! {
         header { h1 { (title) } p class="lead" { (lead) } }
-        main { div class="gallery" { @for figure in &figures { (figure) } } }
+        main {
+            @if let Some(compared) = compared { (compared) }
+            div class="gallery" { @for figure in &figures { (figure) } }
+        }
     };
     Ok(head::page(title, &body))
 }

@@ -24,7 +24,7 @@ pub(super) fn build(
     warnings: Warnings,
 ) -> Run {
     let recovery = &recovered.recovery;
-    let turns = recovery.turns.iter().zip(&recovered.turns);
+    let turns = recovery.turns.iter().zip(&recovered.times.turns);
     let groups = recovery.groups.iter().enumerate().map(|(index, result)| {
         let entry = materials.groups.get(&result.name).cloned().unwrap_or_default();
         let of_group = recovered.group_map.pixels().iter().zip(recovery.trust.pixels());
@@ -50,12 +50,13 @@ pub(super) fn build(
         command: std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect(),
         input: input(job),
         settings: settings(job, &recovered.options),
-        seconds: recovered.seconds,
+        seconds: recovered.times.all,
         stages: stages(recovered),
         peak_memory_bytes: memory::peak_bytes(),
         termination: recovery.termination.message(recovery.turns.len()),
         warnings: warnings.0,
         exposure: recovery.exposure.to_array(),
+        photograph: recovered.photograph.clone(),
         exposure_std: recovery.exposure_std.map(|std| std.to_array()),
         registration: registration(recovered),
         pixels: LeftOut::count(recovery.trust.pixels()),
@@ -106,15 +107,17 @@ fn settings(job: &Job, options: &Options) -> SettingsEntry {
 
 /// The time by stage: turns of the ladder come before passes of the refinement.
 fn stages(recovered: &Recovered) -> Stages {
-    let turns = recovered.recovery.turns.iter().zip(&recovered.turns);
+    let times = &recovered.times;
+    let turns = recovered.recovery.turns.iter().zip(&times.turns);
     let mut climbed = turns.filter(|(turn, _)| !turn.refining).map(|(_, seconds)| *seconds);
-    let climbed = climbed.next_back().unwrap_or(recovered.registered);
-    let refined = recovered.turns.last().copied().unwrap_or(climbed);
+    let climbed = climbed.next_back().unwrap_or(times.developed);
+    let refined = times.turns.last().copied().unwrap_or(climbed);
     Stages {
-        registration: recovered.registered,
-        ladder: climbed - recovered.registered,
+        registration: times.laid,
+        camera: times.developed - times.laid,
+        ladder: climbed - times.developed,
         refinement: refined - climbed,
-        picture: recovered.seconds - refined,
+        picture: times.all - refined,
     }
 }
 

@@ -3,10 +3,12 @@
 //! Reports are made of this file and of the pictures that it names, and of nothing else: every
 //! number on a page is a field here.
 
+mod camera;
 mod group;
 mod pictures;
 mod turn;
 
+pub(crate) use camera::recovered_camera;
 pub use group::{LeftOut, RunGroup, TrialEntry};
 pub use pictures::{ErrorPicture, Pictures, Stop, Unit};
 pub use turn::{GroupTurnEntry, TurnEntry};
@@ -15,7 +17,7 @@ use crate::Error;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-use unrender_formats::materials::LightEntry;
+use unrender_formats::materials::{LightEntry, PhotographEntry};
 use unrender_formats::{FileError, atomic};
 
 /// The version of the format that this crate writes.
@@ -48,6 +50,8 @@ pub struct Run {
     pub exposure: [f32; 3],
     /// Its standard deviation, where the exposure was asked for.
     pub exposure_std: Option<[f32; 3]>,
+    /// The camera's numbers, where they were asked for, as in `materials.json`.
+    pub photograph: Option<PhotographEntry>,
     /// How the model lay on the photograph.
     pub registration: RegistrationEntry,
     /// How many pixels of the photograph counted, and how many did not, by reason.
@@ -114,6 +118,8 @@ pub struct SettingsEntry {
 pub struct Stages {
     /// The scene made ready and the model laid onto the photograph.
     pub registration: f64,
+    /// The camera's numbers found, where they were asked for.
+    pub camera: f64,
     /// The ladder.
     pub ladder: f64,
     /// All numbers together.

@@ -121,7 +121,8 @@ fn the_pages_work_in_a_browser() {
         caption: "The caption & more".to_owned(),
     };
     let exhibits = ["photo.png", "rerendered.png"].map(exhibit);
-    let text = report::gallery("A gallery", "of two", &runs[0], &exhibits).unwrap();
+    let text =
+        report::gallery("A gallery", "of two", &runs[0], Some(&exhibits), &exhibits).unwrap();
     std::fs::write(folder.join("gallery.html"), text).unwrap();
     let Some(scripts) = install() else { return };
     let mut node = Command::new("node");

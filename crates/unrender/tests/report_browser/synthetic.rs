@@ -1,7 +1,9 @@
 //! Results of recoveries that never were: all fields of run.json filled, all pictures there.
 
 use std::path::Path;
-use unrender::formats::materials::{AlternativeEntry, GroupEntry, LightEntry, StdEntry};
+use unrender::formats::materials::{
+    AlternativeEntry, GroupEntry, LightEntry, PhotographEntry, PhotographStd, StdEntry,
+};
 use unrender::formats::picture;
 use unrender::run::{
     ErrorPicture, GroupTurnEntry, Input, LeftOut, Pictures, Program, RegistrationEntry, Run,
@@ -182,6 +184,21 @@ fn input() -> Input {
     }
 }
 
+fn photograph() -> PhotographEntry {
+    let std = PhotographStd {
+        gamma: Some(0.0123),
+        vignetting: Some([0.01, 0.02, 0.03]),
+        corner: Some(0.0045),
+    };
+    PhotographEntry {
+        gamma: Some(2.234_567),
+        vignetting: Some([-0.123_456, 0.034_567, -0.001_234]),
+        corner: Some(0.912_345),
+        std: Some(std),
+        note: Some("gamma and exposure are tied together".into()),
+    }
+}
+
 fn rest() -> Run {
     let light = LightEntry { intensity: Some(triple(31)), std: Some(triple(32)) };
     Run {
@@ -203,12 +220,19 @@ fn rest() -> Run {
             thresholds: [("explained".to_owned(), 0.01)].into_iter().collect(),
         },
         seconds: 82.718_281_828,
-        stages: Stages { registration: 1.25, ladder: 31.4159, refinement: 40.5, picture: 9.55 },
+        stages: Stages {
+            registration: 1.25,
+            camera: 0.5,
+            ladder: 31.4159,
+            refinement: 40.5,
+            picture: 9.55,
+        },
         peak_memory_bytes: Some(223_456_789),
         termination: "refined together after 6 global re-renderings".into(),
         warnings: vec!["the lamp \"<b>a & b</b>\" is 3 m away".into()],
         exposure: triple(21),
         exposure_std: Some(triple(22)),
+        photograph: Some(photograph()),
         registration: RegistrationEntry {
             displacement_pixels: Some(0.31),
             ..RegistrationEntry::default()
