@@ -5,8 +5,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
 /// Even if something in the page asked for it, the browser would fetch nothing.
-const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; \
-                      script-src 'unsafe-inline'";
+const POLICY: &str = include_str!("policy.txt");
 
 /// A whole page.
 pub(super) fn page(title: &str, body: &Markup) -> String {
