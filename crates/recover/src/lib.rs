@@ -31,8 +31,8 @@ pub use problem::{
     ExposureRule, GroupSpec, LadderKind, Options, Problem, RecoverError, Role, Thresholds,
 };
 pub use record::{
-    Alternative, Deviations, GroupResult, LightResult, Observer, Recovery, Status, Termination,
-    TurnRecord,
+    Alternative, Deviations, GroupResult, GroupTurn, LightResult, Observer, Recovery, Status,
+    Termination, TurnRecord,
 };
 pub use rerender::{Renderer, View};
 

@@ -23,6 +23,9 @@ pub struct Recovery {
     pub corrected: Corrected,
     /// The photograph's view rendered with the recovered materials, radiance.
     pub rerendered: RgbImage,
+    /// The standard deviation that noise gives the luminance of photograph minus re-rendering, the
+    /// photograph's and the rendering's together, radiance; zero where no group is seen.
+    pub noise: Image<f32>,
     /// Which pixels of the photograph were believed in the end, and why not.
     pub trust: Image<Trust>,
     /// One record a global re-rendering.
@@ -58,6 +61,8 @@ pub struct GroupResult {
     /// Relative root mean square of photograph minus re-rendering over the believed pixels, the
     /// rendering's noise taken out. None where no pixel shows the group.
     pub error: Option<f64>,
+    /// The group's share, 0 to 1, of the squared error of all groups' believed pixels.
+    pub error_share: Option<f64>,
     /// The rungs that were tried, in the order of trial.
     pub story: Vec<Trial>,
     /// What the user should know about it.
@@ -129,8 +134,22 @@ pub struct TurnRecord {
     pub worst_error: f64,
     /// Groups whose hypothesis does not explain the photograph yet.
     pub open_groups: Vec<String>,
+    /// Where each group of the scene stands after it, in the scene's order.
+    pub groups: Vec<GroupTurn>,
     /// A rough share of the work that is done, 0 to 1.
     pub done: f64,
+}
+
+/// Where one group stands after a global re-rendering.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupTurn {
+    /// Its rung.
+    pub hypothesis: Hypothesis,
+    /// Its parameters; a texture is left out.
+    pub material: Material,
+    /// Its relative error that noise does not explain: of its pixels in a turn of the ladder, of the
+    /// means over its blocks in a pass of the refinement. None where it was not measured.
+    pub error: Option<f64>,
 }
 
 /// Why a recovery ended.

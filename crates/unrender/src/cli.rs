@@ -1,6 +1,6 @@
 //! The command line: global flags, the subcommands, and what becomes of errors.
 
-use crate::commands::{calibrate, check, merge, recover, render, restage, score};
+use crate::commands::{calibrate, check, merge, recover, render, report, restage, score};
 use crate::{Error, interrupt};
 use clap::{Parser, Subcommand};
 use std::num::NonZeroUsize;
@@ -37,6 +37,7 @@ enum Command {
     Merge(merge::Args),
     Restage(restage::Args),
     Score(score::Args),
+    Report(report::Args),
 }
 
 /// Runs the command line that the process was started with.
@@ -45,7 +46,7 @@ pub fn run() -> ExitCode {
     match prepare(&cli.global).and_then(|()| dispatch(&cli)) {
         Ok(code) => code,
         Err(error) => {
-            report(&error);
+            tell(&error);
             ExitCode::FAILURE
         }
     }
@@ -70,6 +71,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Merge(args) => merge::run(args, &cli.global),
         Command::Restage(args) => restage::run(args, &cli.global),
         Command::Score(args) => score::run(args),
+        Command::Report(args) => report::run(args, &cli.global),
     }
 }
 
@@ -81,7 +83,7 @@ pub(crate) fn warn(warnings: &Warnings) {
 }
 
 /// Prints `error` and its causes on stderr.
-fn report(error: &Error) {
+fn tell(error: &Error) {
     eprintln!("error: {error}");
     let mut cause = std::error::Error::source(error);
     while let Some(inner) = cause {

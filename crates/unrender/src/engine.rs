@@ -13,16 +13,32 @@ use unrender_recover::{
     Recovery, Role, Thresholds, TurnRecord, View,
 };
 use unrender_render::Tracer;
-use unrender_scene::{Material, Rgb};
+use unrender_scene::{Image, Material, Rgb};
 
-/// A recovery and how long it took.
+/// A recovery, how it was asked for and how long it took.
 pub(crate) struct Recovered {
     pub(crate) recovery: Recovery,
+    pub(crate) options: Options,
     /// The numbers of the camera, where they were asked for.
     pub(crate) photograph: Option<PhotographEntry>,
     /// How the model was found to lie on the photograph.
     pub(crate) laid: Laid,
-    pub(crate) seconds: f64,
+    /// The group of every pixel, or [`unrender_render::NOTHING`].
+    pub(crate) group_map: Image<u32>,
+    /// When each part of the work was done.
+    pub(crate) times: Times,
+}
+
+/// Seconds since the beginning.
+pub(crate) struct Times {
+    /// Until the model lay on the photograph.
+    pub(crate) laid: f64,
+    /// Until the camera's numbers were near enough.
+    pub(crate) developed: f64,
+    /// Until the end of each turn.
+    pub(crate) turns: Vec<f64>,
+    /// Until all was done.
+    pub(crate) all: f64,
 }
 
 /// The camera's numbers are near enough if the photograph would change by less than this share.
@@ -41,47 +57,62 @@ pub(crate) fn recover(
     let started = Instant::now();
     let laid = registration::lay(job, &Tracer::new(&job.scene), alignment);
     warn(&laid.warnings);
+    let until_laid = started.elapsed().as_secs_f64();
     let numbers = camera_numbers::asked(&job.project);
     if !numbers.is_empty() && options.refine && options.ladder == LadderKind::Default {
         // A texture explains whatever a wrong gamma does to a group.
         let thresholds = Thresholds { textured: f64::INFINITY, ..options.thresholds };
         let rough = Options { thresholds, spp: 1, ..options.clone() };
         for _ in 0..ROUNDS_MAX {
-            let (_, change) = recover_once(job, &laid, &numbers, &rough, progress)?;
-            if change < NEAR {
+            let mut teller = Teller::new(progress, options, started);
+            if recover_once(job, &laid, &numbers, &rough, &mut teller)?.change < NEAR {
                 break;
             }
         }
     }
-    let (mut recovery, _) = recover_once(job, &laid, &numbers, options, progress)?;
+    let developed = started.elapsed().as_secs_f64();
+    let mut teller = Teller::new(progress, options, started);
+    let Once { mut recovery, group_map, .. } =
+        recover_once(job, &laid, &numbers, options, &mut teller)?;
     if let Exposure::Fixed(exposure) = job.project.exposure {
         // The photograph was developed with it.
         recovery.exposure = exposure;
     }
     let photograph =
         (!numbers.is_empty()).then(|| camera_numbers::found(job, &numbers, &recovery.corrected));
-    Ok(Recovered { recovery, photograph, laid, seconds: started.elapsed().as_secs_f64() })
+    let all = started.elapsed().as_secs_f64();
+    let times = Times { laid: until_laid, developed, turns: teller.turns, all };
+    Ok(Recovered { recovery, options: options.clone(), photograph, laid, group_map, times })
 }
 
-/// A recovery, after which the photograph is developed anew with `numbers` as they came out; and by
-/// what share that changed it.
+/// What came out once.
+struct Once {
+    recovery: Recovery,
+    group_map: Image<u32>,
+    /// The share by which developing the photograph anew changed it.
+    change: f64,
+}
+
+/// A recovery, after which the photograph is developed anew with `numbers` as they came out.
 fn recover_once(
     job: &mut Job,
     laid: &Laid,
     numbers: &[Number],
     options: &Options,
-    progress: &Progress,
-) -> Result<(Recovery, f64), Error> {
+    teller: &mut Teller<'_>,
+) -> Result<Once, Error> {
     let corrections = camera_numbers::corrections(job, numbers);
-    let mut teller = Teller { progress, paper: options.ladder == LadderKind::Paper };
-    let recover = |problem: &Problem<'_>| unrender_recover::recover(problem, options, &mut teller);
-    let recovery = with_problem(job, laid, &corrections, recover)?;
+    let recover = |problem: &Problem<'_>| {
+        let group_map = problem.renderer.geometry().map(|pixel| pixel.group);
+        Ok((unrender_recover::recover(problem, options, teller)?, group_map))
+    };
+    let (recovery, group_map) = with_problem(job, laid, &corrections, recover)?;
     let change = if numbers.is_empty() {
         0.0
     } else {
         camera_numbers::apply(job, numbers, &recovery.corrected.steps)
     };
-    Ok((recovery, change))
+    Ok(Once { recovery, group_map, change })
 }
 
 /// What `solve` makes of the problem that `job` poses, its model laid as `laid` says.
@@ -130,10 +161,20 @@ fn exposure_rule(job: &Job) -> ExposureRule {
     }
 }
 
-/// Passes a recovery's progress on to the terminal.
+/// Passes a recovery's progress on to the terminal, and keeps the time of its turns.
 struct Teller<'a> {
     progress: &'a Progress,
     paper: bool,
+    started: Instant,
+    /// Seconds since the start at the end of each turn.
+    turns: Vec<f64>,
+}
+
+impl<'a> Teller<'a> {
+    fn new(progress: &'a Progress, options: &Options, started: Instant) -> Self {
+        let paper = options.ladder == LadderKind::Paper;
+        Self { progress, paper, started, turns: Vec::new() }
+    }
 }
 
 /// The final picture's share of the time, roughly.
@@ -141,6 +182,7 @@ const PICTURE: f64 = 0.4;
 
 impl Observer for Teller<'_> {
     fn turn(&mut self, record: &TurnRecord) {
+        self.turns.push(self.started.elapsed().as_secs_f64());
         let open = match record.open_groups.len() {
             0 => "none".to_owned(),
             n if n <= 4 => record.open_groups.join(", "),

@@ -113,7 +113,9 @@ mod photograph;
 mod progress;
 pub mod project;
 mod registration;
+pub mod report;
 mod results;
+pub mod run;
 pub mod score;
 mod subject;
 

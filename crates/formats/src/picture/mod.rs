@@ -3,6 +3,7 @@
 //! [`read`] hands out the code values of the file, not yet radiance: `unrender-photo` knows what
 //! the camera did to them. The writers take linear values.
 
+mod embed;
 mod exif;
 mod jpeg_end;
 mod panorama;
@@ -10,6 +11,7 @@ mod profile;
 mod read;
 mod write;
 
+pub use embed::{jpeg_bytes, png_bytes};
 pub use exif::exif_focal_px;
 pub use panorama::read_environment;
 pub use profile::Profile;

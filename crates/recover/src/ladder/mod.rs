@@ -16,7 +16,7 @@ use crate::evidence::Stage;
 use crate::hypothesis::{self, Fit, Hypothesis};
 use crate::observation::Observation;
 use crate::problem::{ExposureRule, Problem, RecoverError, Role};
-use crate::record::{Deviations, LightResult, Status, Trial, TurnRecord};
+use crate::record::{Deviations, GroupTurn, LightResult, Status, Trial, TurnRecord};
 use unrender_render::{Appearance, SeenRadiance};
 use unrender_scene::{Image, Material, Rgb, RgbImage};
 
@@ -201,13 +201,35 @@ impl<'a> State<'a> {
         Ok(())
     }
 
-    /// Notes the end of a pass of the joint refinement, with the error that it started from.
-    pub(crate) fn end_pass(&mut self, change: f64, error: f64, done: f64) -> &TurnRecord {
-        let (turn, open_groups) = (self.turns.len() + 1, Vec::new());
-        let worst_error = error;
-        let record = TurnRecord { refining: true, turn, change, worst_error, open_groups, done };
+    /// Notes the end of a pass of the joint refinement, with the error that it started from: of all
+    /// groups together, and of each.
+    pub(crate) fn end_pass(
+        &mut self,
+        change: f64,
+        (error, errors): (f64, &[Option<f64>]),
+        done: f64,
+    ) -> &TurnRecord {
+        let record = TurnRecord {
+            refining: true,
+            turn: self.turns.len() + 1,
+            change,
+            worst_error: error,
+            open_groups: Vec::new(),
+            groups: self.group_turns(|group| errors[group]),
+            done,
+        };
         self.turns.push(record);
         &self.turns[self.turns.len() - 1]
+    }
+
+    /// Where each group stands now, with its error.
+    fn group_turns(&self, error: impl Fn(usize) -> Option<f64>) -> Vec<GroupTurn> {
+        let turn = |(group, standing): (usize, &Standing)| GroupTurn {
+            hypothesis: standing.hypothesis,
+            material: Material { texture: None, ..self.materials[group].clone() },
+            error: error(group),
+        };
+        self.standing.iter().enumerate().map(turn).collect()
     }
 
     /// Notes the end of a turn in which the largest change was `change`.
@@ -225,6 +247,7 @@ impl<'a> State<'a> {
             change,
             worst_error: self.standing.iter().map(error).fold(0.0, f64::max),
             open_groups: open_groups.map(|g| self.problem.groups[g].name.clone()).collect(),
+            groups: self.group_turns(|g| self.standing[g].misfit.map(|m| m.relative())),
             done,
         };
         self.turns.push(record);

@@ -83,6 +83,20 @@ pub(crate) fn average(average: &mut Vec<Mean>, found: Vec<Mean>) {
     average.iter_mut().zip(found).for_each(|(mean, found)| mean.add(&found));
 }
 
+/// For each of `groups` groups: the relative error of its cells that both renderings see, as a mean
+/// over pixels and channels; none without cells.
+pub(crate) fn relative_errors(means: &[Mean], groups: usize) -> Vec<Option<f64>> {
+    let mut sums = vec![(0.0f64, 0.0f64); groups];
+    for mean in means {
+        let [a, b] = mean.residuals;
+        let (sum, pixels) = &mut sums[mean.group];
+        *sum += f64::from((a * b / mean.level2).element_sum()) * mean.pixels;
+        *pixels += 3.0 * mean.pixels;
+    }
+    let relative = |(sum, pixels): (f64, f64)| (sum / pixels).max(0.0).sqrt();
+    sums.into_iter().map(|s| (s.1 > 0.0).then(|| relative(s))).collect()
+}
+
 impl Mean {
     fn add(&mut self, other: &Self) {
         let paths = self.paths + other.paths;

@@ -140,7 +140,7 @@ impl<'o> Passes<'o> {
                 return;
             }
             unknowns.apply(state, &step);
-            tell(state, observer, unknowns, (&step, error), 0.1);
+            tell(state, observer, unknowns, (&step, error, &means), 0.1);
             last = Some(place);
         }
     }
@@ -171,7 +171,7 @@ impl<'o> Passes<'o> {
             unknowns.apply(state, &step);
             let error = Error::of(&normal, &average);
             let done = 0.1 + 0.9 * pass as f64 / PASSES_MAX[1] as f64;
-            tell(state, observer, unknowns, (&step, error), done);
+            tell(state, observer, unknowns, (&step, error, &average), done);
             let longest = (0..step.len())
                 .map(|k| step[k].abs() / covariance[(k, k)].sqrt().max(f64::MIN_POSITIVE))
                 .fold(0.0, f64::max);
@@ -249,14 +249,15 @@ fn tell(
     state: &mut State<'_>,
     observer: &mut dyn Observer,
     unknowns: &Unknowns,
-    (step, error): (&DVector<f64>, Error),
+    (step, error, means): (&DVector<f64>, Error, &[Mean]),
     done: f64,
 ) {
     let reflectance = |q: Quantity| matches!(q, Quantity::RhoD | Quantity::RhoS);
     let steps = unknowns.list.iter().zip(step.iter());
     let change = steps.filter(|(u, _)| reflectance(u.quantity)).map(|(_, s)| s.abs());
     let change = change.fold(0.0, f64::max);
-    observer.turn(state.end_pass(change, error.mean.max(0.0).sqrt(), done));
+    let errors = means::relative_errors(means, state.materials.len());
+    observer.turn(state.end_pass(change, (error.mean.max(0.0).sqrt(), &errors), done));
 }
 
 impl Place {

@@ -7,5 +7,6 @@ pub mod effort;
 pub mod merge;
 pub mod recover;
 pub mod render;
+pub mod report;
 pub mod restage;
 pub mod score;

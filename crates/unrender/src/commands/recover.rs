@@ -44,6 +44,9 @@ pub struct Args {
     /// Take the model as if it fitted to the pixel, and all that the photograph shows as part of it.
     #[arg(long)]
     pub no_filter: bool,
+    /// Print the run as JSON (as in run.json) instead of the table.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// The ladders of hypotheses.
@@ -68,8 +71,10 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let progress = Progress::new("recover", global.quiet);
     let recovered = engine::recover(&mut job, &options, alignment(args), &progress)?;
     drop(progress);
-    warn(&results::write(&job, &recovered, &args.out)?);
-    if !global.quiet {
+    let run = results::write(&job, &recovered, &args.out)?;
+    if args.json {
+        print!("{}", run.to_text()?);
+    } else if !global.quiet {
         print!("{}", results::summary(&job, &recovered));
     }
     Ok(ExitCode::SUCCESS)

@@ -184,6 +184,7 @@ fn synthetic(args: &Args, global: &Global, restaging: &Restaging) -> Result<Exit
             frames.start, frames.end, all.start, all.end
         )));
     }
+    let mut written = Vec::new();
     for frame in frames {
         let camera = &cameras[frame as usize - 1];
         let size = match (args.width, args.height, photograph) {
@@ -199,7 +200,10 @@ fn synthetic(args: &Args, global: &Global, restaging: &Restaging) -> Result<Exit
         let number = is_sequence.then_some(frame as usize);
         let _until_written = interrupt::writing();
         tell(restaged::write_synthetic(&layers[0].mean(), photograph, &args.out, number)?);
+        written.push(number);
     }
+    let _until_written = interrupt::writing();
+    restaged::write_gallery(&args.out, &written)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -2,7 +2,7 @@
 
 use super::sheet::Sheet;
 use crate::project::CameraTable;
-use crate::{Error, Job, Project, job, results};
+use crate::{Error, Job, Project, job, run};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 use unrender_formats::picture::{self, Picture};
@@ -122,7 +122,7 @@ impl Start {
         }
         // The recovery may have moved the camera to where the model fits the photograph.
         let run = recovered.map(|folder| folder.join("run.json"));
-        if let Some(used) = run.map(|run| results::recovered_camera(&run)).transpose()?.flatten()
+        if let Some(used) = run.map(|run| run::recovered_camera(&run)).transpose()?.flatten()
             && used != CameraTable::of(&camera, 1.0)
         {
             camera = Camera { aspect: camera.aspect, ..used.camera(&camera.name) };

@@ -24,7 +24,7 @@ pub(super) fn build(
         brdf: Some(job.scene.brdf.name().to_owned()),
         exposure: Some(recovery.exposure.to_array()),
         photograph: recovered.photograph.clone(),
-        seconds: Some((recovered.seconds * 100.0).round() / 100.0),
+        seconds: Some((recovered.times.all * 100.0).round() / 100.0),
         termination: Some(recovery.termination.message(recovery.turns.len())),
         ..MaterialsFile::default()
     };

@@ -38,7 +38,7 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
     }
     text.push_str(&format!(
         "{:.1} s, {}\n",
-        recovered.seconds,
+        recovered.times.all,
         recovery.termination.message(recovery.turns.len())
     ));
     text
