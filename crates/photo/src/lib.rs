@@ -13,11 +13,13 @@ pub mod calibrate;
 pub mod clipping;
 mod curve;
 pub mod dark;
+mod declared;
 pub mod response;
 mod transfer;
 pub mod vignetting;
 
 pub use curve::Curve;
+pub use declared::declared_response;
 pub use response::{Response, choose_response};
 pub use transfer::Transfer;
 pub use vignetting::Vignetting;

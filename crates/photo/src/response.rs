@@ -1,6 +1,7 @@
 //! The camera's response: which linear value a code value stands for.
 
 use crate::Curve;
+use crate::declared::{CONTRADICTS, difference};
 use std::sync::Arc;
 use unrender_formats::picture::Depth;
 use unrender_scene::Warnings;
@@ -69,9 +70,27 @@ impl Response {
 
 /// The response to use for a file of this depth, and what is doubtful about it.
 ///
-/// Without a word from the project, floating-point files are linear and integer files sRGB.
-pub fn choose_response(depth: Depth, stated: Option<Response>) -> (Response, Warnings) {
+/// Without a word from the project, integer files are as they declare themselves, or else sRGB, and
+/// floating-point files are linear.
+pub fn choose_response(
+    depth: Depth,
+    stated: Option<Response>,
+    declared: Option<Response>,
+) -> (Response, Warnings) {
     let mut warnings = Warnings::default();
+    match (&stated, declared) {
+        (None, Some(declared)) if depth != Depth::Float => {
+            warnings.push("the project states no response; that of the photo's profile was taken");
+            return (declared, warnings);
+        }
+        (Some(stated), Some(declared)) if difference(stated, &declared) > CONTRADICTS => {
+            warnings.push(
+                "the photo's profile declares another response than the project states; the \
+                 project's was taken",
+            );
+        }
+        _ => {}
+    }
     let response = match (depth, stated) {
         (Depth::Float, None) => {
             warnings.push(
@@ -110,7 +129,7 @@ mod tests {
     #[test]
     fn doubtful_responses_are_told() {
         let told = |depth, stated| {
-            let (response, warnings) = choose_response(depth, stated);
+            let (response, warnings) = choose_response(depth, stated, None);
             (response, warnings.0.len())
         };
         assert_eq!(told(Depth::Float, None), (Response::Linear, 1));
@@ -120,6 +139,19 @@ mod tests {
         assert_eq!(told(Depth::Eight, Some(Response::Srgb)), (Response::Srgb, 0));
         assert_eq!(told(Depth::Eight, Some(Response::Linear)), (Response::Linear, 1));
         assert_eq!(told(Depth::Sixteen, Some(Response::Linear)), (Response::Linear, 0));
+    }
+
+    #[test]
+    fn files_may_declare_their_response() {
+        let declared = Some(Response::Gamma(1.8));
+        let (response, warnings) = choose_response(Depth::Eight, None, declared.clone());
+        assert_eq!((response, warnings.0.len()), (Response::Gamma(1.8), 1));
+        let stated = Some(Response::Srgb);
+        let (response, warnings) = choose_response(Depth::Eight, stated.clone(), declared);
+        assert!(response == Response::Srgb && warnings.0[0].contains("another response"));
+        // A gamma of 2.2 is as good as sRGB.
+        let near = Some(Response::Gamma(2.2));
+        assert!(choose_response(Depth::Eight, stated, near).1.0.is_empty());
     }
 
     #[test]

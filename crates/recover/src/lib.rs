@@ -8,6 +8,7 @@
 //! [`recover`] is the whole of it. It touches no file, no clock and no terminal; the renderer is
 //! behind the small trait [`Renderer`], and whoever wants to follow gives an [`Observer`].
 
+pub mod correction;
 pub mod error;
 pub mod evidence;
 pub mod fit;
@@ -16,12 +17,14 @@ pub mod ladder;
 pub mod observation;
 mod picture;
 pub mod problem;
+pub mod prospect;
 pub mod record;
 mod refine;
 pub mod register;
 pub mod rerender;
 pub mod stray;
 
+pub use correction::{Corrected, Correction};
 pub use hypothesis::Hypothesis;
 pub use observation::{Observation, Picture, Trust};
 pub use problem::{

@@ -29,6 +29,7 @@ pub(crate) fn finish(
         exposure: state.exposure,
         exposure_std: state.exposure_std,
         lights: state.light_results,
+        corrected: state.corrected,
         rerendered: RgbImage::new(geometry.width(), geometry.height(), mean),
         trust: state.observation.trust,
         turns: state.turns,
@@ -95,7 +96,7 @@ fn relative_error(state: &State<'_>, pixels: &[u32], halves: &[Vec<Rgb>; 2]) -> 
     let (mut sum, mut scale) = (0.0, 0.0);
     for &pixel in pixels {
         let at = pixel as usize;
-        let photo = state.exposure * state.observation.picture.values.pixels()[at];
+        let photo = state.exposure * state.value(at);
         let product = (photo - halves[0][at]) * (photo - halves[1][at]);
         sum += f64::from(product.element_sum());
         scale += f64::from((photo * photo).element_sum());

@@ -1,5 +1,6 @@
 //! What is asked: the photograph, the renderer, and what is known of each group beforehand.
 
+use crate::correction::Correction;
 use crate::observation::Observation;
 use crate::rerender::Renderer;
 use unrender_scene::{Material, Rgb};
@@ -18,6 +19,8 @@ pub struct Problem<'a> {
     /// The sources of light whose brightness is asked for too, numbered as in
     /// [`unrender_render::Appearance::lights`].
     pub unknown_lights: Vec<usize>,
+    /// The numbers of the camera that are asked for too.
+    pub corrections: &'a [Correction],
 }
 
 /// What is known of a group beforehand.

@@ -1,5 +1,6 @@
 //! The records of a recovery: everything that tables, reports and files say is a field here.
 
+use crate::correction::Corrected;
 use crate::error::Misfit;
 use crate::hypothesis::Hypothesis;
 use crate::observation::Trust;
@@ -18,6 +19,8 @@ pub struct Recovery {
     pub exposure_std: Option<Rgb>,
     /// The sources of light whose brightness was asked for.
     pub lights: Vec<LightResult>,
+    /// The numbers of the camera that were asked for.
+    pub corrected: Corrected,
     /// The photograph's view rendered with the recovered materials, radiance.
     pub rerendered: RgbImage,
     /// Which pixels of the photograph were believed in the end, and why not.

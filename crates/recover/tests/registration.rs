@@ -193,6 +193,7 @@ fn recovered(scene: &Scene, photograph: &RgbImage, camera: &Camera, filter: bool
         material: group.material.clone(),
     };
     let problem = Problem {
+        corrections: &[],
         observation: &observation,
         renderer: &view,
         groups: scene.groups.iter().map(spec).collect(),

@@ -1,70 +1,118 @@
 //! The seam to the recovery.
 
+use crate::camera_numbers::{self, Number};
 use crate::cli::warn;
 use crate::progress::Progress;
 use crate::registration::{self, Alignment, Laid};
 use crate::{Error, Job};
 use std::time::Instant;
+use unrender_formats::materials::PhotographEntry;
 use unrender_photo::Exposure;
 use unrender_recover::{
-    ExposureRule, GroupSpec, LadderKind, Observation, Observer, Options, Picture, Problem,
-    Recovery, Role, TurnRecord, View,
+    Correction, ExposureRule, GroupSpec, LadderKind, Observer, Options, Problem, RecoverError,
+    Recovery, Role, Thresholds, TurnRecord, View,
 };
 use unrender_render::Tracer;
-use unrender_scene::Rgb;
+use unrender_scene::{Material, Rgb};
 
 /// A recovery and how long it took.
 pub(crate) struct Recovered {
     pub(crate) recovery: Recovery,
+    /// The numbers of the camera, where they were asked for.
+    pub(crate) photograph: Option<PhotographEntry>,
     /// How the model was found to lie on the photograph.
     pub(crate) laid: Laid,
     pub(crate) seconds: f64,
 }
 
-/// Recovers the materials of `job`'s groups.
+/// The camera's numbers are near enough if the photograph would change by less than this share.
+const NEAR: f64 = 0.005;
+/// How often the photograph is developed anew at most.
+const ROUNDS_MAX: usize = 6;
+
+/// Recovers the materials of `job`'s groups. Where the project asks for numbers of the camera, they
+/// are found too, and the photograph of `job` ends as developed with them.
 pub(crate) fn recover(
-    job: &Job,
+    job: &mut Job,
     options: &Options,
     alignment: Alignment,
     progress: &Progress,
 ) -> Result<Recovered, Error> {
     let started = Instant::now();
-    let tracer = Tracer::new(&job.scene);
-    let size = (job.photo.radiance.width(), job.photo.radiance.height());
-    let laid = registration::lay(job, &tracer, alignment);
+    let laid = registration::lay(job, &Tracer::new(&job.scene), alignment);
     warn(&laid.warnings);
-    let view = View::new(&tracer, &laid.camera, size, job.scene.brdf);
-    let picture = Picture {
-        values: job.photo.radiance.clone(),
-        trusted: job.photo.trusted.clone(),
-        quantum: job.photo.quantum.clone(),
-    };
-    let groups = job.scene.groups.len();
-    let geometry = unrender_recover::Renderer::geometry(&view);
-    let observation = Observation::with_margins(picture, geometry, &laid.margins, groups);
-    let problem = Problem {
-        observation: &observation,
-        renderer: &view,
-        groups: (0..groups).map(|group| spec(job, group)).collect(),
-        exposure: exposure_rule(job),
-        unknown_lights: job.unknown_lights.clone(),
-    };
-    let mut teller = Teller { progress, paper: options.ladder == LadderKind::Paper };
-    let mut recovery = unrender_recover::recover(&problem, options, &mut teller)?;
+    let numbers = camera_numbers::asked(&job.project);
+    if !numbers.is_empty() && options.refine && options.ladder == LadderKind::Default {
+        // A texture explains whatever a wrong gamma does to a group.
+        let thresholds = Thresholds { textured: f64::INFINITY, ..options.thresholds };
+        let rough = Options { thresholds, spp: 1, ..options.clone() };
+        for _ in 0..ROUNDS_MAX {
+            let (_, change) = recover_once(job, &laid, &numbers, &rough, progress)?;
+            if change < NEAR {
+                break;
+            }
+        }
+    }
+    let (mut recovery, _) = recover_once(job, &laid, &numbers, options, progress)?;
     if let Exposure::Fixed(exposure) = job.project.exposure {
         // The photograph was developed with it.
         recovery.exposure = exposure;
     }
-    Ok(Recovered { recovery, laid, seconds: started.elapsed().as_secs_f64() })
+    let photograph =
+        (!numbers.is_empty()).then(|| camera_numbers::found(job, &numbers, &recovery.corrected));
+    Ok(Recovered { recovery, photograph, laid, seconds: started.elapsed().as_secs_f64() })
 }
 
-fn spec(job: &Job, group: usize) -> GroupSpec {
+/// A recovery, after which the photograph is developed anew with `numbers` as they came out; and by
+/// what share that changed it.
+fn recover_once(
+    job: &mut Job,
+    laid: &Laid,
+    numbers: &[Number],
+    options: &Options,
+    progress: &Progress,
+) -> Result<(Recovery, f64), Error> {
+    let corrections = camera_numbers::corrections(job, numbers);
+    let mut teller = Teller { progress, paper: options.ladder == LadderKind::Paper };
+    let recover = |problem: &Problem<'_>| unrender_recover::recover(problem, options, &mut teller);
+    let recovery = with_problem(job, laid, &corrections, recover)?;
+    let change = if numbers.is_empty() {
+        0.0
+    } else {
+        camera_numbers::apply(job, numbers, &recovery.corrected.steps)
+    };
+    Ok((recovery, change))
+}
+
+/// What `solve` makes of the problem that `job` poses, its model laid as `laid` says.
+fn with_problem<T>(
+    job: &Job,
+    laid: &Laid,
+    corrections: &[Correction],
+    solve: impl FnOnce(&Problem<'_>) -> Result<T, RecoverError>,
+) -> Result<T, RecoverError> {
+    let tracer = Tracer::new(&job.scene);
+    let size = (job.photo.radiance.width(), job.photo.radiance.height());
+    let view = View::new(&tracer, &laid.camera, size, job.scene.brdf);
+    let observation = laid.observe(job, unrender_recover::Renderer::geometry(&view));
+    solve(&Problem {
+        observation: &observation,
+        renderer: &view,
+        groups: (0..job.scene.groups.len()).map(|group| spec(job, group)).collect(),
+        exposure: exposure_rule(job),
+        unknown_lights: job.unknown_lights.clone(),
+        corrections,
+    })
+}
+
+/// What the project says of a group.
+pub(crate) fn spec(job: &Job, group: usize) -> GroupSpec {
     let of_scene = &job.scene.groups[group];
     let anchored = job.project.used_anchor().filter(|a| a.group == of_scene.name);
     let (role, material) = if of_scene.is_emitter() {
         (Role::Emitter, of_scene.material.clone())
     } else if let Some(anchor) = anchored {
-        (Role::Known, unrender_scene::Material::diffuse(anchor.rho_d))
+        (Role::Known, Material::diffuse(anchor.rho_d))
     } else if job.project.known.contains_key(&of_scene.name) {
         (Role::Known, of_scene.material.clone())
     } else {

@@ -3,7 +3,7 @@
 use crate::project::{CameraChoice, Project};
 use crate::{Error, photograph};
 use std::path::Path;
-use unrender_formats::picture;
+use unrender_formats::picture::{self, Picture};
 use unrender_photo::{Photo, Transfer, develop};
 use unrender_scene::{Camera, Scene, Warnings};
 
@@ -17,6 +17,8 @@ pub struct Job {
     pub scene: Scene,
     /// The camera of the photograph.
     pub camera: Camera,
+    /// The photograph as its file has it.
+    pub picture: Picture,
     /// The photograph as radiance; with exposure "auto", for an exposure of one.
     pub photo: Photo,
     /// What turned the photograph's codes into that radiance, and does the reverse.
@@ -71,7 +73,7 @@ impl Job {
             ));
         }
         let unknown_lights = project.unknown_sources(&scene);
-        Ok(Self { scene, camera, photo, transfer, project, unknown_lights, warnings })
+        Ok(Self { scene, camera, picture, photo, transfer, project, unknown_lights, warnings })
     }
 }
 

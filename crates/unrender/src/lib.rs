@@ -76,6 +76,7 @@
 //!     groups: scene.groups.iter().map(spec).collect(),
 //!     exposure: ExposureRule::Fixed(Rgb::ONE),
 //!     unknown_lights: Vec::new(),
+//!     corrections: &[],
 //! };
 //! // The observer `()` does not listen to the turns.
 //! let recovery = unrender::recover::recover(&problem, &Options::default(), &mut ())?;
@@ -95,6 +96,8 @@
 //! reads what it names, and `unrender recover` writes what came out. [`score`] compares two such
 //! results.
 
+mod camera_numbers;
+pub mod check;
 pub mod cli;
 pub mod commands;
 pub mod edit;

@@ -112,14 +112,38 @@ const TRIANGLE: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{
     "bufferViews": [{"buffer": 0, "byteLength": 36}],
     "buffers": [{"byteLength": 36, "uri": "triangle.bin"}]}"#;
 
-#[test]
-fn unknown_groups_are_named() {
-    let folder = Folder::new("group");
+/// A folder with that scene and a white photograph.
+fn triangle(test: &str) -> Folder {
+    let folder = Folder::new(test);
     let corners = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let bytes: Vec<u8> = corners.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
     folder.write("triangle.bin", bytes);
     folder.write("s.gltf", TRIANGLE);
     picture::write(&folder.path("p.png"), &Image::from_fn(8, 8, |_, _| Rgb::ONE)).unwrap();
+    folder
+}
+
+#[test]
+fn responses_and_lenses_must_make_sense() {
+    let folder = triangle("response");
+    let files = "scene = \"s.gltf\"\nphoto = \"p.png\"\nexposure = 1\n";
+    let recovered = |settings: &str| {
+        recover(&folder.write("a.toml", format!("{files}{settings}\n")), &folder.path("out"))
+    };
+    let curve = "response = \"curve.csv\"";
+    assert_error(&recovered(curve), "response: there is no file");
+    folder.write("curve.csv", "code,linear\n0,0\n0.6,0.5\n0.5,1\n");
+    assert_error(&recovered(curve), "curve.csv: is not monotone: code is 0.6 in row 2 and 0.5");
+    folder.write("curve.csv", "code,linear\n0,0\n");
+    assert_error(&recovered(curve), "curve.csv: has 1 row(s)");
+    let dark = "vignetting = { radial = [-1.5] }";
+    assert_error(&recovered(dark), "a.toml: vignetting: by it a pixel of the photo gets");
+    assert!(!folder.path("out/materials.json").exists());
+}
+
+#[test]
+fn unknown_groups_are_named() {
+    let folder = triangle("group");
     let text = PROJECT.replace("s.glb", "s.gltf") + "[groups.lam]\nknown = { rho_d = 1 }\n";
     let output = recover(&folder.write("a.toml", text), &folder.path("out"));
     assert_error(&output, "groups.lam: the scene has no group \"lam\"; it has lamp");

@@ -5,7 +5,7 @@ use std::path::Path;
 use unrender::formats::FileError;
 use unrender::photo::vignetting::Law;
 use unrender::photo::{Exposure, Response};
-use unrender::project::{CameraChoice, ResponseChoice};
+use unrender::project::{CameraChoice, ResponseChoice, VignettingChoice};
 use unrender::scene::{Group, Lens, Light, LightKind, Material, Rgb, Scene, WardModel, Warnings};
 use unrender::{Job, Project};
 
@@ -55,9 +55,12 @@ fn what_is_left_out_has_its_default() {
     assert_eq!(good("response = { gamma = 2 }").response, Some(gamma));
     let measured = ResponseChoice::Measured("folder/curves/mine.csv".into());
     assert_eq!(good("response = \"curves/mine.csv\"").response, Some(measured));
-    assert_eq!(good("vignetting = \"cos4\"").vignetting, Some(Law::Cos4));
-    let radial = Law::Radial([-0.3, 0.1, 0.0]);
-    assert_eq!(good("vignetting = { radial = [-0.3, 0.1] }").vignetting, Some(radial));
+    let vignetting = |text: &str| good(&format!("vignetting = {text}")).vignetting;
+    assert_eq!(vignetting("\"cos4\""), Some(VignettingChoice::Stated(Law::Cos4)));
+    assert_eq!(vignetting("\"auto\""), Some(VignettingChoice::Auto));
+    assert_eq!(good("response = \"auto\"").response, Some(ResponseChoice::Auto));
+    let radial = VignettingChoice::Stated(Law::Radial([-0.3, 0.1, 0.0]));
+    assert_eq!(vignetting("{ radial = [-0.3, 0.1] }"), Some(radial));
     assert_eq!(good("black_level = 0.01").black_level, Rgb::splat(0.01));
     assert_eq!(good("black_level = [0, 0.1, 0.2]").black_level, Rgb::new(0.0, 0.1, 0.2));
     assert_eq!(good("camera = \"door\"").camera, CameraChoice::Named("door".into()));

@@ -6,11 +6,13 @@
 mod exif;
 mod jpeg_end;
 mod panorama;
+mod profile;
 mod read;
 mod write;
 
 pub use exif::exif_focal_px;
 pub use panorama::read_environment;
+pub use profile::Profile;
 pub use read::{decode, read};
 pub use write::{write, write_exr, write_hdr, write_png_codes, write_png_srgb};
 
@@ -48,12 +50,14 @@ pub struct Picture {
     pub depth: Depth,
     /// Indices of the pixels that were not finite numbers in the file; `values` has zeros there.
     pub invalid: Vec<usize>,
+    /// What the file declares of its colours, if it does.
+    pub profile: Option<Profile>,
 }
 
 impl Picture {
     /// A picture of finite code values.
     pub fn new(values: Image<Rgb>, depth: Depth) -> Self {
-        Self { values, depth, invalid: Vec::new() }
+        Self { values, depth, invalid: Vec::new(), profile: None }
     }
 
     /// The picture as linear values, where integer files are taken as sRGB and floating-point

@@ -10,6 +10,7 @@ pub mod climb;
 pub mod effort;
 pub mod paper;
 
+use crate::correction::Corrected;
 use crate::error::Misfit;
 use crate::evidence::Stage;
 use crate::hypothesis::{self, Fit, Hypothesis};
@@ -17,7 +18,7 @@ use crate::observation::Observation;
 use crate::problem::{ExposureRule, Problem, RecoverError, Role};
 use crate::record::{Deviations, LightResult, Status, Trial, TurnRecord};
 use unrender_render::{Appearance, SeenRadiance};
-use unrender_scene::{Image, Material, Rgb};
+use unrender_scene::{Image, Material, Rgb, RgbImage};
 
 /// Where a recovery stands.
 pub(crate) struct State<'a> {
@@ -33,6 +34,7 @@ pub(crate) struct State<'a> {
     pub(crate) exposure: Rgb,
     pub(crate) exposure_std: Option<Rgb>,
     pub(crate) light_results: Vec<LightResult>,
+    pub(crate) corrected: Corrected,
     pub(crate) turns: Vec<TurnRecord>,
     /// The photograph's radiance where it shows diffuse surfaces.
     pub(crate) seen: Option<SeenRadiance>,
@@ -103,6 +105,8 @@ impl<'a> State<'a> {
             ExposureRule::Anchor { .. } => Rgb::ONE,
         };
         let lights = Vec::new();
+        let steps = vec![0.0; problem.corrections.len()];
+        let corrected = Corrected { steps, covariance: Vec::new() };
         Ok(Self {
             problem,
             observation: problem.observation.clone(),
@@ -112,6 +116,7 @@ impl<'a> State<'a> {
             exposure,
             exposure_std: None,
             light_results: Vec::new(),
+            corrected,
             turns: Vec::new(),
             seen: None,
         })
@@ -165,7 +170,9 @@ impl<'a> State<'a> {
             }
         }
         let exposure = self.exposure;
-        self.seen = Some(SeenRadiance { radiance: values.map(|v| exposure * *v), known });
+        let radiance = (0..width * height).map(|pixel| exposure * self.value(pixel)).collect();
+        let radiance = RgbImage::new(width, height, radiance);
+        self.seen = Some(SeenRadiance { radiance, known });
     }
 
     /// The groups to be recovered that the photograph shows.

@@ -9,6 +9,7 @@
 
 use super::sample::Cell;
 use super::unknowns::Unknowns;
+use crate::correction::Correction;
 use crate::evidence::Observed;
 use crate::ladder::State;
 use nalgebra::DVector;
@@ -150,6 +151,9 @@ fn mean(
         sums
     });
     let level = over(&|p| p.level);
+    let change =
+        |c: &Correction| over(&|p| state.exposure * c.derivative.pixels()[p.pixel as usize]);
+    let changes: Vec<Rgb> = state.problem.corrections.iter().map(change).collect();
     Mean {
         group: cell.group,
         pixels: f64::from(n),
@@ -159,7 +163,7 @@ fn mean(
         level2: (level * level).max(Rgb::splat(f32::MIN_POSITIVE)),
         rows: [0, 1, 2].map(|channel| {
             let radiance = radiance.map(|radiance| f64::from(radiance[channel]));
-            unknowns.row(state, &derivatives, channel, radiance)
+            unknowns.row(state, (&derivatives, &changes), channel, radiance)
         }),
     }
 }

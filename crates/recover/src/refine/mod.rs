@@ -111,6 +111,7 @@ fn believed(state: &State<'_>, unknowns: &Unknowns) -> DVector<f64> {
     let out_of_sight = |g: usize| state.observation.pixels_of_group[g].is_empty();
     let believed = unknowns.list.iter().map(|u| match u.quantity {
         Quantity::RhoD if out_of_sight(u.of) => MIDDLE,
+        Quantity::Camera => state.problem.corrections[u.of].belief,
         _ => unknowns.value(state, u),
     });
     DVector::from_iterator(unknowns.len(), believed)

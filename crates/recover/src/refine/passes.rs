@@ -17,6 +17,7 @@ use super::sample::{self, Cell};
 use super::system::System;
 use super::unknowns::{Quantity, Unknown, Unknowns};
 use super::{Solution, believed};
+use crate::correction::Corrected;
 use crate::error::deviation_of_sum;
 use crate::ladder::State;
 use crate::problem::Options;
@@ -55,7 +56,7 @@ fn precise_enough(state: &State<'_>, unknown: &Unknown) -> f64 {
         Quantity::RhoD | Quantity::RhoS => 7e-4,
         Quantity::Alpha | Quantity::AlphaX | Quantity::AlphaY => 2e-3,
         Quantity::Theta => 1e-3,
-        Quantity::Light | Quantity::Exposure => 1e-3,
+        Quantity::Light | Quantity::Exposure | Quantity::Camera => 1e-3,
     }
 }
 
@@ -70,6 +71,7 @@ struct Place {
     materials: Vec<Material>,
     lights: Vec<Rgb>,
     exposure: Rgb,
+    corrected: Corrected,
     error: Error,
     system: System,
 }
@@ -230,7 +232,7 @@ fn allocate(
     let groups = state.materials.len();
     let mut need = vec![0.0f64; groups];
     for (k, u) in unknowns.list.iter().enumerate() {
-        if !matches!(u.quantity, Quantity::Light | Quantity::Exposure) {
+        if !u.quantity.is_nuisance() {
             need[u.of] = need[u.of].max(rendering[k] / precise_enough(state, u).powi(2));
         }
     }
@@ -263,6 +265,7 @@ impl Place {
             materials: state.materials.clone(),
             lights: state.lights.clone(),
             exposure: state.exposure,
+            corrected: state.corrected.clone(),
             error,
             system,
         }
@@ -272,6 +275,7 @@ impl Place {
         state.materials.clone_from(&self.materials);
         state.lights.clone_from(&self.lights);
         state.exposure = self.exposure;
+        state.corrected.clone_from(&self.corrected);
     }
 }
 

@@ -62,11 +62,11 @@ pub enum Ladder {
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let (project, warnings) = Project::read(&args.project)?;
     output::prepare_folder(&args.out)?;
-    let job = Job::load(project, warnings)?;
+    let mut job = Job::load(project, warnings)?;
     warn(&job.warnings);
     let options = options(args, &job.project);
     let progress = Progress::new("recover", global.quiet);
-    let recovered = engine::recover(&job, &options, alignment(args), &progress)?;
+    let recovered = engine::recover(&mut job, &options, alignment(args), &progress)?;
     drop(progress);
     warn(&results::write(&job, &recovered, &args.out)?);
     if !global.quiet {

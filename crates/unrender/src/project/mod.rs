@@ -10,12 +10,12 @@ mod photograph;
 mod raw;
 
 pub use camera::CameraTable;
-pub use photograph::ResponseChoice;
+pub use photograph::{ResponseChoice, VignettingChoice};
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use unrender_formats::FileError;
-use unrender_photo::{Exposure, vignetting};
+use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
 use unrender_scene::{Camera, Material, Rgb, Scene, WardModel, Warnings};
 
@@ -33,7 +33,7 @@ pub struct Project {
     /// The code of no light, 0 to 1, by channel.
     pub black_level: Rgb,
     /// How the lens darkens the photograph away from its axis, where the project says so.
-    pub vignetting: Option<vignetting::Law>,
+    pub vignetting: Option<VignettingChoice>,
     /// Scene radiance per unit of linear pixel value.
     pub exposure: Exposure,
     /// What fixes the absolute scale; always there with [`Exposure::Auto`]. See

@@ -13,11 +13,22 @@ pub enum ResponseChoice {
     Stated(Response),
     /// As measured: the file of the rows.
     Measured(PathBuf),
+    /// By a gamma that is asked for.
+    Auto,
+}
+
+/// How the lens darkens the photograph away from its axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum VignettingChoice {
+    /// By this law.
+    Stated(vignetting::Law),
+    /// By a radial polynomial that is asked for.
+    Auto,
 }
 
 const RESPONSES: &str =
-    "give \"srgb\", \"linear\", { gamma = 2.2 } or a file such as \"curve.csv\"";
-const VIGNETTINGS: &str = "give \"cos4\" or { radial = [a1, a2, a3] }";
+    "give \"srgb\", \"linear\", { gamma = 2.2 }, a file such as \"curve.csv\", or \"auto\"";
+const VIGNETTINGS: &str = "give \"cos4\", { radial = [a1, a2, a3] } or \"auto\"";
 
 /// The key `response`; files are relative to `folder`.
 pub(super) fn response(value: &Value, folder: &Path) -> Result<ResponseChoice, String> {
@@ -25,6 +36,7 @@ pub(super) fn response(value: &Value, folder: &Path) -> Result<ResponseChoice, S
         return match name {
             "srgb" => Ok(ResponseChoice::Stated(Response::Srgb)),
             "linear" => Ok(ResponseChoice::Stated(Response::Linear)),
+            "auto" => Ok(ResponseChoice::Auto),
             _ if name.contains(['.', '/']) => Ok(ResponseChoice::Measured(folder.join(name))),
             _ => Err(format!("response: there is no \"{name}\"; {RESPONSES}")),
         };
@@ -50,10 +62,11 @@ pub(super) fn black_level(value: &Value) -> Result<Rgb, String> {
 }
 
 /// The key `vignetting`.
-pub(super) fn vignetting(value: &Value) -> Result<vignetting::Law, String> {
+pub(super) fn vignetting(value: &Value) -> Result<VignettingChoice, String> {
     if let Some(name) = value.as_str() {
         return match name {
-            "cos4" => Ok(vignetting::Law::Cos4),
+            "cos4" => Ok(VignettingChoice::Stated(vignetting::Law::Cos4)),
+            "auto" => Ok(VignettingChoice::Auto),
             _ => Err(format!("vignetting: there is no \"{name}\"; {VIGNETTINGS}")),
         };
     }
@@ -67,5 +80,5 @@ pub(super) fn vignetting(value: &Value) -> Result<vignetting::Law, String> {
     }
     let mut coefficients = [0.0; 3];
     coefficients[..numbers.len()].copy_from_slice(&numbers);
-    Ok(vignetting::Law::Radial(coefficients))
+    Ok(VignettingChoice::Stated(vignetting::Law::Radial(coefficients)))
 }

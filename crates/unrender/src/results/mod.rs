@@ -12,7 +12,7 @@ mod trust_picture;
 
 pub(crate) use calibration::calibration;
 pub(crate) use run_file::camera as recovered_camera;
-pub(crate) use summary::summary;
+pub(crate) use summary::{summary, table};
 
 use crate::engine::Recovered;
 use crate::{Error, Job, interrupt};
