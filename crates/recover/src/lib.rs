@@ -17,6 +17,7 @@ pub mod ladder;
 pub mod observation;
 mod picture;
 pub mod problem;
+pub mod prospect;
 pub mod record;
 mod refine;
 pub mod register;

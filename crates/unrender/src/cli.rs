@@ -1,6 +1,6 @@
 //! The command line: global flags, the subcommands, and what becomes of errors.
 
-use crate::commands::{calibrate, merge, recover, render, report, restage, score};
+use crate::commands::{calibrate, check, merge, recover, render, report, restage, score};
 use crate::{Error, interrupt};
 use clap::{Parser, Subcommand};
 use std::num::NonZeroUsize;
@@ -32,6 +32,7 @@ pub struct Global {
 enum Command {
     Recover(recover::Args),
     Calibrate(calibrate::Args),
+    Check(check::Args),
     Render(render::Args),
     Merge(merge::Args),
     Restage(restage::Args),
@@ -65,6 +66,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
     match &cli.command {
         Command::Recover(args) => recover::run(args, &cli.global),
         Command::Calibrate(args) => calibrate::run(args, &cli.global),
+        Command::Check(args) => check::run(args),
         Command::Render(args) => render::run(args, &cli.global),
         Command::Merge(args) => merge::run(args, &cli.global),
         Command::Restage(args) => restage::run(args, &cli.global),

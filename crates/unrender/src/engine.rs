@@ -9,8 +9,8 @@ use std::time::Instant;
 use unrender_formats::materials::PhotographEntry;
 use unrender_photo::Exposure;
 use unrender_recover::{
-    Correction, ExposureRule, GroupSpec, LadderKind, Observation, Observer, Options, Picture,
-    Problem, RecoverError, Recovery, Role, Thresholds, TurnRecord, View,
+    Correction, ExposureRule, GroupSpec, LadderKind, Observer, Options, Problem, RecoverError,
+    Recovery, Role, Thresholds, TurnRecord, View,
 };
 use unrender_render::Tracer;
 use unrender_scene::{Image, Material, Rgb};
@@ -125,25 +125,19 @@ fn with_problem<T>(
     let tracer = Tracer::new(&job.scene);
     let size = (job.photo.radiance.width(), job.photo.radiance.height());
     let view = View::new(&tracer, &laid.camera, size, job.scene.brdf);
-    let picture = Picture {
-        values: job.photo.radiance.clone(),
-        trusted: job.photo.trusted.clone(),
-        quantum: job.photo.quantum.clone(),
-    };
-    let groups = job.scene.groups.len();
-    let geometry = unrender_recover::Renderer::geometry(&view);
-    let observation = Observation::with_margins(picture, geometry, &laid.margins, groups);
+    let observation = laid.observe(job, unrender_recover::Renderer::geometry(&view));
     solve(&Problem {
         observation: &observation,
         renderer: &view,
-        groups: (0..groups).map(|group| spec(job, group)).collect(),
+        groups: (0..job.scene.groups.len()).map(|group| spec(job, group)).collect(),
         exposure: exposure_rule(job),
         unknown_lights: job.unknown_lights.clone(),
         corrections,
     })
 }
 
-fn spec(job: &Job, group: usize) -> GroupSpec {
+/// What the project says of a group.
+pub(crate) fn spec(job: &Job, group: usize) -> GroupSpec {
     let of_scene = &job.scene.groups[group];
     let anchored = job.project.used_anchor().filter(|a| a.group == of_scene.name);
     let (role, material) = if of_scene.is_emitter() {

@@ -97,6 +97,7 @@
 //! results.
 
 mod camera_numbers;
+pub mod check;
 pub mod cli;
 pub mod commands;
 pub mod edit;

@@ -57,6 +57,12 @@ pub(crate) fn folder(path: &Path) -> &Path {
     path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
+/// Prints to stdout; a reader that has gone away is no fault of ours.
+pub(crate) fn print(text: &str) {
+    use std::io::Write;
+    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+}
+
 fn try_file(folder: &Path) -> std::io::Result<()> {
     let name = folder.join(format!(".unrender.{}.tmp", std::process::id()));
     fs::write(&name, [])?;

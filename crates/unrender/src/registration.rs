@@ -3,7 +3,8 @@
 
 use crate::Job;
 use unrender_recover::register::{Registration, margin, register};
-use unrender_render::Tracer;
+use unrender_recover::{Observation, Picture};
+use unrender_render::{GeometryBuffers, Tracer};
 use unrender_scene::{Camera, Image, Warnings};
 
 /// What to do about a model that is off.
@@ -46,12 +47,24 @@ pub(crate) struct Laid {
     pub(crate) warnings: Warnings,
 }
 
+impl Laid {
+    /// The photograph of `job` sorted by the groups of `geometry`, which is what the camera sees.
+    pub(crate) fn observe(&self, job: &Job, geometry: &GeometryBuffers) -> Observation {
+        let picture = Picture {
+            values: job.photo.radiance.clone(),
+            trusted: job.photo.trusted.clone(),
+            quantum: job.photo.quantum.clone(),
+        };
+        Observation::with_margins(picture, geometry, &self.margins, job.scene.groups.len())
+    }
+}
+
 /// A camera is clearly off from this displacement on, pixels ...
-const CLEAR: f32 = 0.75;
+pub(crate) const CLEAR: f32 = 0.75;
 /// ... if that is so many times what is uncertain of it.
 const CERTAIN: f32 = 5.0;
 /// An object by itself may be off by this much, pixels.
-const OBJECT_NOTABLE: f32 = 1.5;
+pub(crate) const OBJECT_NOTABLE: f32 = 1.5;
 
 /// Lays the model of `job` onto its photograph.
 pub(crate) fn lay(job: &Job, tracer: &Tracer, alignment: Alignment) -> Laid {

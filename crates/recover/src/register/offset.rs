@@ -79,6 +79,21 @@ impl EdgePicture {
         Some((strongest as f32 - half as f32 + shift) / PER_PIXEL as f32)
     }
 
+    /// Whether the photograph has some edge within `reach` pixels of `edgel`, be others as clear beside
+    /// it: a place where it changes more than before and behind.
+    pub fn has_edge(&self, edgel: &Edgel, reach: f32) -> bool {
+        let (width, height) = (self.values.width() as f32, self.values.height() as f32);
+        let margin = reach + 3.0;
+        let inside = |v: f32, side: f32| v > margin && v < side - margin;
+        if !inside(edgel.at.x, width) || !inside(edgel.at.y, height) {
+            return false;
+        }
+        let half = (reach * PER_PIXEL as f32) as isize + 1;
+        let change: Vec<f32> = (-half..=half).map(|i| self.change(edgel, step(i))).collect();
+        let least = (ABOVE_NOISE * self.noise).max(ABOVE_VALUE * self.sample(edgel.at).length());
+        change.windows(3).any(|w| w[1] > least && w[1] > w[0] && w[1] >= w[2])
+    }
+
     /// How much the photograph changes across the point at `along`, over two pixels; the mean of
     /// three lines side by side.
     fn change(&self, edgel: &Edgel, along: f32) -> f32 {

@@ -2,6 +2,7 @@
 //! two share.
 
 pub mod calibrate;
+pub mod check;
 pub mod effort;
 pub mod merge;
 pub mod recover;

@@ -13,7 +13,7 @@ mod summary;
 mod trust_picture;
 
 pub(crate) use calibration::calibration;
-pub(crate) use summary::summary;
+pub(crate) use summary::{summary, table};
 
 use crate::engine::Recovered;
 use crate::run::{Pictures, Run};
