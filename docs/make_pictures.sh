@@ -27,3 +27,10 @@ sheet docs/images/removal.png 1 examples/hall/photo.png \
     "$out/hall/composite.png" "$out/hall/invented.png" examples/hall/truth_removed.png
 
 docs/figure11.sh
+
+# The head of the report of Figure 8, by a browser; see crates/unrender/tests/report_browser.
+browser=$out/browser
+mkdir "$browser"
+cp crates/unrender/tests/report_browser/*.{json,mjs} "$browser"
+npm ci --prefix "$browser"
+node "$browser/screenshot.mjs" "$out/report.html" docs/images/report.png 1100 760 light "#groups"

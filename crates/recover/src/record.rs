@@ -130,7 +130,8 @@ pub struct TurnRecord {
     pub turn: usize,
     /// The largest change of a reflectance, and of the logarithm of a roughness.
     pub change: f64,
-    /// The largest relative error of a group that noise does not explain.
+    /// The largest relative error of a group that noise does not explain; in a pass of the
+    /// refinement that of all groups together.
     pub worst_error: f64,
     /// Groups whose hypothesis does not explain the photograph yet.
     pub open_groups: Vec<String>,
@@ -148,7 +149,8 @@ pub struct GroupTurn {
     /// Its parameters; a texture is left out.
     pub material: Material,
     /// Its relative error that noise does not explain: of its pixels in a turn of the ladder, of the
-    /// means over its blocks in a pass of the refinement. None where it was not measured.
+    /// means over its blocks in a pass of the refinement. None where it was not measured, as of
+    /// textures in the default ladder.
     pub error: Option<f64>,
 }
 

@@ -114,6 +114,8 @@ impl<'o> Climber<'o> {
         let material = state.materials[group].clone();
         let hypothesis = state.standing[group].hypothesis;
         if hypothesis == Hypothesis::Textured {
+            // What the last uniform rung left says nothing of the texture.
+            state.standing[group].misfit = None;
             return extract(state, self.options, group, false);
         }
         let effort = if hypothesis == Hypothesis::Diffuse {

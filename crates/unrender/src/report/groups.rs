@@ -86,7 +86,10 @@ fn errors(told: &Told<'_>, key: &Key, name: &str, group: &RunGroup) -> Markup {
         (percent(&key.at("error"), group.entry.error))
         @if let Some(share) = group.error_share {
             div class="share" {
-                "share of all error " (number(&key.at("error_share"), share, Shown::Percent(1))) " %"
+                "share of all error "
+                span class="whole" {
+                    (number(&key.at("error_share"), share, Shown::Percent(1))) " %"
+                }
             }
         }
     }

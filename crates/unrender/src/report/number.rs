@@ -97,7 +97,9 @@ pub(super) fn numbers(key: &Key, values: &[f32], shown: Shown) -> Markup {
 /// The relative error at `key` in percent, or a dash.
 pub(super) fn percent(key: &Key, value: Option<f64>) -> Markup {
     match value {
-        Some(value) => html! { (number(key, value, Shown::Percent(2))) " %" },
+        Some(value) => html! {
+            span class="whole" { (number(key, value, Shown::Percent(2))) " %" }
+        },
         None => html! { span aria-label="none" { "–" } },
     }
 }

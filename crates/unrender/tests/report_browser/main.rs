@@ -5,6 +5,7 @@
 //! installs into the build folder; the browser is Chromium or Chrome where there is one, or else one
 //! from npm. Where something of this is missing, the test says so and is skipped.
 
+mod recovered;
 mod synthetic;
 
 use std::path::{Path, PathBuf};
@@ -108,8 +109,30 @@ fn a_page_of_a_large_photograph_stays_small() {
 }
 
 #[test]
+fn the_page_is_made_of_the_files_beside_it() {
+    let folder = workplace().join("remade");
+    let told = recovered::make(&folder);
+    let run = std::fs::read_to_string(folder.join(Run::FILE)).unwrap();
+    assert_eq!(told, serde_json::from_str::<serde_json::Value>(&run).unwrap());
+    let page = folder.join(report::FILE);
+    let before = std::fs::read_to_string(&page).unwrap();
+    std::fs::remove_file(&page).unwrap();
+    let mut unrender = Command::new(env!("CARGO_BIN_EXE_unrender"));
+    assert!(unrender.args(["report", "--quiet"]).arg(&folder).status().unwrap().success());
+    assert_eq!(std::fs::read_to_string(&page).unwrap(), before);
+    std::fs::remove_file(folder.join("report/groups.png")).unwrap();
+    let error = report::page(&folder).unwrap_err().to_string();
+    assert!(error.contains("groups.png"), "{error}");
+    let mut unrender = Command::new(env!("CARGO_BIN_EXE_unrender"));
+    let output = unrender.args(["report", "--quiet"]).args([&folder, &folder]).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--out FILE.html"));
+}
+
+#[test]
 fn the_pages_work_in_a_browser() {
     let folder = workplace();
+    recovered::make(&folder.join("real"));
     make(&folder.join("few"), 9, (480, 320));
     make(&folder.join("many"), 60, (480, 320));
     let runs = ["few", "many"].map(|name| folder.join(name));

@@ -116,7 +116,7 @@ fn group(index: usize, name: &str) -> RunGroup {
         alpha_x: Some(noise(index + 400) as f32),
         alpha_y: Some(noise(index + 401) as f32),
         theta_deg: Some(90.0 * noise(index + 402) as f32),
-        rho_s: (index % 6 > 0).then(|| triple(index + 500)),
+        rho_s: (!index.is_multiple_of(6)).then(|| triple(index + 500)),
         std: Some(std),
         error: Some(noise(index + 600) * 0.1),
         alternatives: if index == 5 { vec![alternative] } else { Vec::new() },
