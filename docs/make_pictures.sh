@@ -18,3 +18,19 @@ sheet docs/images/fig8.png 2 examples/fig8/photo.exr "$out/rerendered.exr" "$out
 cargo run --release -- recover examples/room/room.toml --spp 256 --out "$out/room"
 sheet docs/images/room.png 2 \
     "$out/room/photo.png" "$out/room/rerendered.png" "$out/room/error.png"
+
+# What is removed leaves what the model knows of the background.
+[ -e out_hall/materials.json ] ||
+    cargo run --release -- recover examples/hall/hall.toml --keep-camera --out out_hall
+cargo run --release -- restage examples/hall/removed.toml --composite --spp 128 --out "$out/hall"
+sheet docs/images/removal.png 1 examples/hall/photo.png \
+    "$out/hall/composite.png" "$out/hall/invented.png" examples/hall/truth_removed.png
+
+docs/figure11.sh
+
+# The head of the report of Figure 8, by a browser; see crates/unrender/tests/report_browser.
+browser=$out/browser
+mkdir "$browser"
+cp crates/unrender/tests/report_browser/*.{json,mjs} "$browser"
+npm ci --prefix "$browser"
+node "$browser/screenshot.mjs" "$out/report.html" docs/images/report.png 1100 760 light "#groups"

@@ -17,10 +17,12 @@ mod names;
 mod numbers;
 pub mod obj;
 pub mod picture;
+pub mod planes;
 pub mod points;
 mod record;
+pub mod response_curve;
 pub mod scene_file;
 mod texels;
 
 pub use error::FileError;
-pub use scene_file::{load_scene, place, wear};
+pub use scene_file::{load_model, load_scene, place, wear};

@@ -3,7 +3,7 @@
 use crate::import::{mitsuba, radiance};
 use crate::{FileError, gltf, obj};
 use std::path::Path;
-use unrender_scene::{Camera, Scene, Warnings};
+use unrender_scene::{Camera, Scene, SceneError, Warnings};
 
 enum Format {
     Gltf,
@@ -30,12 +30,27 @@ impl Format {
 /// # Errors
 /// If the file is missing, of no known format, damaged, or its scene unusable.
 pub fn load_scene(path: &Path) -> Result<(Scene, Warnings), FileError> {
+    load(path, Scene::validate)
+}
+
+/// Reads the model at `path`, which is to be put into a scene and needs no light of its own.
+///
+/// # Errors
+/// If the file is missing, of no known format, damaged, or its meshes unusable.
+pub fn load_model(path: &Path) -> Result<(Scene, Warnings), FileError> {
+    load(path, Scene::validate_meshes)
+}
+
+fn load(
+    path: &Path,
+    validate: fn(&mut Scene) -> Result<Warnings, SceneError>,
+) -> Result<(Scene, Warnings), FileError> {
     let format = format_of(path)?;
     if !path.exists() {
         return Err(FileError::new(path, "does not exist"));
     }
     let (mut scene, mut warnings) = format.read(path)?;
-    let doubts = scene.validate().map_err(|error| FileError::new(path, error))?;
+    let doubts = validate(&mut scene).map_err(|error| FileError::new(path, error))?;
     warnings.extend(doubts);
     Ok((scene, warnings))
 }

@@ -48,6 +48,46 @@ fn greys(picture: &Picture) -> Vec<u8> {
 }
 
 #[test]
+fn pictures_may_declare_other_primaries() {
+    let icc = moxcms::ColorProfile::new_display_p3().encode().unwrap();
+    let codes = [10, 200, 30, 0, 0, 255];
+    let mut tagged = Cursor::new(Vec::new());
+    let mut encoder = PngEncoder::new(&mut tagged);
+    encoder.set_icc_profile(icc.clone()).unwrap();
+    encoder.write_image(&codes, 2, 1, ExtendedColorType::Rgb8).unwrap();
+    let mut jpeg = Cursor::new(Vec::new());
+    let mut encoder = image::codecs::jpeg::JpegEncoder::new(&mut jpeg);
+    encoder.set_icc_profile(icc).unwrap();
+    encoder.write_image(&codes, 2, 1, ExtendedColorType::Rgb8).unwrap();
+    for file in [tagged.into_inner(), jpeg.into_inner()] {
+        let profile = decode(&file).profile.unwrap();
+        assert!(profile.source.contains("Display P3"), "{}", profile.source);
+        assert!(profile.srgb_from_file.is_some());
+    }
+    assert_eq!(decode(&png8(&[1, 2], 2, None)).profile, None);
+}
+
+#[test]
+fn chunks_of_png_may_declare_a_gamma_and_primaries() {
+    let file = |gamma: f32, red: (f32, f32)| {
+        let mut out = Vec::new();
+        let mut encoder = png::Encoder::new(&mut out, 1, 1);
+        encoder.set_color(png::ColorType::Grayscale);
+        encoder.set_source_gamma(png::ScaledFloat::new(gamma));
+        let (green, blue) = ((0.30, 0.60), (0.15, 0.06));
+        let corners = png::SourceChromaticities::new((0.3127, 0.3290), red, green, blue);
+        encoder.set_source_chromaticities(corners);
+        encoder.write_header().unwrap().write_image_data(&[7]).unwrap();
+        decode(&out).profile.unwrap()
+    };
+    let of_srgb = file(0.45455, (0.64, 0.33));
+    assert_eq!((of_srgb.srgb_from_file, of_srgb.curves), (None, None));
+    let other = file(0.625, (0.73, 0.26));
+    assert!(other.srgb_from_file.is_some());
+    assert!((other.curves.unwrap()[2][51] - 0.2f32.powf(1.6)).abs() < 1e-5);
+}
+
+#[test]
 fn all_eight_orientations_are_turned_upright() {
     // Stored as 1 2 3 / 4 5 6; what EXIF says the viewer must see.
     let expected: [(u8, usize, [u8; 6]); 8] = [

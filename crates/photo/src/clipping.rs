@@ -1,16 +1,17 @@
-//! Which pixels are cut off at the top of an integer file's range.
+//! Which pixels are cut off at the top: of an integer file's range, or of a measured response.
 
+use crate::Response;
 use unrender_formats::picture::Picture;
-use unrender_scene::Image;
+use unrender_scene::{Image, Rgb};
 
-/// The indices of the pixels that have the greatest code in some channel; none for
-/// floating-point files, which have no greatest code.
-pub fn clipped_pixels(picture: &Picture) -> Vec<usize> {
-    let Some(max_code) = picture.depth.max_code() else { return Vec::new() };
+/// The indices of the pixels that have the greatest code in some channel, or one beyond the last
+/// that `response` was measured for; floating-point files have no greatest code.
+pub fn clipped_pixels(picture: &Picture, response: &Response) -> Vec<usize> {
     // Half a code below the top: codes are exact, their quotients are rounded.
-    let top = (max_code - 0.5) / max_code;
+    let top = picture.depth.max_code().map_or(f32::INFINITY, |max| (max - 0.5) / max);
+    let beyond = |value: &Rgb| (0..3).any(|c| value[c] >= top || value[c] > response.last_code(c));
     let pixels = picture.values.pixels().iter().enumerate();
-    pixels.filter(|(_, value)| value.max_element() >= top).map(|(index, _)| index).collect()
+    pixels.filter(|(_, value)| beyond(value)).map(|(index, _)| index).collect()
 }
 
 /// True for the pixels of `like` that are not among `pixels` and not beside one of them.
@@ -27,16 +28,25 @@ pub fn away_from<T>(like: &Image<T>, pixels: &[usize]) -> Image<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Curve;
     use unrender_formats::picture::Depth;
-    use unrender_scene::Rgb;
 
     #[test]
     fn only_the_greatest_code_is_clipped() {
         for (depth, max) in [(Depth::Eight, 255.0), (Depth::Sixteen, 65535.0)] {
             let values = [max - 1.0, max].map(|code: f32| Rgb::new(0.0, code / max, 0.0));
             let values = Image::new(2, 1, values.to_vec());
-            let picture = Picture { values, depth, invalid: Vec::new() };
-            assert_eq!(clipped_pixels(&picture), [1]);
+            let picture = Picture::new(values, depth);
+            assert_eq!(clipped_pixels(&picture, &Response::Srgb), [1]);
         }
+    }
+
+    #[test]
+    fn beyond_the_measured_response_nothing_is_known() {
+        let line = || Curve::new(&[0.0, 0.8], &[0.0, 1.0]);
+        let response = Response::measured([line(), line(), line()]);
+        let values = [0.8, 0.81].map(|code| Rgb::new(0.0, code, 0.0));
+        let picture = Picture::new(Image::new(2, 1, values.to_vec()), Depth::Float);
+        assert_eq!(clipped_pixels(&picture, &response), [1]);
     }
 }

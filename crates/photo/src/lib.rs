@@ -1,18 +1,28 @@
 //! From a photograph to linear radiance, with a trust for every pixel.
 //!
-//! The camera turned radiance into code values; [`develop`] turns them back: through the inverse
-//! of the [`Response`], then times the exposure. Pixels that the sensor or the file cut off say
-//! only "at least this much" and are not trusted, nor are their neighbours, into which they may
-//! have bled.
+//! The camera turned radiance into code values, by the paper's transfer function T; [`develop`] goes
+//! back through the [`Transfer`]: black level, [`Response`], exposure, [vignetting]. Pixels that the
+//! sensor or the file cut off say only "at least this much" and are not trusted, nor are their
+//! neighbours, into which they may have bled; and pixels in the noise of black say too much
+//! ([`dark`]).
 //!
 //! Where the camera stood and what its lens does, [`calibrate`](mod@calibrate) finds from points of
 //! the scene that the photograph shows.
 
 pub mod calibrate;
 pub mod clipping;
+mod curve;
+pub mod dark;
+mod declared;
 pub mod response;
+mod transfer;
+pub mod vignetting;
 
+pub use curve::Curve;
+pub use declared::declared_response;
 pub use response::{Response, choose_response};
+pub use transfer::Transfer;
+pub use vignetting::Vignetting;
 
 use unrender_formats::picture::Picture;
 use unrender_scene::{Image, Rgb, RgbImage};
@@ -41,33 +51,39 @@ impl Exposure {
 pub struct Photo {
     /// Radiance, W sr^-1 m^-2 per channel.
     pub radiance: RgbImage,
-    /// False where a channel is clipped, beside such a pixel, and where the file had no number.
+    /// False where a channel is clipped, beside such a pixel, in the noise of black, and where the
+    /// file had no number.
     pub trusted: Image<bool>,
     /// How many pixels are clipped in some channel, their neighbours not counted.
     pub clipped: usize,
+    /// How many pixels lie in the noise of black.
+    pub dark: usize,
     /// The radiance between one code value and the next at this pixel; zero for floating-point
     /// files. A uniform error of one step has the variance step^2 / 12.
     pub quantum: RgbImage,
 }
 
-/// Turns the code values of `picture` into radiance.
-///
-/// `exposure` is the scene radiance of a linear pixel value of one, by channel.
-pub fn develop(picture: &Picture, response: Response, exposure: Rgb) -> Photo {
-    let per_channel = |f: &dyn Fn(f32) -> f32| {
-        picture.values.map(|code| Rgb::from_array(code.to_array().map(f)) * exposure)
+/// Turns the code values of `picture` into radiance, back through `transfer`.
+pub fn develop(picture: &Picture, transfer: &Transfer) -> Photo {
+    let shares = transfer.vignetting.as_ref().map(Vignetting::picture);
+    let share = |index: usize| shares.as_ref().map_or(1.0, |shares| shares.pixels()[index]);
+    let per_pixel = |f: &dyn Fn(Rgb, f32) -> Rgb| {
+        let codes = picture.values.pixels().iter().enumerate();
+        let values = codes.map(|(index, code)| f(*code, share(index))).collect();
+        RgbImage::new(picture.values.width(), picture.values.height(), values)
     };
-    let radiance = per_channel(&|code| response.linear_from_code(code));
+    let radiance = per_pixel(&|code, share| transfer.radiance(code, share));
     let quantum = match picture.depth.max_code() {
-        Some(max_code) => per_channel(&|code| response.step(code, 1.0 / max_code)),
-        None => per_channel(&|_| 0.0),
+        Some(max_code) => per_pixel(&|code, share| transfer.step(code, 1.0 / max_code, share)),
+        None => per_pixel(&|_, _| Rgb::ZERO),
     };
-    let clipped = clipping::clipped_pixels(picture);
+    let clipped = clipping::clipped_pixels(picture, &transfer.response);
+    let dark = dark::dark_pixels(picture, transfer.floor());
     let mut trusted = clipping::away_from(&picture.values, &clipped);
-    for &index in &picture.invalid {
+    for &index in picture.invalid.iter().chain(&dark) {
         trusted.pixels_mut()[index] = false;
     }
-    Photo { radiance, trusted, clipped: clipped.len(), quantum }
+    Photo { radiance, trusted, clipped: clipped.len(), dark: dark.len(), quantum }
 }
 
 #[cfg(test)]
@@ -78,7 +94,7 @@ mod tests {
 
     fn picture(depth: Depth, values: Vec<Rgb>) -> Picture {
         let width = values.len();
-        Picture { values: Image::new(width, 1, values), depth, invalid: Vec::new() }
+        Picture::new(Image::new(width, 1, values), depth)
     }
 
     #[test]
@@ -86,16 +102,20 @@ mod tests {
         let radiance = Rgb::new(0.02, 0.3, 0.9);
         let exposure = Rgb::new(2.0, 1.0, 0.5);
         let in_file = (radiance / exposure).to_array();
-        let check = |response, encode: &dyn Fn(f32) -> f32| {
+        let check = |response: Response, encode: &dyn Fn(f32) -> f32| {
             let code = Rgb::from_array(in_file.map(encode));
-            let photo = develop(&picture(Depth::Float, vec![code]), response, exposure);
+            let photo = develop(
+                &picture(Depth::Float, vec![code]),
+                &Transfer::plain(response.clone(), exposure),
+            );
             let back = photo.radiance.pixels()[0];
             assert!((back - radiance).abs().max_element() < 1e-5, "{response:?}: {back}");
         };
         check(Response::Linear, &|v| v);
         check(Response::Gamma(2.2), &|v| v.powf(1.0 / 2.2));
         let code = Rgb::from_array([0.01, 0.3, 0.9].map(srgb_from_linear));
-        let photo = develop(&picture(Depth::Eight, vec![code]), Response::Srgb, Rgb::ONE);
+        let photo =
+            develop(&picture(Depth::Eight, vec![code]), &Transfer::plain(Response::Srgb, Rgb::ONE));
         assert!((photo.radiance.pixels()[0] - Rgb::new(0.01, 0.3, 0.9)).length() < 1e-5);
     }
 
@@ -105,11 +125,12 @@ mod tests {
         values[1].y = 1.0;
         let mut integer = picture(Depth::Eight, values.clone());
         integer.invalid.push(6);
-        let photo = develop(&integer, Response::Srgb, Rgb::ONE);
+        let photo = develop(&integer, &Transfer::plain(Response::Srgb, Rgb::ONE));
         assert_eq!(photo.clipped, 1);
         let expected = [false, false, false, true, true, true, false, true];
         assert_eq!(photo.trusted.pixels(), expected);
-        let float = develop(&picture(Depth::Float, values), Response::Linear, Rgb::ONE);
+        let float =
+            develop(&picture(Depth::Float, values), &Transfer::plain(Response::Linear, Rgb::ONE));
         assert!(float.clipped == 0 && float.trusted.pixels().iter().all(|t| *t));
     }
 
@@ -118,15 +139,22 @@ mod tests {
         for code in 1..255u8 {
             let at = |code: u8| Rgb::splat(f32::from(code) / 255.0);
             let values = vec![at(code - 1), at(code), at(code + 1)];
-            let photo = develop(&picture(Depth::Eight, values), Response::Srgb, Rgb::splat(3.0));
+            let photo = develop(
+                &picture(Depth::Eight, values),
+                &Transfer::plain(Response::Srgb, Rgb::splat(3.0)),
+            );
             let [before, _, after] = [0, 1, 2].map(|i| photo.radiance.pixels()[i].x);
             let quantum = photo.quantum.pixels()[1].x;
             assert!((quantum / (0.5 * (after - before)) - 1.0).abs() < 0.02, "code {code}");
         }
         let values = vec![Rgb::splat(0.5)];
-        let photo = develop(&picture(Depth::Sixteen, values.clone()), Response::Linear, Rgb::ONE);
+        let photo = develop(
+            &picture(Depth::Sixteen, values.clone()),
+            &Transfer::plain(Response::Linear, Rgb::ONE),
+        );
         assert!((photo.quantum.pixels()[0].x - 1.0 / 65535.0).abs() < 1e-9);
-        let photo = develop(&picture(Depth::Float, values), Response::Linear, Rgb::ONE);
+        let photo =
+            develop(&picture(Depth::Float, values), &Transfer::plain(Response::Linear, Rgb::ONE));
         assert_eq!(photo.quantum.pixels()[0], Rgb::ZERO);
     }
 }

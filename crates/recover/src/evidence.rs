@@ -127,6 +127,30 @@ impl Evidence {
         }
     }
 
+    /// The radiance of `material` at every pixel, twice.
+    pub fn radiance(&self, material: &Material) -> [Vec<Rgb>; 2] {
+        let mut radiance = self.diffuse().map(|d| d.iter().map(|d| material.rho_d * *d).collect());
+        if material.rho_s != Rgb::ZERO {
+            let add = |(sum, s): (&mut Vec<Rgb>, Vec<Rgb>)| {
+                sum.iter_mut().zip(s).for_each(|(sum, s)| *sum += material.rho_s * s);
+            };
+            radiance.iter_mut().zip(self.specular(material)).for_each(add);
+        }
+        radiance
+    }
+
+    /// The same without the pixels of the sample that are flagged.
+    #[must_use]
+    pub fn without(mut self, flags: &[bool]) -> Self {
+        let mut kept = flags.iter().map(|flag| !flag);
+        self.pixels.retain(|_| kept.next().unwrap_or(true));
+        for set in &mut self.sets {
+            let mut kept = flags.iter().map(|flag| !flag);
+            set.probes.probes.retain(|_| kept.next().unwrap_or(true));
+        }
+        self
+    }
+
     fn each(&self, f: impl Fn(&Probe) -> Rgb) -> [Vec<Rgb>; 2] {
         self.sets.each_ref().map(|set| set.probes.probes.iter().map(&f).collect())
     }

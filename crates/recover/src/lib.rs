@@ -1,14 +1,15 @@
 //! One photograph and a scene to materials [Boivin & Gagalowicz 2002].
 //!
 //! The modules stand in the order of one turn of the paper's loop:
-//! photograph and scene ([`observation`], [`problem`]) -> [`evidence`] -> [`hypothesis`] ->
-//! [`rerender`] -> [`error`] -> next hypothesis (`ladder`) -> all numbers at once (`refine`) ->
-//! materials ([`record`]).
+//! photograph and scene ([`register`], [`observation`], [`problem`]) -> [`evidence`] ->
+//! [`hypothesis`] -> [`rerender`] -> [`error`], [`stray`] -> next hypothesis (`ladder`) -> all
+//! numbers at once (`refine`) -> materials ([`record`]).
 //!
 //! [`recover`] is the whole of it. It touches no file, no clock and no terminal; the renderer is
 //! behind the small trait [`Renderer`], and whoever wants to follow gives an [`Observer`].
 
 pub mod convert;
+pub mod correction;
 pub mod error;
 pub mod evidence;
 pub mod fit;
@@ -17,18 +18,22 @@ pub mod ladder;
 pub mod observation;
 mod picture;
 pub mod problem;
+pub mod prospect;
 pub mod record;
 mod refine;
+pub mod register;
 pub mod rerender;
+pub mod stray;
 
+pub use correction::{Corrected, Correction};
 pub use hypothesis::Hypothesis;
-pub use observation::{Observation, Picture};
+pub use observation::{Observation, Picture, Trust};
 pub use problem::{
     ExposureRule, GroupSpec, LadderKind, Options, Problem, RecoverError, Role, Thresholds,
 };
 pub use record::{
-    Alternative, Deviations, GroupResult, LightResult, Observer, Recovery, Status, Termination,
-    TurnRecord,
+    Alternative, Deviations, GroupResult, GroupTurn, LightResult, Observer, Recovery, Status,
+    Termination, TurnRecord,
 };
 pub use rerender::{Renderer, View};
 

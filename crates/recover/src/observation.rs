@@ -1,13 +1,18 @@
 //! What the photograph shows of each group: which pixels may be believed, and how noisy they are.
 //!
-//! A pixel is believed if the photograph says so (not clipped), and if it and its neighbours show
-//! one object with one smooth normal, so that half a pixel of displacement does no harm.
+//! Every pixel has a [`Trust`]: it is believed, or there is a reason why not. The photograph may be
+//! cut off there; an edge of the model may be too close, as far as the model may be off
+//! ([`crate::register`]); and what does not fit its group may be no part of it ([`crate::stray`]). A
+//! group that would be left with next to nothing gets a narrower margin.
 //!
 //! The noise of the photograph is estimated from itself: in the interior of a group, the difference
 //! of a pixel from the mean of its two neighbours in the row holds 3/2 of the noise's variance and
 //! little of the picture. It gives for each group `variance = quantum^2/12 + s B`, quantisation and
 //! a shot noise. What is finer than two pixels in a picture (a coarse weave, say) counts as noise.
 
+use crate::register::margin::{self, near_edges};
+use crate::register::offset::EdgePicture;
+use crate::register::steep::steepness;
 use glam::Vec3;
 use unrender_render::{GeometryBuffers, NOTHING};
 use unrender_scene::{Image, Rgb, RgbImage};
@@ -23,11 +28,30 @@ pub struct Picture {
     pub quantum: RgbImage,
 }
 
+/// Whether a pixel is believed, and why not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trust {
+    /// It counts.
+    Believed,
+    /// The model shows nothing there.
+    Nothing,
+    /// The photograph says nothing there: clipped, too dark, or broken.
+    CutOff,
+    /// An edge is too close, of the model, or of the photograph where the model is off.
+    Edge,
+    /// A single bright pixel.
+    Spike,
+    /// It shows something that is not in the model, or not there.
+    Stray,
+}
+
 /// The photograph, sorted by groups.
 #[derive(Clone, Debug)]
 pub struct Observation {
     /// The photograph.
     pub picture: Picture,
+    /// For each pixel: whether it is believed.
+    pub trust: Image<Trust>,
     /// For each group: the believed pixels, in scanline order.
     pub pixels_of_group: Vec<Vec<u32>>,
     /// For each group: all its pixels, believed or not.
@@ -40,41 +64,79 @@ pub struct Observation {
 
 /// Below this many believed pixels a group falls back on all its unclipped ones.
 const FEW_PIXELS: usize = 40;
-/// Neighbouring normals further apart than this (cosine) make an edge.
-const SAME_NORMAL: f32 = 0.95;
+/// A group keeps at least this share of its pixels.
+const KEPT: f32 = 0.1;
+/// The margins at edges that are tried, as shares of the one that is called for, until a group keeps
+/// enough pixels.
+const SHARES: [f32; 4] = [1.0, 0.6, 0.3, 0.0];
+/// The steepness of the photograph that is borne where the model is off, likewise.
+const STEEP: [f32; 4] = [0.1, 0.2, 0.4, 1.0];
 /// A pixel this many times above all its neighbours is a firefly or a hot pixel.
 const SPIKE: f32 = 3.0;
 
 impl Observation {
-    /// Sorts the photograph by the groups of `geometry`, of which there are `groups`.
+    /// Sorts the photograph by the groups of `geometry`, of which there are `groups`, as if the model
+    /// fitted to the pixel.
     ///
     /// # Panics
     /// If picture and geometry differ in size.
     pub fn new(picture: Picture, geometry: &GeometryBuffers, groups: usize) -> Self {
-        assert_eq!(picture.values.pixels().len(), geometry.pixels().len(), "sizes differ");
-        let mut pixels_of_group = vec![Vec::new(); groups];
+        Self::with_margins(picture, geometry, &margin::margins(geometry, None), groups)
+    }
+
+    /// Sorts the photograph by the groups of `geometry`, of which there are `groups`. `margins` says
+    /// for every pixel how far from an edge it must be ([`margin::margins`]).
+    ///
+    /// # Panics
+    /// If picture, geometry and margins differ in size.
+    pub fn with_margins(
+        picture: Picture,
+        geometry: &GeometryBuffers,
+        margins: &Image<f32>,
+        groups: usize,
+    ) -> Self {
+        let size = picture.values.pixels().len();
+        assert_eq!(size, geometry.pixels().len(), "sizes differ");
+        assert_eq!(size, margins.pixels().len(), "sizes differ");
         let mut all_pixels_of_group = vec![Vec::new(); groups];
+        let mut trust = geometry.map(|_| Trust::Nothing);
         for (index, pixel) in geometry.pixels().iter().enumerate() {
-            if pixel.group == NOTHING {
-                continue;
-            }
-            all_pixels_of_group[pixel.group as usize].push(index as u32);
-            if picture.trusted.pixels()[index]
-                && is_interior(geometry, index)
-                && !is_spike(&picture.values, index)
-            {
-                pixels_of_group[pixel.group as usize].push(index as u32);
-            }
-        }
-        for (believed, all) in pixels_of_group.iter_mut().zip(&all_pixels_of_group) {
-            if believed.len() < FEW_PIXELS {
-                let trusted = |&&p: &&u32| picture.trusted.pixels()[p as usize];
-                *believed = all.iter().filter(trusted).copied().collect();
+            if pixel.group != NOTHING {
+                all_pixels_of_group[pixel.group as usize].push(index as u32);
+                trust.pixels_mut()[index] = if !picture.trusted.pixels()[index] {
+                    Trust::CutOff
+                } else if is_spike(&picture.values, index) {
+                    Trust::Spike
+                } else {
+                    Trust::Believed
+                };
             }
         }
+        let near = SHARES.map(|share| near_edges(geometry, margins, share));
+        let steepness = &steepness(&EdgePicture::new(&picture.values), margins);
+        for pixels in &all_pixels_of_group {
+            let near = near.each_ref().map(|near| |p: u32| near.pixels()[p as usize]);
+            distrust_edges(&mut trust, pixels, &near);
+            let steep = STEEP.map(|most| move |p: u32| steepness.pixels()[p as usize] > most);
+            distrust_edges(&mut trust, pixels, &steep);
+        }
+        let believes = |p: &&u32| trust.pixels()[**p as usize] == Trust::Believed;
+        let pixels_of_group: Vec<Vec<u32>> = all_pixels_of_group
+            .iter()
+            .map(|all| all.iter().filter(believes).copied().collect())
+            .collect();
         let smooth = smooth(&picture.values, geometry, &pixels_of_group);
         let shot_of_group = pixels_of_group.iter().map(|p| shot_noise(&picture, p)).collect();
-        Self { picture, pixels_of_group, all_pixels_of_group, smooth, shot_of_group }
+        Self { picture, trust, pixels_of_group, all_pixels_of_group, smooth, shot_of_group }
+    }
+
+    /// No longer believes `pixels` of `group`, which show something else.
+    pub fn distrust(&mut self, group: usize, pixels: &[u32]) {
+        for &pixel in pixels {
+            self.trust.pixels_mut()[pixel as usize] = Trust::Stray;
+        }
+        let trust = &self.trust;
+        self.pixels_of_group[group].retain(|&p| trust.pixels()[p as usize] == Trust::Believed);
     }
 
     /// The variance of the photograph's noise at a pixel of `group`, before exposure.
@@ -85,12 +147,20 @@ impl Observation {
     }
 }
 
-fn is_interior(geometry: &GeometryBuffers, index: usize) -> bool {
-    let centre = &geometry.pixels()[index];
-    geometry.neighbourhood(index).all(|n| {
-        let other = &geometry.pixels()[n];
-        other.object == centre.object && other.normal.dot(centre.normal) > SAME_NORMAL
-    })
+/// Marks the pixels of one group that are too close to an edge; `rules` say which, ever more
+/// leniently. The first is taken that leaves the group [`KEPT`] of its pixels, or else the last, or
+/// none if even that leaves next to nothing.
+fn distrust_edges<F: Fn(u32) -> bool>(trust: &mut Image<Trust>, pixels: &[u32], rules: &[F]) {
+    let believed = |p: &&u32| trust.pixels()[**p as usize] == Trust::Believed;
+    let believed: Vec<u32> = pixels.iter().filter(believed).copied().collect();
+    let enough = (KEPT * believed.len() as f32) as usize;
+    let left = |rule: &F| believed.iter().filter(|&&p| !rule(p)).count();
+    let rule = rules.iter().find(|rule| left(rule) >= enough.max(FEW_PIXELS)).or(rules.last());
+    if let Some(is_too_close) = rule.filter(|rule| left(rule) >= FEW_PIXELS) {
+        for &pixel in believed.iter().filter(|&&p| is_too_close(p)) {
+            trust.pixels_mut()[pixel as usize] = Trust::Edge;
+        }
+    }
 }
 
 fn is_spike(values: &RgbImage, index: usize) -> bool {
@@ -142,4 +212,70 @@ fn shot_noise(picture: &Picture, pixels: &[u32]) -> Rgb {
     let excess = (squares / (1.5 * count) - quantisation).max(Rgb::ZERO);
     let level = mean(&value);
     Rgb::select(level.cmpgt(Rgb::ZERO), excess / level.max(Rgb::splat(1e-20)), Rgb::ZERO)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use unrender_render::PixelGeometry;
+
+    const SIDE: usize = 24;
+
+    /// Three upright stripes, one a group: columns 0..11, 11..13, 13..24.
+    fn stripes() -> GeometryBuffers {
+        Image::from_fn(SIDE, SIDE, |x, _| {
+            let group = u32::from(x >= 11) + u32::from(x >= 13);
+            PixelGeometry {
+                object: group,
+                group,
+                depth: 1.0,
+                normal: Vec3::Z,
+                ..PixelGeometry::EMPTY
+            }
+        })
+    }
+
+    fn observed(margin: f32, value: impl Fn(usize, usize) -> f32) -> Observation {
+        let picture = Picture {
+            values: RgbImage::from_fn(SIDE, SIDE, |x, y| Rgb::splat(value(x, y))),
+            trusted: Image::new(SIDE, SIDE, vec![true; SIDE * SIDE]),
+            quantum: RgbImage::new(SIDE, SIDE, vec![Rgb::ZERO; SIDE * SIDE]),
+        };
+        let margins = Image::new(SIDE, SIDE, vec![margin; SIDE * SIDE]);
+        Observation::with_margins(picture, &stripes(), &margins, 3)
+    }
+
+    fn columns(observation: &Observation, group: usize) -> Vec<usize> {
+        let columns = observation.pixels_of_group[group].iter().map(|&p| p as usize % SIDE);
+        columns.collect::<std::collections::BTreeSet<_>>().into_iter().collect()
+    }
+
+    #[test]
+    fn pixels_near_an_edge_of_the_model_do_not_count_but_a_thin_group_keeps_some() {
+        let fits = observed(1.0, |_, _| 0.5);
+        assert_eq!(columns(&fits, 0), (0..10).collect::<Vec<_>>());
+        assert_eq!(*fits.trust.at(10, 5), Trust::Edge);
+        let off = observed(4.0, |_, _| 0.5);
+        assert_eq!(columns(&off, 0), (0..7).collect::<Vec<_>>());
+        assert_eq!(columns(&off, 2), (17..SIDE).collect::<Vec<_>>());
+        assert_eq!(columns(&off, 1), [11, 12], "nothing would be left");
+    }
+
+    #[test]
+    fn an_edge_of_the_photograph_matters_where_the_model_is_off() {
+        let step = |x: usize, _: usize| if x < 18 { 0.5 } else { 0.2 };
+        assert_eq!(columns(&observed(1.0, step), 2), (14..SIDE).collect::<Vec<_>>());
+        let off = columns(&observed(2.5, step), 2);
+        assert!(!off.contains(&17) && !off.contains(&18), "{off:?}");
+        assert!(off.contains(&22), "{off:?}");
+    }
+
+    #[test]
+    fn strays_no_longer_count() {
+        let mut observation = observed(1.0, |_, _| 0.5);
+        let before = observation.pixels_of_group[0].len();
+        observation.distrust(0, &[2, 3]);
+        assert_eq!(observation.pixels_of_group[0].len(), before - 2);
+        assert_eq!(*observation.trust.at(3, 0), Trust::Stray);
+    }
 }

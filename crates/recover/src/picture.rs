@@ -7,8 +7,9 @@ use crate::record::{Alternative, GroupResult, Observer, Recovery, Status, Termin
 use crate::rerender::Renderer;
 use glam::Vec3;
 use unrender_render::sampler::mix;
-use unrender_render::{Appearance, Settings};
-use unrender_scene::{Rgb, RgbImage};
+use unrender_render::{Appearance, NOTHING, Settings};
+use unrender_scene::color::luminance;
+use unrender_scene::{Image, Rgb, RgbImage};
 
 /// Pixels rendered between two words to the observer.
 const CHUNK: usize = 4096;
@@ -21,15 +22,23 @@ pub(crate) fn finish(
     observer: &dyn Observer,
 ) -> Recovery {
     let halves = render_twice(state.problem.renderer, state.appearance(), options, observer);
-    let groups = (0..state.materials.len()).map(|g| group_result(&state, g, &halves)).collect();
+    let squares: Vec<Squares> =
+        (0..state.materials.len()).map(|g| Squares::of(&state, g, &halves)).collect();
+    let whole = squares.iter().map(|s| s.error).sum();
+    let groups = squares.iter().enumerate().map(|(g, s)| group_result(&state, g, s, whole));
+    let groups = groups.collect();
     let mean = halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (*a + *b)).collect();
+    let noise = noise(&state, &halves);
     let geometry = state.problem.renderer.geometry();
     Recovery {
         groups,
         exposure: state.exposure,
         exposure_std: state.exposure_std,
         lights: state.light_results,
+        corrected: state.corrected,
+        noise,
         rerendered: RgbImage::new(geometry.width(), geometry.height(), mean),
+        trust: state.observation.trust,
         turns: state.turns,
         termination,
     }
@@ -56,12 +65,12 @@ fn render_twice(
     })
 }
 
-fn group_result(state: &State<'_>, group: usize, halves: &[Vec<Rgb>; 2]) -> GroupResult {
+/// The result of a group, of which `whole` is the squared error of all groups.
+fn group_result(state: &State<'_>, group: usize, squares: &Squares, whole: f64) -> GroupResult {
     let spec = &state.problem.groups[group];
     let standing = &state.standing[group];
-    let observation = state.problem.observation;
+    let observation = &state.observation;
     let believed = &observation.pixels_of_group[group];
-    let emitter = spec.role == Role::Emitter;
     let note = standing.note.clone().or_else(|| match standing.status {
         Status::Assumed => Some("no pixel shows this group: taken as white diffuse".to_owned()),
         _ => None,
@@ -77,7 +86,8 @@ fn group_result(state: &State<'_>, group: usize, halves: &[Vec<Rgb>; 2]) -> Grou
         seen_texels: standing.seen_texels.clone(),
         pixels: observation.all_pixels_of_group[group].len(),
         trusted_pixels: believed.len(),
-        error: if emitter { None } else { relative_error(state, believed, halves) },
+        error: squares.relative(),
+        error_share: squares.share_of(whole),
         story: standing.story.clone(),
         note,
     }
@@ -88,23 +98,68 @@ fn alternative(fit: &Fit) -> Alternative {
     Alternative { hypothesis: fit.hypothesis, material: fit.material.clone(), error }
 }
 
-/// Relative root mean square of photograph minus re-rendering: the products of the two halves'
-/// residuals hold the error without the rendering's noise.
-fn relative_error(state: &State<'_>, pixels: &[u32], halves: &[Vec<Rgb>; 2]) -> Option<f64> {
-    let (mut sum, mut scale) = (0.0, 0.0);
-    for &pixel in pixels {
-        let at = pixel as usize;
-        let photo = state.exposure * state.problem.observation.picture.values.pixels()[at];
-        let product = (photo - halves[0][at]) * (photo - halves[1][at]);
-        sum += f64::from(product.element_sum());
-        scale += f64::from((photo * photo).element_sum());
+/// Sums over the believed pixels of a group that is no lamp; zero for lamps.
+struct Squares {
+    /// Of photograph minus re-rendering: the products of the two halves' residuals hold the error
+    /// without the rendering's noise.
+    error: f64,
+    /// Of the photograph.
+    photo: f64,
+}
+
+impl Squares {
+    fn of(state: &State<'_>, group: usize, halves: &[Vec<Rgb>; 2]) -> Self {
+        let mut squares = Self { error: 0.0, photo: 0.0 };
+        if state.problem.groups[group].role == Role::Emitter {
+            return squares;
+        }
+        for &pixel in &state.observation.pixels_of_group[group] {
+            let at = pixel as usize;
+            let photo = state.exposure * state.value(at);
+            let product = (photo - halves[0][at]) * (photo - halves[1][at]);
+            squares.error += f64::from(product.element_sum());
+            squares.photo += f64::from((photo * photo).element_sum());
+        }
+        squares.error = squares.error.max(0.0);
+        squares
     }
-    (scale > 0.0).then(|| (sum / scale).max(0.0).sqrt())
+
+    /// The relative root mean square; none where no pixel shows the group.
+    fn relative(&self) -> Option<f64> {
+        (self.photo > 0.0).then(|| (self.error / self.photo).sqrt())
+    }
+
+    /// The share of the squared error `whole`.
+    fn share_of(&self, whole: f64) -> Option<f64> {
+        (self.photo > 0.0 && whole > 0.0).then(|| self.error / whole)
+    }
+}
+
+/// The standard deviation that noise gives the luminance of photograph minus re-rendering: the
+/// photograph's own variance, and that of the mean of both halves, `(A - B)^2 / 4` on the mean over
+/// the neighbours of a pixel.
+fn noise(state: &State<'_>, halves: &[Vec<Rgb>; 2]) -> Image<f32> {
+    let geometry = state.problem.renderer.geometry();
+    let weights = Rgb::new(luminance(Rgb::X), luminance(Rgb::Y), luminance(Rgb::Z));
+    let of_rendering = |at: usize| luminance(halves[0][at] - halves[1][at]).powi(2) / 4.0;
+    let one = |at: usize| {
+        let group = geometry.pixels()[at].group;
+        if group == NOTHING {
+            return 0.0;
+        }
+        let of_photo = state.observation.noise_variance(group as usize, at as u32);
+        let of_photo = (of_photo * (state.exposure * weights).powf(2.0)).element_sum();
+        let neighbours: Vec<f32> = geometry.neighbourhood(at).map(of_rendering).collect();
+        let of_rendering = neighbours.iter().sum::<f32>() / neighbours.len() as f32;
+        (of_photo + of_rendering).sqrt()
+    };
+    let pixels = (0..geometry.pixels().len()).map(one).collect();
+    Image::new(geometry.width(), geometry.height(), pixels)
 }
 
 /// The brushed direction at the middle one of the group's believed pixels, world space.
 fn direction(state: &State<'_>, group: usize) -> Option<Vec3> {
-    let believed = &state.problem.observation.pixels_of_group[group];
+    let believed = &state.observation.pixels_of_group[group];
     let middle = *believed.get(believed.len() / 2)?;
     let at = state.problem.renderer.geometry().pixels()[middle as usize];
     let front_normal = if at.front { at.normal } else { -at.normal };

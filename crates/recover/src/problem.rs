@@ -1,5 +1,6 @@
 //! What is asked: the photograph, the renderer, and what is known of each group beforehand.
 
+use crate::correction::Correction;
 use crate::observation::Observation;
 use crate::rerender::Renderer;
 use unrender_scene::{Material, Rgb};
@@ -18,6 +19,8 @@ pub struct Problem<'a> {
     /// The sources of light whose brightness is asked for too, numbered as in
     /// [`unrender_render::Appearance::lights`].
     pub unknown_lights: Vec<usize>,
+    /// The numbers of the camera that are asked for too.
+    pub corrections: &'a [Correction],
 }
 
 /// What is known of a group beforehand.
@@ -84,6 +87,8 @@ pub struct Options {
     /// Whether all parameters are refined together after the default ladder, with their standard
     /// deviations.
     pub refine: bool,
+    /// Whether pixels that show something that is not in the model are looked for.
+    pub strays: bool,
 }
 
 impl Default for Options {
@@ -96,6 +101,7 @@ impl Default for Options {
             max_bounces: unrender_render::path::MAX_BOUNCES,
             max_turns: 100,
             refine: true,
+            strays: true,
         }
     }
 }

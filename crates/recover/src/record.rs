@@ -1,7 +1,9 @@
 //! The records of a recovery: everything that tables, reports and files say is a field here.
 
+use crate::correction::Corrected;
 use crate::error::Misfit;
 use crate::hypothesis::Hypothesis;
+use crate::observation::Trust;
 use glam::Vec3;
 pub use unrender_scene::Status;
 use unrender_scene::{Image, Material, Rgb, RgbImage};
@@ -17,8 +19,15 @@ pub struct Recovery {
     pub exposure_std: Option<Rgb>,
     /// The sources of light whose brightness was asked for.
     pub lights: Vec<LightResult>,
+    /// The numbers of the camera that were asked for.
+    pub corrected: Corrected,
     /// The photograph's view rendered with the recovered materials, radiance.
     pub rerendered: RgbImage,
+    /// The standard deviation that noise gives the luminance of photograph minus re-rendering, the
+    /// photograph's and the rendering's together, radiance; zero where no group is seen.
+    pub noise: Image<f32>,
+    /// Which pixels of the photograph were believed in the end, and why not.
+    pub trust: Image<Trust>,
     /// One record a global re-rendering.
     pub turns: Vec<TurnRecord>,
     /// Why it ended.
@@ -52,6 +61,8 @@ pub struct GroupResult {
     /// Relative root mean square of photograph minus re-rendering over the believed pixels, the
     /// rendering's noise taken out. None where no pixel shows the group.
     pub error: Option<f64>,
+    /// The group's share, 0 to 1, of the squared error of all groups' believed pixels.
+    pub error_share: Option<f64>,
     /// The rungs that were tried, in the order of trial.
     pub story: Vec<Trial>,
     /// What the user should know about it.
@@ -119,12 +130,28 @@ pub struct TurnRecord {
     pub turn: usize,
     /// The largest change of a reflectance, and of the logarithm of a roughness.
     pub change: f64,
-    /// The largest relative error of a group that noise does not explain.
+    /// The largest relative error of a group that noise does not explain; in a pass of the
+    /// refinement that of all groups together.
     pub worst_error: f64,
     /// Groups whose hypothesis does not explain the photograph yet.
     pub open_groups: Vec<String>,
+    /// Where each group of the scene stands after it, in the scene's order.
+    pub groups: Vec<GroupTurn>,
     /// A rough share of the work that is done, 0 to 1.
     pub done: f64,
+}
+
+/// Where one group stands after a global re-rendering.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupTurn {
+    /// Its rung.
+    pub hypothesis: Hypothesis,
+    /// Its parameters; a texture is left out.
+    pub material: Material,
+    /// Its relative error that noise does not explain: of its pixels in a turn of the ladder, of the
+    /// means over its blocks in a pass of the refinement. None where it was not measured, as of
+    /// textures in the default ladder.
+    pub error: Option<f64>,
 }
 
 /// Why a recovery ended.

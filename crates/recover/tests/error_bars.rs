@@ -143,6 +143,7 @@ fn refined(scene: &Scene, tracer: &Tracer, clean: &RgbImage, realisation: u64) -
         material: group.material.clone(),
     };
     let problem = Problem {
+        corrections: &[],
         observation: &observation,
         renderer: &view,
         groups: scene.groups.iter().enumerate().map(spec).collect(),

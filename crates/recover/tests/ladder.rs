@@ -240,6 +240,7 @@ fn with_problem(
         material: Material::diffuse(Rgb::new(0.2, 0.5, 0.8)),
     };
     let problem = Problem {
+        corrections: &[],
         observation: &observation,
         renderer,
         groups: (0..groups).map(spec).collect(),

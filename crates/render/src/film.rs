@@ -3,9 +3,10 @@
 use crate::accel::Ray;
 use crate::path::{MAX_BOUNCES, Transport};
 use crate::sampler::Sampler;
+use crate::tally::{Moments, Tally};
 use crate::tracer::{Appearance, Tracer};
-use glam::DVec3;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use unrender_scene::{Camera, Rgb, RgbImage};
 
@@ -53,13 +54,13 @@ impl Tracer {
         settings: &Settings,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Film {
-        let appearance = appearance.into();
+        let painter = Painter::new(self, appearance.into(), camera, (width, height), settings);
         let pixels: Vec<u32> = (0..(width * height) as u32).collect();
         let done = AtomicUsize::new(0);
         let estimates: Vec<(Rgb, Rgb)> = pixels
             .par_chunks(CHUNK)
             .flat_map_iter(|chunk| {
-                let part = self.render_chunk(appearance, camera, (width, height), chunk, settings);
+                let part = painter.estimates(chunk);
                 let so_far = done.fetch_add(chunk.len(), Ordering::Relaxed) + chunk.len();
                 progress(so_far as f64 / pixels.len() as f64);
                 part
@@ -80,43 +81,85 @@ impl Tracer {
         pixels: &[u32],
         settings: &Settings,
     ) -> Vec<(Rgb, Rgb)> {
-        let appearance = appearance.into();
-        pixels
-            .par_chunks(CHUNK)
-            .flat_map_iter(|chunk| self.render_chunk(appearance, camera, size, chunk, settings))
-            .collect()
+        let painter = Painter::new(self, appearance.into(), camera, size, settings);
+        pixels.par_chunks(CHUNK).flat_map_iter(|chunk| painter.estimates(chunk)).collect()
     }
 
-    fn render_chunk(
+    /// Adds to `tally`, whose size is the picture's, the paths whose numbers `samples` gives for
+    /// each pixel, by its index; `settings.spp` does not count. The paths of [`Tracer::render`] are
+    /// the numbers 0..spp: a tally of those, however many calls it was made in, has the same bits
+    /// as its picture. `progress` hears the share done, 0 to 1, from any thread.
+    pub fn accumulate<'a>(
         &self,
-        appearance: Appearance<'_>,
+        appearance: impl Into<Appearance<'a>>,
         camera: &Camera,
-        size: (usize, usize),
-        pixels: &[u32],
         settings: &Settings,
-    ) -> Vec<(Rgb, Rgb)> {
-        let transport = Transport::new(self, appearance, settings.max_bounces);
-        let one = |&pixel: &u32| {
-            let mut sum = DVec3::ZERO;
-            let mut squares = DVec3::ZERO;
-            for index in 0..settings.spp {
-                let mut sampler = Sampler::new(settings.seed ^ STREAM, u64::from(pixel), index);
-                let ray = camera_ray(camera, size, pixel, &mut sampler);
-                let radiance = transport.radiance(&ray, &mut sampler, 0).as_dvec3();
-                sum += radiance;
-                squares += radiance * radiance;
+        samples: &(dyn Fn(usize) -> Range<u32> + Sync),
+        tally: &mut Tally,
+        progress: &(dyn Fn(f64) + Sync),
+    ) {
+        let painter = Painter::new(self, appearance.into(), camera, tally.size(), settings);
+        let pixels = tally.moments.pixels_mut();
+        let count = pixels.len();
+        let done = AtomicUsize::new(0);
+        pixels.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, pixels)| {
+            for (offset, moments) in pixels.iter_mut().enumerate() {
+                let pixel = chunk * CHUNK + offset;
+                painter.add(pixel as u32, samples(pixel), moments);
             }
-            let n = f64::from(settings.spp.max(1));
-            let mean = sum / n;
-            let spread = (squares / n - mean * mean).max(DVec3::ZERO) / (n - 1.0).max(1.0);
-            (mean.as_vec3(), spread.as_vec3())
-        };
-        pixels.iter().map(one).collect()
+            let so_far = done.fetch_add(pixels.len(), Ordering::Relaxed) + pixels.len();
+            progress(so_far as f64 / count as f64);
+        });
     }
 }
 
+/// What the pixels of a picture share.
+struct Painter<'a> {
+    transport: Transport<'a>,
+    camera: &'a Camera,
+    size: (usize, usize),
+    settings: &'a Settings,
+}
+
+impl<'a> Painter<'a> {
+    fn new(
+        tracer: &'a Tracer,
+        appearance: Appearance<'a>,
+        camera: &'a Camera,
+        size: (usize, usize),
+        settings: &'a Settings,
+    ) -> Self {
+        let transport = Transport::new(tracer, appearance, settings.max_bounces);
+        Self { transport, camera, size, settings }
+    }
+
+    /// Mean and variance of some pixels.
+    fn estimates(&self, pixels: &[u32]) -> Vec<(Rgb, Rgb)> {
+        let one = |&pixel: &u32| {
+            let mut moments = Moments::default();
+            self.add(pixel, 0..self.settings.spp, &mut moments);
+            (moments.mean(), moments.variance())
+        };
+        pixels.iter().map(one).collect()
+    }
+
+    /// Adds the paths of the numbers `samples` to what a pixel has brought.
+    fn add(&self, pixel: u32, samples: Range<u32>, moments: &mut Moments) {
+        for index in samples {
+            let mut sampler = picture_sampler(self.settings.seed, pixel, index);
+            let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
+            moments.push(self.transport.radiance(&ray, &mut sampler, 0));
+        }
+    }
+}
+
+/// The numbers of the path number `index` through a pixel of a picture.
+pub fn picture_sampler(seed: u64, pixel: u32, index: u32) -> Sampler {
+    Sampler::new(seed ^ STREAM, u64::from(pixel), index)
+}
+
 /// A ray through a random point of a pixel: the picture's filter is the pixel itself.
-pub(crate) fn camera_ray(
+pub fn camera_ray(
     camera: &Camera,
     (width, height): (usize, usize),
     pixel: u32,

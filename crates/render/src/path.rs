@@ -61,7 +61,7 @@ pub(crate) trait Ledger {
     /// The path goes on in the direction of `sample`, which it did with the probability `survival`.
     fn bounce(&mut self, at: &Vertex<'_>, sample: &BsdfSample, survival: f32);
 
-    /// The ray meets the source `source`, which emits `radiance` in the scene as it is; `share` is
+    /// The ray meets the source `source` (a surface or the environment), which emits `radiance` in the scene as it is; `share` is
     /// what rays have to account for.
     fn emission(&mut self, throughput: Rgb, source: u32, radiance: Rgb, share: f32);
 
@@ -153,6 +153,18 @@ impl<'a> Transport<'a> {
         if surface.front { self.tracer.emitters.radiance(surface.triangle) } else { Rgb::ZERO }
     }
 
+    /// The radiance that arrives along `wi` (world space) from the environment; zero without one.
+    pub fn environment(&self, wi: Vec3) -> Rgb {
+        let (source, radiance) = self.background(wi);
+        radiance * self.appearance.light(source)
+    }
+
+    /// The source behind all surfaces and what comes from it along `wi` in the scene as it is.
+    pub(crate) fn background(&self, wi: Vec3) -> (u32, Rgb) {
+        let emitters = &self.tracer.emitters;
+        (emitters.environment_source(), emitters.environment(wi))
+    }
+
     /// The reflectance at `surface` and the brushed frame that it lives in.
     // Out of line, as the compiler would have it with several callers, pictures take 2 % longer.
     #[inline(always)]
@@ -165,7 +177,7 @@ impl<'a> Transport<'a> {
     /// All radiance that arrives along the ray. Counts the first surface's reflection as the
     /// reflection number `bounce`, from zero.
     pub fn radiance(&self, ray: &Ray, sampler: &mut Sampler, bounce: u32) -> Rgb {
-        let Some(surface) = self.surface(ray) else { return Rgb::ZERO };
+        let Some(surface) = self.surface(ray) else { return self.environment(ray.direction) };
         self.emitted(&surface) + self.reflected(surface, -ray.direction, sampler, bounce)
     }
 
@@ -234,7 +246,10 @@ impl<'a> Transport<'a> {
             }
             ledger.bounce(&at, &sample, probability);
 
-            let Some(next) = self.surface(&Self::leave(&surface, wi)) else { break };
+            let Some(next) = self.surface(&Self::leave(&surface, wi)) else {
+                self.escape(throughput, wi, sample.pdf, ledger);
+                break;
+            };
             let emission = self.emission(&next);
             if emission != Rgb::ZERO {
                 let share = if sample.pdf.is_finite() {
@@ -245,6 +260,15 @@ impl<'a> Transport<'a> {
                 ledger.emission(throughput, next.group, emission, share);
             }
             (surface, wo) = (next, -wi);
+        }
+    }
+
+    /// A ray that was drawn along `wi` with the density `pdf` meets no surface.
+    fn escape(&self, throughput: Rgb, wi: Vec3, pdf: f32, ledger: &mut impl Ledger) {
+        let (source, radiance) = self.background(wi);
+        if radiance != Rgb::ZERO {
+            let share = if pdf.is_finite() { pdf / (pdf + self.environment_pdf(wi)) } else { 1.0 };
+            ledger.emission(throughput, source, radiance, share);
         }
     }
 
@@ -265,6 +289,11 @@ impl<'a> Transport<'a> {
         let distance = (emitter.point - from.point).length();
         let cos = -wi.dot(self.tracer.accel.front_normal(emitter.triangle));
         self.tracer.emitters.pdf(emitter.triangle, distance, cos)
+    }
+
+    /// The density over solid angle with which light samples find the environment along `wi`.
+    pub fn environment_pdf(&self, wi: Vec3) -> f32 {
+        self.tracer.emitters.environment_pdf(wi)
     }
 
     /// One light sample, weighted against what the reflectance's own sampling finds.

@@ -259,7 +259,7 @@ impl<'a> Gatherer<'a> {
             emitted: self.transport.emitted(&surface),
             diffuse: total * FRAC_1_PI,
             mirror: mirror.map_or(Rgb::ZERO, |m| m.0),
-            mirrored: mirror.map(|m| m.1),
+            mirrored: mirror.and_then(|m| m.1),
             first: first as u32,
             count: (out.incident.len() - first) as u32,
         });
@@ -360,11 +360,15 @@ impl Gathering<'_, '_> {
             return;
         }
         let transport = &self.gatherer.transport;
-        let Some(next) = transport.surface(&Transport::leave(&self.surface, world)) else { return };
         let density = self.gatherer.density(self.wo, wi);
+        let lights = self.gatherer.settings.cosine as f32;
+        let Some(next) = transport.surface(&Transport::leave(&self.surface, world)) else {
+            let by_light = lights * transport.environment_pdf(world);
+            self.keep(wi, transport.environment(world) / (density + by_light));
+            return;
+        };
         let emitted = transport.emitted(&next);
         if emitted != Rgb::ZERO {
-            let lights = self.gatherer.settings.cosine as f32;
             let by_light = lights * transport.light_pdf(&self.surface, &next, world);
             self.keep(wi, emitted / (density + by_light));
         }
@@ -379,15 +383,17 @@ impl Gathering<'_, '_> {
         }
     }
 
-    /// The radiance from the mirror direction and what stands there; none if nobody asks, or if
-    /// the direction falls below the surface.
-    fn mirror(&self, pixel: u32, index: u32) -> Option<(Rgb, Mirrored)> {
+    /// The radiance from the mirror direction and what stands there, if anything does; none if
+    /// nobody asks, or if the direction falls below the surface.
+    fn mirror(&self, pixel: u32, index: u32) -> Option<(Rgb, Option<Mirrored>)> {
         let wi = self.surface.frame.world_from_local(mirror::reflect(self.wo));
         if !self.gatherer.settings.mirror || !self.surface.is_above(wi) {
             return None;
         }
         let transport = &self.gatherer.transport;
-        let seen = transport.surface(&Transport::leave(&self.surface, wi))?;
+        let Some(seen) = transport.surface(&Transport::leave(&self.surface, wi)) else {
+            return Some((transport.environment(wi), None));
+        };
         // One path beyond the mirrored point is very noisy where no cache ends it.
         let count = self.gatherer.settings.cosine.div_ceil(MIRROR_SHARE).max(1);
         let paths = (0..count).map(|k| {
@@ -395,6 +401,6 @@ impl Gathering<'_, '_> {
             transport.reflected(seen, -wi, &mut sampler, self.bounces + 1)
         });
         let radiance = transport.emitted(&seen) + paths.sum::<Rgb>() / count as f32;
-        Some((radiance, Mirrored { object: seen.object, point: seen.point }))
+        Some((radiance, Some(Mirrored { object: seen.object, point: seen.point })))
     }
 }

@@ -51,6 +51,7 @@ impl Tracer {
             |t| (group_of(t) as u32, emission(t)),
             (&scene.lights, scene.groups.len() as u32),
             accel.bounds(),
+            scene.environment.as_ref(),
         );
         let caustics = Caustics::new(scene);
         Self { accel, emitters, caustics, model: scene.brdf, objects, object_of_triangle }
@@ -139,8 +140,8 @@ pub struct Appearance<'a> {
     /// The material of every group.
     pub materials: &'a [Material],
     /// How many times as bright as in the scene each source shines, per channel: first the groups
-    /// (those that emit), then the lights without a surface. Sources beyond the end shine as they
-    /// are.
+    /// (those that emit), then the lights without a surface, then the environment. Sources beyond
+    /// the end shine as they are.
     pub lights: &'a [Rgb],
 }
 

@@ -7,7 +7,7 @@ use common::{Stage, camera, plate_corners, quad_mesh, settings};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 use unrender_render::probe::ProposalLobe;
-use unrender_render::{Film, ProbeSettings, Probes, Settings};
+use unrender_render::{Film, ProbeSettings, Probes, Settings, Tally};
 use unrender_scene::{Camera, Image, Material, Rgb, Texture, Wrap};
 
 /// A small room with a lamp, a glossy ball and a mirror.
@@ -89,6 +89,34 @@ fn chosen_pixels_are_those_of_the_whole_picture() {
         assert_eq!(mean, film.mean.pixels()[pixel as usize]);
         assert_eq!(variance, film.variance.pixels()[pixel as usize]);
     }
+}
+
+#[test]
+fn parts_of_the_samples_add_up_to_the_whole_picture() {
+    let stage = room();
+    let (tracer, materials) = (stage.tracer(), stage.scene.materials());
+    let whole = stage.render(&view(), SIDE, Settings { seed: 4, ..settings(13) });
+    let settings = Settings { seed: 4, ..settings(1) };
+    let part = |samples: std::ops::Range<u32>, threads: usize| {
+        let mut tally = Tally::new(SIDE, SIDE);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let all = |_: usize| samples.clone();
+        pool.install(|| {
+            tracer.accumulate(&materials, &view(), &settings, &all, &mut tally, &|_| ());
+        });
+        tally
+    };
+    let mut sum = part(9..13, 3);
+    sum.add(&part(0..5, 1));
+    sum.add(&part(5..9, 2));
+    assert!(sum.film() == whole, "three parts are not the whole");
+    assert!(sum == part(0..13, 1), "nor are their sums");
+    // Rows with samples of their own.
+    let by_row = |pixel: usize| if pixel < SIDE { 0..13 } else { 0..0 };
+    let mut rows = Tally::new(SIDE, SIDE);
+    tracer.accumulate(&materials, &view(), &settings, &by_row, &mut rows, &|_| ());
+    assert_eq!(rows.mean().pixels()[..SIDE], whole.mean.pixels()[..SIDE]);
+    assert!(rows.moments().pixels()[SIDE..].iter().all(|m| m.count == 0));
 }
 
 #[test]

@@ -9,6 +9,7 @@
 
 pub mod camera;
 pub mod color;
+pub mod environment;
 pub mod hypothesis;
 pub mod image;
 pub mod lens;
@@ -19,6 +20,7 @@ pub mod validate;
 
 pub use camera::Camera;
 pub use color::Rgb;
+pub use environment::{Environment, EnvironmentError};
 pub use hypothesis::{Hypothesis, Status};
 pub use image::{Image, RgbImage};
 pub use lens::Lens;
@@ -54,6 +56,8 @@ pub struct Scene {
     pub groups: Vec<Group>,
     /// Point, spot and directional lights. Area lights are groups with an emission.
     pub lights: Vec<Light>,
+    /// Light from all around, if there is any.
+    pub environment: Option<Environment>,
     /// The cameras, in the order of the scene file.
     pub cameras: Vec<Camera>,
     /// Which form of Ward's lobe the groups' materials mean.

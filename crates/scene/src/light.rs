@@ -61,7 +61,8 @@ pub struct Source<'a> {
 }
 
 impl Scene {
-    /// All sources of light: the groups that emit, then the lights without a surface.
+    /// All sources of light that have a name: the groups that emit, then the lights without a
+    /// surface. The environment is the source after them.
     pub fn sources(&self) -> impl Iterator<Item = Source<'_>> {
         let groups = self.groups.iter().enumerate().filter(|(_, group)| group.is_emitter());
         let area = groups.map(|(index, g)| Source { index, name: &g.name, strength: g.emission });

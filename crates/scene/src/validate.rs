@@ -1,6 +1,6 @@
 //! What makes a scene unusable (an error) or doubtful (a warning).
 
-use crate::{Mesh, Scene};
+use crate::{Environment, Mesh, Scene};
 use glam::Vec3;
 
 /// Sentences for the user about doubtful but usable input: what was found, what was assumed.
@@ -56,7 +56,7 @@ pub enum SceneError {
     NoGeometry,
     /// There is nothing that emits light.
     #[error(
-        "the scene has no light: give a material an emission (emissiveFactor) or add a KHR_lights_punctual light"
+        "the scene has no light: give a material an emission (emissiveFactor), add a KHR_lights_punctual light or an environment"
     )]
     NoLight,
 }
@@ -68,6 +68,19 @@ impl Scene {
     /// # Errors
     /// If an index is out of range, an attribute is not finite, or triangles or lights are missing.
     pub fn validate(&mut self) -> Result<Warnings, SceneError> {
+        let warnings = self.validate_meshes()?;
+        let surrounded = self.environment.as_ref().is_some_and(Environment::is_bright);
+        if self.lights.is_empty() && !self.has_emitting_triangle() && !surrounded {
+            return Err(SceneError::NoLight);
+        }
+        Ok(warnings)
+    }
+
+    /// As [`Scene::validate`] for a model that is to be put into a scene, and needs no light.
+    ///
+    /// # Errors
+    /// If an index is out of range, an attribute is not finite, or triangles are missing.
+    pub fn validate_meshes(&mut self) -> Result<Warnings, SceneError> {
         let mut warnings = Warnings::default();
         for object in &mut self.objects {
             check_indices(&object.name, &object.mesh)?;
@@ -90,9 +103,6 @@ impl Scene {
         }
         if self.triangle_count() == 0 {
             return Err(SceneError::NoGeometry);
-        }
-        if self.lights.is_empty() && !self.has_emitting_triangle() {
-            return Err(SceneError::NoLight);
         }
         Ok(warnings)
     }
@@ -195,6 +205,10 @@ mod tests {
         let mut scene = lit_triangle();
         scene.groups[0].emission = Rgb::ZERO;
         assert_eq!(scene.validate(), Err(SceneError::NoLight));
+
+        let panorama = crate::RgbImage::new(1, 1, vec![Rgb::ONE]);
+        scene.environment = Environment::new(panorama, 0.0).ok();
+        assert_eq!(scene.validate(), Ok(Warnings::default()));
 
         let mut scene = lit_triangle();
         scene.objects.clear();

@@ -1,6 +1,6 @@
 //! The command line: global flags, the subcommands, and what becomes of errors.
 
-use crate::commands::{calibrate, export, recover, render, score};
+use crate::commands::{calibrate, check, export, merge, recover, render, report, restage, score};
 use crate::{Error, interrupt};
 use clap::{Parser, Subcommand};
 use std::num::NonZeroUsize;
@@ -32,9 +32,13 @@ pub struct Global {
 enum Command {
     Recover(recover::Args),
     Calibrate(calibrate::Args),
+    Check(check::Args),
     Render(render::Args),
+    Merge(merge::Args),
+    Restage(restage::Args),
     Score(score::Args),
     Export(export::Args),
+    Report(report::Args),
 }
 
 /// Runs the command line that the process was started with.
@@ -43,7 +47,7 @@ pub fn run() -> ExitCode {
     match prepare(&cli.global).and_then(|()| dispatch(&cli)) {
         Ok(code) => code,
         Err(error) => {
-            report(&error);
+            tell(&error);
             ExitCode::FAILURE
         }
     }
@@ -63,9 +67,13 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
     match &cli.command {
         Command::Recover(args) => recover::run(args, &cli.global),
         Command::Calibrate(args) => calibrate::run(args, &cli.global),
+        Command::Check(args) => check::run(args),
         Command::Render(args) => render::run(args, &cli.global),
+        Command::Merge(args) => merge::run(args, &cli.global),
+        Command::Restage(args) => restage::run(args, &cli.global),
         Command::Score(args) => score::run(args),
         Command::Export(args) => export::run(args, &cli.global),
+        Command::Report(args) => report::run(args, &cli.global),
     }
 }
 
@@ -77,7 +85,7 @@ pub(crate) fn warn(warnings: &Warnings) {
 }
 
 /// Prints `error` and its causes on stderr.
-fn report(error: &Error) {
+fn tell(error: &Error) {
     eprintln!("error: {error}");
     let mut cause = std::error::Error::source(error);
     while let Some(inner) = cause {

@@ -1,75 +1,149 @@
-//! The seam to the crates that do the work: the renderer and the recovery.
+//! The seam to the recovery.
 
+use crate::camera_numbers::{self, Number};
+use crate::cli::warn;
 use crate::progress::Progress;
+use crate::registration::{self, Alignment, Laid};
 use crate::{Error, Job};
 use std::time::Instant;
+use unrender_formats::materials::PhotographEntry;
 use unrender_photo::Exposure;
 use unrender_recover::{
-    ExposureRule, GroupSpec, LadderKind, Observation, Observer, Options, Picture, Problem,
-    Recovery, Role, TurnRecord, View,
+    Correction, ExposureRule, GroupSpec, LadderKind, Observer, Options, Problem, RecoverError,
+    Recovery, Role, Thresholds, TurnRecord, View,
 };
-use unrender_render::{Settings, Tracer};
-use unrender_scene::{Camera, Rgb, RgbImage, Scene};
+use unrender_render::Tracer;
+use unrender_scene::{Image, Material, Rgb};
 
-/// Renders `scene` as `camera` sees it.
-pub(crate) fn render(
-    scene: &Scene,
-    camera: &Camera,
-    size: (usize, usize),
-    settings: &Settings,
-    progress: &Progress,
-) -> RgbImage {
-    let tracer = Tracer::new(scene);
-    tracer.render(&scene.materials(), camera, size, settings, &|share| progress.set(share)).mean
-}
-
-/// A recovery and how long it took.
+/// A recovery, how it was asked for and how long it took.
 pub(crate) struct Recovered {
     pub(crate) recovery: Recovery,
-    pub(crate) seconds: f64,
+    pub(crate) options: Options,
+    /// The numbers of the camera, where they were asked for.
+    pub(crate) photograph: Option<PhotographEntry>,
+    /// How the model was found to lie on the photograph.
+    pub(crate) laid: Laid,
+    /// The group of every pixel, or [`unrender_render::NOTHING`].
+    pub(crate) group_map: Image<u32>,
+    /// When each part of the work was done.
+    pub(crate) times: Times,
 }
 
-/// Recovers the materials of `job`'s groups.
+/// Seconds since the beginning.
+pub(crate) struct Times {
+    /// Until the model lay on the photograph.
+    pub(crate) laid: f64,
+    /// Until the camera's numbers were near enough.
+    pub(crate) developed: f64,
+    /// Until the end of each turn.
+    pub(crate) turns: Vec<f64>,
+    /// Until all was done.
+    pub(crate) all: f64,
+}
+
+/// The camera's numbers are near enough if the photograph would change by less than this share.
+const NEAR: f64 = 0.005;
+/// How often the photograph is developed anew at most.
+const ROUNDS_MAX: usize = 6;
+
+/// Recovers the materials of `job`'s groups. Where the project asks for numbers of the camera, they
+/// are found too, and the photograph of `job` ends as developed with them.
 pub(crate) fn recover(
-    job: &Job,
+    job: &mut Job,
     options: &Options,
+    alignment: Alignment,
     progress: &Progress,
 ) -> Result<Recovered, Error> {
     let started = Instant::now();
-    let tracer = Tracer::new(&job.scene);
-    let size = (job.photo.radiance.width(), job.photo.radiance.height());
-    let view = View::new(&tracer, &job.camera, size, job.scene.brdf);
-    let picture = Picture {
-        values: job.photo.radiance.clone(),
-        trusted: job.photo.trusted.clone(),
-        quantum: job.photo.quantum.clone(),
-    };
-    let groups = job.scene.groups.len();
-    let geometry = unrender_recover::Renderer::geometry(&view);
-    let observation = Observation::new(picture, geometry, groups);
-    let problem = Problem {
-        observation: &observation,
-        renderer: &view,
-        groups: (0..groups).map(|group| spec(job, group)).collect(),
-        exposure: exposure_rule(job),
-        unknown_lights: job.unknown_lights.clone(),
-    };
-    let mut teller = Teller { progress, paper: options.ladder == LadderKind::Paper };
-    let mut recovery = unrender_recover::recover(&problem, options, &mut teller)?;
+    let laid = registration::lay(job, &Tracer::new(&job.scene), alignment);
+    warn(&laid.warnings);
+    let until_laid = started.elapsed().as_secs_f64();
+    let numbers = camera_numbers::asked(&job.project);
+    if !numbers.is_empty() && options.refine && options.ladder == LadderKind::Default {
+        // A texture explains whatever a wrong gamma does to a group.
+        let thresholds = Thresholds { textured: f64::INFINITY, ..options.thresholds };
+        let rough = Options { thresholds, spp: 1, ..options.clone() };
+        for _ in 0..ROUNDS_MAX {
+            let mut teller = Teller::new(progress, options, started);
+            if recover_once(job, &laid, &numbers, &rough, &mut teller)?.change < NEAR {
+                break;
+            }
+        }
+    }
+    let developed = started.elapsed().as_secs_f64();
+    let mut teller = Teller::new(progress, options, started);
+    let Once { mut recovery, group_map, .. } =
+        recover_once(job, &laid, &numbers, options, &mut teller)?;
     if let Exposure::Fixed(exposure) = job.project.exposure {
         // The photograph was developed with it.
         recovery.exposure = exposure;
     }
-    Ok(Recovered { recovery, seconds: started.elapsed().as_secs_f64() })
+    let photograph =
+        (!numbers.is_empty()).then(|| camera_numbers::found(job, &numbers, &recovery.corrected));
+    let all = started.elapsed().as_secs_f64();
+    let times = Times { laid: until_laid, developed, turns: teller.turns, all };
+    Ok(Recovered { recovery, options: options.clone(), photograph, laid, group_map, times })
 }
 
-fn spec(job: &Job, group: usize) -> GroupSpec {
+/// What came out once.
+struct Once {
+    recovery: Recovery,
+    group_map: Image<u32>,
+    /// The share by which developing the photograph anew changed it.
+    change: f64,
+}
+
+/// A recovery, after which the photograph is developed anew with `numbers` as they came out.
+fn recover_once(
+    job: &mut Job,
+    laid: &Laid,
+    numbers: &[Number],
+    options: &Options,
+    teller: &mut Teller<'_>,
+) -> Result<Once, Error> {
+    let corrections = camera_numbers::corrections(job, numbers);
+    let recover = |problem: &Problem<'_>| {
+        let group_map = problem.renderer.geometry().map(|pixel| pixel.group);
+        Ok((unrender_recover::recover(problem, options, teller)?, group_map))
+    };
+    let (recovery, group_map) = with_problem(job, laid, &corrections, recover)?;
+    let change = if numbers.is_empty() {
+        0.0
+    } else {
+        camera_numbers::apply(job, numbers, &recovery.corrected.steps)
+    };
+    Ok(Once { recovery, group_map, change })
+}
+
+/// What `solve` makes of the problem that `job` poses, its model laid as `laid` says.
+fn with_problem<T>(
+    job: &Job,
+    laid: &Laid,
+    corrections: &[Correction],
+    solve: impl FnOnce(&Problem<'_>) -> Result<T, RecoverError>,
+) -> Result<T, RecoverError> {
+    let tracer = Tracer::new(&job.scene);
+    let size = (job.photo.radiance.width(), job.photo.radiance.height());
+    let view = View::new(&tracer, &laid.camera, size, job.scene.brdf);
+    let observation = laid.observe(job, unrender_recover::Renderer::geometry(&view));
+    solve(&Problem {
+        observation: &observation,
+        renderer: &view,
+        groups: (0..job.scene.groups.len()).map(|group| spec(job, group)).collect(),
+        exposure: exposure_rule(job),
+        unknown_lights: job.unknown_lights.clone(),
+        corrections,
+    })
+}
+
+/// What the project says of a group.
+pub(crate) fn spec(job: &Job, group: usize) -> GroupSpec {
     let of_scene = &job.scene.groups[group];
     let anchored = job.project.used_anchor().filter(|a| a.group == of_scene.name);
     let (role, material) = if of_scene.is_emitter() {
         (Role::Emitter, of_scene.material.clone())
     } else if let Some(anchor) = anchored {
-        (Role::Known, unrender_scene::Material::diffuse(anchor.rho_d))
+        (Role::Known, Material::diffuse(anchor.rho_d))
     } else if job.project.known.contains_key(&of_scene.name) {
         (Role::Known, of_scene.material.clone())
     } else {
@@ -87,10 +161,20 @@ fn exposure_rule(job: &Job) -> ExposureRule {
     }
 }
 
-/// Passes a recovery's progress on to the terminal.
+/// Passes a recovery's progress on to the terminal, and keeps the time of its turns.
 struct Teller<'a> {
     progress: &'a Progress,
     paper: bool,
+    started: Instant,
+    /// Seconds since the start at the end of each turn.
+    turns: Vec<f64>,
+}
+
+impl<'a> Teller<'a> {
+    fn new(progress: &'a Progress, options: &Options, started: Instant) -> Self {
+        let paper = options.ladder == LadderKind::Paper;
+        Self { progress, paper, started, turns: Vec::new() }
+    }
 }
 
 /// The final picture's share of the time, roughly.
@@ -98,6 +182,7 @@ const PICTURE: f64 = 0.4;
 
 impl Observer for Teller<'_> {
     fn turn(&mut self, record: &TurnRecord) {
+        self.turns.push(self.started.elapsed().as_secs_f64());
         let open = match record.open_groups.len() {
             0 => "none".to_owned(),
             n if n <= 4 => record.open_groups.join(", "),

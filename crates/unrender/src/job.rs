@@ -1,10 +1,10 @@
 //! Everything a recovery starts from, read and checked.
 
-use crate::Error;
 use crate::project::{CameraChoice, Project};
+use crate::{Error, photograph};
 use std::path::Path;
-use unrender_formats::picture;
-use unrender_photo::{Photo, choose_response, develop};
+use unrender_formats::picture::{self, Picture};
+use unrender_photo::{Photo, Transfer, develop};
 use unrender_scene::{Camera, Scene, Warnings};
 
 /// Two aspects (width over height) are alike up to this share.
@@ -17,8 +17,12 @@ pub struct Job {
     pub scene: Scene,
     /// The camera of the photograph.
     pub camera: Camera,
+    /// The photograph as its file has it.
+    pub picture: Picture,
     /// The photograph as radiance; with exposure "auto", for an exposure of one.
     pub photo: Photo,
+    /// What turned the photograph's codes into that radiance, and does the reverse.
+    pub transfer: Transfer,
     /// What the project file says, its exposure settled by [`Project::settle_scale`].
     pub project: Project,
     /// The sources whose brightness is asked for, ascending: a group's index for area lights, and
@@ -37,8 +41,6 @@ impl Job {
     pub fn load(mut project: Project, mut warnings: Warnings) -> Result<Self, Error> {
         let (picture, told) = picture::read(&project.photo)?;
         warnings.extend(told);
-        let (response, told) = choose_response(picture.depth, project.response);
-        warnings.extend(told);
         let (mut scene, told) = unrender_formats::load_scene(&project.scene)?;
         warnings.extend(told);
         project.check_against(&scene)?;
@@ -52,7 +54,15 @@ impl Job {
         warnings.extend(validate(&mut scene, &project.scene)?);
         let (camera, told) = choose_camera(&project, &scene)?;
         warnings.extend(told);
-        let photo = develop(&picture, response, project.exposure.or_one());
+        let (transfer, told) = photograph::transfer(&project, &picture, &camera)?;
+        warnings.extend(told);
+        let photo = develop(&picture, &transfer);
+        if photo.dark > 0 {
+            warnings.push(format!(
+                "{} pixel(s) of the photo lie in the noise of black and were left out",
+                photo.dark
+            ));
+        }
         let (width, height) = (photo.radiance.width(), photo.radiance.height());
         warnings.extend(doubtful_aspect(&camera, width, height));
         if !camera.covers(width, height) {
@@ -63,7 +73,7 @@ impl Job {
             ));
         }
         let unknown_lights = project.unknown_sources(&scene);
-        Ok(Self { scene, camera, photo, project, unknown_lights, warnings })
+        Ok(Self { scene, camera, picture, photo, transfer, project, unknown_lights, warnings })
     }
 }
 
@@ -130,7 +140,8 @@ fn doubtful_aspect(camera: &Camera, width: usize, height: usize) -> Warnings {
     } else {
         warnings.push(format!(
             "the photo's aspect is {photo:.3}, that of camera \"{}\" {stated:.3}; \
-             the camera's vertical field of view was kept",
+             the camera's vertical field of view was kept, which is right only if the photo was \
+             cropped or widened at its sides",
             camera.name
         ));
     }

@@ -76,6 +76,7 @@
 //!     groups: scene.groups.iter().map(spec).collect(),
 //!     exposure: ExposureRule::Fixed(Rgb::ONE),
 //!     unknown_lights: Vec::new(),
+//!     corrections: &[],
 //! };
 //! // The observer `()` does not listen to the turns.
 //! let recovery = unrender::recover::recover(&problem, &Options::default(), &mut ())?;
@@ -95,18 +96,28 @@
 //! reads what it names, and `unrender recover` writes what came out. [`score`] compares two such
 //! results.
 
+mod camera_numbers;
+pub mod check;
 pub mod cli;
 pub mod commands;
+pub mod edit;
 mod engine;
 pub mod error;
+mod fingerprint;
 mod interrupt;
 pub mod job;
 mod output;
+mod part;
+mod passes;
+mod photograph;
 mod progress;
 pub mod project;
+mod registration;
+pub mod report;
 mod results;
+pub mod run;
 pub mod score;
-mod view;
+mod subject;
 
 pub use error::Error;
 pub use job::Job;
@@ -115,4 +126,5 @@ pub use unrender_formats as formats;
 pub use unrender_photo as photo;
 pub use unrender_recover as recover;
 pub use unrender_render as render;
+pub use unrender_restage as restage;
 pub use unrender_scene as scene;

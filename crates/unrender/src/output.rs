@@ -1,8 +1,12 @@
-//! Whether results can be written, asked before the work and not after it.
+//! Whether results can be written, asked before the work and not after it; and the one way in which
+//! commands write a picture.
 
+use crate::cli::warn;
 use std::fs;
 use std::path::Path;
-use unrender_formats::FileError;
+use unrender_formats::{FileError, picture};
+use unrender_render::Tally;
+use unrender_scene::Warnings;
 
 /// Makes the folder for results where it is missing and checks that files can be made in it.
 pub(crate) fn prepare_folder(folder: &Path) -> Result<(), FileError> {
@@ -14,6 +18,20 @@ pub(crate) fn prepare_folder(folder: &Path) -> Result<(), FileError> {
 /// Checks that a picture can be written to `path`: its extension and its folder.
 pub(crate) fn check_picture(path: &Path) -> Result<(), FileError> {
     check_file(path, &["exr", "hdr", "png"], "end the name of the picture in .exr, .hdr or .png")
+}
+
+/// Writes the picture that `tally` has come to, and tells what in it is no number.
+pub(crate) fn write_picture(path: &Path, tally: &Tally) -> Result<(), FileError> {
+    picture::write(path, &tally.mean())?;
+    let mut warnings = Warnings::default();
+    if tally.faulty() > 0 {
+        warnings.push(format!(
+            "{} path(s) brought no finite number and were counted as black",
+            tally.faulty()
+        ));
+    }
+    warn(&warnings);
+    Ok(())
 }
 
 /// Checks that a file can be written to `path`, whose extension is one of `extensions`; `remedy`
@@ -37,6 +55,12 @@ pub(crate) fn extension(path: &Path) -> String {
 /// The folder that a file is in.
 pub(crate) fn folder(path: &Path) -> &Path {
     path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Prints to stdout; a reader that has gone away is no fault of ours.
+pub(crate) fn print(text: &str) {
+    use std::io::Write;
+    let _ = std::io::stdout().lock().write_all(text.as_bytes());
 }
 
 fn try_file(folder: &Path) -> std::io::Result<()> {

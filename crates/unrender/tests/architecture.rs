@@ -5,23 +5,25 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The documents whose paths in backticks must exist.
-const DOCUMENTS: [&str; 6] = [
+const DOCUMENTS: [&str; 7] = [
     "README.md",
     "ARCHITECTURE.md",
     "CHANGELOG.md",
     "docs/conventions.md",
     "docs/exports.md",
     "docs/paper.md",
+    "docs/restage.md",
 ];
 
 /// Which crates of the workspace each crate may use.
-const DIRECTIONS: [(&str, &[&str]); 6] = [
+const DIRECTIONS: [(&str, &[&str]); 7] = [
     ("scene", &[]),
     ("formats", &["scene"]),
     ("render", &["scene"]),
     ("photo", &["scene", "formats"]),
     ("recover", &["scene", "render"]),
-    ("unrender", &["scene", "formats", "render", "photo", "recover"]),
+    ("restage", &["scene", "render"]),
+    ("unrender", &["scene", "formats", "render", "photo", "recover", "restage"]),
 ];
 
 fn root() -> PathBuf {
@@ -123,7 +125,7 @@ fn assert_absent(words: &[&str], inside: impl Fn(&str) -> bool, except: &[&str])
 }
 
 fn is_core(path: &str) -> bool {
-    ["scene", "render", "photo", "recover"]
+    ["scene", "render", "photo", "recover", "restage"]
         .iter()
         .any(|c| path.starts_with(&format!("crates/{c}/")))
 }

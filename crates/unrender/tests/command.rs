@@ -112,24 +112,81 @@ const TRIANGLE: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{
     "bufferViews": [{"buffer": 0, "byteLength": 36}],
     "buffers": [{"byteLength": 36, "uri": "triangle.bin"}]}"#;
 
-#[test]
-fn unknown_groups_are_named() {
-    let folder = Folder::new("group");
+/// A folder with that scene and a white photograph.
+fn triangle(test: &str) -> Folder {
+    let folder = Folder::new(test);
     let corners = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let bytes: Vec<u8> = corners.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
     folder.write("triangle.bin", bytes);
     folder.write("s.gltf", TRIANGLE);
     picture::write(&folder.path("p.png"), &Image::from_fn(8, 8, |_, _| Rgb::ONE)).unwrap();
+    folder
+}
+
+#[test]
+fn responses_and_lenses_must_make_sense() {
+    let folder = triangle("response");
+    let files = "scene = \"s.gltf\"\nphoto = \"p.png\"\nexposure = 1\n";
+    let recovered = |settings: &str| {
+        recover(&folder.write("a.toml", format!("{files}{settings}\n")), &folder.path("out"))
+    };
+    let curve = "response = \"curve.csv\"";
+    assert_error(&recovered(curve), "response: there is no file");
+    folder.write("curve.csv", "code,linear\n0,0\n0.6,0.5\n0.5,1\n");
+    assert_error(&recovered(curve), "curve.csv: is not monotone: code is 0.6 in row 2 and 0.5");
+    folder.write("curve.csv", "code,linear\n0,0\n");
+    assert_error(&recovered(curve), "curve.csv: has 1 row(s)");
+    let dark = "vignetting = { radial = [-1.5] }";
+    assert_error(&recovered(dark), "a.toml: vignetting: by it a pixel of the photo gets");
+    assert!(!folder.path("out/materials.json").exists());
+}
+
+#[test]
+fn unknown_groups_are_named() {
+    let folder = triangle("group");
     let text = PROJECT.replace("s.glb", "s.gltf") + "[groups.lam]\nknown = { rho_d = 1 }\n";
     let output = recover(&folder.write("a.toml", text), &folder.path("out"));
     assert_error(&output, "groups.lam: the scene has no group \"lam\"; it has lamp");
 }
 
 #[test]
+fn panoramas_that_cannot_be_used_are_named() {
+    let folder = Folder::new("panorama");
+    let corners = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let bytes: Vec<u8> = corners.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+    folder.write("triangle.bin", bytes);
+    let (scene, out) = (folder.write("s.gltf", TRIANGLE), folder.path("a.exr"));
+    let render = |panorama: &Path, scale: &str| {
+        let scale = format!("--environment-scale={scale}");
+        let size = "--height=4";
+        unrender(&[&"render", &scene, &size, &"--environment", &panorama, &scale, &"--out", &out])
+    };
+    assert_error(&render(&folder.path("no.hdr"), "1"), "no.hdr: cannot be read");
+    let text = folder.write("text.hdr", "no picture");
+    assert_error(&render(&text, "1"), "text.hdr: is not a PNG, JPEG, TIFF, EXR or HDR file");
+    let sky = folder.path("sky.exr");
+    picture::write(&sky, &Image::from_fn(4, 2, |_, _| Rgb::splat(9.0))).unwrap();
+    assert_error(&render(&sky, "1e38"), "sky.exr: pixel 0 of the panorama is negative or not");
+    assert!(!out.exists());
+    let lit = render(&sky, "0.5");
+    assert!(lit.status.success() && lit.stderr.is_empty());
+    // Its upper left corner shows the sky, which is half as bright as in the file.
+    assert_eq!(*picture::read(&out).unwrap().0.values.at(0, 0), Rgb::splat(4.5));
+}
+
+#[test]
 fn usage_errors_have_exit_code_two() {
-    for arguments in
-        [&["render"][..], &["polish"], &["recover", "a.toml", "--out", "o", "--spp", "0"]]
-    {
+    for arguments in [
+        &["render"][..],
+        &["polish"],
+        &["recover", "a.toml", "--out", "o", "--spp", "0"],
+        &["render", "s.glb", "--out", "a.exr", "--samples", "3..3"],
+        &["render", "s.glb", "--out", "a.exr", "--samples", "0..3", "--spp", "3"],
+        &["render", "s.glb", "--out", "a.exr", "--noise", "0"],
+        &["render", "s.glb", "--out", "a.exr", "--time", "-1"],
+        &["render", "s.glb", "--out", "a.exr", "--environment-rotation", "90"],
+        &["merge", "--out", "a.exr"],
+    ] {
         let arguments: Vec<&dyn AsRef<std::ffi::OsStr>> =
             arguments.iter().map(|a| a as &dyn AsRef<std::ffi::OsStr>).collect();
         assert_eq!(unrender(&arguments).status.code(), Some(2));

@@ -3,8 +3,9 @@
 use glam::Vec3;
 use std::path::Path;
 use unrender::formats::FileError;
+use unrender::photo::vignetting::Law;
 use unrender::photo::{Exposure, Response};
-use unrender::project::CameraChoice;
+use unrender::project::{CameraChoice, ResponseChoice, VignettingChoice};
 use unrender::scene::{Group, Lens, Light, LightKind, Material, Rgb, Scene, WardModel, Warnings};
 use unrender::{Job, Project};
 
@@ -30,7 +31,8 @@ fn a_full_project_is_understood() {
          [recover]\nbrdf = \"ward-1992\"\nthresholds = { isotropic = 0.02 }\n",
     );
     assert_eq!(project.scene, Path::new("folder/s.glb"));
-    assert_eq!(project.response, Some(Response::Srgb));
+    assert_eq!(project.response, Some(ResponseChoice::Stated(Response::Srgb)));
+    assert_eq!((project.black_level, project.vignetting), (Rgb::ZERO, None));
     assert_eq!(project.exposure, Exposure::Fixed(Rgb::new(1.0, 2.0, 0.5)));
     assert_eq!(project.brdf, WardModel::Ward1992);
     assert_eq!(project.thresholds.paper[4], 0.02);
@@ -49,7 +51,18 @@ fn what_is_left_out_has_its_default() {
     assert_eq!(warnings.0.len(), 1, "no exposure");
     assert_eq!((project.response, project.brdf), (None, WardModel::WardGmd));
     assert_eq!(project.camera, CameraChoice::First);
-    assert_eq!(good("response = { gamma = 2 }").response, Some(Response::Gamma(2.0)));
+    let gamma = ResponseChoice::Stated(Response::Gamma(2.0));
+    assert_eq!(good("response = { gamma = 2 }").response, Some(gamma));
+    let measured = ResponseChoice::Measured("folder/curves/mine.csv".into());
+    assert_eq!(good("response = \"curves/mine.csv\"").response, Some(measured));
+    let vignetting = |text: &str| good(&format!("vignetting = {text}")).vignetting;
+    assert_eq!(vignetting("\"cos4\""), Some(VignettingChoice::Stated(Law::Cos4)));
+    assert_eq!(vignetting("\"auto\""), Some(VignettingChoice::Auto));
+    assert_eq!(good("response = \"auto\"").response, Some(ResponseChoice::Auto));
+    let radial = VignettingChoice::Stated(Law::Radial([-0.3, 0.1, 0.0]));
+    assert_eq!(vignetting("{ radial = [-0.3, 0.1] }"), Some(radial));
+    assert_eq!(good("black_level = 0.01").black_level, Rgb::splat(0.01));
+    assert_eq!(good("black_level = [0, 0.1, 0.2]").black_level, Rgb::new(0.0, 0.1, 0.2));
     assert_eq!(good("camera = \"door\"").camera, CameraChoice::Named("door".into()));
     let anchor = "[anchor]\ngroup = \"wall\"\nrho_d = [0.9, 0.9, 0.9]\n";
     assert_eq!(good(&format!("exposure = \"auto\"\n{anchor}")).exposure, Exposure::Auto);
@@ -69,10 +82,21 @@ fn every_fault_names_its_key_or_line() {
         ("exposure = nan", "exposure is nan"),
         ("exposure = [1, 2]", "exposure is [1, 2]"),
         ("response = \"sRGB\"", "response: there is no \"sRGB\""),
-        ("response = \"curve.csv\"", "not read yet"),
         ("response = { gamma = 0 }", "response.gamma is 0"),
         ("response = { gama = 2 }", "response: give"),
         ("response = 3", "response: give"),
+        ("response = { gamma = -2.2 }", "response.gamma is -2.2"),
+        ("black_level = -0.1", "black_level is -0.1"),
+        ("black_level = 16", "divide that of an 8-bit file by 255"),
+        ("black_level = [0, 0]", "black_level is [0, 0]"),
+        ("black_level = nan", "black_level is nan"),
+        ("vignetting = \"strong\"", "vignetting: there is no \"strong\""),
+        ("vignetting = 0.5", "vignetting: give \"cos4\""),
+        ("vignetting = { radial = 0.5 }", "vignetting: give \"cos4\""),
+        ("vignetting = { radial = [] }", "vignetting.radial is []"),
+        ("vignetting = { radial = [1, 2, 3, 4] }", "give one to three numbers"),
+        ("vignetting = { radial = [nan] }", "vignetting.radial is [nan]"),
+        ("vignetting = { cos = 4 }", "vignetting: give \"cos4\""),
         ("[anchor]\ngroup = \"w\"", "line 3: missing field `rho_d`"),
         ("[anchor]\ngroup = \"w\"\nrho_d = 1.5", "anchor.rho_d is 1.5"),
         ("[anchor]\ngroup = \"w\"\nrho_d = [0, 1, 1]", "anchor.rho_d: a channel is zero"),

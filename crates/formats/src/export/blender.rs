@@ -1,11 +1,10 @@
 //! Blender: `scene.py`, which builds the scene of `scene.json` and its meshes and pictures, run by
 //! Blender or with the package `bpy`.
 //!
-//! A material is the sum of two Principled BSDFs: one diffuse, one a metal, whose edge tint takes out
-//! the reflectance that Schlick's term adds towards grazing angles. Blender's anisotropy `a` has the
-//! aspect `sqrt(1 - 0.9 a)`, `alpha_x = r^2/aspect` and `alpha_y = r^2 aspect`, x along the tangent.
-//! [Blender manual, Principled BSDF; Kutz et al. 2021, "Novel aspects of the Adobe Standard
-//! Material" (the edge tint)]
+//! A material is the sum of a Principled BSDF, the diffuse part, and a Glossy BSDF of Beckmann's
+//! microfacets, which reflects alike at all angles; Principled's own shine grows towards grazing
+//! angles. An anisotropy `a` has `alpha_x = alpha (1 - a)` along the tangent and
+//! `alpha_y = alpha/(1 - a)`. [Blender manual, Principled BSDF and Glossy BSDF]
 
 use super::identifiers::identifiers;
 use super::{Files, Shot, ply, tiling};
@@ -38,7 +37,7 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
             objects.push(json!({ "name": object.name, "group": object.group, "mesh": path }));
             files.push((
                 path,
-                ply::bytes(&tiling::mesh(shot, object, rougher(&shot.materials[object.group]))),
+                ply::bytes(&tiling::mesh(shot, object, smoother(&shot.materials[object.group]))),
             ));
         }
     }
@@ -86,27 +85,21 @@ fn group(
     }
     let (smooth, rough) =
         (material.alpha_x.min(material.alpha_y), material.alpha_x.max(material.alpha_y));
-    let aspect2 = if tiling::is_brushed(material) { smooth / rough } else { 1.0 };
-    if aspect2 < 0.1 {
-        warnings.push(format!(
-            "group \"{}\": one roughness is more than ten times the other, which Blender has not",
-            group.name
-        ));
-    }
+    let ratio = if tiling::is_brushed(material) { smooth / rough } else { 1.0 };
     Ok(json!({
         "name": group.name,
         "rho_d": triple(material.rho_d),
         "rho_s": triple(material.rho_s),
         "alpha": number((smooth * rough).sqrt()),
-        "anisotropic": number(((1.0 - aspect2) / 0.9).min(1.0)),
+        "anisotropy": number(1.0 - ratio.sqrt()),
         "emission": triple(group.emission),
         "texture": picture,
     }))
 }
 
-/// The angle of the rougher direction, along which Blender's tangent goes.
-fn rougher(material: &Material) -> f32 {
-    material.theta_rad + if material.alpha_y > material.alpha_x { FRAC_PI_2 } else { 0.0 }
+/// The angle of the smoother direction, along which Blender's tangent goes.
+fn smoother(material: &Material) -> f32 {
+    material.theta_rad + if material.alpha_x > material.alpha_y { FRAC_PI_2 } else { 0.0 }
 }
 
 fn camera(camera: &Camera) -> Value {

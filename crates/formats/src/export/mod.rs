@@ -96,8 +96,8 @@ impl Target {
     /// The lobe that it can shine with.
     pub fn lobe(self) -> Lobe {
         match self {
-            Self::Blender | Self::Gltf | Self::Materialx | Self::Pbrt => Lobe::Ggx,
-            Self::Mitsuba => Lobe::Beckmann,
+            Self::Blender | Self::Mitsuba => Lobe::Beckmann,
+            Self::Gltf | Self::Materialx | Self::Pbrt => Lobe::Ggx,
             Self::Radiance => Lobe::Ward(WardModel::WardGmd),
         }
     }

@@ -6,11 +6,13 @@
 mod alternative;
 mod apply;
 mod light_entry;
+mod photograph_entry;
 mod std_entry;
 
 pub use alternative::AlternativeEntry;
 pub use apply::{apply, apply_from, mean_of, read_texture};
 pub use light_entry::LightEntry;
+pub use photograph_entry::{PhotographEntry, PhotographStd};
 pub use std_entry::StdEntry;
 
 use crate::{FileError, atomic};
@@ -39,6 +41,9 @@ pub struct MaterialsFile {
     /// The lights whose brightness was asked for, by name, in the order of the scene.
     #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
     pub lights: IndexMap<String, LightEntry>,
+    /// The numbers of the camera, where they were asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub photograph: Option<PhotographEntry>,
     /// How long the recovery took.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,

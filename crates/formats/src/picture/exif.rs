@@ -21,6 +21,17 @@ pub fn exif_focal_px(bytes: &[u8], width: usize, height: usize) -> Option<f64> {
     (focal.is_finite() && focal > 0.0).then_some(focal)
 }
 
+/// Whether the EXIF data in the file `bytes` say, as cameras do instead of a profile, that its
+/// colours are those of Adobe RGB.
+pub(super) fn is_adobe_rgb(bytes: &[u8]) -> bool {
+    let exif = Reader::new().read_from_container(&mut Cursor::new(bytes)).ok();
+    let index = exif.as_ref().and_then(|e| e.get_field(Tag::InteroperabilityIndex, In::PRIMARY));
+    index.is_some_and(|field| match &field.value {
+        Value::Ascii(texts) => texts.iter().any(|text| text.starts_with(b"R03")),
+        _ => false,
+    })
+}
+
 fn by_pixel_pitch(exif: &Exif, longer_side: f64) -> Option<f64> {
     let focal_mm = number(exif, Tag::FocalLength)?;
     let unit_mm = match number(exif, Tag::FocalPlaneResolutionUnit) {

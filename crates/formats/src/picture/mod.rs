@@ -3,14 +3,20 @@
 //! [`read`] hands out the code values of the file, not yet radiance: `unrender-photo` knows what
 //! the camera did to them. The writers take linear values.
 
+mod embed;
 mod exif;
 mod jpeg_end;
+mod panorama;
+mod profile;
 mod read;
 mod write;
 
+pub use embed::{jpeg_bytes, png_bytes};
 pub use exif::exif_focal_px;
+pub use panorama::read_environment;
+pub use profile::Profile;
 pub use read::{decode, read};
-pub use write::{write, write_exr, write_hdr, write_png_srgb};
+pub use write::{write, write_exr, write_hdr, write_png_codes, write_png_srgb};
 
 use unrender_scene::{Image, Rgb};
 
@@ -46,9 +52,16 @@ pub struct Picture {
     pub depth: Depth,
     /// Indices of the pixels that were not finite numbers in the file; `values` has zeros there.
     pub invalid: Vec<usize>,
+    /// What the file declares of its colours, if it does.
+    pub profile: Option<Profile>,
 }
 
 impl Picture {
+    /// A picture of finite code values.
+    pub fn new(values: Image<Rgb>, depth: Depth) -> Self {
+        Self { values, depth, invalid: Vec::new(), profile: None }
+    }
+
     /// The picture as linear values, where integer files are taken as sRGB and floating-point
     /// files as linear already.
     pub fn to_linear(&self) -> Image<Rgb> {

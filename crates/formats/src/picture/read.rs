@@ -1,6 +1,6 @@
 //! Reads a picture file into code values.
 
-use super::{Depth, Picture, jpeg_end};
+use super::{Depth, Picture, jpeg_end, profile};
 use crate::FileError;
 use image::codecs::hdr::HdrDecoder;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
@@ -39,12 +39,14 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<(Picture, Warnings), FileErro
     if format == ImageFormat::Jpeg && !jpeg_end::has_end(bytes) {
         return Err(FileError::new(path, "is cut short: the end of the JPEG data is missing"));
     }
-    let decoded = pixels_of(bytes, format).map_err(|problem| FileError::new(path, problem))?;
+    let (decoded, icc) =
+        pixels_of(bytes, format).map_err(|problem| FileError::new(path, problem))?;
     let mut warnings = Warnings::default();
     if decoded.color().has_alpha() && has_transparency(&decoded) {
         warnings.push(format!("{}: the alpha channel was ignored", path.display()));
     }
-    let picture = picture_of(&decoded);
+    let mut picture = picture_of(&decoded);
+    picture.profile = profile::of(bytes, format, icc.as_deref());
     if !picture.invalid.is_empty() {
         warnings.push(format!(
             "{}: {} pixel(s) are not finite numbers; they were left out",
@@ -67,8 +69,8 @@ fn format_of(bytes: &[u8]) -> Option<ImageFormat> {
     read.contains(&format).then_some(format)
 }
 
-/// The decoded and upright pixels, or what is wrong with the file.
-fn pixels_of(bytes: &[u8], format: ImageFormat) -> Result<DynamicImage, String> {
+/// The decoded and upright pixels and the ICC profile, or what is wrong with the file.
+fn pixels_of(bytes: &[u8], format: ImageFormat) -> Result<(DynamicImage, Option<Vec<u8>>), String> {
     let name = format!("{format:?}");
     let faulty = |error: image::ImageError| fault(&name, &error);
     let mut scale = 1.0;
@@ -82,6 +84,7 @@ fn pixels_of(bytes: &[u8], format: ImageFormat) -> Result<DynamicImage, String> 
     let mut decoder = reader.into_decoder().map_err(faulty)?;
     check_size(&decoder, bytes.len() as u64)?;
     let orientation = decoder.orientation().map_err(faulty)?;
+    let icc = decoder.icc_profile().ok().flatten();
     let mut decoded = DynamicImage::from_decoder(decoder).map_err(faulty)?;
     decoded.apply_orientation(orientation);
     if scale != 1.0
@@ -89,7 +92,7 @@ fn pixels_of(bytes: &[u8], format: ImageFormat) -> Result<DynamicImage, String> 
     {
         rgb.iter_mut().for_each(|value| *value /= scale);
     }
-    Ok(decoded)
+    Ok((decoded, icc))
 }
 
 fn fault(format: &str, error: &image::ImageError) -> String {
@@ -148,7 +151,7 @@ fn picture_of(decoded: &DynamicImage) -> Picture {
             invalid.push(index);
         }
     }
-    Picture { values: Image::new(width, height, pixels), depth, invalid }
+    Picture { invalid, ..Picture::new(Image::new(width, height, pixels), depth) }
 }
 
 /// The code values of all pixels, grey repeated in all channels, alpha left out.

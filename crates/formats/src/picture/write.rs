@@ -3,6 +3,7 @@
 //! What is not a finite number never reaches a file: it becomes zero and is counted, so that a
 //! long rendering is not lost to one pixel.
 
+use super::Depth;
 use crate::{FileError, atomic};
 use image::codecs::hdr::HdrEncoder;
 use image::codecs::openexr::OpenExrEncoder;
@@ -42,6 +43,33 @@ pub fn write_png_srgb(path: &Path, picture: &RgbImage) -> Result<usize, FileErro
     encode(path, picture, |out, width, height| {
         PngEncoder::new(out).write_image(&codes, width, height, ExtendedColorType::Rgb8)
     })?;
+    Ok(bad)
+}
+
+/// Writes code values, 0 to 1 in the file's own encoding, as a PNG of `depth`: the inverse of
+/// [`read`](super::read). Floating-point numbers are written with 16 bits. Returns how many values
+/// were not finite.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_png_codes(path: &Path, codes: &RgbImage, depth: Depth) -> Result<usize, FileError> {
+    let (values, bad) = finite_values(codes);
+    let code = |value: f32, max: f32| (max * value.clamp(0.0, 1.0)).round();
+    match depth {
+        Depth::Eight => {
+            let bytes: Vec<u8> = values.iter().map(|&v| code(v, 255.0) as u8).collect();
+            encode(path, codes, |out, width, height| {
+                PngEncoder::new(out).write_image(&bytes, width, height, ExtendedColorType::Rgb8)
+            })?;
+        }
+        Depth::Sixteen | Depth::Float => {
+            let words = values.iter().map(|&v| code(v, 65535.0) as u16);
+            let bytes: Vec<u8> = words.flat_map(u16::to_ne_bytes).collect();
+            encode(path, codes, |out, width, height| {
+                PngEncoder::new(out).write_image(&bytes, width, height, ExtendedColorType::Rgb16)
+            })?;
+        }
+    }
     Ok(bad)
 }
 

@@ -18,6 +18,7 @@ use crate::hypothesis::{self, Fit, Hypothesis, Search, brushed, textured};
 use crate::problem::{Options, RecoverError};
 use crate::record::{Deviations, Observer, Status, Termination, Trial};
 use crate::refine;
+use crate::stray;
 use unrender_scene::Material;
 
 /// The share of the way to the fitted reflectances that a turn goes. Groups that the camera does not
@@ -34,6 +35,8 @@ const TRIALS_MAX: usize = 6;
 const CALM_TURNS: [usize; 3] = [8, 6, 3];
 /// A texture needs this many pixels.
 const TEXTURE_PIXELS: usize = 200;
+/// Strays are looked for so often, each time without those before.
+const STRAY_ROUNDS: usize = 3;
 
 /// Climbs until nothing moves.
 pub(crate) fn climb(
@@ -111,6 +114,8 @@ impl<'o> Climber<'o> {
         let material = state.materials[group].clone();
         let hypothesis = state.standing[group].hypothesis;
         if hypothesis == Hypothesis::Textured {
+            // What the last uniform rung left says nothing of the texture.
+            state.standing[group].misfit = None;
             return extract(state, self.options, group, false);
         }
         let effort = if hypothesis == Hypothesis::Diffuse {
@@ -118,7 +123,7 @@ impl<'o> Climber<'o> {
         } else {
             effort::specular(self.level, self.options.seed, &self.aims[group])
         };
-        let pixels = &state.problem.observation.pixels_of_group[group];
+        let pixels = &state.observation.pixels_of_group[group];
         let evidence = self.gather(state, group, pixels, effort);
         if evidence.is_empty() {
             return None;
@@ -143,18 +148,28 @@ impl<'o> Climber<'o> {
         &self.options.thresholds
     }
 
-    /// Fits all uniform rungs to one cache of light and stands on the simplest good one.
+    /// Fits all uniform rungs to one cache of light and stands on the simplest good one. What none
+    /// explains may be strays, which are then no longer believed.
     fn trial(&mut self, state: &mut State<'_>, group: usize, turn: usize) -> Material {
         self.trials[group] += 1;
         self.tried_at[group] = Some(self.level);
         let effort = effort::trial(self.options.seed ^ ((turn as u64) << 32));
-        let pixels = &state.problem.observation.pixels_of_group[group];
+        let pixels = &state.observation.pixels_of_group[group];
         let evidence = self.gather(state, group, pixels, effort);
         if evidence.is_empty() {
             return state.materials[group].clone();
         }
-        let fits = fit_all(&evidence, state);
-        let chosen = choice::choose(&fits, self.thresholds());
+        let mut fits = fit_all(&evidence, state);
+        let mut chosen = choice::choose(&fits, self.thresholds());
+        let explained = fits[chosen].misfit.is_within(self.thresholds().textured);
+        if self.options.strays
+            && self.level > 0
+            && !explained
+            && let Some(better) = self.without_strays(state, group, evidence, &fits[chosen])
+        {
+            fits = better;
+            chosen = choice::choose(&fits, self.thresholds());
+        }
         let standing = &mut state.standing[group];
         standing.story.extend(fits.iter().enumerate().map(|(i, fit)| Trial {
             turn,
@@ -168,6 +183,45 @@ impl<'o> Climber<'o> {
         fits[chosen].material.clone()
     }
 
+    /// The rungs fitted to what is left of the group without its strays, if one of them explains
+    /// that; the strays are then no longer believed.
+    fn without_strays(
+        &self,
+        state: &mut State<'_>,
+        group: usize,
+        mut evidence: Evidence,
+        fit: &Fit,
+    ) -> Option<Vec<Fit>> {
+        let geometry = state.problem.renderer.geometry();
+        let whole = evidence.pixels.len() as f32;
+        let mut fit = fit.clone();
+        let mut strays = Vec::new();
+        for _ in 0..STRAY_ROUNDS {
+            let flags = stray::find(&evidence, &fit, geometry, self.thresholds().dispersion)?;
+            let sampled: Vec<u32> = evidence.pixels.iter().map(|p| p.pixel).collect();
+            let believed = &state.observation.pixels_of_group[group];
+            strays.extend(stray::spread_out(&sampled, &flags, believed, geometry));
+            evidence = evidence.without(&flags);
+            if (evidence.pixels.len() as f32) < (1.0 - stray::SHARE_MAX) * whole {
+                return None;
+            }
+            let fits = fit_all(&evidence, state);
+            let chosen = choice::choose(&fits, self.thresholds());
+            if fits[chosen].misfit.is_within(self.thresholds().textured) {
+                let share = 100.0 * strays.len() as f64 / believed.len().max(1) as f64;
+                state.standing[group].note = None;
+                state.standing[group].add_note(format!(
+                    "{share:.0} % of its pixels show something that is not in the model and do not \
+                     count"
+                ));
+                state.observation.distrust(group, &strays);
+                return Some(fits);
+            }
+            fit = fits[chosen].clone();
+        }
+        None
+    }
+
     /// Tries all rungs on the groups that are explained worst. True if one of them moved.
     fn try_worst(&mut self, state: &mut State<'_>, turn: usize) -> bool {
         let errors: Vec<(usize, f64)> = state
@@ -179,7 +233,8 @@ impl<'o> Climber<'o> {
         let worst = errors.iter().map(|e| e.1).fold(0.0, f64::max);
         let mut moved = false;
         for (group, _) in errors.into_iter().filter(|e| e.1 >= WORST * worst) {
-            let before = state.standing[group].hypothesis;
+            let believed = |state: &State<'_>| state.observation.pixels_of_group[group].len();
+            let before = (state.standing[group].hypothesis, believed(state));
             let mut material = self.trial(state, group, turn);
             let explained = |m: Misfit| m.is_within(self.thresholds().textured);
             if !state.standing[group].misfit.is_some_and(explained)
@@ -189,7 +244,7 @@ impl<'o> Climber<'o> {
                 state.standing[group].hypothesis = Hypothesis::Textured;
                 material = textured;
             }
-            if state.standing[group].hypothesis != before {
+            if (state.standing[group].hypothesis, believed(state)) != before {
                 state.materials[group] = material;
                 moved = true;
             }
@@ -213,7 +268,7 @@ impl<'o> Climber<'o> {
     /// Groups that no pixel shows directly may be seen in a mirror: there they get a diffuse
     /// reflectance.
     fn groups_in_mirrors(&self, state: &mut State<'_>, next: &mut [Material]) {
-        let observation = state.problem.observation;
+        let observation = &state.observation;
         let mirrors = (0..state.materials.len()).filter(|&g| state.materials[g].is_pure_mirror());
         let in_mirrors: Vec<u32> =
             mirrors.flat_map(|g| observation.pixels_of_group[g].iter().copied()).collect();
@@ -244,7 +299,7 @@ impl<'o> Climber<'o> {
 /// The group's texture under the present light; none without texture coordinates or with too
 /// few pixels, which the group's note then says.
 fn extract(state: &mut State<'_>, options: &Options, group: usize, last: bool) -> Option<Material> {
-    let few = state.problem.observation.pixels_of_group[group].len() < TEXTURE_PIXELS;
+    let few = state.observation.pixels_of_group[group].len() < TEXTURE_PIXELS;
     let mut effort = effort::texture(last, options.seed);
     effort.probe.max_bounces = options.max_bounces;
     let plain = Material::diffuse(state.materials[group].rho_d);

@@ -10,17 +10,21 @@ pub mod climb;
 pub mod effort;
 pub mod paper;
 
+use crate::correction::Corrected;
 use crate::error::Misfit;
 use crate::evidence::Stage;
 use crate::hypothesis::{self, Fit, Hypothesis};
+use crate::observation::Observation;
 use crate::problem::{ExposureRule, Problem, RecoverError, Role};
-use crate::record::{Deviations, LightResult, Status, Trial, TurnRecord};
+use crate::record::{Deviations, GroupTurn, LightResult, Status, Trial, TurnRecord};
 use unrender_render::{Appearance, SeenRadiance};
-use unrender_scene::{Image, Material, Rgb};
+use unrender_scene::{Image, Material, Rgb, RgbImage};
 
 /// Where a recovery stands.
 pub(crate) struct State<'a> {
     pub(crate) problem: &'a Problem<'a>,
+    /// The photograph, and what of it is still believed.
+    pub(crate) observation: Observation,
     /// The current material of every group.
     pub(crate) materials: Vec<Material>,
     /// How many times as bright as in the scene each source of light shines (see [`Appearance`]).
@@ -30,6 +34,7 @@ pub(crate) struct State<'a> {
     pub(crate) exposure: Rgb,
     pub(crate) exposure_std: Option<Rgb>,
     pub(crate) light_results: Vec<LightResult>,
+    pub(crate) corrected: Corrected,
     pub(crate) turns: Vec<TurnRecord>,
     /// The photograph's radiance where it shows diffuse surfaces.
     pub(crate) seen: Option<SeenRadiance>,
@@ -100,14 +105,18 @@ impl<'a> State<'a> {
             ExposureRule::Anchor { .. } => Rgb::ONE,
         };
         let lights = Vec::new();
+        let steps = vec![0.0; problem.corrections.len()];
+        let corrected = Corrected { steps, covariance: Vec::new() };
         Ok(Self {
             problem,
+            observation: problem.observation.clone(),
             materials,
             lights,
             standing,
             exposure,
             exposure_std: None,
             light_results: Vec::new(),
+            corrected,
             turns: Vec::new(),
             seen: None,
         })
@@ -140,7 +149,7 @@ impl<'a> State<'a> {
     pub(crate) fn stage(&self) -> Stage<'_> {
         Stage {
             seen: self.seen.as_ref(),
-            observation: self.problem.observation,
+            observation: &self.observation,
             exposure: self.exposure,
             renderer: self.problem.renderer,
         }
@@ -149,7 +158,7 @@ impl<'a> State<'a> {
     /// Lets the photograph say what radiance its diffuse surfaces send: all believed pixels of
     /// groups that are taken as diffuse or textured.
     pub(crate) fn look_at_photograph(&mut self) {
-        let observation = self.problem.observation;
+        let observation = &self.observation;
         let values = &observation.picture.values;
         let (width, height) = (values.width(), values.height());
         let mut known = Image::new(width, height, vec![false; width * height]);
@@ -161,13 +170,15 @@ impl<'a> State<'a> {
             }
         }
         let exposure = self.exposure;
-        self.seen = Some(SeenRadiance { radiance: values.map(|v| exposure * *v), known });
+        let radiance = (0..width * height).map(|pixel| exposure * self.value(pixel)).collect();
+        let radiance = RgbImage::new(width, height, radiance);
+        self.seen = Some(SeenRadiance { radiance, known });
     }
 
     /// The groups to be recovered that the photograph shows.
     pub(crate) fn visible_unknowns(&self) -> Vec<usize> {
         let asked = |g: &usize| self.problem.groups[*g].role == Role::Unknown;
-        let seen = |g: &usize| !self.problem.observation.pixels_of_group[*g].is_empty();
+        let seen = |g: &usize| !self.observation.pixels_of_group[*g].is_empty();
         (0..self.materials.len()).filter(asked).filter(seen).collect()
     }
 
@@ -176,7 +187,7 @@ impl<'a> State<'a> {
     pub(crate) fn update_exposure(&mut self, seed: u64) -> Result<(), RecoverError> {
         let ExposureRule::Anchor { group, rho_d } = self.problem.exposure else { return Ok(()) };
         let stage = Stage { exposure: Rgb::ONE, ..self.stage() };
-        let pixels = &self.problem.observation.pixels_of_group[group];
+        let pixels = &self.observation.pixels_of_group[group];
         let effort = effort::diffuse(2, seed);
         let evidence =
             crate::evidence::Evidence::gather(&stage, self.appearance(), group, pixels, &effort);
@@ -190,13 +201,35 @@ impl<'a> State<'a> {
         Ok(())
     }
 
-    /// Notes the end of a pass of the joint refinement, with the error that it started from.
-    pub(crate) fn end_pass(&mut self, change: f64, error: f64, done: f64) -> &TurnRecord {
-        let (turn, open_groups) = (self.turns.len() + 1, Vec::new());
-        let worst_error = error;
-        let record = TurnRecord { refining: true, turn, change, worst_error, open_groups, done };
+    /// Notes the end of a pass of the joint refinement, with the error that it started from: of all
+    /// groups together, and of each.
+    pub(crate) fn end_pass(
+        &mut self,
+        change: f64,
+        (error, errors): (f64, &[Option<f64>]),
+        done: f64,
+    ) -> &TurnRecord {
+        let record = TurnRecord {
+            refining: true,
+            turn: self.turns.len() + 1,
+            change,
+            worst_error: error,
+            open_groups: Vec::new(),
+            groups: self.group_turns(|group| errors[group]),
+            done,
+        };
         self.turns.push(record);
         &self.turns[self.turns.len() - 1]
+    }
+
+    /// Where each group stands now, with its error.
+    fn group_turns(&self, error: impl Fn(usize) -> Option<f64>) -> Vec<GroupTurn> {
+        let turn = |(group, standing): (usize, &Standing)| GroupTurn {
+            hypothesis: standing.hypothesis,
+            material: Material { texture: None, ..self.materials[group].clone() },
+            error: error(group),
+        };
+        self.standing.iter().enumerate().map(turn).collect()
     }
 
     /// Notes the end of a turn in which the largest change was `change`.
@@ -214,6 +247,7 @@ impl<'a> State<'a> {
             change,
             worst_error: self.standing.iter().map(error).fold(0.0, f64::max),
             open_groups: open_groups.map(|g| self.problem.groups[g].name.clone()).collect(),
+            groups: self.group_turns(|g| self.standing[g].misfit.map(|m| m.relative())),
             done,
         };
         self.turns.push(record);

@@ -119,7 +119,7 @@ impl PaperTurn<'_> {
     fn look(&self, state: &mut State<'_>) -> Vec<Seen> {
         let mut views = Vec::new();
         for group in state.visible_unknowns() {
-            let believed = &state.problem.observation.pixels_of_group[group];
+            let believed = &state.observation.pixels_of_group[group];
             let whole = state.standing[group].hypothesis == Hypothesis::Textured;
             let count = if whole { usize::MAX } else { TURN_PIXELS };
             let pixels = spread(believed, count, self.options.seed);
@@ -127,7 +127,7 @@ impl PaperTurn<'_> {
                 let seed = self.options.seed.wrapping_mul(2).wrapping_add(half);
                 self.rerender(state, &state.materials, &pixels, seed)
             });
-            let observed = observe(state.problem.observation, state.exposure, group, &pixels);
+            let observed = observe(&state.observation, state.exposure, group, &pixels);
             let error = misfit(&observed, &halves);
             state.standing[group].misfit = Some(error);
             let rerendered =
@@ -253,7 +253,7 @@ impl PaperTurn<'_> {
             max_bounces: self.options.max_bounces,
             ..ProbeSettings::default()
         };
-        let pixels = &state.problem.observation.pixels_of_group[group];
+        let pixels = &state.observation.pixels_of_group[group];
         let effort = Effort { pixels: TURN_PIXELS, probe };
         Evidence::gather(&state.stage(), state.appearance(), group, pixels, &effort)
     }
@@ -267,9 +267,9 @@ impl PaperTurn<'_> {
         start: &Material,
         brushed: bool,
     ) -> Material {
-        let believed = &state.problem.observation.pixels_of_group[group];
+        let believed = &state.observation.pixels_of_group[group];
         let pixels = spread(believed, SIMPLEX_PIXELS, self.options.seed);
-        let observed = observe(state.problem.observation, state.exposure, group, &pixels);
+        let observed = observe(&state.observation, state.exposure, group, &pixels);
         let mut materials = state.materials.clone();
         let mut sums = (Rgb::ZERO, Rgb::ZERO, [0.0f32; 2]);
         let alphas = if start.is_glossy() { [start.alpha_x, start.alpha_y] } else { [0.1; 2] };

@@ -34,7 +34,7 @@ pub(crate) fn find(state: &mut State<'_>, options: &Options) {
         let mut effort = effort::trial(options.seed ^ 0xBA51);
         effort.pixels = PIXELS;
         effort.probe.max_bounces = options.max_bounces;
-        let pixels = &state.problem.observation.pixels_of_group[group];
+        let pixels = &state.observation.pixels_of_group[group];
         let evidence = Evidence::gather(&state.stage(), state.appearance(), group, pixels, &effort);
         if evidence.is_empty() {
             continue;

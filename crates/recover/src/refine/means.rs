@@ -9,6 +9,7 @@
 
 use super::sample::Cell;
 use super::unknowns::Unknowns;
+use crate::correction::Correction;
 use crate::evidence::Observed;
 use crate::ladder::State;
 use nalgebra::DVector;
@@ -82,6 +83,20 @@ pub(crate) fn average(average: &mut Vec<Mean>, found: Vec<Mean>) {
     average.iter_mut().zip(found).for_each(|(mean, found)| mean.add(&found));
 }
 
+/// For each of `groups` groups: the relative error of its cells that both renderings see, as a mean
+/// over pixels and channels; none without cells.
+pub(crate) fn relative_errors(means: &[Mean], groups: usize) -> Vec<Option<f64>> {
+    let mut sums = vec![(0.0f64, 0.0f64); groups];
+    for mean in means {
+        let [a, b] = mean.residuals;
+        let (sum, pixels) = &mut sums[mean.group];
+        *sum += f64::from((a * b / mean.level2).element_sum()) * mean.pixels;
+        *pixels += 3.0 * mean.pixels;
+    }
+    let relative = |(sum, pixels): (f64, f64)| (sum / pixels).max(0.0).sqrt();
+    sums.into_iter().map(|s| (s.1 > 0.0).then(|| relative(s))).collect()
+}
+
 impl Mean {
     fn add(&mut self, other: &Self) {
         let paths = self.paths + other.paths;
@@ -150,6 +165,9 @@ fn mean(
         sums
     });
     let level = over(&|p| p.level);
+    let change =
+        |c: &Correction| over(&|p| state.exposure * c.derivative.pixels()[p.pixel as usize]);
+    let changes: Vec<Rgb> = state.problem.corrections.iter().map(change).collect();
     Mean {
         group: cell.group,
         pixels: f64::from(n),
@@ -159,7 +177,7 @@ fn mean(
         level2: (level * level).max(Rgb::splat(f32::MIN_POSITIVE)),
         rows: [0, 1, 2].map(|channel| {
             let radiance = radiance.map(|radiance| f64::from(radiance[channel]));
-            unknowns.row(state, &derivatives, channel, radiance)
+            unknowns.row(state, (&derivatives, &changes), channel, radiance)
         }),
     }
 }

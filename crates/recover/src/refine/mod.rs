@@ -108,9 +108,10 @@ fn adjust_nuisances(state: &mut State<'_>, options: &Options) {
 /// middle.
 fn believed(state: &State<'_>, unknowns: &Unknowns) -> DVector<f64> {
     const MIDDLE: f64 = 0.5;
-    let out_of_sight = |g: usize| state.problem.observation.pixels_of_group[g].is_empty();
+    let out_of_sight = |g: usize| state.observation.pixels_of_group[g].is_empty();
     let believed = unknowns.list.iter().map(|u| match u.quantity {
         Quantity::RhoD if out_of_sight(u.of) => MIDDLE,
+        Quantity::Camera => state.problem.corrections[u.of].belief,
         _ => unknowns.value(state, u),
     });
     DVector::from_iterator(unknowns.len(), believed)

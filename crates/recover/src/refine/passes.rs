@@ -17,6 +17,7 @@ use super::sample::{self, Cell};
 use super::system::System;
 use super::unknowns::{Quantity, Unknown, Unknowns};
 use super::{Solution, believed};
+use crate::correction::Corrected;
 use crate::error::deviation_of_sum;
 use crate::ladder::State;
 use crate::problem::Options;
@@ -48,14 +49,14 @@ const RENDERING_SHARE: f64 = 0.35;
 
 /// The standard deviation below which nobody asks for more.
 fn precise_enough(state: &State<'_>, unknown: &Unknown) -> f64 {
-    let seen = |group: usize| !state.problem.observation.pixels_of_group[group].is_empty();
+    let seen = |group: usize| !state.observation.pixels_of_group[group].is_empty();
     match unknown.quantity {
         // By the light that it sends to others, a group is never known well.
         Quantity::RhoD | Quantity::RhoS if !seen(unknown.of) => 1e-2,
         Quantity::RhoD | Quantity::RhoS => 7e-4,
         Quantity::Alpha | Quantity::AlphaX | Quantity::AlphaY => 2e-3,
         Quantity::Theta => 1e-3,
-        Quantity::Light | Quantity::Exposure => 1e-3,
+        Quantity::Light | Quantity::Exposure | Quantity::Camera => 1e-3,
     }
 }
 
@@ -70,6 +71,7 @@ struct Place {
     materials: Vec<Material>,
     lights: Vec<Rgb>,
     exposure: Rgb,
+    corrected: Corrected,
     error: Error,
     system: System,
 }
@@ -138,7 +140,7 @@ impl<'o> Passes<'o> {
                 return;
             }
             unknowns.apply(state, &step);
-            tell(state, observer, unknowns, (&step, error), 0.1);
+            tell(state, observer, unknowns, (&step, error, &means), 0.1);
             last = Some(place);
         }
     }
@@ -169,7 +171,7 @@ impl<'o> Passes<'o> {
             unknowns.apply(state, &step);
             let error = Error::of(&normal, &average);
             let done = 0.1 + 0.9 * pass as f64 / PASSES_MAX[1] as f64;
-            tell(state, observer, unknowns, (&step, error), done);
+            tell(state, observer, unknowns, (&step, error, &average), done);
             let longest = (0..step.len())
                 .map(|k| step[k].abs() / covariance[(k, k)].sqrt().max(f64::MIN_POSITIVE))
                 .fold(0.0, f64::max);
@@ -230,7 +232,7 @@ fn allocate(
     let groups = state.materials.len();
     let mut need = vec![0.0f64; groups];
     for (k, u) in unknowns.list.iter().enumerate() {
-        if !matches!(u.quantity, Quantity::Light | Quantity::Exposure) {
+        if !u.quantity.is_nuisance() {
             need[u.of] = need[u.of].max(rendering[k] / precise_enough(state, u).powi(2));
         }
     }
@@ -247,14 +249,15 @@ fn tell(
     state: &mut State<'_>,
     observer: &mut dyn Observer,
     unknowns: &Unknowns,
-    (step, error): (&DVector<f64>, Error),
+    (step, error, means): (&DVector<f64>, Error, &[Mean]),
     done: f64,
 ) {
     let reflectance = |q: Quantity| matches!(q, Quantity::RhoD | Quantity::RhoS);
     let steps = unknowns.list.iter().zip(step.iter());
     let change = steps.filter(|(u, _)| reflectance(u.quantity)).map(|(_, s)| s.abs());
     let change = change.fold(0.0, f64::max);
-    observer.turn(state.end_pass(change, error.mean.max(0.0).sqrt(), done));
+    let errors = means::relative_errors(means, state.materials.len());
+    observer.turn(state.end_pass(change, (error.mean.max(0.0).sqrt(), &errors), done));
 }
 
 impl Place {
@@ -263,6 +266,7 @@ impl Place {
             materials: state.materials.clone(),
             lights: state.lights.clone(),
             exposure: state.exposure,
+            corrected: state.corrected.clone(),
             error,
             system,
         }
@@ -272,6 +276,7 @@ impl Place {
         state.materials.clone_from(&self.materials);
         state.lights.clone_from(&self.lights);
         state.exposure = self.exposure;
+        state.corrected.clone_from(&self.corrected);
     }
 }
 

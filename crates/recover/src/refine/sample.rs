@@ -28,7 +28,11 @@ pub(crate) fn all(state: &State<'_>, per_group: usize, seed: u64) -> Vec<Cell> {
         _ => state.standing[*group].hypothesis != Hypothesis::Textured,
     };
     let groups = (0..state.materials.len()).filter(says_something);
-    cells(&state.stage(), groups, per_group, seed)
+    let mut cells = cells(&state.stage(), groups, per_group, seed);
+    for seen in cells.iter_mut().flat_map(|cell| &mut cell.pixels) {
+        seen.radiance += state.exposure * state.correction(seen.pixel as usize);
+    }
+    cells
 }
 
 /// At most `per_group` pixels of every group that is known, and of every unknown light.

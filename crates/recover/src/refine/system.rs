@@ -5,7 +5,7 @@
 //! `(H + P)^-1 (G + P) (H + P)^-1`.
 
 use super::normal::Normal;
-use super::unknowns::{Unknowns, prior_deviation};
+use super::unknowns::Unknowns;
 use crate::fit::quadratic;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -22,8 +22,7 @@ impl System {
     /// `to_belief` leads from where the unknowns stand to where the prior does.
     pub(super) fn new(unknowns: &Unknowns, normal: &Normal, to_belief: &DVector<f64>) -> Self {
         let n = unknowns.len();
-        let deviations = unknowns.list.iter().map(|u| prior_deviation(u.quantity));
-        let unit = DVector::from_iterator(n, deviations);
+        let unit = DVector::from_column_slice(&unknowns.deviations);
         let scaled =
             |m: &DMatrix<f64>| DMatrix::from_fn(n, n, |i, j| unit[i] * m[(i, j)] * unit[j]);
         // Noise can give the curvature a direction below zero; nothing is known along it.

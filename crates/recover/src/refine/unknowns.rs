@@ -32,6 +32,15 @@ pub(crate) enum Quantity {
     Light,
     /// The exposure, relative to where it started.
     Exposure,
+    /// A number of the camera, from where it was when the photograph was developed.
+    Camera,
+}
+
+impl Quantity {
+    /// Whether it is none of a group's numbers.
+    pub(crate) fn is_nuisance(self) -> bool {
+        matches!(self, Self::Light | Self::Exposure | Self::Camera)
+    }
 }
 
 /// One free number.
@@ -39,7 +48,7 @@ pub(crate) enum Quantity {
 pub(crate) struct Unknown {
     /// Its kind.
     pub(crate) quantity: Quantity,
-    /// The group or the source of light; zero for the exposure.
+    /// The group, the source of light or the number of the camera; zero for the exposure.
     pub(crate) of: usize,
     /// Its channel; none for numbers that all channels share.
     pub(crate) channel: Option<usize>,
@@ -52,6 +61,10 @@ pub(crate) struct Unknowns {
     /// For each channel: the unknowns that change it.
     columns: [Vec<Column>; 3],
     exposure_start: Rgb,
+    /// The standard deviations of what is believed of each beforehand.
+    pub(crate) deviations: Vec<f64>,
+    /// By what share each number of the camera changes the whole photograph.
+    relative: Vec<Rgb>,
 }
 
 /// Where an unknown's derivative stands in a Jacobian: at one parameter or at the sum of two.
@@ -71,11 +84,12 @@ const STEP_LIGHT: f64 = 0.7;
 
 /// The standard deviation of what is believed of a number before the photograph is looked at: so
 /// wide that it only speaks where the photograph is silent.
-pub(crate) fn prior_deviation(quantity: Quantity) -> f64 {
-    match quantity {
+fn prior_deviation(state: &State<'_>, u: &Unknown) -> f64 {
+    match u.quantity {
         Quantity::RhoD | Quantity::RhoS => 0.5,
         Quantity::Alpha | Quantity::AlphaX | Quantity::AlphaY | Quantity::Theta => 1.0,
         Quantity::Light | Quantity::Exposure => 2.0,
+        Quantity::Camera => state.problem.corrections[u.of].deviation,
     }
 }
 
@@ -105,12 +119,14 @@ impl Unknowns {
                 }
             }
         }
-        Self::new(Self::add_nuisances(list, state), state.exposure)
+        let mut list = Self::add_nuisances(list, state);
+        (0..state.problem.corrections.len()).for_each(|k| push(&mut list, Quantity::Camera, k));
+        Self::new(list, state)
     }
 
     /// The lights and the exposure alone.
     pub(crate) fn nuisances(state: &State<'_>) -> Self {
-        Self::new(Self::add_nuisances(Vec::new(), state), state.exposure)
+        Self::new(Self::add_nuisances(Vec::new(), state), state)
     }
 
     fn add_nuisances(mut list: Vec<Unknown>, state: &State<'_>) -> Vec<Unknown> {
@@ -123,7 +139,7 @@ impl Unknowns {
         list
     }
 
-    fn new(list: Vec<Unknown>, exposure_start: Rgb) -> Self {
+    fn new(list: Vec<Unknown>, state: &State<'_>) -> Self {
         let mut parameters = Vec::new();
         let mut columns = [const { Vec::new() }; 3];
         for (unknown, u) in list.iter().enumerate() {
@@ -140,7 +156,10 @@ impl Unknowns {
                 }
             }
         }
-        Self { list, parameters, columns, exposure_start }
+        let deviations = list.iter().map(|u| prior_deviation(state, u)).collect();
+        let values = &state.observation.picture.values;
+        let relative = state.problem.corrections.iter().map(|c| c.relative(values)).collect();
+        Self { list, parameters, columns, exposure_start: state.exposure, deviations, relative }
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -150,11 +169,11 @@ impl Unknowns {
     /// The row of the Jacobian in `channel`: which unknowns it hangs on and how strongly, from the
     /// derivatives of two renderings by [`Unknowns::parameters`] and their `radiance`. The latter
     /// stands in for the photograph's, which moves with the exposure but whose noise is that of the
-    /// residuals too.
+    /// residuals too. `changes` are those of the photograph by the numbers of the camera.
     pub(crate) fn row(
         &self,
         state: &State<'_>,
-        derivatives: &[Vec<Rgb>; 2],
+        (derivatives, changes): (&[Vec<Rgb>; 2], &[Rgb]),
         channel: usize,
         radiance: [f64; 2],
     ) -> Vec<(usize, f64, f64)> {
@@ -165,6 +184,10 @@ impl Unknowns {
                 let at = |p: usize| f64::from(derivatives[p][channel]);
                 let [one, two] = column.parameters;
                 let sum = if one == two { at(one) } else { at(one) + at(two) };
+                if unknown.quantity == Quantity::Camera {
+                    let seen = sum * f64::from(self.relative[unknown.of][channel]);
+                    return seen - f64::from(changes[unknown.of][channel]);
+                }
                 self.scaled(state, unknown, sum, radiance[half])
             });
             (a != 0.0 || b != 0.0).then_some((column.unknown, a, b))
@@ -195,6 +218,7 @@ impl Unknowns {
             Quantity::Theta => state.materials[u.of].theta_rad,
             Quantity::Light => state.appearance().light(u.of as u32)[channel],
             Quantity::Exposure => state.exposure[channel] / self.exposure_start[channel],
+            Quantity::Camera => return state.corrected.steps[u.of],
         };
         f64::from(value)
     }
@@ -216,6 +240,10 @@ impl Unknowns {
                 }
                 Quantity::Theta => (f64::NEG_INFINITY, f64::INFINITY, STEP_THETA),
                 Quantity::Light | Quantity::Exposure => (0.0, f64::INFINITY, STEP_LIGHT * value),
+                Quantity::Camera => {
+                    let reach = state.problem.corrections[u.of].reach;
+                    (-reach, reach, f64::INFINITY)
+                }
             };
             // A start beyond a bound (a white group by rounding) may stay where it is.
             [(low - value).max(-step).min(0.0), (high - value).min(step).max(0.0)]
@@ -255,6 +283,7 @@ impl Unknowns {
                 Quantity::AlphaY => state.materials[u.of].alpha_y = value.exp(),
                 Quantity::Theta => state.materials[u.of].theta_rad = value,
                 Quantity::Light => state.set_light(u.of, channel, value),
+                Quantity::Camera => state.corrected.steps[u.of] += step,
                 Quantity::Exposure => {
                     state.exposure[channel] = value * self.exposure_start[channel];
                 }
@@ -264,8 +293,8 @@ impl Unknowns {
 }
 
 fn push(list: &mut Vec<Unknown>, quantity: Quantity, of: usize) {
-    use Quantity::{Alpha, AlphaX, AlphaY, Theta};
-    if matches!(quantity, Alpha | AlphaX | AlphaY | Theta) {
+    use Quantity::{Alpha, AlphaX, AlphaY, Camera, Theta};
+    if matches!(quantity, Alpha | AlphaX | AlphaY | Theta | Camera) {
         list.push(Unknown { quantity, of, channel: None });
     } else {
         list.extend((0..3).map(|c| Unknown { quantity, of, channel: Some(c) }));
@@ -283,6 +312,6 @@ fn derivative_of(u: &Unknown) -> [Parameter; 2] {
         Quantity::AlphaY => [Parameter::AlphaY(of); 2],
         Quantity::Theta => [Parameter::Theta(of); 2],
         Quantity::Light => [Parameter::Light(of); 2],
-        Quantity::Exposure => [Parameter::Seen; 2],
+        Quantity::Exposure | Quantity::Camera => [Parameter::Seen; 2],
     }
 }

@@ -29,7 +29,7 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution) -> bool {
     let mut changed = false;
     for group in 0..state.materials.len() {
         let verdict = Verdict { solution, group };
-        let out_of_sight = state.problem.observation.pixels_of_group[group].is_empty();
+        let out_of_sight = state.observation.pixels_of_group[group].is_empty();
         match state.standing[group].hypothesis {
             _ if !verdict.is_free() => continue,
             Hypothesis::Diffuse if out_of_sight => {
@@ -94,7 +94,7 @@ pub(super) fn record(state: &mut State<'_>, solution: &Solution) {
         if state.standing[group].hypothesis == Hypothesis::Anisotropic {
             canonical(state, group);
         }
-        if state.problem.observation.pixels_of_group[group].is_empty() {
+        if state.observation.pixels_of_group[group].is_empty() {
             let told = verdict.largest(Quantity::RhoD) <= UNSEEN_MAX;
             let standing = &mut state.standing[group];
             standing.status = if told { Status::Recovered } else { Status::Assumed };
@@ -115,6 +115,11 @@ pub(super) fn record(state: &mut State<'_>, solution: &Solution) {
         state.light_results.push(LightResult { source, factor, std });
     }
     state.exposure_std = rgb(Quantity::Exposure, 0).map(|std| std * state.exposure);
+    let places: Vec<usize> = (0..state.problem.corrections.len())
+        .filter_map(|of| solution.index(Quantity::Camera, of, None))
+        .collect();
+    let row = |i: &usize| places.iter().map(|j| solution.covariance[(*i, *j)]).collect();
+    state.corrected.covariance = places.iter().map(row).collect();
 }
 
 /// The smoother direction comes first, and the angle lies within half a turn.
@@ -154,9 +159,8 @@ struct Verdict<'a> {
 
 impl Verdict<'_> {
     fn indices(&self) -> impl Iterator<Item = usize> + '_ {
-        let light = |q: Quantity| matches!(q, Quantity::Light | Quantity::Exposure);
         let list = self.solution.unknowns.list.iter().enumerate();
-        list.filter(move |(_, u)| u.of == self.group && !light(u.quantity)).map(|(i, _)| i)
+        list.filter(move |(_, u)| u.of == self.group && !u.quantity.is_nuisance()).map(|(i, _)| i)
     }
 
     fn is_free(&self) -> bool {
@@ -242,5 +246,6 @@ fn name(quantity: Quantity) -> &'static str {
         Quantity::Theta => "theta",
         Quantity::Light => "light",
         Quantity::Exposure => "exposure",
+        Quantity::Camera => "camera",
     }
 }

@@ -185,10 +185,14 @@ impl Estimator<'_> {
         for index in 0..spp {
             let mut sampler = Sampler::new(seed ^ STREAM, u64::from(pixel), index);
             let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
-            let Some(surface) = self.transport.surface(&ray) else { continue };
-            let emission = self.transport.emission(&surface);
-            tape.start(surface.group, emission);
-            self.transport.walk(surface, -ray.direction, &mut sampler, 0, tape);
+            if let Some(surface) = self.transport.surface(&ray) {
+                let emission = self.transport.emission(&surface);
+                tape.start(surface.group, emission);
+                self.transport.walk(surface, -ray.direction, &mut sampler, 0, tape);
+            } else {
+                let (source, emission) = self.transport.background(ray.direction);
+                tape.start(source, emission);
+            }
             radiance += tape.finish().as_dvec3();
         }
         (radiance / self.paths()).as_vec3()

@@ -8,10 +8,13 @@
 //!
 //! It writes the scene as a user would model it (`scene.glb`, all materials grey), the photograph
 //! (`photo.png`: 8 bits, sRGB, with the noise of a sensor), the project (`room.toml`), and the
-//! materials that the photograph was rendered with (`truth.json` and the textures that it names).
+//! materials that the photograph was rendered with (`truth.json` and the textures that it names);
+//! and a robot to put into it (`robot.glb`).
 //!
-//! `room` builds the scene, `shapes` its meshes, `rug` the texture; `sensor` takes the photograph.
+//! `room` builds the scene, `robot` the robot, `shapes` their meshes, `rug` the texture; `sensor`
+//! takes the photograph.
 
+mod robot;
 mod room;
 mod rug;
 mod sensor;
@@ -53,6 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         group.material = Material::diffuse(Rgb::splat(GREY));
     });
     atomic::write(&folder.join("scene.glb"), &gltf::to_glb(&scene)?)?;
+    atomic::write(&folder.join("robot.glb"), &gltf::to_glb(&robot::scene())?)?;
     Ok(())
 }
 

@@ -2,14 +2,14 @@
 
 use crate::cli::{Global, warn};
 use crate::commands::render;
-use crate::{Error, interrupt, job, view};
+use crate::run::{self, Run};
+use crate::{Error, interrupt, job};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_formats::export::{self, Shot, Target};
 use unrender_formats::materials;
-use unrender_recover::convert::{Conversion, convert_all};
-use unrender_render::Tracer;
-use unrender_scene::{Camera, Material, Scene, Warnings};
+use unrender_recover::convert::{Conversion, convert};
+use unrender_scene::{Camera, Group, Material, Scene, Warnings};
 
 /// Writes a scene and its materials for another program.
 ///
@@ -54,8 +54,8 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     export::check_path(&args.out, args.to)?;
     let (scene, camera, size, warnings) = input(args)?;
     warn(&warnings);
-    let geometry = Tracer::new(&scene).geometry(&camera, size.0, size.1);
-    let conversions = convert_all(&scene, &camera, &geometry, args.to.lobe());
+    let conversion = |group: &Group| convert(&group.material, scene.brdf, args.to.lobe());
+    let conversions: Vec<Conversion> = scene.groups.iter().map(conversion).collect();
     if !global.quiet {
         tell(&scene, &conversions);
     }
@@ -105,16 +105,16 @@ fn input(args: &Args) -> Result<(Scene, Camera, (usize, usize), Warnings), Error
         warnings.extend(materials::apply_from(&materials, &mut scene)?);
     }
     warnings.extend(job::validate(&mut scene, &path)?);
-    let photographed = match &args.results {
-        Some(folder) if args.camera.is_none() => view::read(&folder.join("run.json"))?,
-        _ => None,
-    };
-    let (camera, size) = match photographed {
-        Some((camera, size)) => (camera, Some(size)),
+    let run = args.results.as_ref().map(|folder| folder.join(Run::FILE));
+    let run = run.filter(|_| args.camera.is_none());
+    let used = run.as_deref().map(run::recovered_camera).transpose()?.flatten();
+    let size = run.as_deref().map(run::recovered_size).transpose()?.flatten();
+    let camera = match used {
+        Some(table) => table.camera("photograph"),
         None => {
             let (camera, told) = job::named_camera(&scene, args.camera.as_deref(), &path)?;
             warnings.extend(told);
-            (camera, None)
+            camera
         }
     };
     let size = match (size, args.width, args.height) {

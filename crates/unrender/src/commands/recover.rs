@@ -3,6 +3,7 @@
 use crate::cli::{Global, warn};
 use crate::engine;
 use crate::progress::Progress;
+use crate::registration::Alignment;
 use crate::{Error, Job, Project, output, results};
 use clap::ValueEnum;
 use std::path::PathBuf;
@@ -33,6 +34,19 @@ pub struct Args {
     /// Leave out the joint refinement after the ladder, and with it the standard deviations.
     #[arg(long)]
     pub no_refine: bool,
+    /// Move the camera to where the model's edges lie on the photograph's, however little [default:
+    /// if it is clearly off].
+    #[arg(long, conflicts_with_all = ["keep_camera", "no_filter"])]
+    pub refine_camera: bool,
+    /// Keep the camera as it is given; pixels that may belong to something else do not count.
+    #[arg(long)]
+    pub keep_camera: bool,
+    /// Take the model as if it fitted to the pixel, and all that the photograph shows as part of it.
+    #[arg(long)]
+    pub no_filter: bool,
+    /// Print the run as JSON (as in run.json) instead of the table.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// The ladders of hypotheses.
@@ -51,17 +65,28 @@ pub enum Ladder {
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let (project, warnings) = Project::read(&args.project)?;
     output::prepare_folder(&args.out)?;
-    let job = Job::load(project, warnings)?;
+    let mut job = Job::load(project, warnings)?;
     warn(&job.warnings);
     let options = options(args, &job.project);
     let progress = Progress::new("recover", global.quiet);
-    let recovered = engine::recover(&job, &options, &progress)?;
+    let recovered = engine::recover(&mut job, &options, alignment(args), &progress)?;
     drop(progress);
-    warn(&results::write(&job, &recovered, &args.out)?);
-    if !global.quiet {
+    let run = results::write(&job, &recovered, &args.out)?;
+    if args.json {
+        print!("{}", run.to_text()?);
+    } else if !global.quiet {
         print!("{}", results::summary(&job, &recovered));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+fn alignment(args: &Args) -> Alignment {
+    match args {
+        Args { no_filter: true, .. } => Alignment::Ignore,
+        Args { refine_camera: true, .. } => Alignment::RefineCamera,
+        Args { keep_camera: true, .. } => Alignment::KeepCamera,
+        _ => Alignment::Auto,
+    }
 }
 
 fn options(args: &Args, project: &Project) -> Options {
@@ -77,6 +102,7 @@ fn options(args: &Args, project: &Project) -> Options {
         max_bounces: args.bounces.unwrap_or(defaults.max_bounces),
         thresholds: project.thresholds,
         refine: !args.no_refine,
+        strays: !args.no_filter,
         ..defaults
     }
 }

@@ -1,15 +1,16 @@
 //! `unrender render`: a picture of a scene, with its own materials or those of a file.
 
+use super::effort::{Effort, positive};
 use crate::cli::{Global, warn};
-use crate::engine;
+use crate::part;
+use crate::passes::{self, Job};
 use crate::progress::Progress;
+use crate::subject::Picture;
 use crate::{Error, interrupt, job, output};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_formats::{materials, picture};
-use unrender_render::Settings;
-use unrender_render::path::MAX_BOUNCES;
-use unrender_scene::{Camera, Warnings};
+use unrender_scene::{Camera, Scene, Warnings};
 
 const DEFAULT_HEIGHT: usize = 512;
 const MAX_SIDE: usize = 65_536;
@@ -19,13 +20,28 @@ const MAX_SIDE: usize = 65_536;
 #[command(after_help = "Examples:\n  \
     unrender render room.glb --out room.exr\n  \
     unrender render room.glb --materials result/materials.json --spp 256 --out room.png\n  \
-    unrender render room.glb --camera door --height 1080 --seed 7 --out door.exr")]
+    unrender render room.glb --camera door --height 1080 --seed 7 --out door.exr\n  \
+    unrender render vase.glb --environment sky.hdr --environment-rotation 90 --out vase.png\n  \
+    unrender render room.glb --noise 0.01 --adaptive --checkpoint room.part.exr --out room.exr\n  \
+    unrender render room.glb --samples 64..128 --out part2.exr    (see unrender merge)")]
 pub struct Args {
     /// The scene file: glTF (.glb, .gltf), OBJ, Mitsuba 3 (.xml) or Radiance (.rad).
     pub scene: PathBuf,
     /// Materials to put onto the scene's groups.
     #[arg(long, value_name = "FILE.json")]
     pub materials: Option<PathBuf>,
+    /// A panorama that lights the scene from all around and is seen behind it (.hdr, .exr); its
+    /// centre lies along -z, its upper edge along +y.
+    #[arg(long, value_name = "FILE")]
+    pub environment: Option<PathBuf>,
+    /// Turns the panorama about +y, counter-clockwise seen from above, degrees.
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(requires = "environment", value_parser = angle)]
+    pub environment_rotation: f32,
+    /// Multiplies the panorama's radiance.
+    #[arg(long, value_name = "S", default_value_t = 1.0, requires = "environment")]
+    #[arg(value_parser = factor)]
+    pub environment_scale: f32,
     /// The camera's name [default: the scene's first].
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
@@ -35,15 +51,9 @@ pub struct Args {
     /// Rows [default: by the width and the camera's aspect, else 512].
     #[arg(long, value_name = "N")]
     pub height: Option<usize>,
-    /// Samples a pixel.
-    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
-    pub spp: u32,
-    /// Chooses the noise; the same seed gives the same bits.
-    #[arg(long, default_value_t = 0)]
-    pub seed: u64,
-    /// The most reflections of a path [default: until it carries nothing more].
-    #[arg(long, value_name = "N")]
-    pub bounces: Option<u32>,
+    /// How much is rendered.
+    #[command(flatten)]
+    pub effort: Effort,
     /// The picture to write: .exr or .hdr (linear radiance), or .png (8-bit sRGB).
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
@@ -54,30 +64,72 @@ pub struct Args {
 /// # Errors
 /// If the input cannot be used or the picture cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
-    output::check_picture(&args.out)?;
+    check_outputs(args)?;
+    let (scene, camera, warnings) = load(args)?;
+    let size = size(args.width, args.height, &camera)?;
+    warn(&warnings);
+    let subject = Picture::new(&scene, &camera, args.effort.settings());
+    let identity = args.effort.identity(&scene, &camera, size);
+    let job = Job { subject: &subject, identity };
+    let goal = args.effort.goal();
+    let progress = Progress::new("render", global.quiet);
+    let rendered = passes::run(&job, &goal, &progress)?;
+    drop(progress);
+    if rendered.interrupted {
+        return Ok(rendered.goodbye());
+    }
+    let _until_written = interrupt::writing();
+    if args.effort.samples.is_some() {
+        part::write(&args.out, &rendered.head(&job), &rendered.layers)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let tally = &rendered.layers[0];
+    if args.effort.is_open() && !global.quiet {
+        eprintln!("{}", passes::in_words(rendered.samples.end, tally));
+    }
+    output::write_picture(&args.out, tally)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Asks, before the work, whether its results can be written.
+fn check_outputs(args: &Args) -> Result<(), Error> {
+    let parts = args.effort.samples.as_ref().map(|_| &args.out).into_iter();
+    let parts = parts.chain(&args.effort.checkpoint);
+    for part in parts {
+        output::check_file(part, &["exr"], "the samples of a picture are kept in .exr files")?;
+    }
+    if args.effort.checkpoint.as_ref() == Some(&args.out) {
+        return Err(Error::Request("--checkpoint and --out need files of their own".into()));
+    }
+    Ok(output::check_picture(&args.out)?)
+}
+
+/// The scene with the materials and the environment asked for, and the camera.
+fn load(args: &Args) -> Result<(Scene, Camera, Warnings), Error> {
     let (mut scene, mut warnings) = unrender_formats::load_scene(&args.scene)?;
     if let Some(path) = &args.materials {
         warnings.extend(materials::apply_from(path, &mut scene)?);
     }
+    if let Some(path) = &args.environment {
+        let rotation_rad = args.environment_rotation.to_radians();
+        let (environment, told) =
+            picture::read_environment(path, rotation_rad, args.environment_scale)?;
+        scene.environment = Some(environment);
+        warnings.extend(told);
+    }
     warnings.extend(job::validate(&mut scene, &args.scene)?);
     let (camera, told) = job::named_camera(&scene, args.camera.as_deref(), &args.scene)?;
     warnings.extend(told);
-    let size = size(args.width, args.height, &camera)?;
-    warn(&warnings);
+    Ok((scene, camera, warnings))
+}
 
-    let max_bounces = args.bounces.unwrap_or(MAX_BOUNCES);
-    let settings = Settings { spp: args.spp, seed: args.seed, max_bounces };
-    let progress = Progress::new("render", global.quiet);
-    let rendered = engine::render(&scene, &camera, size, &settings, &progress);
-    drop(progress);
-    let _until_written = interrupt::writing();
-    let bad = picture::write(&args.out, &rendered)?;
-    if bad > 0 {
-        let mut warnings = Warnings::default();
-        warnings.push(format!("{bad} value(s) were not finite numbers and were written as zero"));
-        warn(&warnings);
-    }
-    Ok(ExitCode::SUCCESS)
+fn factor(text: &str) -> Result<f32, String> {
+    positive(text).map(|factor| factor as f32)
+}
+
+fn angle(text: &str) -> Result<f32, String> {
+    let angle: f32 = text.parse().map_err(|_| "is no number")?;
+    if angle.is_finite() { Ok(angle) } else { Err("must be a finite number".into()) }
 }
 
 /// The picture's width and height; what is not asked for follows from the camera's aspect.

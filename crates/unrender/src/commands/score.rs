@@ -1,6 +1,7 @@
 //! `unrender score`: recovered materials against the truth.
 
 use crate::Error;
+use crate::output::print;
 use crate::score::{
     Certainty, GroupScore, LightScore, Limits, Worst, certainty, score, score_lights, table, worst,
 };
@@ -83,10 +84,4 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     }
     exceeded.iter().for_each(|fault| eprintln!("error: {fault}"));
     Ok(if exceeded.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
-}
-
-/// Prints to stdout; a reader that has gone away is no fault of ours.
-fn print(text: &str) {
-    use std::io::Write;
-    let _ = std::io::stdout().lock().write_all(text.as_bytes());
 }

@@ -6,14 +6,16 @@
 mod camera;
 mod lights;
 mod parse;
+mod photograph;
 mod raw;
 
 pub use camera::CameraTable;
+pub use photograph::{ResponseChoice, VignettingChoice};
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use unrender_formats::FileError;
-use unrender_photo::{Exposure, Response};
+use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
 use unrender_scene::{Camera, Material, Rgb, Scene, WardModel, Warnings};
 
@@ -27,7 +29,11 @@ pub struct Project {
     /// The photograph.
     pub photo: PathBuf,
     /// How the photograph is encoded, where the project says so.
-    pub response: Option<Response>,
+    pub response: Option<ResponseChoice>,
+    /// The code of no light, 0 to 1, by channel.
+    pub black_level: Rgb,
+    /// How the lens darkens the photograph away from its axis, where the project says so.
+    pub vignetting: Option<VignettingChoice>,
     /// Scene radiance per unit of linear pixel value.
     pub exposure: Exposure,
     /// What fixes the absolute scale; always there with [`Exposure::Auto`]. See
@@ -100,7 +106,12 @@ impl Project {
         let text = std::fs::read_to_string(path)
             .map_err(|error| FileError::new(path, format!("cannot be read: {error}")))?;
         let (project, warnings) = Self::parse(path, &text)?;
-        for (key, file) in [("scene", &project.scene), ("photo", &project.photo)] {
+        let response = match &project.response {
+            Some(ResponseChoice::Measured(file)) => Some(("response", file)),
+            _ => None,
+        };
+        let files = [("scene", &project.scene), ("photo", &project.photo)];
+        for (key, file) in files.into_iter().chain(response) {
             if !file.is_file() {
                 let problem = format!("{key}: there is no file {}", file.display());
                 return Err(FileError::new(path, problem));

@@ -1,12 +1,12 @@
 //! From the raw project to one whose values are understood; every fault names its key.
 
 use super::raw::{RawAnchor, RawCamera, RawKnown, RawProject};
-use super::{Anchor, CameraChoice, CameraTable, Known, Project};
+use super::{Anchor, CameraChoice, CameraTable, Known, Project, photograph};
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Value;
-use unrender_photo::{Exposure, Response};
+use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
 use unrender_scene::{Lens, Rgb, WardModel, Warnings};
 
@@ -35,7 +35,9 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         path: path.to_owned(),
         scene: folder.join(&raw.scene),
         photo: folder.join(&raw.photo),
-        response: raw.response.as_ref().map(response).transpose()?,
+        response: raw.response.as_ref().map(|r| photograph::response(r, folder)).transpose()?,
+        black_level: raw.black_level.as_ref().map_or(Ok(Rgb::ZERO), photograph::black_level)?,
+        vignetting: raw.vignetting.as_ref().map(photograph::vignetting).transpose()?,
         exposure,
         anchor,
         known: all_known,
@@ -54,26 +56,6 @@ fn with_line(error: &toml::de::Error, text: &str) -> String {
         Some(before) => format!("line {}: {message}", before.matches('\n').count() + 1),
         None => message.to_owned(),
     }
-}
-
-fn response(value: &Value) -> Result<Response, String> {
-    const MEANT: &str = "give \"srgb\", \"linear\" or { gamma = 2.2 }";
-    if let Some(name) = value.as_str() {
-        return match name {
-            "srgb" => Ok(Response::Srgb),
-            "linear" => Ok(Response::Linear),
-            _ if name.contains(['.', '/']) => Err(format!(
-                "response: response-curve files such as \"{name}\" are not read yet; {MEANT}"
-            )),
-            _ => Err(format!("response: there is no \"{name}\"; {MEANT}")),
-        };
-    }
-    let table = value.as_table().filter(|t| t.len() == 1).and_then(|t| t.get("gamma"));
-    let gamma = table.and_then(number).ok_or_else(|| format!("response: {MEANT}"))?;
-    if !(0.1..=10.0).contains(&gamma) {
-        return Err(format!("response.gamma is {gamma}; it is from 0.1 to 10"));
-    }
-    Ok(Response::Gamma(gamma))
 }
 
 fn exposure(
@@ -225,7 +207,7 @@ fn reflectance(key: &str, value: &Value) -> Result<Rgb, String> {
 }
 
 /// One number for all channels, or a list of three.
-fn triple(key: &str, value: &Value) -> Result<Rgb, String> {
+pub(super) fn triple(key: &str, value: &Value) -> Result<Rgb, String> {
     let fault = || format!("{key} is {value}; give a number or three, [r, g, b]");
     if let Some(grey) = number(value) {
         return Ok(Rgb::splat(grey));
@@ -239,6 +221,6 @@ fn triple(key: &str, value: &Value) -> Result<Rgb, String> {
     }
 }
 
-fn number(value: &Value) -> Option<f32> {
+pub(super) fn number(value: &Value) -> Option<f32> {
     value.as_float().or_else(|| value.as_integer().map(|i| i as f64)).map(|v| v as f32)
 }

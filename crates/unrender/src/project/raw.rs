@@ -11,7 +11,9 @@ pub(super) struct RawProject {
     pub(super) scene: PathBuf,
     pub(super) photo: PathBuf,
     pub(super) response: Option<Value>,
+    pub(super) black_level: Option<Value>,
     pub(super) exposure: Option<Value>,
+    pub(super) vignetting: Option<Value>,
     pub(super) anchor: Option<RawAnchor>,
     #[serde(default)]
     pub(super) groups: BTreeMap<String, RawGroup>,

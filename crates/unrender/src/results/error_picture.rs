@@ -1,53 +1,128 @@
-//! error.png: where photograph and re-rendering differ, and by how much.
+//! Where photograph and re-rendering differ, and by how much.
 //!
-//! The difference of luminances relative to the photograph's mean, averaged over 5 x 5 pixels so
-//! that the re-rendering's noise does not hide it: light where they agree, red where the
-//! re-rendering is too bright, blue where it is too dark; dark grey where the photograph is clipped
-//! or broken. A bar below the picture carries the scale.
+//! The difference of luminances, averaged over 5 x 5 pixels so that the re-rendering's noise does
+//! not hide it; dark grey where the photograph is clipped or broken. Signed, it is red where the
+//! re-rendering is too bright and blue where it is too dark.
+//!
+//! `error.png` is relative to the photograph's mean, with a bar below the picture that carries the
+//! scale. The other pictures have their bars in run.json: in radiance, and in standard deviations of
+//! the noise that photograph and re-rendering together have there.
 
+use super::report_folder;
+use crate::run::{ErrorPicture, Stop, Unit};
 use crate::{Error, Job};
 use std::path::Path;
 use unrender_formats::picture;
 use unrender_recover::Recovery;
 use unrender_scene::color::{linear_from_srgb, luminance};
-use unrender_scene::{Rgb, RgbImage};
+use unrender_scene::{Image, Rgb, RgbImage};
 
 /// The ends of the scale: a difference of this share of the photograph's mean.
 const FULL_SCALE: f32 = 0.2;
+/// The ends of the scale in noise, standard deviations.
+const FULL_SCALE_NOISE: f32 = 20.0;
 /// Averages reach this many pixels to each side.
 const REACH: usize = 2;
 /// The linear grey of pixels that are not compared.
 const LEFT_OUT: f32 = 0.1;
+/// Stops of a colour bar.
+const STOPS: usize = 9;
 
-/// Writes the error picture of a recovery.
-pub(super) fn write(job: &Job, recovery: &Recovery, path: &Path) -> Result<(), Error> {
-    let shown = &recovery.rerendered;
-    let fixed = matches!(job.project.exposure, unrender_photo::Exposure::Fixed(_));
-    let scale = if fixed { Rgb::ONE } else { recovery.exposure };
-    let photo = job.photo.radiance.map(|value| luminance(*value * scale));
-    let mean = photo.pixels().iter().sum::<f32>() / photo.pixels().len().max(1) as f32;
-    let (width, height) = (shown.width(), shown.height());
+/// Writes the error pictures of a recovery into its folder; returns those without a bar of their
+/// own.
+pub(super) fn write(
+    job: &Job,
+    recovery: &Recovery,
+    folder: &Path,
+) -> Result<Vec<ErrorPicture>, Error> {
+    let difference = Difference::of(job, recovery);
+    let full = (difference.photo_mean * FULL_SCALE).max(f32::MIN_POSITIVE);
+    let (width, height) = (recovery.rerendered.width(), recovery.rerendered.height());
     let bar = super::scale_bar::height(width);
-    let picture = RgbImage::from_fn(width, height + bar, |x, y| {
+    let with_bar = RgbImage::from_fn(width, height + bar, |x, y| {
         if y >= height {
             return super::scale_bar::pixel(x, y - height, width, FULL_SCALE, diverging);
         }
-        if !job.photo.trusted.at(x, y) {
-            return Rgb::splat(LEFT_OUT);
+        painted(*difference.radiance.at(x, y), full, diverging)
+    });
+    picture::write_png_srgb(&folder.join("error.png"), &with_bar)?;
+    let mut pictures = Vec::new();
+    for unit in [Unit::Radiance, Unit::Noise] {
+        let (name, values, full) = match unit {
+            Unit::Radiance => ("radiance", &difference.radiance, full),
+            Unit::Noise => ("noise", &difference.noise, FULL_SCALE_NOISE),
+        };
+        for signed in [true, false] {
+            let color = if signed { diverging } else { rising };
+            let kind = if signed { "signed" } else { "absolute" };
+            let file = report_folder(&format!("error_{name}_{kind}.png"));
+            let picture = values.map(|value| painted(*value, full, color));
+            picture::write_png_srgb(&folder.join(&file), &picture)?;
+            let bar = bar_of(signed, full, color);
+            pictures.push(ErrorPicture { file, signed, unit, reach: REACH, bar });
         }
-        let (mut sum, mut count) = (0.0, 0.0);
-        for row in y.saturating_sub(REACH)..(y + REACH + 1).min(height) {
-            for column in x.saturating_sub(REACH)..(x + REACH + 1).min(width) {
-                if *job.photo.trusted.at(column, row) {
-                    sum += luminance(*shown.at(column, row)) - photo.at(column, row);
-                    count += 1.0;
+    }
+    Ok(pictures)
+}
+
+/// Re-rendering minus photograph on the mean over a pixel's surroundings; none where they are not
+/// compared.
+struct Difference {
+    /// The mean luminance of the photograph.
+    photo_mean: f32,
+    /// In radiance.
+    radiance: Image<Option<f32>>,
+    /// In standard deviations of the mean's noise.
+    noise: Image<Option<f32>>,
+}
+
+impl Difference {
+    fn of(job: &Job, recovery: &Recovery) -> Self {
+        let fixed = matches!(job.project.exposure, unrender_photo::Exposure::Fixed(_));
+        let scale = if fixed { Rgb::ONE } else { recovery.exposure };
+        let photo = job.photo.radiance.map(|value| luminance(*value * scale));
+        let photo_mean = photo.pixels().iter().sum::<f32>() / photo.pixels().len().max(1) as f32;
+        let (width, height) = (photo.width(), photo.height());
+        // The sum of differences, that of their variances, and the number of pixels.
+        let sums = Image::from_fn(width, height, |x, y| {
+            if !job.photo.trusted.at(x, y) {
+                return (0.0, 0.0, 0.0);
+            }
+            let (mut sum, mut variance, mut count) = (0.0, 0.0, 0.0);
+            for row in y.saturating_sub(REACH)..(y + REACH + 1).min(height) {
+                for column in x.saturating_sub(REACH)..(x + REACH + 1).min(width) {
+                    if *job.photo.trusted.at(column, row) {
+                        let shown = luminance(*recovery.rerendered.at(column, row));
+                        sum += shown - photo.at(column, row);
+                        variance += recovery.noise.at(column, row).powi(2);
+                        count += 1.0;
+                    }
                 }
             }
-        }
-        diverging(sum / count / (mean * FULL_SCALE).max(f32::MIN_POSITIVE))
-    });
-    picture::write_png_srgb(path, &picture)?;
-    Ok(())
+            (sum, variance, count)
+        });
+        let radiance = sums.map(|&(sum, _, count)| (count > 0.0).then(|| sum / count));
+        let noise = sums.map(|&(sum, variance, count)| {
+            (count > 0.0).then(|| sum / variance.sqrt().max(f32::MIN_POSITIVE))
+        });
+        Self { photo_mean, radiance, noise }
+    }
+}
+
+fn painted(value: Option<f32>, full: f32, color: fn(f32) -> Rgb) -> Rgb {
+    value.map_or(Rgb::splat(LEFT_OUT), |value| color(value / full))
+}
+
+/// The colour bar: like [`diverging`] and [`rising`], values run as the square of the place, so that
+/// small ones have room.
+fn bar_of(signed: bool, full: f32, color: fn(f32) -> Rgb) -> Vec<Stop> {
+    let stop = |i: usize| {
+        let place = i as f32 / (STOPS - 1) as f32;
+        let place = if signed { 2.0 * place - 1.0 } else { place };
+        let value = place * place.abs();
+        Stop { value: value * full, color: super::hex(color(value)) }
+    };
+    (0..STOPS).map(stop).collect()
 }
 
 /// The colour of a value from -1 (blue) over 0 (light grey) to 1 (red), as linear RGB.
@@ -55,5 +130,22 @@ fn diverging(value: f32) -> Rgb {
     let value = if value.is_finite() { value.clamp(-1.0, 1.0) } else { 1.0 };
     let end = if value > 0.0 { Rgb::new(0.70, 0.02, 0.15) } else { Rgb::new(0.02, 0.24, 0.62) };
     let srgb = Rgb::splat(0.93).lerp(end, value.abs().sqrt());
+    Rgb::from_array(srgb.to_array().map(linear_from_srgb))
+}
+
+/// The colour of the size of a value from 0 (nearly black) over red and orange to 1 (light yellow),
+/// as linear RGB.
+fn rising(value: f32) -> Rgb {
+    const RAMP: [Rgb; 5] = [
+        Rgb::new(0.05, 0.03, 0.12),
+        Rgb::new(0.36, 0.07, 0.43),
+        Rgb::new(0.78, 0.22, 0.30),
+        Rgb::new(0.98, 0.60, 0.15),
+        Rgb::new(0.99, 0.99, 0.75),
+    ];
+    let value = if value.is_finite() { value.abs().min(1.0) } else { 1.0 };
+    let place = value.sqrt() * (RAMP.len() - 1) as f32;
+    let below = (place as usize).min(RAMP.len() - 2);
+    let srgb = RAMP[below].lerp(RAMP[below + 1], place - below as f32);
     Rgb::from_array(srgb.to_array().map(linear_from_srgb))
 }

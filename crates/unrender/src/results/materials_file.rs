@@ -23,7 +23,8 @@ pub(super) fn build(
         version: Some(VERSION),
         brdf: Some(job.scene.brdf.name().to_owned()),
         exposure: Some(recovery.exposure.to_array()),
-        seconds: Some((recovered.seconds * 100.0).round() / 100.0),
+        photograph: recovered.photograph.clone(),
+        seconds: Some((recovered.times.all * 100.0).round() / 100.0),
         termination: Some(recovery.termination.message(recovery.turns.len())),
         ..MaterialsFile::default()
     };

@@ -1,47 +1,95 @@
 //! What `recover` leaves in its folder, and the tables that it and `calibrate` print.
 
+mod ball;
 mod calibration;
 mod error_picture;
+mod group_picture;
 mod materials_file;
-mod report;
+mod memory;
+pub(crate) mod restaged;
 mod run_file;
 mod scale_bar;
 mod summary;
+mod trust_picture;
 
 pub(crate) use calibration::calibration;
-pub(crate) use summary::summary;
+pub(crate) use summary::{summary, table};
 
 use crate::engine::Recovered;
-use crate::{Error, Job, interrupt};
+use crate::run::{Pictures, Run};
+use crate::{Error, Job, interrupt, report};
 use std::path::Path;
 use unrender_formats::{atomic, materials, picture};
-use unrender_scene::{Scene, Warnings};
+use unrender_scene::color::srgb_from_linear;
+use unrender_scene::{Rgb, Scene, Warnings};
 
-/// Writes all files of a recovery into `folder`, which exists. Ctrl-C waits until they are whole.
-pub(crate) fn write(job: &Job, recovered: &Recovered, folder: &Path) -> Result<Warnings, Error> {
+/// The folder of the pictures that only the report shows.
+const REPORT_FOLDER: &str = "report";
+
+/// Writes all files of a recovery into `folder`, which exists, and returns what it said of itself.
+/// Ctrl-C waits until they are whole.
+pub(crate) fn write(job: &Job, recovered: &Recovered, folder: &Path) -> Result<Run, Error> {
     let _until_written = interrupt::writing();
+    crate::output::prepare_folder(&folder.join(REPORT_FOLDER))?;
     let recovery = &recovered.recovery;
     let mut bad = 0;
     let file = materials_file::build(job, recovered, folder, &mut bad)?;
     bad += picture::write_exr(&folder.join("rerendered.exr"), &recovery.rerendered)?;
-    let exposure = recovery.exposure;
-    let as_photo = recovery.rerendered.map(|radiance| *radiance / exposure);
-    bad += picture::write_png_srgb(&folder.join("rerendered.png"), &as_photo)?;
-    let fixed = matches!(job.project.exposure, unrender_photo::Exposure::Fixed(_));
-    let developed = if fixed { exposure } else { unrender_scene::Rgb::ONE };
-    let photo = job.photo.radiance.map(|radiance| *radiance / developed);
-    bad += picture::write_png_srgb(&folder.join("photo.png"), &photo)?;
-    error_picture::write(job, recovery, &folder.join("error.png"))?;
-    report::write(job, recovered, folder)?;
+    let pictures = write_pictures(job, recovered, folder, &mut bad)?;
+    let balls = ball::write(job, recovery, folder)?;
     let glb = unrender_formats::wear(&job.project.scene, &dressed(job, recovered))?;
     atomic::write(&folder.join("scene.glb"), &glb)?;
-    run_file::write(job, recovered, &folder.join("run.json"))?;
-    materials::write(&folder.join("materials.json"), &file)?;
-    let mut warnings = Warnings::default();
+    let mut warnings = job.warnings.clone();
+    warnings.extend(recovered.laid.warnings.clone());
     if bad > 0 {
-        warnings.push(format!("{bad} value(s) were not finite numbers and were written as zero"));
+        let told = format!("{bad} value(s) were not finite numbers and were written as zero");
+        let mut late = Warnings::default();
+        late.push(told);
+        crate::cli::warn(&late);
+        warnings.extend(late);
     }
-    Ok(warnings)
+    let run = run_file::build(job, recovered, &file, (pictures, balls), warnings);
+    run.write(folder)?;
+    report::write(folder)?;
+    materials::write(&folder.join("materials.json"), &file)?;
+    Ok(run)
+}
+
+/// Writes the pictures of a recovery that stand beside its report; counts bad values in `bad`.
+fn write_pictures(
+    job: &Job,
+    recovered: &Recovered,
+    folder: &Path,
+    bad: &mut usize,
+) -> Result<Pictures, Error> {
+    let recovery = &recovered.recovery;
+    let exposure = recovery.exposure;
+    let as_photo = recovery.rerendered.map(|radiance| *radiance / exposure);
+    *bad += picture::write_png_srgb(&folder.join("rerendered.png"), &as_photo)?;
+    let fixed = matches!(job.project.exposure, unrender_photo::Exposure::Fixed(_));
+    let developed = if fixed { exposure } else { Rgb::ONE };
+    let photo = job.photo.radiance.map(|radiance| *radiance / developed);
+    *bad += picture::write_png_srgb(&folder.join("photo.png"), &photo)?;
+    trust_picture::write(job, recovery, &folder.join("trust.png"))?;
+    Ok(Pictures {
+        photo: "photo.png".to_owned(),
+        rerendered: "rerendered.png".to_owned(),
+        trust: "trust.png".to_owned(),
+        groups: group_picture::write(recovered, folder)?,
+        errors: error_picture::write(job, recovery, folder)?,
+    })
+}
+
+/// The path of one of the report's own pictures, relative to the folder of the results.
+fn report_folder(file: &str) -> String {
+    format!("{REPORT_FOLDER}/{file}")
+}
+
+/// A linear colour as `#rrggbb`.
+fn hex(color: Rgb) -> String {
+    let code = |v: f32| (255.0 * srgb_from_linear(v)).round() as u8;
+    let [r, g, b] = color.to_array().map(code);
+    format!("#{r:02x}{g:02x}{b:02x}")
 }
 
 /// The scene with the recovered materials on.

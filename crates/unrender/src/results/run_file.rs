@@ -1,72 +1,188 @@
-//! run.json: the story of a recovery, turn by turn and rung by rung, for reports and for the
-//! curious.
-//!
-//! `view`: the photograph's camera and size. `turns`: each global re-rendering, whether it was a pass of the joint refinement, its largest
-//! `change`, `worst_error` (relative, noise taken out) and the groups still open. `groups.NAME.story`: every rung tried, in which turn, with its
-//! parameters, its error, the standard deviation of the error's square, and whether it was taken.
+//! The records of a recovery as run.json has them.
 
+use super::memory;
+use crate::Job;
 use crate::engine::Recovered;
-use crate::view::ViewRecord;
-use crate::{Error, Job};
-use serde_json::{Map, Value, json};
-use std::path::Path;
-use unrender_formats::atomic;
+use crate::project::CameraTable;
+use crate::run::{
+    GroupTurnEntry, Input, LeftOut, Pictures, Program, RegistrationEntry, Run, RunGroup,
+    SettingsEntry, Stages, TrialEntry, TurnEntry, VERSION,
+};
+use indexmap::IndexMap;
+use serde_json::json;
+use unrender_formats::materials::MaterialsFile;
 use unrender_recover::record::Trial;
+use unrender_recover::{GroupResult, GroupTurn, LadderKind, Options, Status, TurnRecord};
+use unrender_scene::Warnings;
 
-/// Writes run.json.
-pub(super) fn write(job: &Job, recovered: &Recovered, path: &Path) -> Result<(), Error> {
+/// The run; `materials` is what materials.json says, `pictures` and `balls` name files beside it.
+pub(super) fn build(
+    job: &Job,
+    recovered: &Recovered,
+    materials: &MaterialsFile,
+    (pictures, balls): (Pictures, Vec<Option<String>>),
+    warnings: Warnings,
+) -> Run {
     let recovery = &recovered.recovery;
-    let turns: Vec<Value> = recovery
-        .turns
-        .iter()
-        .map(|turn| {
-            json!({
-                "turn": turn.turn,
-                "refining": turn.refining,
-                "change": turn.change,
-                "worst_error": turn.worst_error,
-                "open_groups": turn.open_groups,
-            })
-        })
-        .collect();
-    let groups: Map<String, Value> = recovery
-        .groups
-        .iter()
-        .map(|group| {
-            let story: Vec<Value> = group.story.iter().map(trial).collect();
-            let value = json!({
-                "hypothesis": group.hypothesis.name(),
-                "trusted_pixels": group.trusted_pixels,
-                "error": group.error,
-                "story": story,
-            });
-            (group.name.clone(), value)
-        })
-        .collect();
-    let size = (job.photo.radiance.width(), job.photo.radiance.height());
-    let run = json!({
-        "version": 1,
-        "view": ViewRecord::of(&job.camera, size),
-        "seconds": recovered.seconds,
-        "termination": recovery.termination.message(recovery.turns.len()),
-        "turns": turns,
-        "groups": groups,
+    let turns = recovery.turns.iter().zip(&recovered.times.turns);
+    let groups = recovery.groups.iter().enumerate().map(|(index, result)| {
+        let entry = materials.groups.get(&result.name).cloned().unwrap_or_default();
+        let of_group = recovered.group_map.pixels().iter().zip(recovery.trust.pixels());
+        let trust = of_group.filter(|(group, _)| **group as usize == index).map(|(_, t)| t);
+        let group = RunGroup {
+            entry,
+            asked: result.status != Status::Known,
+            error_share: result.error_share.filter(|share| share.is_finite()),
+            counted: LeftOut::count(trust),
+            map_color: super::hex(super::group_picture::color(index)),
+            ball: balls[index].clone(),
+            story: result.story.iter().map(trial).collect(),
+        };
+        (result.name.clone(), group)
     });
-    Ok(atomic::write(path, format!("{run:#}\n").as_bytes())?)
+    Run {
+        version: VERSION,
+        program: Program {
+            unrender: env!("CARGO_PKG_VERSION").to_owned(),
+            system: std::env::consts::OS.to_owned(),
+            processor: std::env::consts::ARCH.to_owned(),
+        },
+        command: std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect(),
+        input: input(job),
+        settings: settings(job, &recovered.options),
+        seconds: recovered.times.all,
+        stages: stages(recovered),
+        peak_memory_bytes: memory::peak_bytes(),
+        termination: recovery.termination.message(recovery.turns.len()),
+        warnings: warnings.0,
+        exposure: recovery.exposure.to_array(),
+        photograph: recovered.photograph.clone(),
+        exposure_std: recovery.exposure_std.map(|std| std.to_array()),
+        registration: registration(recovered),
+        pixels: LeftOut::count(recovery.trust.pixels()),
+        pictures,
+        turns: turns.map(|(record, seconds)| turn(record, *seconds, &recovery.groups)).collect(),
+        groups: groups.collect(),
+        lights: materials.lights.clone(),
+    }
 }
 
-fn trial(trial: &Trial) -> Value {
+fn input(job: &Job) -> Input {
+    Input {
+        project: job.project.path.clone(),
+        scene: job.project.scene.clone(),
+        photo: job.project.photo.clone(),
+        width: job.photo.radiance.width(),
+        height: job.photo.radiance.height(),
+    }
+}
+
+fn settings(job: &Job, options: &Options) -> SettingsEntry {
+    let thresholds = &options.thresholds;
+    let mut named: IndexMap<String, f64> = [
+        ("explained", thresholds.explained),
+        ("simpler", thresholds.simpler),
+        ("textured", thresholds.textured),
+        ("dispersion", thresholds.dispersion),
+    ]
+    .map(|(name, value)| (name.to_owned(), value))
+    .into_iter()
+    .collect();
+    let paper = options.ladder == LadderKind::Paper;
+    if paper {
+        let rungs = unrender_recover::Hypothesis::ALL.iter().zip(thresholds.paper);
+        named.extend(rungs.map(|(rung, value)| (rung.name().to_owned(), value)));
+    }
+    SettingsEntry {
+        brdf: job.scene.brdf.name().to_owned(),
+        ladder: if paper { "paper" } else { "default" }.to_owned(),
+        refine: options.refine && !paper,
+        seed: options.seed,
+        spp: options.spp,
+        max_bounces: options.max_bounces,
+        threads: rayon::current_num_threads(),
+        thresholds: named,
+    }
+}
+
+/// The time by stage: turns of the ladder come before passes of the refinement.
+fn stages(recovered: &Recovered) -> Stages {
+    let times = &recovered.times;
+    let turns = recovered.recovery.turns.iter().zip(&times.turns);
+    let mut climbed = turns.filter(|(turn, _)| !turn.refining).map(|(_, seconds)| *seconds);
+    let climbed = climbed.next_back().unwrap_or(times.developed);
+    let refined = times.turns.last().copied().unwrap_or(climbed);
+    Stages {
+        registration: times.laid,
+        camera: times.developed - times.laid,
+        ladder: climbed - times.developed,
+        refinement: refined - climbed,
+        picture: times.all - refined,
+    }
+}
+
+/// How the model lay on the photograph, and the camera that was used.
+fn registration(recovered: &Recovered) -> RegistrationEntry {
+    let laid = &recovered.laid;
+    let table = CameraTable::of(&laid.camera, 1.0);
+    let lens = table.lens;
+    let camera = json!({
+        "eye": table.eye.to_array(),
+        "target": table.target.to_array(),
+        "up": table.up.to_array(),
+        "fov_y_deg": table.fov_y_deg,
+        "principal_point": lens.principal_point,
+        "k1": lens.k1,
+        "k2": lens.k2,
+    });
+    let found = laid.registration.as_ref();
+    RegistrationEntry {
+        camera,
+        displacement_pixels: found.map(|r| r.displacement),
+        uncertainty_pixels: found.map(|r| r.uncertainty),
+        deviation_pixels: found.map(|r| r.deviation),
+        confirmed_edge_points: found.map(|r| r.confirmed),
+    }
+}
+
+fn turn(record: &TurnRecord, seconds: f64, groups: &[GroupResult]) -> TurnEntry {
+    let asked = groups.iter().zip(&record.groups).filter(|(g, _)| g.status != Status::Known);
+    TurnEntry {
+        turn: record.turn,
+        refining: record.refining,
+        seconds,
+        change: Some(record.change).filter(|v| v.is_finite()),
+        worst_error: Some(record.worst_error).filter(|v| v.is_finite()),
+        open_groups: record.open_groups.clone(),
+        groups: asked.map(|(g, turn)| (g.name.clone(), group_turn(turn))).collect(),
+    }
+}
+
+fn group_turn(turn: &GroupTurn) -> GroupTurnEntry {
+    let material = &turn.material;
+    GroupTurnEntry {
+        hypothesis: turn.hypothesis,
+        error: turn.error.filter(|e| e.is_finite()),
+        rho_d: material.rho_d.to_array(),
+        rho_s: material.rho_s.to_array(),
+        alpha_x: material.alpha_x,
+        alpha_y: material.alpha_y,
+        theta_deg: material.theta_rad.to_degrees(),
+    }
+}
+
+fn trial(trial: &Trial) -> TrialEntry {
     let material = &trial.material;
-    json!({
-        "turn": trial.turn,
-        "hypothesis": trial.hypothesis.name(),
-        "error": trial.misfit.relative(),
-        "deviation_of_square": trial.misfit.deviation,
-        "rho_d": material.rho_d.to_array(),
-        "rho_s": material.rho_s.to_array(),
-        "alpha_x": material.alpha_x,
-        "alpha_y": material.alpha_y,
-        "theta_deg": material.theta_rad.to_degrees(),
-        "taken": trial.taken,
-    })
+    TrialEntry {
+        turn: trial.turn,
+        hypothesis: trial.hypothesis,
+        error: Some(trial.misfit.relative()).filter(|e| e.is_finite()),
+        deviation_of_square: Some(trial.misfit.deviation).filter(|d| d.is_finite()),
+        rho_d: material.rho_d.to_array(),
+        rho_s: material.rho_s.to_array(),
+        alpha_x: material.alpha_x,
+        alpha_y: material.alpha_y,
+        theta_deg: material.theta_rad.to_degrees(),
+        taken: trial.taken,
+    }
 }

@@ -2,6 +2,7 @@
 
 use crate::Job;
 use crate::engine::Recovered;
+use unrender_formats::materials::PhotographEntry;
 use unrender_recover::{GroupResult, Recovery, Status};
 use unrender_scene::{Hypothesis, Rgb};
 
@@ -29,6 +30,7 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
             text.push_str(&format!("{}: intensity {found}, std {std}\n", source.name));
         }
     }
+    text.push_str(&recovered.photograph.as_ref().map_or(String::new(), photograph));
     for group in &recovery.groups {
         if let Some(note) = &group.note {
             text.push_str(&format!("{}: {note}\n", group.name));
@@ -36,9 +38,29 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
     }
     text.push_str(&format!(
         "{:.1} s, {}\n",
-        recovered.seconds,
+        recovered.times.all,
         recovery.termination.message(recovery.turns.len())
     ));
+    text
+}
+
+/// The numbers of the camera, a line each.
+fn photograph(found: &PhotographEntry) -> String {
+    let std = found.std.clone().unwrap_or_default();
+    let with_std = |std: Option<f64>| std.map_or(String::new(), |std| format!(", std {std:.4}"));
+    let mut text = String::new();
+    if let Some(gamma) = found.gamma {
+        text.push_str(&format!("response: gamma {gamma:.4}{}\n", with_std(std.gamma)));
+    }
+    if let (Some([a1, a2, a3]), Some(corner)) = (found.vignetting, found.corner) {
+        text.push_str(&format!(
+            "vignetting: radial {a1:.3} {a2:.3} {a3:.3}; {corner:.4} of the light in the corners{}\n",
+            with_std(std.corner)
+        ));
+    }
+    if let Some(note) = &found.note {
+        text.push_str(&format!("photo: {note}\n"));
+    }
     text
 }
 
@@ -77,7 +99,7 @@ fn row(group: &GroupResult) -> [String; 8] {
 }
 
 /// Columns padded to the same width, two spaces apart.
-pub(super) fn table<const N: usize>(rows: &[[String; N]]) -> String {
+pub(crate) fn table<const N: usize>(rows: &[[String; N]]) -> String {
     let width = |column: usize| rows.iter().map(|r| r[column].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..N).map(width).collect();
     let line = |row: &[String; N]| {

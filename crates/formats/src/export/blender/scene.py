@@ -50,12 +50,11 @@ def add_object(item, materials):
     bpy.context.collection.objects.link(bpy.data.objects.new(item["name"], mesh))
 
 
-def principled(nodes, color, roughness, metallic):
+def matte(nodes, color):
+    """The diffuse part: Lambert's."""
     node = nodes.new("ShaderNodeBsdfPrincipled")
-    node.distribution = "GGX"
     node.inputs["Base Color"].default_value = (*color, 1)
-    node.inputs["Roughness"].default_value = roughness
-    node.inputs["Metallic"].default_value = metallic
+    node.inputs["Roughness"].default_value = 1
     node.inputs["Specular IOR Level"].default_value = 0
     return node
 
@@ -69,14 +68,13 @@ def picture_node(nodes, texture):
 
 
 def shiny(nodes, links, group):
-    """The specular part: a metal whose edge tint keeps its reflectance the same at all angles."""
-    rho_s = group["rho_s"]
-    node = principled(nodes, rho_s, math.sqrt(group["alpha"]), 1)
-    at_82_degrees = (6 / 7) ** 5
-    tint = [r / (r + (1 - r) * at_82_degrees) for r in rho_s]
-    node.inputs["Specular Tint"].default_value = (*tint, 1)
-    node.inputs["Anisotropic"].default_value = group["anisotropic"]
-    if group["anisotropic"] > 0:
+    """The specular part: Beckmann's microfacets, their reflectance the same at all angles."""
+    node = nodes.new("ShaderNodeBsdfAnisotropic")
+    node.distribution = "BECKMANN"
+    node.inputs["Color"].default_value = (*group["rho_s"], 1)
+    node.inputs["Roughness"].default_value = math.sqrt(group["alpha"])
+    node.inputs["Anisotropy"].default_value = group["anisotropy"]
+    if group["anisotropy"] > 0:
         tangent = nodes.new("ShaderNodeTangent")
         tangent.direction_type = "UV_MAP"
         tangent.uv_map = "map"
@@ -91,7 +89,7 @@ def add_material(group):
     nodes.clear()
     parts = []
     if max(group["rho_d"]) > 0 or group["texture"]:
-        diffuse = principled(nodes, group["rho_d"], 1, 0)
+        diffuse = matte(nodes, group["rho_d"])
         if group["texture"]:
             picture = picture_node(nodes, group["texture"])
             links.new(picture.outputs["Color"], diffuse.inputs["Base Color"])

@@ -1,0 +1,54 @@
+//! Panoramas that light a scene.
+
+use super::Depth;
+use crate::FileError;
+use std::path::Path;
+use unrender_scene::{Environment, Rgb, Warnings};
+
+/// Panoramas of the whole sphere are twice as wide as high; others are told beyond this share.
+const ASPECT_TOLERANCE: f64 = 0.02;
+
+/// Reads the equirectangular panorama at `path` as an environment, turned by `rotation_rad` (see
+/// [`Environment::new`]), whose radiance is `scale` times the picture's linear values.
+///
+/// # Errors
+/// If the picture cannot be read, or if `scale` makes no finite radiance of it.
+pub fn read_environment(
+    path: &Path,
+    rotation_rad: f32,
+    scale: f32,
+) -> Result<(Environment, Warnings), FileError> {
+    let (picture, mut warnings) = super::read(path)?;
+    if picture.depth != Depth::Float {
+        warnings.push(format!(
+            "{}: was taken for an sRGB picture; whatever was brighter than its white, lamps and sun \
+             above all, is not in it; .hdr and .exr files have it",
+            path.display()
+        ));
+    }
+    let mut negative = 0;
+    let radiance = picture.to_linear().map(|rgb| {
+        negative += usize::from(rgb.min_element() < 0.0);
+        rgb.max(Rgb::ZERO) * scale
+    });
+    if negative > 0 {
+        warnings.push(format!(
+            "{}: {negative} pixel(s) have negative values, which were taken as zero",
+            path.display()
+        ));
+    }
+    let (width, height) = (radiance.width(), radiance.height());
+    if (width as f64 / (2.0 * height as f64) - 1.0).abs() > ASPECT_TOLERANCE {
+        warnings.push(format!(
+            "{}: a panorama of all directions is twice as wide as high, this one has {width} x \
+             {height} pixels; it was stretched over the whole sphere",
+            path.display()
+        ));
+    }
+    let environment =
+        Environment::new(radiance, rotation_rad).map_err(|error| FileError::new(path, error))?;
+    if !environment.is_bright() {
+        warnings.push(format!("{}: is black and gives no light", path.display()));
+    }
+    Ok((environment, warnings))
+}

@@ -1,0 +1,104 @@
+//! Which pixels lie so near black that their noise is cut off below.
+//!
+//! Where a camera's noise reaches below its black level, the file has black instead, and the mean of
+//! such a place is too bright. Leaving out its black pixels alone would make that worse: the
+//! brighter half of the noise would remain. So a pixel is judged by its neighbours, never by itself:
+//! whatever it shows, it goes if some of them are cut off among others that clearly are not. A place
+//! that is really black, and one that is black beside something bright, stay.
+
+use unrender_formats::picture::Picture;
+use unrender_scene::Rgb;
+
+/// Codes above black, of 0 to 1, from which on a pixel is clearly not cut off: two of 8 bits.
+const CLEARLY: f32 = 1.5 / 255.0;
+/// A neighbour above this is no noise of black, but an edge.
+const EDGE: f32 = 12.5 / 255.0;
+/// Fewer pixels than this share of the picture do no harm.
+const HARMLESS: f32 = 5e-4;
+
+/// The indices of the pixels in the noise of black in some channel; none where they are few, nor
+/// for floating-point files. `floor` is the code at and below which a value is cut off, by channel.
+pub fn dark_pixels(picture: &Picture, floor: Rgb) -> Vec<usize> {
+    if picture.depth.max_code().is_none() {
+        return Vec::new();
+    }
+    let count = picture.values.pixels().len();
+    let dark: Vec<usize> = (0..count).filter(|&index| is_dark(picture, floor, index)).collect();
+    if (dark.len() as f32) < HARMLESS * count as f32 { Vec::new() } else { dark }
+}
+
+fn is_dark(picture: &Picture, floor: Rgb, index: usize) -> bool {
+    let values = picture.values.pixels();
+    let neighbours = || picture.values.neighbourhood(index).filter(move |&n| n != index);
+    (0..3).any(|channel| {
+        let floor = floor[channel];
+        let cut_off = neighbours().any(|n| values[n][channel] <= floor);
+        if !cut_off || neighbours().any(|n| values[n][channel] > floor + EDGE) {
+            return false;
+        }
+        let clearly = neighbours().filter(|&n| values[n][channel] > floor + CLEARLY).count();
+        2 * clearly >= neighbours().count()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use unrender_formats::picture::Depth;
+    use unrender_scene::Image;
+
+    const SIDE: usize = 300;
+
+    /// A noise of standard deviation one: the sum of twelve hashed numbers from 0 to 1, less six.
+    fn noise(seed: usize) -> f32 {
+        let uniform = |k: u64| {
+            let mut x = (12 * seed as u64 + k + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+            x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+            ((x ^ (x >> 31)) >> 40) as f32 / (1u64 << 24) as f32
+        };
+        (0..12).map(uniform).sum::<f32>() - 6.0
+    }
+
+    fn picture(code: impl Fn(usize, usize) -> f32) -> Picture {
+        let code = |x, y| Rgb::splat(code(x, y).round().clamp(0.0, 255.0) / 255.0);
+        Picture::new(Image::from_fn(SIDE, SIDE, code), Depth::Eight)
+    }
+
+    #[test]
+    fn what_stays_is_not_brighter_than_what_was_there() {
+        const SIGMA: f32 = 2.0;
+        // A ramp from black to 12 codes; its lower half is in the noise.
+        let level = |x: usize| 12.0 * x as f32 / SIDE as f32;
+        let noisy = picture(|x, y| level(x) + SIGMA * noise(y * SIDE + x));
+        let dark = dark_pixels(&noisy, Rgb::ZERO);
+        let mut stays = vec![true; SIDE * SIDE];
+        dark.iter().for_each(|&index| stays[index] = false);
+        let bias = |keep: &dyn Fn(usize) -> bool, columns: std::ops::Range<usize>| {
+            let kept: Vec<usize> =
+                (0..SIDE * SIDE).filter(|&i| columns.contains(&(i % SIDE)) && keep(i)).collect();
+            let code = |i: &usize| 255.0 * noisy.values.pixels()[*i].x - level(i % SIDE);
+            (kept.iter().map(code).sum::<f32>() / kept.len() as f32, kept.len())
+        };
+        // Between 3 and 5 codes, where the noise is cut off now and then.
+        let columns = 75..125;
+        let (judged_by_neighbours, count) = bias(&|i| stays[i], columns.clone());
+        let (all, _) = bias(&|_| true, columns.clone());
+        let (without_black, _) = bias(&|i| noisy.values.pixels()[i].x > 0.0, columns);
+        assert!(count > 3000, "{count}");
+        assert!(judged_by_neighbours <= all + 0.01, "{judged_by_neighbours} against {all}");
+        assert!(without_black > all + 0.05, "{without_black} against {all}");
+        // Most of what is between 1.5 and 3 codes goes.
+        let (_, count) = bias(&|i| stays[i], 38..75);
+        assert!((count as f32) < 0.45 * 37.0 * SIDE as f32, "{count}");
+    }
+
+    #[test]
+    fn what_is_really_black_stays_and_edges_do() {
+        let half = picture(|x, _| if x < SIDE / 2 { 0.0 } else { 90.0 });
+        assert!(dark_pixels(&half, Rgb::ZERO).is_empty());
+        assert!(dark_pixels(&picture(|_, _| 0.0), Rgb::ZERO).is_empty());
+        // One code of rounding is no noise.
+        assert!(dark_pixels(&picture(|x, y| ((x + y) % 2) as f32), Rgb::ZERO).is_empty());
+    }
+}

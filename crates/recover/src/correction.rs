@@ -1,0 +1,53 @@
+//! Numbers of the camera that are asked for together with the materials: a gamma, say, or the
+//! coefficients of vignetting.
+//!
+//! What a camera's number does to the photograph is known without any rendering. Near the values
+//! `c` with which it was developed, `B(c + s) = B(c) + sum_k s_k dB/dc_k`, and `s` joins the unknowns
+//! of the refinement. Whoever asks develops the photograph anew with `c + s`, until `s` is small.
+
+use crate::ladder::State;
+use unrender_scene::{Rgb, RgbImage};
+
+/// One number of the camera that is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Correction {
+    /// How the photograph's values change with it, before the exposure is applied.
+    pub derivative: RgbImage,
+    /// Where it is believed to be before the photograph is looked at, counted from where it is now.
+    pub belief: f64,
+    /// The standard deviation of that belief; it only speaks where the photograph is silent.
+    pub deviation: f64,
+    /// How far it may go from where it is now, because the derivative holds no further.
+    pub reach: f64,
+}
+
+/// What came out for the numbers of the camera, in the order of [`crate::Problem::corrections`].
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Corrected {
+    /// How far each is from where it was.
+    pub steps: Vec<f64>,
+    /// The covariance of them; empty if nothing was refined.
+    pub covariance: Vec<Vec<f64>>,
+}
+
+impl Correction {
+    /// The relative change of the whole photograph by it.
+    pub(crate) fn relative(&self, values: &RgbImage) -> Rgb {
+        let sum = |image: &RgbImage| image.pixels().iter().copied().sum::<Rgb>();
+        sum(&self.derivative) / sum(values).max(Rgb::splat(f32::MIN_POSITIVE))
+    }
+}
+
+impl State<'_> {
+    /// The photograph's value at a pixel with the camera's numbers as they stand, before exposure.
+    pub(crate) fn value(&self, pixel: usize) -> Rgb {
+        let value = self.observation.picture.values.pixels()[pixel];
+        value + self.correction(pixel)
+    }
+
+    /// What the camera's numbers add to the value of a pixel.
+    pub(crate) fn correction(&self, pixel: usize) -> Rgb {
+        let corrections = self.problem.corrections.iter().zip(&self.corrected.steps);
+        corrections.map(|(c, step)| c.derivative.pixels()[pixel] * *step as f32).sum()
+    }
+}

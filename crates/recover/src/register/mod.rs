@@ -1,0 +1,167 @@
+//! How well the model lies on the photograph, and which pixels that makes doubtful [Boivin &
+//! Gagalowicz 2002, section 3.2: the model may be several pixels off].
+//!
+//! The model says where the photograph should have edges ([`edges`]); how far away the photograph
+//! has them ([`offset`]) gives the camera under which both agree ([`align`]). Either that camera is
+//! taken, or, where the given one is to be kept, the pixels next to an edge of the model ([`margin`])
+//! or of the photograph ([`steep`]) are not believed, as far as the model's picture is off there.
+
+pub mod align;
+pub mod edges;
+pub mod margin;
+pub mod offset;
+pub mod steep;
+
+use align::{Alignment, Offset, align, median, vote};
+use edges::{Edgel, edgels, finer};
+use glam::{Vec2, Vec3};
+use offset::EdgePicture;
+use unrender_render::{GeometryBuffers, NOTHING};
+use unrender_scene::{Camera, Image, RgbImage};
+
+/// How far from the model's edges the photograph's are looked for, in pixels per row of the
+/// picture, at first; later steps look less far.
+const REACH: f32 = 0.025;
+const REACH_PIXELS: [f32; 2] = [4.0, 16.0];
+/// Steps towards the camera at most.
+const STEPS_MAX: usize = 8;
+/// It has arrived when no edge point moves by more than this on the median, pixels.
+const ARRIVED: f32 = 0.05;
+/// Edges along fewer pixels than this fix no camera.
+const EDGELS_MIN: usize = 60;
+/// With edges along fewer pixels than this, an object says nothing of its own place.
+const FEW: usize = 20;
+
+/// Traces what a camera sees in a picture of so many columns and rows.
+pub type GeometryOf<'a> = &'a dyn Fn(&Camera, usize, usize) -> GeometryBuffers;
+
+/// How a model lies on a photograph.
+#[derive(Clone, Debug)]
+pub struct Registration {
+    /// The camera that brings the model's edges onto the photograph's.
+    pub camera: Camera,
+    /// How far the edges of the model as given are from there on the median, pixels.
+    pub displacement: f32,
+    /// What remains under that camera: the spread of the offsets, pixels.
+    pub deviation: f32,
+    /// The standard deviation of where that camera puts a point, pixels.
+    pub uncertainty: f32,
+    /// Edge points of the model that the photograph confirms.
+    pub confirmed: usize,
+    /// For each pixel: how far the model's picture is off there, pixels.
+    pub displacements: Image<f32>,
+    /// For each object: how far its own edges are off under that camera, pixels; zero where its edge
+    /// points are too few to tell.
+    pub own: Vec<f32>,
+}
+
+impl Registration {
+    /// What remains to be said once [`Registration::camera`] is the camera.
+    #[must_use]
+    pub fn taken(mut self) -> Self {
+        self.displacements = self.displacements.map(|_| 0.0);
+        self
+    }
+}
+
+/// Finds how the model, as `camera` sees it, lies on the photograph's linear `values`. None if the photograph has too few edges where the model
+/// has them.
+pub fn register(
+    values: &RgbImage,
+    camera: &Camera,
+    geometry_of: GeometryOf<'_>,
+) -> Option<Registration> {
+    let size = (values.width(), values.height());
+    let finer = finer(size);
+    let search = Search { picture: EdgePicture::new(values), size, finer, geometry_of };
+    let reach = (REACH * size.1 as f32).clamp(REACH_PIXELS[0], REACH_PIXELS[1]);
+    let offsets = search.offsets(camera, reach);
+    if offsets.len() < EDGELS_MIN * finer {
+        return None;
+    }
+    let mut found = align(&offsets, camera, size, vote(&offsets, reach).0, finer)?;
+    for _ in 1..STEPS_MAX {
+        let reach = (4.0 * found.deviation as f32).clamp(REACH_PIXELS[0], reach);
+        let offsets = search.offsets(&found.camera, reach);
+        let next = align(&offsets, &found.camera, size, Vec2::ZERO, finer)?;
+        let moved = offsets.iter().map(|o| moved(&o.edgel.at, o.edgel.point, &next.camera, size));
+        let moved = median(moved)?;
+        found = next;
+        if moved < ARRIVED {
+            break;
+        }
+    }
+    (found.inliers >= EDGELS_MIN * finer).then(|| search.report(camera, found))
+}
+
+/// A photograph to be searched for the edges of a model.
+struct Search<'a> {
+    picture: EdgePicture,
+    size: (usize, usize),
+    finer: usize,
+    geometry_of: GeometryOf<'a>,
+}
+
+impl Search<'_> {
+    fn edgels(&self, camera: &Camera) -> Vec<Edgel> {
+        let (width, height) = self.size;
+        let finer = self.finer;
+        edgels(&(self.geometry_of)(camera, finer * width, finer * height), camera, finer)
+    }
+
+    /// How far the photograph's edges are from the model's, where they are found.
+    fn offsets(&self, camera: &Camera, reach: f32) -> Vec<Offset> {
+        let measured = |edgel: Edgel| {
+            self.picture.offset(&edgel, reach).map(|distance| Offset { edgel, distance })
+        };
+        self.edgels(camera).into_iter().filter_map(measured).collect()
+    }
+
+    fn report(&self, camera: &Camera, found: Alignment) -> Registration {
+        let (width, height) = self.size;
+        let geometry = (self.geometry_of)(camera, width, height);
+        let displacement = |x: usize, y: usize| {
+            let pixel = geometry.at(x, y);
+            if pixel.object == NOTHING {
+                return 0.0;
+            }
+            let at = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+            let point = camera.origin() + camera.direction(at.x, at.y, width, height) * pixel.depth;
+            moved(&at, point, &found.camera, self.size)
+        };
+        let of_edges = self.edgels(camera);
+        let of_edges = of_edges.iter().map(|e| moved(&e.at, e.point, &found.camera, self.size));
+        let left = self.offsets(&found.camera, REACH_PIXELS[0]);
+        let objects = geometry.pixels().iter().map(|p| p.object).filter(|&o| o != NOTHING);
+        let objects = objects.max().map_or(0, |last| last + 1);
+        Registration {
+            displacement: median(of_edges).unwrap_or(0.0),
+            deviation: found.deviation as f32,
+            uncertainty: found.uncertainty as f32,
+            confirmed: found.inliers,
+            displacements: Image::from_fn(width, height, displacement),
+            own: (0..objects)
+                .map(|object| own_displacement(&left, object, FEW * self.finer))
+                .collect(),
+            camera: found.camera,
+        }
+    }
+}
+
+/// How far an object's edges are from the photograph's, if most of them agree on it.
+fn own_displacement(left: &[Offset], object: u32, few: usize) -> f32 {
+    const MOST: f32 = 0.8;
+    let own: Vec<Offset> = left.iter().filter(|o| o.edgel.object == object).copied().collect();
+    if own.len() < few {
+        return 0.0;
+    }
+    let (shift, share) = vote(&own, REACH_PIXELS[0]);
+    let across = median(own.iter().map(|o| o.edgel.across.dot(shift).abs()));
+    if share > MOST { across.unwrap_or(0.0) } else { 0.0 }
+}
+
+/// How far a point that was seen at `at` is from there under `camera`; zero where it leaves the
+/// picture.
+fn moved(at: &Vec2, point: Vec3, camera: &Camera, (width, height): (usize, usize)) -> f32 {
+    camera.project(point, width, height).map_or(0.0, |(x, y)| at.distance(Vec2::new(x, y)))
+}

@@ -1,0 +1,164 @@
+//! Pixels that show something that is not in the model, like the book on the paper's desk [Boivin &
+//! Gagalowicz 2002, section 3.2].
+//!
+//! The paper fits a plane to the values of a flat object. Light is seldom planar, but its shape is
+//! known here: what must be flat over a surface is the quotient of photograph and re-rendering under
+//! the best uniform hypothesis. Its mean is taken over small cells of the picture. Cells that stand
+//! out from their group, in a few coherent patches, are strays: the group is fitted again without
+//! them, which shows others. A pattern is no stray: it covers more, or comes in many pieces.
+//!
+//! In groups of several objects, an object whose quotient is further than lambda from the median of
+//! all does not count either: the function f of the paper's equation 3.
+
+use crate::evidence::Evidence;
+use crate::hypothesis::Fit;
+use std::collections::{BTreeMap, BTreeSet};
+use unrender_render::GeometryBuffers;
+
+/// The side of a cell, pixels.
+const SIDE: usize = 6;
+/// A cell stands out by this many deviations of its group's cells ...
+const DEVIATIONS: f32 = 5.0;
+/// ... and by this much at least, relatively.
+const LEAST: f32 = 0.05;
+/// A cell beside one that stands out goes with it at this share of the threshold.
+const BESIDE: f32 = 0.4;
+/// Strays cover at most this share of a group.
+pub const SHARE_MAX: f32 = 0.2;
+/// A patch of strays has at least this many cells on the mean; less is a pattern or noise.
+const PATCH: f32 = 3.0;
+
+/// A cell of the picture: column and row.
+type Cell = (usize, usize);
+
+/// The sampled pixels of a group that show something else, as flags beside `evidence.pixels`; none
+/// if `fit` has no such pixels, or too many.
+pub fn find(
+    evidence: &Evidence,
+    fit: &Fit,
+    geometry: &GeometryBuffers,
+    dispersion: f64,
+) -> Option<Vec<bool>> {
+    let width = geometry.width();
+    let cell_of = |pixel: u32| (pixel as usize % width / SIDE, pixel as usize / width / SIDE);
+    let quotients = quotients(evidence, fit);
+    let dispersed = dispersed_objects(evidence, &quotients, geometry, dispersion);
+    let object = |pixel: u32| geometry.pixels()[pixel as usize].object;
+    let mut cells: BTreeMap<Cell, Vec<f32>> = BTreeMap::new();
+    for (pixel, quotient) in evidence.pixels.iter().zip(&quotients) {
+        if !dispersed.contains(&object(pixel.pixel)) {
+            cells.entry(cell_of(pixel.pixel)).or_default().push(*quotient);
+        }
+    }
+    let strays = stray_cells(&cells);
+    let flags: Vec<bool> = evidence
+        .pixels
+        .iter()
+        .map(|p| dispersed.contains(&object(p.pixel)) || strays.contains(&cell_of(p.pixel)))
+        .collect();
+    let share = flags.iter().filter(|f| **f).count() as f32 / flags.len().max(1) as f32;
+    (share > 0.0 && share <= SHARE_MAX).then_some(flags)
+}
+
+/// All of `pixels` in the cells and objects of the sampled strays.
+pub fn spread_out(
+    sampled: &[u32],
+    flags: &[bool],
+    pixels: &[u32],
+    geometry: &GeometryBuffers,
+) -> Vec<u32> {
+    let width = geometry.width();
+    let key = |pixel: u32| (pixel as usize % width / SIDE, pixel as usize / width / SIDE);
+    let stray = sampled.iter().zip(flags).filter(|(_, stray)| **stray);
+    let cells: BTreeSet<Cell> = stray.map(|(p, _)| key(*p)).collect();
+    pixels.iter().copied().filter(|&p| cells.contains(&key(p))).collect()
+}
+
+/// One plus the relative residual at each sampled pixel, in the channel where it is largest.
+fn quotients(evidence: &Evidence, fit: &Fit) -> Vec<f32> {
+    let model = evidence.radiance(&fit.material);
+    let one = |i: usize| {
+        let pixel = &evidence.pixels[i];
+        let mean = 0.5 * (model[0][i] + model[1][i]);
+        let relative = (pixel.radiance - mean) / pixel.level;
+        let [r, g, b] = relative.to_array();
+        1.0 + [g, b].into_iter().fold(r, |most, c| if c.abs() > most.abs() { c } else { most })
+    };
+    (0..evidence.pixels.len()).map(one).collect()
+}
+
+/// Objects of which the median quotient is further than `dispersion` from the median of all the
+/// group's objects, relatively; none if that would be half of the group or more.
+fn dispersed_objects(
+    evidence: &Evidence,
+    quotients: &[f32],
+    geometry: &GeometryBuffers,
+    dispersion: f64,
+) -> BTreeSet<u32> {
+    let mut objects: BTreeMap<u32, Vec<f32>> = BTreeMap::new();
+    for (pixel, quotient) in evidence.pixels.iter().zip(quotients) {
+        objects.entry(geometry.pixels()[pixel.pixel as usize].object).or_default().push(*quotient);
+    }
+    let medians: BTreeMap<u32, f32> =
+        objects.into_iter().map(|(object, values)| (object, median(values))).collect();
+    let middle = median(medians.values().copied().collect());
+    let far = |m: f32| f64::from((m / middle - 1.0).abs()) > dispersion;
+    let far: BTreeSet<u32> = medians.iter().filter(|m| far(*m.1)).map(|m| *m.0).collect();
+    if 2 * far.len() < medians.len() { far } else { BTreeSet::new() }
+}
+
+/// The cells that stand out in coherent patches.
+fn stray_cells(cells: &BTreeMap<Cell, Vec<f32>>) -> BTreeSet<Cell> {
+    let means: BTreeMap<Cell, f32> =
+        cells.iter().map(|(cell, values)| (*cell, median(values.clone()))).collect();
+    let middle = median(means.values().copied().collect());
+    let deviation = 1.4826 * median(means.values().map(|m| (m - middle).abs()).collect());
+    let threshold = (DEVIATIONS * deviation).max(LEAST);
+    let beyond = |cell: &Cell, share: f32| {
+        means.get(cell).is_some_and(|m| (m - middle).abs() > share * threshold)
+    };
+    let seeds: BTreeSet<Cell> = means.keys().filter(|c| beyond(c, 1.0)).copied().collect();
+    let mut strays = BTreeSet::new();
+    for patch in patches(&seeds) {
+        if patch.len() as f32 >= PATCH {
+            strays.extend(patch);
+        }
+    }
+    let beside = |cell: &Cell| neighbours(*cell).any(|n| strays.contains(&n));
+    let grown: Vec<Cell> =
+        means.keys().filter(|c| beside(c) && beyond(c, BESIDE)).copied().collect();
+    strays.extend(grown);
+    strays
+}
+
+/// The connected patches of a set of cells.
+fn patches(cells: &BTreeSet<Cell>) -> Vec<Vec<Cell>> {
+    let mut left = cells.clone();
+    let mut patches = Vec::new();
+    while let Some(first) = left.pop_first() {
+        let (mut patch, mut next) = (vec![first], 0);
+        while next < patch.len() {
+            for neighbour in neighbours(patch[next]) {
+                if left.remove(&neighbour) {
+                    patch.push(neighbour);
+                }
+            }
+            next += 1;
+        }
+        patches.push(patch);
+    }
+    patches
+}
+
+fn neighbours((x, y): Cell) -> impl Iterator<Item = Cell> {
+    let rows = y.saturating_sub(1)..=y + 1;
+    rows.flat_map(move |row| (x.saturating_sub(1)..=x + 1).map(move |col| (col, row)))
+}
+
+fn median(mut values: Vec<f32>) -> f32 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f32::total_cmp).1
+}

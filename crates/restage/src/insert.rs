@@ -1,0 +1,179 @@
+//! A model put into the scene.
+
+use crate::edit::Stage;
+use crate::repaint::Paint;
+use crate::snap;
+use glam::{Affine3A, Quat, Vec3};
+use unrender_scene::{Light, LightKind, Mesh, Scene};
+
+/// Puts a model into the scene. Its objects and groups are called `name.theirs` there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Insert {
+    /// What the inserted thing is called.
+    pub name: String,
+    /// Its meshes, groups and lights; checked as `Scene::validate_meshes` does.
+    pub model: Scene,
+    /// How it is turned about its own origin.
+    pub rotation: Quat,
+    /// How many times as large it becomes, above zero.
+    pub scale: f32,
+    /// Where it stands.
+    pub place: Place,
+    /// Other materials than its own: for the group of the model that is named, or for all.
+    pub paint: Vec<(Option<String>, Paint)>,
+}
+
+/// Where a model stands.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Place {
+    /// Its origin stands there, metres.
+    At(Vec3),
+    /// It is put down onto the highest surface of a group above or below a point of the ground.
+    Onto {
+        /// The group.
+        group: String,
+        /// The point's x, metres.
+        x: f32,
+        /// The point's z, metres.
+        z: f32,
+    },
+    /// It is put down where a ray first meets the scene.
+    Seen {
+        /// Where the ray starts, metres.
+        origin: Vec3,
+        /// Unit vector along it.
+        direction: Vec3,
+        /// The group that it has to meet, if that is stated.
+        group: Option<String>,
+    },
+}
+
+pub(crate) fn apply(insert: &Insert, stage: &mut Stage<'_>) -> Result<(), String> {
+    let name = insert.name.as_str();
+    let prefix = format!("{name}.");
+    let scene = &*stage.scene;
+    let mut names =
+        scene.groups.iter().map(|g| &g.name).chain(scene.objects.iter().map(|o| &o.name));
+    if names.any(|there| there == name || there.starts_with(&prefix)) {
+        return Err(format!(
+            "something in the scene is called \"{name}\" already; give the inserted object another \
+             name"
+        ));
+    }
+    let mut model = insert.model.clone();
+    paint(insert, &mut model)?;
+    let turned = Affine3A::from_scale_rotation_translation(
+        Vec3::splat(insert.scale),
+        insert.rotation,
+        Vec3::ZERO,
+    );
+    model.objects.iter_mut().for_each(|object| carry(&mut object.mesh, &turned));
+    let Some([low, high]) = bounds(&model) else {
+        return Err(format!("the model of \"{name}\" has no triangles"));
+    };
+    let foot = 0.5 * (low + high).with_y(2.0 * low.y);
+    let shift = match &insert.place {
+        Place::At(position) => *position,
+        Place::Onto { group, x, z } => snap::highest(scene, group, *x, *z)? - foot,
+        Place::Seen { origin, direction, group } => {
+            snap::seen(scene, *origin, *direction, group.as_deref())? - foot
+        }
+    };
+    let moved = Affine3A::from_translation(shift);
+    model.objects.iter_mut().for_each(|object| carry(&mut object.mesh, &moved));
+    if let Some([a, b]) = bounds(scene)
+        && ((low + shift).cmpgt(b).any() || (high + shift).cmplt(a).any())
+    {
+        return Err(format!(
+            "\"{name}\" stands outside the scene, which reaches from {a} to {b}: it would reach \
+             from {} to {}",
+            low + shift,
+            high + shift
+        ));
+    }
+    let world_from_model = moved * turned;
+    model.lights.iter_mut().for_each(|light| carry_light(light, &world_from_model, insert.scale));
+    join(insert, model, stage);
+    Ok(())
+}
+
+/// Puts the materials of the edit onto the model's groups.
+fn paint(insert: &Insert, model: &mut Scene) -> Result<(), String> {
+    for (group, paint) in &insert.paint {
+        let wanted = |name: &str| group.as_ref().is_none_or(|g| g == name);
+        if !model.groups.iter().any(|g| wanted(&g.name)) {
+            let there = crate::edit::some_names(model.groups.iter().map(|g| g.name.as_str()));
+            return Err(format!(
+                "the model has no material \"{}\"; it has {there}",
+                group.as_deref().unwrap_or_default()
+            ));
+        }
+        for of_model in model.groups.iter_mut().filter(|g| wanted(&g.name)) {
+            paint.onto(&mut of_model.material)?;
+        }
+    }
+    Ok(())
+}
+
+/// Adds the placed model to the scene.
+fn join(insert: &Insert, model: Scene, stage: &mut Stage<'_>) {
+    let first = stage.scene.groups.len();
+    let prefix = &insert.name;
+    let glossy = model.groups.iter().any(|g| g.material.is_glossy());
+    if glossy && model.brdf != stage.scene.brdf {
+        stage.change.warnings.push(format!(
+            "the materials of \"{prefix}\" are meant for {}, but the scene's lobe is {}, which was \
+             taken",
+            model.brdf, stage.scene.brdf
+        ));
+    }
+    for mut group in model.groups {
+        group.name = format!("{prefix}.{}", group.name);
+        stage.scene.groups.push(group);
+    }
+    for mut object in model.objects {
+        object.name = format!("{prefix}.{}", object.name);
+        object.group += first;
+        stage.scene.objects.push(object);
+        stage.change.origin.push(None);
+    }
+    for mut light in model.lights {
+        light.name = format!("{prefix}.{}", light.name);
+        stage.scene.lights.push(light);
+    }
+}
+
+/// Carries a mesh by a similarity.
+fn carry(mesh: &mut Mesh, transform: &Affine3A) {
+    let turn = |v: Vec3| transform.transform_vector3(v).normalize_or(v);
+    mesh.positions.iter_mut().for_each(|p| *p = transform.transform_point3(*p));
+    mesh.normals.iter_mut().for_each(|n| *n = turn(*n));
+    mesh.tangents.iter_mut().for_each(|t| *t = turn(t.truncate()).extend(t.w));
+}
+
+/// Carries a light by a similarity that makes things `scale` times as large. Radiance stays, so
+/// that radiant intensity grows with the area.
+fn carry_light(light: &mut Light, transform: &Affine3A, scale: f32) {
+    let turn = |v: Vec3| transform.transform_vector3(v).normalize_or(v);
+    match &mut light.kind {
+        LightKind::Point { position, intensity } => {
+            *position = transform.transform_point3(*position);
+            *intensity *= scale * scale;
+        }
+        LightKind::Spot { position, direction, intensity, .. } => {
+            *position = transform.transform_point3(*position);
+            *direction = turn(*direction);
+            *intensity *= scale * scale;
+        }
+        LightKind::Directional { direction, .. } => *direction = turn(*direction),
+    }
+}
+
+/// The box around all vertices that a triangle uses; none without a triangle.
+fn bounds(scene: &Scene) -> Option<[Vec3; 2]> {
+    let corners = scene
+        .objects
+        .iter()
+        .flat_map(|o| (0..o.mesh.triangles.len()).flat_map(|index| o.mesh.corners(index)));
+    corners.map(|p| [p, p]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+}

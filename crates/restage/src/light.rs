@@ -1,0 +1,185 @@
+//! Lights changed, added and removed.
+//!
+//! An area light is a group that emits, with its objects; all others are in `Scene::lights`.
+
+use crate::edit::{Stage, some_names};
+use glam::{Quat, Vec2, Vec3};
+use unrender_scene::{Group, Light, LightKind, Material, Mesh, Object, Rgb};
+
+/// Changes, adds or removes one light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightEdit {
+    /// The name of the light: of a group that emits, or of a light without a surface.
+    pub name: String,
+    /// What becomes of it.
+    pub change: LightChange,
+}
+
+/// What becomes of a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightChange {
+    /// It stays, differently.
+    Alter(Alter),
+    /// It is gone; of an area light the objects too.
+    Remove,
+    /// It is new.
+    Add(NewLight),
+}
+
+/// A change of a light that is there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Alter {
+    /// How many times as bright it becomes, by channel; zero switches it off.
+    pub scale: Rgb,
+    /// How bright it becomes before that, in the unit of its kind: radiance, radiant intensity or
+    /// irradiance.
+    pub strength: Option<Rgb>,
+    /// How far it is moved, metres.
+    pub shift: Vec3,
+    /// Where it shines to, a unit vector: spots and directional lights.
+    pub direction: Option<Vec3>,
+}
+
+/// A light that was not there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NewLight {
+    /// One without a surface.
+    Punctual(LightKind),
+    /// A rectangle that emits from one side.
+    Area {
+        /// Its centre, metres.
+        centre: Vec3,
+        /// Unit vector to where it shines.
+        normal: Vec3,
+        /// Its two sides, metres.
+        size: Vec2,
+        /// Radiance, W sr^-1 m^-2 per channel.
+        radiance: Rgb,
+    },
+}
+
+/// Which light it is.
+enum Found {
+    Area(usize),
+    Punctual(usize),
+}
+
+pub(crate) fn apply(edit: &LightEdit, stage: &mut Stage<'_>) -> Result<(), String> {
+    stage.claim("light", &edit.name)?;
+    if let LightChange::Add(new) = edit.change {
+        return add(&edit.name, new, stage);
+    }
+    match (find(&edit.name, stage)?, edit.change) {
+        (found, LightChange::Alter(alter)) => alter_light(&edit.name, &found, alter, stage),
+        (Found::Area(group), _) => {
+            let of_group: Vec<bool> =
+                stage.scene.objects.iter().map(|object| object.group == group).collect();
+            stage.retain_objects(|index| !of_group[index]);
+            Ok(())
+        }
+        (Found::Punctual(index), _) => {
+            stage.scene.lights.remove(index);
+            Ok(())
+        }
+    }
+}
+
+fn find(name: &str, stage: &Stage<'_>) -> Result<Found, String> {
+    let groups = stage.scene.groups.len();
+    let found: Vec<usize> =
+        stage.scene.sources().filter(|s| s.name == name).map(|s| s.index).collect();
+    match found[..] {
+        [index] if index < groups => Ok(Found::Area(index)),
+        [index] => Ok(Found::Punctual(index - groups)),
+        [] => {
+            let there = some_names(stage.scene.sources().map(|s| s.name));
+            Err(format!(
+                "the scene has no light \"{name}\"; it has {there}; add = \"...\" adds one"
+            ))
+        }
+        _ => Err(format!("several lights are called \"{name}\"; rename them in the scene")),
+    }
+}
+
+fn alter_light(
+    name: &str,
+    found: &Found,
+    alter: Alter,
+    stage: &mut Stage<'_>,
+) -> Result<(), String> {
+    let change = &mut stage.change;
+    let scene = &mut stage.scene;
+    let strength = match *found {
+        Found::Area(group) => {
+            if alter.direction.is_some() {
+                return Err(format!("\"{name}\" is an area light, which has no direction to set"));
+            }
+            let objects = scene.objects.iter_mut().zip(&mut change.origin);
+            for (object, origin) in objects.filter(|(o, _)| o.group == group) {
+                if alter.shift != Vec3::ZERO {
+                    object.mesh.positions.iter_mut().for_each(|p| *p += alter.shift);
+                    *origin = None;
+                }
+            }
+            &mut scene.groups[group].emission
+        }
+        Found::Punctual(index) => {
+            place(name, &mut scene.lights[index].kind, alter)?;
+            scene.lights[index].kind.strength_mut()
+        }
+    };
+    *strength = alter.strength.unwrap_or(*strength) * alter.scale;
+    Ok(())
+}
+
+fn place(name: &str, kind: &mut LightKind, alter: Alter) -> Result<(), String> {
+    match kind {
+        LightKind::Point { .. } if alter.direction.is_some() => {
+            return Err(format!("\"{name}\" is a point light, which has no direction"));
+        }
+        LightKind::Directional { .. } if alter.shift != Vec3::ZERO => {
+            return Err(format!(
+                "\"{name}\" shines from infinitely far away and cannot be moved; give a direction"
+            ));
+        }
+        LightKind::Point { position, .. } => *position += alter.shift,
+        LightKind::Spot { position, direction, .. } => {
+            *position += alter.shift;
+            *direction = alter.direction.unwrap_or(*direction);
+        }
+        LightKind::Directional { direction, .. } => {
+            *direction = alter.direction.unwrap_or(*direction);
+        }
+    }
+    Ok(())
+}
+
+fn add(name: &str, new: NewLight, stage: &mut Stage<'_>) -> Result<(), String> {
+    let scene = &mut stage.scene;
+    if scene.sources().any(|s| s.name == name) || scene.group_index(name).is_some() {
+        return Err(format!(
+            "the scene has a light or a group \"{name}\" already; call the new light differently"
+        ));
+    }
+    match new {
+        NewLight::Punctual(kind) => scene.lights.push(Light { name: name.to_owned(), kind }),
+        NewLight::Area { centre, normal, size, radiance } => {
+            let group = scene.groups.len();
+            let material = Material::diffuse(Rgb::ZERO);
+            scene.groups.push(Group { name: name.to_owned(), material, emission: radiance });
+            let mesh = rectangle(centre, normal, size);
+            scene.objects.push(Object { name: name.to_owned(), group, mesh });
+            stage.change.origin.push(None);
+        }
+    }
+    Ok(())
+}
+
+/// A rectangle about `centre` that faces `normal`; its first side is level.
+fn rectangle(centre: Vec3, normal: Vec3, size: Vec2) -> Mesh {
+    let across = Vec3::Y.cross(normal).try_normalize().unwrap_or(Vec3::X);
+    let turn = Quat::from_mat3(&glam::Mat3::from_cols(across, normal.cross(across), normal));
+    let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)];
+    let positions = corners.map(|(x, y)| centre + turn * Vec3::new(x * size.x, y * size.y, 0.0));
+    Mesh::flat(&positions, &[], &[[0, 1, 2], [0, 2, 3]])
+}

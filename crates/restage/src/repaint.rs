@@ -1,0 +1,84 @@
+//! A group that reflects differently.
+
+use crate::edit::{Stage, some_names};
+use std::sync::Arc;
+use unrender_scene::{Material, Rgb, Texture};
+
+/// Changes the reflectance of a group; what is none stays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Repaint {
+    /// The group's name.
+    pub group: String,
+    /// How it is painted.
+    pub paint: Paint,
+}
+
+/// New parameters of a material; what is none stays as it is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Paint {
+    /// Diffuse reflectance; takes the place of a texture.
+    pub rho_d: Option<Rgb>,
+    /// Specular reflectance.
+    pub rho_s: Option<Rgb>,
+    /// Roughness along the brushed direction.
+    pub alpha_x: Option<f32>,
+    /// Roughness across it.
+    pub alpha_y: Option<f32>,
+    /// Brushed direction, radians from the surface's tangent.
+    pub theta_rad: Option<f32>,
+    /// Diffuse reflectance over the surface, by its `TEXCOORD_0`.
+    pub texture: Option<Arc<Texture>>,
+}
+
+impl Paint {
+    /// Puts the paint onto `material`.
+    ///
+    /// # Errors
+    /// If a shine is left that is smooth in one direction and rough in the other.
+    pub fn onto(&self, material: &mut Material) -> Result<(), String> {
+        if let Some(rho_d) = self.rho_d {
+            material.rho_d = rho_d;
+            material.texture = None;
+        }
+        if let Some(texture) = &self.texture {
+            let texels = texture.image.pixels();
+            let sum: glam::DVec3 = texels.iter().map(|rho| rho.as_dvec3()).sum();
+            material.rho_d = (sum / texels.len().max(1) as f64).as_vec3();
+            material.texture = Some(texture.clone());
+        }
+        material.rho_s = self.rho_s.unwrap_or(material.rho_s);
+        material.alpha_x = self.alpha_x.unwrap_or(material.alpha_x);
+        material.alpha_y = self.alpha_y.unwrap_or(material.alpha_y);
+        material.theta_rad = self.theta_rad.unwrap_or(material.theta_rad);
+        if material.is_glossy() && (material.alpha_x > 0.0) != (material.alpha_y > 0.0) {
+            return Err(format!(
+                "alpha_x is {} and alpha_y is {}; both are positive or, for a mirror, both zero",
+                material.alpha_x, material.alpha_y
+            ));
+        }
+        Ok(())
+    }
+}
+
+pub(crate) fn apply(repaint: &Repaint, stage: &mut Stage<'_>) -> Result<(), String> {
+    let name = repaint.group.as_str();
+    stage.claim("group", name)?;
+    let Some(group) = stage.scene.group_index(name) else {
+        let there = some_names(stage.scene.groups.iter().map(|g| g.name.as_str()));
+        return Err(format!("the scene has no group \"{name}\" to repaint; it has {there}"));
+    };
+    if !stage.scene.objects.iter().any(|object| object.group == group) {
+        return Err(format!("the group \"{name}\" has no surface left to repaint; it was removed"));
+    }
+    let bare = |o: &&unrender_scene::Object| o.group == group && o.mesh.uvs.is_empty();
+    if repaint.paint.texture.is_some()
+        && let Some(object) = stage.scene.objects.iter().find(bare)
+    {
+        return Err(format!(
+            "object \"{}\" of group \"{name}\" has no TEXCOORD_0 for a texture; unwrap it in the \
+             scene",
+            object.name
+        ));
+    }
+    repaint.paint.onto(&mut stage.scene.groups[group].material)
+}

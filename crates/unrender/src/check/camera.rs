@@ -1,0 +1,106 @@
+//! Where the camera stands, and in what units: what fills the picture, and how far away it is.
+
+use super::{Subject, length};
+use glam::Vec3;
+use std::collections::BTreeMap;
+use unrender_render::NOTHING;
+use unrender_scene::Warnings;
+
+/// A picture that shows nothing of the model in more than this share of its pixels is doubtful.
+const EMPTY: f32 = 0.5;
+/// An object that fills this share of the picture from behind is around the camera.
+const AROUND: f32 = 0.98;
+/// Nearer than this share of the distance at which the scene ends, something stands in the way ...
+const NEAR: f32 = 0.01;
+/// ... if it fills this share of the picture.
+const IN_THE_WAY: f32 = 0.25;
+/// What a photograph of an indoor scene shows is between these sizes, metres.
+const SIZES: [f32; 2] = [0.02, 100.0];
+
+/// What is doubtful about what the camera sees.
+pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
+    let mut warnings = Warnings::default();
+    let pixels = subject.geometry.pixels();
+    let share = |count: usize| count as f32 / pixels.len().max(1) as f32;
+    let empty = share(pixels.iter().filter(|p| p.object == NOTHING).count());
+    if empty > EMPTY {
+        warnings.push(format!(
+            "{:.0} % of the picture show nothing of the model: does the camera stand in the right \
+             place and look the right way? See `unrender calibrate`",
+            100.0 * empty
+        ));
+    }
+    warnings.extend(in_the_way(subject));
+    warnings.extend(units(subject));
+    warnings
+}
+
+fn in_the_way(subject: &Subject<'_>) -> Warnings {
+    let mut warnings = Warnings::default();
+    let pixels = subject.geometry.pixels();
+    let [low, high] = subject.bounds();
+    let near = NEAR * low.distance(high);
+    // For each object: pixels, those from behind, those that are near.
+    let mut counts: BTreeMap<u32, [usize; 3]> = BTreeMap::new();
+    for pixel in pixels.iter().filter(|p| p.object != NOTHING) {
+        let [all, behind, close] = counts.entry(pixel.object).or_default();
+        *all += 1;
+        *behind += usize::from(!pixel.front);
+        *close += usize::from(pixel.depth < near);
+    }
+    let much = |count: usize, share: f32| count as f32 > share * pixels.len() as f32;
+    for (&object, &[_, behind, close]) in &counts {
+        let name = subject.object_name(object);
+        if much(behind, AROUND) && subject.job.scene.objects.len() > 1 {
+            warnings.push(format!(
+                "the picture shows little but object \"{name}\" from behind: does the camera stand \
+                 inside it?"
+            ));
+        } else if much(close, IN_THE_WAY) {
+            warnings.push(format!(
+                "object \"{name}\" fills much of the picture from less than {} away: does it stand \
+                 in the camera's way, or the camera inside it?",
+                length(near)
+            ));
+        }
+    }
+    warnings
+}
+
+/// Scenes of a size that no room has.
+fn units(subject: &Subject<'_>) -> Warnings {
+    let mut warnings = Warnings::default();
+    let Some(size) = seen_size(subject) else { return warnings };
+    let [least, most] = SIZES;
+    if size > most || size < least {
+        let unit = if size > most { "centimetres or millimetres" } else { "another unit" };
+        warnings.push(format!(
+            "what the picture shows is {} across; scenes are in metres. If it was modelled in \
+             {unit}, export it with the scale that makes it metres: point and spot lights and the \
+             camera's place depend on it",
+            length(size)
+        ));
+    }
+    warnings
+}
+
+/// How large what the picture shows is along its longest side, but for a tenth of the pixels at each
+/// end.
+fn seen_size(subject: &Subject<'_>) -> Option<f32> {
+    let (camera, geometry) = (&subject.laid.camera, subject.geometry);
+    let (width, height) = (geometry.width(), geometry.height());
+    let points: Vec<Vec3> = (0..width * height)
+        .filter(|&i| geometry.pixels()[i].object != NOTHING)
+        .map(|i| {
+            let (x, y) = ((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);
+            camera.origin() + camera.direction(x, y, width, height) * geometry.pixels()[i].depth
+        })
+        .collect();
+    let side = |axis: usize| -> Option<f32> {
+        let mut places: Vec<f32> = points.iter().map(|p| p[axis]).collect();
+        places.sort_unstable_by(f32::total_cmp);
+        let tenth = places.len() / 10;
+        Some(places.get(places.len().checked_sub(tenth + 1)?)? - places.get(tenth)?)
+    };
+    [side(0)?, side(1)?, side(2)?].into_iter().reduce(f32::max)
+}

@@ -1,0 +1,124 @@
+//! Group by group: how many pixels show it and count, whether it is lit, and what there is to tell
+//! its roughness by.
+
+use super::{Subject, some};
+use serde::Serialize;
+use unrender_recover::prospect::RoughnessCue;
+use unrender_recover::{Role, Trust};
+use unrender_scene::Warnings;
+
+/// Below this many pixels that count, the noise of a photograph shows in the second digit.
+const FEW: usize = 40;
+/// A group in less light than this share of what the groups get on the median is in the dark.
+const DARK: f32 = 0.02;
+/// A group is mostly cut off from this share of its pixels on.
+const CUT_OFF: f32 = 0.5;
+
+/// What the photograph has of one group.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GroupCheck {
+    /// Its name.
+    pub name: String,
+    /// "unknown", "known" or "emitter".
+    pub role: &'static str,
+    /// Pixels that show it.
+    pub pixels: usize,
+    /// Those of them that count.
+    pub trusted: usize,
+    /// Those that do not because the photograph is cut off there: clipped, too dark, broken.
+    pub cut_off: usize,
+    /// Because an edge is too close.
+    pub edge: usize,
+    /// Because they stand out alone.
+    pub spike: usize,
+    /// The share of it in the picture that gets light straight from a lamp; none if it is unseen or
+    /// emits.
+    pub lit: Option<f32>,
+    /// "highlight", "mirror image", "highlight, mirror image" or "nothing"; none as above.
+    pub roughness: Option<&'static str>,
+    /// What a lamp and the surroundings add to it at most, relative to its diffuse light.
+    pub contrast: Option<[f32; 2]>,
+    /// Whether all its meshes have texture coordinates.
+    pub texture_coordinates: bool,
+}
+
+/// One entry a group.
+pub(super) fn all(subject: &Subject<'_>) -> Vec<GroupCheck> {
+    (0..subject.specs.len()).map(|group| one(subject, group)).collect()
+}
+
+fn one(subject: &Subject<'_>, group: usize) -> GroupCheck {
+    let observation = subject.observation;
+    let all = &observation.all_pixels_of_group[group];
+    let count = |trust: Trust| {
+        all.iter().filter(|&&p| observation.trust.pixels()[p as usize] == trust).count()
+    };
+    let prospect = subject.prospects[group];
+    let of_group = || subject.job.scene.objects.iter().filter(move |o| o.group == group);
+    GroupCheck {
+        name: subject.group_name(group).to_owned(),
+        role: match subject.specs[group].role {
+            Role::Unknown => "unknown",
+            Role::Known => "known",
+            Role::Emitter => "emitter",
+        },
+        pixels: all.len(),
+        trusted: observation.pixels_of_group[group].len(),
+        cut_off: count(Trust::CutOff),
+        edge: count(Trust::Edge),
+        spike: count(Trust::Spike),
+        lit: prospect.map(|p| p.lit),
+        roughness: prospect.map(|p| match p.roughness_cue() {
+            RoughnessCue::Highlight => "highlight",
+            RoughnessCue::Image => "mirror image",
+            RoughnessCue::Both => "highlight, mirror image",
+            RoughnessCue::Nothing => "nothing",
+        }),
+        contrast: prospect.map(|p| [p.highlight, p.image]),
+        texture_coordinates: of_group().count() > 0
+            && of_group().all(|object| !object.mesh.uvs.is_empty()),
+    }
+}
+
+/// Groups that the photograph has too little of.
+pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
+    let mut warnings = Warnings::default();
+    let unknown = || (0..subject.specs.len()).filter(|&g| subject.specs[g].role == Role::Unknown);
+    let named = |groups: &dyn Fn(usize) -> bool| -> Vec<&str> {
+        unknown().filter(|&g| groups(g)).map(|g| subject.group_name(g)).collect()
+    };
+    let all = |g: usize| subject.observation.all_pixels_of_group[g].len();
+    let unseen = named(&|g| all(g) == 0);
+    if !unseen.is_empty() {
+        warnings.push(format!(
+            "no pixel shows {}: what is not seen is only found from the light that it throws on the \
+             rest; if you know its reflectance, state it in [groups.NAME] as known",
+            some(&unseen)
+        ));
+    }
+    for check in unknown().map(|g| one(subject, g)).filter(|check| check.pixels > 0) {
+        let GroupCheck { name, pixels, trusted, cut_off, .. } = &check;
+        if *cut_off as f32 > CUT_OFF * *pixels as f32 {
+            warnings.push(format!(
+                "group \"{name}\": {cut_off} of its {pixels} pixels are clipped, in the noise of \
+                 black or broken; take a photo of another exposure"
+            ));
+        } else if *trusted < FEW {
+            warnings.push(format!(
+                "group \"{name}\" rests on {trusted} pixel(s) that count, of {pixels}; give it the \
+                 material of a larger group that is alike, state it as known, or use a larger photo"
+            ));
+        }
+    }
+    let light = |g: usize| subject.prospects[g].map(|p| p.light);
+    let usual = super::median((0..subject.specs.len()).filter_map(light)).unwrap_or(0.0);
+    let dark = named(&|g| light(g).is_some_and(|light| light <= DARK * usual));
+    if !dark.is_empty() {
+        warnings.push(format!(
+            "next to no light reaches {}: nothing can be told of a surface in the dark; is a lamp \
+             missing from the scene, or something in its way?",
+            some(&dark)
+        ));
+    }
+    warnings
+}

@@ -1,0 +1,252 @@
+//! Lights in the wrong place: inside walls and shades, behind them, or turned to them.
+//!
+//! Straight lines are tried from each light to points of the picture. Of a light that reaches none,
+//! and of one that shines right onto something, the rays around it say what is in its way.
+
+use super::{Subject, length};
+use glam::Vec3;
+use std::collections::BTreeMap;
+use std::f32::consts::TAU;
+use unrender_render::accel::{Ray, offset};
+use unrender_render::surface::Frame;
+use unrender_render::{NOTHING, Tracer};
+use unrender_scene::{Light, LightKind, Mesh, Object, Warnings};
+
+/// Points of the picture that lights are tried on.
+const POINTS: usize = 400;
+/// Points on an area light, for each of those.
+const FROM: usize = 4;
+/// Rays that look around a light.
+const AROUND: usize = 256;
+/// What stops a light nearer than this share of the scene is right beside it.
+const BESIDE: f32 = 1e-3;
+/// What stops an area light nearer than this share of its own size is right before it.
+const BEFORE: f32 = 0.05;
+/// If it stops this share of the light.
+const MOST: f32 = 0.9;
+/// Steps of the golden ratio, but for whole turns.
+const GOLDEN: f32 = 0.618_034;
+
+/// What is doubtful about the lights.
+pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
+    let mut warnings = Warnings::default();
+    let scene = &subject.job.scene;
+    let seen = seen_points(subject);
+    if seen.is_empty() {
+        return warnings;
+    }
+    for (index, object) in scene.objects.iter().enumerate() {
+        if scene.groups[object.group].is_emitter() && !object.mesh.triangles.is_empty() {
+            warnings.extend(area_light(subject, (index as u32, object), &seen));
+        }
+    }
+    for light in &scene.lights {
+        warnings.extend(small_light(subject, light, &seen));
+    }
+    warnings
+}
+
+/// A point of the picture and the normal on the viewer's side.
+type Seen = (Vec3, Vec3);
+
+fn seen_points(subject: &Subject<'_>) -> Vec<Seen> {
+    let (geometry, camera) = (subject.geometry, &subject.laid.camera);
+    let (width, height) = (geometry.width(), geometry.height());
+    let is_seen = |i: &u32| geometry.pixels()[*i as usize].object != NOTHING;
+    let pixels: Vec<u32> = (0..(width * height) as u32).filter(is_seen).collect();
+    let point = |pixel: u32| {
+        let (x, y) = (pixel as usize % width, pixel as usize / width);
+        let towards = camera.direction(x as f32 + 0.5, y as f32 + 0.5, width, height);
+        subject.tracer.surface(&Ray::new(camera.origin(), towards))
+    };
+    let sample = unrender_recover::evidence::spread(&pixels, POINTS, 0);
+    let surfaces = sample.into_iter().filter_map(point);
+    surfaces.map(|s| (offset(s.point, s.geometric_normal), s.geometric_normal)).collect()
+}
+
+/// Whether nothing stands between two points.
+fn is_free(tracer: &Tracer, from: Vec3, to: Vec3) -> bool {
+    let distance = from.distance(to);
+    let ray =
+        Ray { origin: from, direction: (to - from) / distance, t_max: distance * (1.0 - 1e-4) };
+    distance > 0.0 && tracer.surface(&ray).is_none()
+}
+
+fn area_light(subject: &Subject<'_>, (index, lamp): (u32, &Object), seen: &[Seen]) -> Warnings {
+    let mut warnings = Warnings::default();
+    let tracer = subject.tracer;
+    let points = spread_over(&lamp.mesh, AROUND);
+    let reaches = |i: usize, (to, normal): &Seen| {
+        (0..FROM).any(|k| {
+            let (from, front) = points[(i * FROM + k) % points.len()];
+            let way = *to - from;
+            way.dot(front) > 0.0
+                && way.dot(*normal) < 0.0
+                && is_free(tracer, offset(from, front), *to)
+        })
+    };
+    let lights = seen.iter().enumerate().filter(|(i, seen)| reaches(*i, seen)).count();
+    let size = area(&lamp.mesh).sqrt();
+    let (stopped, by) = stopped(tracer, &points, BEFORE * size);
+    let name = &lamp.name;
+    if stopped > MOST && by != Some(index) {
+        warnings.push(format!(
+            "area light \"{name}\" shines right onto {}, less than {} before it: move it away, or \
+             flip its faces if it is meant to shine the other way",
+            by.map_or("something".to_owned(), |by| format!(
+                "object \"{}\"",
+                subject.object_name(by)
+            )),
+            length(BEFORE * size)
+        ));
+    } else if lights == 0 && is_turned_inwards(tracer, &points, index) {
+        warnings.push(format!(
+            "area light \"{name}\" shines into itself: flip its faces, so that the normals point \
+             outwards"
+        ));
+    } else if lights == 0 {
+        warnings.push(out_of_sight("area light", name));
+    }
+    warnings
+}
+
+fn out_of_sight(kind: &str, name: &str) -> String {
+    format!(
+        "no light comes straight from {kind} \"{name}\" to anything that the picture shows: does it \
+         stand outside, behind a wall, inside a shade that lets nothing through, or turned away? \
+         If it is meant to light the scene indirectly, all is well"
+    )
+}
+
+/// Points spread evenly over `mesh`, with the normals of the fronts.
+fn spread_over(mesh: &Mesh, count: usize) -> Vec<Seen> {
+    let areas: Vec<f32> = (0..mesh.triangles.len()).map(|t| normal(mesh, t).length()).collect();
+    let total: f32 = areas.iter().sum();
+    let (mut triangle, mut before) = (0, 0.0);
+    let at = |i: usize| {
+        let place = (i as f32 + 0.5) / count as f32 * total;
+        while triangle + 1 < areas.len() && before + areas[triangle] < place {
+            before += areas[triangle];
+            triangle += 1;
+        }
+        // Along the plastic number's lattice [Roberts 2018]; from a half on, so that none is a corner,
+        // which lies on other faces too.
+        let step = i as f32 + 0.5;
+        let (u, v) = ((0.754_877_7 * step).fract(), (0.569_840_3 * step).fract());
+        let root = u.sqrt();
+        let [a, b, c] = mesh.corners(triangle);
+        let point = a * (1.0 - root) + b * (root * (1.0 - v)) + c * (root * v);
+        (point, normal(mesh, triangle).normalize_or_zero())
+    };
+    (0..count).map(at).collect()
+}
+
+/// The front's normal, twice the triangle's area long.
+fn normal(mesh: &Mesh, triangle: usize) -> Vec3 {
+    let [a, b, c] = mesh.corners(triangle);
+    (b - a).cross(c - a)
+}
+
+fn area(mesh: &Mesh) -> f32 {
+    (0..mesh.triangles.len()).map(|t| 0.5 * normal(mesh, t).length()).sum()
+}
+
+/// The first surface along a ray from each of `points`, by the cosine about its normal.
+fn first_met(tracer: &Tracer, points: &[Seen]) -> Vec<Option<(f32, u32)>> {
+    let met = |(i, (point, front)): (usize, &Seen)| {
+        let (radius, angle) = ((GOLDEN * i as f32).fract().sqrt(), 0.414_213_6 * i as f32 * TAU);
+        let (sin, cos) = angle.sin_cos();
+        let local = Vec3::new(radius * cos, radius * sin, (1.0 - radius * radius).max(0.0).sqrt());
+        let frame = Frame::new(*front, front.any_orthonormal_vector(), true);
+        let origin = offset(*point, *front);
+        let surface = tracer.surface(&Ray::new(origin, frame.world_from_local(local)))?;
+        Some((surface.point.distance(origin), surface.object))
+    };
+    points.iter().enumerate().map(met).collect()
+}
+
+/// The share of an area light's light that is stopped within `distance`, and the object that stops
+/// most of it.
+fn stopped(tracer: &Tracer, points: &[Seen], distance: f32) -> (f32, Option<u32>) {
+    let mut by: BTreeMap<u32, usize> = BTreeMap::new();
+    for (_, object) in first_met(tracer, points).into_iter().flatten().filter(|m| m.0 < distance) {
+        *by.entry(object).or_default() += 1;
+    }
+    let share = by.values().sum::<usize>() as f32 / points.len() as f32;
+    (share, by.into_iter().max_by_key(|(_, count)| *count).map(|(object, _)| object))
+}
+
+fn is_turned_inwards(tracer: &Tracer, points: &[Seen], lamp: u32) -> bool {
+    let itself = first_met(tracer, points).into_iter().flatten().filter(|m| m.1 == lamp).count();
+    itself as f32 > MOST * points.len() as f32
+}
+
+/// A light without a surface.
+fn small_light(subject: &Subject<'_>, light: &Light, seen: &[Seen]) -> Warnings {
+    let mut warnings = Warnings::default();
+    let tracer = subject.tracer;
+    let (kind, position) = match light.kind {
+        LightKind::Point { position, .. } => ("point light", Some(position)),
+        LightKind::Spot { position, .. } => ("spot light", Some(position)),
+        LightKind::Directional { .. } => ("directional light", None),
+    };
+    let [low, high] = subject.bounds();
+    let size = low.distance(high);
+    let lit = |(point, normal): &&Seen| {
+        let (wi, distance, irradiance) = light.kind.illuminate(*point);
+        let to = *point + wi * distance.min(2.0 * size);
+        irradiance.max_element() > 0.0 && wi.dot(*normal) > 0.0 && is_free(tracer, *point, to)
+    };
+    let lights = seen.iter().filter(lit).count();
+    let name = &light.name;
+    let around = position.and_then(|position| around(tracer, position));
+    let beside =
+        around.as_ref().map(|a| a.nearest).filter(|(distance, _)| *distance < BESIDE * size);
+    let shut_in_by = around.as_ref().and_then(|a| a.shut_in_by).filter(|_| lights == 0);
+    if let Some((distance, object)) = beside {
+        warnings.push(format!(
+            "{kind} \"{name}\" stands at object \"{}\", {} from its surface: move it into the open",
+            subject.object_name(object),
+            length(distance)
+        ));
+    } else if let Some(object) = shut_in_by {
+        warnings.push(format!(
+            "{kind} \"{name}\" is shut in by object \"{}\" and lights nothing that the picture \
+             shows: move it out of the wall or shade, or take that object out of the scene",
+            subject.object_name(object)
+        ));
+    } else if lights == 0 {
+        warnings.push(out_of_sight(kind, name));
+    }
+    warnings
+}
+
+/// What stands around a light.
+struct Around {
+    /// The nearest surface: how far away it is, and its object.
+    nearest: (f32, u32),
+    /// The object that stands around it on most sides, if no side is open.
+    shut_in_by: Option<u32>,
+}
+
+/// What stands around `position`; none if nothing does.
+fn around(tracer: &Tracer, position: Vec3) -> Option<Around> {
+    // Fibonacci's sphere.
+    let direction = |i: usize| {
+        let z = 1.0 - (2.0 * i as f32 + 1.0) / AROUND as f32;
+        let (sin, cos) = (TAU * (GOLDEN * i as f32).fract()).sin_cos();
+        let ring = (1.0 - z * z).sqrt();
+        Vec3::new(ring * cos, ring * sin, z)
+    };
+    let met: Vec<(f32, u32)> = (0..AROUND)
+        .filter_map(|i| tracer.surface(&Ray::new(position, direction(i))))
+        .map(|surface| (surface.point.distance(position), surface.object))
+        .collect();
+    let mut sides: BTreeMap<u32, usize> = BTreeMap::new();
+    met.iter().for_each(|(_, object)| *sides.entry(*object).or_default() += 1);
+    let (&most, &count) = sides.iter().max_by_key(|(_, count)| **count)?;
+    Some(Around {
+        nearest: met.iter().min_by(|a, b| a.0.total_cmp(&b.0)).copied()?,
+        shut_in_by: (met.len() == AROUND && 2 * count > AROUND).then_some(most),
+    })
+}

@@ -1,0 +1,189 @@
+//! The input's doctor: what of a project would spoil a recovery, found before one is begun.
+//!
+//! Each module looks at one part of the input and adds sentences to the [`Warnings`]: what was found,
+//! and what to do. The limits are loose on purpose; a warning asks for a look, it proves nothing.
+
+mod camera;
+mod edges;
+mod groups;
+mod lights;
+mod model;
+mod photograph;
+mod picture;
+mod sides;
+mod table;
+
+pub use edges::{Edge, EdgeKind, Edges};
+pub use groups::GroupCheck;
+pub use picture::edge_picture;
+pub use table::{json, table};
+
+use crate::Job;
+use crate::engine;
+use crate::registration::{self, Alignment, Laid};
+use glam::Vec3;
+use unrender_recover::evidence::Stage;
+use unrender_recover::prospect::{Prospect, prospect};
+use unrender_recover::{GroupSpec, Observation, Role, Trust, View};
+use unrender_render::{GeometryBuffers, SeenRadiance, Tracer};
+use unrender_scene::color::luminance;
+use unrender_scene::{Material, Rgb, Warnings};
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Checkup {
+    /// One entry a group of the scene, in its order.
+    pub groups: Vec<GroupCheck>,
+    /// The model's edges and where the photograph has them.
+    pub edges: Edges,
+    /// What is doubtful, and what to do about it; those of the job come first.
+    pub warnings: Warnings,
+}
+
+/// The reflectance of groups that are still to be recovered.
+const GREY: Rgb = Rgb::splat(0.5);
+/// Pixels of all groups together that are looked at.
+const PIXELS: usize = 6000;
+/// And of each.
+const PIXELS_OF_GROUP: [usize; 2] = [40, 400];
+
+/// Looks at all of `job`.
+pub fn check(job: &Job) -> Checkup {
+    let tracer = Tracer::new(&job.scene);
+    let laid = registration::lay(job, &tracer, Alignment::Auto);
+    let size = (job.photo.radiance.width(), job.photo.radiance.height());
+    let view = View::new(&tracer, &laid.camera, size, job.scene.brdf);
+    let geometry = unrender_recover::Renderer::geometry(&view);
+    let observation = laid.observe(job, geometry);
+    let specs: Vec<GroupSpec> =
+        (0..job.scene.groups.len()).map(|group| engine::spec(job, group)).collect();
+    let prospects = prospects(&view, &observation, &specs);
+    let subject = Subject {
+        job,
+        tracer: &tracer,
+        laid: &laid,
+        geometry,
+        observation: &observation,
+        specs: &specs,
+        prospects: &prospects,
+    };
+    let edges = edges::find(&subject);
+    let mut warnings = job.warnings.clone();
+    for told in [
+        photograph::warnings(&subject),
+        camera::warnings(&subject),
+        edges::warnings(&subject, &edges),
+        model::warnings(&subject),
+        sides::warnings(&subject),
+        lights::warnings(&subject),
+        groups::warnings(&subject),
+    ] {
+        warnings.extend(told);
+    }
+    Checkup { groups: groups::all(&subject), edges, warnings }
+}
+
+/// What all parts of the check look at.
+struct Subject<'a> {
+    job: &'a Job,
+    tracer: &'a Tracer,
+    laid: &'a Laid,
+    /// What the camera sees as the model was laid.
+    geometry: &'a GeometryBuffers,
+    observation: &'a Observation,
+    specs: &'a [GroupSpec],
+    prospects: &'a [Option<Prospect>],
+}
+
+impl Subject<'_> {
+    fn group_name(&self, group: usize) -> &str {
+        &self.job.scene.groups[group].name
+    }
+
+    /// The corners of the box around the scene.
+    fn bounds(&self) -> [Vec3; 2] {
+        let corners = self.job.scene.objects.iter().flat_map(|object| &object.mesh.positions);
+        let nothing = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        corners.fold(nothing, |[low, high], &p| [low.min(p), high.max(p)])
+    }
+
+    fn object_name(&self, object: u32) -> &str {
+        &self.job.scene.objects[object as usize].name
+    }
+}
+
+/// A first look at the light in every group that reflects, unknown ones in grey. What is mirrored has
+/// the colours of the photograph, brought to the brightness of the grey scene.
+fn prospects(
+    view: &View<'_>,
+    observation: &Observation,
+    specs: &[GroupSpec],
+) -> Vec<Option<Prospect>> {
+    let in_grey = prospects_among(view, observation, specs, None);
+    let sum = |f: &dyn Fn(&Prospect) -> f32| -> f32 { in_grey.iter().flatten().map(f).sum() };
+    let (grey, photo) = (sum(&|p| p.light * luminance(GREY)), sum(&|p| p.photo));
+    if photo <= 0.0 {
+        return in_grey;
+    }
+    let seen = SeenRadiance {
+        radiance: observation.picture.values.map(|value| *value * (grey / photo)),
+        known: observation.trust.map(|trust| *trust == Trust::Believed),
+    };
+    let in_colour = prospects_among(view, observation, specs, Some(&seen));
+    let merged = in_grey.into_iter().zip(in_colour).map(|(grey, colour)| {
+        grey.zip(colour).map(|(grey, colour)| Prospect { image: colour.image, ..grey })
+    });
+    merged.collect()
+}
+
+fn prospects_among(
+    view: &View<'_>,
+    observation: &Observation,
+    specs: &[GroupSpec],
+    seen: Option<&SeenRadiance>,
+) -> Vec<Option<Prospect>> {
+    let material = |spec: &GroupSpec| match spec.role {
+        Role::Unknown => Material::diffuse(GREY),
+        Role::Known | Role::Emitter => spec.material.clone(),
+    };
+    let materials: Vec<Material> = specs.iter().map(material).collect();
+    let stage = Stage { observation, exposure: Rgb::ONE, renderer: view, seen };
+    let [fewest, most] = PIXELS_OF_GROUP;
+    let count = (PIXELS / specs.len().max(1)).clamp(fewest, most);
+    let look = |(group, spec): (usize, &GroupSpec)| {
+        let [believed, all] = [&observation.pixels_of_group, &observation.all_pixels_of_group];
+        let pixels = if believed[group].is_empty() { &all[group] } else { &believed[group] };
+        (spec.role != Role::Emitter)
+            .then(|| prospect(&stage, (&materials).into(), group, pixels, (count, 0)))
+            .flatten()
+    };
+    specs.iter().enumerate().map(look).collect()
+}
+
+/// `names` in a sentence, no more than a few of them.
+fn some(names: &[&str]) -> String {
+    const MOST: usize = 4;
+    let quoted: Vec<String> = names.iter().take(MOST).map(|name| format!("\"{name}\"")).collect();
+    let rest = names.len().saturating_sub(MOST);
+    let rest = if rest > 0 { format!(" and {rest} more") } else { String::new() };
+    quoted.join(", ") + &rest
+}
+
+/// A length in the unit that reads best.
+fn length(metres: f32) -> String {
+    match metres {
+        m if m >= 1.0 => format!("{m:.3} m"),
+        m if m >= 0.01 => format!("{:.1} cm", 100.0 * m),
+        m => format!("{:.2} mm", 1000.0 * m),
+    }
+}
+
+/// The median; none of nothing.
+fn median(values: impl Iterator<Item = f32>) -> Option<f32> {
+    let mut values: Vec<f32> = values.collect();
+    if values.is_empty() {
+        return None;
+    }
+    let middle = values.len() / 2;
+    Some(*values.select_nth_unstable_by(middle, f32::total_cmp).1)
+}

@@ -1,0 +1,197 @@
+//! The photograph by itself and against a grey rendering: codes that no camera writes, light that no
+//! lamp here gives.
+//!
+//!  - **Steps of 8 bits in a deeper file**: the file was made from an 8-bit picture, and its encoding
+//!    likely came along.
+//!  - **Gaps in the histogram**: codes that never occur between codes that do often. Contrast or
+//!    brightness were changed after the camera had written its codes.
+//!  - **The slope** of the photograph over the light ([`unrender_recover::prospect`]), which a wrong
+//!    response bends.
+//!  - **Brightness**: clipped, black, or far from what the lights can do on middle grey.
+
+use super::{GREY, Subject};
+use crate::project::ResponseChoice;
+use unrender_formats::picture::{Depth, Picture};
+use unrender_photo::{Exposure, Response};
+use unrender_recover::{Role, Trust};
+use unrender_scene::Warnings;
+use unrender_scene::color::luminance;
+
+/// Values are steps of 8 bits if all but this share of them are.
+const OTHERS: f32 = 0.001;
+/// How far a value may be from such a step: a tenth of the steps of 16 bits, and what rounding does.
+const STEP: f32 = 1e-6;
+/// A code that never occurs is a gap if both of its neighbours occur so often.
+const OFTEN: usize = 40;
+/// So many gaps in a channel are no chance.
+const GAPS: usize = 4;
+/// A photograph is cut off from this share of its pixels on.
+const CUT_OFF: f32 = 0.05;
+/// The mean of a photograph that is too dark, as a share of its white.
+const DARK: f32 = 0.01;
+/// Slopes that may be right, with room for shine and for lamps that are only roughly modelled.
+const SLOPES: [f32; 2] = [0.55, 1.8];
+/// Photograph and grey rendering are alike up to this factor.
+const FACTOR: f32 = 10.0;
+
+/// What is doubtful about the photograph.
+pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
+    let codes = &subject.job.picture;
+    let mut warnings = Warnings::default();
+    for told in [
+        steps(subject, codes),
+        gaps(codes),
+        slope(subject),
+        cut_off(subject),
+        too_dark(subject, codes),
+        brightness(subject),
+    ] {
+        told.into_iter().for_each(|told| warnings.push(told));
+    }
+    warnings
+}
+
+/// A deep file that holds the steps of 8 bits.
+fn steps(subject: &Subject<'_>, codes: &Picture) -> Option<String> {
+    if codes.depth == Depth::Eight {
+        return None;
+    }
+    let values = || codes.values.pixels().iter().flat_map(|v| v.to_array());
+    let is_step = |v: f32| {
+        let code = 255.0 * v;
+        (0.0..=255.5).contains(&code) && (code - code.round()).abs() < 255.0 * STEP
+    };
+    let others = values().filter(|&v| !is_step(v)).count();
+    let varies = codes.values.pixels().windows(2).any(|w| w[0] != w[1]);
+    if !varies || others as f32 > OTHERS * values().count() as f32 {
+        return None;
+    }
+    let deep = if codes.depth == Depth::Float { "floating-point" } else { "16-bit" };
+    let response = match subject.job.transfer.response {
+        Response::Linear => "; if the response is that of the 8-bit picture, it is \"srgb\"",
+        _ => "",
+    };
+    Some(format!(
+        "the photo is a {deep} file, but all its values are steps of 8 bits: it was made from an \
+         8-bit picture. Use the original{response}"
+    ))
+}
+
+/// A comb in the histogram of an 8-bit file.
+fn gaps(codes: &Picture) -> Option<String> {
+    if codes.depth != Depth::Eight {
+        return None;
+    }
+    let gaps = (0..3).map(|channel| {
+        let mut histogram = [0usize; 256];
+        for value in codes.values.pixels() {
+            histogram[(255.0 * value[channel]).round().clamp(0.0, 255.0) as usize] += 1;
+        }
+        let is_gap = |w: &&[usize]| w[1] == 0 && w[0] >= OFTEN && w[2] >= OFTEN;
+        histogram.windows(3).filter(is_gap).count()
+    });
+    let gaps = gaps.max().unwrap_or(0);
+    (gaps >= GAPS).then(|| {
+        format!(
+            "the photo's histogram has {gaps} gaps: its contrast or colours were changed after it \
+             was taken, so that no plain response describes it. Use the picture as the camera wrote \
+             it"
+        )
+    })
+}
+
+/// The slope that most of the groups show.
+fn slope(subject: &Subject<'_>) -> Option<String> {
+    if subject.job.project.response == Some(ResponseChoice::Auto) {
+        return None;
+    }
+    let pixels = |g: usize| subject.observation.pixels_of_group[g].len();
+    let slopes = subject.prospects.iter().enumerate();
+    let mut slopes: Vec<(f32, usize)> = slopes
+        .filter_map(|(g, p)| p.and_then(|p| p.slope).map(|slope| (slope, pixels(g))))
+        .collect();
+    slopes.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let all: usize = slopes.iter().map(|s| s.1).sum();
+    let mut so_far = 0;
+    let (middle, _) = slopes.into_iter().find(|(_, pixels)| {
+        so_far += pixels;
+        2 * so_far >= all
+    })?;
+    let [low, high] = SLOPES;
+    if (low..=high).contains(&middle) {
+        return None;
+    }
+    let like = match (middle < low, &subject.job.transfer.response) {
+        (true, Response::Linear) => "encoded; is the response \"srgb\"?",
+        (true, _) => "encoded by a steeper curve than the response says.",
+        (false, Response::Linear) => "decoded twice, or its contrast raised.",
+        (false, _) => "linear already; is the response \"linear\"?",
+    };
+    Some(format!(
+        "within groups the photo grows as the light to the power of {middle:.2} instead of 1, as if \
+         it were {like} Lamps or objects that the model lacks could do that too"
+    ))
+}
+
+fn cut_off(subject: &Subject<'_>) -> Option<String> {
+    let observation = subject.observation;
+    let reflecting = (0..subject.specs.len()).filter(|&g| subject.specs[g].role != Role::Emitter);
+    let (mut all, mut off) = (0usize, 0usize);
+    for &pixel in reflecting.flat_map(|g| &observation.all_pixels_of_group[g]) {
+        all += 1;
+        off += usize::from(observation.trust.pixels()[pixel as usize] == Trust::CutOff);
+    }
+    (off as f32 > CUT_OFF * all as f32).then(|| {
+        format!(
+            "{:.0} % of the photo (lamps not counted) are clipped, beside a clipped pixel or in the \
+             noise of black, and say nothing: take a photo of another exposure",
+            100.0 * off as f32 / all as f32
+        )
+    })
+}
+
+fn too_dark(subject: &Subject<'_>, codes: &Picture) -> Option<String> {
+    codes.depth.max_code()?;
+    let exposure = subject.job.transfer.exposure;
+    let radiance = subject.job.photo.radiance.pixels();
+    let mean =
+        radiance.iter().map(|r| luminance(*r / exposure)).sum::<f32>() / radiance.len() as f32;
+    (mean < DARK).then(|| {
+        format!(
+            "the photo is very dark, {:.2} % of white on the mean, where codes are coarse and noise \
+             is large: take a longer exposure, or a raw picture developed to 16 bits",
+            100.0 * mean
+        )
+    })
+}
+
+/// The photograph against the scene in grey.
+fn brightness(subject: &Subject<'_>) -> Option<String> {
+    let job = subject.job;
+    if job.project.exposure == Exposure::Auto || !job.unknown_lights.is_empty() {
+        return None;
+    }
+    let (mut photo, mut grey) = (0.0f64, 0.0f64);
+    for (group, prospect) in subject.prospects.iter().enumerate() {
+        let pixels = subject.observation.pixels_of_group[group].len() as f64;
+        if let Some(prospect) = prospect {
+            photo += pixels * f64::from(prospect.photo);
+            grey += pixels * f64::from(prospect.light * luminance(GREY));
+        }
+    }
+    let factor = photo / grey;
+    let [low, high] = [1.0 / f64::from(FACTOR), f64::from(FACTOR)];
+    if grey <= 0.0 || (low..=high).contains(&factor) {
+        return None;
+    }
+    Some(format!(
+        "the photo is {} the scene would be if all of it were middle grey: the exposure, the \
+         strength of the lights or the scene's units (point and spot lights depend on them) look \
+         wrong. If the exposure is not known, say exposure = \"auto\" and give an [anchor]",
+        if factor > 1.0 {
+            format!("{factor:.0} times as bright as")
+        } else {
+            format!("{:.0} times darker than", 1.0 / factor)
+        }
+    ))
+}

@@ -1,0 +1,80 @@
+//! A check as text for people and as JSON for programs.
+
+use super::{Checkup, Edges, GroupCheck};
+use crate::results;
+use serde::Serialize;
+use std::path::Path;
+
+/// The table, the edges and the warnings; `picture` is where the edges were drawn.
+pub fn table(checkup: &Checkup, picture: &Path) -> String {
+    let header = ["group", "pixels", "trusted", "left out", "lit", "roughness shows by", "texture"];
+    let mut rows = vec![header.map(str::to_owned)];
+    rows.extend(checkup.groups.iter().map(row));
+    let mut text = results::table(&rows);
+    text.push_str(&edges(&checkup.edges, picture));
+    let warnings = &checkup.warnings.0;
+    if warnings.is_empty() {
+        text.push_str("\nnothing looks wrong\n");
+    } else {
+        text.push_str(&format!("\n{} thing(s) to look at:\n", warnings.len()));
+        for (number, warning) in warnings.iter().enumerate() {
+            text.push_str(&format!("{}. {warning}\n", number + 1));
+        }
+    }
+    text
+}
+
+fn row(group: &GroupCheck) -> [String; 7] {
+    let dash = || "-".to_owned();
+    let percent = |share: f32| format!("{:.0} %", 100.0 * share);
+    let reasons = [("edge", group.edge), ("cut off", group.cut_off), ("spike", group.spike)];
+    let of_pixels = |count: usize| percent(count as f32 / group.pixels.max(1) as f32);
+    let reasons = reasons.into_iter().filter(|(_, count)| *count > 0);
+    let left_out: Vec<String> =
+        reasons.map(|(reason, count)| format!("{reason} {}", of_pixels(count))).collect();
+    let name = match group.role {
+        "unknown" => group.name.clone(),
+        role => format!("{} ({role})", group.name),
+    };
+    [
+        name,
+        group.pixels.to_string(),
+        group.trusted.to_string(),
+        if left_out.is_empty() { dash() } else { left_out.join(", ") },
+        group.lit.map_or_else(dash, percent),
+        group.roughness.map_or_else(dash, str::to_owned),
+        if group.texture_coordinates { "possible" } else { "no uv" }.to_owned(),
+    ]
+}
+
+fn edges(edges: &Edges, picture: &Path) -> String {
+    let displacement = match edges.displacement_px {
+        Some(off) => format!("they lie {off:.1} pixels from the photo's on the median"),
+        None => "too few are found to tell how far they are off".to_owned(),
+    };
+    format!(
+        "\nof the model's edges {:.0} % are found in place and {:.0} % elsewhere; {displacement}\n{}: \
+         green: in place; red: off, and yellow where the photo has them; blue: not seen in the \
+         photo\n",
+        100.0 * edges.fit,
+        100.0 * edges.off,
+        picture.display()
+    )
+}
+
+#[derive(Serialize)]
+struct Json<'a> {
+    groups: &'a [GroupCheck],
+    edges: &'a Edges,
+    picture: &'a Path,
+    warnings: &'a [String],
+}
+
+/// The same as JSON.
+///
+/// # Errors
+/// If a path is no text.
+pub fn json(checkup: &Checkup, picture: &Path) -> Result<String, serde_json::Error> {
+    let Checkup { groups, edges, warnings } = checkup;
+    serde_json::to_string_pretty(&Json { groups, edges, picture, warnings: &warnings.0 })
+}

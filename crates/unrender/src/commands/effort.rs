@@ -1,0 +1,125 @@
+//! How much is rendered: the flags that `render` and `restage` share.
+
+use crate::part::Identity;
+use crate::passes::Goal;
+use std::fmt::Debug;
+use std::ops::Range;
+use std::path::PathBuf;
+use std::time::Duration;
+use unrender_render::Settings;
+use unrender_render::path::MAX_BOUNCES;
+use unrender_scene::Camera;
+
+const DEFAULT_SPP: u32 = 64;
+
+/// How many samples are rendered, which, and what becomes of them on the way.
+#[derive(Debug, clap::Args)]
+pub struct Effort {
+    /// Samples a pixel, on average; with --time or --noise the most [default: 64 without those].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+    /// Stop after so many seconds of rendering; how far that is depends on the machine.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub time: Option<Duration>,
+    /// Stop when the picture's relative standard error is at most this: the root mean square of
+    /// the standard errors of all pixels and channels over their mean. 0.01 is one percent.
+    #[arg(long, value_name = "TARGET", value_parser = target)]
+    pub noise: Option<f64>,
+    /// Take more samples where the picture is noisy, fewer where it is not.
+    #[arg(long)]
+    pub adaptive: bool,
+    /// Render the samples A up to B alone, B not included, as a part of the picture: the same
+    /// picture in pieces, on as many machines as you like. The part is an EXR file.
+    #[arg(long, value_name = "A..B", value_parser = range)]
+    #[arg(conflicts_with_all = ["spp", "time", "noise", "adaptive"])]
+    pub samples: Option<Range<u32>>,
+    /// Keep the samples in this EXR file, every minute and on Ctrl-C, and go on from there if it is
+    /// there already. The picture is the same to the bit.
+    #[arg(long, value_name = "FILE.exr")]
+    pub checkpoint: Option<PathBuf>,
+    /// Chooses the noise; the same seed gives the same bits.
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// The most reflections of a path [default: until it carries nothing more].
+    #[arg(long, value_name = "N")]
+    pub bounces: Option<u32>,
+}
+
+impl Effort {
+    pub(crate) fn settings(&self) -> Settings {
+        let max_bounces = self.bounces.unwrap_or(MAX_BOUNCES);
+        Settings { seed: self.seed, max_bounces, ..Settings::default() }
+    }
+
+    /// Whether clock or noise say when the picture is done.
+    pub(crate) fn is_open(&self) -> bool {
+        self.time.is_some() || self.noise.is_some()
+    }
+
+    pub(crate) fn goal(&self) -> Goal {
+        let spp = self.spp.unwrap_or(if self.is_open() { u32::MAX } else { DEFAULT_SPP });
+        Goal {
+            samples: self.samples.clone().unwrap_or(0..spp),
+            time: self.time,
+            noise: self.noise,
+            checkpoint: self.checkpoint.clone(),
+        }
+    }
+
+    /// What the rendering of `scene` is of; without fingerprints where nobody will compare them.
+    pub(crate) fn identity(
+        &self,
+        scene: &impl Debug,
+        camera: &Camera,
+        (width, height): (usize, usize),
+    ) -> Identity {
+        let is_kept = self.samples.is_some() || self.checkpoint.is_some();
+        let identity = Identity {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            scene: String::new(),
+            camera: String::new(),
+            width,
+            height,
+            seed: self.seed,
+            bounces: self.settings().max_bounces,
+            adaptive: self.adaptive,
+        };
+        if is_kept { identity.with_fingerprints(scene, camera) } else { identity }
+    }
+}
+
+/// A range of numbers, as in `64..128`.
+pub(crate) fn range(text: &str) -> Result<Range<u32>, String> {
+    let (start, end) = text.split_once("..").ok_or("write two numbers, as in 64..128")?;
+    let number = |text: &str| text.parse::<u32>().map_err(|error| format!("{text:?}: {error}"));
+    let (start, end) = (number(start)?, number(end)?);
+    if start < end { Ok(start..end) } else { Err(format!("{start}..{end} has nothing in it")) }
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    Duration::try_from_secs_f64(positive(text)?).map_err(|error| error.to_string())
+}
+
+fn target(text: &str) -> Result<f64, String> {
+    positive(text)
+}
+
+/// A finite number above zero.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| "is no number")?;
+    let fits = number > 0.0 && number.is_finite();
+    if fits { Ok(number) } else { Err("must be a number above zero".into()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_of_samples_have_two_ends_and_something_between() {
+        assert_eq!(range("64..128"), Ok(64..128));
+        for bad in ["64", "64..64", "9..8", "a..b", "-1..3", "0..5000000000", ".."] {
+            assert!(range(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! `unrender merge`: parts of a rendering become the picture that one run would have made.
+
+use crate::cli::{Global, warn};
+use crate::{Error, interrupt, output, part, passes};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use unrender_formats::FileError;
+
+/// Puts parts of a rendering together: to the bit the picture that one run would have made.
+///
+/// Parts are made by `unrender render --samples A..B`; the checkpoint of a rendering is one too.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples, on two machines and then on either:\n  \
+    unrender render room.glb --samples 0..512 --out part1.exr\n  \
+    unrender render room.glb --samples 512..1024 --out part2.exr\n  \
+    unrender merge part1.exr part2.exr --out room.png")]
+pub struct Args {
+    /// The parts, in any order.
+    #[arg(required = true, value_name = "PART.exr")]
+    pub parts: Vec<PathBuf>,
+    /// Take it that samples are missing between the parts. The picture is noisier, and right.
+    #[arg(long)]
+    pub allow_gaps: bool,
+    /// The picture to write: .exr or .hdr (linear radiance), or .png (8-bit sRGB).
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// If a part cannot be read, if the parts are not of one rendering, overlap or leave gaps, or if the
+/// picture cannot be written.
+pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
+    output::check_picture(&args.out)?;
+    let (sum, warnings) = part::join(&args.parts, args.allow_gaps)?;
+    let [tally] = &sum.layers[..] else {
+        return Err(FileError::new(
+            &args.parts[0],
+            "is a part of a composite; `unrender restage EDIT.toml --composite --parts ...` puts \
+             such parts together",
+        )
+        .into());
+    };
+    warn(&warnings);
+    if !global.quiet {
+        eprintln!("{}", passes::in_words(sum.head.samples.end, tally));
+    }
+    let _until_written = interrupt::writing();
+    output::write_picture(&args.out, tally)?;
+    Ok(ExitCode::SUCCESS)
+}

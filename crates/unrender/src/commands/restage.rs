@@ -1,0 +1,266 @@
+//! `unrender restage`: new pictures of a recovered scene, and the change put into the photograph.
+
+use super::effort::{self, Effort};
+use super::render::size;
+use crate::cli::{Global, warn};
+use crate::edit::{Composite, Flag, Photograph, Restaging, Sheet, View};
+use crate::part::{self, Identity};
+use crate::passes::{self, Job};
+use crate::progress::Progress;
+use crate::results::restaged;
+use crate::subject::Picture;
+use crate::{Error, interrupt, output};
+use std::fmt::Debug;
+use std::ops::{ControlFlow, Range};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use unrender_render::Tally;
+use unrender_restage::composite::Gain;
+use unrender_restage::pair::{self, Pairing};
+use unrender_scene::{Camera, Warnings};
+
+/// Renders a recovered scene with edits, or puts them into its photograph.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  \
+    unrender restage edit.toml --out new\n  \
+    unrender restage edit.toml --composite --spp 256 --out new\n  \
+    unrender restage --recovered out --project room.toml --remove sofa --composite --out new\n  \
+    unrender restage --scene room.glb --repaint 'floor: rho_d = [0.5, 0.1, 0.1]' \\\n      \
+    --light 'lamp: scale = 0.5' --insert 'pot.glb: on = \"table\", at = [0.2, -1]' --out new\n\n\
+    An edit file (docs/restage.md has all of it):\n  \
+    recovered = \"out\"              # the folder of a recovery\n  \
+    project = \"room.toml\"          # its project, for the photograph\n  \
+    [camera]                       # eye and target, or [[camera.keys]] and frames\n  \
+    [[remove]]                     # name\n  \
+    [[repaint]]                    # group, rho_d, rho_s, alpha, texture\n  \
+    [[lights]]                     # name, scale, strength, move, direction, add, remove\n  \
+    [environment]                  # file, rotation_deg, scale\n  \
+    [[insert]]                     # file, name; position, or on and at, or pixel; rotation_deg, scale")]
+pub struct Args {
+    /// The edit file.
+    pub edits: Option<PathBuf>,
+    /// The folder for the pictures; made where it is missing.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Put the change into the photograph, and leave the rest of it as it is.
+    #[arg(long)]
+    pub composite: bool,
+    /// Give what is synthetic in the composite the noise of the photograph.
+    #[arg(long, requires = "composite")]
+    pub grain: bool,
+    /// Start from the folder of a recovery.
+    #[arg(long, value_name = "DIR")]
+    pub recovered: Option<String>,
+    /// The project that was recovered, for its photograph.
+    #[arg(long, value_name = "FILE.toml")]
+    pub project: Option<String>,
+    /// Start from a scene file.
+    #[arg(long, value_name = "FILE")]
+    pub scene: Option<String>,
+    /// Materials to put onto the scene's groups.
+    #[arg(long, value_name = "FILE.json")]
+    pub materials: Option<String>,
+    /// Take away an object or all objects of a group.
+    #[arg(long, value_name = "NAME")]
+    pub remove: Vec<String>,
+    /// Change how a group reflects: 'GROUP: rho_d = [0.5, 0.1, 0.1]'.
+    #[arg(long, value_name = "EDIT")]
+    pub repaint: Vec<String>,
+    /// Change, move, add or remove a light: 'NAME: scale = 0.5'.
+    #[arg(long, value_name = "EDIT")]
+    pub light: Vec<String>,
+    /// Light the scene by a panorama from all around: 'FILE.hdr: rotation_deg = 90'.
+    #[arg(long, value_name = "EDIT")]
+    pub environment: Option<String>,
+    /// Put a model into the scene: 'FILE: on = "GROUP", at = [x, z]'.
+    #[arg(long, value_name = "EDIT")]
+    pub insert: Vec<String>,
+    /// The scene's camera to look through [default: the photograph's].
+    #[arg(long, value_name = "NAME", conflicts_with = "composite")]
+    pub camera: Option<String>,
+    /// Pixels in a row [default: the photograph's].
+    #[arg(long, value_name = "N", conflicts_with = "composite")]
+    pub width: Option<usize>,
+    /// Rows [default: the photograph's].
+    #[arg(long, value_name = "N", conflicts_with = "composite")]
+    pub height: Option<usize>,
+    /// Of a sequence, render the pictures A up to B alone, B not included, counted from 1.
+    #[arg(long, value_name = "A..B", value_parser = effort::range)]
+    #[arg(conflicts_with_all = ["composite", "samples", "checkpoint", "parts"])]
+    pub frames: Option<Range<u32>>,
+    /// Take the samples of these parts, which --samples made, instead of rendering.
+    #[arg(long, value_name = "PART.exr", num_args = 1..)]
+    #[arg(conflicts_with_all = ["spp", "time", "noise", "adaptive", "samples", "checkpoint"])]
+    pub parts: Vec<PathBuf>,
+    /// How much is rendered.
+    #[command(flatten)]
+    pub effort: Effort,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// If the input cannot be used, an edit does not fit the scene, or the pictures cannot be written.
+pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
+    let restaging = Restaging::load(&sheets(args)?)?;
+    let photograph = photograph(args, &restaging)?;
+    output::prepare_folder(&args.out)?;
+    warn(&restaging.warnings);
+    match photograph {
+        Some(photograph) => composite(args, global, &restaging, photograph),
+        None => synthetic(args, global, &restaging),
+    }
+}
+
+/// The edit file, and behind it the flags.
+fn sheets(args: &Args) -> Result<Vec<Sheet>, Error> {
+    let file = args.edits.iter().map(|path| Ok(Sheet::read(path)?));
+    let flags = [
+        (Flag::Recovered, args.recovered.as_slice()),
+        (Flag::Project, args.project.as_slice()),
+        (Flag::Scene, args.scene.as_slice()),
+        (Flag::Materials, args.materials.as_slice()),
+        (Flag::Remove, &args.remove),
+        (Flag::Repaint, &args.repaint),
+        (Flag::Light, &args.light),
+        (Flag::Environment, args.environment.as_slice()),
+        (Flag::Insert, &args.insert),
+        (Flag::Camera, args.camera.as_slice()),
+    ];
+    let flags = flags
+        .into_iter()
+        .flat_map(|(flag, values)| values.iter().map(move |value| Sheet::of_flag(flag, value)));
+    file.chain(flags).collect()
+}
+
+/// The photograph that the change goes into, if that is asked for.
+fn photograph<'a>(args: &Args, restaging: &'a Restaging) -> Result<Option<&'a Photograph>, Error> {
+    if !args.composite {
+        return Ok(None);
+    }
+    if let View::Other(_, place) | View::Sequence(_, place) = &restaging.view
+        && restaging.start.photograph.is_some()
+    {
+        return Err(Error::Request(format!(
+            "{place}: a composite is seen by the photograph's camera; leave out the camera or \
+             --composite"
+        )));
+    }
+    restaging.start.photograph.as_ref().map(Some).ok_or_else(|| {
+        Error::Request("--composite needs the photograph: give project = \"PROJECT.toml\"".into())
+    })
+}
+
+fn composite(
+    args: &Args,
+    global: &Global,
+    restaging: &Restaging,
+    photograph: &Photograph,
+) -> Result<ExitCode, Error> {
+    let (camera, size) = (&photograph.camera, photograph.size());
+    let scenes = restaging.scenes();
+    let pairing = Pairing::new(scenes, camera, args.effort.settings());
+    let identity = identity(args, &scenes, camera, size);
+    let job = Job { subject: &pairing, identity };
+    let layers = match samples(args, global, &job)? {
+        ControlFlow::Continue(layers) => layers,
+        ControlFlow::Break(code) => return Ok(code),
+    };
+    let grain = args.grain.then_some(args.effort.seed);
+    let paired = pair::paired(&layers);
+    let composite = Composite::new(restaging, photograph, paired, Gain::Auto, grain);
+    let _until_written = interrupt::writing();
+    tell(restaged::write_composite(&composite, photograph, &args.out)?);
+    Ok(ExitCode::SUCCESS)
+}
+
+fn synthetic(args: &Args, global: &Global, restaging: &Restaging) -> Result<ExitCode, Error> {
+    let photograph = restaging.start.photograph.as_ref();
+    let cameras = restaging.view.cameras();
+    let is_sequence = cameras.len() > 1;
+    if is_sequence && (args.effort.samples.is_some() || args.effort.checkpoint.is_some()) {
+        return Err(Error::Request(
+            "--samples and --checkpoint are for one picture; a sequence is split by --frames"
+                .into(),
+        ));
+    }
+    let all = 1..cameras.len() as u32 + 1;
+    let frames = args.frames.clone().unwrap_or(all.clone());
+    if frames.start < all.start || frames.end > all.end {
+        return Err(Error::Request(format!(
+            "--frames {}..{}: there are the pictures {}..{}",
+            frames.start, frames.end, all.start, all.end
+        )));
+    }
+    let mut written = Vec::new();
+    for frame in frames {
+        let camera = &cameras[frame as usize - 1];
+        let size = match (args.width, args.height, photograph) {
+            (None, None, Some(photograph)) => photograph.size(),
+            (width, height, _) => size(width, height, camera)?,
+        };
+        let subject = Picture::new(&restaging.after, camera, args.effort.settings());
+        let identity = identity(args, &restaging.after, camera, size);
+        let layers = match samples(args, global, &Job { subject: &subject, identity })? {
+            ControlFlow::Continue(layers) => layers,
+            ControlFlow::Break(code) => return Ok(code),
+        };
+        let number = is_sequence.then_some(frame as usize);
+        let _until_written = interrupt::writing();
+        tell(restaged::write_synthetic(&layers[0].mean(), photograph, &args.out, number)?);
+        written.push(number);
+    }
+    let _until_written = interrupt::writing();
+    restaged::write_gallery(&args.out, &written)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What is rendered; with fingerprints too where parts are compared with it.
+fn identity(args: &Args, scene: &impl Debug, camera: &Camera, size: (usize, usize)) -> Identity {
+    let identity = args.effort.identity(scene, camera, size);
+    if args.parts.is_empty() { identity } else { identity.with_fingerprints(scene, camera) }
+}
+
+/// The sums of all samples: rendered, or those of the parts. Or the exit code, if this run was to
+/// make a part, or was interrupted.
+fn samples(
+    args: &Args,
+    global: &Global,
+    job: &Job<'_>,
+) -> Result<ControlFlow<ExitCode, Vec<Tally>>, Error> {
+    if !args.parts.is_empty() {
+        let (part, warnings) = part::join(&args.parts, false)?;
+        warn(&warnings);
+        passes::check(job, &part.head).map_err(|problem| {
+            Error::Request(format!(
+                "{}: is a part of another picture: {problem}",
+                part.path.display()
+            ))
+        })?;
+        return Ok(ControlFlow::Continue(part.layers));
+    }
+    let progress = Progress::new("restage", global.quiet);
+    let rendered = passes::run(job, &args.effort.goal(), &progress)?;
+    drop(progress);
+    if rendered.interrupted {
+        return Ok(ControlFlow::Break(rendered.goodbye()));
+    }
+    if let Some(samples) = &args.effort.samples {
+        let name = format!("part_{}_{}.exr", samples.start, samples.end);
+        let _until_written = interrupt::writing();
+        part::write(&args.out.join(name), &rendered.head(job), &rendered.layers)?;
+        return Ok(ControlFlow::Break(ExitCode::SUCCESS));
+    }
+    if args.effort.is_open() && !global.quiet {
+        eprintln!("{}", passes::in_words(rendered.samples.end, &rendered.layers[0]));
+    }
+    Ok(ControlFlow::Continue(rendered.layers))
+}
+
+fn tell(bad: usize) {
+    if bad > 0 {
+        let mut warnings = Warnings::default();
+        warnings.push(format!("{bad} value(s) were not finite numbers and were written as zero"));
+        warn(&warnings);
+    }
+}

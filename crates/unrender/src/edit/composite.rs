@@ -1,0 +1,84 @@
+//! The change of a restaging put into its photograph.
+
+use super::Restaging;
+use super::start::Photograph;
+use unrender_photo::clipping;
+use unrender_recover::{Observation, Picture};
+use unrender_render::{GeometryBuffers, Tracer};
+use unrender_restage::composite::{self, Gain};
+use unrender_restage::pair::Paired;
+use unrender_restage::{grain, touched};
+use unrender_scene::{Image, Rgb, RgbImage};
+
+/// The photograph with the change in it.
+#[derive(Clone, Debug)]
+pub struct Composite {
+    /// The scene before and after, as the photograph's camera sees it.
+    pub paired: Image<Paired>,
+    /// The pixels of the photograph that the edits touch.
+    pub touched: Image<bool>,
+    /// Radiance, W sr^-1 m^-2 per channel.
+    pub radiance: RgbImage,
+}
+
+impl Composite {
+    /// Puts the change between the two renderings `paired` into the photograph; `grain` is the seed
+    /// of the noise for synthetic parts, if they are to have any.
+    pub fn new(
+        restaging: &Restaging,
+        photograph: &Photograph,
+        paired: Image<Paired>,
+        gain: Gain,
+        grain: Option<u64>,
+    ) -> Self {
+        let scene = &restaging.start.scene;
+        let (width, height) = photograph.size();
+        let geometry = Tracer::new(scene).geometry(&photograph.camera, width, height);
+        let changes = touched::touched(&paired, &geometry, &photograph.photo.quantum);
+        let mut clipped = geometry.map(|_| false);
+        let response = &photograph.transfer.response;
+        for index in clipping::clipped_pixels(&photograph.picture, response) {
+            clipped.pixels_mut()[index] = true;
+        }
+        let seen = composite::Photograph {
+            radiance: &photograph.photo.radiance,
+            clipped: &clipped,
+            geometry: &geometry,
+            materials: &scene.materials(),
+        };
+        let mut radiance = composite::composite(&seen, &paired, &changes, gain);
+        if let Some(seed) = grain {
+            let shot = shot(photograph, &geometry, scene.groups.len());
+            grain::add(&mut radiance, &paired, shot, seed);
+        }
+        let touched = changes.map(Option::is_some);
+        Self { paired, touched, radiance }
+    }
+
+    /// The code values of the photograph's camera; pixels that are not touched keep those of the
+    /// photograph to the bit.
+    pub fn codes(&self, photograph: &Photograph) -> RgbImage {
+        let mut codes = photograph.transfer.codes(&self.radiance);
+        let old = photograph.picture.values.pixels();
+        let pixels = codes.pixels_mut().iter_mut().zip(old).zip(self.touched.pixels());
+        pixels.filter(|(_, touched)| !**touched).for_each(|((new, old), _)| *new = *old);
+        codes
+    }
+}
+
+/// The photograph's noise: variance for each unit of radiance, the median over its groups.
+fn shot(photograph: &Photograph, geometry: &GeometryBuffers, groups: usize) -> Rgb {
+    let photo = &photograph.photo;
+    let picture = Picture {
+        values: photo.radiance.clone(),
+        trusted: photo.trusted.clone(),
+        quantum: photo.quantum.clone(),
+    };
+    let shots = Observation::new(picture, geometry, groups).shot_of_group;
+    let median = |channel: usize| {
+        let mut values: Vec<f32> = shots.iter().map(|s| s[channel]).filter(|s| *s > 0.0).collect();
+        values.sort_by(f32::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or(0.0)
+    };
+    Rgb::new(median(0), median(1), median(2))
+}

@@ -1,0 +1,64 @@
+//! The edit file and the flags that stand for a line of it, understood.
+//!
+//! `raw` is the file as TOML has it, `sheet` one file or flag with the lines that errors name,
+//! `start` reads the scene and the photograph that the edits are made to, and `understand` turns
+//! what is written into edits of `unrender-restage`.
+
+mod composite;
+mod raw;
+mod sheet;
+mod start;
+mod understand;
+mod view;
+
+pub use composite::Composite;
+pub use sheet::{Flag, Sheet};
+pub use start::{Photograph, Start};
+pub use view::View;
+
+use crate::Error;
+use unrender_restage::pair::Scenes;
+use unrender_restage::{Change, Edit};
+use unrender_scene::{Scene, Warnings};
+
+/// What to make of a scene, and from where to look at it.
+#[derive(Debug)]
+pub struct Restaging {
+    /// The scene before, with the photograph if there is one.
+    pub start: Start,
+    /// The scene after its edits.
+    pub after: Scene,
+    /// What the edits did.
+    pub change: Change,
+    /// The cameras of the new pictures.
+    pub view: View,
+    /// What is doubtful.
+    pub warnings: Warnings,
+}
+
+impl Restaging {
+    /// Both scenes, to be rendered together.
+    pub fn scenes(&self) -> Scenes<'_> {
+        Scenes { before: &self.start.scene, after: &self.after, change: &self.change }
+    }
+
+    /// Reads what `sheets` name, and does their edits.
+    ///
+    /// # Errors
+    /// If a file cannot be used, or an edit does not fit the scene; the message names the line.
+    pub fn load(sheets: &[Sheet]) -> Result<Self, Error> {
+        let (start, mut warnings) = Start::load(sheets)?;
+        let edits = understand::edits(sheets, &start, &mut warnings)?;
+        let (places, edits): (Vec<String>, Vec<Edit>) = edits.into_iter().unzip();
+        let mut after = start.scene.clone();
+        let mut change = unrender_restage::apply(&mut after, &edits).map_err(|error| {
+            Error::Request(format!("{}: {}", places[error.edit], error.problem))
+        })?;
+        warnings.extend(std::mem::take(&mut change.warnings));
+        after.validate().map_err(|error| {
+            Error::Request(format!("nothing can be rendered after the edits: {error}"))
+        })?;
+        let view = view::choose(sheets, &start)?;
+        Ok(Self { start, after, change, view, warnings })
+    }
+}

@@ -1,0 +1,147 @@
+//! One edit file, or one flag that stands for a line of it.
+
+use super::raw::RawEdits;
+use crate::Error;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use unrender_formats::FileError;
+
+/// Edits as they are written, with what messages call their place.
+#[derive(Debug)]
+pub struct Sheet {
+    /// What messages call it: the file, or the flag.
+    name: String,
+    /// Its text, where lines mean something.
+    text: Option<String>,
+    /// Where its paths start.
+    folder: PathBuf,
+    pub(super) raw: RawEdits,
+}
+
+/// The flags that stand for one edit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flag {
+    /// `--remove NAME`
+    Remove,
+    /// `--repaint 'GROUP: rho_d = [0.5, 0.1, 0.1]'`
+    Repaint,
+    /// `--light 'NAME: scale = 0.5'`
+    Light,
+    /// `--insert 'FILE: on = "floor", at = [0, 1]'`
+    Insert,
+    /// `--environment 'FILE: rotation_deg = 90'`
+    Environment,
+    /// `--camera NAME`
+    Camera,
+    /// `--recovered DIR`
+    Recovered,
+    /// `--project FILE`
+    Project,
+    /// `--scene FILE`
+    Scene,
+    /// `--materials FILE`
+    Materials,
+}
+
+impl Flag {
+    /// The flag, and what it is in an edit file: before its value, and between that and the rest.
+    fn forms(self) -> (&'static str, &'static str, &'static str) {
+        match self {
+            Self::Remove => ("--remove", "remove = [{ name = ", "}]"),
+            Self::Repaint => ("--repaint", "repaint = [{ group = ", "}]"),
+            Self::Light => ("--light", "lights = [{ name = ", "}]"),
+            Self::Insert => ("--insert", "insert = [{ file = ", "}]"),
+            Self::Environment => ("--environment", "environment = { file = ", "}"),
+            Self::Camera => ("--camera", "camera = ", ""),
+            Self::Recovered => ("--recovered", "recovered = ", ""),
+            Self::Project => ("--project", "project = ", ""),
+            Self::Scene => ("--scene", "scene = ", ""),
+            Self::Materials => ("--materials", "materials = ", ""),
+        }
+    }
+
+    /// Whether more may follow behind the name and a colon.
+    fn has_body(self) -> bool {
+        matches!(self, Self::Repaint | Self::Light | Self::Insert | Self::Environment)
+    }
+}
+
+impl Sheet {
+    /// Reads the edit file at `path`.
+    ///
+    /// # Errors
+    /// If it is missing, is not TOML, has an unknown key or a value that cannot be meant.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|error| FileError::new(path, format!("cannot be read: {error}")))?;
+        let raw = toml::from_str(&text).map_err(|error| {
+            FileError::new(path, with_line(&text, error.span(), error.message()))
+        })?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        Ok(Self { name: path.display().to_string(), text: Some(text), folder, raw })
+    }
+
+    /// The edit that a flag with this value stands for.
+    ///
+    /// # Errors
+    /// If the value is not of the flag's form.
+    pub fn of_flag(flag: Flag, value: &str) -> Result<Self, Error> {
+        let (written, head, tail) = flag.forms();
+        let (name, body) = match value.split_once(": ").filter(|_| flag.has_body()) {
+            Some((name, body)) => (name, format!(", {body}")),
+            None => (value, String::new()),
+        };
+        let text = format!("{head}{}{body}{tail}", toml::Value::String(name.trim().to_owned()));
+        let name = format!("{written} '{value}'");
+        let raw = toml::from_str(&text)
+            .map_err(|error| Error::Request(format!("{name}: {}", error.message())))?;
+        Ok(Self { name, text: None, folder: PathBuf::new(), raw })
+    }
+
+    /// What messages call the place of `span`.
+    pub(super) fn place(&self, span: Range<usize>) -> String {
+        match &self.text {
+            Some(text) => format!("{}: line {}", self.name, line(text, span.start)),
+            None => self.name.clone(),
+        }
+    }
+
+    /// The file that a path of this sheet means.
+    pub(super) fn path(&self, path: &Path) -> PathBuf {
+        self.folder.join(path)
+    }
+}
+
+fn line(text: &str, offset: usize) -> usize {
+    text.get(..offset).map_or(1, |before| before.matches('\n').count() + 1)
+}
+
+fn with_line(text: &str, span: Option<Range<usize>>, message: &str) -> String {
+    let Some(span) = span else { return message.to_owned() };
+    let number = line(text, span.start);
+    let shown = text.lines().nth(number - 1).unwrap_or_default().trim();
+    format!("line {number}, `{shown}`: {message}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flags_are_lines_of_the_file() {
+        let sheet =
+            Sheet::of_flag(Flag::Repaint, "my \"floor\": rho_d = [0.5, 0.1, 0], alpha = 0.1");
+        let repaint = &sheet.unwrap().raw.repaint[0];
+        assert_eq!(repaint.get_ref().group, "my \"floor\"");
+        assert_eq!(repaint.get_ref().rho_d.unwrap().0.to_array(), [0.5, 0.1, 0.0]);
+        let error = Sheet::of_flag(Flag::Light, "lamp: scale = -1").unwrap_err().to_string();
+        assert!(
+            error.contains("--light 'lamp: scale = -1'") && error.contains("negative"),
+            "{error}"
+        );
+        assert_eq!(
+            Sheet::of_flag(Flag::Remove, "a: b").unwrap().raw.remove[0].get_ref().name.as_deref(),
+            Some("a: b")
+        );
+    }
+}

@@ -1,0 +1,134 @@
+//! What the edits are made to: a scene in its materials, and the photograph of it.
+
+use super::sheet::Sheet;
+use crate::project::CameraTable;
+use crate::{Error, Job, Project, job, run};
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+use unrender_formats::picture::{self, Picture};
+use unrender_formats::{FileError, materials};
+use unrender_photo::{Exposure, Photo, Transfer};
+use unrender_scene::{Camera, Rgb, Scene, Warnings};
+
+/// The scene before the edits.
+#[derive(Debug)]
+pub struct Start {
+    /// The scene, wearing the materials that were recovered.
+    pub scene: Scene,
+    /// Its file.
+    pub path: PathBuf,
+    /// The photograph of it.
+    pub photograph: Option<Photograph>,
+}
+
+/// The photograph, and the camera that took it.
+#[derive(Debug)]
+pub struct Photograph {
+    /// The code values of the file.
+    pub picture: Picture,
+    /// The photograph as radiance.
+    pub photo: Photo,
+    /// What turns radiance into its code values, and back.
+    pub transfer: Transfer,
+    /// The camera.
+    pub camera: Camera,
+}
+
+impl Photograph {
+    /// Width and height in pixels.
+    pub fn size(&self) -> (usize, usize) {
+        (self.picture.values.width(), self.picture.values.height())
+    }
+}
+
+/// The one path that `sheets` give for a key, and what messages call its place.
+fn stated<'a>(
+    sheets: &'a [Sheet],
+    key: fn(&Sheet) -> Option<&Spanned<PathBuf>>,
+) -> Option<(PathBuf, &'a Sheet, String)> {
+    let of_sheet = |sheet: &'a Sheet| {
+        let path = key(sheet)?;
+        Some((sheet.path(path.get_ref()), sheet, sheet.place(path.span())))
+    };
+    // A flag, which comes behind the file, counts before it.
+    sheets.iter().rev().find_map(of_sheet)
+}
+
+impl Start {
+    /// Reads what `sheets` start from.
+    ///
+    /// # Errors
+    /// If nothing is named to start from, or a file of it cannot be used.
+    pub fn load(sheets: &[Sheet]) -> Result<(Self, Warnings), Error> {
+        let recovered = stated(sheets, |s| s.raw.recovered.as_ref());
+        let project = stated(sheets, |s| s.raw.project.as_ref());
+        let scene = stated(sheets, |s| s.raw.scene.as_ref());
+        let own = stated(sheets, |s| s.raw.materials.as_ref()).map(|m| m.0);
+        let of_recovery = recovered.as_ref().map(|(folder, ..)| folder.join("materials.json"));
+        let materials = own.or(of_recovery);
+        if let (Some(_), Some((.., place))) = (&project, &scene) {
+            return Err(Error::Request(format!(
+                "{place}: the project names its scene; give one of them"
+            )));
+        }
+        if let Some((path, ..)) = project {
+            return Self::of_project(
+                &path,
+                materials.as_deref(),
+                recovered.as_ref().map(|r| &*r.0),
+            );
+        }
+        let scene = scene.map(|s| s.0).or(recovered.map(|(folder, ..)| folder.join("scene.glb")));
+        let scene = scene.ok_or_else(|| {
+            Error::Request(
+                "nothing to start from: give recovered = \"DIR\", the folder of a recovery, with \
+                 project = \"PROJECT.toml\" for its photograph, or scene = \"FILE\""
+                    .into(),
+            )
+        })?;
+        Self::of_scene(&scene, materials.as_deref())
+    }
+
+    fn of_scene(path: &Path, materials: Option<&Path>) -> Result<(Self, Warnings), Error> {
+        let (mut scene, mut warnings) = unrender_formats::load_scene(path)?;
+        if let Some(materials) = materials {
+            warnings.extend(materials::apply_from(materials, &mut scene)?);
+        }
+        warnings.extend(job::validate(&mut scene, path)?);
+        Ok((Self { scene, path: path.to_owned(), photograph: None }, warnings))
+    }
+
+    fn of_project(
+        path: &Path,
+        materials: Option<&Path>,
+        recovered: Option<&Path>,
+    ) -> Result<(Self, Warnings), Error> {
+        let (project, warnings) = Project::read(path)?;
+        let Job { mut scene, mut camera, mut photo, mut transfer, project, mut warnings, .. } =
+            Job::load(project, warnings)?;
+        let mut found = None;
+        if let Some(materials) = materials {
+            warnings.extend(materials::apply_from(materials, &mut scene)?);
+            found = materials::read(materials)?.exposure.map(Rgb::from_array);
+        }
+        if project.exposure == Exposure::Auto {
+            let found = found.ok_or_else(|| {
+                FileError::new(path, "exposure is \"auto\"; name the recovery that found it")
+            })?;
+            for values in [&mut photo.radiance, &mut photo.quantum] {
+                values.pixels_mut().iter_mut().for_each(|value| *value *= found);
+            }
+            transfer.exposure = found;
+        }
+        // The recovery may have moved the camera to where the model fits the photograph.
+        let run = recovered.map(|folder| folder.join("run.json"));
+        if let Some(used) = run.map(|run| run::recovered_camera(&run)).transpose()?.flatten()
+            && used != CameraTable::of(&camera, 1.0)
+        {
+            camera = Camera { aspect: camera.aspect, ..used.camera(&camera.name) };
+        }
+        let (picture, _) = picture::read(&project.photo)?;
+        let photograph = Photograph { picture, photo, transfer, camera };
+        Ok((Self { scene, path: project.scene, photograph: Some(photograph) }, warnings))
+    }
+}

@@ -1,0 +1,264 @@
+//! A rendering in passes: until it has its samples, its time is over, its noise is low, or Ctrl-C.
+//!
+//! Sums are exact, so how the samples are cut into passes changes no bit of the picture. Passes are
+//! about as long as [`PASS`], so that whoever asks for an end does not wait. Only at the sample
+//! counts of [`next_check`] is the noise looked at: the picture depends on the limit, and not on
+//! the clock or on breaks.
+
+use crate::interrupt::Pausable;
+use crate::part::{self, Head, Identity, Part};
+use crate::progress::Progress;
+use crate::subject::Subject;
+use crate::{Error, interrupt};
+use std::ops::Range;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+use unrender_formats::FileError;
+use unrender_render::Tally;
+use unrender_render::adaptive::Shares;
+
+/// How long a pass should take.
+const PASS: Duration = Duration::from_secs(2);
+/// The first number of samples a pixel at which the noise is looked at.
+const FIRST_CHECK: u32 = 16;
+/// The time between two lines about the noise.
+const BETWEEN_LINES: Duration = Duration::from_secs(2);
+/// The time between two savings of the checkpoint.
+const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(60);
+
+/// When a rendering is done: when the first of these is so.
+#[derive(Clone, Debug)]
+pub(crate) struct Goal {
+    /// It has these samples.
+    pub(crate) samples: Range<u32>,
+    /// No further pass fits into this time.
+    pub(crate) time: Option<Duration>,
+    /// [`Tally::noise`] is at most this.
+    pub(crate) noise: Option<f64>,
+    /// Where to keep the samples, and to take up those that are there.
+    pub(crate) checkpoint: Option<PathBuf>,
+}
+
+/// What is rendered, and how it is told from other renderings.
+pub(crate) struct Job<'a> {
+    pub(crate) subject: &'a dyn Subject,
+    /// Has the picture's size, and whether sampling is adaptive.
+    pub(crate) identity: Identity,
+}
+
+/// A rendering as far as it came.
+pub(crate) struct Rendered {
+    /// One for each of the subject's layers.
+    pub(crate) layers: Vec<Tally>,
+    /// The numbers of its samples; with adaptive sampling, of a pixel of mean noise.
+    pub(crate) samples: Range<u32>,
+    /// Whether Ctrl-C ended it.
+    pub(crate) interrupted: bool,
+}
+
+impl Rendered {
+    /// Says that the rendering was interrupted; the exit code for that.
+    pub(crate) fn goodbye(&self) -> ExitCode {
+        let end = self.samples.end;
+        eprintln!("stopped after sample {end}; the same command goes on from there");
+        interrupt::code()
+    }
+
+    /// What a part of these samples says of itself.
+    pub(crate) fn head(&self, job: &Job<'_>) -> Head {
+        let layers = job.subject.layers().iter().map(|layer| (*layer).to_owned()).collect();
+        Head { identity: job.identity.clone(), samples: self.samples.clone(), layers }
+    }
+}
+
+/// A rendering in the course of being made.
+struct Run<'a> {
+    job: &'a Job<'a>,
+    goal: &'a Goal,
+    shares: Option<Shares>,
+    started: Instant,
+    /// What a sample of all pixels takes, by the last pass, seconds.
+    sample_seconds: Option<f64>,
+    /// When the noise was told last.
+    told: Instant,
+    /// The number of samples at which the noise should be low enough, by the last check.
+    expected_end: Option<f64>,
+    rendered: Rendered,
+}
+
+/// Renders until the goal is reached.
+///
+/// # Errors
+/// If the checkpoint is of something else or cannot be written.
+pub(crate) fn run(job: &Job<'_>, goal: &Goal, progress: &Progress) -> Result<Rendered, Error> {
+    let rendered = begin(job, goal)?;
+    let size = (job.identity.width, job.identity.height);
+    let shares = job.identity.adaptive.then(|| job.subject.shares(size));
+    let (started, mut saved) = (Instant::now(), Instant::now());
+    let (sample_seconds, expected_end) = (None, None);
+    let mut run =
+        Run { job, goal, shares, started, told: started, sample_seconds, expected_end, rendered };
+    let pausable = goal.checkpoint.as_ref().map(|_| Pausable::new());
+    while !run.is_done(progress) {
+        let Some(end) = run.end_of_pass() else { break };
+        run.pass(end, progress);
+        run.rendered.interrupted = pausable.as_ref().is_some_and(Pausable::is_asked);
+        if run.rendered.interrupted {
+            break;
+        }
+        if saved.elapsed() >= BETWEEN_CHECKPOINTS {
+            save(job, goal, &run.rendered)?;
+            saved = Instant::now();
+        }
+    }
+    save(job, goal, &run.rendered)?;
+    Ok(run.rendered)
+}
+
+impl Run<'_> {
+    /// Whether there are samples enough, or little enough noise.
+    fn is_done(&mut self, progress: &Progress) -> bool {
+        let end = self.rendered.samples.end;
+        if end >= self.goal.samples.end {
+            return true;
+        }
+        let Some(limit) = self.goal.noise.filter(|_| is_check(end)) else { return false };
+        let noise = self.rendered.layers[0].noise();
+        self.expected_end = Some(f64::from(end) * (noise / limit).powi(2));
+        if self.told.elapsed() >= BETWEEN_LINES {
+            self.told = Instant::now();
+            progress.say(in_words(end, &self.rendered.layers[0]), self.share(end));
+        }
+        noise <= limit
+    }
+
+    /// Where the next pass should end; none if the time is over.
+    fn end_of_pass(&self) -> Option<u32> {
+        let done = self.rendered.samples.end;
+        let mut end = self.goal.samples.end;
+        if self.goal.noise.is_some() {
+            end = end.min(next_check(done));
+        }
+        let in_one_go = self.goal.checkpoint.is_none() && self.goal.time.is_none();
+        if in_one_go {
+            return Some(end);
+        }
+        let Some(seconds) = self.sample_seconds else { return Some(end.min(done + 1)) };
+        let mut fit = (PASS.as_secs_f64() / seconds).max(1.0);
+        if let Some(time) = self.goal.time {
+            let left = time.saturating_sub(self.started.elapsed()).as_secs_f64();
+            fit = fit.min(left / seconds);
+        }
+        (fit >= 1.0).then(|| end.min(done.saturating_add(fit as u32)))
+    }
+
+    /// Adds the samples up to the number `end`.
+    fn pass(&mut self, end: u32, progress: &Progress) {
+        let (pass, samples) = (Instant::now(), self.rendered.samples.end..end);
+        let (before, after) = (self.share(samples.start), self.share(samples.end));
+        let Self { job, shares, rendered, .. } = self;
+        let shares = shares.as_ref();
+        let of_pixel = |pixel: usize| match shares {
+            Some(shares) => shares.samples(pixel, samples.clone()),
+            None => samples.clone(),
+        };
+        let tell = |done: f64| progress.set(before + (after - before) * done);
+        job.subject.accumulate(&of_pixel, &mut rendered.layers, &tell);
+        rendered.samples.end = end;
+        self.sample_seconds = Some(pass.elapsed().as_secs_f64() / samples.len() as f64);
+    }
+
+    /// The share of the work that is done with the samples up to the number `end`.
+    fn share(&self, end: u32) -> f64 {
+        let Range { start, end: last } = self.goal.samples;
+        let last = self.expected_end.unwrap_or(f64::from(last)).min(f64::from(last));
+        let of_samples = f64::from(end - start) / (last - f64::from(start)).max(1.0);
+        let elapsed = self.started.elapsed().as_secs_f64();
+        let of_time = self.goal.time.map_or(0.0, |time| elapsed / time.as_secs_f64());
+        of_samples.max(of_time).min(1.0)
+    }
+}
+
+/// How far a picture is whose samples are numbered up to `end`.
+pub(crate) fn in_words(end: u32, tally: &Tally) -> String {
+    match tally.noise() {
+        noise if noise.is_finite() => {
+            format!("{end} samples a pixel, relative standard error {:.3} %", 100.0 * noise)
+        }
+        _ => format!("{end} sample(s) a pixel"),
+    }
+}
+
+/// The samples that the checkpoint holds, or none yet.
+fn begin(job: &Job<'_>, goal: &Goal) -> Result<Rendered, Error> {
+    let Range { start, end } = goal.samples;
+    let Some(path) = goal.checkpoint.as_ref().filter(|path| path.exists()) else {
+        let empty = |_: &&str| Tally::new(job.identity.width, job.identity.height);
+        let layers = job.subject.layers().iter().map(empty).collect();
+        return Ok(Rendered { layers, samples: start..start, interrupted: false });
+    };
+    let Part { head, layers, .. } = part::read(path)?;
+    let problem = if let Err(problem) = check(job, &head) {
+        format!("is the checkpoint of another rendering: {problem}")
+    } else if head.samples.start != start {
+        format!("begins with sample {}, not with {start}", head.samples.start)
+    } else if head.samples.end > end {
+        format!("has the samples up to {} already, more than the {end} asked for", head.samples.end)
+    } else {
+        return Ok(Rendered { layers, samples: head.samples, interrupted: false });
+    };
+    Err(FileError::new(path, problem + "; name another checkpoint, or remove it").into())
+}
+
+/// Checks that a part which says `head` of itself has samples of `job`.
+///
+/// # Errors
+/// With what differs.
+pub(crate) fn check(job: &Job<'_>, head: &Head) -> Result<(), String> {
+    if head.layers != job.subject.layers() {
+        return Err(format!("it has the layers {}", head.layers.join(", ")));
+    }
+    let difference = job.identity.difference(&head.identity);
+    difference.map_or(Ok(()), |difference| Err(format!("this one has {difference}")))
+}
+
+/// Writes the checkpoint, if there is to be one.
+fn save(job: &Job<'_>, goal: &Goal, rendered: &Rendered) -> Result<(), Error> {
+    let Some(path) = &goal.checkpoint else { return Ok(()) };
+    let _until_written = interrupt::writing();
+    part::write(path, &rendered.head(job), &rendered.layers)
+}
+
+/// The least number of samples above `done` at which the noise is looked at: each is a quarter
+/// above the one before.
+fn next_check(done: u32) -> u32 {
+    let mut check = FIRST_CHECK;
+    while check <= done {
+        check = check.saturating_add((check / 4).max(1));
+        if check == u32::MAX {
+            break;
+        }
+    }
+    check
+}
+
+fn is_check(done: u32) -> bool {
+    done > 0 && next_check(done - 1) == done
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_noise_is_looked_at_ever_more_rarely() {
+        let mut checks = vec![next_check(0)];
+        for _ in 0..5 {
+            checks.push(next_check(checks[checks.len() - 1]));
+        }
+        assert_eq!(checks, [16, 20, 25, 31, 38, 47]);
+        assert_eq!((next_check(17), next_check(u32::MAX - 1)), (20, u32::MAX));
+        assert!(is_check(25) && !is_check(24) && !is_check(0));
+    }
+}

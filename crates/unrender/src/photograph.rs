@@ -1,0 +1,97 @@
+//! The transfer function of a project's photograph, from what project and file say of it.
+
+use crate::project::{Project, ResponseChoice, VignettingChoice};
+use crate::{Error, camera_numbers};
+use unrender_formats::picture::{Picture, Profile};
+use unrender_formats::{FileError, response_curve};
+use unrender_photo::vignetting::{DARKEST, Law};
+use unrender_photo::{Curve, Response, Transfer, Vignetting, choose_response, declared_response};
+use unrender_scene::{Camera, Warnings};
+
+/// The transfer function of `project`'s `picture`, which `camera` took; its exposure is the stated
+/// one, or one where that is asked for.
+pub(crate) fn transfer(
+    project: &Project,
+    picture: &Picture,
+    camera: &Camera,
+) -> Result<(Transfer, Warnings), Error> {
+    let profile = picture.profile.as_ref();
+    let asked = project.response == Some(ResponseChoice::Auto);
+    let declared = profile.filter(|_| !asked).and_then(declared_response);
+    let (response, mut warnings) = choose_response(picture.depth, stated(project)?, declared);
+    warnings.extend(told(profile));
+    let size = (picture.values.width(), picture.values.height());
+    let law = project.vignetting.map(|choice| match choice {
+        VignettingChoice::Stated(law) => law,
+        VignettingChoice::Auto => Law::Radial([0.0; 3]),
+    });
+    let vignetting = law.map(|law| Vignetting { law, camera: camera.clone(), size });
+    if let Some(vignetting) = &vignetting {
+        check(vignetting).map_err(|problem| FileError::new(&project.path, problem))?;
+    }
+    let transfer = Transfer {
+        black_level: project.black_level,
+        vignetting,
+        srgb_from_file: profile.and_then(|profile| profile.srgb_from_file),
+        ..Transfer::plain(response, project.exposure.or_one())
+    };
+    Ok((transfer, warnings))
+}
+
+/// What the user should know of the colours that the photograph declares.
+fn told(profile: Option<&Profile>) -> Warnings {
+    let mut warnings = Warnings::default();
+    match profile {
+        Some(Profile { understood: false, source, .. }) => warnings.push(format!(
+            "the photo has {source}, which is of a kind that is not understood: its colours were \
+             taken as those of sRGB"
+        )),
+        Some(Profile { srgb_from_file: Some(_), source, .. }) => warnings.push(format!(
+            "the photo's primaries are not those of sRGB, by {source}; its colours were converted \
+             to them"
+        )),
+        _ => {}
+    }
+    warnings
+}
+
+/// The response that the project states.
+fn stated(project: &Project) -> Result<Option<Response>, Error> {
+    let response = match &project.response {
+        None => return Ok(None),
+        Some(ResponseChoice::Stated(response)) => response.clone(),
+        Some(ResponseChoice::Auto) => Response::Gamma(camera_numbers::GAMMA),
+        Some(ResponseChoice::Measured(path)) => {
+            let rows = response_curve::read(path)?;
+            Response::measured(rows.linear.each_ref().map(|linear| Curve::new(&rows.codes, linear)))
+        }
+    };
+    Ok(Some(response))
+}
+
+/// A lens that lets nothing through says nothing of the corners.
+fn check(vignetting: &Vignetting) -> Result<(), String> {
+    let darkest = vignetting.darkest();
+    if darkest >= DARKEST {
+        return Ok(());
+    }
+    Err(format!(
+        "vignetting: by it a pixel of the photo gets {darkest:.3} of the light; r is 1 at half the \
+         picture's diagonal, and 1 + a1 r^2 + a2 r^4 + a3 r^6 must stay above {DARKEST}"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn a_lens_must_let_light_through() {
+        let camera = Camera::look_at("c", Vec3::Z, Vec3::ZERO, Vec3::Y, 1.0);
+        let told = |law| check(&Vignetting { law, camera: camera.clone(), size: (40, 30) });
+        assert_eq!(told(Law::Radial([-1.511, 1.506, -0.64])), Ok(()));
+        let problem = told(Law::Radial([-1.1, 0.0, 0.0])).unwrap_err();
+        assert!(problem.contains("half the picture's diagonal"), "{problem}");
+    }
+}

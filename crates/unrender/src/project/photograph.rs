@@ -1,0 +1,84 @@
+//! What a project says of how its photograph was made: response, black level, vignetting.
+
+use super::parse::{number, triple};
+use std::path::{Path, PathBuf};
+use toml::Value;
+use unrender_photo::{Response, vignetting};
+use unrender_scene::Rgb;
+
+/// How the photograph is encoded.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ResponseChoice {
+    /// By a curve with a name or by a gamma.
+    Stated(Response),
+    /// As measured: the file of the rows.
+    Measured(PathBuf),
+    /// By a gamma that is asked for.
+    Auto,
+}
+
+/// How the lens darkens the photograph away from its axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum VignettingChoice {
+    /// By this law.
+    Stated(vignetting::Law),
+    /// By a radial polynomial that is asked for.
+    Auto,
+}
+
+const RESPONSES: &str =
+    "give \"srgb\", \"linear\", { gamma = 2.2 }, a file such as \"curve.csv\", or \"auto\"";
+const VIGNETTINGS: &str = "give \"cos4\", { radial = [a1, a2, a3] } or \"auto\"";
+
+/// The key `response`; files are relative to `folder`.
+pub(super) fn response(value: &Value, folder: &Path) -> Result<ResponseChoice, String> {
+    if let Some(name) = value.as_str() {
+        return match name {
+            "srgb" => Ok(ResponseChoice::Stated(Response::Srgb)),
+            "linear" => Ok(ResponseChoice::Stated(Response::Linear)),
+            "auto" => Ok(ResponseChoice::Auto),
+            _ if name.contains(['.', '/']) => Ok(ResponseChoice::Measured(folder.join(name))),
+            _ => Err(format!("response: there is no \"{name}\"; {RESPONSES}")),
+        };
+    }
+    let table = value.as_table().filter(|t| t.len() == 1).and_then(|t| t.get("gamma"));
+    let gamma = table.and_then(number).ok_or_else(|| format!("response: {RESPONSES}"))?;
+    if !(0.1..=10.0).contains(&gamma) {
+        return Err(format!("response.gamma is {gamma}; it is from 0.1 to 10"));
+    }
+    Ok(ResponseChoice::Stated(Response::Gamma(gamma)))
+}
+
+/// The key `black_level`.
+pub(super) fn black_level(value: &Value) -> Result<Rgb, String> {
+    let black = triple("black_level", value)?;
+    if black.to_array().iter().all(|black| (0.0..0.5).contains(black)) {
+        return Ok(black);
+    }
+    Err(format!(
+        "black_level is {value}; it is a code from 0 to below 0.5, where 1 is white: divide that of \
+         an 8-bit file by 255"
+    ))
+}
+
+/// The key `vignetting`.
+pub(super) fn vignetting(value: &Value) -> Result<VignettingChoice, String> {
+    if let Some(name) = value.as_str() {
+        return match name {
+            "cos4" => Ok(VignettingChoice::Stated(vignetting::Law::Cos4)),
+            "auto" => Ok(VignettingChoice::Auto),
+            _ => Err(format!("vignetting: there is no \"{name}\"; {VIGNETTINGS}")),
+        };
+    }
+    let radial = value.as_table().filter(|t| t.len() == 1).and_then(|t| t.get("radial"));
+    let list =
+        radial.and_then(Value::as_array).ok_or_else(|| format!("vignetting: {VIGNETTINGS}"))?;
+    let numbers: Vec<f32> = list.iter().filter_map(number).filter(|a| a.is_finite()).collect();
+    if numbers.len() != list.len() || !(1..=3).contains(&numbers.len()) {
+        let given = radial.map_or(String::new(), Value::to_string);
+        return Err(format!("vignetting.radial is {given}; give one to three numbers, a1, a2, a3"));
+    }
+    let mut coefficients = [0.0; 3];
+    coefficients[..numbers.len()].copy_from_slice(&numbers);
+    Ok(VignettingChoice::Stated(vignetting::Law::Radial(coefficients)))
+}

@@ -1,0 +1,133 @@
+//! Convergence: every group's error and parameters against the turns, as curves and as a table.
+
+use super::number::{Shown, count, number, percent};
+use super::plot::{Axis, Curve, plot};
+use super::{Told, under};
+use crate::run::{GroupTurnEntry, Run, TurnEntry};
+use maud::{Markup, html};
+use plotters::style::RGBColor;
+
+const ERRORS: (u32, u32) = (900, 320);
+const PARAMETERS: (u32, u32) = (300, 170);
+/// What a curve of a group's parameters shows, and its colour.
+const QUANTITIES: [(&str, RGBColor); 8] = [
+    ("rho_d red", RGBColor(214, 64, 64)),
+    ("rho_d green", RGBColor(46, 150, 80)),
+    ("rho_d blue", RGBColor(66, 120, 220)),
+    ("rho_s red", RGBColor(240, 150, 150)),
+    ("rho_s green", RGBColor(130, 205, 150)),
+    ("rho_s blue", RGBColor(150, 185, 245)),
+    ("alpha_x", RGBColor(200, 130, 30)),
+    ("alpha_y", RGBColor(150, 90, 190)),
+];
+
+/// The section.
+pub(super) fn section(told: &Told<'_>) -> Markup {
+    let run = told.run;
+    let asked: Vec<&String> =
+        run.groups.iter().filter(|(_, g)| g.asked).map(|(name, _)| name).collect();
+    let curves: Vec<Curve> = asked.iter().map(|name| errors(run, name)).collect();
+    let content = html! {
+        figure {
+            (plot(&curves, Axis::Logarithmic, ERRORS, "Error of every group against turns"))
+            figcaption {
+                "The relative error of every group that noise does not explain, against turns; \
+                 in passes of the refinement that of means over blocks of pixels. On the lower \
+                 edge noise explains all. Colours as in the \
+                 group map: "
+                @for name in &asked { (legend(&run.groups[*name].map_color, name)) " " }
+            }
+        }
+        details {
+            summary { "Parameters against turns" }
+            p { @for (name, color) in QUANTITIES {
+                (legend(&format!("rgb({} {} {})", color.0, color.1, color.2), name)) " "
+            } }
+            div class="multiples" { @for name in &asked {
+                figure {
+                    (plot(&parameters(run, name), Axis::Linear, PARAMETERS,
+                        &format!("Parameters of {name} against turns")))
+                    figcaption { (name) }
+                }
+            } }
+        }
+        details {
+            summary { "Turn by turn" }
+            (table(told, &asked))
+        }
+    };
+    under("convergence", &content)
+}
+
+fn legend(color: &str, name: &str) -> Markup {
+    html! { span class="legend" {
+    span class="chip" aria-hidden="true" style={ "background:" (color) } {} (name) } }
+}
+
+fn errors(run: &Run, name: &str) -> Curve {
+    let error = |turn: &TurnEntry| Some((turn.turn as f64, turn.groups.get(name)?.error?));
+    let points = run.turns.iter().filter_map(error).collect();
+    Curve { points, color: parsed(&run.groups[name].map_color) }
+}
+
+fn parameters(run: &Run, name: &str) -> Vec<Curve> {
+    let values = |g: &GroupTurnEntry| {
+        let ([a, b, c], [d, e, f]) = (g.rho_d, g.rho_s);
+        [a, b, c, d, e, f, g.alpha_x, g.alpha_y].map(f64::from)
+    };
+    let of_turn = |turn: &TurnEntry| Some((turn.turn as f64, values(turn.groups.get(name)?)));
+    let turns: Vec<(f64, [f64; 8])> = run.turns.iter().filter_map(of_turn).collect();
+    let curve = |(k, (_, color)): (usize, &(&str, RGBColor))| Curve {
+        points: turns.iter().map(|(turn, values)| (*turn, values[k])).collect(),
+        color: *color,
+    };
+    let curves = QUANTITIES.iter().enumerate().map(curve);
+    // What a group never had is no curve along the axis.
+    curves.filter(|c| c.points.iter().any(|(_, value)| *value > 0.0)).collect()
+}
+
+/// A colour `#rrggbb`; black if it is none.
+fn parsed(color: &str) -> RGBColor {
+    let code = |at: usize| color.get(at..at + 2).and_then(|c| u8::from_str_radix(c, 16).ok());
+    let [r, g, b] = [1, 3, 5].map(|at| code(at).unwrap_or(0));
+    RGBColor(r, g, b)
+}
+
+fn table(told: &Told<'_>, asked: &[&String]) -> Markup {
+    html! {
+        div class="wide" role="region" tabindex="0" aria-label="Errors turn by turn" {
+            table {
+                thead { tr {
+                    th scope="col" { "turn" }
+                    th scope="col" { "seconds" }
+                    th scope="col" { "change" }
+                    th scope="col" { "worst error" }
+                    @for name in asked { th scope="col" { (name) } }
+                } }
+                tbody { @for (index, turn) in told.run.turns.iter().enumerate() {
+                    (turn_row(told, index, turn, asked))
+                } }
+            }
+        }
+    }
+}
+
+fn turn_row(told: &Told<'_>, index: usize, turn: &TurnEntry, asked: &[&String]) -> Markup {
+    let key = told.key.at("turns").at(index);
+    html! {
+        tr {
+            th scope="row" { (count(&key.at("turn"), turn.turn))
+                @if turn.refining { " refining" } }
+            td class="n" { (number(&key.at("seconds"), turn.seconds, Shown::Fixed(1))) }
+            td class="n" { @if let Some(change) = turn.change {
+                (number(&key.at("change"), change, Shown::Significant(2))) } }
+            td class="n" { (percent(&key.at("worst_error"), turn.worst_error)) }
+            @for name in asked {
+                td class="n" { @if let Some(group) = turn.groups.get(*name) {
+                    (percent(&key.at("groups").at(name).at("error"), group.error))
+                    " " span class="rung" { (group.hypothesis) }
+                } }
+            }
+        }
+    }
+}

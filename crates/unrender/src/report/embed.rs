@@ -1,0 +1,77 @@
+//! Pictures inside the page: as JPEG where they are photographs, as PNG where a pixel's very colour
+//! counts, and no larger than a page should be.
+
+use crate::Error;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use std::path::Path;
+use unrender_formats::{FileError, picture};
+use unrender_scene::{Image, Rgb};
+
+/// Pictures of more pixels are shown smaller.
+const PIXELS_MAX: usize = 1_300_000;
+/// Of JPEGs; at this quality one cannot tell them from the original beside it.
+const QUALITY: u8 = 88;
+
+/// A picture as part of a page.
+pub(super) struct Embedded {
+    /// A `data:` address.
+    pub(super) src: String,
+    pub(super) width: usize,
+    pub(super) height: usize,
+}
+
+/// The picture `file` in `folder`, to be looked at.
+pub(super) fn photograph(folder: &Path, file: &str) -> Result<Embedded, Error> {
+    let path = folder.join(file);
+    let codes = shrunk(&picture::read(&path)?.0.values, mean);
+    let bytes = picture::jpeg_bytes(&codes, QUALITY).map_err(|e| FileError::new(&path, e))?;
+    Ok(embedded(&codes, "jpeg", &bytes))
+}
+
+/// The picture `file` in `folder`, every pixel in one of its own colours.
+pub(super) fn exact(folder: &Path, file: &str) -> Result<Embedded, Error> {
+    let path = folder.join(file);
+    let codes = shrunk(&picture::read(&path)?.0.values, |block| block[0]);
+    let bytes = picture::png_bytes(&codes).map_err(|e| FileError::new(&path, e))?;
+    Ok(embedded(&codes, "png", &bytes))
+}
+
+fn embedded(codes: &Image<Rgb>, kind: &str, bytes: &[u8]) -> Embedded {
+    let src = format!("data:image/{kind};base64,{}", BASE64_STANDARD.encode(bytes));
+    Embedded { src, width: codes.width(), height: codes.height() }
+}
+
+fn mean(block: &[Rgb]) -> Rgb {
+    block.iter().sum::<Rgb>() / block.len() as f32
+}
+
+/// The picture with blocks of pixels for single ones, as few in a block as it takes.
+fn shrunk(codes: &Image<Rgb>, of_block: fn(&[Rgb]) -> Rgb) -> Image<Rgb> {
+    let side = (codes.pixels().len() as f64 / PIXELS_MAX as f64).sqrt().ceil().max(1.0) as usize;
+    let (width, height) = (codes.width(), codes.height());
+    Image::from_fn(width.div_ceil(side), height.div_ceil(side), |x, y| {
+        let rows = y * side..((y + 1) * side).min(height);
+        let columns = x * side..((x + 1) * side).min(width);
+        let block: Vec<Rgb> = rows
+            .flat_map(|row| columns.clone().map(move |column| *codes.at(column, row)))
+            .collect();
+        of_block(&block)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn large_pictures_become_smaller_and_keep_their_shape() {
+        let large = Image::from_fn(3001, 2000, |x, _| Rgb::splat((x % 2) as f32));
+        let small = shrunk(&large, mean);
+        assert_eq!((small.width(), small.height()), (1001, 667));
+        let flat = shrunk(&large, |block| block[0]);
+        assert!(flat.pixels().iter().all(|p| *p == Rgb::ZERO || *p == Rgb::ONE));
+        let little = Image::from_fn(100, 50, |x, y| Rgb::splat((x + y) as f32));
+        assert_eq!(shrunk(&little, mean), little);
+    }
+}

@@ -1,0 +1,79 @@
+//! The error pictures, signed and absolute, in radiance and in units of the noise, each with its
+//! colour bar.
+
+use super::number::{Shown, count, number};
+use super::{Key, Told, embed, under};
+use crate::Error;
+use crate::run::{ErrorPicture, Unit};
+use maud::{Markup, html};
+
+/// The section: one picture is seen at a time, chosen by radio buttons.
+pub(super) fn section(told: &Told<'_>) -> Result<Markup, Error> {
+    let errors = &told.run.pictures.errors;
+    let key = told.key.at("pictures").at("errors");
+    let figures = errors.iter().enumerate().map(|(index, error)| {
+        figure(told, &key.at(index), error).map(|figure| (index, error, figure))
+    });
+    let figures = figures.collect::<Result<Vec<_>, _>>()?;
+    let content = html! {
+        div class="choice" {
+            @for (index, error, _) in &figures {
+                input type="radio" name="error" id={ "error-" (index) } checked[*index == 0];
+                label for={ "error-" (index) } { (name(error)) }
+            }
+            @for (_, _, figure) in &figures { (figure) }
+        }
+    };
+    Ok(under("errors", &content))
+}
+
+fn name(error: &ErrorPicture) -> &'static str {
+    match (error.signed, error.unit) {
+        (true, Unit::Radiance) => "signed, radiance",
+        (false, Unit::Radiance) => "absolute, radiance",
+        (true, Unit::Noise) => "signed, noise",
+        (false, Unit::Noise) => "absolute, noise",
+    }
+}
+
+fn figure(told: &Told<'_>, key: &Key, error: &ErrorPicture) -> Result<Markup, Error> {
+    let picture = embed::photograph(told.folder, &error.file)?;
+    let sides = if error.signed {
+        "Re-rendering minus photograph: red where the re-rendering is too bright, blue where it is \
+         too dark"
+    } else {
+        "The size of the difference: the lighter, the further off"
+    };
+    let unit = match error.unit {
+        Unit::Radiance => "luminance, W sr⁻¹ m⁻²",
+        Unit::Noise => "standard deviations of the noise of both pictures",
+    };
+    Ok(html! {
+        figure class="error" {
+            img src=(picture.src) width=(picture.width) height=(picture.height)
+                alt={ (sides) ", in " (unit) };
+            (bar(key, error, unit))
+            figcaption {
+                (sides) ". In " (unit) ", averaged over pixels up to "
+                (count(&key.at("reach"), error.reach)) " away; dark grey is not compared."
+            }
+        }
+    })
+}
+
+/// The colour bar: every other stop is labelled.
+fn bar(key: &Key, error: &ErrorPicture, unit: &str) -> Markup {
+    let colors: Vec<&str> = error.bar.iter().map(|stop| stop.color.as_str()).collect();
+    let gradient = format!("background:linear-gradient(to right,{})", colors.join(","));
+    html! {
+        div class="bar" role="group" aria-label={ "Colour bar, " (unit) } {
+            div class="ramp" style=(gradient) {}
+            div class="ticks" {
+                @for (index, stop) in error.bar.iter().enumerate().step_by(2) {
+                    span { (number(&key.at("bar").at(index).at("value"), stop.value,
+                        Shown::Significant(2))) }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! How the run was made: command, versions, time, memory, settings, warnings.
+
+use super::number::{Shown, count, number, numbers};
+use super::{Key, Told, under};
+use maud::{Markup, html};
+use unrender_formats::materials::PhotographEntry;
+
+/// The section.
+pub(super) fn section(told: &Told<'_>) -> Markup {
+    let run = told.run;
+    let content = html! {
+        h3 id="warnings" { "Warnings" }
+        @if run.warnings.is_empty() { p { "None." } }
+        ul { @for warning in &run.warnings { li { (warning) } } }
+        h3 { "Command" }
+        pre tabindex="0" { code { (command(&run.command)) } }
+        div class="beside" {
+            div { h3 { "Time and memory" } (costs(told)) }
+            div { h3 { "Input" } (input(told)) }
+            div { h3 { "Settings" } (settings(told)) }
+        }
+        @if let Some(photograph) = &run.photograph {
+            h3 { "Camera" } (camera(&told.key.at("photograph"), photograph))
+        }
+        @if !run.lights.is_empty() { h3 { "Lights" } (lights(told)) }
+    };
+    under("facts", &content)
+}
+
+/// The command line as a shell would take it.
+fn command(words: &[String]) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%".contains(c);
+    let quoted = |word: &String| {
+        if !word.is_empty() && word.chars().all(plain) {
+            word.clone()
+        } else {
+            format!("'{}'", word.replace('\'', "'\\''"))
+        }
+    };
+    words.iter().map(quoted).collect::<Vec<_>>().join(" ")
+}
+
+fn row(name: &str, value: &Markup) -> Markup {
+    html! { tr { th scope="row" { (name) } td { (value) } } }
+}
+
+fn costs(told: &Told<'_>) -> Markup {
+    let (run, key) = (told.run, &told.key);
+    let stages = [
+        ("registration", run.stages.registration),
+        ("camera", run.stages.camera),
+        ("ladder", run.stages.ladder),
+        ("refinement", run.stages.refinement),
+        ("picture", run.stages.picture),
+    ];
+    let seconds = |key, value| html! { (number(&key, value, Shown::Fixed(1))) " s" };
+    html! {
+        table { tbody {
+            @for (name, value) in stages {
+                (row(name, &seconds(key.at("stages").at(name), value)))
+            }
+            (row("together", &seconds(key.at("seconds"), run.seconds)))
+            @if let Some(bytes) = run.peak_memory_bytes {
+                (row("memory at most", &html! {
+                    (number(&key.at("peak_memory_bytes"), bytes, Shown::Mebi)) " MiB" }))
+            }
+            (row("threads", &count(&key.at("settings").at("threads"), run.settings.threads)))
+            (row("program", &html! { "unrender " (run.program.unrender) ", "
+                (run.program.system) ", " (run.program.processor) }))
+        } }
+    }
+}
+
+fn input(told: &Told<'_>) -> Markup {
+    let (run, key) = (told.run, told.key.at("input"));
+    html! {
+        table { tbody {
+            (row("project", &html! { (run.input.project.display()) }))
+            (row("scene", &html! { (run.input.scene.display()) }))
+            (row("photograph", &html! { (run.input.photo.display()) }))
+            (row("pixels", &html! { (count(&key.at("width"), run.input.width)) " × "
+                (count(&key.at("height"), run.input.height)) }))
+            (row("exposure", &html! {
+                (numbers(&told.key.at("exposure"), &run.exposure, Shown::Significant(4)))
+                @if let Some(std) = &run.exposure_std {
+                    " ± " (numbers(&told.key.at("exposure_std"), std, Shown::Significant(2)))
+                }
+            }))
+            @if let Some(off) = run.registration.displacement_pixels {
+                (row("model off by", &html! {
+                    (number(&told.key.at("registration").at("displacement_pixels"), off,
+                        Shown::Fixed(2))) " pixels, as given" }))
+            }
+        } }
+    }
+}
+
+fn settings(told: &Told<'_>) -> Markup {
+    let (settings, key) = (&told.run.settings, told.key.at("settings"));
+    html! {
+        table { tbody {
+            (row("lobe", &html! { (settings.brdf) }))
+            (row("ladder", &html! { (settings.ladder) }))
+            (row("refinement", &html! { @if settings.refine { "yes" } @else { "no" } }))
+            (row("seed", &count(&key.at("seed"), settings.seed)))
+            (row("final paths a pixel", &count(&key.at("spp"), settings.spp)))
+            (row("reflections at most", &count(&key.at("max_bounces"), settings.max_bounces)))
+            @for (name, value) in &settings.thresholds {
+                (row(&format!("threshold {name}"),
+                    &number(&key.at("thresholds").at(name), *value, Shown::Significant(2))))
+            }
+        } }
+    }
+}
+
+/// The numbers of the camera that were asked for.
+fn camera(key: &Key, found: &PhotographEntry) -> Markup {
+    let std = found.std.clone().unwrap_or_default();
+    let one = |name: &str, value: Option<f64>, std: Option<f64>| {
+        html! { @if let Some(value) = value {
+            (row(name, &html! {
+                (number(&key.at(name), value, Shown::Fixed(4)))
+                @if let Some(std) = std {
+                    " ± " (number(&key.at("std").at(name), std, Shown::Significant(2)))
+                }
+            }))
+        } }
+    };
+    html! {
+        table { tbody {
+            (one("gamma", found.gamma, std.gamma))
+            @if let Some(radial) = &found.vignetting {
+                (row("vignetting", &html! { @for (index, value) in radial.iter().enumerate() {
+                    (number(&key.at("vignetting").at(index), *value, Shown::Fixed(3))) " "
+                } }))
+            }
+            (one("corner", found.corner, std.corner))
+        } }
+        @if let Some(note) = &found.note { p class="note" { (note) } }
+    }
+}
+
+fn lights(told: &Told<'_>) -> Markup {
+    html! {
+        table { tbody { @for (name, light) in &told.run.lights {
+            (row(name, &html! {
+                @let key = told.key.at("lights").at(name);
+                @if let Some(intensity) = &light.intensity {
+                    (numbers(&key.at("intensity"), intensity, Shown::Significant(4)))
+                }
+                @if let Some(std) = &light.std {
+                    " ± " (numbers(&key.at("std"), std, Shown::Significant(2)))
+                }
+            }))
+        } } }
+    }
+}

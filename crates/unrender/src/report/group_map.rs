@@ -1,0 +1,25 @@
+//! The group map: a pixel under the pointer, or a row of the groups' table, says which group it is.
+
+use super::{Told, embed, under};
+use crate::Error;
+use maud::{Markup, html};
+
+/// The section. The script fills in what is under the pointer from the groups' table.
+pub(super) fn section(told: &Told<'_>) -> Result<Markup, Error> {
+    let map = embed::exact(told.folder, &told.run.pictures.groups)?;
+    let content = html! {
+        figure class="map" {
+            div class="frame" {
+                img class="groups" src=(map.src) width=(map.width) height=(map.height)
+                    alt="Every pixel in the colour of its group; the table below lists the groups";
+                canvas aria-hidden="true" {}
+            }
+            output class="readout" aria-live="polite" {
+                "Point at the picture, or choose a group in the table."
+            }
+            figcaption { "Every pixel in the colour of its group, black where the model shows \
+                nothing. Choosing a group in the table shows where it is." }
+        }
+    };
+    Ok(under("map", &content))
+}

@@ -1,0 +1,136 @@
+//! Pages that open anywhere: `report.html` of one recovery, several recoveries side by side, and
+//! galleries.
+//!
+//! A page is one file. Its pictures, its style and its script are inside, and it asks no network for
+//! anything. Names are text, whatever they contain. The pages compute nothing: a number on them is a
+//! field of run.json, is marked up as such (`Key`), and is rounded at most.
+//!
+//! One section of the page is one file here.
+
+mod comparison;
+mod convergence;
+mod embed;
+mod errors;
+mod facts;
+mod gallery;
+mod group_map;
+mod groups;
+mod head;
+mod number;
+mod parameters;
+mod plot;
+mod side_by_side;
+mod story;
+mod trust;
+mod unknowable;
+
+pub use gallery::{Exhibit, gallery};
+
+use crate::Error;
+use crate::run::Run;
+use maud::{Markup, html};
+use number::{Key, Shown, number};
+use std::path::{Path, PathBuf};
+use unrender_formats::atomic;
+
+/// The name of the page in a folder of results.
+pub const FILE: &str = "report.html";
+
+/// A run and the folder that it left.
+struct Told<'a> {
+    run: &'a Run,
+    folder: &'a Path,
+    /// Where the run's numbers are.
+    key: Key,
+}
+
+/// Writes the page of the recovery in `folder` beside its other files.
+///
+/// # Errors
+/// If a file is missing or broken, or the page cannot be written.
+pub fn write(folder: &Path) -> Result<(), Error> {
+    Ok(atomic::write(&folder.join(FILE), page(folder)?.as_bytes())?)
+}
+
+/// The page of the recovery in `folder`.
+///
+/// # Errors
+/// If run.json or a picture that it names is missing or broken.
+pub fn page(folder: &Path) -> Result<String, Error> {
+    let run = Run::read(folder)?;
+    let told = Told { run: &run, folder, key: Key::root() };
+    let body = html! {
+        (header(&told))
+        main {
+            (comparison::section(&told)?)
+            (errors::section(&told)?)
+            (group_map::section(&told)?)
+            (groups::section(&told)?)
+            (unknowable::section(&told))
+            (trust::section(&told)?)
+            (convergence::section(&told))
+            (facts::section(&told))
+        }
+    };
+    let title = format!("unrender: {}", run.input.project.display());
+    Ok(head::page(&title, &body))
+}
+
+/// The page that compares the recoveries in `folders`.
+///
+/// # Errors
+/// As [`page`].
+pub fn comparison(folders: &[PathBuf]) -> Result<String, Error> {
+    let runs = folders.iter().map(|folder| Run::read(folder)).collect::<Result<Vec<_>, _>>()?;
+    let told: Vec<Told<'_>> = runs
+        .iter()
+        .zip(folders)
+        .enumerate()
+        .map(|(index, (run, folder))| Told { run, folder, key: Key::root().at(index) })
+        .collect();
+    side_by_side::page(&told)
+}
+
+/// What the page is of, in two lines.
+fn header(told: &Told<'_>) -> Markup {
+    let run = told.run;
+    html! {
+        header {
+            h1 { "Recovered materials" }
+            p class="lead" {
+                (run.input.project.display()) ": "
+                (number(&told.key.at("seconds"), run.seconds, Shown::Fixed(1))) " s, "
+                (run.termination) "."
+            }
+            @if !run.warnings.is_empty() {
+                p class="warn" { a href="#warnings" { "The run had warnings." } }
+            }
+            nav aria-label="Sections" { ul {
+                @for (id, name) in SECTIONS { li { a href={ "#" (id) } { (name) } } }
+            } }
+        }
+    }
+}
+
+/// The sections of a recovery's page: id and heading.
+const SECTIONS: [(&str, &str); 8] = [
+    ("comparison", "Photograph and re-rendering"),
+    ("errors", "Where they differ"),
+    ("map", "Group map"),
+    ("groups", "Groups"),
+    ("unknowable", "What the photograph cannot tell"),
+    ("trust", "Which pixels counted"),
+    ("convergence", "Convergence"),
+    ("facts", "How it was made"),
+];
+
+/// A section with one of the headings of [`SECTIONS`].
+fn under(id: &str, content: &Markup) -> Markup {
+    let name = SECTIONS.iter().find(|s| s.0 == id).map_or(id, |s| s.1);
+    html! {
+        section id=(id) aria-labelledby={ "h-" (id) } {
+            h2 id={ "h-" (id) } { (name) }
+            (content)
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! The story of a group on the ladder: which rungs were tried, what each left, why it stopped.
+
+use super::number::{count, percent};
+use super::{Key, Told, parameters};
+use crate::run::{RunGroup, TrialEntry};
+use maud::{Markup, html};
+use unrender_scene::{Hypothesis, Status};
+
+/// The story.
+pub(super) fn of(told: &Told<'_>, key: &Key, name: &str, group: &RunGroup) -> Markup {
+    html! {
+        p class="why" { (reason(told, name, group)) }
+        @if let Some(note) = &group.entry.note { p class="note" { (note) } }
+        @if !group.story.is_empty() {
+            details {
+                summary { "The rungs" span class="hidden" { " tried on " (name) } }
+                (rungs(&key.at("story"), &group.story))
+            }
+        }
+    }
+}
+
+/// Why the group stands where it does, in words.
+fn reason(told: &Told<'_>, name: &str, group: &RunGroup) -> Markup {
+    let last = group.story.iter().rev().find(|trial| trial.taken);
+    let hypothesis = group.entry.hypothesis.unwrap_or(Hypothesis::Diffuse);
+    let paper = told.run.settings.ladder == "paper";
+    let ladder = told.run.turns.iter().rev().find(|turn| !turn.refining);
+    let open = ladder.is_some_and(|turn| turn.open_groups.iter().any(|open| open == name));
+    html! {
+        @match (group.entry.status, hypothesis, last) {
+            (Some(Status::Known), ..) => "Given, not recovered.",
+            (Some(Status::Assumed), ..) => "Not determined by this photograph.",
+            (_, Hypothesis::Textured, _) => "No uniform reflectance explains it: its texture was \
+                taken from the photograph.",
+            (_, _, None) if open => "When the ladder ended, what its first rung left was more than \
+                noise and the threshold explain.",
+            (_, _, Some(last)) if last.hypothesis != hypothesis =>
+                "The refinement made it simpler: what the rung above adds, the photograph cannot \
+                 tell.",
+            (_, _, Some(_)) if open && !paper => "The simplest rung that explains as much as the \
+                best one; but even that leaves more than noise and the threshold explain.",
+            (_, _, Some(_)) if paper => "The error fell below the rung's threshold, or the ladder \
+                ended.",
+            (_, _, Some(_)) => "The simplest rung that explains as much as the best one, as far as \
+                noise and thresholds let anyone tell.",
+            (_, _, None) => "No other rung was called for: in the end what the first one left was \
+                within noise and the threshold.",
+        }
+    }
+}
+
+/// The trials, turn by turn.
+fn rungs(key: &Key, story: &[TrialEntry]) -> Markup {
+    let numbered: Vec<(usize, &TrialEntry)> = story.iter().enumerate().collect();
+    html! {
+        @for tried in numbered.chunk_by(|a, b| a.1.turn == b.1.turn) {
+            p { "Turn " (count(&key.at(tried[0].0).at("turn"), tried[0].1.turn)) ":" }
+            ol class="rungs" {
+                @for (index, trial) in tried { (rung(&key.at(index), trial, tried)) }
+            }
+        }
+    }
+}
+
+/// One trial among those of its turn, which go from simple to complex.
+fn rung(key: &Key, trial: &TrialEntry, tried: &[(usize, &TrialEntry)]) -> Markup {
+    let taken = tried.iter().find(|(_, other)| other.taken).map(|(_, other)| other.hypothesis);
+    let verdict = match taken {
+        _ if trial.taken => "taken",
+        Some(taken) if trial.hypothesis < taken => "leaves more than it must",
+        Some(_) => "not needed",
+        None => "left behind",
+    };
+    html! {
+        li class=[trial.taken.then_some("taken")] {
+            (parameters::swatch(trial.rho_d)) (trial.hypothesis) " left "
+            (percent(&key.at("error"), trial.error)) ": " (verdict)
+        }
+    }
+}

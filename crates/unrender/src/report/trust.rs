@@ -1,0 +1,46 @@
+//! The trust map: which pixels counted, and why the others did not.
+
+use super::number::count;
+use super::{Told, embed, under};
+use crate::Error;
+use crate::run::LeftOut;
+use maud::{Markup, html};
+
+/// The section, with the colours of trust.png as the legend.
+pub(super) fn section(told: &Told<'_>) -> Result<Markup, Error> {
+    let picture = embed::photograph(told.folder, &told.run.pictures.trust)?;
+    let content = html! {
+        div class="beside" {
+            figure {
+                img src=(picture.src) width=(picture.width) height=(picture.height)
+                    alt="The photograph in grey where it counted, and coloured by the reason where \
+                         it did not";
+            }
+            table {
+                caption { "Pixels, by the reason why they did not count." }
+                thead { tr { th scope="col" { "colour" } th scope="col" { "why" }
+                    th scope="col" class="n" { "pixels" } } }
+                tbody { @for (field, color, why, pixels) in reasons(&told.run.pixels) {
+                    tr {
+                        td { span class="swatch" style={ "background:" (color) } {} }
+                        td { (why) }
+                        td class="n" { (count(&told.key.at("pixels").at(field), pixels)) }
+                    }
+                } }
+            }
+        }
+    };
+    Ok(under("trust", &content))
+}
+
+/// Field of run.json, colour in trust.png, words, number.
+fn reasons(pixels: &LeftOut) -> [(&'static str, &'static str, &'static str, usize); 6] {
+    [
+        ("believed", "linear-gradient(to right,#222,#ddd)", "counted", pixels.believed),
+        ("edge", "rgb(51 115 191)", "an edge is too close", pixels.edge),
+        ("cut_off", "rgb(153 77 166)", "clipped, too dark or broken", pixels.cut_off),
+        ("spike", "rgb(242 217 64)", "a single bright pixel", pixels.spike),
+        ("stray", "rgb(230 128 38)", "shows what is not in the model", pixels.stray),
+        ("nothing", "#000", "the model shows nothing there", pixels.nothing),
+    ]
+}

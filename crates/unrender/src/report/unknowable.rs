@@ -1,0 +1,68 @@
+//! What the photograph cannot tell, in words.
+
+use super::number::percent;
+use super::{Key, Told, parameters, under};
+use crate::run::RunGroup;
+use maud::{Markup, html};
+use unrender_formats::materials::{AlternativeEntry, GroupEntry};
+use unrender_scene::Status;
+
+/// The section.
+pub(super) fn section(told: &Told<'_>) -> Markup {
+    let run = told.run;
+    let groups = || run.groups.iter();
+    let assumed = groups().filter(|(_, g)| g.entry.status == Some(Status::Assumed));
+    let noted =
+        groups().filter(|(_, g)| g.entry.note.is_some() && g.entry.status != Some(Status::Assumed));
+    let ambiguous: Vec<(&String, &RunGroup)> =
+        groups().filter(|(_, g)| !g.entry.alternatives.is_empty()).collect();
+    let (assumed, noted): (Vec<_>, Vec<_>) = (assumed.collect(), noted.collect());
+    let nothing = assumed.is_empty() && noted.is_empty() && ambiguous.is_empty();
+    let content = html! {
+        @if nothing { p { "Nothing that the program noticed." } }
+        ul class="unknowable" {
+            @for (name, group) in assumed {
+                li { strong { (name) } " is not determined: "
+                    (group.entry.note.as_deref().unwrap_or("its numbers are a guess")) }
+            }
+            @for (name, group) in noted {
+                li { strong { (name) } ": " (group.entry.note.as_deref().unwrap_or_default()) }
+            }
+            @for (name, group) in ambiguous {
+                li { strong { (name) } " may as well be this:"
+                    @for (index, other) in group.entry.alternatives.iter().enumerate() {
+                        (alternative(&told.key.at("groups").at(name).at("alternatives").at(index),
+                            other))
+                    }
+                }
+            }
+        }
+        @if !run.settings.refine {
+            p { "The numbers were not refined together, so nothing is known of how certain they \
+                are." }
+        }
+        p { "A deviation holds the noise and what the model leaves unexplained here and there. It \
+            does not hold what is wrong everywhere alike, such as a lamp that is brighter than \
+            stated." }
+    };
+    under("unknowable", &content)
+}
+
+fn alternative(key: &Key, other: &AlternativeEntry) -> Markup {
+    let entry = GroupEntry {
+        hypothesis: other.hypothesis,
+        rho_d: other.rho_d,
+        rho_s: other.rho_s,
+        alpha_x: other.alpha_x,
+        alpha_y: other.alpha_y,
+        theta_deg: other.theta_deg,
+        ..GroupEntry::default()
+    };
+    html! {
+        div class="alternative" {
+            (other.hypothesis.map_or("", |h| h.name())) ", which leaves "
+            (percent(&key.at("error"), other.error))
+            (parameters::list(key, &entry))
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! What `restage` leaves in its folder.
+
+use crate::Error;
+use crate::edit::{Composite, Photograph};
+use crate::report::{self, Exhibit};
+use std::path::Path;
+use unrender_formats::picture::{self, Depth};
+use unrender_formats::{FileError, atomic};
+use unrender_restage::pair::{self, Paired};
+use unrender_scene::{Rgb, RgbImage};
+
+/// Pictures of a sequence that its gallery shows at most.
+const SHOWN_MAX: usize = 24;
+
+/// Writes a composite, the photograph that it was made of, its masks and its gallery; returns how many values were not finite.
+///
+/// `composite.exr` is radiance, or, for photographs of floating-point values, has the values that
+/// the photograph's file would have.
+pub(crate) fn write_composite(
+    composite: &Composite,
+    photograph: &Photograph,
+    folder: &Path,
+) -> Result<usize, Error> {
+    let codes = composite.codes(photograph);
+    let (exr, png) = (folder.join("composite.exr"), folder.join("composite.png"));
+    let mut bad = 0;
+    match photograph.picture.depth {
+        Depth::Float => {
+            bad += picture::write_exr(&exr, &codes)?;
+            bad += picture::write_png_srgb(&png, &as_srgb(photograph, &composite.radiance))?;
+        }
+        depth => {
+            bad += picture::write_exr(&exr, &composite.radiance)?;
+            bad += picture::write_png_codes(&png, &codes, depth)?;
+        }
+    }
+    let share = |of: fn(&Paired) -> f32| composite.paired.map(|pixel| Rgb::splat(of(pixel)));
+    let touched = composite.touched.map(|&touched| Rgb::splat(f32::from(u8::from(touched))));
+    for (name, mask) in [("touched", touched), ("invented", share(|pixel| pixel.uncovered))] {
+        picture::write_png_codes(&folder.join(format!("{name}.png")), &mask, Depth::Eight)?;
+    }
+    bad += write_synthetic(&pair::after(&composite.paired), Some(photograph), folder, None)?;
+    let before = as_srgb(photograph, &photograph.photo.radiance);
+    bad += picture::write_png_srgb(&folder.join("photo.png"), &before)?;
+    let pair = [
+        exhibit("photo.png", "photograph", "The photograph, developed."),
+        exhibit("composite.png", "composite", "The photograph with the change in it."),
+    ];
+    let others = [
+        exhibit("synthetic.png", "Synthetic", "The scene after the edits, rendered whole."),
+        exhibit("touched.png", "Touched", "White: pixels of the photograph that were changed."),
+        exhibit("invented.png", "Invented", "White: what the photograph does not show at all."),
+    ];
+    write_page(folder, Some(&pair), &others)?;
+    Ok(bad)
+}
+
+/// Writes the gallery of the synthetic pictures with the numbers `numbers`, or of the only one.
+pub(crate) fn write_gallery(folder: &Path, numbers: &[Option<usize>]) -> Result<(), Error> {
+    let step = numbers.len().div_ceil(SHOWN_MAX).max(1);
+    let shown = numbers.iter().step_by(step).map(|number| {
+        let title = number.map_or("Picture".to_owned(), |n| format!("Picture {n}"));
+        exhibit(&format!("{}.png", synthetic(*number)), &title, "The scene after the edits.")
+    });
+    write_page(folder, None, &shown.collect::<Vec<_>>())
+}
+
+fn write_page(
+    folder: &Path,
+    pair: Option<&[Exhibit; 2]>,
+    exhibits: &[Exhibit],
+) -> Result<(), Error> {
+    let lead = "What unrender restage made.";
+    let page = report::gallery("Restaged", lead, folder, pair, exhibits)?;
+    Ok(atomic::write(&folder.join("gallery.html"), page.as_bytes())?)
+}
+
+fn exhibit(file: &str, title: &str, caption: &str) -> Exhibit {
+    let [file, title, caption] = [file, title, caption].map(str::to_owned);
+    Exhibit { file, title, caption }
+}
+
+/// The name of a synthetic picture, without its extension.
+fn synthetic(number: Option<usize>) -> String {
+    number.map_or("synthetic".to_owned(), |n| format!("synthetic_{n:04}"))
+}
+
+/// Writes a synthetic picture, as radiance and as the photograph's camera would show it, else as
+/// sRGB; returns how many values were not finite. `number` is its place in a sequence.
+pub(crate) fn write_synthetic(
+    radiance: &RgbImage,
+    photograph: Option<&Photograph>,
+    folder: &Path,
+    number: Option<usize>,
+) -> Result<usize, FileError> {
+    let name = synthetic(number);
+    let bad = picture::write_exr(&folder.join(format!("{name}.exr")), radiance)?;
+    let png = folder.join(format!("{name}.png"));
+    match photograph {
+        Some(photograph) if photograph.picture.depth != Depth::Float => {
+            let codes = photograph.transfer.codes(radiance);
+            picture::write_png_codes(&png, &codes, photograph.picture.depth)?;
+        }
+        Some(photograph) => {
+            picture::write_png_srgb(&png, &as_srgb(photograph, radiance))?;
+        }
+        None => {
+            picture::write_png_srgb(&png, radiance)?;
+        }
+    }
+    Ok(bad)
+}
+
+/// Linear values at the photograph's exposure.
+fn as_srgb(photograph: &Photograph, radiance: &RgbImage) -> RgbImage {
+    radiance.map(|radiance| *radiance / photograph.transfer.exposure)
+}

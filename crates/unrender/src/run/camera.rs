@@ -1,0 +1,50 @@
+//! The camera that a run used, for programs that go on from it. Only this much of run.json is read,
+//! so that files of other versions will do.
+
+use crate::project::CameraTable;
+use glam::Vec3;
+use serde_json::Value;
+use std::path::Path;
+use unrender_formats::FileError;
+use unrender_scene::Lens;
+
+/// The camera that the recovery with the run file at `path` used; none if the file does not say.
+///
+/// # Errors
+/// If the file is damaged.
+pub(crate) fn recovered_camera(path: &Path) -> Result<Option<CameraTable>, FileError> {
+    let Some(run) = value(path)? else { return Ok(None) };
+    let camera = &run["registration"]["camera"];
+    let number = |value: &Value| value.as_f64().map(|number| number as f32);
+    let vector = |key: &str| {
+        let [x, y, z] = [0, 1, 2].map(|index| number(&camera[key][index]));
+        Some(Vec3::new(x?, y?, z?))
+    };
+    let table = || {
+        let [right, down] = [0, 1].map(|index| number(&camera["principal_point"][index]));
+        let (k1, k2) = (number(&camera["k1"])?, number(&camera["k2"])?);
+        let lens = Lens { principal_point: [right?, down?], k1, k2 };
+        let (eye, target, up) = (vector("eye")?, vector("target")?, vector("up")?);
+        Some(CameraTable { eye, target, up, fov_y_deg: number(&camera["fov_y_deg"])?, lens })
+    };
+    Ok(table())
+}
+
+/// The width and height of the photograph of the recovery with the run file at `path`; none if the
+/// file does not say.
+///
+/// # Errors
+/// If the file is damaged.
+pub(crate) fn recovered_size(path: &Path) -> Result<Option<(usize, usize)>, FileError> {
+    let Some(run) = value(path)? else { return Ok(None) };
+    let side = |key: &str| run["input"][key].as_u64().filter(|side| *side > 0);
+    let sides = side("width").zip(side("height"));
+    Ok(sides.map(|(width, height)| (width as usize, height as usize)))
+}
+
+fn value(path: &Path) -> Result<Option<Value>, FileError> {
+    let Ok(text) = std::fs::read_to_string(path) else { return Ok(None) };
+    let run = serde_json::from_str(&text)
+        .map_err(|error| FileError::new(path, format!("is not JSON: {error}")))?;
+    Ok(Some(run))
+}

@@ -1,0 +1,187 @@
+//! `run.json`: the story of a recovery as plain numbers, key by key in `docs/run-json.md`.
+//!
+//! Reports are made of this file and of the pictures that it names, and of nothing else: every
+//! number on a page is a field here.
+
+mod camera;
+mod group;
+mod pictures;
+mod turn;
+
+pub(crate) use camera::{recovered_camera, recovered_size};
+pub use group::{LeftOut, RunGroup, TrialEntry};
+pub use pictures::{ErrorPicture, Pictures, Stop, Unit};
+pub use turn::{GroupTurnEntry, TurnEntry};
+
+use crate::Error;
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use unrender_formats::materials::{LightEntry, PhotographEntry};
+use unrender_formats::{FileError, atomic};
+
+/// The version of the format that this crate writes.
+pub const VERSION: u32 = 1;
+
+/// A whole `run.json`.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct Run {
+    /// [`VERSION`].
+    pub version: u32,
+    /// What made it.
+    pub program: Program,
+    /// The command line, word by word.
+    pub command: Vec<String>,
+    /// What it was made from.
+    pub input: Input,
+    /// How it was made.
+    pub settings: SettingsEntry,
+    /// Wall-clock seconds from the scene to the last picture.
+    pub seconds: f64,
+    /// The same by stage.
+    pub stages: Stages,
+    /// The most memory that the process held, bytes; null where the system does not tell.
+    pub peak_memory_bytes: Option<u64>,
+    /// Why it ended, a sentence.
+    pub termination: String,
+    /// What was doubtful about it, a sentence each.
+    pub warnings: Vec<String>,
+    /// Scene radiance per unit of linear pixel value, by channel.
+    pub exposure: [f32; 3],
+    /// Its standard deviation, where the exposure was asked for.
+    pub exposure_std: Option<[f32; 3]>,
+    /// The camera's numbers, where they were asked for, as in `materials.json`.
+    pub photograph: Option<PhotographEntry>,
+    /// How the model lay on the photograph.
+    pub registration: RegistrationEntry,
+    /// How many pixels of the photograph counted, and how many did not, by reason.
+    pub pixels: LeftOut,
+    /// The pictures beside the file.
+    pub pictures: Pictures,
+    /// The global re-renderings in their order.
+    pub turns: Vec<TurnEntry>,
+    /// The groups by name, in the order of the scene.
+    pub groups: IndexMap<String, RunGroup>,
+    /// The lights whose brightness was asked for, by name, in the order of the scene.
+    pub lights: IndexMap<String, LightEntry>,
+}
+
+/// The program that made a run.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct Program {
+    /// Its version.
+    pub unrender: String,
+    /// The operating system.
+    pub system: String,
+    /// The processor's architecture.
+    pub processor: String,
+}
+
+/// What a run was made from.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct Input {
+    /// The project file, as it was named.
+    pub project: PathBuf,
+    /// The scene file.
+    pub scene: PathBuf,
+    /// The photograph.
+    pub photo: PathBuf,
+    /// The photograph's width, pixels.
+    pub width: usize,
+    /// The photograph's height, pixels.
+    pub height: usize,
+}
+
+/// How a run was made.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct SettingsEntry {
+    /// The form of Ward's lobe.
+    pub brdf: String,
+    /// The ladder: `default` or `paper`.
+    pub ladder: String,
+    /// Whether all numbers were refined together.
+    pub refine: bool,
+    /// The seed of the renderings' noise.
+    pub seed: u64,
+    /// Paths a pixel of the final re-rendering.
+    pub spp: u32,
+    /// Reflections along a path at most.
+    pub max_bounces: u32,
+    /// Threads.
+    pub threads: usize,
+    /// The thresholds of the project file, by their names there.
+    pub thresholds: IndexMap<String, f64>,
+}
+
+/// Wall-clock seconds by stage.
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct Stages {
+    /// The scene made ready and the model laid onto the photograph.
+    pub registration: f64,
+    /// The camera's numbers found, where they were asked for.
+    pub camera: f64,
+    /// The ladder.
+    pub ladder: f64,
+    /// All numbers together.
+    pub refinement: f64,
+    /// The last textures and the final picture.
+    pub picture: f64,
+}
+
+/// How the model lay on the photograph, and the camera that was used.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct RegistrationEntry {
+    /// The camera, as in a project's `[camera]`.
+    pub camera: serde_json::Value,
+    /// How far the model's edges were from the photograph's under the camera as given, pixels; null
+    /// where too few were found.
+    pub displacement_pixels: Option<f32>,
+    /// How well the place where they fit is known, pixels.
+    pub uncertainty_pixels: Option<f32>,
+    /// How far edges are off under the better camera, pixels.
+    pub deviation_pixels: Option<f32>,
+    /// Points of edges that the photograph shows.
+    pub confirmed_edge_points: Option<usize>,
+}
+
+impl Run {
+    /// The name of the file in a folder of results.
+    pub const FILE: &str = "run.json";
+
+    /// Reads the run of the results in `folder`.
+    ///
+    /// # Errors
+    /// If there is no run.json, or it is not one, or of a later version.
+    pub fn read(folder: &Path) -> Result<Self, Error> {
+        let path = folder.join(Self::FILE);
+        let text = std::fs::read_to_string(&path).map_err(|error| {
+            let problem = format!("cannot be read: {error}; name a folder that recover wrote");
+            FileError::new(&path, problem)
+        })?;
+        let run: Self =
+            serde_json::from_str(&text).map_err(|error| FileError::new(&path, error))?;
+        if run.version > VERSION {
+            let problem = format!("is of a later version than {VERSION}; use a newer unrender");
+            return Err(FileError::new(&path, problem).into());
+        }
+        Ok(run)
+    }
+
+    /// The file's text.
+    ///
+    /// # Errors
+    /// If a value has no place in JSON.
+    pub fn to_text(&self) -> Result<String, Error> {
+        serde_json::to_string_pretty(self)
+            .map(|text| text + "\n")
+            .map_err(|error| Error::Request(format!("{} cannot be written: {error}", Self::FILE)))
+    }
+
+    /// Writes the file into `folder`.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), Error> {
+        Ok(atomic::write(&folder.join(Self::FILE), self.to_text()?.as_bytes())?)
+    }
+}

@@ -1,0 +1,44 @@
+//! What `run.json` says of one global re-rendering.
+
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+use unrender_scene::Hypothesis;
+
+/// One global re-rendering.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct TurnEntry {
+    /// Counted from one.
+    pub turn: usize,
+    /// Whether it was a pass of the joint refinement.
+    pub refining: bool,
+    /// Seconds since the recovery began.
+    pub seconds: f64,
+    /// The largest change of a reflectance, and of the logarithm of a roughness.
+    pub change: Option<f64>,
+    /// In a turn of the ladder the worst group's relative error, in a pass of the refinement that of
+    /// all groups together, before its step.
+    pub worst_error: Option<f64>,
+    /// Groups whose hypothesis did not explain the photograph yet.
+    pub open_groups: Vec<String>,
+    /// The groups that are asked for.
+    pub groups: IndexMap<String, GroupTurnEntry>,
+}
+
+/// Where one group stood after a turn.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GroupTurnEntry {
+    /// Its rung.
+    pub hypothesis: Hypothesis,
+    /// Its relative error that noise does not explain; in a pass of the refinement before its step.
+    pub error: Option<f64>,
+    /// Diffuse reflectance.
+    pub rho_d: [f32; 3],
+    /// Specular reflectance.
+    pub rho_s: [f32; 3],
+    /// Roughness along the brushed direction.
+    pub alpha_x: f32,
+    /// Roughness across it.
+    pub alpha_y: f32,
+    /// Brushed direction, degrees.
+    pub theta_deg: f32,
+}

@@ -1,0 +1,77 @@
+//! What is rendered in passes: one picture, or a composite's scenes before and after.
+
+use std::ops::Range;
+use unrender_render::adaptive::Shares;
+use unrender_render::{Settings, Tally, Tracer};
+use unrender_restage::pair::{self, Pairing};
+use unrender_scene::{Camera, Material, Scene};
+
+/// What is rendered: a picture, or several sums of one at once.
+pub(crate) trait Subject {
+    /// What each sum is called; the first is the picture whose noise counts.
+    fn layers(&self) -> &'static [&'static str];
+
+    /// Adds the paths whose numbers `samples` gives for each pixel to `layers`.
+    fn accumulate(
+        &self,
+        samples: &(dyn Fn(usize) -> Range<u32> + Sync),
+        layers: &mut [Tally],
+        progress: &(dyn Fn(f64) + Sync),
+    );
+
+    /// How many paths each pixel should get, by a pilot picture of `size`.
+    fn shares(&self, size: (usize, usize)) -> Shares;
+}
+
+/// One picture of a scene.
+pub(crate) struct Picture<'a> {
+    tracer: Tracer,
+    materials: Vec<Material>,
+    camera: &'a Camera,
+    settings: Settings,
+}
+
+impl<'a> Picture<'a> {
+    pub(crate) fn new(scene: &Scene, camera: &'a Camera, settings: Settings) -> Self {
+        Self { tracer: Tracer::new(scene), materials: scene.materials(), camera, settings }
+    }
+}
+
+impl Subject for Picture<'_> {
+    fn layers(&self) -> &'static [&'static str] {
+        &["picture"]
+    }
+
+    fn accumulate(
+        &self,
+        samples: &(dyn Fn(usize) -> Range<u32> + Sync),
+        layers: &mut [Tally],
+        progress: &(dyn Fn(f64) + Sync),
+    ) {
+        let Self { tracer, materials, camera, settings } = self;
+        tracer.accumulate(materials, camera, settings, samples, &mut layers[0], progress);
+    }
+
+    fn shares(&self, size: (usize, usize)) -> Shares {
+        self.tracer.shares(&self.materials, self.camera, size, &self.settings, &|_| ())
+    }
+}
+
+impl Subject for Pairing<'_> {
+    fn layers(&self) -> &'static [&'static str] {
+        &pair::LAYERS
+    }
+
+    fn accumulate(
+        &self,
+        samples: &(dyn Fn(usize) -> Range<u32> + Sync),
+        layers: &mut [Tally],
+        progress: &(dyn Fn(f64) + Sync),
+    ) {
+        self.accumulate(samples, layers, progress);
+    }
+
+    fn shares(&self, size: (usize, usize)) -> Shares {
+        self.shares(size)
+    }
+}

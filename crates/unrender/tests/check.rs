@@ -1,0 +1,479 @@
+//! `unrender check`: one doubtful input a test, on a small room made up here.
+
+use glam::Vec3;
+use std::path::Path;
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+use unrender::check::{Checkup, EdgeKind, check, edge_picture};
+use unrender::formats::picture::{self, Depth, Picture};
+use unrender::photo::{Response, Transfer, develop};
+use unrender::render::{Settings, Tracer};
+use unrender::scene::color::{linear_from_srgb, srgb_from_linear};
+use unrender::scene::{
+    Camera, Group, Image, Light, LightKind, Material, Mesh, Object, Rgb, RgbImage, Scene, Warnings,
+};
+use unrender::{Job, Project};
+
+const SIZE: (usize, usize) = (120, 90);
+const LAMP: usize = 4;
+const BLOCK: usize = 3;
+const GROUPS: [(&str, [f32; 3]); 5] = [
+    ("back_wall", [0.6, 0.6, 0.55]),
+    ("floor", [0.5, 0.4, 0.3]),
+    ("walls", [0.3, 0.4, 0.6]),
+    ("block", [0.7, 0.3, 0.2]),
+    ("lamp", [0.0, 0.0, 0.0]),
+];
+
+fn quad(corner: Vec3, u: Vec3, v: Vec3) -> Mesh {
+    let corners = [corner, corner + u, corner + u + v, corner + v];
+    Mesh::flat(&corners, &[], &[[0, 1, 2], [0, 2, 3]])
+}
+
+/// A box between two corners, its fronts outwards.
+fn cuboid(low: Vec3, high: Vec3) -> Mesh {
+    let side = high - low;
+    let [x, y, z] = [side.x * Vec3::X, side.y * Vec3::Y, side.z * Vec3::Z];
+    let mut whole = Mesh::default();
+    for (corner, u, v) in [
+        (low + z, x, y),
+        (low + x, -x, y),
+        (low, z, y),
+        (low + x + z, -z, y),
+        (low + y + z, x, -z),
+        (low, x, z),
+    ] {
+        append(&mut whole, &quad(corner, u, v));
+    }
+    whole
+}
+
+fn append(whole: &mut Mesh, part: &Mesh) {
+    let first = whole.positions.len() as u32;
+    whole.positions.extend(&part.positions);
+    whole.normals.extend(&part.normals);
+    whole.triangles.extend(part.triangles.iter().map(|t| t.map(|i| first + i)));
+}
+
+/// The other side becomes the front.
+fn flipped(mesh: &Mesh) -> Mesh {
+    let mut mesh = mesh.clone();
+    mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    mesh.normals.iter_mut().for_each(|normal| *normal = -*normal);
+    mesh
+}
+
+fn object(group: usize, mesh: Mesh) -> Object {
+    Object { name: format!("the {}", GROUPS[group].0), group, mesh }
+}
+
+/// Back wall, floor, side walls, a block and a lamp under where the ceiling would be.
+fn room() -> Scene {
+    let (x, y, z) = (2.0 * Vec3::X, 2.0 * Vec3::Y, 2.0 * Vec3::Z);
+    let low = Vec3::new(-1.0, 0.0, -1.0);
+    let mut walls = quad(low, y, z);
+    walls = flipped(&flipped(&walls));
+    append(&mut walls, &quad(low + x, z, y));
+    let meshes = [
+        (0, quad(low, x, y)),
+        (1, quad(low, z, x)),
+        (2, walls),
+        (BLOCK, cuboid(Vec3::new(-0.5, 0.0, -0.6), Vec3::new(0.0, 0.7, -0.1))),
+        (LAMP, quad(Vec3::new(-0.4, 1.95, -0.4), 0.8 * Vec3::X, 0.8 * Vec3::Z)),
+    ];
+    let group = |(i, (name, rho)): (usize, (&str, [f32; 3]))| Group {
+        name: name.to_owned(),
+        material: Material::diffuse(Rgb::from_array(rho)),
+        emission: if i == LAMP { Rgb::splat(6.0) } else { Rgb::ZERO },
+    };
+    let mut scene = Scene {
+        objects: meshes.into_iter().map(|(group, mesh)| object(group, mesh)).collect(),
+        groups: GROUPS.into_iter().enumerate().map(group).collect(),
+        ..Scene::default()
+    };
+    assert_eq!(scene.validate(), Ok(Warnings::default()));
+    scene
+}
+
+fn camera() -> Camera {
+    Camera::look_at("camera", Vec3::new(0.1, 1.0, 3.2), Vec3::new(0.0, 0.7, 0.0), Vec3::Y, 0.55)
+}
+
+/// What `camera` takes of `scene`.
+fn photograph(scene: &Scene, camera: &Camera) -> RgbImage {
+    let settings = Settings { spp: 64, seed: 5, max_bounces: 6 };
+    Tracer::new(scene).render(&scene.materials(), camera, SIZE, &settings, &|_| ()).mean
+}
+
+/// What `camera()` takes of `room()`.
+fn photo_of_room() -> RgbImage {
+    static PHOTO: OnceLock<RgbImage> = OnceLock::new();
+    PHOTO.get_or_init(|| photograph(&room(), &camera())).clone()
+}
+
+/// A project and all that it names.
+struct Input(Job);
+
+impl Input {
+    /// The photograph `codes` of `scene` by `camera`, with the project's lines `text`.
+    fn new(scene: &Scene, camera: Camera, codes: Picture, response: Response, text: &str) -> Self {
+        let text = format!("scene = \"s.glb\"\nphoto = \"p.png\"\n{text}");
+        let (project, _) = Project::parse(Path::new("a.toml"), &text).unwrap();
+        let transfer = Transfer::plain(response, project.exposure.or_one());
+        let photo = develop(&codes, &transfer);
+        let (scene, warnings) = (scene.clone(), Warnings::default());
+        let unknown_lights = project.unknown_sources(&scene);
+        let picture = codes;
+        Self(Job { scene, camera, picture, photo, transfer, project, unknown_lights, warnings })
+    }
+
+    /// A floating-point photograph that `camera()` took of `room()`, claimed to be one of `scene`.
+    fn of_room(scene: &Scene) -> Self {
+        let codes = Picture::new(photo_of_room(), Depth::Float);
+        Self::new(scene, camera(), codes, Response::Linear, "exposure = 1\n")
+    }
+
+    fn check(&self) -> Checkup {
+        check(&self.0)
+    }
+
+    /// Asserts that one of the warnings contains `problem` and `remedy`.
+    fn warns(&self, problem: &str, remedy: &str) {
+        let told = self.check().warnings.0;
+        let found = told.iter().any(|told| told.contains(problem) && told.contains(remedy));
+        assert!(found, "{problem:?} is not in {told:#?}");
+    }
+}
+
+#[test]
+fn a_good_project_passes_in_silence() {
+    let checkup = Input::of_room(&room()).check();
+    assert_eq!(checkup.warnings.0, [""; 0]);
+    let [back_wall, floor, .., lamp] = checkup.groups.as_slice() else { panic!("five groups") };
+    assert_eq!((back_wall.role, lamp.role), ("unknown", "emitter"));
+    assert!(back_wall.trusted > 1000 && back_wall.trusted < back_wall.pixels);
+    assert_eq!(back_wall.edge, back_wall.pixels - back_wall.trusted);
+    assert!(floor.lit.unwrap() > 0.7 && lamp.lit.is_none());
+    assert!(!floor.texture_coordinates);
+}
+
+#[test]
+fn highlights_and_what_is_mirrored_are_told() {
+    // The floor mirrors the lamp at z = 0.7 to 0.9.
+    let eye = Vec3::new(0.0, 1.3, 1.4);
+    let looking_down = Camera::look_at("c", eye, Vec3::new(0.0, 0.0, 0.6), Vec3::Y, 0.7);
+    let of = |scene: &Scene, camera: &Camera| {
+        let codes = Picture::new(photograph(scene, camera), Depth::Float);
+        Input::new(scene, camera.clone(), codes, Response::Linear, "exposure = 1\n").check().groups
+    };
+    let floor = of(&room(), &looking_down).swap_remove(1);
+    assert!(floor.roughness.unwrap().contains("highlight"), "{floor:?}");
+    // A wall alone, in sunlight from the side, has nothing to mirror.
+    let mut scene = room();
+    scene.objects.truncate(1);
+    let kind = LightKind::Directional {
+        direction: Vec3::new(2.0, 0.0, -1.0).normalize(),
+        irradiance: Rgb::ONE,
+    };
+    scene.lights.push(Light { name: "sun".into(), kind });
+    let sunny = Camera::look_at("c", Vec3::new(0.0, 1.0, 2.0), Vec3::Y, Vec3::Y, 0.4);
+    let wall = of(&scene, &sunny).swap_remove(0);
+    assert_eq!((wall.roughness, wall.lit), (Some("nothing"), Some(1.0)), "{wall:?}");
+}
+
+#[test]
+fn edges_are_drawn_where_the_model_has_them() {
+    let input = Input::of_room(&room());
+    let checkup = input.check();
+    let edges = &checkup.edges;
+    assert!(edges.fit > 0.85 && edges.off < 0.03, "{} {}", edges.fit, edges.off);
+    let drawn = edge_picture(&input.0.photo.radiance, &edges.points);
+    let zoom = drawn.width() / SIZE.0;
+    assert_eq!((drawn.width(), drawn.height()), (zoom * SIZE.0, zoom * SIZE.1));
+    let is_green = |v: &Rgb| v.y > 0.5 && v.x < 0.2 && v.z < 0.2;
+    // The edge between the back wall and the floor, left of the block.
+    let at = input.0.camera.project(Vec3::new(-0.8, 0.0, -1.0), SIZE.0, SIZE.1).unwrap();
+    let pixel = |dy: f32| {
+        let (x, y) = (at.0 * zoom as f32, (at.1 + dy) * zoom as f32);
+        *drawn.at(x as usize, y as usize)
+    };
+    let is_line = |v: &Rgb| v.max_element() - v.min_element() > 0.6;
+    assert!(is_line(&pixel(0.0)), "{}", pixel(0.0));
+    assert!(!is_line(&pixel(3.0)) && !is_line(&pixel(-3.0)));
+    let green = drawn.pixels().iter().filter(|v| is_green(v)).count() as f32;
+    assert!((0.005..0.1).contains(&(green / drawn.pixels().len() as f32)), "{green}");
+}
+
+#[test]
+fn a_camera_and_an_object_that_are_off_are_told_and_drawn() {
+    let photo = Picture::new(photo_of_room(), Depth::Float);
+    let turned = Camera::look_at(
+        "camera",
+        camera().origin(),
+        Vec3::new(0.05, 0.7, 0.0),
+        Vec3::Y,
+        camera().fov_y_rad,
+    );
+    let text = "exposure = 1\n";
+    let input = Input::new(&room(), turned, photo.clone(), Response::Linear, text);
+    input.warns("pixels from the photo's", "unrender calibrate");
+    let edges = input.check().edges;
+    assert!(edges.camera_is_off && edges.off > 0.5, "{}", edges.off);
+    let apart = edges.points.iter().filter_map(|e| e.there.map(|there| there.distance(e.at)));
+    let apart: Vec<f32> = apart.collect();
+    let mean = apart.iter().sum::<f32>() / apart.len() as f32;
+    assert!((edges.displacement_px.unwrap() - mean).abs() < 1.0, "{mean}");
+    let drawn = edge_picture(&input.0.photo.radiance, &edges.points);
+    let count = |is: fn(&&Rgb) -> bool| drawn.pixels().iter().filter(is).count();
+    assert!(count(|v| v.x > 0.9 && v.y < 0.1) > 100, "red");
+    assert!(count(|v| v.x > 0.9 && v.y > 0.7 && v.z < 0.1) > 100, "yellow");
+
+    let even =
+        Picture::new(RgbImage::new(SIZE.0, SIZE.1, vec![Rgb::splat(0.2); 120 * 90]), photo.depth);
+    let input = Input::new(&room(), camera(), even, Response::Linear, text);
+    input.warns("hardly any of the model's edges", "is it the photo of this model");
+    let seen = |kind| input.check().edges.points.iter().filter(|e| e.kind == kind).count();
+    assert_eq!((seen(EdgeKind::Fits), seen(EdgeKind::Off)), (0, 0));
+}
+
+#[test]
+fn responses_that_look_wrong_are_told() {
+    let radiance = photo_of_room();
+    let brightest = radiance.pixels().iter().fold(0.0f32, |most, v| most.max(v.max_element()));
+    let linear = radiance.map(|v| (*v / brightest).clamp(Rgb::ZERO, Rgb::ONE));
+    let text = format!("exposure = {brightest}\n");
+    let of = |values: RgbImage, depth, response| {
+        Input::new(&room(), camera(), Picture::new(values, depth), response, &text)
+    };
+    let encoded = linear.map(|v| v.map(srgb_from_linear));
+    let decoded = linear.map(|v| v.map(linear_from_srgb));
+    let deep = Depth::Sixteen;
+    of(encoded.clone(), deep, Response::Linear).warns("to the power of 0.", "is it \"srgb\"?");
+    of(linear.clone(), deep, Response::Srgb)
+        .warns("to the power of 2", "is the response \"linear\"?");
+    of(decoded, deep, Response::Linear).warns("to the power of 2", "decoded all the same");
+    assert_eq!(of(encoded.clone(), deep, Response::Srgb).check().warnings.0, [""; 0]);
+
+    let steps = encoded.map(|v| (255.0 * *v).round() / 255.0);
+    let float = of(steps.clone(), Depth::Float, Response::Linear);
+    float.warns("all its values are steps of 8 bits", "it is \"srgb\"");
+    of(steps, deep, Response::Srgb).warns("16-bit file", "Use the original");
+}
+
+#[test]
+fn a_stretched_histogram_is_told() {
+    let code = |x: usize, stretch: f32| (stretch * (40.0 + (x % 100) as f32)).round() / 255.0;
+    let ramp = |stretch| {
+        let values = Image::from_fn(SIZE.0, SIZE.1, |x, y| Rgb::splat(code(x + y, stretch)));
+        Input::new(&room(), camera(), Picture::new(values, Depth::Eight), Response::Srgb, "")
+    };
+    ramp(1.5).warns("histogram has", "as the camera wrote");
+    let told = ramp(1.0).check().warnings.0;
+    assert!(!told.iter().any(|told| told.contains("histogram")), "{told:?}");
+}
+
+#[test]
+fn bright_dark_and_clipped_photos_are_told() {
+    let radiance = photo_of_room();
+    let of = |scale: f32, text: &str| {
+        let code = |v: f32| (255.0 * srgb_from_linear(v)).round() / 255.0;
+        let codes = radiance.map(|v| (scale * *v).map(code));
+        let codes = Picture::new(codes, Depth::Eight);
+        Input::new(&room(), camera(), codes, Response::Srgb, text)
+    };
+    of(20.0, "exposure = 0.05\n").warns("say nothing", "another exposure");
+    of(20.0, "exposure = 0.05\n").warns("group \"back_wall\"", "clipped");
+    of(0.01, "exposure = 100\n").warns("very dark", "take a longer exposure");
+    of(0.5, "exposure = 100\n").warns("times as bright as", "exposure = \"auto\"");
+    of(0.5, "exposure = 0.02\n").warns("times darker than", "strength of the lights");
+    let auto = "exposure = \"auto\"\n[anchor]\ngroup = \"floor\"\nrho_d = 0.5\n";
+    assert_eq!(of(0.5, auto).check().warnings.0, [""; 0]);
+}
+
+#[test]
+fn lights_in_the_wrong_place_are_told() {
+    let with = |kind: LightKind| {
+        let mut scene = room();
+        scene.lights.push(Light { name: "bulb".into(), kind });
+        Input::of_room(&scene)
+    };
+    let point = |position| LightKind::Point { position, intensity: Rgb::splat(0.01) };
+    assert_eq!(with(point(Vec3::new(0.3, 1.2, 0.3))).check().warnings.0, [""; 0]);
+    let in_block = point(Vec3::new(-0.25, 0.35, -0.35));
+    with(in_block).warns("\"bulb\" is shut in by object \"the block\"", "out of the wall or shade");
+    with(point(Vec3::new(0.0, 1.0, -1.2))).warns("light \"bulb\" to anything", "behind a wall");
+    with(point(Vec3::new(0.5, 0.001, 0.3)))
+        .warns("stands at object \"the floor\"", "into the open");
+    let up = LightKind::Directional { direction: Vec3::Y, irradiance: Rgb::ONE };
+    with(up).warns("directional light \"bulb\"", "turned away");
+}
+
+#[test]
+fn area_lights_that_light_nothing_are_told() {
+    let with_lamp = |mesh: Mesh| {
+        let mut scene = room();
+        scene.objects.push(Object { name: "second".into(), ..object(LAMP, mesh) });
+        Input::of_room(&scene)
+    };
+    let (x, z) = (0.4 * Vec3::X, 0.4 * Vec3::Z);
+    let down = quad(Vec3::new(0.3, 1.9, 0.0), x, z);
+    assert_eq!(with_lamp(down.clone()).check().warnings.0, [""; 0]);
+    with_lamp(flipped(&down)).warns("area light \"second\" to anything", "turned away");
+    let onto_floor = quad(Vec3::new(0.3, 0.005, 0.0), x, z);
+    with_lamp(onto_floor)
+        .warns("\"second\" shines right onto object \"the floor\"", "flip its faces");
+    let low = Vec3::new(0.3, 0.9, 0.0);
+    let inwards = flipped(&cuboid(low, low + 0.2));
+    with_lamp(inwards.clone()).warns("\"second\" shines into itself", "flip its faces");
+    with_lamp(inwards).warns("the picture shows \"second\" from behind", "area lights are black");
+}
+
+#[test]
+fn objects_from_behind_and_doubled_ones_are_told() {
+    let mut scene = room();
+    scene.objects[BLOCK].mesh = flipped(&scene.objects[BLOCK].mesh);
+    Input::of_room(&scene).warns("the picture shows \"the block\" from behind", "flip the faces");
+    let mut scene = room();
+    scene.objects.push(Object { group: 1, ..scene.objects[BLOCK].clone() });
+    Input::of_room(&scene).warns("12 triangle(s)", "Delete one");
+    let mut scene = room();
+    let normals = &mut scene.objects[BLOCK].mesh.normals;
+    normals.iter_mut().for_each(|normal| *normal = -*normal);
+    let warnings = scene.validate().unwrap();
+    let mut input = Input::of_room(&scene);
+    input.0.warnings = warnings;
+    input.warns("normals of 12 triangle(s) point against", "winding was taken");
+}
+
+/// The room and its camera `scale` times as large.
+fn scaled(scale: f32) -> Input {
+    let mut scene = room();
+    for object in &mut scene.objects {
+        object.mesh.positions.iter_mut().for_each(|p| *p *= scale);
+    }
+    let mut camera = camera();
+    camera.world_from_camera.translation *= scale;
+    let codes = Picture::new(photo_of_room(), Depth::Float);
+    Input::new(&scene, camera, codes, Response::Linear, "exposure = 1\n")
+}
+
+#[test]
+fn rooms_of_no_human_size_are_told() {
+    scaled(100.0).warns("m across; scenes are in metres", "centimetres");
+    scaled(0.001).warns("mm across", "scale that makes it metres");
+    assert_eq!(scaled(0.1).check().warnings.0, [""; 0]);
+}
+
+#[test]
+fn cameras_in_the_wrong_place_are_told() {
+    let scene = room();
+    let codes = Picture::new(photograph(&scene, &camera()), Depth::Float);
+    let from = |eye: Vec3, target: Vec3| {
+        let camera = Camera::look_at("c", eye, target, Vec3::Y, 0.55);
+        Input::new(&scene, camera, codes.clone(), Response::Linear, "exposure = 1\n")
+    };
+    from(Vec3::new(0.0, 1.0, 3.0), Vec3::new(0.0, 1.0, 9.0))
+        .warns("100 % of the picture", "calibrate");
+    let middle_of_block = Vec3::new(-0.25, 0.35, -0.35);
+    from(middle_of_block, Vec3::new(0.0, 0.3, -0.8))
+        .warns("\"the block\" from behind", "inside it?");
+    let before_block = Vec3::new(-0.25, 0.35, -0.08);
+    from(before_block, Vec3::new(-0.25, 0.35, -0.3))
+        .warns("object \"the block\" fills", "in the camera's way");
+}
+
+#[test]
+fn groups_that_are_unseen_small_or_dark_are_told() {
+    let block = |low: Vec3, side: f32| {
+        let mut scene = room();
+        scene.objects[BLOCK].mesh = cuboid(low, low + side);
+        let codes = Picture::new(photograph(&scene, &camera()), Depth::Float);
+        Input::new(&scene, camera(), codes, Response::Linear, "exposure = 1\n")
+    };
+    block(Vec3::new(0.0, 0.5, -3.0), 0.5)
+        .warns("no pixel shows \"block\"", "state it in [groups.NAME]");
+    block(Vec3::new(0.0, 0.1, 0.0), 0.06).warns("group \"block\" rests on", "state it as known");
+    // Seen through the open front of a closed box, whose walls keep the lamp out.
+    let mut scene = room();
+    let dark = cuboid(Vec3::new(-0.9, 0.0, -0.9), Vec3::new(0.9, 1.9, 0.9));
+    let known = Group { name: "shut".into(), ..scene.groups[0].clone() };
+    scene.groups.push(Group { material: Material::diffuse(Rgb::ZERO), ..known });
+    scene.objects.push(Object { name: "box".into(), group: 5, mesh: dark });
+    let inside =
+        Camera::look_at("c", Vec3::new(0.5, 1.0, 0.8), Vec3::new(-0.3, 0.4, -0.4), Vec3::Y, 1.0);
+    let codes = Picture::new(photo_of_room(), Depth::Float);
+    let text = "exposure = 1\n";
+    Input::new(&scene, inside, codes, Response::Linear, text)
+        .warns("light reaches", "lamp missing");
+}
+
+fn unrender(arguments: &[&dyn AsRef<std::ffi::OsStr>]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_unrender"));
+    arguments.iter().for_each(|argument| {
+        command.arg(argument);
+    });
+    command.output().unwrap()
+}
+
+#[test]
+fn the_command_finds_nothing_wrong_with_the_example_and_draws_it() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/fig8/fig8.toml");
+    let out = std::env::temp_dir().join(format!("unrender-check-{}.png", std::process::id()));
+    let output = unrender(&[&"check", &project, &"--out", &out]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success() && output.stderr.is_empty(), "{text}");
+    assert!(text.ends_with("\nnothing looks wrong\n"), "{text}");
+    assert!(text.contains("\nceil (known)     0 "), "{text}");
+    let drawn = picture::read(&out).unwrap().0.values;
+    assert_eq!((drawn.width(), drawn.height()), (1024, 1024));
+    let _ = std::fs::remove_file(&out);
+}
+
+#[test]
+fn json_help_and_bad_input() {
+    let folder = std::env::temp_dir().join(format!("unrender-check-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let scene = room();
+    let glb = unrender::formats::gltf::to_glb(&scene).unwrap();
+    std::fs::write(folder.join("s.glb"), glb).unwrap();
+    picture::write(&folder.join("p.exr"), &photograph(&scene, &camera())).unwrap();
+    let text = "scene = \"s.glb\"\nphoto = \"p.exr\"\nresponse = \"linear\"\nexposure = 90\n\
+        camera = { eye = [0.1, 1, 3.2], target = [0, 0.7, 0], fov_y_deg = 31.5 }\n";
+    let project = folder.join("a.toml");
+    std::fs::write(&project, text).unwrap();
+    let out = folder.join("drawn.png");
+    let output = unrender(&[&"check", &project, &"--out", &out, &"--json"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(
+        (&json["groups"][1]["name"], &json["groups"][1]["role"]),
+        (&"floor".into(), &"unknown".into())
+    );
+    assert!(json["edges"]["fit"].as_f64().unwrap() > 0.8);
+    let warnings = json["warnings"].as_array().unwrap();
+    assert!(
+        warnings.len() == 1 && warnings[0].as_str().unwrap().contains("times as bright"),
+        "{warnings:?}"
+    );
+
+    let fails = |arguments: &[&dyn AsRef<std::ffi::OsStr>], problem: &str| {
+        let output = unrender(arguments);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{stderr}");
+        assert!(stderr.starts_with("error: ") && stderr.contains(problem), "{stderr}");
+    };
+    let missing = folder.join("no.toml");
+    fails(&[&"check", &missing, &"--out", &out], "no.toml: cannot be read");
+    fails(
+        &[&"check", &project, &"--out", &folder.join("a.jpg")],
+        "end the name of the picture in .png",
+    );
+    std::fs::write(folder.join("s.glb"), "no scene").unwrap();
+    std::fs::remove_file(&out).unwrap();
+    fails(&[&"check", &project, &"--out", &out], "s.glb");
+    assert!(!out.exists());
+    let help = unrender(&[&"check", &"--help"]);
+    let help = String::from_utf8_lossy(&help.stdout);
+    assert!(help.contains("Examples:") && help.contains("--json"), "{help}");
+    let _ = std::fs::remove_dir_all(folder);
+}
