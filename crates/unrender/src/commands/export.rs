@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use unrender_formats::export::{self, Shot, Target};
 use unrender_formats::materials;
 use unrender_recover::convert::{Conversion, convert};
-use unrender_scene::{Camera, Group, Material, Scene, Warnings};
+use unrender_scene::{Camera, Group, Material, Scene, WardModel, Warnings};
 
 /// Writes a scene and its materials for another program.
 ///
@@ -59,11 +59,20 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     if !global.quiet {
         tell(&scene, &conversions);
     }
+    let mut doubts = Warnings::default();
+    let is_bent = |(group, c): (&Group, &Conversion)| c.material != group.material;
+    if scene.brdf == WardModel::Ward1992 && scene.groups.iter().zip(&conversions).any(is_bent) {
+        doubts.push(
+            "the lobe of ward-1992 reflects the less the flatter it is seen, which no other program \
+             knows; recover with brdf = \"ward-gmd\" what is to be exported",
+        );
+    }
     let materials: Vec<Material> = conversions.into_iter().map(|c| c.material).collect();
     let shot = Shot { scene: &scene, materials: &materials, camera: &camera, size };
-    let (files, warnings) = export::export(&shot, args.to)
+    let (files, told) = export::export(&shot, args.to)
         .map_err(|problem| Error::Request(format!("the scene cannot be exported: {problem}")))?;
-    warn(&warnings);
+    doubts.extend(told);
+    warn(&doubts);
     let _until_written = interrupt::writing();
     export::write(&args.out, args.to, &files)?;
     if !global.quiet {
