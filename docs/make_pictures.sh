@@ -33,4 +33,4 @@ cargo run --release -- recover examples/fig8/fig8.toml --no-refine --out "$out/r
 mkdir "$out/browser"
 cp crates/unrender/tests/report_browser/*.{json,mjs} "$out/browser"
 npm ci --prefix "$out/browser"
-node "$out/browser/screenshot.mjs" "$out/report/report.html" docs/images/report.png 1100 720 light "#groups"
+node "$out/browser/screenshot.mjs" "$out/report/report.html" docs/images/report.png 1100 640 light "#groups"
