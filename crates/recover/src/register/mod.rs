@@ -2,7 +2,7 @@
 //! Gagalowicz 2002, section 3.2: the model may be several pixels off].
 //!
 //! The model says where the photograph should have edges ([`edges`]); how far away the photograph
-//! has them ([`offset`]) gives the camera under which both agree ([`align`]). Either that camera is
+//! has them ([`offset`]) gives the camera under which both agree ([`mod@align`]). Either that camera is
 //! taken, or, where the given one is to be kept, the pixels next to an edge of the model ([`margin`])
 //! or of the photograph ([`steep`]) are not believed, as far as the model's picture is off there.
 
