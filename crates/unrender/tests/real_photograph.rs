@@ -5,9 +5,6 @@
 //! colour of the green wall, red over green. The measurements are good to some percent, the lamp's
 //! cone is modelled roughly, and another program's inversion of the same model is 11 % off.
 
-mod common;
-
-use common::beside_crates;
 use std::path::Path;
 use std::process::Command;
 use unrender::formats::materials;
@@ -42,7 +39,7 @@ fn error(data: &Path, flags: &[&str]) -> f64 {
 
 #[test]
 fn a_measured_box_is_recovered_and_without_interreflection_it_is_not() {
-    let data = beside_crates("../shared/data/iset");
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/iset");
     if !data.join("photo0/project.toml").is_file() {
         println!("skipped: there is no photo0/project.toml in {}", data.display());
         return;

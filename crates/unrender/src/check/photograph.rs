@@ -29,8 +29,8 @@ const GAPS: usize = 4;
 const CUT_OFF: f32 = 0.05;
 /// The mean of a photograph that is too dark, as a share of its white.
 const DARK: f32 = 0.01;
-/// Slopes that are right, with room for interreflections and shine.
-const SLOPES: [f32; 2] = [0.65, 1.6];
+/// Slopes that may be right, with room for shine and for lamps that are only roughly modelled.
+const SLOPES: [f32; 2] = [0.55, 1.8];
 /// Photograph and grey rendering are alike up to this factor.
 const FACTOR: f32 = 10.0;
 
@@ -121,14 +121,15 @@ fn slope(subject: &Subject<'_>) -> Option<String> {
     if (low..=high).contains(&middle) {
         return None;
     }
-    let like = if middle < low {
-        "as if it were encoded, and the response more linear than it is; is it \"srgb\"?"
-    } else {
-        "as if it were linear, and decoded all the same; is the response \"linear\"?"
+    let like = match (middle < low, &subject.job.transfer.response) {
+        (true, Response::Linear) => "encoded; is the response \"srgb\"?",
+        (true, _) => "encoded by a steeper curve than the response says.",
+        (false, Response::Linear) => "decoded twice, or its contrast raised.",
+        (false, _) => "linear already; is the response \"linear\"?",
     };
     Some(format!(
-        "within groups the photo grows as the light to the power of {middle:.2} instead of 1: {like} \
-         Lamps or objects that the model lacks could do that too"
+        "within groups the photo grows as the light to the power of {middle:.2} instead of 1, as if \
+         it were {like} Lamps or objects that the model lacks could do that too"
     ))
 }
 

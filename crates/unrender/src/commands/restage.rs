@@ -27,7 +27,15 @@ use unrender_scene::{Camera, Warnings};
     unrender restage --recovered out --project room.toml --remove sofa --composite --out new\n  \
     unrender restage --scene room.glb --repaint 'floor: rho_d = [0.5, 0.1, 0.1]' \\\n      \
     --light 'lamp: scale = 0.5' --insert 'pot.glb: on = \"table\", at = [0.2, -1]' --out new\n\n\
-    docs/restage.md says what an edit file may have.")]
+    An edit file (docs/restage.md has all of it):\n  \
+    recovered = \"out\"              # the folder of a recovery\n  \
+    project = \"room.toml\"          # its project, for the photograph\n  \
+    [camera]                       # eye and target, or [[camera.keys]] and frames\n  \
+    [[remove]]                     # name\n  \
+    [[repaint]]                    # group, rho_d, rho_s, alpha, texture\n  \
+    [[lights]]                     # name, scale, strength, move, direction, add, remove\n  \
+    [environment]                  # file, rotation_deg, scale\n  \
+    [[insert]]                     # file, name; position, or on and at, or pixel; rotation_deg, scale")]
 pub struct Args {
     /// The edit file.
     pub edits: Option<PathBuf>,
