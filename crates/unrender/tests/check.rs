@@ -248,10 +248,11 @@ fn responses_that_look_wrong_are_told() {
     let encoded = linear.map(|v| v.map(srgb_from_linear));
     let decoded = linear.map(|v| v.map(linear_from_srgb));
     let deep = Depth::Sixteen;
-    of(encoded.clone(), deep, Response::Linear).warns("to the power of 0.", "is it \"srgb\"?");
+    of(encoded.clone(), deep, Response::Linear)
+        .warns("to the power of 0.", "is the response \"srgb\"?");
     of(linear.clone(), deep, Response::Srgb)
         .warns("to the power of 2", "is the response \"linear\"?");
-    of(decoded, deep, Response::Linear).warns("to the power of 2", "decoded all the same");
+    of(decoded, deep, Response::Linear).warns("to the power of 2", "decoded twice");
     assert_eq!(of(encoded.clone(), deep, Response::Srgb).check().warnings.0, [""; 0]);
 
     let steps = encoded.map(|v| (255.0 * *v).round() / 255.0);

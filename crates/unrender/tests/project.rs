@@ -277,7 +277,9 @@ fn a_job_counts_unknown_lights_as_the_renderer_does() {
 #[test]
 fn the_readmes_project_files_are_understood() {
     let readme = include_str!("../../../README.md");
-    let blocks: Vec<&str> = readme.split("```toml\n").skip(1).collect();
+    let (_, section) = readme.split_once("\n### The project file").unwrap();
+    let section = section.split("\n### ").next().unwrap();
+    let blocks: Vec<&str> = section.split("```toml\n").skip(1).collect();
     assert_eq!(blocks.len(), 2, "a whole project, and a camera as a table");
     for block in blocks {
         let text = block.split("```").next().unwrap();

@@ -2,7 +2,7 @@
 //! Gagalowicz 2002, section 3.2: the model may be several pixels off].
 //!
 //! The model says where the photograph should have edges ([`edges`]); how far away the photograph
-//! has them ([`offset`]) gives the camera under which both agree ([`align`]). Either that camera is
+//! has them ([`offset`]) gives the camera under which both agree ([`mod@align`]). Either that camera is
 //! taken, or, where the given one is to be kept, the pixels next to an edge of the model ([`margin`])
 //! or of the photograph ([`steep`]) are not believed, as far as the model's picture is off there.
 
@@ -38,7 +38,8 @@ pub type GeometryOf<'a> = &'a dyn Fn(&Camera, usize, usize) -> GeometryBuffers;
 /// How a model lies on a photograph.
 #[derive(Clone, Debug)]
 pub struct Registration {
-    /// The camera that brings the model's edges onto the photograph's.
+    /// The camera that brings the model's edges onto the photograph's; the given one if no other
+    /// brings more of them there.
     pub camera: Camera,
     /// How far the edges of the model as given are from there on the median, pixels.
     pub displacement: f32,
@@ -91,6 +92,10 @@ pub fn register(
             break;
         }
     }
+    if search.in_place(&found.camera) <= search.in_place(camera) {
+        // Some edges were followed and more were lost.
+        found.camera = camera.clone();
+    }
     (found.inliers >= EDGELS_MIN * finer).then(|| search.report(camera, found))
 }
 
@@ -115,6 +120,13 @@ impl Search<'_> {
             self.picture.offset(&edgel, reach).map(|distance| Offset { edgel, distance })
         };
         self.edgels(camera).into_iter().filter_map(measured).collect()
+    }
+
+    /// Edge points of the model that lie on an edge of the photograph.
+    fn in_place(&self, camera: &Camera) -> usize {
+        const CLOSE: f32 = 0.75;
+        let offsets = self.offsets(camera, REACH_PIXELS[0]);
+        offsets.iter().filter(|offset| offset.distance.abs() < CLOSE).count()
     }
 
     fn report(&self, camera: &Camera, found: Alignment) -> Registration {

@@ -87,10 +87,10 @@ pub(super) fn count(key: &Key, value: impl Value) -> Markup {
 /// The numbers of the array at `key`, with spaces between them.
 pub(super) fn numbers(key: &Key, values: &[f32], shown: Shown) -> Markup {
     html! {
-        @for (index, value) in values.iter().enumerate() {
+        span class="whole" { @for (index, value) in values.iter().enumerate() {
             @if index > 0 { " " }
             (number(&key.at(index), *value, shown))
-        }
+        } }
     }
 }
 

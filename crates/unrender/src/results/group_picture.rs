@@ -14,6 +14,8 @@ use unrender_scene::color::linear_from_srgb;
 const HUE_STEP: f32 = 0.618_034;
 /// Lightness goes round in this many steps, so that groups of nearly the same hue differ by it.
 const LIGHTNESS: [f32; 3] = [0.85, 0.6, 0.72];
+/// Paleness too, each for a round of the lightness.
+const PALENESS: [f32; 4] = [0.25, 0.1, 0.35, 0.18];
 
 /// Writes the group map of a recovery into its folder; returns its name there.
 pub(super) fn write(recovered: &Recovered, folder: &Path) -> Result<String, Error> {
@@ -31,9 +33,10 @@ pub(super) fn write(recovered: &Recovered, folder: &Path) -> Result<String, Erro
 pub(super) fn color(group: usize) -> Rgb {
     let hue = (group as f32 * HUE_STEP).fract() * 6.0;
     let value = LIGHTNESS[group % LIGHTNESS.len()];
+    let pale = PALENESS[group / LIGHTNESS.len() % PALENESS.len()];
     let channel = |shift: f32| {
         let distance = ((hue + shift).rem_euclid(6.0) - 3.0).abs() - 1.0;
-        value * (0.25 + 0.75 * distance.clamp(0.0, 1.0))
+        value * (pale + (1.0 - pale) * distance.clamp(0.0, 1.0))
     };
     Rgb::new(channel(0.0), channel(4.0), channel(2.0)).map(linear_from_srgb)
 }
