@@ -10,6 +10,8 @@
 mod machine;
 mod page;
 mod peers;
+mod plot;
+mod rendering;
 mod scenes;
 mod statistics;
 mod table;
@@ -56,12 +58,15 @@ impl Effort {
 enum Claim {
     /// Rays per second, beside Embree.
     Traversal,
+    /// Pictures at equal time, beside Mitsuba 3 and Radiance.
+    Rendering,
 }
 
 impl Claim {
     fn measure(self, effort: Effort) -> Result<Section, Failure> {
         match self {
             Self::Traversal => traversal::measure(effort),
+            Self::Rendering => rendering::measure(effort),
         }
     }
 
