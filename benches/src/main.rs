@@ -7,11 +7,14 @@
 //! one cannot be had, its rows say so. To add a claim, write a module with a `measure` beside
 //! [`traversal`] and name it in [`Claim`].
 
+mod command;
 mod machine;
 mod page;
 mod peers;
 mod plot;
+mod recovery;
 mod rendering;
+mod scaling;
 mod scenes;
 mod statistics;
 mod table;
@@ -60,6 +63,10 @@ enum Claim {
     Traversal,
     /// Pictures at equal time, beside Mitsuba 3 and Radiance.
     Rendering,
+    /// Recovery, beside Mitsuba 3 and our own renderings.
+    Recovery,
+    /// Time and memory against pixels, triangles, groups and bounces.
+    Scaling,
 }
 
 impl Claim {
@@ -67,6 +74,8 @@ impl Claim {
         match self {
             Self::Traversal => traversal::measure(effort),
             Self::Rendering => rendering::measure(effort),
+            Self::Recovery => recovery::measure(effort),
+            Self::Scaling => scaling::measure(effort),
         }
     }
 
