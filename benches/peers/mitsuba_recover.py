@@ -4,8 +4,7 @@ scene, photo       the files; groups that reflect by the plugin `ward` are gloss
 diffuse, glossy    the groups to recover, by name
 truth              by group: rho_d, and for glossy ones rho_s, alpha_x, alpha_y
 theta              the brushed direction to begin with, radians; the true one is zero
-spp, rate, seconds paths a pixel, Adam's learning rate (a tenth of it for roughnesses), and when to
-                   give up
+spp, rate, seconds paths a pixel, Adam's learning rate to begin with, and when to give up
 
 Prints a line of JSON for each iteration: iteration, seconds, and the largest errors rho, alpha
 (relative) and degrees. Compiling is not counted.
@@ -28,8 +27,6 @@ asked = json.load(open(sys.argv[1]))
 scene = mi.load_file(asked['scene'], optimize=False)
 photo = mi.TensorXf(mi.Bitmap(asked['photo']).convert(
     mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False))
-# Every pixel counts by its relative error, dark ones less.
-weight = dr.rcp(dr.square(photo + 0.05))
 integrator = mi.load_dict({'type': 'prb', 'max_depth': -1})
 
 params = mi.traverse(scene)
@@ -38,13 +35,12 @@ rho_d = {g: f'm_{g}.brdf_0.reflectance.value' for g in asked['diffuse']}
 rho_d.update({g: f'm_{g}.rho_d' for g in asked['glossy']})
 keys = list(rho_d.values()) + [f'm_{g}.{name}' for g in asked['glossy'] for name in LOBE]
 params.keep(keys)
-adam = mi.ad.Adam(lr=asked['rate'])
+# A short memory of how large gradients were: the first are much larger than the later ones.
+adam = mi.ad.Adam(lr=asked['rate'], beta_2=0.99)
 for key in keys:
     adam[key] = mi.Float(asked['theta']) if key.endswith('.theta') else params[key]
     dr.make_opaque(adam[key])
 params.update(adam)
-# Roughnesses are a tenth of reflectances.
-adam.set_learning_rate({key: asked['rate'] / 10 for key in keys if 'alpha' in key})
 
 
 def clamp():
@@ -55,10 +51,17 @@ def clamp():
             adam[key] = dr.clip(adam[key], 0, 1)
 
 
+def slow_down(iteration):
+    """Smaller steps as time goes by; roughnesses are a tenth of reflectances, and so are theirs."""
+    rate = asked['rate'] / (1 + iteration / 100)
+    adam.set_learning_rate({key: rate / 10 if 'alpha' in key else rate for key in keys})
+
+
 def gradients(iteration):
     picture = mi.render(scene, params, integrator=integrator, spp=asked['spp'],
                         seed=2 * iteration, seed_grad=2 * iteration + 1)
-    dr.backward(dr.mean(dr.square(picture - photo) * weight, axis=None))
+    # Relative errors took several times as many iterations.
+    dr.backward(dr.mean(dr.square(picture - photo), axis=None))
 
 
 def errors():
@@ -91,6 +94,7 @@ while spent < asked['seconds']:
     iteration += 1
     started = time.perf_counter()
     gradients(iteration)
+    slow_down(iteration)
     adam.step()
     clamp()
     params.update(adam)

@@ -1,4 +1,4 @@
-//! Curves on logarithmic or linear axes, as SVG.
+//! Curves on axes by powers of ten, as SVG.
 
 use crate::Failure;
 use plotters::coord::Shift;
@@ -28,8 +28,8 @@ pub(crate) struct Axes<'a> {
     pub(crate) title: &'a str,
     pub(crate) x: &'a str,
     pub(crate) y: &'a str,
-    /// Both axes by powers of ten; else from zero.
-    pub(crate) logarithmic: bool,
+    /// Whether curves go down from left to right; the legend stays out of their way.
+    pub(crate) falling: bool,
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -47,13 +47,9 @@ pub(crate) fn svg(axes: &Axes, curves: &[Curve]) -> Result<String, Failure> {
     {
         let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
         area.fill(&WHITE)?;
-        let [x, y] = [points().map(|p| p.0).collect(), points().map(|p| p.1).collect()];
-        if axes.logarithmic {
-            let [x, y] = [decades(x), decades(y)].map(IntoLogRange::log_scale);
-            draw(&area, axes, curves, x, y)?;
-        } else {
-            draw(&area, axes, curves, from_zero(x), from_zero(y))?;
-        }
+        let x = decades(points().map(|point| point.0));
+        let y = decades(points().map(|point| point.1));
+        draw(&area, axes, curves, x.log_scale(), y.log_scale())?;
         area.present()?;
     }
     Ok(text)
@@ -78,7 +74,9 @@ where
         .build_cartesian_2d(x, y)?;
     chart
         .configure_mesh()
-        .light_line_style(BLACK.mix(0.06))
+        .light_line_style(TRANSPARENT)
+        .x_labels(8)
+        .y_labels(6)
         .bold_line_style(BLACK.mix(0.15))
         .label_style(("sans-serif", 13))
         .x_desc(axes.x)
@@ -94,9 +92,14 @@ where
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], color.stroke_width(2)));
     }
     if curves.len() > 1 {
+        let corner = if axes.falling {
+            SeriesLabelPosition::LowerLeft
+        } else {
+            SeriesLabelPosition::UpperLeft
+        };
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
+            .position(corner)
             .background_style(WHITE.mix(0.85))
             .border_style(BLACK.mix(0.3))
             .label_font(("sans-serif", 13))
@@ -111,18 +114,11 @@ fn number(value: &f64) -> String {
     rounded.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-fn span(values: &[f64]) -> (f64, f64) {
-    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)))
-}
-
-/// A range with a little room beyond its values, which must be above zero.
-fn decades(values: Vec<f64>) -> std::ops::Range<f64> {
-    let (low, high) = span(&values);
+/// A range with a little room beyond the values, which must be above zero.
+fn decades(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
+    let (low, high) =
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     low / 1.5..high * 1.5
-}
-
-fn from_zero(values: Vec<f64>) -> std::ops::Range<f64> {
-    0.0..1.08 * span(&values).1
 }
 
 #[cfg(test)]
@@ -136,8 +132,8 @@ mod tests {
             points: (1..5).map(|i| (f64::from(i), slope * f64::from(i))).collect(),
         };
         let curves = [curve("one", 1.0), curve("two", 2.0)];
-        for logarithmic in [false, true] {
-            let axes = Axes { title: "Lines", x: "steps", y: "height", logarithmic };
+        for falling in [false, true] {
+            let axes = Axes { title: "Lines", x: "steps", y: "height", falling };
             let text = svg(&axes, &curves).unwrap();
             for word in ["Lines", "steps", "height", "one", "two", "#000000", "#D55E00"] {
                 assert!(text.contains(word), "{word} is missing");

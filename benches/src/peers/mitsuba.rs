@@ -27,6 +27,9 @@ pub(crate) enum Lobe {
     Ward,
 }
 
+/// Variant, lobe and sampler.
+pub(crate) type Way = (&'static str, Lobe, &'static str);
+
 /// Writes the scene into `folder` for Mitsuba and names the file.
 ///
 /// # Errors

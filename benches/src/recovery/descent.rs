@@ -53,11 +53,11 @@ pub(crate) fn run(
     let mut start = truth.clone();
     let is_asked = |group: &&mut unrender::scene::Group| !group.is_emitter() && group.name != KNOWN;
     for group in start.groups.iter_mut().filter(is_asked) {
-        let half = Rgb::splat(0.5);
         group.material = if group.material.is_glossy() {
-            Material { alpha_y: 0.12, ..Material::isotropic(half, half, 0.1) }
+            let quarter = Rgb::splat(0.25);
+            Material { alpha_y: 0.12, ..Material::isotropic(quarter, quarter, 0.1) }
         } else {
-            Material::diffuse(half)
+            Material::diffuse(Rgb::splat(0.5))
         };
     }
     let shot = Shot { scene: &start, camera: &start.cameras[0], size };

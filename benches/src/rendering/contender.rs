@@ -1,7 +1,7 @@
 //! The renderers, each with its settings.
 
 use crate::peers::Shot;
-use crate::peers::mitsuba::{self, Lobe, Mitsuba};
+use crate::peers::mitsuba::{self, Lobe, Mitsuba, Way};
 use crate::peers::radiance::{Radiance, Setting};
 use crate::{Effort, Failure};
 use std::path::Path;
@@ -90,7 +90,7 @@ impl Contender for Ours {
     }
 
     fn converged(&mut self, seed: u32) -> Result<RgbImage, Failure> {
-        Ok(self.picture(self.effort.pick(64, 4096), seed))
+        Ok(self.picture(self.effort.pick(64, 2048), seed))
     }
 }
 
@@ -108,7 +108,7 @@ impl ByMitsuba {
         python: &Path,
         shot: &Shot,
         folder: &Path,
-        (variant, lobe, sampler): (&'static str, Lobe, &'static str),
+        (variant, lobe, sampler): Way,
         effort: Effort,
     ) -> Result<Self, Failure> {
         let scene = mitsuba::write(shot, folder, lobe, sampler)?;
@@ -116,9 +116,10 @@ impl ByMitsuba {
         Ok(Self { mitsuba, variant, lobe, sampler, effort })
     }
 
-    /// Squares, as `multijitter` has them.
+    /// Squares, as `multijitter` has them; few for the variant that is slow.
     fn spp(&self) -> &'static [u32] {
-        self.effort.pick(&[4, 16], &[16, 64])
+        let quick = self.effort == Effort::Quick || self.variant == "scalar_rgb";
+        if quick { &[4, 16] } else { &[16, 64] }
     }
 }
 
@@ -174,18 +175,16 @@ fn added(a: &RgbImage, b: &RgbImage) -> RgbImage {
 }
 
 /// Radiance's settings, from cheap to dear: with irradiance caching, and by paths alone.
-const SETTINGS: [Setting; 7] = [
-    Setting { finer: 1, options: "-ab 3 -aa .2 -ad 128 -as 32 -ar 64 -ss 1 -lr 6 -lw 1e-3" },
+const SETTINGS: [Setting; 5] = [
     Setting { finer: 2, options: "-ab 3 -aa .2 -ad 128 -as 32 -ar 64 -ss 1 -lr 6 -lw 1e-3" },
-    Setting { finer: 2, options: "-ab 4 -aa .15 -ad 256 -as 64 -ar 128 -ss 1 -lr 8 -lw 1e-4" },
+    Setting { finer: 4, options: "-ab 3 -aa .2 -ad 128 -as 32 -ar 64 -ss 1 -lr 6 -lw 1e-3" },
     Setting { finer: 4, options: "-ab 4 -aa .15 -ad 256 -as 64 -ar 128 -ss 1 -lr 8 -lw 1e-4" },
-    Setting { finer: 2, options: "-ab 6 -aa .1 -ad 512 -as 128 -ar 256 -ss 1 -lr 8 -lw 1e-5" },
     Setting { finer: 2, options: "-ab 24 -aa 0 -ad 4 -as 0 -ss 1 -lr -8 -lw 1e-3" },
     Setting { finer: 4, options: "-ab 24 -aa 0 -ad 4 -as 0 -ss 1 -lr -8 -lw 1e-3" },
 ];
 /// As `render.sh` of the export has it: paths that end by chance, nothing kept.
 const CONVERGED: Setting =
-    Setting { finer: 4, options: "-ab 24 -aa 0 -ad 16 -as 0 -ss 6 -lr -30 -lw 1e-5" };
+    Setting { finer: 4, options: "-ab 24 -aa 0 -ad 8 -as 0 -ss 6 -lr -30 -lw 1e-5" };
 
 /// Radiance.
 pub(crate) struct ByRadiance {

@@ -19,7 +19,7 @@ const MEMORY_GOAL: f64 = 2.0;
 /// What grows.
 struct Axis {
     name: &'static str,
-    subject: &'static str,
+    subject: String,
     cases: Vec<Case>,
 }
 
@@ -74,49 +74,50 @@ fn axes(effort: Effort) -> Result<Vec<Axis>, Failure> {
         size: (side, side),
         bounces,
     };
+    let (width, height) = effort.pick((32, 24), (256, 192));
     let room_case = |value: usize, triangles: usize, panels: usize| Case {
         value,
         scene: scenes::room(Room { triangles, panels }),
         known: "front_wall",
-        size: effort.pick((64, 48), (256, 192)),
+        size: (width, height),
         bounces: None,
     };
-    let sides: &[usize] = effort.pick(&[32, 64], &[64, 128, 256, 512, 1024]);
-    let triangles: &[usize] = effort.pick(&[1000, 10_000], &[1000, 10_000, 100_000, 1_000_000]);
-    let panels: &[usize] = effort.pick(&[1, 4], &[1, 4, 16, 64]);
-    let bounces: &[usize] = effort.pick(&[1, 4], &[1, 2, 4, 8, 16, 32]);
-    let side = effort.pick(32, 256);
+    let sides: &[usize] = effort.pick(&[16, 32], &[64, 128, 256, 512]);
+    let triangles: &[usize] = effort.pick(&[500, 1000], &[1000, 10_000, 100_000, 1_000_000]);
+    let panels: &[usize] = effort.pick(&[1, 2], &[1, 4, 16, 64]);
+    let bounces: &[usize] = effort.pick(&[1, 4], &[1, 2, 4, 8, 16]);
+    let side = effort.pick(16, 256);
     Ok(vec![
         Axis {
             name: "pixels",
-            subject: "Figure 8",
+            subject: "Figure 8".to_owned(),
             cases: sides.iter().map(|&s| box_case(s * s, s, None)).collect(),
         },
         Axis {
             name: "triangles",
-            subject: "the room, 256 x 192",
+            subject: format!("the room, {width} x {height}"),
             cases: triangles.iter().map(|&t| room_case(t, t, 1)).collect(),
         },
         Axis {
             name: "groups",
-            subject: "the room, 20 000 triangles, 256 x 192",
+            subject: format!("the room of 20 000 triangles, {width} x {height}"),
             cases: panels.iter().map(|&p| room_case(p + 5, 20_000, p)).collect(),
         },
         Axis {
             name: "bounces",
-            subject: "Figure 8, 256 x 256",
+            subject: format!("Figure 8, {side} x {side}"),
             cases: bounces.iter().map(|&b| box_case(b, side, Some(b))).collect(),
         },
     ])
 }
 
 fn large(effort: Effort) -> Case {
-    let triangles = effort.pick(100_000, 1_000_000);
+    let triangles = effort.pick(20_000, 1_000_000);
     Case {
         value: triangles,
         scene: scenes::room(Room { triangles, panels: 2 }),
         known: "front_wall",
-        size: effort.pick((128, 96), (1024, 768)),
+        size: effort.pick((64, 48), (1024, 768)),
         bounces: None,
     }
 }
@@ -161,7 +162,7 @@ fn draw<const N: usize>(
         label: label.to_owned(),
         points: pairs().filter_map(|(c, cost)| Some((c.value as f64, quantity(cost)?))).collect(),
     };
-    let axes = Axes { title, x: measured.axis.name, y, logarithmic: true };
+    let axes = Axes { title, x: measured.axis.name, y, falling: false };
     plot::svg(&axes, &quantities.map(curve))
 }
 
