@@ -97,9 +97,7 @@ impl Contender for Ours {
 /// Mitsuba 3 in one variant, with one lobe and one sampler.
 pub(crate) struct ByMitsuba {
     mitsuba: Mitsuba,
-    variant: &'static str,
-    lobe: Lobe,
-    sampler: &'static str,
+    way: Way,
     effort: Effort,
 }
 
@@ -108,25 +106,30 @@ impl ByMitsuba {
         python: &Path,
         shot: &Shot,
         folder: &Path,
-        (variant, lobe, sampler): Way,
+        way: Way,
         effort: Effort,
     ) -> Result<Self, Failure> {
+        let (variant, lobe, sampler) = way;
         let scene = mitsuba::write(shot, folder, lobe, sampler)?;
-        let mitsuba = Mitsuba::load(python, variant, &scene)?;
-        Ok(Self { mitsuba, variant, lobe, sampler, effort })
+        Ok(Self { mitsuba: Mitsuba::load(python, variant, &scene)?, way, effort })
+    }
+
+    /// The name of a way to render with it.
+    pub(crate) fn name_of((variant, lobe, sampler): Way) -> String {
+        let lobe = if lobe == Lobe::Ward { "ward" } else { "beckmann" };
+        format!("Mitsuba {variant}, {lobe}, {sampler}")
     }
 
     /// Squares, as `multijitter` has them; few for the variant that is slow.
     fn spp(&self) -> &'static [u32] {
-        let quick = self.effort == Effort::Quick || self.variant == "scalar_rgb";
+        let quick = self.effort == Effort::Quick || self.way.0 == "scalar_rgb";
         if quick { &[4, 16] } else { &[16, 64] }
     }
 }
 
 impl Contender for ByMitsuba {
     fn name(&self) -> String {
-        let lobe = if self.lobe == Lobe::Ward { "ward" } else { "beckmann" };
-        format!("Mitsuba {}, {lobe}, {}", self.variant, self.sampler)
+        Self::name_of(self.way)
     }
 
     fn version(&self) -> String {
@@ -134,7 +137,7 @@ impl Contender for ByMitsuba {
     }
 
     fn truth(&self) -> String {
-        format!("Mitsuba, {:?}", self.lobe)
+        format!("Mitsuba, {:?}", self.way.1)
     }
 
     fn goal(&self) -> f64 {
@@ -146,7 +149,7 @@ impl Contender for ByMitsuba {
     }
 
     fn compiles(&self) -> bool {
-        self.variant != "scalar_rgb"
+        self.way.0 != "scalar_rgb"
     }
 
     fn render(&mut self, setting: usize, seed: u32) -> Result<(RgbImage, f64), Failure> {

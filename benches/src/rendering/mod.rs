@@ -8,19 +8,20 @@
 
 mod contender;
 mod curve;
+mod lineup;
 mod reference;
 
 use crate::page::Section;
-use crate::peers::mitsuba::Lobe;
-use crate::peers::{self, Shot, mitsuba};
 use crate::plot::{self, Axes};
 use crate::scenes::{self, Room};
 use crate::statistics::median;
 use crate::table::{Table, verdict};
 use crate::{Effort, Failure, machine};
-use contender::{ByMitsuba, ByRadiance, Contender, Ours};
+use contender::Contender;
 use curve::{Curve, Point};
+use lineup::Lineup;
 use reference::References;
+use std::collections::BTreeSet;
 use unrender::scene::{Scene, WardModel};
 
 /// What is rendered, and who else is asked to.
@@ -51,13 +52,16 @@ pub(crate) fn measure(effort: Effort) -> Result<Section, Failure> {
     let (mut results, mut plots) = (Vec::new(), Vec::new());
     for subject in subjects(effort)? {
         eprintln!("{}, {side} x {side}", subject.name);
-        let mut contenders = contenders(&subject, side, effort, &mut versions);
-        let measured = rounds(&mut contenders, effort)?;
+        let mut lineup = Lineup::new(&subject, side, effort);
+        let measured = rounds(&mut lineup.here, effort)?;
+        let used = lineup.here.iter().skip(1).map(|contender| contender.version());
+        versions
+            .extend(used.filter(|version| !versions.contains(version)).collect::<BTreeSet<_>>());
         plots.push((
             format!("performance-rendering-{}.svg", subject.file),
             draw(&subject, &measured)?,
         ));
-        results.push((subject, measured));
+        results.push((subject, measured, lineup.missing));
     }
     Ok(Section { text: text(&results, side, &versions), plots })
 }
@@ -81,52 +85,6 @@ fn subjects(effort: Effort) -> Result<Vec<Subject>, Failure> {
             radiance: true,
         },
     ])
-}
-
-/// Ours first; then those that can be had, with a word about the others.
-fn contenders(
-    subject: &Subject,
-    side: usize,
-    effort: Effort,
-    versions: &mut Vec<String>,
-) -> Vec<Box<dyn Contender>> {
-    let mut all: Vec<Box<dyn Contender>> = vec![Box::new(Ours::new(&subject.scene, side, effort))];
-    let shot =
-        Shot { scene: &subject.scene, camera: &subject.scene.cameras[0], size: (side, side) };
-    let mut add = |made: Result<Box<dyn Contender>, Failure>| match made {
-        Ok(contender) => {
-            if !versions.contains(&contender.version()) {
-                versions.push(contender.version());
-            }
-            all.push(contender);
-        }
-        Err(problem) => eprintln!("not measured: {problem}"),
-    };
-    let llvm = "llvm_ad_rgb";
-    let ways: &[mitsuba::Way] = if subject.scene.brdf == WardModel::WardGmd {
-        &[
-            (llvm, Lobe::Beckmann, "independent"),
-            (llvm, Lobe::Beckmann, "multijitter"),
-            ("scalar_rgb", Lobe::Beckmann, "independent"),
-        ]
-    } else {
-        // No program has the lobe of 1992, nor one that is like it.
-        &[(llvm, Lobe::Ward, "independent"), (llvm, Lobe::Ward, "multijitter")]
-    };
-    for &way in ways {
-        let folder =
-            peers::work_folder(&format!("{}-{}-{:?}-{}", subject.file, way.0, way.1, way.2));
-        let made = mitsuba::python()
-            .map_err(Failure::from)
-            .and_then(|python| ByMitsuba::new(&python, &shot, &folder, way, effort));
-        add(made.map(|m| Box::new(m) as Box<dyn Contender>));
-    }
-    if subject.radiance {
-        let folder = peers::work_folder(&format!("{}-radiance", subject.file));
-        let made = ByRadiance::new(&shot, &folder, effort);
-        add(made.map(|m| Box::new(m) as Box<dyn Contender>));
-    }
-    all
 }
 
 /// All make their pictures in each round; the first round of all is not counted.
@@ -208,12 +166,16 @@ fn draw(subject: &Subject, measured: &[Measured]) -> Result<String, Failure> {
     plot::svg(&axes, &curves)
 }
 
-fn text(results: &[(Subject, Vec<Measured>)], side: usize, versions: &[String]) -> String {
+fn text(
+    results: &[(Subject, Vec<Measured>, Vec<String>)],
+    side: usize,
+    versions: &[String],
+) -> String {
     let mut claims = Table::new(["claim", "goal", "measured", "held"]);
     let mut rows =
         Table::new(["scene", "renderer", "setting", "seconds", "RMSE", "ours / theirs, same time"]);
     let mut pictures = String::new();
-    for (subject, measured) in results {
+    for (subject, measured, missing) in results {
         let (name, file) = (subject.name, subject.file);
         let ours = &measured[0];
         for one in measured {
@@ -241,6 +203,9 @@ fn text(results: &[(Subject, Vec<Measured>)], side: usize, versions: &[String]) 
             let claim = format!("{name}: our RMSE of that of {}", one.name);
             claims.push([claim, format!("<= {}", one.goal), found, held]);
         }
+        for other in missing {
+            claims.push([&format!("{name}: our RMSE of that of {other}"), "", "-", "not measured"]);
+        }
         pictures.push_str(&format!("\n![{name}](images/performance-rendering-{file}.svg)\n"));
     }
     format!(
@@ -259,6 +224,7 @@ ratio is our error in the time of the other's setting over the other's error; th
 setting that is best for the other. Mitsuba: integrator `path` without a limit of depth, and its own Russian \
 roulette; `ward` is our lobe as a plugin in Python (`benches/peers/ward.py`, compiled by LLVM), \
 `beckmann` the lobe that `unrender export` writes for it; reading and compiling are not counted. \
+Its variant `llvm_ad_rgb` needs a shared library of LLVM (Debian's `libllvm19`). \
 Radiance: `rtrace` on all cores with irradiance caching (`-aa`) or without; N x N rays a pixel; \
 reading is not counted.
 ";
