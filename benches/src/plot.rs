@@ -75,8 +75,8 @@ where
     chart
         .configure_mesh()
         .light_line_style(TRANSPARENT)
-        .x_labels(8)
-        .y_labels(6)
+        .x_labels(10)
+        .y_labels(10)
         .bold_line_style(BLACK.mix(0.15))
         .label_style(("sans-serif", 13))
         .x_desc(axes.x)
