@@ -27,7 +27,7 @@ use unrender_scene::{LightKind, Mesh, Rgb, Scene};
 /// The share of the directions that is drawn towards mirror images at a path's first diffuse
 /// surface, the second and so on; those after look for none. The other directions weigh
 /// `1/(1 - share)` as much, at every surface of a path anew: large shares make rare bright paths.
-const SHARES: [f32; 4] = [0.2, 0.1, 0.1, 0.1];
+const SHARES: [f32; 4] = [0.2, 0.2, 0.1, 0.1];
 /// Only the first so many surfaces of a path look for images.
 pub(crate) const BOUNCES: u32 = SHARES.len() as u32;
 /// Pairs of a plane and a lamp that a picture looks for at most: the strongest.
