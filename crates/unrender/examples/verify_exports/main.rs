@@ -12,7 +12,8 @@ use programs::{Program, compare, our_picture};
 use std::path::{Path, PathBuf};
 use unrender::formats::export::{self, Shot, Target};
 use unrender::formats::materials;
-use unrender::recover::convert::convert;
+use unrender::recover::convert::convert_all;
+use unrender::render::Tracer;
 use unrender::scene::{Camera, Scene, WardModel};
 
 type Failure = Box<dyn std::error::Error>;
@@ -85,8 +86,8 @@ fn rows(
 ) -> Result<String, Failure> {
     let width = (request.height as f32 * camera.aspect.unwrap_or(1.0)).round() as usize;
     let size = (width, request.height);
-    let conversions: Vec<_> =
-        scene.groups.iter().map(|g| convert(&g.material, scene.brdf, target.lobe())).collect();
+    let geometry = Tracer::new(scene).geometry(camera, size.0, size.1);
+    let conversions = convert_all(scene, camera, &geometry, target.lobe());
     let converted: Vec<_> = conversions.iter().map(|c| c.material.clone()).collect();
     let folder = Folder::new();
     let shot = Shot { scene, materials: &converted, camera, size };

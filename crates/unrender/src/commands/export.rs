@@ -8,7 +8,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_formats::export::{self, Shot, Target};
 use unrender_formats::materials;
-use unrender_recover::convert::{Conversion, convert};
+use unrender_recover::convert::{Conversion, convert_all};
+use unrender_render::Tracer;
 use unrender_scene::{Camera, Group, Material, Scene, WardModel, Warnings};
 
 /// Writes a scene and its materials for another program.
@@ -54,8 +55,8 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     export::check_path(&args.out, args.to)?;
     let (scene, camera, size, warnings) = input(args)?;
     warn(&warnings);
-    let conversion = |group: &Group| convert(&group.material, scene.brdf, args.to.lobe());
-    let conversions: Vec<Conversion> = scene.groups.iter().map(conversion).collect();
+    let geometry = Tracer::new(&scene).geometry(&camera, size.0, size.1);
+    let conversions = convert_all(&scene, &camera, &geometry, args.to.lobe());
     if !global.quiet {
         tell(&scene, &conversions);
     }
