@@ -81,7 +81,7 @@ fn room() -> Scene {
             wall(LAMP, 0.98 * Vec3::Y, Vec3::NEG_Y, 0.35),
         ],
         groups: truth().into_iter().enumerate().map(group).collect(),
-        brdf: WardModel::WardGmd,
+        brdf: WardModel::WardGmd.into(),
         ..Scene::default()
     };
     scene.validate().unwrap();

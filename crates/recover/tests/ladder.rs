@@ -10,10 +10,10 @@ use unrender_recover::{
 use unrender_render::geometry::PixelGeometry;
 use unrender_render::probe::Incident;
 use unrender_render::{
-    Appearance, GeometryBuffers, Jacobian, Parameter, Probe, ProbeSettings, Probes, SeenRadiance,
-    Settings, WardLobe,
+    Appearance, GeometryBuffers, GlossyLobe, Jacobian, Parameter, Probe, ProbeSettings, Probes,
+    SeenRadiance, Settings,
 };
-use unrender_scene::{Image, Material, Rgb, RgbImage, Texture, WardModel, Wrap};
+use unrender_scene::{BrdfModel, Image, Material, Rgb, RgbImage, Texture, Wrap};
 
 const WIDTH: usize = 64;
 const STRIPE: usize = 24;
@@ -68,7 +68,7 @@ impl Stripes {
         let irradiance: Rgb = Self::incident().iter().map(|i| i.irradiance).sum();
         let rho_d = material.rho_d_at(self.geometry.pixels()[pixel as usize].uv);
         let shine = if material.is_glossy() {
-            let lobe = WardLobe::new(self.model(), material.alpha_x, material.alpha_y);
+            let lobe = GlossyLobe::new(self.model(), material.alpha_x, material.alpha_y);
             let (sin, cos) = material.theta_rad.sin_cos();
             let turn = |v: Vec3| Vec3::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z);
             let one = |i: &Incident| lobe.value(turn(wo), turn(i.wi)) * i.irradiance;
@@ -116,8 +116,8 @@ impl Renderer for Stripes {
         &self.geometry
     }
 
-    fn model(&self) -> WardModel {
-        WardModel::WardGmd
+    fn model(&self) -> BrdfModel {
+        BrdfModel::default()
     }
 
     fn probe(

@@ -8,7 +8,6 @@ use programs::{Program, compare, our_picture};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use unrender::formats::export::{self, Shot, Target};
 use unrender::recover::convert::convert_all;
-use unrender::render::Tracer;
 use unrender::scene::{Material, Rgb, Scene};
 
 /// A folder of this test that is removed at the end.
@@ -47,8 +46,7 @@ fn renders_alike(
     };
     let (scene, camera) = (scene(), camera());
     let folder = Folder::new(target.name());
-    let geometry = Tracer::new(&scene).geometry(&camera, SIZE.0, SIZE.1);
-    let converted = convert_all(&scene, &camera, &geometry, target.lobe());
+    let converted = convert_all(&scene, &camera, SIZE, target.lobe(scene.brdf));
     let materials: Vec<Material> = converted.into_iter().map(|c| c.material).collect();
     let shot = Shot { scene: &scene, materials: &materials, camera: &camera, size: SIZE };
     let (files, warnings) = export::export(&shot, target).unwrap();
@@ -98,8 +96,7 @@ fn exported(target: Target) -> (Folder, std::path::PathBuf) {
     std::fs::create_dir_all(&folder.0).unwrap();
     let path = folder.0.join(if target == Target::Gltf { "scene.glb" } else { "scene" });
     let (scene, camera) = (scene(), camera());
-    let geometry = Tracer::new(&scene).geometry(&camera, SIZE.0, SIZE.1);
-    let converted = convert_all(&scene, &camera, &geometry, target.lobe());
+    let converted = convert_all(&scene, &camera, SIZE, target.lobe(scene.brdf));
     let materials: Vec<Material> = converted.into_iter().map(|c| c.material).collect();
     let shot = Shot { scene: &scene, materials: &materials, camera: &camera, size: SIZE };
     let (files, _) = export::export(&shot, target).unwrap();

@@ -21,7 +21,7 @@ use crate::{FileError, atomic, gltf};
 use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
-use unrender_scene::{Camera, Lens, Lobe, Material, Scene, WardModel, Warnings};
+use unrender_scene::{BrdfModel, Camera, Lens, Lobe, Material, Scene, WardModel, Warnings};
 
 /// What is exported: a scene as one camera sees it.
 #[derive(Clone, Copy, Debug)]
@@ -93,12 +93,12 @@ impl Target {
         }
     }
 
-    /// The lobe that it can shine with.
-    pub fn lobe(self) -> Lobe {
+    /// The lobe that it shines with for a scene of `model`: that one if it has it, else the nearest.
+    pub fn lobe(self, model: BrdfModel) -> Lobe {
         match self {
-            Self::Blender | Self::Mitsuba => Lobe::Beckmann,
-            Self::Gltf | Self::Materialx | Self::Pbrt => Lobe::Ggx,
-            Self::Radiance => Lobe::Ward(WardModel::WardGmd),
+            Self::Blender | Self::Mitsuba if model != BrdfModel::Ggx => Lobe::Beckmann,
+            Self::Radiance => Lobe::Model(WardModel::WardGmd.into()),
+            _ => Lobe::Model(BrdfModel::Ggx),
         }
     }
 }

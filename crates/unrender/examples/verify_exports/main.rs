@@ -13,7 +13,6 @@ use std::path::{Path, PathBuf};
 use unrender::formats::export::{self, Shot, Target};
 use unrender::formats::materials;
 use unrender::recover::convert::convert_all;
-use unrender::render::Tracer;
 use unrender::scene::{Camera, Scene, WardModel};
 
 type Failure = Box<dyn std::error::Error>;
@@ -71,7 +70,7 @@ fn main() -> Result<(), Failure> {
 fn load(folder: &Path, model: WardModel) -> Result<(Scene, Camera), Failure> {
     let (mut scene, _) = unrender::formats::load_scene(&folder.join("scene.glb"))?;
     materials::apply_from(&folder.join("truth.json"), &mut scene)?;
-    scene.brdf = model;
+    scene.brdf = model.into();
     let camera = scene.cameras.first().ok_or("the example has no camera")?.clone();
     Ok((scene, camera))
 }
@@ -86,8 +85,7 @@ fn rows(
 ) -> Result<String, Failure> {
     let width = (request.height as f32 * camera.aspect.unwrap_or(1.0)).round() as usize;
     let size = (width, request.height);
-    let geometry = Tracer::new(scene).geometry(camera, size.0, size.1);
-    let conversions = convert_all(scene, camera, &geometry, target.lobe());
+    let conversions = convert_all(scene, camera, size, target.lobe(scene.brdf));
     let converted: Vec<_> = conversions.iter().map(|c| c.material.clone()).collect();
     let folder = Folder::new();
     let shot = Shot { scene, materials: &converted, camera, size };

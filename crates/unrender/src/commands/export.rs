@@ -9,7 +9,6 @@ use std::process::ExitCode;
 use unrender_formats::export::{self, Shot, Target};
 use unrender_formats::materials;
 use unrender_recover::convert::{Conversion, convert_all};
-use unrender_render::Tracer;
 use unrender_scene::{Camera, Group, Material, Scene, WardModel, Warnings};
 
 /// Writes a scene and its materials for another program.
@@ -55,14 +54,15 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     export::check_path(&args.out, args.to)?;
     let (scene, camera, size, warnings) = input(args)?;
     warn(&warnings);
-    let geometry = Tracer::new(&scene).geometry(&camera, size.0, size.1);
-    let conversions = convert_all(&scene, &camera, &geometry, args.to.lobe());
+    let conversions = convert_all(&scene, &camera, size, args.to.lobe(scene.brdf));
     if !global.quiet {
         tell(&scene, &conversions);
     }
     let mut doubts = Warnings::default();
     let is_bent = |(group, c): (&Group, &Conversion)| c.material != group.material;
-    if scene.brdf == WardModel::Ward1992 && scene.groups.iter().zip(&conversions).any(is_bent) {
+    if scene.brdf == WardModel::Ward1992.into()
+        && scene.groups.iter().zip(&conversions).any(is_bent)
+    {
         doubts.push(
             "the lobe of ward-1992 reflects the less the flatter it is seen, which no other program \
              knows; recover with brdf = \"ward-gmd\" what is to be exported",
