@@ -13,14 +13,14 @@ use std::path::{Path, PathBuf};
 use unrender::formats::export::{self, Shot, Target};
 use unrender::formats::materials;
 use unrender::recover::convert::convert_all;
-use unrender::scene::{Camera, Scene, WardModel};
+use unrender::scene::{BrdfModel, Camera, Scene, WardModel};
 
 type Failure = Box<dyn std::error::Error>;
 
 /// Groups of fewer pixels are left out.
 const LEAST_PIXELS: usize = 50;
 /// Paths a pixel of our picture, for one of theirs.
-const OURS: u32 = 4;
+const OURS: u32 = 2;
 
 struct Request {
     spp: u32,
@@ -51,9 +51,10 @@ fn main() -> Result<(), Failure> {
     for target in &request.targets {
         let program = Program::for_target(*target)?;
         for (name, folder, model) in [
-            ("Figure 8", "fig8", WardModel::Ward1992),
-            ("Figure 8, read as ward-gmd", "fig8", WardModel::WardGmd),
-            ("The room", "room", WardModel::WardGmd),
+            ("Figure 8", "fig8", BrdfModel::Ward(WardModel::Ward1992)),
+            ("Figure 8, read as ward-gmd", "fig8", BrdfModel::Ward(WardModel::WardGmd)),
+            ("Figure 8, read as ggx", "fig8", BrdfModel::Ggx),
+            ("The room", "room", BrdfModel::Ward(WardModel::WardGmd)),
         ] {
             let (scene, camera) = load(&root.join("examples").join(folder), model)?;
             let rows = rows(&scene, &camera, *target, &program, &request)?;
@@ -67,10 +68,10 @@ fn main() -> Result<(), Failure> {
 }
 
 /// The example in `folder` with its true materials, which mean `model`.
-fn load(folder: &Path, model: WardModel) -> Result<(Scene, Camera), Failure> {
+fn load(folder: &Path, model: BrdfModel) -> Result<(Scene, Camera), Failure> {
     let (mut scene, _) = unrender::formats::load_scene(&folder.join("scene.glb"))?;
     materials::apply_from(&folder.join("truth.json"), &mut scene)?;
-    scene.brdf = model.into();
+    scene.brdf = model;
     let camera = scene.cameras.first().ok_or("the example has no camera")?.clone();
     Ok((scene, camera))
 }
