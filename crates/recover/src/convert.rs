@@ -11,7 +11,7 @@
 //! where the sums stand for integrals over `wi` and, weighted by the cosine, over `wo`: the squared
 //! difference of the reflected radiance in a light whose directions have nothing to do with each
 //! other. Minimised by downhill simplex over the logarithms of the roughnesses. In its scene a lobe
-//! then gets the k with which the camera sees it as bright as before (`in_scene`).
+//! gets another k if the camera would see it clearly brighter or darker than before (`in_scene`).
 //!
 //! If `k rho_s` were above one, it is one, and less is reflected; `albedo` says how much.
 
@@ -37,8 +37,8 @@ pub struct Conversion {
     pub albedo: f64,
 }
 
-/// The materials of all groups of `scene` in the words of `to`; each as bright as before where
-/// `camera` sees it in a picture of `size`.
+/// The materials of all groups of `scene` in the words of `to`; each about as bright as before
+/// where `camera` sees it in a picture of `size`.
 pub fn convert_all(
     scene: &Scene,
     camera: &Camera,

@@ -1,14 +1,15 @@
 //! How bright a converted lobe is in its scene.
 //!
 //! Lobes that reflect the same share of an even light do not look alike in light that comes from
-//! somewhere. So `rho_s'` gets one more factor, such that what the camera sees of the group's
-//! specular reflection has the mean that Ward's lobe gives it:
+//! somewhere. What the camera sees of a group's specular reflection is
 //!
 //! ```text
-//! factor = sum rho_s S / sum rho_s' S',   S = integral w L cos_i dwi,  S' = integral w' L' cos_i dwi
+//! ratio = sum rho_s' S' / sum rho_s S,   S = integral w L cos_i dwi,  S' = integral w' L' cos_i dwi
 //! ```
 //!
-//! over pixels that show the group. `L` is the light in the scene as it is and `L'` that in the
+//! times as bright as before, over pixels that show the group. If that is further from one than
+//! `TOLERANCE`, `rho_s'` gets the factor that brings it there, and no more: what the group sends
+//! elsewhere was right. `L` is the light in the scene as it is and `L'` that in the
 //! converted one, rendered with the nearest lobe that the renderer has; what one group sends to
 //! another has changed in it, so it is looked for again a few times.
 
@@ -24,6 +25,8 @@ const PIXELS: usize = 1024;
 const DIRECTIONS: u32 = 24;
 /// The longer side of the picture that they are taken from, pixels.
 const LONGER_SIDE: usize = 384;
+/// How far the mean of what the camera sees may be off, relative.
+const TOLERANCE: f64 = 0.02;
 /// Turns between the light and the factors.
 const TURNS: usize = 4;
 
@@ -63,7 +66,8 @@ pub(super) fn factors(
         for ((&g, wanted), found) in groups.iter().zip(&wanted).zip(found) {
             if *wanted > 0.0 && found > 0.0 {
                 let most = 1.0 / f64::from(materials[g].rho_s.max_element());
-                let step = (wanted / found).min(most);
+                let ratio = found / wanted;
+                let step = (ratio.clamp(1.0 - TOLERANCE, 1.0 + TOLERANCE) / ratio).min(most);
                 factors[g] *= step;
                 materials[g].rho_s *= step as f32;
             }
