@@ -1,4 +1,4 @@
-//! Ward's lobes in the words of programs that have others.
+//! Glossy lobes in the words of programs that have others.
 //!
 //! A lobe `w'` with roughnesses `alpha'` takes the place of Ward's `w`. Its reflectance is
 //! `rho_s' = k rho_s`, and k makes it reflect as much of an even light as Ward's does, averaged over
@@ -20,10 +20,11 @@ mod target;
 
 use crate::fit::simplex;
 use glam::Vec3;
+pub use in_scene::Views;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use target::TargetLobe;
 use unrender_render::GlossyLobe;
-use unrender_scene::{BrdfModel, Camera, Lobe, Material, Scene};
+use unrender_scene::{BrdfModel, Lobe, Material};
 
 /// A material in the words of another lobe, and what is lost.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,21 +38,16 @@ pub struct Conversion {
     pub albedo: f64,
 }
 
-/// The materials of all groups of `scene` in the words of `to`; each about as bright as before
-/// where `camera` sees it in a picture of `size`.
-pub fn convert_all(
-    scene: &Scene,
-    camera: &Camera,
-    size: (usize, usize),
-    to: Lobe,
-) -> Vec<Conversion> {
-    let one = |material: &Material| convert(material, scene.brdf, to);
-    let mut all: Vec<Conversion> = scene.groups.iter().map(|g| one(&g.material)).collect();
-    let materials: Vec<Material> = all.iter().map(|c| c.material.clone()).collect();
-    let factors = in_scene::factors(scene, camera, size, &materials, to);
-    for ((conversion, group), factor) in all.iter_mut().zip(&scene.groups).zip(factors) {
+/// The `materials` of all groups of a scene in the words of `to`; each about as bright as before
+/// where the camera of `views` sees it.
+pub fn convert_all(materials: &[Material], views: Views<'_>, to: Lobe) -> Vec<Conversion> {
+    let model = views.original.model();
+    let mut all: Vec<Conversion> = materials.iter().map(|m| convert(m, model, to)).collect();
+    let converted: Vec<Material> = all.iter().map(|c| c.material.clone()).collect();
+    let factors = in_scene::factors(views, materials, &converted, to);
+    for ((conversion, material), factor) in all.iter_mut().zip(materials).zip(factors) {
         if factor != 1.0 {
-            conversion.scale(&group.material, scene.brdf, to, factor);
+            conversion.scale(material, model, to, factor);
         }
     }
     all

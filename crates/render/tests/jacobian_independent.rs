@@ -134,7 +134,7 @@ fn a_highlight_changes_as_its_differences_say() {
     // A point light on a plate in the void: the same light in every rendering, without noise.
     for model in BrdfModel::ALL {
         let mut stage = Stage::default();
-        stage.scene.brdf = model.into();
+        stage.scene.brdf = model;
         let brushed = Material {
             rho_s: Rgb::new(0.5, 0.4, 0.3),
             alpha_x: 0.2,

@@ -100,6 +100,16 @@ pub enum Lobe {
     Beckmann,
 }
 
+impl Lobe {
+    /// The lobe itself if it can be recovered, else the one that is most like it.
+    pub fn nearest_model(self) -> BrdfModel {
+        match self {
+            Self::Model(model) => model,
+            Self::Beckmann => WardModel::WardGmd.into(),
+        }
+    }
+}
+
 /// The reflectance of a group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {

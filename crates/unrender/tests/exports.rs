@@ -6,8 +6,8 @@ mod programs;
 use export_scene::{SIZE, camera, scene};
 use programs::{Program, compare, our_picture};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use unrender::converted::converted;
 use unrender::formats::export::{self, Shot, Target};
-use unrender::recover::convert::convert_all;
 use unrender::scene::{BrdfModel, Material, Rgb, Scene};
 
 /// A folder of this test that is removed at the end.
@@ -47,7 +47,7 @@ fn renders_alike(
     };
     let camera = camera();
     let folder = Folder::new(target.name());
-    let converted = convert_all(scene, &camera, SIZE, target.lobe(scene.brdf));
+    let converted = converted(scene, &camera, SIZE, target.lobe(scene.brdf));
     let materials: Vec<Material> = converted.into_iter().map(|c| c.material).collect();
     let shot = Shot { scene, materials: &materials, camera: &camera, size: SIZE };
     let (files, warnings) = export::export(&shot, target).unwrap();
@@ -118,7 +118,7 @@ fn blender_makes_the_same_picture() {
 fn ggx_needs_no_conversion_where_it_is_known() {
     let scene = Scene { brdf: BrdfModel::Ggx, ..scene() };
     for target in Target::ALL.into_iter().filter(|&t| t != Target::Radiance) {
-        let converted = convert_all(&scene, &camera(), SIZE, target.lobe(scene.brdf));
+        let converted = converted(&scene, &camera(), SIZE, target.lobe(scene.brdf));
         for (conversion, group) in converted.iter().zip(&scene.groups) {
             assert_eq!((&conversion.material, conversion.difference), (&group.material, 0.0));
         }
@@ -131,7 +131,7 @@ fn exported(target: Target) -> (Folder, std::path::PathBuf) {
     std::fs::create_dir_all(&folder.0).unwrap();
     let path = folder.0.join(if target == Target::Gltf { "scene.glb" } else { "scene" });
     let (scene, camera) = (scene(), camera());
-    let converted = convert_all(&scene, &camera, SIZE, target.lobe(scene.brdf));
+    let converted = converted(&scene, &camera, SIZE, target.lobe(scene.brdf));
     let materials: Vec<Material> = converted.into_iter().map(|c| c.material).collect();
     let shot = Shot { scene: &scene, materials: &materials, camera: &camera, size: SIZE };
     let (files, _) = export::export(&shot, target).unwrap();
@@ -232,6 +232,8 @@ fn assert_same(back: &Scene) {
     assert_eq!(back.triangle_count(), scene.triangle_count());
     let lights = |scene: &Scene| scene.lights.iter().map(|l| l.name.clone()).collect::<Vec<_>>();
     assert_eq!(lights(back), lights(&scene));
+    let objects = |scene: &Scene| scene.objects.iter().map(|o| o.name.clone()).collect::<Vec<_>>();
+    assert_eq!(objects(back), objects(&scene));
     let theirs = our_picture(back, &back.cameras[0], SIZE, 1024);
     let ours = our_picture(&scene, &camera, SIZE, 1024);
     for row in compare(&scene, &camera, &ours, &theirs, 20) {

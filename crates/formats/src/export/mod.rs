@@ -156,6 +156,13 @@ fn gltf(shot: &Shot) -> Result<(Files, Warnings), String> {
 /// # Errors
 /// If `path` has the wrong extension, or if something is in the way.
 pub fn check_path(path: &Path, target: Target) -> Result<(), FileError> {
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+    if let Some(parent) = parent.filter(|parent| !parent.is_dir()) {
+        return Err(FileError::new(path, format!("there is no folder {}", parent.display())));
+    }
+    if target.file_extension().is_some() && path.is_dir() {
+        return Err(FileError::new(path, "is a folder; name a file"));
+    }
     let Some(wanted) = target.file_extension() else { return folder::check_folder(path) };
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted)) {
         return Ok(());

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use unrender_render::GlossyLobe;
-use unrender_scene::{Lobe, WardModel};
+use unrender_scene::Lobe;
 
 /// A lobe with its roughnesses, of `rho_s = 1`.
 pub(super) struct TargetLobe {
@@ -14,11 +14,8 @@ pub(super) struct TargetLobe {
 
 impl TargetLobe {
     pub(super) fn new(lobe: Lobe, [alpha_x, alpha_y]: [f32; 2]) -> Self {
-        let (model, beckmann) = match lobe {
-            Lobe::Model(model) => (model, None),
-            Lobe::Beckmann => (WardModel::WardGmd.into(), Some([alpha_x, alpha_y])),
-        };
-        Self { base: GlossyLobe::new(model, alpha_x, alpha_y), beckmann }
+        let beckmann = (lobe == Lobe::Beckmann).then_some([alpha_x, alpha_y]);
+        Self { base: GlossyLobe::new(lobe.nearest_model(), alpha_x, alpha_y), beckmann }
     }
 
     /// `w`, sr^-1, for two directions above the surface.

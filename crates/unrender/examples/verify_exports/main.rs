@@ -10,9 +10,9 @@ mod table;
 
 use programs::{Program, compare, our_picture};
 use std::path::{Path, PathBuf};
+use unrender::converted::converted;
 use unrender::formats::export::{self, Shot, Target};
 use unrender::formats::materials;
-use unrender::recover::convert::convert_all;
 use unrender::scene::{BrdfModel, Camera, Scene, WardModel};
 
 type Failure = Box<dyn std::error::Error>;
@@ -86,10 +86,10 @@ fn rows(
 ) -> Result<String, Failure> {
     let width = (request.height as f32 * camera.aspect.unwrap_or(1.0)).round() as usize;
     let size = (width, request.height);
-    let conversions = convert_all(scene, camera, size, target.lobe(scene.brdf));
-    let converted: Vec<_> = conversions.iter().map(|c| c.material.clone()).collect();
+    let conversions = converted(scene, camera, size, target.lobe(scene.brdf));
+    let materials: Vec<_> = conversions.iter().map(|c| c.material.clone()).collect();
     let folder = Folder::new();
-    let shot = Shot { scene, materials: &converted, camera, size };
+    let shot = Shot { scene, materials: &materials, camera, size };
     let (files, _) = export::export(&shot, target)?;
     let path = folder.0.join(if target == Target::Gltf { "scene.glb" } else { "scene" });
     export::write(&path, target, &files)?;

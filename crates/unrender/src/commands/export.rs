@@ -2,22 +2,25 @@
 
 use crate::cli::{Global, warn};
 use crate::commands::render;
+use crate::converted::converted;
 use crate::run::{self, Run};
 use crate::{Error, interrupt, job};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_formats::export::{self, Shot, Target};
 use unrender_formats::materials;
-use unrender_recover::convert::{Conversion, convert_all};
+use unrender_recover::convert::Conversion;
 use unrender_scene::{Camera, Group, Material, Scene, WardModel, Warnings};
 
 /// Writes a scene and its materials for another program.
 ///
-/// Radiance shines with the same lobe as unrender (ward-gmd). For other programs, and other forms of
-/// Ward's lobe, glossy reflections are converted, and how far off they are is told.
+/// Radiance shines with the lobe of ward-gmd, all other programs with that of ggx; what was recovered
+/// with another lobe is converted, and how far off it is is told.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
-    unrender export result --to radiance --out room_radiance\n  \
+    unrender export result --to blender --out room_blender\n  \
+    unrender export result --to gltf --out room.glb\n  \
+    unrender export result --to mitsuba --camera door --height 1080 --out room_mitsuba\n  \
     unrender export --scene room.glb --materials truth.json --to radiance --out room_radiance")]
 pub struct Args {
     /// The folder that `recover` left its results in.
@@ -54,7 +57,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     export::check_path(&args.out, args.to)?;
     let (scene, camera, size, warnings) = input(args)?;
     warn(&warnings);
-    let conversions = convert_all(&scene, &camera, size, args.to.lobe(scene.brdf));
+    let conversions = converted(&scene, &camera, size, args.to.lobe(scene.brdf));
     if !global.quiet {
         tell(&scene, &conversions);
     }
