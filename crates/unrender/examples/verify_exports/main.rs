@@ -19,8 +19,8 @@ type Failure = Box<dyn std::error::Error>;
 
 /// Groups of fewer pixels are left out.
 const LEAST_PIXELS: usize = 50;
-/// Paths a pixel of our picture, for one of theirs.
-const OURS: u32 = 2;
+/// Paths a pixel of our picture.
+const OURS: u32 = 1024;
 
 struct Request {
     spp: u32,
@@ -94,7 +94,7 @@ fn rows(
     let path = folder.0.join(if target == Target::Gltf { "scene.glb" } else { "scene" });
     export::write(&path, target, &files)?;
     let theirs = program.picture(&path, request.spp)?;
-    let ours = our_picture(scene, camera, size, OURS * request.spp);
+    let ours = our_picture(scene, camera, size, OURS);
     Ok(table::rows(scene, &conversions, &compare(scene, camera, &ours, &theirs, LEAST_PIXELS)))
 }
 
