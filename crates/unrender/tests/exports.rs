@@ -79,7 +79,7 @@ fn radiance_makes_the_same_picture() {
     let is_diffuse =
         |scene: &Scene, group: usize| !scene.groups[group].material.rho_s.cmpgt(Rgb::ZERO).any();
     let limit = |scene: &Scene, group| if is_diffuse(scene, group) { 0.01 } else { 0.025 };
-    renders_alike(&scene(), Target::Radiance, Program::radiance(), 64, limit);
+    renders_alike(&scene(), Target::Radiance, Program::radiance(), 128, limit);
 }
 
 /// Glossy groups shine with converted lobes.

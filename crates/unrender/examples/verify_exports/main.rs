@@ -1,7 +1,8 @@
 //! Renders exports of the examples by the programs that they are for, and writes how far their
 //! pictures are from ours, group by group: the table of `docs/exports.md`.
 //!
-//! `cargo run --release --example verify_exports -- [--spp N] [--height N] [PROGRAM ...]`. Programs
+//! `cargo run --release --example verify_exports -- [--spp N] [--height N] [--scene FOLDER] [PROGRAM
+//! ...]`. Programs
 //! that are not named keep their tables. What is needed comes from PyPI, Blender's 350 MB included.
 
 #[path = "../../tests/programs/mod.rs"]
@@ -25,16 +26,19 @@ const OURS: u32 = 1024;
 struct Request {
     spp: u32,
     height: usize,
+    /// Only the scenes of this example.
+    scene: Option<String>,
     targets: Vec<Target>,
 }
 
 fn request() -> Result<Request, Failure> {
-    let mut request = Request { spp: 256, height: 192, targets: Vec::new() };
+    let mut request = Request { spp: 256, height: 192, scene: None, targets: Vec::new() };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         match word.as_str() {
             "--spp" => request.spp = words.next().ok_or("--spp N")?.parse()?,
             "--height" => request.height = words.next().ok_or("--height N")?.parse()?,
+            "--scene" => request.scene = words.next(),
             name => request.targets.push(name.parse()?),
         }
     }
@@ -56,6 +60,9 @@ fn main() -> Result<(), Failure> {
             ("Figure 8, read as ggx", "fig8", BrdfModel::Ggx),
             ("The room", "room", BrdfModel::Ward(WardModel::WardGmd)),
         ] {
+            if request.scene.as_ref().is_some_and(|only| only != folder) {
+                continue;
+            }
             let (scene, camera) = load(&root.join("examples").join(folder), model)?;
             let rows = rows(&scene, &camera, *target, &program, &request)?;
             let title = format!("{name}, {target}");

@@ -7,8 +7,7 @@ use unrender::scene::{Material, Scene};
 /// The rows of a table: how bright each group is in both pictures, and what its conversion lost.
 pub(crate) fn rows(scene: &Scene, conversions: &[Conversion], rows: &[Row]) -> String {
     let mut text = String::from(
-        "| group | surface | pixels | ours | theirs | difference | noise | lobe |\n\
-         |---|---|---|---|---|---|---|---|\n",
+        "| group | surface | pixels | ours | theirs | difference | lobe |\n|---|---|---|---|---|---|---|\n",
     );
     for row in rows {
         let group = &scene.groups[row.group];
@@ -20,13 +19,12 @@ pub(crate) fn rows(scene: &Scene, conversions: &[Conversion], rows: &[Row]) -> S
             format!("{:.1} % off", 100.0 * conversions[row.group].difference)
         };
         text.push_str(&format!(
-            "| {} | {kind} | {} | {:.4} | {:.4} | {:.2} % | {:.2} % | {} |\n",
+            "| {} | {kind} | {} | {:.4} | {:.4} | {:.2} % | {} |\n",
             group.name,
             row.pixels,
             mean(row.ours),
             mean(row.theirs),
             100.0 * row.difference(),
-            100.0 * row.noise(),
             if group.material.is_glossy() { lobe.as_str() } else { "-" }
         ));
     }

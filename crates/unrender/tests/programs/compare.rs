@@ -13,19 +13,12 @@ pub(crate) struct Row {
     pub(crate) ours: Rgb,
     /// Mean radiance in theirs.
     pub(crate) theirs: Rgb,
-    /// The standard error of the difference of the two, by how its pixels differ.
-    error: Rgb,
 }
 
 impl Row {
     /// The largest difference of a channel, relative to our mean over the channels.
     pub(crate) fn difference(&self) -> f32 {
         (self.theirs - self.ours).abs().max_element() / (self.ours.element_sum() / 3.0)
-    }
-
-    /// The standard error of that, of the channel where it is largest.
-    pub(crate) fn noise(&self) -> f32 {
-        self.error.max_element() / (self.ours.element_sum() / 3.0)
     }
 }
 
@@ -56,12 +49,7 @@ pub(crate) fn compare(
             let sum: glam::DVec3 = pixels.iter().map(|&i| picture.pixels()[i].as_dvec3()).sum();
             (sum / pixels.len() as f64).as_vec3()
         };
-        let difference = mean(theirs) - mean(ours);
-        let one = |i: usize| theirs.pixels()[i] - ours.pixels()[i] - difference;
-        let squares: glam::DVec3 = pixels.iter().map(|&i| one(i).as_dvec3().powf(2.0)).sum();
-        let error = (squares.map(f64::sqrt) / pixels.len() as f64).as_vec3();
-        let (ours, theirs) = (mean(ours), mean(theirs));
-        rows.push(Row { group, pixels: pixels.len(), ours, theirs, error });
+        rows.push(Row { group, pixels: pixels.len(), ours: mean(ours), theirs: mean(theirs) });
     }
     rows
 }
