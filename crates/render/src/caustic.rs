@@ -26,9 +26,9 @@ use unrender_scene::{LightKind, Mesh, Rgb, Scene};
 
 /// The share of a diffuse surface's directions that is drawn towards mirror images. The others weigh
 /// `1/(1 - SHARE)` as much, at every surface of a path anew: a large share makes rare bright paths.
-const SHARE: f32 = 0.2;
+const SHARE: f32 = 0.1;
 /// Only the first so many surfaces of a path look for images, so that those weights end.
-pub(crate) const BOUNCES: u32 = 3;
+pub(crate) const BOUNCES: u32 = 4;
 /// Pairs of a plane and a lamp that a picture looks for at most: the strongest.
 const PAIRS_MAX: usize = 16;
 /// Mirror images that one surface looks for at most: the strongest that it may see.

@@ -7,7 +7,7 @@
 //! Rendering", JCGT 2020: pcg4d].
 
 /// Sets that are stratified: the place in the pixel, and light and direction at the first surfaces.
-const STRATIFIED: u32 = 7;
+const STRATIFIED: u32 = 5;
 
 /// The numbers of one sample.
 #[derive(Clone, Copy, Debug)]

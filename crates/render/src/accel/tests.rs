@@ -70,7 +70,6 @@ fn the_tree_finds_what_a_search_over_all_triangles_finds() {
 #[cfg(target_arch = "x86_64")]
 fn both_kernels_find_the_same_bits() {
     if !avx2::is_there() {
-        eprintln!("skipped: this processor has no AVX2");
         return;
     }
     let (points, triangles) = sphere(Vec3::new(0.1, 0.0, -0.2), 1.0, 40);

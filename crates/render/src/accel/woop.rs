@@ -129,6 +129,7 @@ fn edge_again(single: Vec4, p: Vec4, q: Vec4, r: Vec4, s: Vec4) -> Vec4 {
 
 /// Moves `point` on a surface off it along the unit `normal`, just far enough that rays that start
 /// there do not meet the surface again (Waechter & Binder, Ray Tracing Gems 2019, chapter 6).
+#[inline]
 pub fn offset(point: Vec3, normal: Vec3) -> Vec3 {
     const ORIGIN: f32 = 1.0 / 32.0;
     const FLOAT_SCALE: f32 = 1.0 / 65536.0;
