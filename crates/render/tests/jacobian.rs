@@ -190,7 +190,7 @@ fn step(parameter: Parameter) -> f32 {
     match parameter {
         Parameter::AlphaX(_) | Parameter::AlphaY(_) => 2e-3,
         Parameter::Theta(_) => 4e-3,
-        _ => 1e-2,
+        _ => 5e-3,
     }
 }
 
