@@ -214,7 +214,7 @@ impl<'a> Transport<'a> {
             }
             let images;
             let bsdf = if self.looks_for_images(&bsdf, bounce) {
-                images = Images::seen_from(&surface, &frame, &self.shiny);
+                images = Images::seen_from(&surface, &frame, &self.shiny, bounce);
                 bsdf.looking_at(&images)
             } else {
                 bsdf
