@@ -8,14 +8,18 @@
 
 pub mod atomic;
 pub mod error;
+pub mod export;
 pub mod fspy;
 pub mod gltf;
+pub mod import;
 pub mod materials;
 mod names;
+mod numbers;
 pub mod obj;
 pub mod picture;
 pub mod planes;
 pub mod points;
+mod record;
 pub mod response_curve;
 pub mod scene_file;
 mod texels;

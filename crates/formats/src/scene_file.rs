@@ -1,5 +1,6 @@
 //! Scenes by file extension: the one place that knows which formats there are.
 
+use crate::import::{mitsuba, radiance};
 use crate::{FileError, gltf, obj};
 use std::path::Path;
 use unrender_scene::{Camera, Scene, SceneError, Warnings};
@@ -7,6 +8,19 @@ use unrender_scene::{Camera, Scene, SceneError, Warnings};
 enum Format {
     Gltf,
     Obj,
+    Mitsuba,
+    Radiance,
+}
+
+impl Format {
+    fn read(&self, path: &Path) -> Result<(Scene, Warnings), FileError> {
+        match self {
+            Self::Gltf => gltf::read(path),
+            Self::Obj => obj::read(path),
+            Self::Mitsuba => mitsuba::read(path),
+            Self::Radiance => radiance::read(path),
+        }
+    }
 }
 
 /// Reads and validates the scene at `path`.
@@ -35,10 +49,7 @@ fn load(
     if !path.exists() {
         return Err(FileError::new(path, "does not exist"));
     }
-    let (mut scene, mut warnings) = match format {
-        Format::Gltf => gltf::read(path)?,
-        Format::Obj => obj::read(path)?,
-    };
+    let (mut scene, mut warnings) = format.read(path)?;
     let doubts = validate(&mut scene).map_err(|error| FileError::new(path, error))?;
     warnings.extend(doubts);
     Ok((scene, warnings))
@@ -54,7 +65,7 @@ fn load(
 pub fn wear(source: &Path, scene: &Scene) -> Result<Vec<u8>, FileError> {
     match format_of(source)? {
         Format::Gltf => gltf::dress(source, scene),
-        Format::Obj => gltf::to_glb(scene).map_err(|error| FileError::new(source, error)),
+        _ => gltf::to_glb(scene).map_err(|error| FileError::new(source, error)),
     }
 }
 
@@ -66,8 +77,8 @@ pub fn wear(source: &Path, scene: &Scene) -> Result<Vec<u8>, FileError> {
 pub fn place(source: &Path, camera: &Camera) -> Result<Vec<u8>, FileError> {
     match format_of(source)? {
         Format::Gltf => gltf::place(source, camera),
-        Format::Obj => {
-            let (mut scene, _) = obj::read(source)?;
+        format => {
+            let (mut scene, _) = format.read(source)?;
             scene.cameras.push(camera.clone());
             gltf::to_glb(&scene).map_err(|error| FileError::new(source, error))
         }
@@ -79,9 +90,11 @@ fn format_of(path: &Path) -> Result<Format, FileError> {
     match extension.as_str() {
         "glb" | "gltf" => Ok(Format::Gltf),
         "obj" => Ok(Format::Obj),
+        "xml" => Ok(Format::Mitsuba),
+        "rad" => Ok(Format::Radiance),
         _ => Err(FileError::new(
             path,
-            "is no scene of a known format; scenes are read from .glb, .gltf and .obj",
+            "is no scene of a known format; scenes are read from .glb, .gltf, .obj, .xml (Mitsuba 3) and .rad (Radiance)",
         )),
     }
 }

@@ -61,3 +61,27 @@ pub(crate) fn png(image: &Image<Rgb>) -> Result<Vec<u8>, String> {
         .map_err(|error| format!("cannot be encoded as PNG: {error}"))?;
     Ok(bytes.into_inner())
 }
+
+/// Linear texels as a Radiance picture, eight bits and a common exponent a texel.
+pub(crate) fn hdr(image: &Image<Rgb>) -> Result<Vec<u8>, String> {
+    let texels: Vec<image::Rgb<f32>> =
+        image.pixels().iter().map(|texel| image::Rgb(texel.to_array())).collect();
+    let mut bytes = Vec::new();
+    image::codecs::hdr::HdrEncoder::new(&mut bytes)
+        .encode(&texels, image.width(), image.height())
+        .map_err(|error| format!("cannot be encoded as a Radiance picture: {error}"))?;
+    Ok(bytes)
+}
+
+/// Linear texels as an OpenEXR picture of single-precision numbers.
+pub(crate) fn exr(image: &Image<Rgb>) -> Result<Vec<u8>, String> {
+    let texels = image.pixels().iter().flat_map(|texel| texel.to_array()).collect();
+    let (width, height) = (image.width() as u32, image.height() as u32);
+    let picture =
+        image::Rgb32FImage::from_raw(width, height, texels).ok_or("is too large for an EXR")?;
+    let mut bytes = Cursor::new(Vec::new());
+    DynamicImage::ImageRgb32F(picture)
+        .write_to(&mut bytes, ImageFormat::OpenExr)
+        .map_err(|error| format!("cannot be encoded as EXR: {error}"))?;
+    Ok(bytes.into_inner())
+}

@@ -8,6 +8,7 @@
 //! [`recover`] is the whole of it. It touches no file, no clock and no terminal; the renderer is
 //! behind the small trait [`Renderer`], and whoever wants to follow gives an [`Observer`].
 
+pub mod convert;
 pub mod correction;
 pub mod error;
 pub mod evidence;

@@ -9,7 +9,9 @@ use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
 use unrender_render::seen::Lookup;
 use unrender_render::{Appearance, Jacobian, Parameter, SeenRadiance, Settings, Tracer};
-use unrender_scene::{Camera, Image, LightKind, Material, Rgb, Texture, WardModel, Wrap};
+use unrender_scene::{
+    BrdfModel, Camera, Image, LightKind, Material, Rgb, Texture, WardModel, Wrap,
+};
 
 const FLOOR: u32 = 0;
 const WALLS: u32 = 1;
@@ -32,9 +34,9 @@ const SIDE: usize = 12;
 const SIZE: (usize, usize) = (SIDE, SIDE);
 
 impl Room {
-    fn new(model: WardModel) -> Self {
+    fn new(model: impl Into<BrdfModel>) -> Self {
         let mut stage = Stage::default();
-        stage.scene.brdf = model;
+        stage.scene.brdf = model.into();
         let brushed = Material {
             rho_s: Rgb::new(0.0, 0.4, 0.5),
             alpha_x: 0.15,
@@ -223,7 +225,7 @@ fn assert_exact(room: &Room, parameters: &[Parameter], seen: Option<&SeenRadianc
 
 #[test]
 fn derivatives_are_the_differences_of_the_same_paths() {
-    for model in WardModel::ALL {
+    for model in BrdfModel::ALL {
         assert_exact(&Room::new(model), &everything(), None);
     }
 }

@@ -1,6 +1,6 @@
 //! The command line: global flags, the subcommands, and what becomes of errors.
 
-use crate::commands::{calibrate, check, merge, recover, render, report, restage, score};
+use crate::commands::{calibrate, check, export, merge, recover, render, report, restage, score};
 use crate::{Error, interrupt};
 use clap::{Parser, Subcommand};
 use std::num::NonZeroUsize;
@@ -37,6 +37,7 @@ enum Command {
     Merge(merge::Args),
     Restage(restage::Args),
     Score(score::Args),
+    Export(export::Args),
     Report(report::Args),
 }
 
@@ -71,6 +72,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Merge(args) => merge::run(args, &cli.global),
         Command::Restage(args) => restage::run(args, &cli.global),
         Command::Score(args) => score::run(args),
+        Command::Export(args) => export::run(args, &cli.global),
         Command::Report(args) => report::run(args, &cli.global),
     }
 }

@@ -2,14 +2,14 @@
 
 use super::Problem;
 use super::document::{Material as MaterialJson, TextureInfo};
-use super::numbers::color_and_factor;
 use super::source::Source;
 use super::{texture, ward};
+use crate::numbers::color_and_factor;
 use crate::texels;
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::sync::Arc;
-use unrender_scene::{Group, Material, Rgb, Texture, WardModel, Warnings};
+use unrender_scene::{BrdfModel, Group, Material, Rgb, Texture, Warnings};
 
 /// The reflectance of surfaces that have no material.
 const ASSUMED_RHO_D: f32 = 0.5;
@@ -30,7 +30,7 @@ pub(super) fn group(
     json: &MaterialJson,
     name: &str,
     warnings: &mut Warnings,
-) -> Result<(Group, Option<WardModel>), Problem> {
+) -> Result<(Group, Option<BrdfModel>), Problem> {
     warn_of_the_unread(json, name, warnings);
     let emission = emission(json).ok_or_else(|| {
         format!("material \"{name}\" has a negative or infinite emission; export the scene again")
@@ -100,12 +100,12 @@ impl Reader<'_> {
         &mut self,
         json: &MaterialJson,
         record: &serde_json::Value,
-    ) -> Result<(Material, WardModel), Problem> {
+    ) -> Result<(Material, BrdfModel), Problem> {
         let name = self.name;
         let fault = |what: &dyn std::fmt::Display| {
             format!("material \"{name}\": extras.unrender {what}; remove or repair it")
         };
-        let record: ward::Record = serde_json::from_value(record.clone())
+        let record: crate::record::Record = serde_json::from_value(record.clone())
             .map_err(|e| fault(&format!("is not valid: {e}")))?;
         let (mut material, brdf) = record.to_material().map_err(|e| fault(&e))?;
         if let Some(pbr) = &json.pbr_metallic_roughness {

@@ -18,7 +18,6 @@ mod graph;
 mod lights;
 mod material;
 mod names;
-mod numbers;
 mod place;
 mod read;
 mod source;
@@ -29,7 +28,7 @@ mod write;
 pub use dress::dress;
 pub use place::place;
 pub use read::read;
-pub use write::{GlbError, to_glb};
+pub use write::{GlbError, to_glb, to_glb_as};
 
 /// What is wrong with a file and what to do, in one sentence without a full stop.
 type Problem = String;

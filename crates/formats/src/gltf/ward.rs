@@ -14,11 +14,11 @@
 //! numbers stand in `extras.unrender`, and reading prefers them.
 
 use super::document::MaterialExtensions;
-use super::numbers::{degrees, number, radians, triple};
-use serde::{Deserialize, Serialize};
+use crate::numbers::{number, triple};
+use crate::record::Record;
 use serde_json::{Map, Value, json};
 use std::f32::consts::{FRAC_PI_2, PI};
-use unrender_scene::{Material, Rgb, WardModel};
+use unrender_scene::{BrdfModel, Material, Rgb};
 
 /// The key in `extras` under which the exact numbers stand.
 pub(super) const EXTRAS_KEY: &str = "unrender";
@@ -27,49 +27,6 @@ pub(super) const EXTENSIONS: [&str; 3] =
     ["KHR_materials_specular", "KHR_materials_ior", "KHR_materials_anisotropy"];
 
 const GLASS_IOR: f64 = 1.5;
-
-/// Ward's parameters as `extras.unrender` has them; the numbers read back to the same bits.
-#[derive(Serialize, Deserialize)]
-pub(super) struct Record {
-    brdf: String,
-    rho_d: [f64; 3],
-    rho_s: [f64; 3],
-    alpha_x: f64,
-    alpha_y: f64,
-    theta_deg: f64,
-}
-
-impl Record {
-    fn of(material: &Material, brdf: WardModel) -> Self {
-        Self {
-            brdf: brdf.name().into(),
-            rho_d: triple(material.rho_d),
-            rho_s: triple(material.rho_s),
-            alpha_x: number(material.alpha_x),
-            alpha_y: number(material.alpha_y),
-            theta_deg: degrees(material.theta_rad),
-        }
-    }
-
-    /// The material (without a texture) and the lobe that the record means.
-    pub(super) fn to_material(&self) -> Result<(Material, WardModel), String> {
-        let material = Material {
-            rho_d: Rgb::from_array(self.rho_d.map(|c| c as f32)),
-            rho_s: Rgb::from_array(self.rho_s.map(|c| c as f32)),
-            alpha_x: self.alpha_x as f32,
-            alpha_y: self.alpha_y as f32,
-            theta_rad: radians(self.theta_deg),
-            texture: None,
-        };
-        let lengths = [material.alpha_x, material.alpha_y].into_iter();
-        let lengths = lengths.chain(material.rho_d.to_array()).chain(material.rho_s.to_array());
-        if !material.theta_rad.is_finite() || !lengths.into_iter().all(|x| x.is_finite() && x >= 0.)
-        {
-            return Err("has numbers below zero or beyond all bounds".into());
-        }
-        Ok((material, self.brdf.parse()?))
-    }
-}
 
 /// Ward's parameters for glTF's: base colour, metallic, roughness and extensions.
 pub(super) fn from_gltf(
@@ -112,7 +69,7 @@ fn dielectric_f0(extensions: &MaterialExtensions) -> Rgb {
 pub(super) fn dress(
     json: &mut Value,
     material: &Material,
-    brdf: WardModel,
+    brdf: BrdfModel,
     texture: Option<usize>,
 ) {
     let root = object(json);
@@ -186,7 +143,8 @@ fn anisotropy(material: &Material) -> Value {
     })
 }
 
-fn note_exact(root: &mut Map<String, Value>, material: &Material, brdf: WardModel) {
+/// Notes the exact numbers, which reading prefers.
+pub(super) fn note_exact(root: &mut Map<String, Value>, material: &Material, brdf: BrdfModel) {
     let extras = root.entry("extras").or_insert_with(|| json!({}));
     if !extras.is_object() && !extras.is_null() {
         let other = extras.take();

@@ -1,11 +1,13 @@
 //! A scene to a `.glb`: one node an object, a light, a camera; everything in world space.
 
-use super::numbers::{color_and_factor, number, triple};
 use super::{Problem, container, material, texture, ward};
+use crate::numbers::{color_and_factor, number, triple};
 use crate::texels;
 use glam::{Affine3A, Mat3, Vec3};
 use serde_json::{Value, json};
-use unrender_scene::{Camera, Group, Light, LightKind, Mesh, Object, Rgb, Scene, Texture};
+use unrender_scene::{
+    Camera, Group, Light, LightKind, Material, Mesh, Object, Rgb, Scene, Texture,
+};
 
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
@@ -25,15 +27,24 @@ pub struct GlbError(String);
 /// # Errors
 /// If the scene has coordinates that are not finite or is larger than 4 GiB.
 pub fn to_glb(scene: &Scene) -> Result<Vec<u8>, GlbError> {
-    build(scene).map_err(GlbError)
+    build(scene, &scene.materials()).map_err(GlbError)
 }
 
-fn build(scene: &Scene) -> Result<Vec<u8>, Problem> {
+/// As [`to_glb`], but what other programs see is `shown`, the materials in the words of glTF's own
+/// lobe (GGX), one a group; the exact ones are the scene's.
+///
+/// # Errors
+/// As those of [`to_glb`].
+pub fn to_glb_as(scene: &Scene, shown: &[Material]) -> Result<Vec<u8>, GlbError> {
+    build(scene, shown).map_err(GlbError)
+}
+
+fn build(scene: &Scene, shown: &[Material]) -> Result<Vec<u8>, Problem> {
     let mut glb = Glb { root: json!({}), bin: Vec::new() };
     glb.root["asset"] = json!({ "version": "2.0", "generator": "unrender" });
     glb.root["scene"] = json!(0);
-    for group in &scene.groups {
-        let material = glb.material(group, scene)?;
+    for (group, shown) in scene.groups.iter().zip(shown) {
+        let material = glb.material(group, shown, scene)?;
         glb.push("materials", material);
     }
     let mut nodes = Vec::new();
@@ -110,14 +121,20 @@ impl Glb {
         container::join(&text, &self.bin)
     }
 
-    fn material(&mut self, group: &Group, scene: &Scene) -> Result<Value, Problem> {
+    fn material(
+        &mut self,
+        group: &Group,
+        shown: &Material,
+        scene: &Scene,
+    ) -> Result<Value, Problem> {
         let texture = group.material.texture.as_ref();
         let texture = texture.map(|texture| self.push_texture(texture)).transpose()?;
         let mut json = json!({ "name": group.name });
         if group.is_emitter() {
             material::set_emission(&mut json, group.emission);
         }
-        ward::dress(&mut json, &group.material, scene.brdf, texture);
+        ward::dress(&mut json, shown, scene.brdf, texture);
+        ward::note_exact(ward::object(&mut json), &group.material, scene.brdf);
         Ok(json)
     }
 

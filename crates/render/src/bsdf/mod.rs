@@ -7,15 +7,18 @@
 //! the shading normal on the viewer's side. Both point away from the surface. `wo` is where the
 //! light goes (towards the camera), `wi` where it comes from.
 
+pub mod ggx;
 pub mod lambert;
+pub mod lobe;
 pub mod mirror;
 pub mod ward;
 
 use crate::caustic::Images;
 use glam::Vec3;
+use lobe::GlossyLobe;
 use unrender_scene::color::luminance;
-use unrender_scene::{Material, Rgb, WardModel};
-use ward::{LobeDerivatives, WardLobe};
+use unrender_scene::{BrdfModel, Material, Rgb};
+use ward::LobeDerivatives;
 
 /// The specular part of a reflectance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +28,7 @@ pub enum Specular {
     /// A perfect mirror.
     Mirror,
     /// A lobe with a roughness.
-    Ward(WardLobe),
+    Glossy(GlossyLobe),
 }
 
 /// What `f` is made of in one pair of directions: `f = rho_d diffuse + rho_s specular.value`. So
@@ -52,7 +55,7 @@ impl Specular {
     #[inline]
     pub fn terms(&self, wo: Vec3, wi: Vec3) -> Terms {
         let specular = match self {
-            Self::Ward(lobe) => lobe.derivatives(wo, wi),
+            Self::Glossy(lobe) => lobe.derivatives(wo, wi),
             _ => LobeDerivatives::default(),
         };
         Terms { diffuse: lambert::VALUE, specular }
@@ -87,21 +90,26 @@ pub struct BsdfSample {
 
 impl<'a> Bsdf<'a> {
     /// The reflectance of `material` with the given diffuse part.
-    pub fn new(material: &Material, rho_d: Rgb, model: WardModel) -> Self {
+    pub fn new(material: &Material, rho_d: Rgb, model: impl Into<BrdfModel>) -> Self {
         let specular = if material.is_delta() {
             Specular::Mirror
         } else if material.is_glossy() {
-            Specular::Ward(WardLobe::new(model, material.alpha_x, material.alpha_y))
+            Specular::Glossy(GlossyLobe::new(model, material.alpha_x, material.alpha_y))
         } else {
             Specular::None
         };
-        let (diffuse_power, specular_power) = (luminance(rho_d), luminance(material.rho_s));
+        Self::with(rho_d, material.rho_s, specular)
+    }
+
+    /// The reflectance of these two parts.
+    pub fn with(rho_d: Rgb, rho_s: Rgb, specular: Specular) -> Self {
+        let (diffuse_power, specular_power) = (luminance(rho_d), luminance(rho_s));
         let specular_share = match specular {
             Specular::None => 0.0,
             _ if diffuse_power <= 0.0 => 1.0,
             _ => (specular_power / (diffuse_power + specular_power)).clamp(0.1, 0.9),
         };
-        Self { rho_d, rho_s: material.rho_s, specular, specular_share, images: &Images::NONE }
+        Self { rho_d, rho_s, specular, specular_share, images: &Images::NONE }
     }
 
     /// The same reflectance, sampled towards `images` too, which are given in its frame.
@@ -130,8 +138,9 @@ impl<'a> Bsdf<'a> {
             return Rgb::ZERO;
         }
         let mut f = self.rho_d * lambert::VALUE;
-        if let Specular::Ward(lobe) = self.specular {
-            f += self.rho_s * lobe.value(wo, wi);
+        match self.specular {
+            Specular::Glossy(lobe) => f += self.rho_s * lobe.value(wo, wi),
+            Specular::None | Specular::Mirror => {}
         }
         f
     }
@@ -147,8 +156,9 @@ impl<'a> Bsdf<'a> {
             diffuse += share * self.images.pdf(wi);
         }
         let mut pdf = (1.0 - self.specular_share) * diffuse;
-        if let Specular::Ward(lobe) = self.specular {
-            pdf += self.specular_share * lobe.pdf(wo, wi);
+        match self.specular {
+            Specular::Glossy(lobe) => pdf += self.specular_share * lobe.pdf(wo, wi),
+            Specular::None | Specular::Mirror => {}
         }
         pdf
     }
@@ -166,7 +176,7 @@ impl<'a> Bsdf<'a> {
                 let weight = self.rho_s / self.specular_share;
                 return Some(BsdfSample { wi: mirror::reflect(wo), weight, pdf: f32::INFINITY });
             }
-            Specular::Ward(lobe) if take_specular => lobe.sample(wo, [u[1], u[2]]),
+            Specular::Glossy(lobe) if take_specular => lobe.sample(wo, [u[1], u[2]]),
             _ => self.sample_diffuse(u),
         };
         let pdf = self.pdf(wo, wi);

@@ -4,6 +4,7 @@
 pub mod calibrate;
 pub mod check;
 pub mod effort;
+pub mod export;
 pub mod merge;
 pub mod recover;
 pub mod render;

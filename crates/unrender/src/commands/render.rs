@@ -25,7 +25,7 @@ const MAX_SIDE: usize = 65_536;
     unrender render room.glb --noise 0.01 --adaptive --checkpoint room.part.exr --out room.exr\n  \
     unrender render room.glb --samples 64..128 --out part2.exr    (see unrender merge)")]
 pub struct Args {
-    /// The scene file: glTF (.glb, .gltf) or OBJ.
+    /// The scene file: glTF (.glb, .gltf), OBJ, Mitsuba 3 (.xml) or Radiance (.rad).
     pub scene: PathBuf,
     /// Materials to put onto the scene's groups.
     #[arg(long, value_name = "FILE.json")]

@@ -13,9 +13,7 @@ use unrender_scene::Lens;
 /// # Errors
 /// If the file is damaged.
 pub(crate) fn recovered_camera(path: &Path) -> Result<Option<CameraTable>, FileError> {
-    let Ok(text) = std::fs::read_to_string(path) else { return Ok(None) };
-    let run: Value = serde_json::from_str(&text)
-        .map_err(|error| FileError::new(path, format!("is not JSON: {error}")))?;
+    let Some(run) = value(path)? else { return Ok(None) };
     let camera = &run["registration"]["camera"];
     let number = |value: &Value| value.as_f64().map(|number| number as f32);
     let vector = |key: &str| {
@@ -30,4 +28,23 @@ pub(crate) fn recovered_camera(path: &Path) -> Result<Option<CameraTable>, FileE
         Some(CameraTable { eye, target, up, fov_y_deg: number(&camera["fov_y_deg"])?, lens })
     };
     Ok(table())
+}
+
+/// The width and height of the photograph of the recovery with the run file at `path`; none if the
+/// file does not say.
+///
+/// # Errors
+/// If the file is damaged.
+pub(crate) fn recovered_size(path: &Path) -> Result<Option<(usize, usize)>, FileError> {
+    let Some(run) = value(path)? else { return Ok(None) };
+    let side = |key: &str| run["input"][key].as_u64().filter(|side| *side > 0);
+    let sides = side("width").zip(side("height"));
+    Ok(sides.map(|(width, height)| (width as usize, height as usize)))
+}
+
+fn value(path: &Path) -> Result<Option<Value>, FileError> {
+    let Ok(text) = std::fs::read_to_string(path) else { return Ok(None) };
+    let run = serde_json::from_str(&text)
+        .map_err(|error| FileError::new(path, format!("is not JSON: {error}")))?;
+    Ok(Some(run))
 }

@@ -8,7 +8,7 @@ mod group;
 mod pictures;
 mod turn;
 
-pub(crate) use camera::recovered_camera;
+pub(crate) use camera::{recovered_camera, recovered_size};
 pub use group::{LeftOut, RunGroup, TrialEntry};
 pub use pictures::{ErrorPicture, Pictures, Stop, Unit};
 pub use turn::{GroupTurnEntry, TurnEntry};

@@ -4,19 +4,19 @@ use serde_json::{Value, json};
 use unrender_scene::Rgb;
 
 /// The shortest decimal that rounds to `value`.
-pub(super) fn number(value: f32) -> f64 {
+pub(crate) fn number(value: f32) -> f64 {
     let short = value.to_string().parse().unwrap_or(f64::from(value));
     if short as f32 == value { short } else { f64::from(value) }
 }
 
 /// Three numbers, as [`number`] writes them.
-pub(super) fn triple(rgb: Rgb) -> [f64; 3] {
+pub(crate) fn triple(rgb: Rgb) -> [f64; 3] {
     rgb.to_array().map(number)
 }
 
 /// `rgb` as a colour of at most one and a factor, whose product is exactly `rgb`: the factor is
 /// one, or a power of two.
-pub(super) fn color_and_factor(rgb: Rgb) -> (Value, f64) {
+pub(crate) fn color_and_factor(rgb: Rgb) -> (Value, f64) {
     let mut factor = 1.0f64;
     while factor < f64::from(rgb.max_element()) && factor.is_finite() {
         factor *= 2.0;
@@ -28,7 +28,7 @@ pub(super) fn color_and_factor(rgb: Rgb) -> (Value, f64) {
 }
 
 /// An angle in degrees that [`radians`] turns into exactly `angle`.
-pub(super) fn degrees(angle: f32) -> f64 {
+pub(crate) fn degrees(angle: f32) -> f64 {
     let exact = f64::from(angle).to_degrees();
     let short = (0..12).map(|digits| format!("{exact:.digits$}"));
     let short = short.filter_map(|text| text.parse::<f64>().ok());
@@ -36,7 +36,7 @@ pub(super) fn degrees(angle: f32) -> f64 {
 }
 
 /// `degrees` in radians.
-pub(super) fn radians(degrees: f64) -> f32 {
+pub(crate) fn radians(degrees: f64) -> f32 {
     degrees.to_radians() as f32
 }
 

@@ -1,0 +1,135 @@
+//! Blender: `scene.py`, which builds the scene of `scene.json` and its meshes and pictures, run by
+//! Blender or with the package `bpy`.
+//!
+//! A material is the sum of a Principled BSDF, the diffuse part, and a Glossy BSDF of Beckmann's
+//! microfacets, which reflects alike at all angles; Principled's own shine grows towards grazing
+//! angles. An anisotropy `a` has `alpha_x = alpha (1 - a)` along the tangent and
+//! `alpha_y = alpha/(1 - a)`. [Blender manual, Principled BSDF and Glossy BSDF]
+
+use super::identifiers::identifiers;
+use super::{Files, Shot, ply, tiling};
+use crate::numbers::{number, triple};
+use crate::texels;
+use glam::Mat4;
+use serde_json::{Value, json};
+use std::f32::consts::FRAC_PI_2;
+use unrender_scene::{BrdfModel, Camera, LightKind, Material, Warnings};
+
+/// The program that builds the scene.
+const SCRIPT: &str = include_str!("blender/scene.py");
+
+/// The files of `shot`.
+///
+/// # Errors
+/// If a texture cannot be encoded.
+pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
+    let (mut files, mut warnings) = (Files::new(), Warnings::default());
+    let ids = identifiers("m_", shot.scene.groups.iter().map(|g| g.name.as_str()));
+    let mut groups = Vec::new();
+    for (index, id) in ids.iter().enumerate() {
+        groups.push(group(shot, index, id, &mut files, &mut warnings)?);
+    }
+    let ids = identifiers("o_", shot.scene.objects.iter().map(|o| o.name.as_str()));
+    let mut objects = Vec::new();
+    for (object, id) in shot.scene.objects.iter().zip(&ids) {
+        if !object.mesh.triangles.is_empty() {
+            let path = format!("mesh/{id}.ply");
+            objects.push(json!({ "name": object.name, "group": object.group, "mesh": path }));
+            files.push((
+                path,
+                ply::bytes(&tiling::mesh(shot, object, smoother(&shot.materials[object.group]))),
+            ));
+        }
+    }
+    if shot.camera.lens.distorts() {
+        warnings.push(format!(
+            "camera \"{}\": Blender's camera knows no distortion; the picture is that of the pinhole",
+            shot.camera.name
+        ));
+    }
+    let lights: Vec<Value> =
+        shot.scene.lights.iter().map(|light| light_json(&light.name, &light.kind)).collect();
+    let scene = json!({
+        "size": [shot.size.0, shot.size.1],
+        "camera": camera(shot.camera),
+        "groups": groups,
+        "objects": objects,
+        "lights": lights,
+    });
+    files.push(("scene.json".into(), format!("{scene:#}\n").into_bytes()));
+    files.push(("scene.py".into(), SCRIPT.into()));
+    Ok((files, warnings))
+}
+
+fn group(
+    shot: &Shot,
+    index: usize,
+    id: &str,
+    files: &mut Files,
+    warnings: &mut Warnings,
+) -> Result<Value, String> {
+    let (group, material) = (&shot.scene.groups[index], &shot.materials[index]);
+    let mut picture = Value::Null;
+    if let Some(texture) = &material.texture {
+        let tile = tiling::tile(texture);
+        let path = format!("textures/{id}.exr");
+        files.push((path.clone(), texels::exr(&tile.image)?));
+        picture = json!({ "file": path, "clamps": tile.clamps });
+        let name = &group.name;
+        warnings.0.extend(tile.doubt.map(|doubt| format!("group \"{name}\": {doubt}")));
+        if tiling::is_brushed(material) {
+            warnings.push(format!(
+                "group \"{name}\": Blender counts the brushed direction from the texture's u"
+            ));
+        }
+    }
+    let (smooth, rough) =
+        (material.alpha_x.min(material.alpha_y), material.alpha_x.max(material.alpha_y));
+    let ratio = if tiling::is_brushed(material) { smooth / rough } else { 1.0 };
+    Ok(json!({
+        "name": group.name,
+        "rho_d": triple(material.rho_d),
+        "rho_s": triple(material.rho_s),
+        "microfacets": if shot.scene.brdf == BrdfModel::Ggx { "GGX" } else { "BECKMANN" },
+        "alpha": number((smooth * rough).sqrt()),
+        "anisotropy": number(1.0 - ratio.sqrt()),
+        "emission": triple(group.emission),
+        "texture": picture,
+    }))
+}
+
+/// The angle of the smoother direction, along which Blender's tangent goes.
+fn smoother(material: &Material) -> f32 {
+    material.theta_rad + if material.alpha_x > material.alpha_y { FRAC_PI_2 } else { 0.0 }
+}
+
+fn camera(camera: &Camera) -> Value {
+    let columns = Mat4::from(camera.world_from_camera).transpose().to_cols_array_2d();
+    json!({
+        "name": camera.name,
+        "fov_y": number(camera.fov_y_rad),
+        "principal_point": camera.lens.principal_point.map(number),
+        "world_from_camera": columns.map(|row| row.map(number)),
+    })
+}
+
+fn light_json(name: &str, kind: &LightKind) -> Value {
+    let strength = triple(kind.strength());
+    match *kind {
+        LightKind::Point { position, .. } => {
+            json!({ "name": name, "kind": "point", "strength": strength, "position": triple(position) })
+        }
+        LightKind::Directional { direction, .. } => json!({
+            "name": name, "kind": "directional", "strength": strength, "direction": triple(direction),
+        }),
+        LightKind::Spot { position, direction, inner_rad, outer_rad, .. } => json!({
+            "name": name,
+            "kind": "spot",
+            "strength": strength,
+            "position": triple(position),
+            "direction": triple(direction),
+            "cos_inner": number(inner_rad.cos()),
+            "cos_outer": number(outer_rad.cos()),
+        }),
+    }
+}

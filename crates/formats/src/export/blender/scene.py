@@ -1,0 +1,226 @@
+"""Builds the scene of scene.json in Blender, and renders or saves it.
+
+    blender --background --python scene.py -- picture.exr
+    python scene.py picture.exr                  (with the package bpy)
+
+PICTURE.exr is rendered by Cycles, SCENE.blend is saved; --spp N sets the samples of a pixel.
+"""
+
+import json
+import math
+import os
+import sys
+
+import bpy
+import numpy
+from mathutils import Matrix
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+# Blender's z points up, ours is its y.
+Z_UP = Matrix(((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, 1)))
+
+
+def z_up(vectors):
+    return numpy.stack([vectors[:, 0], -vectors[:, 2], vectors[:, 1]], axis=1)
+
+
+def read_ply(path):
+    """Vertices as rows of x y z nx ny nz [u v], and triangles."""
+    with open(os.path.join(HERE, path), "rb") as file:
+        head, body = file.read().split(b"end_header\n", 1)
+    count = {words[1]: int(words[2]) for words in map(bytes.split, head.splitlines())
+             if words[0] == b"element"}
+    columns = head.count(b"property float")
+    floats = count[b"vertex"] * columns
+    vertices = numpy.frombuffer(body, "<f4", floats).reshape(-1, columns)
+    face = numpy.dtype([("count", "u1"), ("corners", "<i4", 3)])
+    return vertices, numpy.frombuffer(body, face, count[b"face"], 4 * floats)["corners"]
+
+
+def add_object(item, materials):
+    vertices, triangles = read_ply(item["mesh"])
+    mesh = bpy.data.meshes.new(item["name"])
+    mesh.from_pydata(z_up(vertices).tolist(), [], triangles.tolist())
+    if vertices.shape[1] == 8:
+        corners = vertices[triangles.ravel(), 6:8].ravel()
+        mesh.uv_layers.new(name="map").data.foreach_set("uv", corners)
+    mesh.shade_smooth()
+    mesh.normals_split_custom_set_from_vertices(z_up(vertices[:, 3:6]).tolist())
+    mesh.materials.append(materials[item["group"]])
+    bpy.context.collection.objects.link(bpy.data.objects.new(item["name"], mesh))
+
+
+def matte(nodes, color):
+    """The diffuse part: Lambert's."""
+    node = nodes.new("ShaderNodeBsdfPrincipled")
+    node.inputs["Base Color"].default_value = (*color, 1)
+    node.inputs["Roughness"].default_value = 1
+    node.inputs["Specular IOR Level"].default_value = 0
+    return node
+
+
+def picture_node(nodes, texture):
+    node = nodes.new("ShaderNodeTexImage")
+    node.image = bpy.data.images.load(os.path.join(HERE, texture["file"]))
+    node.image.colorspace_settings.name = "Non-Color"
+    node.extension = "EXTEND" if texture["clamps"] else "REPEAT"
+    return node
+
+
+def shiny(nodes, links, group):
+    """The specular part: microfacets, their reflectance the same at all angles."""
+    node = nodes.new("ShaderNodeBsdfAnisotropic")
+    node.distribution = group["microfacets"]
+    node.inputs["Color"].default_value = (*group["rho_s"], 1)
+    node.inputs["Roughness"].default_value = math.sqrt(group["alpha"])
+    node.inputs["Anisotropy"].default_value = group["anisotropy"]
+    if group["anisotropy"] > 0:
+        tangent = nodes.new("ShaderNodeTangent")
+        tangent.direction_type = "UV_MAP"
+        tangent.uv_map = "map"
+        links.new(tangent.outputs["Tangent"], node.inputs["Tangent"])
+    return node
+
+
+def add_material(group):
+    material = bpy.data.materials.new(group["name"])
+    material.use_nodes = True
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    nodes.clear()
+    parts = []
+    if max(group["rho_d"]) > 0 or group["texture"]:
+        diffuse = matte(nodes, group["rho_d"])
+        if group["texture"]:
+            picture = picture_node(nodes, group["texture"])
+            links.new(picture.outputs["Color"], diffuse.inputs["Base Color"])
+        parts.append(diffuse)
+    if max(group["rho_s"]) > 0:
+        parts.append(shiny(nodes, links, group))
+    if max(group["emission"]) > 0:
+        strength = max(group["emission"])
+        emission = nodes.new("ShaderNodeEmission")
+        emission.inputs["Color"].default_value = (*(c / strength for c in group["emission"]), 1)
+        # From the front only.
+        front = nodes.new("ShaderNodeMath")
+        front.operation = "MULTIPLY_ADD"
+        front.inputs[1].default_value = -strength
+        front.inputs[2].default_value = strength
+        links.new(nodes.new("ShaderNodeNewGeometry").outputs["Backfacing"], front.inputs[0])
+        links.new(front.outputs[0], emission.inputs["Strength"])
+        parts.append(emission)
+    result = nodes.new("ShaderNodeOutputMaterial")
+    total = None
+    for part in parts:
+        shader = part.outputs[0]
+        if total is not None:
+            add = nodes.new("ShaderNodeAddShader")
+            links.new(total, add.inputs[0])
+            links.new(shader, add.inputs[1])
+            shader = add.outputs[0]
+        total = shader
+    if total is not None:
+        links.new(total, result.inputs["Surface"])
+    return material
+
+
+def fall_off(light, axis, cos_inner, cos_outer):
+    """The square of a line in the cosine, as glTF has it; Blender's own is another."""
+    light.use_nodes = True
+    nodes, links = light.node_tree.nodes, light.node_tree.links
+    cosine = nodes.new("ShaderNodeVectorMath")
+    cosine.operation = "DOT_PRODUCT"
+    cosine.inputs[1].default_value = axis
+    links.new(nodes.new("ShaderNodeNewGeometry").outputs["Incoming"], cosine.inputs[0])
+    line = nodes.new("ShaderNodeMapRange")
+    line.inputs["From Min"].default_value = cos_outer
+    line.inputs["From Max"].default_value = cos_inner
+    links.new(cosine.outputs["Value"], line.inputs["Value"])
+    square = nodes.new("ShaderNodeMath")
+    square.operation = "POWER"
+    square.inputs[1].default_value = 2
+    links.new(line.outputs["Result"], square.inputs[0])
+    emission = next(n for n in nodes if n.type == "EMISSION")
+    links.new(square.outputs[0], emission.inputs["Strength"])
+
+
+def add_light(item):
+    kind = "SUN" if item["kind"] == "directional" else "POINT"
+    light = bpy.data.lights.new(item["name"], kind)
+    strength = max(item["strength"])
+    light.color = [c / max(strength, 1e-30) for c in item["strength"]]
+    # Watts into all directions, for watts a steradian; of suns watts a square metre.
+    light.energy = strength if kind == "SUN" else 4 * math.pi * strength
+    thing = bpy.data.objects.new(item["name"], light)
+    bpy.context.collection.objects.link(thing)
+    if kind == "SUN":
+        light.angle = 0
+    else:
+        light.shadow_soft_size = 0
+        thing.location = Z_UP @ Matrix.Translation(item["position"]).to_translation()
+    if "direction" in item:
+        axis = Z_UP.to_3x3() @ Matrix.Translation(item["direction"]).to_translation()
+        if kind == "SUN":
+            thing.rotation_euler = axis.to_track_quat("-Z", "Y").to_euler()
+        else:
+            fall_off(light, axis, item["cos_inner"], item["cos_outer"])
+
+
+def add_camera(item):
+    camera = bpy.data.cameras.new(item["name"])
+    camera.sensor_fit = "VERTICAL"
+    camera.angle_y = item["fov_y"]
+    # An axis right of the middle has the frame moved to the left, in heights of it.
+    camera.shift_x, camera.shift_y = -item["principal_point"][0], item["principal_point"][1]
+    camera.clip_start, camera.clip_end = 0.001, 1e5
+    thing = bpy.data.objects.new(item["name"], camera)
+    thing.matrix_world = Z_UP @ Matrix(item["world_from_camera"])
+    bpy.context.collection.objects.link(thing)
+    return thing
+
+
+def build():
+    with open(os.path.join(HERE, "scene.json"), encoding="utf-8") as file:
+        data = json.load(file)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    materials = [add_material(group) for group in data["groups"]]
+    for item in data["objects"]:
+        add_object(item, materials)
+    for item in data["lights"]:
+        add_light(item)
+    scene.camera = add_camera(data["camera"])
+    scene.world = bpy.data.worlds.new("dark")
+    scene.world.use_nodes = True
+    scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0
+    scene.render.engine = "CYCLES"
+    scene.render.resolution_x, scene.render.resolution_y = data["size"]
+    scene.render.resolution_percentage = 100
+    scene.view_settings.view_transform = "Standard"
+    cycles = scene.cycles
+    cycles.pixel_filter_type = "BOX"
+    cycles.use_denoising = cycles.use_adaptive_sampling = False
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
+    cycles.blur_glossy = 0
+    cycles.caustics_reflective = True
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = 64
+    return scene
+
+
+def main():
+    words = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else sys.argv[1:]
+    scene = build()
+    if "--spp" in words:
+        at = words.index("--spp")
+        scene.cycles.samples = int(words[at + 1])
+        del words[at:at + 2]
+    for path in map(os.path.abspath, words):
+        if path.endswith(".blend"):
+            bpy.ops.wm.save_as_mainfile(filepath=path)
+            continue
+        scene.render.image_settings.file_format = "OPEN_EXR"
+        scene.render.image_settings.color_depth = "32"
+        scene.render.filepath = path
+        bpy.ops.render.render(write_still=True)
+
+
+main()

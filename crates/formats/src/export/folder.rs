@@ -1,0 +1,57 @@
+//! Folders of files, written whole or not at all.
+
+use super::Files;
+use crate::{FileError, atomic};
+use std::fs;
+use std::io;
+use std::path::Path;
+
+/// Writes `files` as the folder `path`: into a folder beside it, which gets its name at the end.
+///
+/// # Errors
+/// If `path` is there already and is not an empty folder, or if it cannot be written; nothing is
+/// left behind then.
+pub(super) fn write_folder(path: &Path, files: &Files) -> Result<(), FileError> {
+    check_folder(path)?;
+    let temporary = atomic::temporary_beside(path);
+    let written = fill(&temporary, files).and_then(|()| {
+        // An empty folder of that name may be there; not all systems rename onto one.
+        let _ = fs::remove_dir(path);
+        atomic::rename(&temporary, path)
+    });
+    written.map_err(|error| {
+        // It may not have been made; there is nothing more to clean up then.
+        let _ = fs::remove_dir_all(&temporary);
+        FileError::new(path, format!("cannot be written: {error}"))
+    })
+}
+
+/// Checks that a folder of results could be called `path`.
+///
+/// # Errors
+/// If something with contents has that name already.
+pub(super) fn check_folder(path: &Path) -> Result<(), FileError> {
+    match fs::read_dir(path) {
+        Ok(mut entries) => match entries.next() {
+            None => Ok(()),
+            Some(_) => Err(FileError::new(
+                path,
+                "is a folder with something in it; name one that is not there yet",
+            )),
+        },
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        Err(_) => Err(FileError::new(path, "is no folder; name one that is not there yet")),
+    }
+}
+
+fn fill(folder: &Path, files: &Files) -> io::Result<()> {
+    fs::create_dir(folder)?;
+    for (name, bytes) in files {
+        let path = folder.join(name);
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent)?;
+        }
+        atomic::put(&path, bytes)?;
+    }
+    Ok(())
+}

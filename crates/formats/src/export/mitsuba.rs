@@ -1,0 +1,115 @@
+//! Mitsuba 3: `scene.xml` with its meshes as PLY and its pictures as EXR.
+//!
+//! Diffuse surfaces and mirrors are Mitsuba's own. A glossy one is a blend of `diffuse` and
+//! `roughconductor`, whose microfacets are Beckmann's, with a reflectance of one that
+//! `specular_reflectance` scales: in a blend of weight `b` the parts are `rho_d/(1-b)` and `rho_s/b`.
+//! [Jakob et al., Mitsuba 3 documentation, plugin reference]
+
+mod lights;
+mod materials;
+mod sensor;
+
+use super::identifiers::{identifiers, quoted};
+use super::{Files, Shot, ply, tiling};
+use glam::{Affine3A, Mat4, Vec3};
+use std::fmt::Write;
+use unrender_scene::{Object, Warnings};
+
+/// The files of `shot`.
+///
+/// # Errors
+/// If a texture cannot be encoded.
+pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
+    let (mut files, mut warnings) = (Files::new(), Warnings::default());
+    let mut xml = String::from(
+        "<!-- A scene for Mitsuba 3, written by unrender. Render it with: mitsuba scene.xml -->\n\
+         <scene version=\"3.0.0\">\n\
+         \x20   <integrator type=\"path\">\n\
+         \x20       <integer name=\"max_depth\" value=\"-1\"/>\n\
+         \x20       <integer name=\"rr_depth\" value=\"16\"/>\n\
+         \x20   </integrator>\n",
+    );
+    xml.push_str(&sensor::text(shot, &mut warnings));
+    let groups = identifiers("m_", shot.scene.groups.iter().map(|g| g.name.as_str()));
+    for (index, id) in groups.iter().enumerate() {
+        let (text, picture) = materials::bsdf(shot, index, id, &mut warnings)?;
+        xml.push_str(&text);
+        files.extend(picture);
+    }
+    let objects = identifiers("o_", shot.scene.objects.iter().map(|o| o.name.as_str()));
+    for (object, id) in shot.scene.objects.iter().zip(&objects) {
+        if !object.mesh.triangles.is_empty() {
+            let path = format!("mesh/{id}.ply");
+            files.push((
+                path.clone(),
+                ply::bytes(&tiling::mesh(shot, object, shot.materials[object.group].theta_rad)),
+            ));
+            xml.push_str(&shape(shot, object, &path, &groups[object.group]));
+        }
+    }
+    let (text, pictures) = lights::text(shot)?;
+    xml.push_str(&text);
+    files.extend(pictures);
+    xml.push_str("</scene>\n");
+    files.push(("scene.xml".into(), xml.into_bytes()));
+    Ok((files, warnings))
+}
+
+fn shape(shot: &Shot, object: &Object, path: &str, material: &str) -> String {
+    let group = &shot.scene.groups[object.group];
+    let mut text = format!(
+        "    {}\n    <shape type=\"ply\">\n\
+         \x20       <string name=\"filename\" value=\"{path}\"/>\n\
+         \x20       <ref id=\"{material}\"/>\n",
+        comment("object", &object.name)
+    );
+    if group.is_emitter() {
+        let _ = writeln!(
+            text,
+            "        <emitter type=\"area\">{}</emitter>",
+            rgb("radiance", group.emission)
+        );
+    }
+    text.push_str("    </shape>\n");
+    text
+}
+
+/// A comment with the name of something; two hyphens may not stand in one.
+fn comment(what: &str, name: &str) -> String {
+    safe(&format!("{what} {}", quoted(name)))
+}
+
+fn safe(text: &str) -> String {
+    format!("<!-- {} -->", text.replace("--", "\\u002d\\u002d"))
+}
+
+fn rgb(name: &str, value: Vec3) -> String {
+    format!("<rgb name=\"{name}\" value=\"{} {} {}\"/>", value.x, value.y, value.z)
+}
+
+/// A reflectance; parts of a blend may have one above one, which Mitsuba asks to be told.
+fn reflectance(name: &str, value: Vec3) -> String {
+    if value.max_element() <= 1.0 {
+        return rgb(name, value);
+    }
+    let color = rgb("color", value);
+    format!(
+        "<spectrum type=\"srgb\" name=\"{name}\">{color}<boolean name=\"unbounded\" \
+         value=\"true\"/></spectrum>"
+    )
+}
+
+fn float(name: &str, value: f32) -> String {
+    format!("<float name=\"{name}\" value=\"{value}\"/>")
+}
+
+fn vector(kind: &str, name: &str, v: Vec3) -> String {
+    format!("<{kind} name=\"{name}\" x=\"{}\" y=\"{}\" z=\"{}\"/>", v.x, v.y, v.z)
+}
+
+/// `to_world` as a matrix, row by row.
+fn to_world(world_from_local: Affine3A) -> String {
+    let rows = Mat4::from(world_from_local).transpose().to_cols_array();
+    let numbers = rows.map(|v| v.to_string()).join(" ");
+    format!("<transform name=\"to_world\"><matrix value=\"{numbers}\"/></transform>")
+}

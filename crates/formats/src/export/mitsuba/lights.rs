@@ -1,0 +1,75 @@
+//! Lights without a surface.
+
+use super::{float, rgb, safe, to_world, vector};
+use crate::export::identifiers::identifiers;
+use crate::export::{Files, Shot};
+use crate::record::light_note;
+use crate::texels;
+use glam::{Affine3A, Mat3, Vec3};
+use unrender_scene::{Image, LightKind, Rgb};
+
+/// Texels of the picture of a spot's cone, across and down.
+const CONE_TEXELS: usize = 512;
+
+/// All of them, and the pictures that they name.
+pub(super) fn text(shot: &Shot) -> Result<(String, Files), String> {
+    let lights = &shot.scene.lights;
+    let ids = identifiers("l_", lights.iter().map(|l| l.name.as_str()));
+    let (mut text, mut files) = (String::new(), Files::new());
+    for (light, id) in lights.iter().zip(&ids) {
+        let picture = format!("textures/{id}.exr");
+        if let LightKind::Spot { outer_rad, .. } = light.kind {
+            files.push((picture.clone(), texels::exr(&cone(&light.kind, outer_rad))?));
+        }
+        text.push_str(&format!(
+            "    {}\n    {}\n",
+            safe(&light_note(light)),
+            emitter(&light.kind, &picture)
+        ));
+    }
+    Ok((text, files))
+}
+
+fn emitter(kind: &LightKind, picture: &str) -> String {
+    match *kind {
+        LightKind::Point { position, intensity } => format!(
+            "<emitter type=\"point\">{}{}</emitter>",
+            vector("point", "position", position),
+            rgb("intensity", intensity)
+        ),
+        LightKind::Directional { direction, irradiance } => format!(
+            "<emitter type=\"directional\">{}{}</emitter>",
+            vector("vector", "direction", direction),
+            rgb("irradiance", irradiance)
+        ),
+        LightKind::Spot { position, direction, intensity, outer_rad, .. } => {
+            let right = direction.any_orthonormal_vector();
+            let axes = Mat3::from_cols(right, direction.cross(right), direction);
+            let angle = outer_rad.to_degrees();
+            format!(
+                "<emitter type=\"spot\">{}{}{}{}<texture type=\"bitmap\" name=\"texture\">\
+                 <string name=\"filename\" value=\"{picture}\"/>\
+                 <boolean name=\"raw\" value=\"true\"/>\
+                 <string name=\"wrap_mode\" value=\"clamp\"/></texture></emitter>",
+                to_world(Affine3A::from_mat3_translation(axes, position)),
+                rgb("intensity", intensity),
+                float("cutoff_angle", angle),
+                float("beam_width", 0.999_9 * angle)
+            )
+        }
+    }
+}
+
+/// What a spot of intensity one sends into each direction, on a plane across its axis; Mitsuba's own
+/// fall-off goes by the angle, that of glTF by its cosine.
+fn cone(kind: &LightKind, outer_rad: f32) -> Image<Rgb> {
+    let LightKind::Spot { inner_rad, .. } = *kind else { return Image::default() };
+    let (position, direction, intensity) = (Vec3::ZERO, Vec3::NEG_Z, Rgb::ONE);
+    let spot = LightKind::Spot { position, direction, intensity, inner_rad, outer_rad };
+    Image::from_fn(CONE_TEXELS, CONE_TEXELS, |x, y| {
+        let across =
+            |i: usize| (2.0 * (i as f32 + 0.5) / CONE_TEXELS as f32 - 1.0) * outer_rad.tan();
+        let towards = Vec3::new(across(x), across(y), -1.0).normalize();
+        spot.illuminate(towards).2
+    })
+}

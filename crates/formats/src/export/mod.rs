@@ -1,0 +1,183 @@
+//! Scenes for other programs: what they need to render the picture that unrender renders.
+//!
+//! One target is one module with one function, from a [`Shot`] to [`Files`]. To add another: write
+//! such a module, name it in [`Target`], and say by [`Target::lobe`] which lobe it can shine with.
+//! Writers see the materials already in the words of that lobe (`Shot::materials`); whoever calls
+//! them has converted Ward's.
+
+mod blender;
+mod brushed;
+mod folder;
+mod identifiers;
+mod materialx;
+mod mitsuba;
+mod obj;
+mod pbrt;
+mod ply;
+mod radiance;
+mod tiling;
+
+use crate::{FileError, atomic, gltf};
+use std::fmt;
+use std::path::Path;
+use std::str::FromStr;
+use unrender_scene::{BrdfModel, Camera, Lens, Lobe, Material, Scene, WardModel, Warnings};
+
+/// What is exported: a scene as one camera sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Shot<'a> {
+    /// Geometry, names, lights, and the exact materials.
+    pub scene: &'a Scene,
+    /// For each group its material, roughness and rho_s as the target's lobe has them.
+    pub materials: &'a [Material],
+    /// The camera.
+    pub camera: &'a Camera,
+    /// Width and height of the picture, pixels.
+    pub size: (usize, usize),
+}
+
+/// The files of an export: their paths relative to its folder, with forward slashes, and contents.
+pub type Files = Vec<(String, Vec<u8>)>;
+
+/// A program that scenes can be written for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// Blender.
+    Blender,
+    /// glTF 2.0, one binary file.
+    Gltf,
+    /// MaterialX.
+    Materialx,
+    /// Mitsuba 3.
+    Mitsuba,
+    /// PBRT v4.
+    Pbrt,
+    /// Radiance.
+    Radiance,
+}
+
+impl Target {
+    /// All targets, by name.
+    pub const ALL: [Self; 6] =
+        [Self::Blender, Self::Gltf, Self::Materialx, Self::Mitsuba, Self::Pbrt, Self::Radiance];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Blender => "blender",
+            Self::Gltf => "gltf",
+            Self::Materialx => "materialx",
+            Self::Mitsuba => "mitsuba",
+            Self::Pbrt => "pbrt",
+            Self::Radiance => "radiance",
+        }
+    }
+
+    /// Whether an export is a folder of files, and not one file; then the extension of that.
+    fn file_extension(self) -> Option<&'static str> {
+        (self == Self::Gltf).then_some("glb")
+    }
+
+    /// What to do with an export at `path`, as a line for the user.
+    pub fn next_step(self, path: &Path) -> String {
+        let path = path.display();
+        match self {
+            Self::Blender => {
+                format!("blender --background --python {path}/scene.py -- picture.exr scene.blend")
+            }
+            Self::Materialx => format!("open {path}/materials.mtlx"),
+            Self::Pbrt => format!("pbrt {path}/scene.pbrt"),
+            Self::Gltf => format!("open {path} in any program that reads glTF 2.0"),
+            Self::Mitsuba => format!("mitsuba {path}/scene.xml"),
+            Self::Radiance => format!("sh {path}/render.sh picture.hdr"),
+        }
+    }
+
+    /// The lobe that it shines with for a scene of `model`: that one if it has it, else the nearest.
+    pub fn lobe(self, model: BrdfModel) -> Lobe {
+        match self {
+            Self::Blender | Self::Mitsuba if model != BrdfModel::Ggx => Lobe::Beckmann,
+            Self::Radiance => Lobe::Model(WardModel::WardGmd.into()),
+            _ => Lobe::Model(BrdfModel::Ggx),
+        }
+    }
+}
+
+impl fmt::Display for Target {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Target {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|t| t.name() == name).ok_or_else(|| {
+            let names = Self::ALL.map(Self::name).join(", ");
+            format!("there is no format \"{name}\"; there are {names}")
+        })
+    }
+}
+
+/// The files of `shot` for `target`, and what they cannot say.
+///
+/// # Errors
+/// If the scene cannot be said in the target's words at all.
+pub fn export(shot: &Shot, target: Target) -> Result<(Files, Warnings), String> {
+    match target {
+        Target::Blender => blender::export(shot),
+        Target::Gltf => gltf(shot),
+        Target::Materialx => materialx::export(shot),
+        Target::Mitsuba => mitsuba::export(shot),
+        Target::Pbrt => pbrt::export(shot),
+        Target::Radiance => radiance::export(shot),
+    }
+}
+
+/// One file, with the camera in place of the scene's.
+fn gltf(shot: &Shot) -> Result<(Files, Warnings), String> {
+    let mut warnings = Warnings::default();
+    if shot.camera.lens != Lens::default() {
+        warnings.push(format!(
+            "camera \"{}\": glTF has no words for what a lens does; its camera is the pinhole",
+            shot.camera.name
+        ));
+    }
+    let aspect = Some(shot.size.0 as f32 / shot.size.1 as f32);
+    let camera = Camera { aspect, ..shot.camera.clone() };
+    let scene = Scene { cameras: vec![camera], ..shot.scene.clone() };
+    let bytes = gltf::to_glb_as(&scene, shot.materials).map_err(|error| error.to_string())?;
+    Ok((vec![("scene.glb".into(), bytes)], warnings))
+}
+
+/// Checks, before the work, that an export for `target` could be called `path`.
+///
+/// # Errors
+/// If `path` has the wrong extension, or if something is in the way.
+pub fn check_path(path: &Path, target: Target) -> Result<(), FileError> {
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+    if let Some(parent) = parent.filter(|parent| !parent.is_dir()) {
+        return Err(FileError::new(path, format!("there is no folder {}", parent.display())));
+    }
+    if target.file_extension().is_some() && path.is_dir() {
+        return Err(FileError::new(path, "is a folder; name a file"));
+    }
+    let Some(wanted) = target.file_extension() else { return folder::check_folder(path) };
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted)) {
+        return Ok(());
+    }
+    Err(FileError::new(path, format!("is not called .{wanted}, as files for {target} are")))
+}
+
+/// Writes an export for `target` as `path`, whole or not at all: a file, or a folder that is not
+/// there yet.
+///
+/// # Errors
+/// If `path` cannot be written; nothing is left behind then.
+pub fn write(path: &Path, target: Target, files: &Files) -> Result<(), FileError> {
+    match (target.file_extension(), files.as_slice()) {
+        (Some(_), [(_, bytes)]) => atomic::write(path, bytes),
+        _ => folder::write_folder(path, files),
+    }
+}

@@ -1,0 +1,36 @@
+//! One object as Wavefront OBJ, for programs that take smooth and textured meshes that way.
+
+use super::identifiers::quoted;
+use std::fmt::Write;
+use unrender_scene::Object;
+
+/// The text of `object`; `material` names the material of each of its triangles.
+pub(super) fn text(object: &Object, material: impl Fn(usize) -> String) -> String {
+    let mesh = &object.mesh;
+    let mut text = format!("# object {}\n", quoted(&object.name));
+    for p in &mesh.positions {
+        let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+    }
+    for uv in &mesh.uvs {
+        // OBJ counts v from the bottom.
+        let _ = writeln!(text, "vt {} {}", uv.x, 1.0 - uv.y);
+    }
+    for n in &mesh.normals {
+        let _ = writeln!(text, "vn {} {} {}", n.x, n.y, n.z);
+    }
+    let mut current = String::new();
+    for (index, triangle) in mesh.triangles.iter().enumerate() {
+        let wanted = material(index);
+        if wanted != current {
+            let _ = writeln!(text, "usemtl {wanted}");
+            current = wanted;
+        }
+        let corner = |i: u32| {
+            let i = i + 1;
+            if mesh.uvs.is_empty() { format!("{i}//{i}") } else { format!("{i}/{i}/{i}") }
+        };
+        let [a, b, c] = triangle.map(corner);
+        let _ = writeln!(text, "f {a} {b} {c}");
+    }
+    text
+}

@@ -1,0 +1,138 @@
+//! The words of a `.rad` file, in primitives.
+
+use crate::record::Note;
+use std::path::Path;
+use unrender_scene::Warnings;
+
+/// How many files may include one another.
+const DEPTH: usize = 16;
+
+/// A primitive: `modifier kind id`, and its arguments.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Primitive {
+    pub(super) modifier: String,
+    pub(super) kind: String,
+    pub(super) id: String,
+    pub(super) strings: Vec<String>,
+    pub(super) reals: Vec<f32>,
+    /// The line that it starts in, with the file's name if that is an included one.
+    pub(super) place: String,
+}
+
+impl Primitive {
+    /// Exactly this many numbers.
+    pub(super) fn reals<const N: usize>(&self) -> Result<[f32; N], String> {
+        let count = self.reals.len();
+        self.reals.clone().try_into().map_err(|_| {
+            format!("the {} \"{}\" has {count} numbers instead of {N}", self.kind, self.id)
+        })
+    }
+}
+
+/// All primitives of the file at `path` and of those that it includes by `!xform`, each with the
+/// comment of ours that it stands under.
+pub(super) fn read(
+    path: &Path,
+    warnings: &mut Warnings,
+) -> Result<Vec<(Primitive, Option<Note>)>, String> {
+    let mut found = Vec::new();
+    file(path, "", &mut found, warnings, DEPTH)?;
+    Ok(found)
+}
+
+fn file(
+    path: &Path,
+    shown: &str,
+    found: &mut Vec<(Primitive, Option<Note>)>,
+    warnings: &mut Warnings,
+    depth: usize,
+) -> Result<(), String> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| format!("{} cannot be read: {error}", path.display()))?;
+    let mut words: Vec<Word> = Vec::new();
+    let mut note: Option<Note> = None;
+    for (index, line) in text.lines().enumerate() {
+        let place = format!("{shown}line {}", index + 1);
+        if let Some(comment) = line.strip_prefix('#') {
+            flush(&mut words, &mut note, found)?;
+            note = Note::parse(comment);
+        } else if let Some(command) = line.strip_prefix('!') {
+            flush(&mut words, &mut note, found)?;
+            match command.split_whitespace().collect::<Vec<_>>()[..] {
+                ["xform", name] if depth == 0 => {
+                    return Err(format!("includes \"{name}\", perhaps including itself"));
+                }
+                ["xform", name] => {
+                    let included = path.parent().unwrap_or(Path::new("")).join(name);
+                    file(&included, &format!("{name}, "), found, warnings, depth - 1)?;
+                }
+                _ => warnings.push(format!(
+                    "{place}: the command \"{command}\" was left out; write what it prints into a \
+                     file, and !xform that file"
+                )),
+            }
+        } else {
+            let before = line.split('#').next().unwrap_or("").split_whitespace();
+            words.extend(before.map(|text| Word { text, shown, line: index + 1 }));
+        }
+    }
+    flush(&mut words, &mut note, found)
+}
+
+/// A word and where it stands.
+#[derive(Clone, Copy)]
+struct Word<'a> {
+    text: &'a str,
+    shown: &'a str,
+    line: usize,
+}
+
+/// Turns the words so far into primitives.
+fn flush(
+    words: &mut Vec<Word>,
+    note: &mut Option<Note>,
+    found: &mut Vec<(Primitive, Option<Note>)>,
+) -> Result<(), String> {
+    let texts: Vec<&str> = words.iter().map(|word| word.text).collect();
+    let mut rest = texts.as_slice();
+    while !rest.is_empty() {
+        let first = words[texts.len() - rest.len()];
+        let place = format!("{}line {}", first.shown, first.line);
+        let (primitive, after) = next(rest).map_err(|problem| format!("{place}: {problem}"))?;
+        found.push((Primitive { place, ..primitive }, note.clone()));
+        if let Some(note) = note {
+            note.is_first = false;
+        }
+        rest = after;
+    }
+    words.clear();
+    Ok(())
+}
+
+fn next<'a>(words: &'a [&'a str]) -> Result<(Primitive, &'a [&'a str]), String> {
+    let cut = || format!("ends in the middle of \"{}\"", words.join(" "));
+    let [modifier, kind, id, rest @ ..] = words else { return Err(cut()) };
+    let [modifier, kind, id] = [modifier, kind, id].map(|word| (*word).to_owned());
+    let empty = Primitive { modifier, kind, id, ..Primitive::default() };
+    if empty.kind == "alias" {
+        let [real, rest @ ..] = rest else { return Err(cut()) };
+        return Ok((Primitive { strings: vec![(*real).to_owned()], ..empty }, rest));
+    }
+    let mut rest = rest;
+    let mut list = || -> Result<Vec<&str>, String> {
+        let count = rest.first().and_then(|n| n.parse::<usize>().ok());
+        let count = count.filter(|n| *n < rest.len()).ok_or_else(|| {
+            format!("the {} \"{}\" does not say how many arguments it has", empty.kind, empty.id)
+        })?;
+        let (these, others) = rest[1..].split_at(count);
+        rest = others;
+        Ok(these.to_vec())
+    };
+    let (strings, _integers, reals) = (list()?, list()?, list()?);
+    let number = |word: &&str| word.parse::<f32>().ok().filter(|v| v.is_finite());
+    let reals: Option<Vec<f32>> = reals.iter().map(number).collect();
+    let reals =
+        reals.ok_or_else(|| format!("\"{}\" has an argument that is no number", empty.id))?;
+    let strings = strings.into_iter().map(str::to_owned).collect();
+    Ok((Primitive { strings, reals, ..empty }, rest))
+}

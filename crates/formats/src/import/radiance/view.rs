@@ -1,0 +1,44 @@
+//! View files: `-vp` where from, `-vd` where to, `-vu` upwards, `-vh` and `-vv` how wide.
+
+use glam::Vec3;
+use std::path::Path;
+use unrender_scene::{Camera, Lens};
+
+/// The camera of the view file that belongs to the scene at `path`, if there is one.
+pub(super) fn beside(path: &Path) -> Result<Option<Camera>, String> {
+    let candidates = [path.with_extension("vf"), path.with_file_name("view.vf")];
+    let Some(found) = candidates.iter().find(|candidate| candidate.is_file()) else {
+        return Ok(None);
+    };
+    let name = found.display();
+    let text = std::fs::read_to_string(found)
+        .map_err(|error| format!("{name} cannot be read: {error}"))?;
+    camera(&text).map(Some).map_err(|problem| format!("{name}: {problem}"))
+}
+
+fn camera(text: &str) -> Result<Camera, String> {
+    let words: Vec<&str> = text
+        .lines()
+        .rfind(|line| line.contains("-v"))
+        .map_or(Vec::new(), |line| line.split_whitespace().collect());
+    let numbers = |option: &str, count: usize| -> Option<Vec<f32>> {
+        let at = words.iter().position(|word| *word == option)?;
+        let these = words.get(at + 1..at + 1 + count)?;
+        these.iter().map(|word| word.parse().ok().filter(|v: &f32| v.is_finite())).collect()
+    };
+    let vector = |option: &str| numbers(option, 3).map(|v| Vec3::from_slice(&v));
+    let number = |option: &str| numbers(option, 1).map(|v| v[0]);
+    if words.iter().any(|word| word.starts_with("-vt") && *word != "-vtv") {
+        return Err("its view is no perspective (-vtv)".into());
+    }
+    let missing = |option: &str| format!("its view has no {option}");
+    let eye = vector("-vp").ok_or_else(|| missing("-vp"))?;
+    let ahead = vector("-vd").ok_or_else(|| missing("-vd"))?;
+    let up = vector("-vu").unwrap_or(Vec3::Z);
+    let [wide, high] = ["-vh", "-vv"].map(|o| number(o).unwrap_or(45.0).to_radians());
+    let aspect = (0.5 * wide).tan() / (0.5 * high).tan();
+    let shift = [number("-vs").unwrap_or(0.0), number("-vl").unwrap_or(0.0)];
+    let camera = Camera::look_at("camera", eye, eye + ahead, up, high);
+    let lens = Lens { principal_point: [-shift[0] * aspect, shift[1]], ..Lens::default() };
+    Ok(Camera { aspect: Some(aspect), lens, ..camera })
+}

@@ -1,0 +1,152 @@
+//! Shapes that other programs know by name, as meshes, and meshes moved.
+
+use glam::{Affine3A, Vec2, Vec3};
+use std::f32::consts::{PI, TAU};
+use unrender_scene::Mesh;
+
+/// Triangles of spheres: around, and from pole to pole.
+const AROUND: u32 = 64;
+const UP: u32 = 32;
+
+/// The square from -1 to 1 in x and y, its front towards +z.
+pub(super) fn rectangle() -> Mesh {
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(Vec2::from_array);
+    Mesh {
+        positions: corners.map(|c| c.extend(0.0)).to_vec(),
+        normals: vec![Vec3::Z; 4],
+        uvs: corners.map(|c| 0.5 * c + 0.5).to_vec(),
+        tangents: Vec::new(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+    }
+}
+
+/// The cube from -1 to 1, its front outside.
+pub(super) fn cube() -> Mesh {
+    let mut cube = Mesh::default();
+    for normal in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
+        let across = normal.any_orthonormal_vector();
+        let up = normal.cross(across);
+        let side = rectangle();
+        let first = cube.positions.len() as u32;
+        cube.positions.extend(side.positions.iter().map(|p| normal + across * p.x + up * p.y));
+        cube.normals.extend([normal; 4]);
+        cube.uvs.extend(side.uvs);
+        cube.triangles.extend(side.triangles.iter().map(|t| t.map(|i| i + first)));
+    }
+    cube
+}
+
+/// A sphere, smooth, its front outside.
+pub(super) fn sphere(centre: Vec3, radius: f32) -> Mesh {
+    let mut mesh = Mesh::default();
+    for (i, j) in (0..=UP).flat_map(|i| (0..=AROUND).map(move |j| (i, j))) {
+        let (v, u) = (i as f32 / UP as f32, j as f32 / AROUND as f32);
+        let ((sin, cos), (sin_phi, cos_phi)) = ((PI * v).sin_cos(), (TAU * u).sin_cos());
+        let normal = Vec3::new(sin * cos_phi, sin * sin_phi, cos);
+        mesh.positions.push(centre + radius * normal);
+        mesh.normals.push(normal);
+        mesh.uvs.push(Vec2::new(u, v));
+    }
+    for (i, j) in (0..UP).flat_map(|i| (0..AROUND).map(move |j| (i, j))) {
+        let at = |i: u32, j: u32| i * (AROUND + 1) + j;
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        if i + 1 < UP {
+            mesh.triangles.push([a, b, c]);
+        }
+        if i > 0 {
+            mesh.triangles.push([a, c, d]);
+        }
+    }
+    mesh
+}
+
+/// The side of a cone cut off between two circles, smooth, its front outside; no ends.
+pub(super) fn frustum(ends: [Vec3; 2], radii: [f32; 2]) -> Mesh {
+    let along = ends[1] - ends[0];
+    let axis = along.normalize_or(Vec3::Z);
+    let x = axis.any_orthonormal_vector();
+    let y = axis.cross(x);
+    let mut mesh = Mesh::default();
+    for (end, j) in (0..2).flat_map(|end| (0..=AROUND).map(move |j| (end, j))) {
+        let u = j as f32 / AROUND as f32;
+        let (sin, cos) = (TAU * u).sin_cos();
+        let outwards = cos * x + sin * y;
+        // It leans towards the narrower end.
+        let lean = (radii[0] - radii[1]) * axis;
+        mesh.positions.push(ends[end] + radii[end] * outwards);
+        mesh.normals.push((along.length() * outwards + lean).normalize_or(outwards));
+        mesh.uvs.push(Vec2::new(u, end as f32));
+    }
+    mesh.triangles = strip(radii);
+    mesh
+}
+
+/// The flat ring between two circles about `centre`, its front towards `normal`.
+pub(super) fn ring(centre: Vec3, normal: Vec3, radii: [f32; 2]) -> Mesh {
+    let normal = normal.normalize_or(Vec3::Z);
+    let [inner, outer] = [radii[0].min(radii[1]), radii[0].max(radii[1])];
+    let flat = frustum([centre, centre + normal], [outer, inner]);
+    let onto_plane = |(i, p): (usize, &Vec3)| {
+        if i > AROUND as usize { *p - normal } else { *p }
+    };
+    let positions: Vec<Vec3> = flat.positions.iter().enumerate().map(onto_plane).collect();
+    Mesh { normals: vec![normal; positions.len()], positions, ..flat }
+}
+
+/// Triangles between two circles of corners; an end without a radius is a point.
+fn strip(radii: [f32; 2]) -> Vec<[u32; 3]> {
+    let mut triangles = Vec::new();
+    for j in 0..AROUND {
+        let [a, b, c, d] = [j, j + 1, j + AROUND + 2, j + AROUND + 1];
+        if radii[0] > 0.0 {
+            triangles.push([a, b, c]);
+        }
+        if radii[1] > 0.0 {
+            triangles.push([a, c, d]);
+        }
+    }
+    triangles
+}
+
+/// `mesh` taken into the world; a motion that mirrors does not turn it over.
+pub(super) fn moved(mut mesh: Mesh, world_from_mesh: Affine3A) -> Mesh {
+    if world_from_mesh == Affine3A::IDENTITY {
+        return mesh;
+    }
+    let of_normals = world_from_mesh.matrix3.inverse().transpose();
+    for position in &mut mesh.positions {
+        *position = world_from_mesh.transform_point3(*position);
+    }
+    for normal in &mut mesh.normals {
+        *normal = (of_normals * *normal).normalize_or_zero();
+    }
+    if world_from_mesh.matrix3.determinant() < 0.0 {
+        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+    mesh
+}
+
+/// `mesh` with its front where its back was.
+pub(super) fn turned_over(mut mesh: Mesh) -> Mesh {
+    mesh.normals.iter_mut().for_each(|normal| *normal = -*normal);
+    mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    mesh
+}
+
+/// All of `meshes` as one; texture coordinates only if all have them.
+pub(super) fn joined(meshes: impl Iterator<Item = Mesh>) -> Mesh {
+    let mut all = Mesh::default();
+    let mut has_uvs = true;
+    for mesh in meshes {
+        let first = all.positions.len() as u32;
+        has_uvs &= !mesh.uvs.is_empty();
+        all.positions.extend(mesh.positions);
+        all.normals.extend(mesh.normals);
+        all.uvs.extend(mesh.uvs);
+        all.triangles.extend(mesh.triangles.into_iter().map(|t| t.map(|i| i + first)));
+    }
+    if !has_uvs {
+        all.uvs.clear();
+    }
+    all
+}

@@ -1,0 +1,138 @@
+//! `unrender export`: a scene with its materials, for another program.
+
+use crate::cli::{Global, warn};
+use crate::commands::render;
+use crate::converted::converted;
+use crate::run::{self, Run};
+use crate::{Error, interrupt, job};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use unrender_formats::export::{self, Shot, Target};
+use unrender_formats::materials;
+use unrender_recover::convert::Conversion;
+use unrender_scene::{Camera, Group, Material, Scene, WardModel, Warnings};
+
+/// Writes a scene and its materials for another program.
+///
+/// Radiance shines with the lobe of ward-gmd, all other programs with that of ggx; what was recovered
+/// with another lobe is converted, and how far off it is is told.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  \
+    unrender export result --to blender --out room_blender\n  \
+    unrender export result --to gltf --out room.glb\n  \
+    unrender export result --to mitsuba --camera door --height 1080 --out room_mitsuba\n  \
+    unrender export --scene room.glb --materials truth.json --to radiance --out room_radiance")]
+pub struct Args {
+    /// The folder that `recover` left its results in.
+    #[arg(value_name = "DIR", required_unless_present = "scene", conflicts_with_all = ["scene", "materials"])]
+    pub results: Option<PathBuf>,
+    /// The scene file, instead of a folder of results.
+    #[arg(long, value_name = "FILE")]
+    pub scene: Option<PathBuf>,
+    /// Materials to put onto the scene's groups.
+    #[arg(long, value_name = "FILE.json", requires = "scene")]
+    pub materials: Option<PathBuf>,
+    /// What to write: blender, gltf, materialx, mitsuba, pbrt or radiance.
+    #[arg(long, value_name = "FORMAT")]
+    pub to: Target,
+    /// The folder to write, or for gltf the .glb file.
+    #[arg(long, value_name = "PATH")]
+    pub out: PathBuf,
+    /// The camera's name [default: the photograph's, else the scene's first].
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// Pixels in a row [default: the photograph's, else by the height and the camera's aspect].
+    #[arg(long, value_name = "N")]
+    pub width: Option<usize>,
+    /// Rows [default: the photograph's, else by the width and the camera's aspect].
+    #[arg(long, value_name = "N")]
+    pub height: Option<usize>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// If the input cannot be used or the export cannot be written.
+pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
+    export::check_path(&args.out, args.to)?;
+    let (scene, camera, size, warnings) = input(args)?;
+    warn(&warnings);
+    let conversions = converted(&scene, &camera, size, args.to.lobe(scene.brdf));
+    if !global.quiet {
+        tell(&scene, &conversions);
+    }
+    let mut doubts = Warnings::default();
+    let is_bent = |(group, c): (&Group, &Conversion)| c.material != group.material;
+    if scene.brdf == WardModel::Ward1992.into()
+        && scene.groups.iter().zip(&conversions).any(is_bent)
+    {
+        doubts.push(
+            "the lobe of ward-1992 reflects the less the flatter it is seen, which no other program \
+             knows; recover with brdf = \"ward-gmd\" what is to be exported",
+        );
+    }
+    let materials: Vec<Material> = conversions.into_iter().map(|c| c.material).collect();
+    let shot = Shot { scene: &scene, materials: &materials, camera: &camera, size };
+    let (files, told) = export::export(&shot, args.to)
+        .map_err(|problem| Error::Request(format!("the scene cannot be exported: {problem}")))?;
+    doubts.extend(told);
+    warn(&doubts);
+    let _until_written = interrupt::writing();
+    export::write(&args.out, args.to, &files)?;
+    if !global.quiet {
+        println!("{}", args.to.next_step(&args.out));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Prints on stderr what became of the lobes that the target does not know.
+fn tell(scene: &Scene, conversions: &[Conversion]) {
+    for (group, conversion) in scene.groups.iter().zip(conversions) {
+        let (from, to) = (&group.material, &conversion.material);
+        if from == to {
+            continue;
+        }
+        let alphas = |m: &Material| format!("alpha {:.4} {:.4}", m.alpha_x, m.alpha_y);
+        eprintln!(
+            "{}: {} of {} became {}, rho_s {:.4} times; over the lobe the reflected radiance is \
+             {:.1} % off, and {:.1} % of it is there",
+            group.name,
+            alphas(from),
+            scene.brdf,
+            alphas(to),
+            to.rho_s.max_element() / from.rho_s.max_element(),
+            100.0 * conversion.difference,
+            100.0 * conversion.albedo
+        );
+    }
+}
+
+/// The scene with its materials, the camera, and the size of its picture.
+fn input(args: &Args) -> Result<(Scene, Camera, (usize, usize), Warnings), Error> {
+    let (path, materials) = match (&args.results, &args.scene) {
+        (Some(folder), _) => (folder.join("scene.glb"), Some(folder.join("materials.json"))),
+        (None, scene) => (scene.clone().unwrap_or_default(), args.materials.clone()),
+    };
+    let (mut scene, mut warnings) = unrender_formats::load_scene(&path)?;
+    if let Some(materials) = materials {
+        warnings.extend(materials::apply_from(&materials, &mut scene)?);
+    }
+    warnings.extend(job::validate(&mut scene, &path)?);
+    let run = args.results.as_ref().map(|folder| folder.join(Run::FILE));
+    let run = run.filter(|_| args.camera.is_none());
+    let used = run.as_deref().map(run::recovered_camera).transpose()?.flatten();
+    let size = run.as_deref().map(run::recovered_size).transpose()?.flatten();
+    let camera = match used {
+        Some(table) => table.camera("photograph"),
+        None => {
+            let (camera, told) = job::named_camera(&scene, args.camera.as_deref(), &path)?;
+            warnings.extend(told);
+            camera
+        }
+    };
+    let size = match (size, args.width, args.height) {
+        (Some(size), None, None) => size,
+        (_, width, height) => render::size(width, height, &camera)?,
+    };
+    Ok((scene, camera, size, warnings))
+}

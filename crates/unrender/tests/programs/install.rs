@@ -1,0 +1,66 @@
+//! Packages of PyPI and npm, each set in a folder of its own.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::{Mutex, PoisonError};
+
+/// Tests of one binary run side by side; one of them installs at a time.
+static INSTALLING: Mutex<()> = Mutex::new(());
+
+/// A Python that has `packages` (as pip names them).
+///
+/// # Errors
+/// If there is no Python, no registry, or no such package for this machine.
+pub(crate) fn python(name: &str, packages: &[&str]) -> Result<PathBuf, String> {
+    let folder = folder(name);
+    let python = folder.join("bin/python");
+    once(&folder, || {
+        run(Command::new("python3").args(["-m", "venv"]).arg(&folder))?;
+        run(Command::new(&python).args(["-m", "pip", "install", "--quiet"]).args(packages))
+    })?;
+    Ok(python)
+}
+
+/// The folder of npm's `package`.
+///
+/// # Errors
+/// If there is no npm or no registry.
+pub(crate) fn npm(package: &str) -> Result<PathBuf, String> {
+    let folder = folder(package);
+    once(&folder, || {
+        std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
+        run(Command::new("npm").args(["install", "--silent", "--prefix"]).arg(&folder).arg(package))
+    })?;
+    Ok(folder)
+}
+
+/// Runs `install` unless it has succeeded before.
+fn once(folder: &Path, install: impl FnOnce() -> Result<(), String>) -> Result<(), String> {
+    let _alone = INSTALLING.lock().unwrap_or_else(PoisonError::into_inner);
+    let mark = folder.join("installed");
+    if mark.exists() {
+        return Ok(());
+    }
+    // Half an installation may be there.
+    let _ = std::fs::remove_dir_all(folder);
+    install()?;
+    std::fs::write(mark, []).map_err(|error| error.to_string())
+}
+
+/// Beside the folder of the profile in the build's outputs.
+fn folder(name: &str) -> PathBuf {
+    let this = std::env::current_exe().unwrap_or_default();
+    let profile = this.ancestors().find(|a| a.ends_with("debug") || a.ends_with("release"));
+    let target = profile.and_then(Path::parent).map_or_else(std::env::temp_dir, Path::to_owned);
+    target.join("programs").join(name)
+}
+
+/// Runs `command` to its good end.
+pub(super) fn run(command: &mut Command) -> Result<(), String> {
+    let output = command.output().map_err(|error| format!("{command:?}: {error}"))?;
+    if output.status.success() {
+        return Ok(());
+    }
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    Err(format!("{command:?} failed: {}", said.trim()))
+}
