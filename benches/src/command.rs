@@ -1,0 +1,77 @@
+//! The built command, run as a user would.
+
+use crate::{Failure, peers, root};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Instant;
+use unrender::run::Run;
+
+/// The `unrender` command.
+pub(crate) struct Unrender(PathBuf);
+
+impl Unrender {
+    /// Builds it, which takes no time if nothing changed.
+    ///
+    /// # Errors
+    /// If cargo cannot.
+    pub(crate) fn build() -> Result<Self, Failure> {
+        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+        let mut build = Command::new(cargo);
+        build.args(["build", "--release", "--package", "unrender"]).current_dir(root());
+        build.env("CARGO_TARGET_DIR", peers::target_folder());
+        peers::said(&mut build)?;
+        Ok(Self(peers::target_folder().join("release/unrender")))
+    }
+
+    /// Runs it to its good end; the seconds that it took.
+    ///
+    /// # Errors
+    /// If it ends otherwise.
+    pub(crate) fn run(&self, arguments: &[OsString]) -> Result<f64, Failure> {
+        let mut command = Command::new(&self.0);
+        command.args(arguments).arg("--quiet").stdout(Stdio::null());
+        let started = Instant::now();
+        let ended = command.status()?;
+        let seconds = started.elapsed().as_secs_f64();
+        if ended.success() { Ok(seconds) } else { Err(format!("{command:?}: {ended}").into()) }
+    }
+
+    /// Recovers `project` into the folder `out`; the seconds of the whole command, and its story.
+    ///
+    /// # Errors
+    /// If it fails.
+    pub(crate) fn recover(
+        &self,
+        project: &Path,
+        out: &Path,
+        flags: &[&str],
+    ) -> Result<(f64, Run), Failure> {
+        let mut arguments: Vec<OsString> =
+            vec!["recover".into(), project.into(), "--out".into(), out.into()];
+        arguments.extend(flags.iter().map(Into::into));
+        let seconds = self.run(&arguments)?;
+        Ok((seconds, Run::read(out)?))
+    }
+
+    /// Renders `scene` into the picture `out`; the seconds of the whole command.
+    ///
+    /// # Errors
+    /// If it fails.
+    pub(crate) fn render(
+        &self,
+        scene: &Path,
+        (width, height): (usize, usize),
+        spp: u32,
+        out: &Path,
+        flags: &[&str],
+    ) -> Result<f64, Failure> {
+        let mut arguments: Vec<OsString> =
+            vec!["render".into(), scene.into(), "--out".into(), out.into()];
+        for (name, value) in [("--width", width), ("--height", height), ("--spp", spp as usize)] {
+            arguments.extend([name.into(), value.to_string().into()]);
+        }
+        arguments.extend(flags.iter().map(Into::into));
+        self.run(&arguments)
+    }
+}

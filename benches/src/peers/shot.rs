@@ -1,0 +1,35 @@
+//! A scene as it is handed to the other programs.
+
+use crate::Failure;
+use std::path::Path;
+use unrender::formats::export::{self, Target};
+use unrender::recover::convert::convert;
+use unrender::scene::{Camera, Material, Scene};
+
+/// What is rendered.
+#[derive(Clone, Copy)]
+pub(crate) struct Shot<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) camera: &'a Camera,
+    /// Width and height, pixels.
+    pub(crate) size: (usize, usize),
+}
+
+/// Writes it into `folder`, which is made anew, as `unrender export` would.
+///
+/// # Errors
+/// If it cannot be said or written.
+pub(crate) fn export(shot: &Shot, target: Target, folder: &Path) -> Result<(), Failure> {
+    let scene = shot.scene;
+    let material = |m: &Material| convert(m, scene.brdf, target.lobe()).material;
+    let materials: Vec<Material> = scene.groups.iter().map(|g| material(&g.material)).collect();
+    let shot = export::Shot { scene, materials: &materials, camera: shot.camera, size: shot.size };
+    let (files, _) = export::export(&shot, target)?;
+    if folder.exists() {
+        std::fs::remove_dir_all(folder)?;
+    }
+    if let Some(parent) = folder.parent() {
+        std::fs::create_dir_all(parent)?;
+    }
+    Ok(export::write(folder, target, &files)?)
+}

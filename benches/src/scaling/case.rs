@@ -1,0 +1,77 @@
+//! A scene of which a photograph is made, and from which it is recovered.
+
+use crate::command::Unrender;
+use crate::{Failure, peers};
+use unrender::formats::{atomic, gltf};
+use unrender::scene::Scene;
+
+/// Paths a pixel of the photograph.
+const SPP: u32 = 256;
+
+/// A point on an axis.
+pub(crate) struct Case {
+    /// Where on the axis.
+    pub(crate) value: usize,
+    pub(crate) scene: Scene,
+    /// A group that is out of sight; its reflectance is given.
+    pub(crate) known: &'static str,
+    /// Width and height, pixels.
+    pub(crate) size: (usize, usize),
+    /// Reflections at most, if that is limited.
+    pub(crate) bounces: Option<usize>,
+}
+
+/// What a recovery took.
+#[derive(Debug)]
+pub(crate) struct Recovery {
+    pub(crate) seconds: f64,
+    /// The most memory, where the system tells.
+    pub(crate) mebibytes: Option<f64>,
+}
+
+/// What a case took.
+#[derive(Debug)]
+pub(crate) struct Cost {
+    /// Seconds to make the photograph.
+    pub(crate) rendering: f64,
+    /// Recovered with `--no-refine`.
+    pub(crate) ladder: Recovery,
+    /// As by default.
+    pub(crate) full: Recovery,
+}
+
+impl Case {
+    /// Renders and recovers.
+    ///
+    /// # Errors
+    /// If that fails.
+    pub(crate) fn measure(&self, command: &Unrender) -> Result<Cost, Failure> {
+        let folder = peers::work_folder("scaling");
+        std::fs::create_dir_all(&folder)?;
+        let (scene, photo) = (folder.join("scene.glb"), folder.join("photo.exr"));
+        let project = folder.join("project.toml");
+        atomic::write(&scene, &gltf::to_glb(&self.scene)?)?;
+        atomic::write(&project, self.project().as_bytes())?;
+        let bounces = self.bounces.map(|bounces| bounces.to_string());
+        let limit: Vec<&str> =
+            bounces.iter().flat_map(|bounces| ["--bounces", bounces.as_str()]).collect();
+        let rendering = command.render(&scene, self.size, SPP, &photo, &limit)?;
+        let recover = |more: &[&str]| -> Result<Recovery, Failure> {
+            let flags: Vec<&str> = limit.iter().chain(more).copied().collect();
+            let (seconds, run) = command.recover(&project, &folder.join("out"), &flags)?;
+            let mebibytes = run.peak_memory_bytes.map(|b| b as f64 / f64::from(1 << 20));
+            Ok(Recovery { seconds, mebibytes })
+        };
+        Ok(Cost { rendering, ladder: recover(&["--no-refine"])?, full: recover(&[])? })
+    }
+
+    fn project(&self) -> String {
+        let known = self.scene.groups.iter().find(|group| group.name == self.known);
+        let rho_d = known.map_or([0.0; 3], |group| group.material.rho_d.to_array());
+        format!(
+            "scene = \"scene.glb\"\nphoto = \"photo.exr\"\nresponse = \"linear\"\nexposure = 1.0\n\
+             [groups.{}]\nknown = {{ rho_d = {rho_d:?} }}\n[recover]\nbrdf = \"{}\"\n",
+            self.known, self.scene.brdf
+        )
+    }
+}
