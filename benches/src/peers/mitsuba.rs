@@ -72,7 +72,7 @@ fn with_ward(text: &str, scene: &Scene) -> String {
              <rgb name=\"rho_d\" value=\"{}\"/><rgb name=\"rho_s\" value=\"{}\"/>\
              <float name=\"alpha_x\" value=\"{}\"/><float name=\"alpha_y\" value=\"{}\"/></bsdf>",
             group.name,
-            scene.brdf == WardModel::WardGmd,
+            scene.brdf == WardModel::WardGmd.into(),
             color(m.rho_d),
             color(m.rho_s),
             m.alpha_x,

@@ -21,7 +21,7 @@ pub(crate) struct Shot<'a> {
 /// If it cannot be said or written.
 pub(crate) fn export(shot: &Shot, target: Target, folder: &Path) -> Result<(), Failure> {
     let scene = shot.scene;
-    let material = |m: &Material| convert(m, scene.brdf, target.lobe()).material;
+    let material = |m: &Material| convert(m, scene.brdf, target.lobe(scene.brdf)).material;
     let materials: Vec<Material> = scene.groups.iter().map(|g| material(&g.material)).collect();
     let shot = export::Shot { scene, materials: &materials, camera: shot.camera, size: shot.size };
     let (files, _) = export::export(&shot, target)?;

@@ -5,7 +5,7 @@ use super::contender::{ByMitsuba, ByRadiance, Contender, Ours};
 use crate::peers::mitsuba::{self, Lobe, Way};
 use crate::peers::{Shot, work_folder};
 use crate::{Effort, Failure};
-use unrender::scene::WardModel;
+use unrender::scene::{BrdfModel, WardModel};
 
 /// The renderers of a subject.
 pub(crate) struct Lineup {
@@ -47,9 +47,9 @@ impl Lineup {
     }
 }
 
-/// The ways in which Mitsuba renders a scene with this form of Ward's lobe.
-fn ways(model: WardModel) -> &'static [Way] {
-    if model == WardModel::WardGmd {
+/// The ways in which Mitsuba renders a scene with this lobe.
+fn ways(model: BrdfModel) -> &'static [Way] {
+    if model == WardModel::WardGmd.into() {
         &[
             ("llvm_ad_rgb", Lobe::Beckmann, "independent"),
             ("llvm_ad_rgb", Lobe::Beckmann, "multijitter"),

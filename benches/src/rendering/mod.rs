@@ -68,7 +68,7 @@ pub(crate) fn measure(effort: Effort) -> Result<Section, Failure> {
 
 fn subjects(effort: Effort) -> Result<Vec<Subject>, Failure> {
     let fig8 = scenes::figure8()?;
-    let read_as_gmd = Scene { brdf: WardModel::WardGmd, ..fig8.clone() };
+    let read_as_gmd = Scene { brdf: WardModel::WardGmd.into(), ..fig8.clone() };
     let triangles = effort.pick(10_000, 1_000_000);
     Ok(vec![
         Subject { name: "Figure 8", file: "fig8", scene: fig8, radiance: false },

@@ -66,7 +66,7 @@ fn matters_to_memory(name: &str) -> bool {
 }
 
 fn axes(effort: Effort) -> Result<Vec<Axis>, Failure> {
-    let fig8 = Scene { brdf: WardModel::WardGmd, ..scenes::figure8()? };
+    let fig8 = Scene { brdf: WardModel::WardGmd.into(), ..scenes::figure8()? };
     let box_case = |value: usize, side: usize, bounces: Option<usize>| Case {
         value,
         scene: fig8.clone(),

@@ -8,10 +8,10 @@ use crate::numbers::{degrees, number, radians, triple};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use unrender_scene::{Group, Light, LightKind, Material, Rgb, WardModel};
+use unrender_scene::{BrdfModel, Group, Light, LightKind, Material, Rgb};
 
 /// The comment about `group`.
-pub(crate) fn group_note(group: &Group, brdf: WardModel) -> String {
+pub(crate) fn group_note(group: &Group, brdf: BrdfModel) -> String {
     let mut json = json!(Record::of(&group.material, brdf));
     json["name"] = Value::from(group.name.as_str());
     format!("group {json}")
@@ -75,7 +75,7 @@ pub(crate) struct Note {
     /// The name of what follows.
     pub(crate) name: Option<String>,
     /// The exact material, of groups; without its texture.
-    pub(crate) material: Option<(Material, WardModel)>,
+    pub(crate) material: Option<(Material, BrdfModel)>,
     /// The exact light.
     pub(crate) light: Option<Light>,
     /// Whether nothing has followed yet.
@@ -109,7 +109,7 @@ pub(crate) struct Record {
 }
 
 impl Record {
-    pub(crate) fn of(material: &Material, brdf: WardModel) -> Self {
+    pub(crate) fn of(material: &Material, brdf: BrdfModel) -> Self {
         Self {
             brdf: brdf.name().into(),
             rho_d: triple(material.rho_d),
@@ -121,7 +121,7 @@ impl Record {
     }
 
     /// The material (without a texture) and the lobe that the record means.
-    pub(crate) fn to_material(&self) -> Result<(Material, WardModel), String> {
+    pub(crate) fn to_material(&self) -> Result<(Material, BrdfModel), String> {
         let material = Material {
             rho_d: Rgb::from_array(self.rho_d.map(|c| c as f32)),
             rho_s: Rgb::from_array(self.rho_s.map(|c| c as f32)),

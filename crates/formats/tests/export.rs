@@ -56,6 +56,51 @@ fn an_export_is_written_whole_or_not_at_all() {
     std::fs::remove_dir_all(root).unwrap();
 }
 
+/// The names of the groups as `files` have them.
+fn kept(target: Target, files: &export::Files) -> Vec<String> {
+    let text = |name: &str| {
+        let bytes = &files.iter().find(|file| file.0 == name).unwrap().1;
+        String::from_utf8(bytes.clone()).unwrap()
+    };
+    // What stands between `mark` and the end of its line, as JSON has strings.
+    let after = |text: &str, mark: &str| -> Vec<String> {
+        let lines = text.lines().filter_map(|line| line.split_once(mark));
+        lines.map(|(_, rest)| serde_json::from_str(rest).unwrap()).collect()
+    };
+    match target {
+        Target::Blender => {
+            let json: serde_json::Value = serde_json::from_str(&text("scene.json")).unwrap();
+            let groups = json["groups"].as_array().unwrap().iter();
+            groups.map(|group| group["name"].as_str().unwrap().to_owned()).collect()
+        }
+        Target::Materialx => {
+            let plain = |doc: &str| {
+                let doc = doc.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"");
+                serde_json::from_str(&doc.replace("&amp;", "&")).unwrap()
+            };
+            let text = text("materials.mtlx");
+            let surfaces = text.lines().filter(|line| line.contains("<standard_surface"));
+            surfaces
+                .map(|l| plain(l.split_once("doc=\"").unwrap().1.trim_end_matches("\">")))
+                .collect()
+        }
+        Target::Pbrt => after(&text("scene.pbrt"), "# group "),
+        Target::Gltf | Target::Mitsuba | Target::Radiance => {
+            let root = std::env::temp_dir().join(format!("unrender-names-{}", std::process::id()));
+            export::write(&root.with_extension("glb"), target, files).unwrap();
+            let main = match target {
+                Target::Gltf => root.with_extension("glb"),
+                Target::Mitsuba => root.with_extension("glb").join("scene.xml"),
+                _ => root.with_extension("glb").join("scene.rad"),
+            };
+            let (scene, _) = unrender_formats::load_scene(&main).unwrap();
+            let whole = root.with_extension("glb");
+            let _ = std::fs::remove_dir_all(&whole).or_else(|_| std::fs::remove_file(&whole));
+            scene.groups.into_iter().map(|group| group.name).collect()
+        }
+    }
+}
+
 #[test]
 fn names_survive_in_every_format() {
     let names = ["a lamp", "Wand \"ü\" 门", "wand \"ü\" 门", "<&> -- 'x' \\\\", "two\nlines"];
@@ -67,6 +112,7 @@ fn names_survive_in_every_format() {
         paths.dedup();
         assert_eq!(paths.len(), files.len(), "{target}: every file has a name of its own");
         assert!(paths.iter().all(|path| path.is_ascii() && !path.contains(' ')), "{paths:?}");
+        assert_eq!(kept(target, &files), names.map(str::to_owned), "{target}");
     }
 }
 

@@ -1,9 +1,10 @@
 //! Scenes of Mitsuba and Radiance that others wrote: common plugins and primitives, and faults.
 
 use glam::Vec3;
+use std::f32::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
 use unrender_formats::load_scene;
-use unrender_scene::{LightKind, Rgb, Scene, Warnings};
+use unrender_scene::{BrdfModel, LightKind, Rgb, Scene, Warnings};
 
 struct Folder(PathBuf);
 
@@ -57,7 +58,9 @@ const MITSUBA: &str = r#"<scene version="3.0.0">
     <shape type="cube" id="box"><ref id="steel"/><transform name="to_world"><scale x="0.5" y="0.25" z="0.5"/><translate y="0.25"/></transform></shape>
     <shape type="sphere"><point name="center" x="1" y="0.5" z="0"/><float name="radius" value="0.5"/><ref id="plastic"/></shape>
     <shape type="cube"><ref id="glass"/></shape>
-    <shape type="cylinder"><ref id="white"/></shape>
+    <shape type="cylinder" id="pillar"><ref id="white"/><point name="p1" x="0" y="2" z="0"/><float name="radius" value="0.5"/></shape>
+    <shape type="disk" id="plate"><ref id="white"/></shape>
+    <shape type="bsplinecurve"><ref id="white"/></shape>
     <shape type="rectangle">
         <bsdf type="diffuse"><float name="reflectance" value="0"/></bsdf>
         <transform name="to_world"><rotate x="1" angle="90"/><translate y="2"/></transform>
@@ -97,9 +100,57 @@ fn common_plugins_of_mitsuba_are_read() {
     assert!(x > 100.0 && y < 50.0, "{x} {y}");
     let LightKind::Point { position, intensity } = scene.lights[0].kind else { panic!() };
     assert_eq!((position, intensity), (Vec3::new(1.0, 2.0, 3.0), Rgb::new(4.0, 5.0, 6.0)));
-    for word in ["cylinder", "constant", "dielectric", "microfacets", "plastic was taken"] {
+    assert_round(&scene, "pillar", TAU * 0.5 * 2.0, |p| {
+        p.y.abs() < 1e-5 || (p.y - 2.0).abs() < 1e-5
+    });
+    assert_round(&scene, "plate", PI, |p| p.z.abs() < 1e-5);
+    assert_eq!(scene.brdf, BrdfModel::default());
+    for word in ["bsplinecurve", "constant", "dielectric", "microfacets", "plastic was taken"] {
         assert!(warnings.0.iter().any(|w| w.contains(word)), "{word}: {warnings:?}");
     }
+}
+
+/// Asserts that the object `name` has about this area, corners where they should be, and its front
+/// where its normals point.
+fn assert_round(scene: &Scene, name: &str, area: f32, is_right: impl Fn(&Vec3) -> bool) {
+    let mesh = &scene.objects.iter().find(|object| object.name == name).unwrap().mesh;
+    assert!(mesh.positions.iter().all(is_right), "{name}: {:?}", mesh.positions);
+    let mut found = 0.0;
+    for (index, corners) in mesh.triangles.iter().enumerate() {
+        let [a, b, c] = mesh.corners(index);
+        let across = (b - a).cross(c - a);
+        let normal: Vec3 = corners.iter().map(|&i| mesh.normals[i as usize]).sum();
+        assert!(across.dot(normal) > 0.99 * across.length() * normal.length(), "{name} {index}");
+        found += 0.5 * across.length();
+    }
+    assert!((found / area - 1.0).abs() < 0.01, "{name}: {found} is not {area}");
+}
+
+#[test]
+fn microfacets_are_those_of_ggx_where_all_are() {
+    let folder = Folder::new("ggx");
+    let rough = |id: &str, kind: &str| {
+        format!(
+            "<bsdf type=\"roughconductor\" id=\"{id}\"><string name=\"material\" value=\"none\"/>\
+             <string name=\"distribution\" value=\"{kind}\"/></bsdf>\
+             <shape type=\"sphere\"><ref id=\"{id}\"/>\
+             <emitter type=\"area\"><rgb name=\"radiance\" value=\"1\"/></emitter></shape>"
+        )
+    };
+    let scene = |kinds: [&str; 2]| {
+        let (one, other) = (rough("one", kinds[0]), rough("other", kinds[1]));
+        loaded(&folder.write("scene.xml", &format!("<scene>{one}{other}</scene>")))
+    };
+    let (all, warnings) = scene(["ggx", "ggx"]);
+    assert_eq!((all.brdf, warnings.0.len()), (BrdfModel::Ggx, 0), "{warnings:?}");
+    let (mixed, warnings) = scene(["ggx", "beckmann"]);
+    assert_eq!(mixed.brdf, BrdfModel::default());
+    let doubts =
+        ["\"one\": the roughness of its GGX", "\"other\": the roughness of its microfacets"];
+    assert!(
+        doubts.iter().all(|doubt| warnings.0.iter().any(|w| w.contains(doubt))),
+        "{warnings:?}"
+    );
 }
 
 #[test]
@@ -123,7 +174,7 @@ fn faults_in_mitsuba_scenes_are_named() {
         (
             "<scene><shape type=\"cube\"><transform name=\"to_world\"><scale value=\"nan\"/>\
              <matrix value=\"1 2\"/></transform></shape></scene>",
-            "16 numbers",
+            "line 1: a matrix has 16 numbers",
         ),
     ];
     for (text, said) in cases {
@@ -153,6 +204,10 @@ steel sphere ball 0 0 4 1 .5 0 .5
 shiny polygon wall 0 0 9 0 0 0 1 0 0 0 1 0
 pane polygon window 0 0 9 0 0 1 1 0 1 0 1 1
 white cylinder pillar 0 0 7 0 0 0 0 1 0 .1
+white cone hat 0 0 8 0 1 0 0 2 0 1 0
+white ring plate 0 0 8 0 1 0 0 2 0 1 2
+white bubble hollow 0 0 4 0 1 0 1
+void instance copy 1 other.oct 0 0
 lamp polygon panel 0 0 12 -1 2 -1  1 2 -1  1 2 1  -1 2 1
 void light sun 0 0 3 1e6 1e6 1e6
 sun source disk 0 0 4 0 1 0 .5
@@ -180,7 +235,11 @@ fn common_primitives_of_radiance_are_read() {
     assert_eq!(direction, Vec3::NEG_Y);
     assert!((irradiance.x / expected - 1.0).abs() < 1e-5, "{irradiance}");
     assert!((scene.cameras[0].fov_y_rad.to_degrees() - 30.0).abs() < 1e-4);
-    for word in ["cylinder", "glass", "gensky"] {
+    assert_round(&scene, "pillar", TAU * 0.1, |p| (0.0..=1.0).contains(&p.y));
+    assert_round(&scene, "hat", PI * 2f32.sqrt(), |p| (1.0..=2.0).contains(&p.y));
+    assert_round(&scene, "plate", PI * 3.0, |p| (p.y - 1.0).abs() < 1e-5);
+    assert_round(&scene, "hollow", 4.0 * PI, |p| (p.distance(Vec3::Y) - 1.0).abs() < 1e-5);
+    for word in ["instance", "glass", "line 2: the command \"gensky"] {
         assert!(warnings.0.iter().any(|w| w.contains(word)), "{word}: {warnings:?}");
     }
 }
@@ -189,9 +248,9 @@ fn common_primitives_of_radiance_are_read() {
 fn faults_in_radiance_scenes_are_named() {
     let folder = Folder::new("radiance-faults");
     let cases = [
-        ("void plastic", "in the middle"),
+        ("void plastic", "line 1: ends in the middle"),
         ("void plastic a 0 0 5 1 1", "how many arguments"),
-        ("void plastic a 0 0 3 1 1 1", "3 numbers instead of 5"),
+        ("\nvoid plastic a 0 0 3 1 1 1", "line 2: the plastic \"a\" has 3 numbers instead of 5"),
         ("void plastic a 0 0 5 1 1 x 0 0", "no number"),
         ("a polygon p 0 0 9 0 0 0 1 0 0 0 1 0", "\"a\", which is not there"),
         ("void light a 0 0 3 1 1 1\na polygon p 0 0 6 0 0 0 1 0 0", "three corners"),

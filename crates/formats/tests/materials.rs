@@ -40,7 +40,7 @@ fn a_truth_file_reads_and_applies() {
     let mut scene = scene(&["floor", "wall", "other"]);
     let warnings = materials::apply(&file, Path::new("."), &mut scene).unwrap();
     assert_eq!(warnings.0, ["the scene has no group \"ghost\"; its numbers were not used"]);
-    assert_eq!(scene.brdf, WardModel::Ward1992);
+    assert_eq!(scene.brdf, WardModel::Ward1992.into());
     let [floor, wall, other] = [0, 1, 2].map(|i| scene.groups[i].material.clone());
     assert_eq!((floor.alpha_x, floor.alpha_y, floor.rho_d), (0.07, 0.11, Rgb::splat(0.5)));
     assert!((floor.theta_rad - std::f32::consts::FRAC_PI_2).abs() < 1e-6);

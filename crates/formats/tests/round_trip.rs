@@ -41,7 +41,7 @@ fn materials() -> Vec<Material> {
 }
 
 fn scene() -> Scene {
-    let mut scene = Scene { brdf: WardModel::Ward1992, ..Scene::default() };
+    let mut scene = Scene { brdf: WardModel::Ward1992.into(), ..Scene::default() };
     for (index, material) in materials().into_iter().enumerate() {
         let far = index as f32 / 3.0;
         let positions = [Vec3::new(far, 0.0, 0.1), Vec3::new(far, 0.7, 0.0), Vec3::splat(far)];
@@ -162,7 +162,7 @@ fn a_dressed_file_keeps_the_rest() {
     });
     let path = folder.file("source.glb", &source);
     let (mut scene, _) = load_scene(&path).unwrap();
-    scene.brdf = WardModel::Ward1992;
+    scene.brdf = WardModel::Ward1992.into();
     scene.groups[0].material = materials()[3].clone();
     scene.groups[1].material = materials()[5].clone();
     let bytes = wear(&path, &scene).unwrap();

@@ -10,14 +10,14 @@ use crate::rerender::Renderer;
 use glam::Vec3;
 use rayon::prelude::*;
 use unrender_render::sampler::mix;
-use unrender_render::{Appearance, Probe, ProbeSettings, Probes, SeenRadiance, WardLobe};
-use unrender_scene::{Material, Rgb, WardModel};
+use unrender_render::{Appearance, GlossyLobe, Probe, ProbeSettings, Probes, SeenRadiance};
+use unrender_scene::{BrdfModel, Material, Rgb};
 
 /// What is known of one group in one turn.
 #[derive(Clone, Debug)]
 pub struct Evidence {
-    /// The form of Ward's lobe.
-    pub model: WardModel,
+    /// The lobe.
+    pub model: BrdfModel,
     /// One entry a pixel of the sample.
     pub pixels: Vec<Observed>,
     /// The light at the same pixels, twice.
@@ -112,9 +112,9 @@ impl Evidence {
         self.each(|p| p.throughput * p.mirror)
     }
 
-    /// The radiance of Ward's lobe with `rho_s = 1` at every pixel, twice.
+    /// The radiance of the lobe with `rho_s = 1` at every pixel, twice.
     pub fn lobe(&self, alpha_x: f32, alpha_y: f32, theta_rad: f32) -> [Vec<Rgb>; 2] {
-        let lobe = WardLobe::new(self.model, alpha_x, alpha_y);
+        let lobe = GlossyLobe::new(self.model, alpha_x, alpha_y);
         self.sets.each_ref().map(|set| set.lobe(&lobe, theta_rad))
     }
 
@@ -158,7 +158,7 @@ impl Evidence {
 
 impl Gathered {
     /// `S` for one lobe: the sum over each probe's incident samples.
-    fn lobe(&self, lobe: &WardLobe, theta_rad: f32) -> Vec<Rgb> {
+    fn lobe(&self, lobe: &GlossyLobe, theta_rad: f32) -> Vec<Rgb> {
         let (sin, cos) = theta_rad.sin_cos();
         let turn = |v: Vec3| Vec3::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z);
         let at = |probe: &Probe| {

@@ -5,14 +5,14 @@ use unrender_render::{
     Appearance, Film, GeometryBuffers, Jacobian, Parameter, ProbeSettings, Probes, ProposalLobe,
     SeenRadiance, Settings, Tracer, seen::Lookup,
 };
-use unrender_scene::{Camera, Rgb, WardModel};
+use unrender_scene::{BrdfModel, Camera, Rgb};
 
 /// A scene seen by the photograph's camera, to be rendered in any appearance.
 pub trait Renderer: Sync {
     /// What stands in each pixel.
     fn geometry(&self) -> &GeometryBuffers;
-    /// Which form of Ward's lobe the materials mean.
-    fn model(&self) -> WardModel;
+    /// Which lobe the materials mean.
+    fn model(&self) -> BrdfModel;
     /// The light that arrives behind `pixels`; paths end where `seen` knows the radiance.
     fn probe(
         &self,
@@ -42,7 +42,7 @@ pub struct View<'a> {
     tracer: &'a Tracer,
     camera: &'a Camera,
     size: (usize, usize),
-    model: WardModel,
+    model: BrdfModel,
     geometry: GeometryBuffers,
 }
 
@@ -52,7 +52,7 @@ impl<'a> View<'a> {
         tracer: &'a Tracer,
         camera: &'a Camera,
         (width, height): (usize, usize),
-        model: WardModel,
+        model: BrdfModel,
     ) -> Self {
         let geometry = tracer.geometry(camera, width, height);
         Self { tracer, camera, size: (width, height), model, geometry }
@@ -78,7 +78,7 @@ impl Renderer for View<'_> {
         &self.geometry
     }
 
-    fn model(&self) -> WardModel {
+    fn model(&self) -> BrdfModel {
         self.model
     }
 

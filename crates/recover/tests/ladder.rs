@@ -10,10 +10,10 @@ use unrender_recover::{
 use unrender_render::geometry::PixelGeometry;
 use unrender_render::probe::Incident;
 use unrender_render::{
-    Appearance, GeometryBuffers, Jacobian, Parameter, Probe, ProbeSettings, Probes, SeenRadiance,
-    Settings, WardLobe,
+    Appearance, GeometryBuffers, GlossyLobe, Jacobian, Parameter, Probe, ProbeSettings, Probes,
+    SeenRadiance, Settings,
 };
-use unrender_scene::{Image, Material, Rgb, RgbImage, Texture, WardModel, Wrap};
+use unrender_scene::{BrdfModel, Image, Material, Rgb, RgbImage, Texture, Wrap};
 
 const WIDTH: usize = 64;
 const STRIPE: usize = 24;
@@ -21,6 +21,7 @@ const STRIPE: usize = 24;
 /// Stripes of materials, one group and one object each, seen under directions that change over the
 /// picture.
 struct Stripes {
+    model: BrdfModel,
     truth: Vec<Material>,
     geometry: GeometryBuffers,
 }
@@ -36,7 +37,7 @@ impl Stripes {
             uv: Vec2::new((x as f32 + 0.5) / 64.0, ((y % STRIPE) as f32 + 0.5) / 24.0),
             front: true,
         });
-        Self { truth, geometry }
+        Self { model: BrdfModel::default(), truth, geometry }
     }
 
     fn wo(pixel: u32) -> Vec3 {
@@ -68,7 +69,7 @@ impl Stripes {
         let irradiance: Rgb = Self::incident().iter().map(|i| i.irradiance).sum();
         let rho_d = material.rho_d_at(self.geometry.pixels()[pixel as usize].uv);
         let shine = if material.is_glossy() {
-            let lobe = WardLobe::new(self.model(), material.alpha_x, material.alpha_y);
+            let lobe = GlossyLobe::new(self.model, material.alpha_x, material.alpha_y);
             let (sin, cos) = material.theta_rad.sin_cos();
             let turn = |v: Vec3| Vec3::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z);
             let one = |i: &Incident| lobe.value(turn(wo), turn(i.wi)) * i.irradiance;
@@ -116,8 +117,8 @@ impl Renderer for Stripes {
         &self.geometry
     }
 
-    fn model(&self) -> WardModel {
-        WardModel::WardGmd
+    fn model(&self) -> BrdfModel {
+        self.model
     }
 
     fn probe(
@@ -286,6 +287,14 @@ fn every_rung_is_found_with_its_numbers() {
     let dark = checkers.sample(Vec2::new(12.0 / 64.0, 3.0 / 24.0));
     assert!(close(light, Rgb::new(0.7, 0.5, 0.2), 0.005), "{light}");
     assert!(close(dark, Rgb::splat(0.1), 0.005), "{dark}");
+}
+
+#[test]
+fn every_rung_is_found_with_the_numbers_of_ggx() {
+    let renderer = Stripes { model: BrdfModel::Ggx, ..Stripes::new(one_of_each()) };
+    let options = Options::default();
+    let recovery = recovered(&renderer, ExposureRule::Fixed(Rgb::ONE), 1.0, &options);
+    check(&recovery, &renderer.truth);
 }
 
 #[test]

@@ -85,7 +85,7 @@ fn room(moved: Vec3, with_picture: bool) -> Scene {
         objects: objects
             .map(|(i, (group, mesh))| Object { name: format!("object {i}"), group, mesh })
             .collect(),
-        brdf: WardModel::WardGmd,
+        brdf: WardModel::WardGmd.into(),
         ..Scene::default()
     };
     scene.validate().unwrap();

@@ -24,11 +24,12 @@ use std::f32::consts::{PI, SQRT_2, TAU};
 use unrender_scene::color::luminance;
 use unrender_scene::{LightKind, Mesh, Rgb, Scene};
 
-/// The share of a diffuse surface's directions that is drawn towards mirror images. The others weigh
-/// `1/(1 - SHARE)` as much, at every surface of a path anew: a large share makes rare bright paths.
-const SHARE: f32 = 0.2;
-/// Only the first so many surfaces of a path look for images, so that those weights end.
-pub(crate) const BOUNCES: u32 = 3;
+/// The share of the directions that is drawn towards mirror images at a path's first diffuse
+/// surface, the second and so on; those after look for none. The other directions weigh
+/// `1/(1 - share)` as much, at every surface of a path anew: large shares make rare bright paths.
+const SHARES: [f32; 4] = [0.2, 0.2, 0.1, 0.1];
+/// Only the first so many surfaces of a path look for images.
+pub(crate) const BOUNCES: u32 = SHARES.len() as u32;
 /// Pairs of a plane and a lamp that a picture looks for at most: the strongest.
 const PAIRS_MAX: usize = 16;
 /// Mirror images that one surface looks for at most: the strongest that it may see.
@@ -93,6 +94,8 @@ struct Image {
 pub struct Images {
     images: [Image; IMAGES_MAX],
     count: usize,
+    /// The share of directions to draw towards them, if there are any.
+    share: f32,
 }
 
 impl Caustics {
@@ -285,8 +288,11 @@ impl Image {
 
 impl Images {
     /// No mirror image anywhere.
-    pub const NONE: Self =
-        Self { images: [Image { axis: Vec3::Z, kappa: 0.0, norm: 0.0 }; IMAGES_MAX], count: 0 };
+    pub const NONE: Self = Self {
+        images: [Image { axis: Vec3::Z, kappa: 0.0, norm: 0.0 }; IMAGES_MAX],
+        count: 0,
+        share: SHARES[0],
+    };
 
     /// Gaussians about the first few of the `axes`, each with its standard deviation in radians
     /// (within reason) on the sphere's tangent plane, all of equal weight.
@@ -300,9 +306,15 @@ impl Images {
         images
     }
 
-    /// The mirror images that light may reach `surface` from, in `frame`.
-    pub(crate) fn seen_from(surface: &Surface, frame: &Frame, shiny: &[Shiny]) -> Self {
-        let mut images = Self::NONE;
+    /// The mirror images that light may reach `surface` from, in `frame`; it is the surface of the
+    /// reflection number `bounce`, less than [`BOUNCES`].
+    pub(crate) fn seen_from(
+        surface: &Surface,
+        frame: &Frame,
+        shiny: &[Shiny],
+        bounce: u32,
+    ) -> Self {
+        let mut images = Self { share: SHARES[bounce as usize], ..Self::NONE };
         for (direction, deviation) in shiny.iter().filter_map(|pair| pair.image(surface)) {
             images.push(frame.local_from_world(direction), deviation);
             if images.count == IMAGES_MAX {
@@ -321,7 +333,7 @@ impl Images {
 
     /// The share of directions to draw towards images.
     pub(crate) fn share(&self) -> f32 {
-        if self.count == 0 { 0.0 } else { SHARE }
+        if self.count == 0 { 0.0 } else { self.share }
     }
 
     fn all(&self) -> &[Image] {

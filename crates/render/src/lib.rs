@@ -36,6 +36,7 @@ pub mod surface;
 pub mod tally;
 pub mod tracer;
 
+pub use bsdf::lobe::GlossyLobe;
 pub use bsdf::ward::WardLobe;
 pub use film::{Film, Settings};
 pub use geometry::{GeometryBuffers, NOTHING, PixelGeometry};

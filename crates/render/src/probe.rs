@@ -13,7 +13,7 @@
 //! lobe, and of low variance for lobes like those of the mixture.
 
 use crate::accel::Ray;
-use crate::bsdf::ward::WardLobe;
+use crate::bsdf::lobe::GlossyLobe;
 use crate::bsdf::{lambert, mirror};
 use crate::film::camera_ray;
 use crate::path::{MAX_BOUNCES, Transport};
@@ -198,7 +198,7 @@ struct Gatherer<'a> {
     transport: Transport<'a>,
     materials: &'a [Material],
     settings: &'a ProbeSettings,
-    lobes: Vec<(WardLobe, f32, f32)>,
+    lobes: Vec<(GlossyLobe, f32, f32)>,
 }
 
 impl<'a> Gatherer<'a> {
@@ -211,7 +211,7 @@ impl<'a> Gatherer<'a> {
         assert!(settings.lobes.len() as u64 <= STREAMS - FIRST_LOBE, "too many proposal lobes");
         let lobes = settings.lobes.iter().map(|lobe| {
             let (sin, cos) = lobe.theta_rad.sin_cos();
-            (WardLobe::new(tracer.model, lobe.alpha_x, lobe.alpha_y), cos, sin)
+            (GlossyLobe::new(tracer.model, lobe.alpha_x, lobe.alpha_y), cos, sin)
         });
         Self {
             transport: Transport::new(tracer, appearance, settings.max_bounces).ending_at(seen),

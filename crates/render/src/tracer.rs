@@ -5,7 +5,7 @@ use crate::caustic::Caustics;
 use crate::emitters::Emitters;
 use crate::surface::{Frame, Surface};
 use glam::{Vec2, Vec3};
-use unrender_scene::{Material, Mesh, Rgb, Scene, WardModel};
+use unrender_scene::{BrdfModel, Material, Mesh, Rgb, Scene};
 
 /// Answers what light does in one scene, for any materials of its groups.
 ///
@@ -16,7 +16,7 @@ pub struct Tracer {
     pub(crate) accel: Accel,
     pub(crate) emitters: Emitters,
     pub(crate) caustics: Caustics,
-    pub(crate) model: WardModel,
+    pub(crate) model: BrdfModel,
     objects: Vec<TracedObject>,
     /// For each triangle of the scene: its object.
     object_of_triangle: Vec<u32>,

@@ -25,7 +25,7 @@ fn lamp() -> [Vec3; 4] {
 /// which nobody sees, the floor is not taken for a plane, and nothing looks for images in it.
 fn stage(material: Material, crumb: bool) -> Stage {
     let mut stage = Stage::default();
-    stage.scene.brdf = WardModel::WardGmd;
+    stage.scene.brdf = WardModel::WardGmd.into();
     let wall = stage.group(Material::diffuse(RHO), Rgb::ZERO);
     stage.plate(wall, Vec3::Y, Vec3::X, Vec3::Y);
     let floor = stage.group(material, Rgb::ZERO);

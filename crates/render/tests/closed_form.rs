@@ -162,7 +162,7 @@ fn in_the_furnace(material: Material, model: WardModel, radiance: Rgb) -> Estima
     stage.room(wall, Vec3::splat(2.0));
     let ball = stage.group(material, BLACK);
     stage.sphere(ball, Vec3::ZERO, 0.5, 24);
-    stage.scene.brdf = model;
+    stage.scene.brdf = model.into();
     // The narrow view stays on the ball and away from its limb, where the shading normals of a
     // mesh are no longer those of its triangles.
     let view = camera(Vec3::new(0.3, 0.4, 1.8), Vec3::new(0.03, 0.02, 0.0), 0.3);

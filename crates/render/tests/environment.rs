@@ -108,7 +108,7 @@ fn white_things_vanish_in_an_even_environment() {
         let ball = stage.group(material, BLACK);
         stage.sphere(ball, Vec3::ZERO, 0.5, 24);
         stage.scene.environment = Some(constant(radiance));
-        stage.scene.brdf = WardModel::WardGmd;
+        stage.scene.brdf = WardModel::WardGmd.into();
         stage
     };
     let whole = camera(Vec3::new(0.3, 0.4, 1.8), Vec3::ZERO, 1.0);

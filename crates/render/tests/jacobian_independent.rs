@@ -6,7 +6,7 @@ mod common;
 use common::{Estimate, Stage, assert_agree, camera, settings};
 use glam::{DVec3, Vec3};
 use unrender_render::{Appearance, Parameter, Settings, Tracer};
-use unrender_scene::{Camera, LightKind, Material, Rgb, WardModel};
+use unrender_scene::{BrdfModel, Camera, LightKind, Material, Rgb, WardModel};
 
 const FLOOR: u32 = 0;
 const WALLS: u32 = 1;
@@ -80,9 +80,9 @@ impl View {
 }
 
 /// A bright room without caustics: the camera sees the lamp in the brushed floor and in a mirror.
-fn calm_room(model: WardModel) -> View {
+fn calm_room(model: impl Into<BrdfModel>) -> View {
     let mut stage = Stage::default();
-    stage.scene.brdf = model;
+    stage.scene.brdf = model.into();
     let brushed = Material {
         rho_s: Rgb::new(0.5, 0.4, 0.3),
         alpha_x: 0.2,
@@ -132,7 +132,7 @@ fn derivatives_are_the_differences_of_renderings() {
 #[test]
 fn a_highlight_changes_as_its_differences_say() {
     // A point light on a plate in the void: the same light in every rendering, without noise.
-    for model in WardModel::ALL {
+    for model in BrdfModel::ALL {
         let mut stage = Stage::default();
         stage.scene.brdf = model;
         let brushed = Material {

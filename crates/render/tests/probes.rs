@@ -7,8 +7,8 @@ mod common;
 use common::{Estimate, Random, Stage, assert_agree, camera, settings};
 use glam::{DVec3, Vec3};
 use unrender_render::probe::{Incident, ProposalLobe};
-use unrender_render::{Film, Probe, ProbeSettings, Probes, Settings, Tracer, WardLobe};
-use unrender_scene::{Camera, LightKind, Material, Rgb, WardModel};
+use unrender_render::{Film, GlossyLobe, Probe, ProbeSettings, Probes, Settings, Tracer};
+use unrender_scene::{BrdfModel, Camera, LightKind, Material, Rgb, WardModel};
 
 const SIDE: usize = 16;
 
@@ -16,14 +16,15 @@ const SIDE: usize = 16;
 struct Room {
     tracer: Tracer,
     materials: Vec<Material>,
-    model: WardModel,
+    model: BrdfModel,
     /// The group of the plate.
     plate: usize,
     camera: Camera,
 }
 
 impl Room {
-    fn new(front: bool, model: WardModel, emission: Rgb) -> Self {
+    fn new(front: bool, model: impl Into<BrdfModel>, emission: Rgb) -> Self {
+        let model = model.into();
         let mut stage = Stage::default();
         stage.scene.brdf = model;
         let plate = stage.group(Material::diffuse(Rgb::ZERO), emission);
@@ -80,7 +81,7 @@ fn turned(v: Vec3, theta: f32) -> Vec3 {
 }
 
 /// `S`: what the lobe turned by `theta` reflects of the incident light.
-fn specular(lobe: &WardLobe, theta: f32, wo: Vec3, incident: &[Incident]) -> DVec3 {
+fn specular(lobe: &GlossyLobe, theta: f32, wo: Vec3, incident: &[Incident]) -> DVec3 {
     let wo = turned(wo, theta);
     let one = |i: &Incident| (i.irradiance * lobe.value(wo, turned(i.wi, theta))).as_dvec3();
     incident.iter().map(one).sum()
@@ -93,7 +94,7 @@ fn by_probes(room: &Room, material: &Material, probes: &Probes) -> Estimate {
         let specular = if material.is_delta() {
             probe.mirror.as_dvec3()
         } else if material.is_glossy() {
-            let lobe = WardLobe::new(room.model, material.alpha_x, material.alpha_y);
+            let lobe = GlossyLobe::new(room.model, material.alpha_x, material.alpha_y);
             specular(&lobe, material.theta_rad, probe.wo, probes.incident_of(probe))
         } else {
             DVec3::ZERO
@@ -141,9 +142,12 @@ fn materials() -> Vec<Material> {
 
 #[test]
 fn probes_foretell_the_rendering_of_any_material_on_either_side() {
-    for (front, model) in
-        [(true, WardModel::WardGmd), (false, WardModel::WardGmd), (true, WardModel::Ward1992)]
-    {
+    for (front, model) in [
+        (true, WardModel::WardGmd.into()),
+        (false, WardModel::WardGmd.into()),
+        (true, WardModel::Ward1992.into()),
+        (true, BrdfModel::Ggx),
+    ] {
         let room = Room::new(front, model, Rgb::ZERO);
         for (index, material) in materials().iter().enumerate() {
             let probes = room.probes(material, &gather_all());

@@ -77,7 +77,7 @@ fn each_form_is_its_formula() {
     for (index, row) in rows().iter().enumerate() {
         for (model, expected) in WardModel::ALL.into_iter().zip(row.forms) {
             let error = value(row, model) / expected - 1.0;
-            assert!(error.abs() < 2e-5, "row {index}, {model}: {error}");
+            assert!(error.abs() < 2e-5, "row {index}, {model:?}: {error}");
         }
     }
 }

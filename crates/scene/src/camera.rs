@@ -57,6 +57,7 @@ impl Camera {
 
     /// The unit direction in world space of the ray through the point (`x`, `y`) of a picture of
     /// `width` x `height` pixels; pixel (0, 0) is at the top left, its centre at (0.5, 0.5).
+    #[inline]
     pub fn direction(&self, x: f32, y: f32, width: usize, height: usize) -> Vec3 {
         let half_height = (0.5 * self.fov_y_rad).tan();
         let pixel = 2.0 * half_height / height as f32;

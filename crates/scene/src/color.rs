@@ -7,6 +7,7 @@
 pub type Rgb = glam::Vec3;
 
 /// Luminance of linear RGB by the Rec. 709 weights; the weights sum to one.
+#[inline]
 pub fn luminance(rgb: Rgb) -> f32 {
     rgb.dot(Rgb::new(0.2126, 0.7152, 0.0722))
 }

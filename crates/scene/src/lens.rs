@@ -38,9 +38,13 @@ impl Lens {
 
     /// Takes the distortion out of a point on the image plane at distance one. Beyond the farthest
     /// point that the model can show, the answer is the one for that point.
+    #[inline]
     pub fn undistorted(&self, x: f32, y: f32) -> (f32, f32) {
+        if !self.distorts() {
+            return (x, y);
+        }
         let distance = f64::from(x).hypot(f64::from(y));
-        if !self.distorts() || distance == 0.0 {
+        if distance == 0.0 {
             return (x, y);
         }
         let scale = self.undistorted_distance(distance) / distance;

@@ -25,7 +25,7 @@ pub use hypothesis::{Hypothesis, Status};
 pub use image::{Image, RgbImage};
 pub use lens::Lens;
 pub use light::{Light, LightKind, Source};
-pub use material::{Lobe, Material, Texture, WardModel, Wrap};
+pub use material::{BrdfModel, Lobe, Material, Texture, WardModel, Wrap};
 pub use mesh::{Mesh, Object};
 pub use validate::{SceneError, Warnings};
 
@@ -60,8 +60,8 @@ pub struct Scene {
     pub environment: Option<Environment>,
     /// The cameras, in the order of the scene file.
     pub cameras: Vec<Camera>,
-    /// Which form of Ward's lobe the groups' materials mean.
-    pub brdf: WardModel,
+    /// Which lobe the groups' materials mean.
+    pub brdf: BrdfModel,
 }
 
 impl Scene {

@@ -25,29 +25,68 @@ pub enum WardModel {
 impl WardModel {
     /// All models, by age.
     pub const ALL: [Self; 3] = [Self::Ward1992, Self::WardDuer, Self::WardGmd];
+}
+
+/// Which lobe the numbers of a scene's materials mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BrdfModel {
+    /// Ward's.
+    Ward(WardModel),
+    /// Trowbridge and Reitz's microfacets (GGX) with Smith's height-correlated masking.
+    Ggx,
+}
+
+impl BrdfModel {
+    /// All models, Ward's first.
+    pub const ALL: [Self; 4] = [
+        Self::Ward(WardModel::Ward1992),
+        Self::Ward(WardModel::WardDuer),
+        Self::Ward(WardModel::WardGmd),
+        Self::Ggx,
+    ];
 
     /// The name in project and result files.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Ward1992 => "ward-1992",
-            Self::WardDuer => "ward-duer",
-            Self::WardGmd => "ward-gmd",
+            Self::Ward(WardModel::Ward1992) => "ward-1992",
+            Self::Ward(WardModel::WardDuer) => "ward-duer",
+            Self::Ward(WardModel::WardGmd) => "ward-gmd",
+            Self::Ggx => "ggx",
         }
+    }
+
+    /// Whether the lobe never reflects more than the share `rho_s`, from whichever side it is lit.
+    pub fn is_bounded(self) -> bool {
+        matches!(self, Self::Ward(WardModel::WardGmd) | Self::Ggx)
     }
 }
 
-impl fmt::Display for WardModel {
+impl Default for BrdfModel {
+    fn default() -> Self {
+        Self::Ward(WardModel::default())
+    }
+}
+
+impl From<WardModel> for BrdfModel {
+    fn from(model: WardModel) -> Self {
+        Self::Ward(model)
+    }
+}
+
+impl fmt::Display for BrdfModel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }
 }
 
-impl FromStr for WardModel {
+impl FromStr for BrdfModel {
     type Err = String;
 
     fn from_str(name: &str) -> Result<Self, String> {
         Self::ALL.into_iter().find(|m| m.name() == name).ok_or_else(|| {
-            format!("unknown brdf \"{name}\"; use \"ward-gmd\", \"ward-1992\" or \"ward-duer\"")
+            format!(
+                "unknown brdf \"{name}\"; use \"ward-gmd\", \"ward-1992\", \"ward-duer\" or \"ggx\""
+            )
         })
     }
 }
@@ -55,12 +94,20 @@ impl FromStr for WardModel {
 /// The shapes of a glossy reflection that programs know.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lobe {
-    /// Ward's.
-    Ward(WardModel),
+    /// One that can be recovered.
+    Model(BrdfModel),
     /// Beckmann's microfacets, masked by Smith's term for each direction on its own.
     Beckmann,
-    /// Trowbridge and Reitz's microfacets (GGX) with Smith's height-correlated masking.
-    Ggx,
+}
+
+impl Lobe {
+    /// The lobe itself if it can be recovered, else the one that is most like it.
+    pub fn nearest_model(self) -> BrdfModel {
+        match self {
+            Self::Model(model) => model,
+            Self::Beckmann => WardModel::WardGmd.into(),
+        }
+    }
 }
 
 /// The reflectance of a group.

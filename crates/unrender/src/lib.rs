@@ -100,6 +100,7 @@ mod camera_numbers;
 pub mod check;
 pub mod cli;
 pub mod commands;
+pub mod converted;
 pub mod edit;
 mod engine;
 pub mod error;

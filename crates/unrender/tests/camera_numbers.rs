@@ -65,7 +65,7 @@ fn room() -> Scene {
         ],
         groups: RHO.into_iter().map(group).chain([lamp]).collect(),
         cameras: vec![camera],
-        brdf: WardModel::WardGmd,
+        brdf: WardModel::WardGmd.into(),
         ..Scene::default()
     };
     scene.validate().unwrap();

@@ -6,9 +6,9 @@ mod programs;
 use export_scene::{SIZE, camera, scene};
 use programs::{Program, compare, our_picture};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use unrender::converted::converted;
 use unrender::formats::export::{self, Shot, Target};
-use unrender::recover::convert::convert;
-use unrender::scene::{Material, Rgb, Scene};
+use unrender::scene::{BrdfModel, Material, Rgb, Scene};
 
 /// A folder of this test that is removed at the end.
 struct Folder(std::path::PathBuf);
@@ -32,6 +32,7 @@ impl Drop for Folder {
 /// Asserts that `program`'s picture of our scene has groups as bright as ours, up to `limit` of
 /// the group.
 fn renders_alike(
+    scene: &Scene,
     target: Target,
     program: Result<Program, String>,
     spp: u32,
@@ -44,17 +45,17 @@ fn renders_alike(
             return;
         }
     };
-    let (scene, camera) = (scene(), camera());
+    let camera = camera();
     let folder = Folder::new(target.name());
-    let converted = |material: &Material| convert(material, scene.brdf, target.lobe()).material;
-    let materials: Vec<Material> = scene.groups.iter().map(|g| converted(&g.material)).collect();
-    let shot = Shot { scene: &scene, materials: &materials, camera: &camera, size: SIZE };
+    let converted = converted(scene, &camera, SIZE, target.lobe(scene.brdf));
+    let materials: Vec<Material> = converted.into_iter().map(|c| c.material).collect();
+    let shot = Shot { scene, materials: &materials, camera: &camera, size: SIZE };
     let (files, warnings) = export::export(&shot, target).unwrap();
     assert!(warnings.0.is_empty(), "{warnings:?}");
     export::write(&folder.0, target, &files).unwrap();
     let theirs = program.picture(&folder.0, spp).unwrap();
-    let ours = our_picture(&scene, &camera, SIZE, 1024);
-    let rows = compare(&scene, &camera, &ours, &theirs, 20);
+    let ours = our_picture(scene, &camera, SIZE, 1024);
+    let rows = compare(scene, &camera, &ours, &theirs, 20);
     assert_eq!(rows.len(), scene.groups.len(), "all groups are seen");
     for row in &rows {
         let name = &scene.groups[row.group].name;
@@ -67,7 +68,7 @@ fn renders_alike(
         );
     }
     for row in &rows {
-        let (name, limit) = (&scene.groups[row.group].name, limit(&scene, row.group));
+        let (name, limit) = (&scene.groups[row.group].name, limit(scene, row.group));
         assert!(row.difference() < limit, "{name}: {} for {}", row.theirs, row.ours);
     }
 }
@@ -78,7 +79,7 @@ fn radiance_makes_the_same_picture() {
     let is_diffuse =
         |scene: &Scene, group: usize| !scene.groups[group].material.rho_s.cmpgt(Rgb::ZERO).any();
     let limit = |scene: &Scene, group| if is_diffuse(scene, group) { 0.01 } else { 0.025 };
-    renders_alike(Target::Radiance, Program::radiance(), 64, limit);
+    renders_alike(&scene(), Target::Radiance, Program::radiance(), 128, limit);
 }
 
 /// Glossy groups shine with converted lobes.
@@ -87,7 +88,41 @@ fn mitsuba_makes_the_same_picture() {
     let limit = |scene: &Scene, group: usize| {
         if scene.groups[group].material.is_glossy() { 0.05 } else { 0.01 }
     };
-    renders_alike(Target::Mitsuba, Program::mitsuba(), 1024, limit);
+    renders_alike(&scene(), Target::Mitsuba, Program::mitsuba(), 1024, limit);
+}
+
+/// The scene with the lobe of GGX, which Mitsuba has.
+#[test]
+fn mitsuba_makes_the_same_picture_of_ggx() {
+    let scene = Scene { brdf: BrdfModel::Ggx, ..scene() };
+    let limit = |scene: &Scene, group: usize| {
+        if scene.groups[group].material.is_glossy() { 0.02 } else { 0.01 }
+    };
+    renders_alike(&scene, Target::Mitsuba, Program::mitsuba(), 1024, limit);
+}
+
+/// Blender is 350 MB and is not installed by a test; it is asked for with
+/// `cargo test -p unrender --test exports -- --ignored`.
+#[test]
+#[ignore = "installs Blender"]
+fn blender_makes_the_same_picture() {
+    let limit = |scene: &Scene, group: usize| {
+        if scene.groups[group].material.is_glossy() { 0.05 } else { 0.015 }
+    };
+    renders_alike(&scene(), Target::Blender, Program::blender(), 512, limit);
+    let scene = Scene { brdf: BrdfModel::Ggx, ..scene() };
+    renders_alike(&scene, Target::Blender, Program::blender(), 512, limit);
+}
+
+#[test]
+fn ggx_needs_no_conversion_where_it_is_known() {
+    let scene = Scene { brdf: BrdfModel::Ggx, ..scene() };
+    for target in Target::ALL.into_iter().filter(|&t| t != Target::Radiance) {
+        let converted = converted(&scene, &camera(), SIZE, target.lobe(scene.brdf));
+        for (conversion, group) in converted.iter().zip(&scene.groups) {
+            assert_eq!((&conversion.material, conversion.difference), (&group.material, 0.0));
+        }
+    }
 }
 
 /// Exports the scene as `target` and says where; the folder goes with the first value.
@@ -96,8 +131,8 @@ fn exported(target: Target) -> (Folder, std::path::PathBuf) {
     std::fs::create_dir_all(&folder.0).unwrap();
     let path = folder.0.join(if target == Target::Gltf { "scene.glb" } else { "scene" });
     let (scene, camera) = (scene(), camera());
-    let converted = |material: &Material| convert(material, scene.brdf, target.lobe()).material;
-    let materials: Vec<Material> = scene.groups.iter().map(|g| converted(&g.material)).collect();
+    let converted = converted(&scene, &camera, SIZE, target.lobe(scene.brdf));
+    let materials: Vec<Material> = converted.into_iter().map(|c| c.material).collect();
     let shot = Shot { scene: &scene, materials: &materials, camera: &camera, size: SIZE };
     let (files, _) = export::export(&shot, target).unwrap();
     export::write(&path, target, &files).unwrap();
@@ -197,6 +232,8 @@ fn assert_same(back: &Scene) {
     assert_eq!(back.triangle_count(), scene.triangle_count());
     let lights = |scene: &Scene| scene.lights.iter().map(|l| l.name.clone()).collect::<Vec<_>>();
     assert_eq!(lights(back), lights(&scene));
+    let objects = |scene: &Scene| scene.objects.iter().map(|o| o.name.clone()).collect::<Vec<_>>();
+    assert_eq!(objects(back), objects(&scene));
     let theirs = our_picture(back, &back.cameras[0], SIZE, 1024);
     let ours = our_picture(&scene, &camera, SIZE, 1024);
     for row in compare(&scene, &camera, &ours, &theirs, 20) {

@@ -34,7 +34,7 @@ fn a_full_project_is_understood() {
     assert_eq!(project.response, Some(ResponseChoice::Stated(Response::Srgb)));
     assert_eq!((project.black_level, project.vignetting), (Rgb::ZERO, None));
     assert_eq!(project.exposure, Exposure::Fixed(Rgb::new(1.0, 2.0, 0.5)));
-    assert_eq!(project.brdf, WardModel::Ward1992);
+    assert_eq!(project.brdf, WardModel::Ward1992.into());
     assert_eq!(project.thresholds.paper[4], 0.02);
     assert_eq!(project.known["ceil"].material(), Material::diffuse(Rgb::ONE));
     let floor = project.known["floor"];
@@ -49,7 +49,7 @@ fn a_full_project_is_understood() {
 fn what_is_left_out_has_its_default() {
     let (project, warnings) = parse("").unwrap();
     assert_eq!(warnings.0.len(), 1, "no exposure");
-    assert_eq!((project.response, project.brdf), (None, WardModel::WardGmd));
+    assert_eq!((project.response, project.brdf), (None, WardModel::WardGmd.into()));
     assert_eq!(project.camera, CameraChoice::First);
     let gamma = ResponseChoice::Stated(Response::Gamma(2.0));
     assert_eq!(good("response = { gamma = 2 }").response, Some(gamma));

@@ -13,7 +13,7 @@ use crate::texels;
 use glam::Mat4;
 use serde_json::{Value, json};
 use std::f32::consts::FRAC_PI_2;
-use unrender_scene::{Camera, LightKind, Material, Warnings};
+use unrender_scene::{BrdfModel, Camera, LightKind, Material, Warnings};
 
 /// The program that builds the scene.
 const SCRIPT: &str = include_str!("blender/scene.py");
@@ -90,6 +90,7 @@ fn group(
         "name": group.name,
         "rho_d": triple(material.rho_d),
         "rho_s": triple(material.rho_s),
+        "microfacets": if shot.scene.brdf == BrdfModel::Ggx { "GGX" } else { "BECKMANN" },
         "alpha": number((smooth * rough).sqrt()),
         "anisotropy": number(1.0 - ratio.sqrt()),
         "emission": triple(group.emission),

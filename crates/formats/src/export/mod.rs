@@ -21,7 +21,7 @@ use crate::{FileError, atomic, gltf};
 use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
-use unrender_scene::{Camera, Lens, Lobe, Material, Scene, WardModel, Warnings};
+use unrender_scene::{BrdfModel, Camera, Lens, Lobe, Material, Scene, WardModel, Warnings};
 
 /// What is exported: a scene as one camera sees it.
 #[derive(Clone, Copy, Debug)]
@@ -93,12 +93,12 @@ impl Target {
         }
     }
 
-    /// The lobe that it can shine with.
-    pub fn lobe(self) -> Lobe {
+    /// The lobe that it shines with for a scene of `model`: that one if it has it, else the nearest.
+    pub fn lobe(self, model: BrdfModel) -> Lobe {
         match self {
-            Self::Blender | Self::Mitsuba => Lobe::Beckmann,
-            Self::Gltf | Self::Materialx | Self::Pbrt => Lobe::Ggx,
-            Self::Radiance => Lobe::Ward(WardModel::WardGmd),
+            Self::Blender | Self::Mitsuba if model != BrdfModel::Ggx => Lobe::Beckmann,
+            Self::Radiance => Lobe::Model(WardModel::WardGmd.into()),
+            _ => Lobe::Model(BrdfModel::Ggx),
         }
     }
 }
@@ -156,6 +156,13 @@ fn gltf(shot: &Shot) -> Result<(Files, Warnings), String> {
 /// # Errors
 /// If `path` has the wrong extension, or if something is in the way.
 pub fn check_path(path: &Path, target: Target) -> Result<(), FileError> {
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+    if let Some(parent) = parent.filter(|parent| !parent.is_dir()) {
+        return Err(FileError::new(path, format!("there is no folder {}", parent.display())));
+    }
+    if target.file_extension().is_some() && path.is_dir() {
+        return Err(FileError::new(path, "is a folder; name a file"));
+    }
     let Some(wanted) = target.file_extension() else { return folder::check_folder(path) };
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted)) {
         return Ok(());

@@ -6,9 +6,10 @@
 //! give rho_d and rho_s, `WGMDfunc` (Radiance 6.0) does, which has both apart.
 //! [Ward, "The RADIANCE 5.4/6.0 Synthetic Imaging System" (reference manual), section 2.1]
 //!
-//! Flat triangles are polygons; smooth and textured objects are meshes, which `render.sh` compiles
+//! Lamps that are balls are spheres (`balls`), flat triangles are polygons; smooth and textured objects are meshes, which `render.sh` compiles
 //! from OBJ files with `obj2mesh`.
 
+mod balls;
 mod lights;
 mod materials;
 mod view;
@@ -37,7 +38,13 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
         if object.mesh.triangles.is_empty() {
             continue;
         }
-        if needs_mesh(shot, object) {
+        let is_lamp = shot.scene.groups[object.group].is_emitter();
+        if let Some((centre, radius)) = balls::sphere(&object.mesh).filter(|_| is_lamp) {
+            let material = materials.of_triangle(object, 0);
+            let _ = writeln!(surfaces, "\n# object {}", quoted(&object.name));
+            let centre = triple(centre);
+            let _ = writeln!(surfaces, "{material} sphere {id}\n0\n0\n4 {centre} {radius}");
+        } else if needs_mesh(shot, object) {
             let material = |index: usize| materials.of_triangle(object, index);
             let text = obj::text(object, material);
             files.push((format!("mesh/{id}.obj"), text.into_bytes()));

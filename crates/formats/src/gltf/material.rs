@@ -9,7 +9,7 @@ use crate::texels;
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::sync::Arc;
-use unrender_scene::{Group, Material, Rgb, Texture, WardModel, Warnings};
+use unrender_scene::{BrdfModel, Group, Material, Rgb, Texture, Warnings};
 
 /// The reflectance of surfaces that have no material.
 const ASSUMED_RHO_D: f32 = 0.5;
@@ -30,7 +30,7 @@ pub(super) fn group(
     json: &MaterialJson,
     name: &str,
     warnings: &mut Warnings,
-) -> Result<(Group, Option<WardModel>), Problem> {
+) -> Result<(Group, Option<BrdfModel>), Problem> {
     warn_of_the_unread(json, name, warnings);
     let emission = emission(json).ok_or_else(|| {
         format!("material \"{name}\" has a negative or infinite emission; export the scene again")
@@ -100,7 +100,7 @@ impl Reader<'_> {
         &mut self,
         json: &MaterialJson,
         record: &serde_json::Value,
-    ) -> Result<(Material, WardModel), Problem> {
+    ) -> Result<(Material, BrdfModel), Problem> {
         let name = self.name;
         let fault = |what: &dyn std::fmt::Display| {
             format!("material \"{name}\": extras.unrender {what}; remove or repair it")

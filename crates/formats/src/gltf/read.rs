@@ -7,7 +7,7 @@ use super::source::{Source, get};
 use super::{Problem, geometry, lights, material};
 use crate::FileError;
 use std::path::Path;
-use unrender_scene::{Mesh, Object, Scene, WardModel, Warnings};
+use unrender_scene::{BrdfModel, Mesh, Object, Scene, Warnings};
 
 /// Reads the default scene of the `.glb` or `.gltf` at `path` into world space.
 ///
@@ -116,7 +116,7 @@ fn sort_into_groups(
     names: &[String],
     scene: &mut Scene,
     warnings: &mut Warnings,
-) -> Result<WardModel, Problem> {
+) -> Result<BrdfModel, Problem> {
     let mut group_of = vec![None; names.len()];
     let mut used = vec![false; names.len()];
     scene.objects.iter().for_each(|object| used[object.group] = true);

@@ -18,7 +18,7 @@ use crate::numbers::{number, triple};
 use crate::record::Record;
 use serde_json::{Map, Value, json};
 use std::f32::consts::{FRAC_PI_2, PI};
-use unrender_scene::{Material, Rgb, WardModel};
+use unrender_scene::{BrdfModel, Material, Rgb};
 
 /// The key in `extras` under which the exact numbers stand.
 pub(super) const EXTRAS_KEY: &str = "unrender";
@@ -69,7 +69,7 @@ fn dielectric_f0(extensions: &MaterialExtensions) -> Rgb {
 pub(super) fn dress(
     json: &mut Value,
     material: &Material,
-    brdf: WardModel,
+    brdf: BrdfModel,
     texture: Option<usize>,
 ) {
     let root = object(json);
@@ -144,7 +144,7 @@ fn anisotropy(material: &Material) -> Value {
 }
 
 /// Notes the exact numbers, which reading prefers.
-pub(super) fn note_exact(root: &mut Map<String, Value>, material: &Material, brdf: WardModel) {
+pub(super) fn note_exact(root: &mut Map<String, Value>, material: &Material, brdf: BrdfModel) {
     let extras = root.entry("extras").or_insert_with(|| json!({}));
     if !extras.is_object() && !extras.is_null() {
         let other = extras.take();

@@ -1,6 +1,6 @@
 //! Mitsuba 3 scenes (`.xml`): what our own export writes, exactly, and the common plugins.
 //!
-//! Shapes: `ply`, `obj`, `rectangle`, `cube`, `sphere`. Emitters: `area`, `point`, `spot`,
+//! Shapes: `ply`, `obj`, `rectangle`, `cube`, `sphere`, `cylinder`, `disk`. Emitters: `area`, `point`, `spot`,
 //! `directional`. Reflectances: see `reflectance.rs`. The camera is `perspective`. Everything else is
 //! left out with a warning. [Jakob et al., Mitsuba 3 documentation, plugin reference]
 
@@ -18,7 +18,7 @@ use reflectance::Reflectance;
 use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
 use std::path::Path;
-use unrender_scene::{Camera, Group, Lens, Mesh, Object, Rgb, Scene, Warnings};
+use unrender_scene::{BrdfModel, Camera, Group, Lens, Mesh, Object, Rgb, Scene, Warnings};
 
 /// Reads the scene at `path` with the files that it names; it is not yet validated: see
 /// [`load_scene`](crate::load_scene).
@@ -36,6 +36,7 @@ pub fn read(path: &Path) -> Result<(Scene, Warnings), FileError> {
         surfaces: Vec::new(),
         scene: Scene::default(),
         warnings: Warnings::default(),
+        microfacets: Vec::new(),
     };
     let root = document.root_element();
     reader.scene(root, &defaults(root)).map_err(fail)?;
@@ -57,6 +58,8 @@ struct Reader<'a> {
     surfaces: Vec<Surface>,
     scene: Scene,
     warnings: Warnings,
+    /// Surfaces with microfacets that are not known exactly: the name, and whether they are GGX.
+    microfacets: Vec<(String, bool)>,
 }
 
 /// The `<default>` values of the document.
@@ -77,18 +80,28 @@ impl Reader<'_> {
             if !node.is_element() {
                 continue;
             }
-            let element = Element::new(node, defaults);
-            match node.tag_name().name() {
-                "bsdf" => self.bsdf(&element, &note).map(|_| ())?,
-                "shape" => self.shape(&element, &note)?,
-                "sensor" => self.sensor(&element, &note)?,
-                "emitter" => self.emitter(&element, &note)?,
-                "default" | "integrator" => {}
-                other => self.warnings.push(format!("<{other}> was left out")),
-            }
+            let placed = |problem| {
+                let line = node.document().text_pos_at(node.range().start).row;
+                format!("line {line}: {problem}")
+            };
+            self.element(&Element::new(node, defaults), &note).map_err(placed)?;
             note = Note::default();
         }
         Ok(())
+    }
+
+    fn element(&mut self, element: &Element, note: &Note) -> Result<(), String> {
+        match element.tag() {
+            "bsdf" => self.bsdf(element, note).map(|_| ()),
+            "shape" => self.shape(element, note),
+            "sensor" => self.sensor(element, note),
+            "emitter" => self.emitter(element, note),
+            "default" | "integrator" => Ok(()),
+            other => {
+                self.warnings.push(format!("<{other}> was left out"));
+                Ok(())
+            }
+        }
     }
 
     fn bsdf(&mut self, element: &Element, note: &Note) -> Result<usize, String> {
@@ -108,6 +121,8 @@ impl Reader<'_> {
             reflectance.material =
                 unrender_scene::Material { theta_rad, texture, ..material.clone() };
             self.scene.brdf = *brdf;
+        } else if reflectance.material.is_glossy() {
+            self.microfacets.push((name.clone(), reflectance.is_ggx));
         }
         reflectance.warn(&name, note.material.is_some(), &mut self.warnings);
         self.surfaces.push(Surface {
@@ -176,6 +191,12 @@ impl Reader<'_> {
     fn mesh(&mut self, element: &Element, kind: &str) -> Result<Option<Mesh>, String> {
         let mesh = match kind {
             "ply" | "obj" => self.file(element, kind)?,
+            "disk" => shapes::ring(Vec3::ZERO, Vec3::Z, [0.0, 1.0]),
+            "cylinder" => {
+                let end = |name, default| element.point(name).unwrap_or(default);
+                let ends = [end("p0", Vec3::ZERO), end("p1", Vec3::Z)];
+                shapes::frustum(ends, [element.float("radius", 1.0)?; 2])
+            }
             "rectangle" => shapes::rectangle(),
             "cube" => shapes::cube(),
             "sphere" => {
@@ -251,8 +272,22 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// GGX, if all microfacets are; else Ward's, and those of GGX are doubtful.
+    fn choose_lobe(&mut self) {
+        if !self.microfacets.is_empty() && self.microfacets.iter().all(|(_, is_ggx)| *is_ggx) {
+            self.scene.brdf = BrdfModel::Ggx;
+            return;
+        }
+        for (name, _) in self.microfacets.iter().filter(|(_, is_ggx)| *is_ggx) {
+            self.warnings.push(format!(
+                "group \"{name}\": the roughness of its GGX was taken as Ward's, as others are no GGX"
+            ));
+        }
+    }
+
     /// The scene with its groups, each with a name of its own.
     fn finished(&mut self) -> Scene {
+        self.choose_lobe();
         let wanted: Vec<String> = self.surfaces.iter().map(|s| s.name.clone()).collect();
         let names = unique(&wanted, &mut self.warnings);
         let mut scene = std::mem::take(&mut self.scene);

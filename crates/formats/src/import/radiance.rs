@@ -1,6 +1,7 @@
 //! Radiance scenes (`.rad`): what our own export writes, exactly, and the common primitives.
 //!
-//! Surfaces: `polygon`, `sphere`, and `mesh` where the OBJ lies beside it that it was compiled from.
+//! Surfaces: `polygon`, what is round (`sphere`, `cylinder`, `cone`, `ring` and those inside out), and
+//! `mesh` where the OBJ lies beside it that it was compiled from.
 //! Materials: see `materials.rs`. Lights: surfaces of `light`, `glow` and `illum` shine; a `source`
 //! is a directional light. The camera is that of `view.vf`, or of the scene's name and `.vf`, if there
 //! is such a file. Everything else is left out with a warning.
@@ -39,7 +40,8 @@ pub fn read(path: &Path) -> Result<(Scene, Warnings), FileError> {
         warnings,
     };
     for (primitive, note) in &primitives {
-        reader.primitive(primitive, note.as_ref()).map_err(fail)?;
+        let placed = |problem| fail(format!("{}: {problem}", primitive.place));
+        reader.primitive(primitive, note.as_ref()).map_err(placed)?;
     }
     let mut scene = reader.finished();
     scene.cameras.extend(view::beside(path).map_err(fail)?);
@@ -77,15 +79,14 @@ impl Reader<'_> {
                     self.surface(primitive, note, polygon(primitive)?)?;
                 }
             }
-            "sphere" => {
-                let [x, y, z, radius] = primitive.reals()?;
-                self.surface(primitive, note, shapes::sphere(Vec3::new(x, y, z), radius))?;
+            "sphere" | "bubble" | "cylinder" | "tube" | "cone" | "cup" | "ring" => {
+                self.surface(primitive, note, round(primitive)?)?;
             }
             "mesh" => self.mesh(primitive, note)?,
             "source" => self.distant(primitive)?,
-            "bubble" | "cone" | "cup" | "cylinder" | "tube" | "ring" | "instance" => {
-                let (kind, id) = (&primitive.kind, &primitive.id);
-                self.warnings.push(format!("the {kind} \"{id}\" was left out"));
+            "instance" => {
+                let id = &primitive.id;
+                self.warnings.push(format!("the instance \"{id}\" was left out"));
             }
             _ => self.materials.add(primitive, note, self.folder, &mut self.warnings)?,
         }
@@ -169,6 +170,33 @@ impl Reader<'_> {
             .collect();
         scene
     }
+}
+
+/// What is round, as a mesh.
+fn round(primitive: &Primitive) -> Result<Mesh, String> {
+    let ends = |n: &[f32]| [Vec3::from_slice(&n[..3]), Vec3::from_slice(&n[3..6])];
+    let kind = primitive.kind.as_str();
+    let mesh = match kind {
+        "sphere" | "bubble" => {
+            let [x, y, z, radius] = primitive.reals()?;
+            shapes::sphere(Vec3::new(x, y, z), radius)
+        }
+        "cylinder" | "tube" => {
+            let reals: [f32; 7] = primitive.reals()?;
+            shapes::frustum(ends(&reals), [reals[6]; 2])
+        }
+        _ => {
+            let reals: [f32; 8] = primitive.reals()?;
+            let ([from, to], radii) = (ends(&reals), [reals[6], reals[7]]);
+            if kind == "ring" {
+                shapes::ring(from, to, radii)
+            } else {
+                shapes::frustum([from, to], radii)
+            }
+        }
+    };
+    let is_inside_out = matches!(kind, "bubble" | "tube" | "cup");
+    Ok(if is_inside_out { shapes::turned_over(mesh) } else { mesh })
 }
 
 /// A fan of triangles.

@@ -60,6 +60,54 @@ pub(super) fn sphere(centre: Vec3, radius: f32) -> Mesh {
     mesh
 }
 
+/// The side of a cone cut off between two circles, smooth, its front outside; no ends.
+pub(super) fn frustum(ends: [Vec3; 2], radii: [f32; 2]) -> Mesh {
+    let along = ends[1] - ends[0];
+    let axis = along.normalize_or(Vec3::Z);
+    let x = axis.any_orthonormal_vector();
+    let y = axis.cross(x);
+    let mut mesh = Mesh::default();
+    for (end, j) in (0..2).flat_map(|end| (0..=AROUND).map(move |j| (end, j))) {
+        let u = j as f32 / AROUND as f32;
+        let (sin, cos) = (TAU * u).sin_cos();
+        let outwards = cos * x + sin * y;
+        // It leans towards the narrower end.
+        let lean = (radii[0] - radii[1]) * axis;
+        mesh.positions.push(ends[end] + radii[end] * outwards);
+        mesh.normals.push((along.length() * outwards + lean).normalize_or(outwards));
+        mesh.uvs.push(Vec2::new(u, end as f32));
+    }
+    mesh.triangles = strip(radii);
+    mesh
+}
+
+/// The flat ring between two circles about `centre`, its front towards `normal`.
+pub(super) fn ring(centre: Vec3, normal: Vec3, radii: [f32; 2]) -> Mesh {
+    let normal = normal.normalize_or(Vec3::Z);
+    let [inner, outer] = [radii[0].min(radii[1]), radii[0].max(radii[1])];
+    let flat = frustum([centre, centre + normal], [outer, inner]);
+    let onto_plane = |(i, p): (usize, &Vec3)| {
+        if i > AROUND as usize { *p - normal } else { *p }
+    };
+    let positions: Vec<Vec3> = flat.positions.iter().enumerate().map(onto_plane).collect();
+    Mesh { normals: vec![normal; positions.len()], positions, ..flat }
+}
+
+/// Triangles between two circles of corners; an end without a radius is a point.
+fn strip(radii: [f32; 2]) -> Vec<[u32; 3]> {
+    let mut triangles = Vec::new();
+    for j in 0..AROUND {
+        let [a, b, c, d] = [j, j + 1, j + AROUND + 2, j + AROUND + 1];
+        if radii[0] > 0.0 {
+            triangles.push([a, b, c]);
+        }
+        if radii[1] > 0.0 {
+            triangles.push([a, c, d]);
+        }
+    }
+    triangles
+}
+
 /// `mesh` taken into the world; a motion that mirrors does not turn it over.
 pub(super) fn moved(mut mesh: Mesh, world_from_mesh: Affine3A) -> Mesh {
     if world_from_mesh == Affine3A::IDENTITY {

@@ -126,7 +126,7 @@ mod tests {
     use unrender_render::geometry::PixelGeometry;
     use unrender_render::probe::Mirrored;
     use unrender_render::{Probe, Probes};
-    use unrender_scene::{Image, Rgb, WardModel};
+    use unrender_scene::{BrdfModel, Image, Rgb};
 
     const SIDE: usize = 60;
 
@@ -159,7 +159,7 @@ mod tests {
             probes: Probes { probes: all.clone().map(probe).collect(), incident: Vec::new() },
         };
         let evidence = Evidence {
-            model: WardModel::WardGmd,
+            model: BrdfModel::default(),
             pixels: all.map(observed).collect(),
             sets: [set.clone(), set],
         };

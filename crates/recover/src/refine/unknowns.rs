@@ -11,7 +11,7 @@ use crate::problem::{ExposureRule, Role};
 use crate::record::Status;
 use nalgebra::DVector;
 use unrender_render::Parameter;
-use unrender_scene::{Rgb, WardModel};
+use unrender_scene::Rgb;
 
 /// One kind of number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -249,7 +249,7 @@ impl Unknowns {
             [(low - value).max(-step).min(0.0), (high - value).min(step).max(0.0)]
         };
         let intervals: Vec<[f64; 2]> = self.list.iter().map(interval).collect();
-        let bounded = state.problem.renderer.model() == WardModel::WardGmd;
+        let bounded = state.problem.renderer.model().is_bounded();
         let pairs = if bounded { self.pairs_below_one(state) } else { Vec::new() };
         Bounds { intervals, pairs }
     }

@@ -6,8 +6,9 @@
 //! so one of them always claims the ray. Where an edge function is exactly zero it is computed
 //! again in double precision.
 
-use super::Ray;
-use glam::{DVec3, Vec3, Vec4};
+use super::walk::three;
+use super::{Hit, Ray};
+use glam::{BVec4A, DVec3, Vec3, Vec4};
 
 /// A ray with its shear, prepared once for all triangles.
 #[derive(Clone, Copy)]
@@ -19,6 +20,7 @@ pub(super) struct ShearedRay {
 }
 
 impl ShearedRay {
+    #[inline(always)]
     pub(super) fn new(ray: &Ray) -> Self {
         let direction = ray.direction.to_array();
         let size = ray.direction.abs().to_array();
@@ -47,13 +49,6 @@ pub(super) struct Triangles4 {
     pub(super) ids: [u32; 4],
 }
 
-/// Distances and barycentric weights of four triangles; the distance is infinite for a miss.
-pub(super) struct Hits4 {
-    pub(super) t: Vec4,
-    pub(super) u: Vec4,
-    pub(super) v: Vec4,
-}
-
 impl Triangles4 {
     /// One to four triangles with their numbers.
     pub(super) fn new(triangles: &[(u32, [Vec3; 3])]) -> Self {
@@ -66,11 +61,13 @@ impl Triangles4 {
         Self { corners, ids: std::array::from_fn(|i| lane(i).0) }
     }
 
-    /// Meets all four triangles from either side, at distances in (0, `t_max`).
-    pub(super) fn intersect(&self, ray: &ShearedRay, t_max: f32) -> Hits4 {
+    /// The nearest of the four triangles that the ray meets, from either side, at a distance in
+    /// (0, `t_max`).
+    #[inline(always)]
+    pub(super) fn nearest(&self, ray: &ShearedRay, t_max: f32) -> Option<Hit> {
         let [kx, ky, kz] = ray.axes;
-        let [sx, sy, sz] = ray.shear.map(Vec4::splat);
-        let [ox, oy, oz] = ray.origin.map(Vec4::splat);
+        let [sx, sy, sz] = three(ray.shear, Vec4::splat);
+        let [ox, oy, oz] = three(ray.origin, Vec4::splat);
         let sheared = |corner: &[Vec4; 3]| {
             let z = corner[kz] - oz;
             ((corner[kx] - ox) - sx * z, (corner[ky] - oy) - sy * z, z)
@@ -80,20 +77,28 @@ impl Triangles4 {
         let mut u = cx * by - cy * bx;
         let mut v = ax * cy - ay * cx;
         let mut w = bx * ay - by * ax;
+        // A zero agrees with either side, so whoever fails here fails whatever the zero really is.
+        if !same_side(u, v, w).any() {
+            return None;
+        }
         if (u.cmpeq(Vec4::ZERO) | v.cmpeq(Vec4::ZERO) | w.cmpeq(Vec4::ZERO)).any() {
             u = edge_again(u, cx, by, cy, bx);
             v = edge_again(v, ax, cy, ay, cx);
             w = edge_again(w, bx, ay, by, ax);
         }
-        let lowest = u.min(v).min(w);
-        let highest = u.max(v).max(w);
-        let same_side = lowest.cmpge(Vec4::ZERO) | highest.cmple(Vec4::ZERO);
         let determinant = u + v + w;
         let inverse = determinant.recip();
         let t = (u * az + v * bz + w * cz) * sz * inverse;
         let near = t.cmpgt(Vec4::ZERO) & t.cmplt(Vec4::splat(t_max));
-        let hit = same_side & near & determinant.cmpne(Vec4::ZERO);
-        Hits4 { t: Vec4::select(hit, t, Vec4::INFINITY), u: v * inverse, v: w * inverse }
+        let hit = same_side(u, v, w) & near & determinant.cmpne(Vec4::ZERO);
+        if !hit.any() {
+            return None;
+        }
+        let distances = Vec4::select(hit, t, Vec4::INFINITY);
+        let t = distances.min_element();
+        let lane = distances.cmpeq(Vec4::splat(t)).bitmask().trailing_zeros() as usize % 4;
+        let barycentric = [(v * inverse)[lane], (w * inverse)[lane]];
+        Some(Hit { t, triangle: self.ids[lane], barycentric })
     }
 
     /// The corners of the triangle in `lane`.
@@ -101,6 +106,12 @@ impl Triangles4 {
     pub(super) fn corners(&self, lane: usize) -> [Vec3; 3] {
         self.corners.map(|c| Vec3::new(c[0][lane], c[1][lane], c[2][lane]))
     }
+}
+
+/// Where no edge function has another sign than the others.
+#[inline(always)]
+fn same_side(u: Vec4, v: Vec4, w: Vec4) -> BVec4A {
+    u.min(v).min(w).cmpge(Vec4::ZERO) | u.max(v).max(w).cmple(Vec4::ZERO)
 }
 
 /// The edge function `p q - r s` in double precision, in the lanes where `single` is zero.
@@ -118,6 +129,7 @@ fn edge_again(single: Vec4, p: Vec4, q: Vec4, r: Vec4, s: Vec4) -> Vec4 {
 
 /// Moves `point` on a surface off it along the unit `normal`, just far enough that rays that start
 /// there do not meet the surface again (Waechter & Binder, Ray Tracing Gems 2019, chapter 6).
+#[inline]
 pub fn offset(point: Vec3, normal: Vec3) -> Vec3 {
     const ORIGIN: f32 = 1.0 / 32.0;
     const FLOAT_SCALE: f32 = 1.0 / 65536.0;
@@ -154,8 +166,8 @@ mod tests {
             let target = Vec3::new(s, s, 0.0);
             let origin = Vec3::new(0.3, 0.7, 1.1);
             let ray = Ray::new(origin, (target - origin).normalize());
-            let hits = triangles.intersect(&ShearedRay::new(&ray), f32::INFINITY);
-            assert!(hits.t.min_element().is_finite(), "leak at {s}");
+            let hit = triangles.nearest(&ShearedRay::new(&ray), f32::INFINITY);
+            assert!(hit.is_some(), "leak at {s}");
         }
     }
 }

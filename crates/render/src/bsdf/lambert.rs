@@ -7,6 +7,7 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 pub const VALUE: f32 = FRAC_1_PI;
 
 /// Draws a direction with density `cos / pi` from two numbers in [0, 1).
+#[inline]
 pub fn sample(u: [f32; 2]) -> Vec3 {
     let radius = u[0].sqrt();
     let (sin, cos) = (TAU * u[1]).sin_cos();
@@ -14,6 +15,7 @@ pub fn sample(u: [f32; 2]) -> Vec3 {
 }
 
 /// The density of [`sample`] over solid angle.
+#[inline]
 pub fn pdf(wi: Vec3) -> f32 {
     wi.z.max(0.0) * FRAC_1_PI
 }

@@ -9,15 +9,16 @@
 
 pub mod ggx;
 pub mod lambert;
+pub mod lobe;
 pub mod mirror;
 pub mod ward;
 
 use crate::caustic::Images;
-use ggx::GgxLobe;
 use glam::Vec3;
+use lobe::GlossyLobe;
 use unrender_scene::color::luminance;
-use unrender_scene::{Material, Rgb, WardModel};
-use ward::{LobeDerivatives, WardLobe};
+use unrender_scene::{BrdfModel, Material, Rgb};
+use ward::LobeDerivatives;
 
 /// The specular part of a reflectance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,9 +28,7 @@ pub enum Specular {
     /// A perfect mirror.
     Mirror,
     /// A lobe with a roughness.
-    Ward(WardLobe),
-    /// Microfacets.
-    Ggx(GgxLobe),
+    Glossy(GlossyLobe),
 }
 
 /// What `f` is made of in one pair of directions: `f = rho_d diffuse + rho_s specular.value`. So
@@ -56,8 +55,7 @@ impl Specular {
     #[inline]
     pub fn terms(&self, wo: Vec3, wi: Vec3) -> Terms {
         let specular = match self {
-            Self::Ward(lobe) => lobe.derivatives(wo, wi),
-            Self::Ggx(lobe) => lobe.derivatives(wo, wi),
+            Self::Glossy(lobe) => lobe.derivatives(wo, wi),
             _ => LobeDerivatives::default(),
         };
         Terms { diffuse: lambert::VALUE, specular }
@@ -92,11 +90,11 @@ pub struct BsdfSample {
 
 impl<'a> Bsdf<'a> {
     /// The reflectance of `material` with the given diffuse part.
-    pub fn new(material: &Material, rho_d: Rgb, model: WardModel) -> Self {
+    pub fn new(material: &Material, rho_d: Rgb, model: impl Into<BrdfModel>) -> Self {
         let specular = if material.is_delta() {
             Specular::Mirror
         } else if material.is_glossy() {
-            Specular::Ward(WardLobe::new(model, material.alpha_x, material.alpha_y))
+            Specular::Glossy(GlossyLobe::new(model, material.alpha_x, material.alpha_y))
         } else {
             Specular::None
         };
@@ -141,8 +139,7 @@ impl<'a> Bsdf<'a> {
         }
         let mut f = self.rho_d * lambert::VALUE;
         match self.specular {
-            Specular::Ward(lobe) => f += self.rho_s * lobe.value(wo, wi),
-            Specular::Ggx(lobe) => f += self.rho_s * lobe.value(wo, wi),
+            Specular::Glossy(lobe) => f += self.rho_s * lobe.value(wo, wi),
             Specular::None | Specular::Mirror => {}
         }
         f
@@ -160,8 +157,7 @@ impl<'a> Bsdf<'a> {
         }
         let mut pdf = (1.0 - self.specular_share) * diffuse;
         match self.specular {
-            Specular::Ward(lobe) => pdf += self.specular_share * lobe.pdf(wo, wi),
-            Specular::Ggx(lobe) => pdf += self.specular_share * lobe.pdf(wo, wi),
+            Specular::Glossy(lobe) => pdf += self.specular_share * lobe.pdf(wo, wi),
             Specular::None | Specular::Mirror => {}
         }
         pdf
@@ -180,8 +176,7 @@ impl<'a> Bsdf<'a> {
                 let weight = self.rho_s / self.specular_share;
                 return Some(BsdfSample { wi: mirror::reflect(wo), weight, pdf: f32::INFINITY });
             }
-            Specular::Ward(lobe) if take_specular => lobe.sample(wo, [u[1], u[2]]),
-            Specular::Ggx(lobe) if take_specular => lobe.sample(wo, [u[1], u[2]]),
+            Specular::Glossy(lobe) if take_specular => lobe.sample(wo, [u[1], u[2]]),
             _ => self.sample_diffuse(u),
         };
         let pdf = self.pdf(wo, wi);

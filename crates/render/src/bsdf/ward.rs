@@ -123,23 +123,6 @@ impl WardLobe {
     }
 }
 
-/// The albedo of the lobe for `wo` (light reflected over light received) by quadrature over the
-/// half vector with `n` x `n` points; used by tests and by nobody on a hot path.
-pub fn albedo(lobe: &WardLobe, wo: Vec3, n: usize) -> f64 {
-    let mut sum = 0.0;
-    for i in 0..n {
-        for j in 0..n {
-            let u = [(i as f32 + 0.5) / n as f32, (j as f32 + 0.5) / n as f32];
-            let wi = lobe.sample(wo, u);
-            let pdf = lobe.pdf(wo, wi);
-            if wi.z > 0.0 && pdf > 0.0 {
-                sum += f64::from(lobe.value(wo, wi) * wi.z / pdf);
-            }
-        }
-    }
-    sum / (n * n) as f64
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,7 +6,7 @@ use crate::bsdf::{Bsdf, Specular};
 use crate::path::Vertex;
 use crate::tracer::{Appearance, Tracer};
 use glam::Vec3;
-use unrender_scene::{Material, Rgb, WardModel};
+use unrender_scene::{BrdfModel, Material, Rgb};
 
 /// The slot of what nobody asked for.
 pub(super) const NONE: u32 = u32::MAX;
@@ -104,7 +104,7 @@ impl<'a> Plan<'a> {
 }
 
 impl<'a> GroupPlan<'a> {
-    fn new(model: WardModel, material: &'a Material, specular_asked: bool, angle: f32) -> Self {
+    fn new(model: BrdfModel, material: &'a Material, specular_asked: bool, angle: f32) -> Self {
         let rho_s = if specular_asked { Rgb::ONE } else { material.rho_s };
         let shape = Material { rho_s, texture: None, ..material.clone() };
         Self {

@@ -6,7 +6,7 @@ use unrender::scene::{Group, Material, Mesh, Object, Rgb, Scene, WardModel};
 
 /// The robot, standing on the origin and looking along +z.
 pub(crate) fn scene() -> Scene {
-    let mut scene = Scene { brdf: WardModel::WardGmd, ..Scene::default() };
+    let mut scene = Scene { brdf: WardModel::WardGmd.into(), ..Scene::default() };
     let paint = Material::isotropic(Rgb::new(0.75, 0.72, 0.66), Rgb::splat(0.06), 0.12);
     let rubber = Material::diffuse(Rgb::splat(0.06));
     let steel = Material::isotropic(Rgb::splat(0.08), Rgb::new(0.62, 0.62, 0.60), 0.16);

@@ -21,7 +21,7 @@ const VASE_SCALE: f32 = 1.6;
 
 /// The furnished room with its true materials.
 pub(crate) fn scene() -> Scene {
-    let mut scene = Scene { brdf: WardModel::WardGmd, ..Scene::default() };
+    let mut scene = Scene { brdf: WardModel::WardGmd.into(), ..Scene::default() };
     shell(&mut scene);
     furniture(&mut scene);
     small_things(&mut scene);

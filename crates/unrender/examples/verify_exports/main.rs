@@ -1,7 +1,8 @@
 //! Renders exports of the examples by the programs that they are for, and writes how far their
 //! pictures are from ours, group by group: the table of `docs/exports.md`.
 //!
-//! `cargo run --release --example verify_exports -- [--spp N] [--height N] [PROGRAM ...]`. Programs
+//! `cargo run --release --example verify_exports -- [--spp N] [--height N] [--scene FOLDER] [PROGRAM
+//! ...]`. Programs
 //! that are not named keep their tables. What is needed comes from PyPI, Blender's 350 MB included.
 
 #[path = "../../tests/programs/mod.rs"]
@@ -10,31 +11,34 @@ mod table;
 
 use programs::{Program, compare, our_picture};
 use std::path::{Path, PathBuf};
+use unrender::converted::converted;
 use unrender::formats::export::{self, Shot, Target};
 use unrender::formats::materials;
-use unrender::recover::convert::convert;
-use unrender::scene::{Camera, Scene, WardModel};
+use unrender::scene::{BrdfModel, Camera, Scene, WardModel};
 
 type Failure = Box<dyn std::error::Error>;
 
 /// Groups of fewer pixels are left out.
 const LEAST_PIXELS: usize = 50;
-/// Paths a pixel of our picture, for one of theirs.
-const OURS: u32 = 4;
+/// Paths a pixel of our picture.
+const OURS: u32 = 1024;
 
 struct Request {
     spp: u32,
     height: usize,
+    /// Only the scenes of this example.
+    scene: Option<String>,
     targets: Vec<Target>,
 }
 
 fn request() -> Result<Request, Failure> {
-    let mut request = Request { spp: 256, height: 192, targets: Vec::new() };
+    let mut request = Request { spp: 256, height: 192, scene: None, targets: Vec::new() };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         match word.as_str() {
             "--spp" => request.spp = words.next().ok_or("--spp N")?.parse()?,
             "--height" => request.height = words.next().ok_or("--height N")?.parse()?,
+            "--scene" => request.scene = words.next(),
             name => request.targets.push(name.parse()?),
         }
     }
@@ -51,10 +55,14 @@ fn main() -> Result<(), Failure> {
     for target in &request.targets {
         let program = Program::for_target(*target)?;
         for (name, folder, model) in [
-            ("Figure 8", "fig8", WardModel::Ward1992),
-            ("Figure 8, read as ward-gmd", "fig8", WardModel::WardGmd),
-            ("The room", "room", WardModel::WardGmd),
+            ("Figure 8", "fig8", BrdfModel::Ward(WardModel::Ward1992)),
+            ("Figure 8, read as ward-gmd", "fig8", BrdfModel::Ward(WardModel::WardGmd)),
+            ("Figure 8, read as ggx", "fig8", BrdfModel::Ggx),
+            ("The room", "room", BrdfModel::Ward(WardModel::WardGmd)),
         ] {
+            if request.scene.as_ref().is_some_and(|only| only != folder) {
+                continue;
+            }
             let (scene, camera) = load(&root.join("examples").join(folder), model)?;
             let rows = rows(&scene, &camera, *target, &program, &request)?;
             let title = format!("{name}, {target}");
@@ -67,7 +75,7 @@ fn main() -> Result<(), Failure> {
 }
 
 /// The example in `folder` with its true materials, which mean `model`.
-fn load(folder: &Path, model: WardModel) -> Result<(Scene, Camera), Failure> {
+fn load(folder: &Path, model: BrdfModel) -> Result<(Scene, Camera), Failure> {
     let (mut scene, _) = unrender::formats::load_scene(&folder.join("scene.glb"))?;
     materials::apply_from(&folder.join("truth.json"), &mut scene)?;
     scene.brdf = model;
@@ -85,16 +93,15 @@ fn rows(
 ) -> Result<String, Failure> {
     let width = (request.height as f32 * camera.aspect.unwrap_or(1.0)).round() as usize;
     let size = (width, request.height);
-    let conversions: Vec<_> =
-        scene.groups.iter().map(|g| convert(&g.material, scene.brdf, target.lobe())).collect();
-    let converted: Vec<_> = conversions.iter().map(|c| c.material.clone()).collect();
+    let conversions = converted(scene, camera, size, target.lobe(scene.brdf));
+    let materials: Vec<_> = conversions.iter().map(|c| c.material.clone()).collect();
     let folder = Folder::new();
-    let shot = Shot { scene, materials: &converted, camera, size };
+    let shot = Shot { scene, materials: &materials, camera, size };
     let (files, _) = export::export(&shot, target)?;
     let path = folder.0.join(if target == Target::Gltf { "scene.glb" } else { "scene" });
     export::write(&path, target, &files)?;
     let theirs = program.picture(&path, request.spp)?;
-    let ours = our_picture(scene, camera, size, OURS * request.spp);
+    let ours = our_picture(scene, camera, size, OURS);
     Ok(table::rows(scene, &conversions, &compare(scene, camera, &ours, &theirs, LEAST_PIXELS)))
 }
 

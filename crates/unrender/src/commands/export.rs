@@ -2,22 +2,25 @@
 
 use crate::cli::{Global, warn};
 use crate::commands::render;
+use crate::converted::converted;
 use crate::run::{self, Run};
 use crate::{Error, interrupt, job};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_formats::export::{self, Shot, Target};
 use unrender_formats::materials;
-use unrender_recover::convert::{Conversion, convert};
+use unrender_recover::convert::Conversion;
 use unrender_scene::{Camera, Group, Material, Scene, WardModel, Warnings};
 
 /// Writes a scene and its materials for another program.
 ///
-/// Radiance shines with the same lobe as unrender (ward-gmd). For other programs, and other forms of
-/// Ward's lobe, glossy reflections are converted, and how far off they are is told.
+/// Radiance shines with the lobe of ward-gmd, all other programs with that of ggx; what was recovered
+/// with another lobe is converted, and how far off it is is told.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
-    unrender export result --to radiance --out room_radiance\n  \
+    unrender export result --to blender --out room_blender\n  \
+    unrender export result --to gltf --out room.glb\n  \
+    unrender export result --to mitsuba --camera door --height 1080 --out room_mitsuba\n  \
     unrender export --scene room.glb --materials truth.json --to radiance --out room_radiance")]
 pub struct Args {
     /// The folder that `recover` left its results in.
@@ -54,14 +57,15 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     export::check_path(&args.out, args.to)?;
     let (scene, camera, size, warnings) = input(args)?;
     warn(&warnings);
-    let conversion = |group: &Group| convert(&group.material, scene.brdf, args.to.lobe());
-    let conversions: Vec<Conversion> = scene.groups.iter().map(conversion).collect();
+    let conversions = converted(&scene, &camera, size, args.to.lobe(scene.brdf));
     if !global.quiet {
         tell(&scene, &conversions);
     }
     let mut doubts = Warnings::default();
     let is_bent = |(group, c): (&Group, &Conversion)| c.material != group.material;
-    if scene.brdf == WardModel::Ward1992 && scene.groups.iter().zip(&conversions).any(is_bent) {
+    if scene.brdf == WardModel::Ward1992.into()
+        && scene.groups.iter().zip(&conversions).any(is_bent)
+    {
         doubts.push(
             "the lobe of ward-1992 reflects the less the flatter it is seen, which no other program \
              knows; recover with brdf = \"ward-gmd\" what is to be exported",

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use unrender_formats::FileError;
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
-use unrender_scene::{Camera, Material, Rgb, Scene, WardModel, Warnings};
+use unrender_scene::{BrdfModel, Camera, Material, Rgb, Scene, Warnings};
 
 /// A project file with its paths made whole and its numbers checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,8 +45,8 @@ pub struct Project {
     pub unknown_lights: BTreeSet<String>,
     /// The lights that the project calls known, as lights are by default.
     pub known_lights: BTreeSet<String>,
-    /// The form of Ward's lobe to recover.
-    pub brdf: WardModel,
+    /// The lobe to recover.
+    pub brdf: BrdfModel,
     /// When a hypothesis is good enough.
     pub thresholds: Thresholds,
     /// The camera of the photograph.

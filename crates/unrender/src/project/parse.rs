@@ -8,7 +8,7 @@ use std::path::Path;
 use toml::Value;
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
-use unrender_scene::{Lens, Rgb, WardModel, Warnings};
+use unrender_scene::{BrdfModel, Lens, Rgb, Warnings};
 
 pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), String> {
     let raw: RawProject = toml::from_str(text).map_err(|error| with_line(&error, text))?;
@@ -30,7 +30,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         let named = raw.lights.iter().filter(move |(_, light)| light.unknown == unknown);
         named.map(|(name, _)| name.clone()).collect()
     };
-    let brdf = raw.recover.brdf.as_deref().map(str::parse::<WardModel>).transpose();
+    let brdf = raw.recover.brdf.as_deref().map(str::parse::<BrdfModel>).transpose();
     let project = Project {
         path: path.to_owned(),
         scene: folder.join(&raw.scene),

@@ -68,9 +68,9 @@ def picture_node(nodes, texture):
 
 
 def shiny(nodes, links, group):
-    """The specular part: Beckmann's microfacets, their reflectance the same at all angles."""
+    """The specular part: microfacets, their reflectance the same at all angles."""
     node = nodes.new("ShaderNodeBsdfAnisotropic")
-    node.distribution = "BECKMANN"
+    node.distribution = group["microfacets"]
     node.inputs["Color"].default_value = (*group["rho_s"], 1)
     node.inputs["Roughness"].default_value = math.sqrt(group["alpha"])
     node.inputs["Anisotropy"].default_value = group["anisotropy"]

@@ -4,7 +4,7 @@ use super::{float, reflectance, safe};
 use crate::export::{Files, Shot, tiling};
 use crate::record::group_note;
 use crate::texels;
-use unrender_scene::{Material, Rgb, Warnings};
+use unrender_scene::{BrdfModel, Material, Rgb, Warnings};
 
 /// The reflectance of group `index` as a BSDF called `id`, and the picture that it names.
 pub(super) fn bsdf(
@@ -36,13 +36,14 @@ pub(super) fn bsdf(
         }
     }
     let diffuse = format!("<bsdf type=\"diffuse\">{color}</bsdf>");
+    let microfacets = if shot.scene.brdf == BrdfModel::Ggx { "ggx" } else { "beckmann" };
     let inside = match weight {
         0.0 => diffuse,
-        1.0 => specular(material, material.rho_s),
+        1.0 => specular(material, material.rho_s, microfacets),
         _ => format!(
             "<bsdf type=\"blendbsdf\">{}{diffuse}{}</bsdf>",
             float("weight", weight),
-            specular(material, material.rho_s / weight)
+            specular(material, material.rho_s / weight, microfacets)
         ),
     };
     let text = format!(
@@ -52,14 +53,14 @@ pub(super) fn bsdf(
     Ok((text, files))
 }
 
-fn specular(material: &Material, color: Rgb) -> String {
+fn specular(material: &Material, color: Rgb, microfacets: &str) -> String {
     let color = reflectance("specular_reflectance", color);
     let perfect = "<string name=\"material\" value=\"none\"/>";
     if material.is_delta() {
         return format!("<bsdf type=\"conductor\">{perfect}{color}</bsdf>");
     }
     format!(
-        "<bsdf type=\"roughconductor\">{perfect}<string name=\"distribution\" value=\"beckmann\"/>\
+        "<bsdf type=\"roughconductor\">{perfect}<string name=\"distribution\" value=\"{microfacets}\"/>\
          {}{}{color}</bsdf>",
         float("alpha_u", material.alpha_x),
         float("alpha_v", material.alpha_y)

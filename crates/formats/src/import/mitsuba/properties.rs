@@ -41,6 +41,11 @@ impl<'a> Element<'a> {
         found.map(|node| Self { node, defaults: self.defaults })
     }
 
+    /// What it is called.
+    pub(super) fn tag(&self) -> &str {
+        self.node.tag_name().name()
+    }
+
     /// Whether it is called `tag`.
     pub(super) fn is(&self, tag: &str) -> bool {
         self.node.has_tag_name(tag)

@@ -1,7 +1,8 @@
 //! BSDFs as diffuse part, specular part and roughness.
 //!
-//! Exact: `diffuse`, `conductor` without a material, `twosided` and `blendbsdf` of these. Of
-//! microfacets the roughness is taken as Ward's: Beckmann's has the same distribution of slopes.
+//! Exact: `diffuse`, `conductor` without a material, `twosided` and `blendbsdf` of these. GGX is
+//! GGX where all that is rough has it; else the roughness of microfacets is taken as Ward's: Beckmann's
+//! has the same distribution of slopes.
 //! `plastic` and `roughplastic` reflect what they do at normal incidence.
 
 use super::Element;
@@ -14,16 +15,18 @@ use unrender_scene::{Material, Rgb, Texture, Warnings, Wrap};
 #[derive(Clone, Debug)]
 pub(super) struct Reflectance {
     pub(super) material: Material,
+    /// Whether its microfacets, if it has some, are those of GGX.
+    pub(super) is_ggx: bool,
     doubts: Vec<String>,
 }
 
 impl Reflectance {
     pub(super) fn diffuse(rho_d: Rgb) -> Self {
-        Self { material: Material::diffuse(rho_d), doubts: Vec::new() }
+        Self { material: Material::diffuse(rho_d), is_ggx: false, doubts: Vec::new() }
     }
 
     fn doubted(material: Material, doubt: &str) -> Self {
-        Self { material, doubts: vec![doubt.to_owned()] }
+        Self { material, is_ggx: false, doubts: vec![doubt.to_owned()] }
     }
 
     /// Tells the doubts about the group `name`; its exact numbers may be known.
@@ -90,7 +93,11 @@ fn diffuse(bsdf: &Element, name: &str, folder: &Path) -> Result<Reflectance, Str
     if bitmap.property("to_uv").is_some() {
         doubts.push("its texture's to_uv was left out".to_owned());
     }
-    Ok(Reflectance { material, doubts })
+    Ok(Reflectance { material, is_ggx: false, doubts })
+}
+
+fn is_ggx(bsdf: &Element) -> bool {
+    bsdf.value("distribution").as_deref() == Some("ggx")
 }
 
 fn conductor(bsdf: &Element, rough: bool) -> Result<Reflectance, String> {
@@ -105,9 +112,11 @@ fn conductor(bsdf: &Element, rough: bool) -> Result<Reflectance, String> {
         let alpha = bsdf.float("alpha", 0.1)?;
         material.alpha_x = bsdf.float("alpha_u", alpha)?;
         material.alpha_y = bsdf.float("alpha_v", alpha)?;
-        doubts.push("the roughness of its microfacets was taken as Ward's".to_owned());
+        if !is_ggx(bsdf) {
+            doubts.push("the roughness of its microfacets was taken as Ward's".to_owned());
+        }
     }
-    Ok(Reflectance { material, doubts })
+    Ok(Reflectance { material, is_ggx: is_ggx(bsdf), doubts })
 }
 
 fn plastic(bsdf: &Element, rough: bool, folder: &Path) -> Result<Reflectance, String> {
@@ -126,6 +135,7 @@ fn plastic(bsdf: &Element, rough: bool, folder: &Path) -> Result<Reflectance, St
     if rough {
         let alpha = bsdf.float("alpha", 0.1)?;
         (material.alpha_x, material.alpha_y) = (alpha, alpha);
+        reflectance.is_ggx = is_ggx(bsdf);
     }
     reflectance.doubts.push("plastic was taken as it reflects at normal incidence".to_owned());
     Ok(reflectance)
@@ -137,6 +147,7 @@ fn blend(bsdf: &Element, folder: &Path, warnings: &mut Warnings) -> Result<Refle
     let [one, other] = &parts[..] else { return Err("a blendbsdf has two parts".into()) };
     let (one, other) = (of(one, folder, warnings)?, of(other, folder, warnings)?);
     let (mut material, two) = (scaled(one.material, 1.0 - weight), scaled(other.material, weight));
+    let is_ggx = one.is_ggx || other.is_ggx;
     let mut doubts = [one.doubts, other.doubts].concat();
     let both = |f: fn(&Material) -> bool| f(&material) && f(&two);
     if both(|m| m.rho_s.max_element() > 0.0) || both(|m| m.texture.is_some()) {
@@ -149,7 +160,7 @@ fn blend(bsdf: &Element, folder: &Path, warnings: &mut Warnings) -> Result<Refle
         material.rho_s = two.rho_s;
         (material.alpha_x, material.alpha_y) = (two.alpha_x, two.alpha_y);
     }
-    Ok(Reflectance { material, doubts })
+    Ok(Reflectance { material, is_ggx, doubts })
 }
 
 fn scaled(mut material: Material, by: f32) -> Material {

@@ -11,7 +11,7 @@ use crate::{picture, texels};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
-use unrender_scene::{Group, Material, Rgb, Texture, WardModel, Warnings, Wrap};
+use unrender_scene::{BrdfModel, Group, Material, Rgb, Texture, Warnings, Wrap};
 
 /// What has been defined so far.
 #[derive(Default)]
@@ -23,12 +23,12 @@ pub(super) struct Materials {
     colors: BTreeMap<String, Rgb>,
     /// Pictures by identifier.
     pictures: BTreeMap<String, Arc<Texture>>,
-    brdf: WardModel,
+    brdf: BrdfModel,
 }
 
 impl Materials {
     /// The lobe that all of it means: Radiance's, or that of exact numbers.
-    pub(super) fn brdf(&self) -> WardModel {
+    pub(super) fn brdf(&self) -> BrdfModel {
         self.brdf
     }
 

@@ -15,6 +15,8 @@ pub(super) struct Primitive {
     pub(super) id: String,
     pub(super) strings: Vec<String>,
     pub(super) reals: Vec<f32>,
+    /// The line that it starts in, with the file's name if that is an included one.
+    pub(super) place: String,
 }
 
 impl Primitive {
@@ -34,21 +36,23 @@ pub(super) fn read(
     warnings: &mut Warnings,
 ) -> Result<Vec<(Primitive, Option<Note>)>, String> {
     let mut found = Vec::new();
-    file(path, &mut found, warnings, DEPTH)?;
+    file(path, "", &mut found, warnings, DEPTH)?;
     Ok(found)
 }
 
 fn file(
     path: &Path,
+    shown: &str,
     found: &mut Vec<(Primitive, Option<Note>)>,
     warnings: &mut Warnings,
     depth: usize,
 ) -> Result<(), String> {
     let text = std::fs::read_to_string(path)
         .map_err(|error| format!("{} cannot be read: {error}", path.display()))?;
-    let mut words: Vec<&str> = Vec::new();
+    let mut words: Vec<Word> = Vec::new();
     let mut note: Option<Note> = None;
-    for line in text.lines() {
+    for (index, line) in text.lines().enumerate() {
+        let place = format!("{shown}line {}", index + 1);
         if let Some(comment) = line.strip_prefix('#') {
             flush(&mut words, &mut note, found)?;
             note = Note::parse(comment);
@@ -60,27 +64,42 @@ fn file(
                 }
                 ["xform", name] => {
                     let included = path.parent().unwrap_or(Path::new("")).join(name);
-                    file(&included, found, warnings, depth - 1)?;
+                    file(&included, &format!("{name}, "), found, warnings, depth - 1)?;
                 }
-                _ => warnings.push(format!("the command \"{command}\" was left out")),
+                _ => warnings.push(format!(
+                    "{place}: the command \"{command}\" was left out; write what it prints into a \
+                     file, and !xform that file"
+                )),
             }
         } else {
-            words.extend(line.split('#').next().unwrap_or("").split_whitespace());
+            let before = line.split('#').next().unwrap_or("").split_whitespace();
+            words.extend(before.map(|text| Word { text, shown, line: index + 1 }));
         }
     }
     flush(&mut words, &mut note, found)
 }
 
+/// A word and where it stands.
+#[derive(Clone, Copy)]
+struct Word<'a> {
+    text: &'a str,
+    shown: &'a str,
+    line: usize,
+}
+
 /// Turns the words so far into primitives.
 fn flush(
-    words: &mut Vec<&str>,
+    words: &mut Vec<Word>,
     note: &mut Option<Note>,
     found: &mut Vec<(Primitive, Option<Note>)>,
 ) -> Result<(), String> {
-    let mut rest = words.as_slice();
+    let texts: Vec<&str> = words.iter().map(|word| word.text).collect();
+    let mut rest = texts.as_slice();
     while !rest.is_empty() {
-        let (primitive, after) = next(rest)?;
-        found.push((primitive, note.clone()));
+        let first = words[texts.len() - rest.len()];
+        let place = format!("{}line {}", first.shown, first.line);
+        let (primitive, after) = next(rest).map_err(|problem| format!("{place}: {problem}"))?;
+        found.push((Primitive { place, ..primitive }, note.clone()));
         if let Some(note) = note {
             note.is_first = false;
         }

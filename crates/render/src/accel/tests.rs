@@ -1,0 +1,100 @@
+//! What both kernels have to find.
+
+use super::woop::{ShearedRay, Triangles4};
+use super::*;
+
+/// A closed sphere of triangles around `centre`.
+fn sphere(centre: Vec3, radius: f32, steps: usize) -> (Vec<Vec3>, Vec<[Vec3; 3]>) {
+    let point = |i: usize, j: usize| {
+        let theta = std::f32::consts::PI * i as f32 / steps as f32;
+        let phi = std::f32::consts::TAU * (j % (2 * steps)) as f32 / (2 * steps) as f32;
+        let ring = if i == 0 || i == steps { 0.0 } else { theta.sin() };
+        centre + radius * Vec3::new(ring * phi.cos(), theta.cos(), ring * phi.sin())
+    };
+    let mut triangles = Vec::new();
+    let mut points = Vec::new();
+    for i in 0..steps {
+        for j in 0..2 * steps {
+            let quad = [point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)];
+            points.push(quad[0]);
+            points.push(0.5 * (quad[0] + quad[1]));
+            points.push(0.5 * (quad[0] + quad[2]));
+            triangles.push([quad[0], quad[1], quad[2]]);
+            triangles.push([quad[0], quad[2], quad[3]]);
+        }
+    }
+    (points, triangles)
+}
+
+#[test]
+fn rays_at_vertices_and_edges_of_a_closed_mesh_never_leak() {
+    for (centre, radius) in [(Vec3::ZERO, 1.0), (Vec3::splat(5000.0), 1000.0), (Vec3::ZERO, 1e-3)] {
+        let (points, triangles) = sphere(centre, radius, 60);
+        let accel = Accel::build(&triangles);
+        let origin = centre + radius * Vec3::new(0.13, -0.21, 0.08);
+        for point in points {
+            let ray = Ray::new(origin, (point - origin).normalize());
+            assert!(accel.closest(&ray).is_some(), "leak at {point}, radius {radius}");
+            assert!(accel.occluded(&ray));
+        }
+    }
+}
+
+#[test]
+fn the_tree_finds_what_a_search_over_all_triangles_finds() {
+    let (_, triangles) = sphere(Vec3::new(0.2, 0.1, 0.0), 0.9, 9);
+    let (_, more) = sphere(Vec3::new(-1.2, 0.4, 0.3), 0.7, 7);
+    let all: Vec<_> = triangles.into_iter().chain(more).collect();
+    let accel = Accel::build(&all);
+    let mut met = 0;
+    for i in 0..2000u32 {
+        let [a, b, c, d] = sobol_burley::sample_4d(i, 0, 7);
+        let origin = Vec3::new(3.0 * a - 1.5, 3.0 * b - 1.5, 3.0);
+        let target = Vec3::new(3.0 * c - 1.5, 3.0 * d - 1.5, -1.0);
+        let ray = Ray::new(origin, (target - origin).normalize());
+        let sheared = ShearedRay::new(&ray);
+        let one_by_one = all
+            .iter()
+            .filter_map(|t| Triangles4::new(&[(0, *t)]).nearest(&sheared, f32::INFINITY))
+            .map(|hit| hit.t)
+            .fold(f32::INFINITY, f32::min);
+        let found = accel.closest(&ray).map_or(f32::INFINITY, |h| h.t);
+        assert_eq!(found, one_by_one);
+        assert_eq!(accel.occluded(&ray), found.is_finite());
+        met += u32::from(found.is_finite());
+    }
+    assert!(met > 500 && met < 1900, "the test wants hits and misses, not {met}");
+}
+
+#[test]
+#[cfg(target_arch = "x86_64")]
+fn both_kernels_find_the_same_bits() {
+    if !avx2::is_there() {
+        return;
+    }
+    let (points, triangles) = sphere(Vec3::new(0.1, 0.0, -0.2), 1.0, 40);
+    let accel = Accel::build(&triangles);
+    for (i, point) in points.iter().enumerate() {
+        let origin = Vec3::new(0.5, 1.5, 0.2) * (i % 7) as f32 / 3.0;
+        // Exact zeros in directions are what slab tests stumble over.
+        let towards = if i % 5 == 0 { Vec3::Z } else { (*point - origin).normalize() };
+        let ray = Ray::new(origin, towards);
+        let [a, b] = [walk::portable::<false>(&accel.tree, &ray), accel.closest(&ray)];
+        assert_eq!(a, b);
+        assert_eq!(walk::portable::<true>(&accel.tree, &ray).is_some(), accel.occluded(&ray));
+    }
+}
+
+#[test]
+fn many_triangles_in_one_place_are_no_trouble() {
+    let one = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let away = one.map(|p| p + Vec3::new(5.0, 0.0, 0.0));
+    let mut all = vec![one; 3000];
+    all.push(away);
+    let accel = Accel::build(&all);
+    for (x, distance) in [(0.25, 1.0), (5.25, 1.0)] {
+        let ray = Ray::new(Vec3::new(x, 0.25, 1.0), Vec3::NEG_Z);
+        assert_eq!(accel.closest(&ray).map(|hit| hit.t), Some(distance));
+    }
+    assert_eq!(accel.closest(&Ray::new(Vec3::new(3.0, 0.25, 1.0), Vec3::NEG_Z)), None);
+}

@@ -1,0 +1,33 @@
+//! The materials of a scene in the words of another program's lobe, as one camera sees them.
+
+use unrender_recover::View;
+use unrender_recover::convert::{Conversion, Views, convert_all};
+use unrender_render::Tracer;
+use unrender_scene::{Camera, Lobe, Scene};
+
+/// The longer side of the picture that brightness is compared in, pixels.
+const LONGER_SIDE: usize = 384;
+
+/// The conversion of each group of `scene` to the lobe `to`, for the picture of `size` (width and
+/// height, pixels) that `camera` takes.
+pub fn converted(
+    scene: &Scene,
+    camera: &Camera,
+    size: (usize, usize),
+    to: Lobe,
+) -> Vec<Conversion> {
+    let size = reduced(size);
+    let tracer = Tracer::new(scene);
+    let original = View::new(&tracer, camera, size, scene.brdf);
+    let scene = Scene { brdf: to.nearest_model(), ..scene.clone() };
+    let tracer = Tracer::new(&scene);
+    let converted = View::new(&tracer, camera, size, scene.brdf);
+    let views = Views { original: &original, converted: &converted };
+    convert_all(&scene.materials(), views, to)
+}
+
+fn reduced((width, height): (usize, usize)) -> (usize, usize) {
+    let scale = (LONGER_SIDE as f64 / width.max(height) as f64).min(1.0);
+    let side = |n: usize| ((n as f64 * scale).round() as usize).max(1);
+    (side(width), side(height))
+}
