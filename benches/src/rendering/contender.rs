@@ -48,7 +48,7 @@ impl Ours {
     }
 
     fn spp(&self) -> &'static [u32] {
-        self.effort.pick(&[4, 16], &[4, 16, 64, 256])
+        self.effort.pick(&[4, 16], &[4, 16, 64])
     }
 
     fn picture(&self, spp: u32, seed: u32) -> RgbImage {
@@ -90,7 +90,7 @@ impl Contender for Ours {
     }
 
     fn converged(&mut self, seed: u32) -> Result<RgbImage, Failure> {
-        Ok(self.picture(self.effort.pick(64, 2048), seed))
+        Ok(self.picture(self.effort.pick(64, 1024), seed))
     }
 }
 
@@ -158,7 +158,7 @@ impl Contender for ByMitsuba {
 
     fn converged(&mut self, seed: u32) -> Result<RgbImage, Failure> {
         // In parts that fit into memory.
-        let (parts, spp) = self.effort.pick((1, 64), (8, 144));
+        let (parts, spp) = self.effort.pick((1, 64), (8, 72));
         let mut sum: Option<RgbImage> = None;
         for part in 0..parts {
             let (picture, _) = self.mitsuba.render(spp, 1000 * (seed % 1000) + part)?;

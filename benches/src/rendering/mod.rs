@@ -47,7 +47,7 @@ struct Measured {
 /// # Errors
 /// If Figure 8 is not there, or a program that was there failed.
 pub(crate) fn measure(effort: Effort) -> Result<Section, Failure> {
-    let side = effort.pick(48, 256);
+    let side = effort.pick(48, 128);
     let mut versions = Vec::new();
     let (mut results, mut plots) = (Vec::new(), Vec::new());
     for subject in subjects(effort)? {
@@ -107,7 +107,7 @@ fn rounds(contenders: &mut [Box<dyn Contender>], effort: Effort) -> Result<Vec<M
             }
         }
     }
-    for round in 0..effort.pick(1, 3) {
+    for round in 0..effort.pick(1, 2) {
         for (contender, result) in contenders.iter_mut().zip(&mut results) {
             for (setting, (name, points)) in result.settings.iter_mut().enumerate() {
                 let (picture, seconds) = contender.render(setting, round)?;
