@@ -321,6 +321,28 @@ fn what_the_photograph_does_not_bear_out_is_made_simpler() {
 }
 
 #[test]
+fn mirrors_that_are_thought_a_little_diffuse_are_mirrors() {
+    let (perfect, dim) = (Material::mirror(Rgb::ONE), Material::mirror(Rgb::splat(0.4)));
+    let renderer = Stripes::new(vec![perfect.clone(), dim.clone()]);
+    let thought = [&perfect, &dim].map(|mirror| Material {
+        rho_d: Rgb::splat(0.02),
+        rho_s: 0.97 * mirror.rho_s,
+        ..mirror.clone()
+    });
+    let [a, b] = thought;
+    let thought = [a, b, Material::diffuse(Rgb::ONE)];
+    let recovery = with_problem(&renderer, ExposureRule::Fixed(Rgb::ONE), 1.0, |problem| {
+        refine_from(problem, &thought, &Options::default(), &mut ()).unwrap()
+    });
+    let [first, second] = [0, 1].map(|group| &recovery.groups[group]);
+    assert_eq!(first.hypothesis, Hypothesis::Mirror);
+    assert_eq!(first.material, perfect);
+    assert_eq!(second.hypothesis, Hypothesis::PartialMirror);
+    assert!(close(second.material.rho_s, dim.rho_s, 1e-3), "{:?}", second.material);
+    assert_eq!(second.material.rho_d, Rgb::ZERO);
+}
+
+#[test]
 fn an_anchor_fixes_an_unknown_exposure() {
     let renderer = Stripes::new(one_of_each());
     let rule = ExposureRule::Anchor { group: 0, rho_d: Rgb::new(0.2, 0.5, 0.8) };

@@ -49,7 +49,7 @@ pub(crate) fn refine(
     let mut passes = Passes::new(options);
     for round in 1.. {
         let solution = passes.converge(state, observer);
-        if round < ROUNDS_MAX && verdict::simplify(state, &solution) {
+        if round < ROUNDS_MAX && verdict::simplify(state, &solution, options.thresholds.explained) {
             continue;
         }
         verdict::record(state, &solution);

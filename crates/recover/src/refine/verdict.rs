@@ -1,7 +1,8 @@
 //! What the photograph can tell and what it cannot.
 //!
 //! A number is worth what its standard deviation allows. A lobe that cannot be told from nothing
-//! goes; an anisotropy that cannot be told from none becomes a round lobe; a group out of sight
+//! goes, and so does what is diffuse about a mirror, or not perfect about it, if it is less than what
+//! the ladder's threshold calls explained; an anisotropy that cannot be told from none becomes a round lobe; a group out of sight
 //! whose reflectance stays open is assumed: at its best guess, or white, as the paper does, where
 //! there is nothing to guess from.
 
@@ -24,8 +25,9 @@ const TIED: f64 = 0.95;
 /// A roughness with a larger relative standard deviation than this is said to be open.
 const ALPHA_OPEN: f64 = 0.5;
 
-/// Makes simpler what the photograph does not bear out. True if something changed.
-pub(super) fn simplify(state: &mut State<'_>, solution: &Solution) -> bool {
+/// Makes simpler what the photograph does not bear out; `explained` is the ladder's threshold. True
+/// if something changed.
+pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, explained: f64) -> bool {
     let mut changed = false;
     for group in 0..state.materials.len() {
         let verdict = Verdict { solution, group };
@@ -45,6 +47,20 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution) -> bool {
                 let note = "the photograph cannot tell its specular part from none";
                 step_down(state, group, Hypothesis::Diffuse, material, note);
             }
+            Hypothesis::DiffuseSpecular
+                if !verdict.is_told_from_zero(state, Quantity::RhoD)
+                    || is_mirror(&state.materials[group], explained) =>
+            {
+                let material = Material::mirror(state.materials[group].rho_s);
+                let perfect = material.rho_s.min_element() >= 1.0 - explained as f32;
+                let (hypothesis, material) = if perfect {
+                    (Hypothesis::Mirror, Material::mirror(Rgb::ONE))
+                } else {
+                    (Hypothesis::PartialMirror, material)
+                };
+                let note = "the photograph cannot tell its diffuse part from none";
+                step_down(state, group, hypothesis, material, note);
+            }
             Hypothesis::Anisotropic if !verdict.is_brushed(state) => {
                 let mut material = state.materials[group].clone();
                 let alpha = (material.alpha_x * material.alpha_y).sqrt();
@@ -57,6 +73,11 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution) -> bool {
         changed = true;
     }
     changed
+}
+
+/// Whether hardly any of what `material` reflects is diffuse.
+fn is_mirror(material: &Material, explained: f64) -> bool {
+    material.rho_d.max_element() <= explained as f32 * material.rho_s.max_element()
 }
 
 fn step_down(

@@ -14,8 +14,9 @@ use unrender_scene::{Camera, Group, Material, Scene, WardModel, Warnings};
 
 /// Writes a scene and its materials for another program.
 ///
-/// Radiance shines with the lobe of ward-gmd, all other programs with that of ggx; what was recovered
-/// with another lobe is converted, and how far off it is is told.
+/// Radiance has the lobe of ward-gmd, all other programs that of ggx, and Mitsuba and Blender also one
+/// that is like ward-gmd (Beckmann's). What was recovered with another lobe is converted, and how far
+/// off it is is told.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     unrender export result --to blender --out room_blender\n  \
