@@ -3,8 +3,8 @@
 //! A path takes its numbers in sets of four. All sets of one sample share the sample's index and
 //! differ in their scramble, so each set is stratified over the samples of a pixel. What happens far
 //! along a path depends on so much that went before that stratification is lost on it: its numbers
-//! are plain random ones, at a sixth of the price [Jarzynski and Olano, "Hash Functions for GPU
-//! Rendering", JCGT 2020: pcg4d].
+//! are plain random ones, which cost less [Jarzynski and Olano, "Hash Functions for GPU Rendering",
+//! JCGT 2020: pcg4d].
 
 /// Sets that are stratified: the place in the pixel, and light and direction at the first surfaces.
 const STRATIFIED: u32 = 5;

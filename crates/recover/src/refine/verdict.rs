@@ -58,7 +58,8 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, explained: f6
                 } else {
                     (Hypothesis::PartialMirror, material)
                 };
-                let note = "the photograph cannot tell its diffuse part from none";
+                let note =
+                    "its diffuse part is none, as far as the photograph can tell or it matters";
                 step_down(state, group, hypothesis, material, note);
             }
             Hypothesis::Anisotropic if !verdict.is_brushed(state) => {
