@@ -296,7 +296,7 @@ impl<'a> Transport<'a> {
         let light_pdf = match &surface {
             _ if emission == Rgb::ZERO => 0.0,
             Some(surface) => self.light_pdf(from, surface, wi),
-            None => self.environment_pdf(wi),
+            None => self.environment_pdf(from, wi),
         };
         Met { surface, source, emission, light_pdf }
     }
@@ -327,6 +327,11 @@ impl<'a> Transport<'a> {
         bounce < self.max_bounces
     }
 
+    /// Whether light comes from several places, among which light samples choose.
+    pub(crate) fn has_several_lights(&self) -> bool {
+        self.tracer.emitters.are_several()
+    }
+
     /// Whether nothing of `surface` is a perfect mirror.
     pub(crate) fn is_smooth(&self, surface: &Surface) -> bool {
         self.bsdf(surface).0.specular != Specular::Mirror
@@ -347,12 +352,15 @@ impl<'a> Transport<'a> {
     pub fn light_pdf(&self, from: &Surface, emitter: &Surface, wi: Vec3) -> f32 {
         let distance = (emitter.point - from.point).length();
         let cos = -wi.dot(self.tracer.accel.front_normal(emitter.triangle));
-        self.tracer.emitters.pdf(emitter.triangle, distance, cos)
+        let origin = accel::offset(from.point, from.geometric_normal);
+        self.tracer.emitters.pdf(origin, emitter.triangle, distance, cos)
     }
 
-    /// The density over solid angle with which light samples find the environment along `wi`.
-    pub fn environment_pdf(&self, wi: Vec3) -> f32 {
-        self.tracer.emitters.environment_pdf(wi)
+    /// The density over solid angle with which light samples at `from` find the environment along
+    /// `wi`.
+    pub fn environment_pdf(&self, from: &Surface, wi: Vec3) -> f32 {
+        let origin = accel::offset(from.point, from.geometric_normal);
+        self.tracer.emitters.environment_pdf(origin, wi)
     }
 
     /// One of `count` light samples, weighted against what the reflectance's own sampling finds.

@@ -10,9 +10,10 @@ use crate::surface::{Frame, Surface};
 use glam::Vec3;
 use unrender_scene::Rgb;
 
-/// Light samples at the first surface. Paths that share bring so much together that the light of a
-/// single sample would be most of the noise.
-const LIGHTS: u32 = 2;
+/// Light samples at the first surface, where there is one place that light comes from and where there
+/// are several. Paths that share bring so much together that the light of a single sample would be
+/// most of the noise.
+const LIGHTS: [u32; 2] = [4, 8];
 
 /// A surface that the camera sees.
 pub(super) struct First {
@@ -80,10 +81,11 @@ impl First {
     ) -> (Rgb, Option<Second>) {
         let bsdf = self.bsdf();
         let at = Vertex { surface: &self.surface, bsdf: &bsdf, frame: &self.frame, wo: self.wo };
+        let lights = LIGHTS[usize::from(transport.has_several_lights())];
         let mut sum = Sum::new(transport.appearance());
         sum.radiance = transport.emitted(&self.surface);
-        for [pick, u, v, _] in sampler.next4_each(LIGHTS) {
-            transport.direct(Rgb::ONE, &at, [pick, u, v], LIGHTS, &mut sum);
+        for [pick, u, v, _] in sampler.next4_each(lights) {
+            transport.direct(Rgb::ONE, &at, [pick, u, v], lights, &mut sum);
         }
         let [lobe, u, v, _] = sampler.next4();
         let sample = bsdf.sample(self.wo, [lobe, u, v]);
@@ -92,7 +94,7 @@ impl First {
             return (sum.radiance, None);
         };
         let met = transport.meet(&self.surface, wi);
-        met.tell(sample.weight, sample.pdf, LIGHTS, &mut sum);
+        met.tell(sample.weight, sample.pdf, lights, &mut sum);
         let Some(surface) = met.surface else { return (sum.radiance, None) };
         if sample.pdf.is_finite() && transport.is_smooth(&surface) {
             return (sum.radiance, Second::new(transport, surface, -wi, sampler));
