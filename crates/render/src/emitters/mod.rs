@@ -367,3 +367,6 @@ pub(crate) fn power(kind: &LightKind, scene_radius2: f32) -> f32 {
         LightKind::Directional { irradiance, .. } => PI * scene_radius2 * luminance(*irradiance),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -18,6 +18,7 @@ pub(super) struct Second {
 }
 
 /// What it does with the light that arrives.
+#[expect(clippy::large_enum_variant, reason = "a box for each would be an allocation a path")]
 pub(super) enum Reflection {
     /// Reflects this radiance to all sides.
     Even(Rgb),
