@@ -1,10 +1,10 @@
 //! Pictures whose neighbouring pixels share what their paths find.
 //!
-//! A path from the camera looks at a surface, `x`, and goes on to a second one, `y`. If that is
-//! diffuse, the light that was found to leave it goes to the surfaces that neighbouring pixels look
-//! at as well, at the price of a ray that asks whether they see it [Bekaert, Sbert and Halton,
-//! "Accelerating Path Tracing by Re-Using Paths", EGWR 2002]. With N pixels and their `x_1..x_N`,
-//! each of which found a `y_j`, pixel i gets
+//! A path from the camera looks at a surface, `x`, and goes on to a second one, `y`. The light that
+//! was found there goes to the surfaces that neighbouring pixels look at as well, at the price of a
+//! ray that asks whether they see it [Bekaert, Sbert and Halton, "Accelerating Path Tracing by
+//! Re-Using Paths", EGWR 2002]. With N pixels and their `x_1..x_N`, each of which found a `y_j` that
+//! reflects the radiance `L` to all sides, pixel i gets
 //!
 //! ```text
 //! sum over j of  f_i(y_j) cos_i G(x_i, y_j) L(y_j) / sum over k of p_k(y_j)
@@ -12,8 +12,10 @@
 //!
 //! where `G = V cos_y / r^2` and `p_k = pdf_k G(x_k, y_j)` is the density over area with which `x_k`
 //! would have found `y_j`: the balance heuristic over N strategies [Veach 1997], which biases
-//! nothing. One path a pixel brings the noise of up to N there, for N visibility rays each, which
-//! are much cheaper than paths.
+//! nothing. Where `y` has a lobe, `L` is `f(y) cos` times the light that arrives from a direction `w`,
+//! and the density of having found both is `p_k(y) p(w | y, x_k)`. One path a pixel brings the noise
+//! of up to N there, for N visibility rays each, which are much cheaper than paths. What lies behind
+//! a perfect mirror is not shared.
 //!
 //! The noise of pixels that share is alike. So that the squares do not show, they lie elsewhere for
 //! each sample; noise is then softer than that of independent pixels, and what is fitted to pictures
@@ -33,6 +35,7 @@ use grid::Grid;
 use rayon::prelude::*;
 use second::{Lobe, Reflection, Second};
 use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use unrender_scene::{Camera, Rgb};
 
 /// The side of the squares whose pixels share, pixels; with a number of samples that depends on the
@@ -41,7 +44,7 @@ const SIDE: usize = TILE;
 /// Squares that are rendered at once, at least: enough for many threads.
 const BATCH: usize = 1024;
 
-/// What the samples of a tile need; kept from one to the next.
+/// What the samples of a square need; kept from one to the next.
 #[derive(Default)]
 pub(crate) struct Workspace {
     firsts: Vec<First>,
@@ -81,36 +84,44 @@ impl Sharing<'_> {
         let start = ranges.iter().map(|range| range.start).min().unwrap_or(0);
         let end = ranges.iter().map(|range| range.end).max().unwrap_or(0);
         let drifts = matches!(samples, Samples::Even(_));
-        let at_once = BATCH.div_ceil(Grid::new(self.size, (0, 0)).squares()) as u32;
+        let at_once = BATCH.div_ceil(Grid::new(self.size, (0, 0)).squares().max(1)) as u32;
         let mut next = start;
         while next < end {
             let batch = next..end.min(next.saturating_add(at_once));
+            let share = |index: u32| f64::from(index - start) / f64::from(end - start);
+            let (from, to) = (share(batch.start), share(batch.end));
             next = batch.end;
             let layers: Vec<Layer> = batch.map(|index| Layer::new(self, index, drifts)).collect();
-            self.add(&layers, &ranges, tally);
-            progress(f64::from(next - start) / f64::from(end - start));
+            self.add(&layers, &ranges, tally, &|done| progress(from + (to - from) * done));
         }
     }
 
     /// Adds the paths of some numbers to those pixels that they are for.
-    fn add(&self, layers: &[Layer], ranges: &[Range<u32>], tally: &mut Tally) {
+    fn add(
+        &self,
+        layers: &[Layer],
+        ranges: &[Range<u32>],
+        tally: &mut Tally,
+        progress: &(dyn Fn(f64) + Sync),
+    ) {
         let squares =
             layers.iter().flat_map(|layer| (0..layer.grid.squares()).map(move |s| (layer, s)));
         let squares: Vec<_> = squares.collect();
+        let (done, all) = (AtomicUsize::new(0), squares.len());
         let radiance: Vec<Vec<Rgb>> = squares
             .into_par_iter()
             .map_init(Workspace::default, |space, (layer, square)| {
                 let pixels = layer.grid.pixels(square);
                 let is_asked = |pixel: &u32| ranges[*pixel as usize].contains(&layer.index);
-                if pixels.clone().any(|pixel| is_asked(&pixel)) {
-                    self.sample(pixels, layer.index, space);
-                    space.radiance.clone()
-                } else {
-                    Vec::new()
+                if !pixels.clone().any(|pixel| is_asked(&pixel)) {
+                    return Vec::new();
                 }
+                self.sample(pixels, layer.index, space);
+                progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / all as f64);
+                space.radiance.clone()
             })
             .collect();
-        let rows = tally.moments.pixels_mut().par_chunks_mut(self.size.0);
+        let rows = tally.moments.pixels_mut().par_chunks_mut(self.size.0.max(1));
         rows.enumerate().for_each(|(y, row)| {
             let mut first = 0;
             for layer in layers {
