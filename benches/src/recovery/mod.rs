@@ -37,7 +37,7 @@ struct Ours {
     worst: Worst,
     /// Whether the result is within [`LIMITS`].
     is_within: bool,
-    /// When an estimate was within them for the first time, seconds.
+    /// From when on the estimates were within them, seconds.
     first_within: Option<f64>,
 }
 
@@ -78,7 +78,7 @@ fn ours(command: &Unrender, folder: &Path, effort: Effort) -> Result<Ours, Failu
     let truth_flag = truth_file.to_string_lossy().into_owned();
     let rendering = || {
         let out = folder.join("rendered.exr");
-        let flags = ["--materials", truth_flag.as_str()];
+        let flags = ["--independent", "--materials", truth_flag.as_str()];
         command.render(&fig8.join("scene.glb"), size, SPP, &out, &flags)
     };
     let first = rendering()?;
@@ -89,15 +89,21 @@ fn ours(command: &Unrender, folder: &Path, effort: Effort) -> Result<Ours, Failu
     eprintln!("unrender: {seconds:.1} s; rendering {renderings:.1?} s");
     let found = materials::read(&out.join("materials.json"))?;
     let scores = score::score(&found, &out, &truth, &fig8)?;
-    let is_close = |turn: &&TurnEntry| LIMITS.exceeded(&scores_of(turn, &truth)).is_empty();
+    let is_close = |turn: &TurnEntry| LIMITS.exceeded(&scores_of(turn, &truth)).is_empty();
     Ok(Ours {
         seconds: vec![seconds],
         renderings,
-        first_within: run.turns.iter().find(is_close).map(|turn| turn.seconds),
+        first_within: within_from(&run.turns, is_close),
         worst: score::worst(&scores),
         is_within: LIMITS.exceeded(&scores).is_empty(),
         run,
     })
+}
+
+/// The time of the first turn that is close and that no other follows which is not.
+fn within_from(turns: &[TurnEntry], is_close: impl Fn(&TurnEntry) -> bool) -> Option<f64> {
+    let far = turns.iter().rposition(|turn| !is_close(turn));
+    turns.get(far.map_or(0, |last| last + 1)).map(|turn| turn.seconds)
 }
 
 /// The largest error of a reflectance.
@@ -183,10 +189,18 @@ fn text(ours: &Ours, descents: &[Descent]) -> String {
         held,
     ]);
     let best = best(descents);
-    let share = best.map_or(f64::NAN, |(theirs, _)| seconds / theirs);
-    let [_, held] = verdict(share, share <= GOAL && ours.is_within);
-    let found = if share.is_finite() { format!("{share:.3}") } else { "-".to_owned() };
-    claims.push(["recovery, of Mitsuba's time".to_owned(), "<= 0.05".to_owned(), found, held]);
+    for (claim, seconds) in [
+        (
+            "recovery until it is and stays within the errors asked for, of Mitsuba's time",
+            ours.first_within,
+        ),
+        ("recovery to its end, of Mitsuba's time", Some(seconds).filter(|_| ours.is_within)),
+    ] {
+        let share = best.zip(seconds).map_or(f64::NAN, |((theirs, _), ours)| ours / theirs);
+        let [_, held] = verdict(share, share <= GOAL);
+        let found = if share.is_finite() { format!("{share:.3}") } else { "-".to_owned() };
+        claims.push([claim.to_owned(), "<= 0.05".to_owned(), found, held]);
+    }
     let mut rows = Table::new(["", "pixels", "seconds", "rho", "alpha", "direction"]);
     let number = |value: Option<f64>, unit: &str| {
         value.map_or("-".to_owned(), |value| format!("{value:.4}{unit}"))
@@ -202,7 +216,7 @@ fn text(ours: &Ours, descents: &[Descent]) -> String {
     ]);
     let first = ours.first_within.map_or("never".to_owned(), |seconds| format!("{seconds:.1}"));
     let asked = ["<= 0.005", "<= 2 %", "<= 0.5 deg"].map(str::to_owned);
-    rows.push(["unrender, first within".to_owned(), pixels, first].into_iter().chain(asked));
+    rows.push(["unrender, within".to_owned(), pixels, first].into_iter().chain(asked));
     for descent in descents {
         rows.push(descent.row());
     }
@@ -219,8 +233,8 @@ fn text(ours: &Ours, descents: &[Descent]) -> String {
 }
 
 const EXPLANATION: &str = "The largest errors of all groups against the truth. Ours is \
-`unrender recover examples/fig8/fig8.toml` as a process, from reading its files to the report; `first \
-within` is when its estimates were first so close, as `run.json` has it. Mitsuba (`prb`, \
+`unrender recover examples/fig8/fig8.toml` as a process, from reading its files to the report; `within` is from when on its estimates were so close, as \
+`run.json` has it; nobody who does not know the truth knows that it is, and so it goes on. Mitsuba (`prb`, \
 `llvm_ad_rgb`, Adam; `benches/peers/mitsuba_recover.py`) has the photograph at half the size, 16 \
 paths a pixel, our lobe for the floor and diffuse reflectances elsewhere, and begins with \
 reflectances of 0.5 (twice 0.25 for the floor), roughnesses of 0.1 and 0.12, and a direction 20 degrees off. Its clock runs \

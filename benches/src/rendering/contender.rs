@@ -27,8 +27,9 @@ pub(crate) trait Contender {
     fn converged(&mut self, seed: u32) -> Result<RgbImage, Failure>;
 }
 
-/// unrender.
+/// unrender, whose pixels share what their paths find, as by default, or do not.
 pub(crate) struct Ours {
+    shared: bool,
     tracer: Tracer,
     materials: Vec<Material>,
     camera: Camera,
@@ -37,8 +38,9 @@ pub(crate) struct Ours {
 }
 
 impl Ours {
-    pub(crate) fn new(scene: &Scene, side: usize, effort: Effort) -> Self {
+    pub(crate) fn new(scene: &Scene, side: usize, effort: Effort, shared: bool) -> Self {
         Self {
+            shared,
             tracer: Tracer::new(scene),
             materials: scene.materials(),
             camera: scene.cameras[0].clone(),
@@ -48,11 +50,14 @@ impl Ours {
     }
 
     fn spp(&self) -> &'static [u32] {
-        self.effort.pick(&[4, 16], &[4, 16, 64])
+        match self.shared {
+            true => self.effort.pick(&[2, 8], &[2, 8, 32]),
+            false => self.effort.pick(&[4, 16], &[4, 16, 64]),
+        }
     }
 
-    fn picture(&self, spp: u32, seed: u32) -> RgbImage {
-        let settings = Settings { spp, seed: u64::from(seed), ..Settings::default() };
+    fn picture(&self, spp: u32, seed: u32, shared: bool) -> RgbImage {
+        let settings = Settings { spp, seed: u64::from(seed), shared, ..Settings::default() };
         let size = (self.side, self.side);
         self.tracer.render(&self.materials, &self.camera, size, &settings, &|_| ()).mean
     }
@@ -60,7 +65,7 @@ impl Ours {
 
 impl Contender for Ours {
     fn name(&self) -> String {
-        "unrender".to_owned()
+        if self.shared { "unrender" } else { "unrender, `--independent`" }.to_owned()
     }
 
     fn version(&self) -> String {
@@ -85,12 +90,12 @@ impl Contender for Ours {
 
     fn render(&mut self, setting: usize, seed: u32) -> Result<(RgbImage, f64), Failure> {
         let started = Instant::now();
-        let picture = self.picture(self.spp()[setting], seed);
+        let picture = self.picture(self.spp()[setting], seed, self.shared);
         Ok((picture, started.elapsed().as_secs_f64()))
     }
 
     fn converged(&mut self, seed: u32) -> Result<RgbImage, Failure> {
-        Ok(self.picture(self.effort.pick(64, 1024), seed))
+        Ok(self.picture(self.effort.pick(64, 512), seed, true))
     }
 }
 

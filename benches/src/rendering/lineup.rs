@@ -19,8 +19,8 @@ impl Lineup {
     /// Installs and starts them for pictures of `side` x `side` pixels.
     pub(crate) fn new(subject: &Subject, side: usize, effort: Effort) -> Self {
         let scene = &subject.scene;
-        let mut lineup =
-            Self { here: vec![Box::new(Ours::new(scene, side, effort))], missing: Vec::new() };
+        let ours = |shared| Box::new(Ours::new(scene, side, effort, shared)) as Box<dyn Contender>;
+        let mut lineup = Self { here: vec![ours(true), ours(false)], missing: Vec::new() };
         let shot = Shot { scene, camera: &scene.cameras[0], size: (side, side) };
         for way in ways(scene.brdf) {
             let name = ByMitsuba::name_of(*way);

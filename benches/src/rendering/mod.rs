@@ -197,7 +197,7 @@ fn text(
                 ]);
             }
         }
-        for one in &measured[1..] {
+        for one in measured.iter().filter(|one| one.goal.is_finite()) {
             let ratio = one.best_ratio(ours);
             let [found, held] = verdict(ratio, ratio <= one.goal);
             let claim = format!("{name}: our RMSE of that of {}", one.name);
@@ -219,7 +219,9 @@ fn text(
 
 const EXPLANATION: &str = "Pictures of SIDE x SIDE pixels with a box filter, on all cores. RMSE is \
 over all pixels and channels, against what the same renderer converges to with the same model; the \
-noise that is left in that, known from its two halves, is taken out. Medians of the rounds. A \
+noise that is left in that, known from its two halves, is taken out. Our pixels share what their \
+paths find, as they do by default, or do not (`--independent`); both are held to what sharing \
+converges to. Medians of the rounds. A \
 ratio is our error in the time of the other's setting over the other's error; the claim is for the \
 setting that is best for the other. Mitsuba: integrator `path` without a limit of depth, and its own Russian \
 roulette; `ward` is our lobe as a plugin in Python (`benches/peers/ward.py`, compiled by LLVM), \

@@ -55,7 +55,8 @@ impl Case {
         let bounces = self.bounces.map(|bounces| bounces.to_string());
         let limit: Vec<&str> =
             bounces.iter().flat_map(|bounces| ["--bounces", bounces.as_str()]).collect();
-        let rendering = command.render(&scene, self.size, SPP, &photo, &limit)?;
+        let flags = [&["--independent"], limit.as_slice()].concat();
+        let rendering = command.render(&scene, self.size, SPP, &photo, &flags)?;
         let recover = |more: &[&str]| -> Result<Recovery, Failure> {
             let flags: Vec<&str> = limit.iter().chain(more).copied().collect();
             let (seconds, run) = command.recover(&project, &folder.join("out"), &flags)?;

@@ -217,6 +217,6 @@ fn text(measured: &[Measured], large: &Case, cost: &Cost) -> String {
 }
 
 const EXPLANATION: &str = "`recovery` is `unrender recover` as a process, `rendering` is `unrender \
-render --spp 256` of the same view, which made the photograph. Memory is the most that the recovery \
+render --independent --spp 256` of the same view, which made the photograph. Memory is the most that the recovery \
 held at a time. Groups are those that are asked for. Figure 8 is read as ward-gmd here.
 ";

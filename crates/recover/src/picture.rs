@@ -55,7 +55,7 @@ fn render_twice(
     let spp = options.spp.div_ceil(2).max(1);
     [0usize, 1].map(|half| {
         let seed = mix(options.seed ^ 0x5EED).wrapping_add(half as u64);
-        let settings = Settings { spp, seed, max_bounces: options.max_bounces };
+        let settings = Settings { spp, seed, max_bounces: options.max_bounces, shared: false };
         let mut picture = Vec::with_capacity(pixels.len());
         for chunk in pixels.chunks(CHUNK) {
             picture.extend(renderer.rerender(appearance, chunk, &settings));

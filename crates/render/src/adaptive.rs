@@ -73,6 +73,25 @@ impl Shares {
     }
 }
 
+/// Which paths every pixel gets.
+#[derive(Clone, Debug)]
+pub enum Samples<'a> {
+    /// Those of these numbers, in all pixels alike.
+    Even(Range<u32>),
+    /// More where the noise is: what [`Shares::samples`] says of this range.
+    ByNoise(&'a Shares, Range<u32>),
+}
+
+impl Samples<'_> {
+    /// The numbers of the paths that pixel `index` gets.
+    pub fn of(&self, index: usize) -> Range<u32> {
+        match self {
+            Self::Even(samples) => samples.clone(),
+            Self::ByNoise(shares, mean) => shares.samples(index, mean.clone()),
+        }
+    }
+}
+
 /// The tile of the pixel `index`.
 fn tile(index: usize, width: usize, tiles_in_a_row: usize) -> usize {
     (index / width / TILE) * tiles_in_a_row + index % width / TILE
@@ -91,7 +110,14 @@ impl Tracer {
     ) -> Shares {
         let settings = Settings { seed: pilot_seed(settings.seed), ..*settings };
         let mut pilot = Tally::new(width, height);
-        self.accumulate(appearance, camera, &settings, &|_| 0..PILOT, &mut pilot, progress);
+        self.accumulate(
+            appearance,
+            camera,
+            &settings,
+            &Samples::Even(0..PILOT),
+            &mut pilot,
+            progress,
+        );
         Shares::by_noise(&pilot)
     }
 }

@@ -1,8 +1,10 @@
 //! Pictures: many paths a pixel, their mean and how sure it is.
 
 use crate::accel::Ray;
+use crate::adaptive::Samples;
 use crate::path::{MAX_BOUNCES, Transport};
 use crate::sampler::Sampler;
+use crate::sharing::Sharing;
 use crate::tally::{Moments, Tally};
 use crate::tracer::{Appearance, Tracer};
 use rayon::prelude::*;
@@ -19,11 +21,14 @@ pub struct Settings {
     pub seed: u64,
     /// Reflections along a path at most; one means direct light only.
     pub max_bounces: u32,
+    /// Whether neighbouring pixels share what their paths find (module [`crate::sharing`]): less
+    /// noise, but alike in pixels that share. For whole pictures only.
+    pub shared: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { spp: 64, seed: 0, max_bounces: MAX_BOUNCES }
+        Self { spp: 64, seed: 0, max_bounces: MAX_BOUNCES, shared: false }
     }
 }
 
@@ -54,25 +59,14 @@ impl Tracer {
         settings: &Settings,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Film {
-        let painter = Painter::new(self, appearance.into(), camera, (width, height), settings);
-        let pixels: Vec<u32> = (0..(width * height) as u32).collect();
-        let done = AtomicUsize::new(0);
-        let estimates: Vec<(Rgb, Rgb)> = pixels
-            .par_chunks(CHUNK)
-            .flat_map_iter(|chunk| {
-                let part = painter.estimates(chunk);
-                let so_far = done.fetch_add(chunk.len(), Ordering::Relaxed) + chunk.len();
-                progress(so_far as f64 / pixels.len() as f64);
-                part
-            })
-            .collect();
-        let picture = |f: fn(&(Rgb, Rgb)) -> Rgb| {
-            RgbImage::new(width, height, estimates.iter().map(f).collect())
-        };
-        Film { mean: picture(|e| e.0), variance: picture(|e| e.1) }
+        let mut tally = Tally::new(width, height);
+        let samples = Samples::Even(0..settings.spp);
+        self.accumulate(appearance, camera, settings, &samples, &mut tally, progress);
+        tally.film()
     }
 
-    /// Renders some pixels of the picture, given by index: mean and variance of each.
+    /// Renders some pixels of the picture, given by index: mean and variance of each. They share
+    /// nothing, whatever `settings` say.
     pub fn render_pixels<'a>(
         &self,
         appearance: impl Into<Appearance<'a>>,
@@ -85,27 +79,33 @@ impl Tracer {
         pixels.par_chunks(CHUNK).flat_map_iter(|chunk| painter.estimates(chunk)).collect()
     }
 
-    /// Adds to `tally`, whose size is the picture's, the paths whose numbers `samples` gives for
-    /// each pixel, by its index; `settings.spp` does not count. The paths of [`Tracer::render`] are
-    /// the numbers 0..spp: a tally of those, however many calls it was made in, has the same bits
-    /// as its picture. `progress` hears the share done, 0 to 1, from any thread.
+    /// Adds the paths that `samples` asks for to `tally`, whose size is the picture's;
+    /// `settings.spp` does not count. The paths of [`Tracer::render`] are
+    /// the numbers 0..spp of all pixels: a tally of those, however many calls it was made in, has
+    /// the same bits as its picture. `progress` hears the share done, 0 to 1, from any thread.
     pub fn accumulate<'a>(
         &self,
         appearance: impl Into<Appearance<'a>>,
         camera: &Camera,
         settings: &Settings,
-        samples: &(dyn Fn(usize) -> Range<u32> + Sync),
+        samples: &Samples<'_>,
         tally: &mut Tally,
         progress: &(dyn Fn(f64) + Sync),
     ) {
         let painter = Painter::new(self, appearance.into(), camera, tally.size(), settings);
+        if settings.shared {
+            let Painter { transport, camera, size, settings } = &painter;
+            let sharing = Sharing { transport, camera, size: *size, seed: settings.seed };
+            sharing.accumulate(samples, tally, progress);
+            return;
+        }
         let pixels = tally.moments.pixels_mut();
         let count = pixels.len();
         let done = AtomicUsize::new(0);
         pixels.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, pixels)| {
             for (offset, moments) in pixels.iter_mut().enumerate() {
                 let pixel = chunk * CHUNK + offset;
-                painter.add(pixel as u32, samples(pixel), moments);
+                painter.add(pixel as u32, samples.of(pixel), moments);
             }
             let so_far = done.fetch_add(pixels.len(), Ordering::Relaxed) + pixels.len();
             progress(so_far as f64 / count as f64);

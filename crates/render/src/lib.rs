@@ -32,6 +32,7 @@ pub mod path;
 pub mod probe;
 pub mod sampler;
 pub mod seen;
+pub mod sharing;
 pub mod surface;
 pub mod tally;
 pub mod tracer;

@@ -11,7 +11,7 @@
 //! it changes.
 
 use crate::accel::{self, Ray};
-use crate::bsdf::{Bsdf, BsdfSample};
+use crate::bsdf::{Bsdf, BsdfSample, Specular};
 use crate::caustic::{self, Images, Shiny};
 use crate::emitters::LightSample;
 use crate::sampler::Sampler;
@@ -38,7 +38,7 @@ pub(crate) struct Vertex<'a> {
     /// The reflectance that directions are drawn from.
     pub(crate) bsdf: &'a Bsdf<'a>,
     /// Its brushed frame, in which `wo` and all other directions of the vertex are given.
-    frame: &'a Frame,
+    pub(crate) frame: &'a Frame,
     /// Unit vector back along the path.
     pub(crate) wo: Vec3,
 }
@@ -73,9 +73,15 @@ pub(crate) trait Ledger {
 }
 
 /// The ledger that adds up radiance.
-struct Sum<'a> {
+pub(crate) struct Sum<'a> {
     appearance: Appearance<'a>,
-    radiance: Rgb,
+    pub(crate) radiance: Rgb,
+}
+
+impl<'a> Sum<'a> {
+    pub(crate) fn new(appearance: Appearance<'a>) -> Self {
+        Self { appearance, radiance: Rgb::ZERO }
+    }
 }
 
 impl Ledger for Sum<'_> {
@@ -107,6 +113,29 @@ impl Ledger for Sum<'_> {
     #[inline]
     fn known(&mut self, throughput: Rgb, radiance: Rgb) {
         self.radiance += throughput * radiance;
+    }
+}
+
+/// What a path meets: a surface, or the environment.
+pub(crate) struct Met {
+    pub(crate) surface: Option<Surface>,
+    /// What emits there, and its radiance in the scene as it is.
+    pub(crate) source: u32,
+    pub(crate) emission: Rgb,
+    /// The density over solid angle with which light samples find it; zero if it is no light.
+    pub(crate) light_pdf: f32,
+}
+
+impl Met {
+    /// Tells `ledger` of the light that was met in a direction drawn with the density `pdf`, where
+    /// `lights` light samples were taken.
+    #[inline]
+    pub(crate) fn tell(&self, throughput: Rgb, pdf: f32, lights: u32, ledger: &mut impl Ledger) {
+        if self.emission != Rgb::ZERO {
+            let found = pdf / (pdf + lights as f32 * self.light_pdf);
+            let share = if pdf.is_finite() { found } else { 1.0 };
+            ledger.emission(throughput, self.source, self.emission, share);
+        }
     }
 }
 
@@ -186,7 +215,7 @@ impl<'a> Transport<'a> {
 
     /// The radiance that `surface` reflects into `wo` (world space), emission left out.
     pub fn reflected(&self, surface: Surface, wo: Vec3, sampler: &mut Sampler, bounce: u32) -> Rgb {
-        let mut sum = Sum { appearance: self.appearance, radiance: Rgb::ZERO };
+        let mut sum = Sum::new(self.appearance);
         self.walk(surface, wo, sampler, bounce, &mut sum);
         sum.radiance
     }
@@ -226,7 +255,7 @@ impl<'a> Transport<'a> {
             // Light that comes straight from an emitter.
             let [pick, u, v, _] = sampler.next4();
             if !bsdf.is_pure_mirror() {
-                self.direct(throughput, &at, [pick, u, v], ledger);
+                self.direct(throughput, &at, [pick, u, v], 1, ledger);
             }
 
             // Light from the direction in which the path goes on.
@@ -249,36 +278,68 @@ impl<'a> Transport<'a> {
             }
             ledger.bounce(&at, &sample, probability);
 
-            let Some(next) = self.surface(&Self::leave(&surface, wi)) else {
-                self.escape(throughput, wi, sample.pdf, ledger);
-                break;
-            };
-            let emission = self.emission(&next);
-            if emission != Rgb::ZERO {
-                let share = if sample.pdf.is_finite() {
-                    sample.pdf / (sample.pdf + self.light_pdf(&surface, &next, wi))
-                } else {
-                    1.0
-                };
-                ledger.emission(throughput, next.group, emission, share);
-            }
+            let met = self.meet(&surface, wi);
+            met.tell(throughput, sample.pdf, 1, ledger);
+            let Some(next) = met.surface else { break };
             (surface, wo) = (next, -wi);
         }
     }
 
-    /// A ray that was drawn along `wi` with the density `pdf` meets no surface.
-    fn escape(&self, throughput: Rgb, wi: Vec3, pdf: f32, ledger: &mut impl Ledger) {
-        let (source, radiance) = self.background(wi);
-        if radiance != Rgb::ZERO {
-            let share = if pdf.is_finite() { pdf / (pdf + self.environment_pdf(wi)) } else { 1.0 };
-            ledger.emission(throughput, source, radiance, share);
-        }
+    /// What a path meets that leaves `from` along `wi`.
+    #[inline]
+    pub(crate) fn meet(&self, from: &Surface, wi: Vec3) -> Met {
+        let surface = self.surface(&Self::leave(from, wi));
+        let (source, emission) = match &surface {
+            Some(surface) => (surface.group, self.emission(surface)),
+            None => self.background(wi),
+        };
+        let light_pdf = match &surface {
+            _ if emission == Rgb::ZERO => 0.0,
+            Some(surface) => self.light_pdf(from, surface, wi),
+            None => self.environment_pdf(from, wi),
+        };
+        Met { surface, source, emission, light_pdf }
     }
 
     /// Whether a reflectance met at the reflection number `bounce` is sampled towards images.
     #[inline]
     fn looks_for_images(&self, bsdf: &Bsdf<'_>, bounce: u32) -> bool {
         !self.shiny.is_empty() && bounce < caustic::BOUNCES && bsdf.rho_d.max_element() > 0.0
+    }
+
+    /// Where the reflectance at the surface of the reflection number `bounce` looks for light.
+    pub(crate) fn images(
+        &self,
+        bsdf: &Bsdf<'_>,
+        surface: &Surface,
+        frame: &Frame,
+        bounce: u32,
+    ) -> Images {
+        if self.looks_for_images(bsdf, bounce) {
+            Images::seen_from(surface, frame, &self.shiny, bounce)
+        } else {
+            Images::NONE
+        }
+    }
+
+    /// Whether paths may have a reflection number `bounce`, from zero.
+    pub(crate) fn reflects(&self, bounce: u32) -> bool {
+        bounce < self.max_bounces
+    }
+
+    /// Whether light comes from several places, among which light samples choose.
+    pub(crate) fn has_several_lights(&self) -> bool {
+        self.tracer.emitters.are_several()
+    }
+
+    /// Whether nothing of `surface` is a perfect mirror.
+    pub(crate) fn is_smooth(&self, surface: &Surface) -> bool {
+        self.bsdf(surface).0.specular != Specular::Mirror
+    }
+
+    /// What is assumed of the scene.
+    pub(crate) fn appearance(&self) -> Appearance<'a> {
+        self.appearance
     }
 
     /// The radiance of `surface` if the cache knows it.
@@ -291,17 +352,27 @@ impl<'a> Transport<'a> {
     pub fn light_pdf(&self, from: &Surface, emitter: &Surface, wi: Vec3) -> f32 {
         let distance = (emitter.point - from.point).length();
         let cos = -wi.dot(self.tracer.accel.front_normal(emitter.triangle));
-        self.tracer.emitters.pdf(emitter.triangle, distance, cos)
+        let origin = accel::offset(from.point, from.geometric_normal);
+        self.tracer.emitters.pdf(origin, emitter.triangle, distance, cos)
     }
 
-    /// The density over solid angle with which light samples find the environment along `wi`.
-    pub fn environment_pdf(&self, wi: Vec3) -> f32 {
-        self.tracer.emitters.environment_pdf(wi)
+    /// The density over solid angle with which light samples at `from` find the environment along
+    /// `wi`.
+    pub fn environment_pdf(&self, from: &Surface, wi: Vec3) -> f32 {
+        let origin = accel::offset(from.point, from.geometric_normal);
+        self.tracer.emitters.environment_pdf(origin, wi)
     }
 
-    /// One light sample, weighted against what the reflectance's own sampling finds.
+    /// One of `count` light samples, weighted against what the reflectance's own sampling finds.
     #[inline]
-    fn direct(&self, throughput: Rgb, at: &Vertex<'_>, u: [f32; 3], ledger: &mut impl Ledger) {
+    pub(crate) fn direct(
+        &self,
+        throughput: Rgb,
+        at: &Vertex<'_>,
+        u: [f32; 3],
+        count: u32,
+        ledger: &mut impl Ledger,
+    ) {
         let origin = accel::offset(at.surface.point, at.surface.geometric_normal);
         let Some(light) = self.tracer.emitters.sample(origin, u) else { return };
         if !at.surface.is_above(light.wi) {
@@ -312,12 +383,16 @@ impl<'a> Transport<'a> {
         if f_cos.max_element() <= 0.0 || !self.is_free(origin, light.wi, light.distance) {
             return;
         }
-        let share = light.pdf.map_or(1.0, |pdf| pdf / (pdf + at.bsdf.pdf(at.wo, wi)));
+        let count = count as f32;
+        let share = match light.pdf {
+            Some(pdf) => pdf / (count * pdf + at.bsdf.pdf(at.wo, wi)),
+            None => 1.0 / count,
+        };
         ledger.direct(throughput, at, wi, f_cos, &light, share);
     }
 
     /// Whether nothing stands between `origin` and a light at `distance` along `wi`.
-    fn is_free(&self, origin: Vec3, wi: Vec3, distance: f32) -> bool {
+    pub(crate) fn is_free(&self, origin: Vec3, wi: Vec3, distance: f32) -> bool {
         let t_max = distance * (1.0 - 1e-5);
         !self.tracer.accel.occluded(&Ray { origin, direction: wi, t_max })
     }

@@ -363,7 +363,7 @@ impl Gathering<'_, '_> {
         let density = self.gatherer.density(self.wo, wi);
         let lights = self.gatherer.settings.cosine as f32;
         let Some(next) = transport.surface(&Transport::leave(&self.surface, world)) else {
-            let by_light = lights * transport.environment_pdf(world);
+            let by_light = lights * transport.environment_pdf(&self.surface, world);
             self.keep(wi, transport.environment(world) / (density + by_light));
             return;
         };

@@ -35,8 +35,21 @@ impl Sampler {
         if self.set > STRATIFIED {
             return pcg4d([self.index, self.seed, self.set, 0]).map(unit);
         }
-        let seed = self.seed ^ (mix(u64::from(self.set)) as u32);
-        sobol_burley::sample_4d(self.index, 0, seed)
+        self.stratified(self.index)
+    }
+
+    /// The next set, `count` times over: all of them, of all samples, are stratified together.
+    pub(crate) fn next4_each(&mut self, count: u32) -> impl Iterator<Item = [f32; 4]> + use<> {
+        self.set += 1;
+        let this = *self;
+        (0..count).map(move |i| this.stratified(this.index * count + i))
+    }
+
+    /// The point number `index` of this set.
+    fn stratified(&self, index: u32) -> [f32; 4] {
+        let block = u64::from(index / LENGTH) << 32;
+        let seed = self.seed ^ (mix(block | u64::from(self.set)) as u32);
+        sobol_burley::sample_4d(index % LENGTH, 0, seed)
     }
 }
 

@@ -5,7 +5,7 @@ mod common;
 
 use common::{Estimate, Stage, assert_agree, camera};
 use glam::{DVec3, Vec3};
-use unrender_render::adaptive::Shares;
+use unrender_render::adaptive::{Samples, Shares};
 use unrender_render::{Settings, Tally};
 use unrender_scene::{Camera, Material, Rgb};
 
@@ -34,8 +34,10 @@ fn rendered(stage: &Stage, seed: u64, spp: u32, adaptive: bool) -> Tally {
     let mut tally = Tally::new(SIDE, SIDE);
     let shares =
         adaptive.then(|| tracer.shares(&materials, &view(), (SIDE, SIDE), &settings, &|_| ()));
-    let samples =
-        |pixel: usize| shares.as_ref().map_or(0..spp, |shares| shares.samples(pixel, 0..spp));
+    let samples = match &shares {
+        Some(shares) => Samples::ByNoise(shares, 0..spp),
+        None => Samples::Even(0..spp),
+    };
     tracer.accumulate(&materials, &view(), &settings, &samples, &mut tally, &|_| ());
     tally
 }

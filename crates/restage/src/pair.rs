@@ -16,7 +16,7 @@ use rayon::slice::ChunksMut;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use unrender_render::accel::Ray;
-use unrender_render::adaptive::{self, Shares};
+use unrender_render::adaptive::{self, Samples, Shares};
 use unrender_render::film::{camera_ray, picture_sampler};
 use unrender_render::path::Transport;
 use unrender_render::surface::Surface;
@@ -84,15 +84,14 @@ impl<'a> Pairing<'a> {
         Self { scenes, before, after, camera, settings }
     }
 
-    /// Adds to `layers`, whose size is the picture's, the paths whose numbers `samples` gives for
-    /// each pixel, by its index. However the paths are cut into calls, the sums have the same bits.
+    /// Adds the paths that `samples` asks for to `layers`, whose size is the picture's. However the paths are cut into calls, the sums have the same bits.
     /// `progress` hears the share done, 0 to 1, from any thread.
     ///
     /// # Panics
     /// If there is not one tally for each of [`LAYERS`].
     pub fn accumulate(
         &self,
-        samples: &(dyn Fn(usize) -> Range<u32> + Sync),
+        samples: &Samples<'_>,
         layers: &mut [Tally],
         progress: &(dyn Fn(f64) + Sync),
     ) {
@@ -115,7 +114,7 @@ impl<'a> Pairing<'a> {
                         darker: &mut darker[offset],
                         shown: &mut shown[offset],
                     };
-                    pair.add(pixel as u32, samples(pixel), &mut sums);
+                    pair.add(pixel as u32, samples.of(pixel), &mut sums);
                 }
                 let so_far = done.fetch_add(after.len(), Ordering::Relaxed) + after.len();
                 progress(so_far as f64 / (size.0 * size.1) as f64);
@@ -128,7 +127,7 @@ impl<'a> Pairing<'a> {
         let settings = Settings { seed: adaptive::pilot_seed(self.settings.seed), ..self.settings };
         let pilot = Self::new(self.scenes, self.camera, settings);
         let mut layers = LAYERS.map(|_| Tally::new(width, height));
-        pilot.accumulate(&|_| 0..adaptive::PILOT, &mut layers, &|_| ());
+        pilot.accumulate(&Samples::Even(0..adaptive::PILOT), &mut layers, &|_| ());
         let moments = |index: usize| {
             let of = |layer: usize| layers[layer].moments().pixels()[index];
             // Each path counts twice then, as lighter and as darker; in all pixels alike.
@@ -197,7 +196,7 @@ pub fn render(
 ) -> Image<Paired> {
     let mut layers = LAYERS.map(|_| Tally::new(width, height));
     let pairing = Pairing::new(*scenes, camera, *settings);
-    pairing.accumulate(&|_| 0..settings.spp, &mut layers, progress);
+    pairing.accumulate(&Samples::Even(0..settings.spp), &mut layers, progress);
     paired(&layers)
 }
 

@@ -34,6 +34,8 @@ pub(crate) struct Identity {
     pub(crate) bounces: u32,
     /// Whether pixels get as many samples as they are noisy.
     pub(crate) adaptive: bool,
+    /// Whether neighbouring pixels share what their paths find.
+    pub(crate) shared: bool,
 }
 
 /// What a part says of itself.
@@ -76,7 +78,11 @@ impl Identity {
             (mine != theirs).then(|| format!("{what} ({mine}, not {theirs})"))
         };
         let size = |i: &Self| format!("{} x {}", i.width, i.height);
-        let sampling = |i: &Self| if i.adaptive { "adaptive" } else { "even" };
+        let sampling = |i: &Self| {
+            let kind = if i.adaptive { "adaptive" } else { "even" };
+            let sharing = if i.shared { "shared" } else { "independent" };
+            format!("{kind}, {sharing}")
+        };
         of("another version of unrender", &self.version, &other.version)
             .or_else(|| of("another size", &size(self), &size(other)))
             .or_else(|| of("another seed", &self.seed, &other.seed))

@@ -16,7 +16,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use unrender_formats::FileError;
 use unrender_render::Tally;
-use unrender_render::adaptive::Shares;
+use unrender_render::adaptive::{Samples, Shares};
 
 /// How long a pass should take.
 const PASS: Duration = Duration::from_secs(2);
@@ -158,13 +158,12 @@ impl Run<'_> {
         let (pass, samples) = (Instant::now(), self.rendered.samples.end..end);
         let (before, after) = (self.share(samples.start), self.share(samples.end));
         let Self { job, shares, rendered, .. } = self;
-        let shares = shares.as_ref();
-        let of_pixel = |pixel: usize| match shares {
-            Some(shares) => shares.samples(pixel, samples.clone()),
-            None => samples.clone(),
+        let paths = match shares {
+            Some(shares) => Samples::ByNoise(shares, samples.clone()),
+            None => Samples::Even(samples.clone()),
         };
         let tell = |done: f64| progress.set(before + (after - before) * done);
-        job.subject.accumulate(&of_pixel, &mut rendered.layers, &tell);
+        job.subject.accumulate(&paths, &mut rendered.layers, &tell);
         rendered.samples.end = end;
         self.sample_seconds = Some(pass.elapsed().as_secs_f64() / samples.len() as f64);
     }

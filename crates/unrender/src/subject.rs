@@ -1,7 +1,6 @@
 //! What is rendered in passes: one picture, or a composite's scenes before and after.
 
-use std::ops::Range;
-use unrender_render::adaptive::Shares;
+use unrender_render::adaptive::{Samples, Shares};
 use unrender_render::{Settings, Tally, Tracer};
 use unrender_restage::pair::{self, Pairing};
 use unrender_scene::{Camera, Material, Scene};
@@ -11,10 +10,10 @@ pub(crate) trait Subject {
     /// What each sum is called; the first is the picture whose noise counts.
     fn layers(&self) -> &'static [&'static str];
 
-    /// Adds the paths whose numbers `samples` gives for each pixel to `layers`.
+    /// Adds the paths that `samples` asks for to `layers`.
     fn accumulate(
         &self,
-        samples: &(dyn Fn(usize) -> Range<u32> + Sync),
+        samples: &Samples<'_>,
         layers: &mut [Tally],
         progress: &(dyn Fn(f64) + Sync),
     );
@@ -44,7 +43,7 @@ impl Subject for Picture<'_> {
 
     fn accumulate(
         &self,
-        samples: &(dyn Fn(usize) -> Range<u32> + Sync),
+        samples: &Samples<'_>,
         layers: &mut [Tally],
         progress: &(dyn Fn(f64) + Sync),
     ) {
@@ -64,7 +63,7 @@ impl Subject for Pairing<'_> {
 
     fn accumulate(
         &self,
-        samples: &(dyn Fn(usize) -> Range<u32> + Sync),
+        samples: &Samples<'_>,
         layers: &mut [Tally],
         progress: &(dyn Fn(f64) + Sync),
     ) {

@@ -101,7 +101,7 @@ fn camera() -> Camera {
 
 /// What `camera` takes of `scene`.
 fn photograph(scene: &Scene, camera: &Camera) -> RgbImage {
-    let settings = Settings { spp: 64, seed: 5, max_bounces: 6 };
+    let settings = Settings { spp: 64, seed: 5, max_bounces: 6, ..Settings::default() };
     Tracer::new(scene).render(&scene.materials(), camera, SIZE, &settings, &|_| ()).mean
 }
 

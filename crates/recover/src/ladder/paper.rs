@@ -174,7 +174,8 @@ impl PaperTurn<'_> {
     }
 
     fn rerender(&self, s: &State<'_>, materials: &[Material], px: &[u32], seed: u64) -> Vec<Rgb> {
-        let settings = Settings { spp: SPP, seed, max_bounces: self.options.max_bounces };
+        let settings =
+            Settings { spp: SPP, seed, max_bounces: self.options.max_bounces, shared: false };
         let appearance = Appearance { materials, lights: &s.lights };
         s.problem.renderer.rerender(appearance, px, &settings)
     }

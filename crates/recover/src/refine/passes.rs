@@ -202,8 +202,12 @@ impl<'o> Passes<'o> {
         cells: &[Cell],
         spp: &[u32],
     ) -> Vec<Mean> {
-        let settings =
-            Settings { spp: 0, seed: self.seed(), max_bounces: self.options.max_bounces };
+        let settings = Settings {
+            spp: 0,
+            seed: self.seed(),
+            max_bounces: self.options.max_bounces,
+            shared: false,
+        };
         means::gather(state, unknowns, cells, spp, &settings)
     }
 }

@@ -1,0 +1,131 @@
+//! Proves that pixels which share their paths have the mean that they have without, less noise, and
+//! the same bits however they are rendered.
+
+mod common;
+
+use common::{Estimate, Stage, assert_agree, camera, settings};
+use glam::{DVec3, Vec3};
+use unrender_render::adaptive::Samples;
+use unrender_render::{Settings, Tally};
+use unrender_scene::{Camera, LightKind, Material, Rgb};
+
+const SIDE: usize = 20;
+
+fn view() -> Camera {
+    camera(Vec3::new(0.0, 0.0, 0.95), Vec3::new(0.0, -0.2, 0.0), 1.2)
+}
+
+/// A room with a lamp, a spot, a brushed floor, a ball with a gloss on it, a mirror, and a plate
+/// that is a mirror and diffuse.
+fn room() -> Stage {
+    let mut stage = Stage::default();
+    let wall = stage.group(Material::diffuse(Rgb::new(0.7, 0.5, 0.3)), Rgb::ZERO);
+    stage.room(wall, Vec3::ONE);
+    let brushed = Material {
+        alpha_y: 0.3,
+        theta_rad: 0.5,
+        ..Material::isotropic(Rgb::splat(0.1), Rgb::new(0.5, 0.6, 0.4), 0.1)
+    };
+    let floor = stage.group(brushed, Rgb::ZERO);
+    stage.plate(floor, Vec3::new(0.0, -0.98, 0.0), Vec3::Z, Vec3::X);
+    let ball = stage.group(Material::isotropic(Rgb::splat(0.2), Rgb::splat(0.5), 0.2), Rgb::ZERO);
+    stage.sphere(ball, Vec3::new(0.2, -0.5, 0.0), 0.4, 12);
+    let mirror = stage.group(Material::mirror(Rgb::splat(0.9)), Rgb::ZERO);
+    stage.plate(mirror, Vec3::new(-0.6, 0.0, -0.95), 0.3 * Vec3::X, 0.5 * Vec3::Y);
+    let both = Material { rho_d: Rgb::splat(0.3), ..Material::mirror(Rgb::splat(0.5)) };
+    let glazed = stage.group(both, Rgb::ZERO);
+    stage.plate(glazed, Vec3::new(0.6, 0.0, -0.95), 0.3 * Vec3::X, 0.5 * Vec3::Y);
+    let lamp = stage.group(Material::diffuse(Rgb::ZERO), Rgb::splat(5.0));
+    stage.plate(lamp, Vec3::new(0.0, 0.98, 0.0), 0.3 * Vec3::X, 0.3 * Vec3::Z);
+    stage.light(LightKind::Spot {
+        position: Vec3::new(-0.8, 0.8, 0.5),
+        direction: Vec3::new(1.0, -1.0, -0.5).normalize(),
+        intensity: Rgb::splat(1.0),
+        inner_rad: 0.2,
+        outer_rad: 0.4,
+    });
+    stage
+}
+
+/// The mean of the picture, by its spread over a number of pictures: pixels that share are not
+/// independent.
+fn mean(stage: &Stage, pictures: u64, settings: Settings) -> (Estimate, DVec3) {
+    let (tracer, materials) = (stage.tracer(), stage.scene.materials());
+    let film = |seed| {
+        let settings = Settings { seed, ..settings };
+        tracer.render(&materials, &view(), (SIDE, SIDE), &settings, &|_| ())
+    };
+    let films: Vec<_> = (0..pictures).map(film).collect();
+    let means: Vec<DVec3> = films.iter().map(|film| Estimate::of_film(film).mean).collect();
+    let variance = films.iter().flat_map(|film| film.variance.pixels());
+    (Estimate::of_samples(&means), variance.map(|v| v.as_dvec3()).sum())
+}
+
+#[test]
+fn what_pixels_share_biases_nothing_and_makes_less_noise() {
+    let stage = room();
+    for max_bounces in [1, 2, 3, 20] {
+        let alone = Settings { max_bounces, ..settings(32) };
+        let shared = Settings { shared: true, ..alone };
+        let (expected, before) = mean(&stage, 100, alone);
+        let (found, after) = mean(&stage, 100, shared);
+        assert_agree(&format!("{max_bounces} bounces"), found, expected, 3e-3);
+        let share = (after / before).max_element();
+        let limit = if max_bounces == 1 { 0.9 } else { 0.5 };
+        assert!(share < limit, "{max_bounces} bounces: {share} of the variance");
+    }
+}
+
+#[test]
+fn each_pixel_has_its_own_mean() {
+    // A bias that moves light from one pixel to its neighbour would not show in the mean of all.
+    let stage = room();
+    let alone = stage.render(&view(), SIDE, settings(4096));
+    let shared = stage.render(&view(), SIDE, Settings { shared: true, ..settings(1024) });
+    let mut worst = 0.0f64;
+    for (pixel, (a, b)) in alone.mean.pixels().iter().zip(shared.mean.pixels()).enumerate() {
+        let variance = alone.variance.pixels()[pixel] + shared.variance.pixels()[pixel];
+        let z = (*a - *b).as_dvec3() / variance.as_dvec3().map(f64::sqrt);
+        worst = worst.max(z.abs().max_element());
+    }
+    // 1200 numbers; 4.5 of 20 million such pictures are beyond 5.5.
+    assert!(worst < 5.5, "a pixel is {worst} standard deviations off");
+}
+
+#[test]
+fn a_furnace_stays_white() {
+    let mut stage = Stage::default();
+    let wall = stage.group(Material::diffuse(Rgb::splat(0.5)), Rgb::ONE);
+    stage.room(wall, Vec3::ONE);
+    let shared = Settings { shared: true, ..settings(64) };
+    let (found, _) = mean(&stage, 50, shared);
+    assert_agree("furnace", found, Estimate::exactly(Rgb::splat(2.0)), 1e-3);
+}
+
+#[test]
+fn threads_and_parts_change_no_bit() {
+    let stage = room();
+    let (tracer, materials) = (stage.tracer(), stage.scene.materials());
+    let settings = Settings { shared: true, ..settings(7) };
+    let part = |samples: Samples<'_>, threads: usize| {
+        let mut tally = Tally::new(SIDE, SIDE);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            tracer.accumulate(&materials, &view(), &settings, &samples, &mut tally, &|_| ());
+        });
+        tally
+    };
+    let whole = part(Samples::Even(0..7), 1);
+    let mut sum = part(Samples::Even(3..7), 3);
+    sum.add(&part(Samples::Even(0..3), 2));
+    assert!(sum == whole);
+    assert!(stage.render(&view(), SIDE, settings) == whole.film());
+    // Likewise where the number of samples depends on the noise.
+    let shares = tracer.shares(&materials, &view(), (SIDE, SIDE), &settings, &|_| ());
+    let whole = part(Samples::ByNoise(&shares, 0..7), 1);
+    let mut sum = part(Samples::ByNoise(&shares, 0..2), 2);
+    sum.add(&part(Samples::ByNoise(&shares, 2..7), 1));
+    assert!(sum == whole);
+    let counts = |i: usize| whole.moments().pixels()[i].count as usize;
+    assert!((0..SIDE * SIDE).all(|i| counts(i) == shares.samples(i, 0..7).len()));
+}
