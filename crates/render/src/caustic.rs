@@ -38,6 +38,8 @@ const IMAGES_MAX: usize = 4;
 const DEVIATION_MIN: f32 = 2e-3;
 /// Wider ones are found by the cosine well enough.
 const DEVIATION_MAX: f32 = 0.5;
+/// Where the Gaussian is below `exp(-DEPTH_MAX)` of its peak, 3e-8, it counts as nothing.
+const DEPTH_MAX: f32 = 17.3;
 /// A patch reaches this many deviations beyond its centre.
 const REACH: f32 = 3.0;
 /// Vectors whose angle has at least this cosine are taken for parallel.
@@ -272,7 +274,8 @@ impl Image {
 
     fn pdf(&self, wi: Vec3) -> f32 {
         // 1 - cos from the difference of the vectors, which keeps its digits near the axis.
-        self.norm * (-0.5 * self.kappa * (wi - self.axis).length_squared()).exp()
+        let depth = 0.5 * self.kappa * (wi - self.axis).length_squared();
+        if depth > DEPTH_MAX { 0.0 } else { self.norm * (-depth).exp() }
     }
 
     fn sample(&self, u: [f32; 2]) -> Vec3 {

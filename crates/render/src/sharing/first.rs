@@ -29,16 +29,15 @@ pub(super) struct First {
     wo: Vec3,
 }
 
-/// A first surface that sees a point.
+/// How a first surface looks in a direction.
 #[derive(Clone, Copy)]
 pub(super) struct View {
-    /// Unit vector towards the point.
+    /// Unit vector there.
     pub(super) wi: Vec3,
     /// The reflectance towards the camera times the cosine here, sr^-1.
     pub(super) f_cos: Rgb,
     /// The density over solid angle with which the first surface looks there.
     pub(super) pdf: f32,
-    pub(super) distance: f32,
 }
 
 impl First {
@@ -103,24 +102,25 @@ impl First {
         (sum.radiance + sample.weight * reflected, None)
     }
 
-    /// How this surface sees `point`, if its front turns there; nothing is said of what may stand
-    /// in between.
-    pub(super) fn view(&self, point: Vec3) -> Option<View> {
+    /// The unit vector to `point` and the distance, if this surface turns its front there.
+    pub(super) fn direction(&self, point: Vec3) -> Option<(Vec3, f32)> {
         let to_point = point - self.origin;
         let distance = to_point.length();
         let wi = to_point / distance;
-        if !self.surface.is_above(wi) {
-            return None;
-        }
+        self.surface.is_above(wi).then_some((wi, distance))
+    }
+
+    /// Whether nothing stands between this surface and what lies at `distance` along `wi`.
+    pub(super) fn is_free(&self, transport: &Transport<'_>, wi: Vec3, distance: f32) -> bool {
+        transport.is_free(self.origin, wi, distance)
+    }
+
+    /// How this surface looks along `wi`, if it could have.
+    pub(super) fn view(&self, wi: Vec3) -> Option<View> {
         let local = self.frame.local_from_world(wi);
         let bsdf = self.bsdf();
         let pdf = bsdf.pdf(self.wo, local);
         let f_cos = bsdf.value(self.wo, local) * local.z;
-        (pdf > 0.0 && pdf.is_finite()).then_some(View { wi, f_cos, pdf, distance })
-    }
-
-    /// Whether nothing stands between this surface and what it views.
-    pub(super) fn is_free(&self, transport: &Transport<'_>, view: &View) -> bool {
-        transport.is_free(self.origin, view.wi, view.distance)
+        (pdf > 0.0 && pdf.is_finite()).then_some(View { wi, f_cos, pdf })
     }
 }

@@ -51,6 +51,8 @@ pub(crate) struct Workspace {
     /// With the index of the first surface that found it.
     seconds: Vec<(usize, Second)>,
     links: Vec<Link>,
+    /// What a lobe reflects of some light towards each of the links.
+    reflected: Vec<Rgb>,
     radiance: Vec<Rgb>,
 }
 
@@ -160,7 +162,7 @@ impl Sharing<'_> {
         for (finder, second) in &space.seconds {
             space.links.clear();
             self.link(*finder, second, &space.firsts, &mut space.links);
-            share(second, &space.links, &mut space.radiance);
+            share(second, &space.links, &mut space.reflected, &mut space.radiance);
         }
     }
 
@@ -168,10 +170,13 @@ impl Sharing<'_> {
     /// `links`.
     fn link(&self, finder: usize, second: &Second, firsts: &[First], links: &mut Vec<Link>) {
         for (index, first) in firsts.iter().enumerate() {
-            let Some(view) = first.view(second.point) else { continue };
-            let Some(cosine) = second.cosine(view.wi) else { continue };
-            if index == finder || first.is_free(self.transport, &view) {
-                let geometry = cosine / (view.distance * view.distance);
+            let Some((wi, distance)) = first.direction(second.point) else { continue };
+            let Some(cosine) = second.cosine(wi) else { continue };
+            if index != finder && !first.is_free(self.transport, wi, distance) {
+                continue;
+            }
+            if let Some(view) = first.view(wi) {
+                let geometry = cosine / (distance * distance);
                 links.push(Link { pixel: first.pixel, view, geometry });
             }
         }
@@ -194,34 +199,35 @@ impl Layer {
 }
 
 /// Adds to the pixels' radiance what `second` reflects towards those that see it.
-fn share(second: &Second, links: &[Link], radiance: &mut [Rgb]) {
+fn share(second: &Second, links: &[Link], reflected: &mut Vec<Rgb>, radiance: &mut [Rgb]) {
     match &second.reflection {
-        Reflection::Even(reflected) => {
+        Reflection::Even(leaving) => {
             let density: f32 = links.iter().map(|link| link.view.pdf * link.geometry).sum();
             if density > 0.0 {
                 for link in links {
-                    radiance[link.pixel] += link.view.f_cos * (reflected * link.geometry / density);
+                    radiance[link.pixel] += link.view.f_cos * (leaving * (link.geometry / density));
                 }
             }
         }
-        Reflection::Lobe(lobe) => share_by_lobe(lobe, links, radiance),
+        Reflection::Lobe(lobe) => share_by_lobe(lobe, links, reflected, radiance),
     }
 }
 
 /// The same for a lobe, by which the light goes to each in another measure, and would have been
 /// found from each with another density.
-fn share_by_lobe(lobe: &Lobe, links: &[Link], radiance: &mut [Rgb]) {
+fn share_by_lobe(lobe: &Lobe, links: &[Link], reflected: &mut Vec<Rgb>, radiance: &mut [Rgb]) {
     for arrival in lobe.arrivals.iter().flatten() {
+        reflected.clear();
         let mut density = 0.0;
         for link in links {
-            let (_, pdf) = lobe.f_cos_and_pdf(arrival, lobe.towards(link.view.wi));
+            let (f_cos, pdf) = lobe.f_cos_and_pdf(arrival, lobe.towards(link.view.wi));
             density += link.view.pdf * link.geometry * pdf;
+            reflected.push(f_cos);
         }
         if density > 0.0 && density.is_finite() {
-            for link in links {
-                let (f_cos, _) = lobe.f_cos_and_pdf(arrival, lobe.towards(link.view.wi));
-                let reflected = f_cos * arrival.radiance;
-                radiance[link.pixel] += link.view.f_cos * (reflected * link.geometry / density);
+            for (link, f_cos) in links.iter().zip(reflected.iter()) {
+                let f_cos = link.view.f_cos * f_cos;
+                radiance[link.pixel] += f_cos * (arrival.radiance * (link.geometry / density));
             }
         }
     }
