@@ -191,18 +191,24 @@ const SETTINGS: [Setting; 5] = [
     Setting { finer: 4, options: "-ab 24 -aa 0 -ad 4 -as 0 -ss 1 -lr -8 -lw 1e-3" },
 ];
 /// As `render.sh` of the export has it: paths that end by chance, nothing kept.
-const CONVERGED: Setting =
-    Setting { finer: 4, options: "-ab 24 -aa 0 -ad 8 -as 0 -ss 6 -lr -30 -lw 1e-5" };
+const CONVERGED: &str = "-ab 24 -aa 0 -ad 8 -as 0 -ss 6 -lr -30 -lw 1e-5";
 
 /// Radiance.
 pub(crate) struct ByRadiance {
     radiance: Radiance,
+    /// Rays in a row of a pixel, in what it converges to.
+    finest: usize,
     effort: Effort,
 }
 
 impl ByRadiance {
-    pub(crate) fn new(shot: &Shot, folder: &Path, effort: Effort) -> Result<Self, Failure> {
-        Ok(Self { radiance: Radiance::load(shot, folder)?, effort })
+    pub(crate) fn new(
+        shot: &Shot,
+        folder: &Path,
+        finest: usize,
+        effort: Effort,
+    ) -> Result<Self, Failure> {
+        Ok(Self { radiance: Radiance::load(shot, folder)?, finest, effort })
     }
 
     fn chosen(&self) -> &'static [Setting] {
@@ -241,9 +247,8 @@ impl Contender for ByRadiance {
     }
 
     fn converged(&mut self, _seed: u32) -> Result<RgbImage, Failure> {
-        let finer = self.effort.pick(2, CONVERGED.finer);
         // Its random numbers go by the second.
         std::thread::sleep(std::time::Duration::from_secs(1));
-        Ok(self.radiance.render(Setting { finer, ..CONVERGED })?.0)
+        Ok(self.radiance.render(Setting { finer: self.finest, options: CONVERGED })?.0)
     }
 }

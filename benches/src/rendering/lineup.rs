@@ -29,9 +29,9 @@ impl Lineup {
             let made = started.and_then(|p| ByMitsuba::new(&p, &shot, &folder, *way, effort));
             lineup.add(name, made);
         }
-        if subject.radiance {
+        if let Some(finest) = subject.radiance {
             let folder = work_folder(&format!("{}-radiance", subject.file));
-            lineup.add("Radiance".to_owned(), ByRadiance::new(&shot, &folder, effort));
+            lineup.add("Radiance".to_owned(), ByRadiance::new(&shot, &folder, finest, effort));
         }
         lineup
     }

@@ -5,9 +5,6 @@ use crate::{Failure, peers};
 use unrender::formats::{atomic, gltf};
 use unrender::scene::Scene;
 
-/// Paths a pixel of the photograph.
-const SPP: u32 = 256;
-
 /// A point on an axis.
 pub(crate) struct Case {
     /// Where on the axis.
@@ -19,6 +16,10 @@ pub(crate) struct Case {
     pub(crate) size: (usize, usize),
     /// Reflections at most, if that is limited.
     pub(crate) bounces: Option<usize>,
+    /// Paths a pixel of the photograph.
+    pub(crate) spp: u32,
+    /// Whether it is recovered without refinement, too.
+    pub(crate) ladder: bool,
 }
 
 /// What a recovery took.
@@ -35,7 +36,7 @@ pub(crate) struct Cost {
     /// Seconds to make the photograph.
     pub(crate) rendering: f64,
     /// Recovered with `--no-refine`.
-    pub(crate) ladder: Recovery,
+    pub(crate) ladder: Option<Recovery>,
     /// As by default.
     pub(crate) full: Recovery,
 }
@@ -56,14 +57,15 @@ impl Case {
         let limit: Vec<&str> =
             bounces.iter().flat_map(|bounces| ["--bounces", bounces.as_str()]).collect();
         let flags = [&["--independent"], limit.as_slice()].concat();
-        let rendering = command.render(&scene, self.size, SPP, &photo, &flags)?;
+        let rendering = command.render(&scene, self.size, self.spp, &photo, &flags)?;
         let recover = |more: &[&str]| -> Result<Recovery, Failure> {
             let flags: Vec<&str> = limit.iter().chain(more).copied().collect();
             let (seconds, run) = command.recover(&project, &folder.join("out"), &flags)?;
             let mebibytes = run.peak_memory_bytes.map(|b| b as f64 / f64::from(1 << 20));
             Ok(Recovery { seconds, mebibytes })
         };
-        Ok(Cost { rendering, ladder: recover(&["--no-refine"])?, full: recover(&[])? })
+        let ladder = self.ladder.then(|| recover(&["--no-refine"])).transpose()?;
+        Ok(Cost { rendering, ladder, full: recover(&[])? })
     }
 
     fn project(&self) -> String {

@@ -13,7 +13,7 @@ use unrender_scene::Rgb;
 /// Light samples at the first surface, where there is one place that light comes from and where there
 /// are several. Paths that share bring so much together that the light of a single sample would be
 /// most of the noise.
-const LIGHTS: [u32; 2] = [4, 8];
+const LIGHTS: [u32; 2] = [4, 16];
 
 /// A surface that the camera sees.
 pub(super) struct First {
