@@ -51,7 +51,13 @@ pub(crate) fn measure(effort: Effort) -> Result<Section, Failure> {
     }
     let large = large(effort);
     eprintln!("the large one ...");
-    let cost = large.measure(&command)?;
+    let cost = match large.measure(&command) {
+        Ok(cost) => Some(cost),
+        Err(problem) => {
+            eprintln!("not measured: {problem}");
+            None
+        }
+    };
     eprintln!("the large one: {cost:?}");
     let mut plots = Vec::new();
     for one in &measured {
@@ -61,7 +67,7 @@ pub(crate) fn measure(effort: Effort) -> Result<Section, Failure> {
             plots.push((format!("performance-memory-{name}.svg"), draw_memory(one)?));
         }
     }
-    Ok(Section { text: text(&measured, &large, &cost), plots })
+    Ok(Section { text: text(&measured, &large, cost.as_ref()), plots })
 }
 
 fn matters_to_memory(name: &str) -> bool {
@@ -91,8 +97,8 @@ fn axes(effort: Effort) -> Result<Vec<Axis>, Failure> {
     };
     let sides: &[usize] = effort.pick(&[16, 32], &[64, 128, 256, 512]);
     let triangles: &[usize] = effort.pick(&[500, 1000], &[1000, 10_000, 100_000, 1_000_000]);
-    let panels: &[usize] = effort.pick(&[1, 2], &[1, 4, 16, 64]);
-    let bounces: &[usize] = effort.pick(&[1, 4], &[1, 2, 4, 8, 16]);
+    let panels: &[usize] = effort.pick(&[1, 2], &[1, 4, 16]);
+    let bounces: &[usize] = effort.pick(&[1, 4], &[1, 2, 4, 8]);
     let side = effort.pick(16, 256);
     Ok(vec![
         Axis {
@@ -176,10 +182,10 @@ fn draw<const N: usize>(
     plot::svg(&axes, &quantities.map(curve))
 }
 
-fn text(measured: &[Measured], large: &Case, cost: &Cost) -> String {
+fn text(measured: &[Measured], large: &Case, cost: Option<&Cost>) -> String {
     let mut claims = Table::new(["claim", "goal", "measured", "held"]);
     let (width, height) = large.size;
-    let gibibytes = cost.full.mebibytes.map_or(f64::NAN, |mebibytes| mebibytes / 1024.0);
+    let gibibytes = cost.and_then(|cost| cost.full.mebibytes).map_or(f64::NAN, |m| m / 1024.0);
     let [found, held] = verdict(gibibytes, gibibytes < MEMORY_GOAL);
     claims.push([
         format!("GiB to recover {width} x {height} pixels of {} triangles", large.value),
@@ -221,11 +227,10 @@ fn text(measured: &[Measured], large: &Case, cost: &Cost) -> String {
             pictures.push_str(&format!("\n![Memory against {name}]({file})\n"));
         }
     }
-    row(
-        format!("the room, {width} x {height}, its photograph of 64 spp"),
-        large.value.to_string(),
-        cost,
-    );
+    if let Some(cost) = cost {
+        let what = format!("the room, {width} x {height}, its photograph of 64 spp");
+        row(what, large.value.to_string(), cost);
+    }
     format!(
         "## Scaling\n\n`scaling`. {}\n\n{}\n{EXPLANATION}\n{}{pictures}",
         machine::sentence(&[]),
