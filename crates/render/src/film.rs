@@ -21,8 +21,9 @@ pub struct Settings {
     pub seed: u64,
     /// Reflections along a path at most; one means direct light only.
     pub max_bounces: u32,
-    /// Whether neighbouring pixels share what their paths find (module [`crate::sharing`]): less
-    /// noise, but alike in pixels that share. For whole pictures only.
+    /// Whether neighbouring pixels may share what their paths find (module [`crate::sharing`]), as
+    /// they then do where it pays: less noise, but alike in pixels that share. For whole pictures
+    /// only.
     pub shared: bool,
 }
 
@@ -96,8 +97,10 @@ impl Tracer {
         if settings.shared {
             let Painter { transport, camera, size, settings } = &painter;
             let sharing = Sharing { transport, camera, size: *size, seed: settings.seed };
-            sharing.accumulate(samples, tally, progress);
-            return;
+            if sharing.pays() {
+                sharing.accumulate(samples, tally, progress);
+                return;
+            }
         }
         let pixels = tally.moments.pixels_mut();
         let count = pixels.len();

@@ -40,9 +40,10 @@ pub struct Effort {
     /// Chooses the noise; the same seed gives the same bits.
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
-    /// Let every pixel have paths of its own. Else neighbouring pixels share what theirs find, which
-    /// takes half the time or less for the same noise, but makes it alike in pixels nearby: not
-    /// for pictures whose noise is to be measured, or that materials are recovered from.
+    /// Let every pixel have paths of its own. Else neighbouring pixels share what theirs find, where
+    /// a few squares of the picture say that it pays: a path then takes four times as long and
+    /// brings more than that, but noise is alike in pixels nearby. Not for pictures whose noise is to
+    /// be measured, or that materials are recovered from.
     #[arg(long)]
     pub independent: bool,
     /// The most reflections of a path [default: until it carries nothing more].
