@@ -55,8 +55,9 @@ pub(crate) fn measure(effort: Effort) -> Result<Section, Failure> {
         let mut lineup = Lineup::new(&subject, side, effort);
         let measured = rounds(&mut lineup.here, effort)?;
         let used = lineup.here.iter().skip(1).map(|contender| contender.version());
-        versions
-            .extend(used.filter(|version| !versions.contains(version)).collect::<BTreeSet<_>>());
+        versions.extend(
+            used.filter(|v| !v.is_empty() && !versions.contains(v)).collect::<BTreeSet<_>>(),
+        );
         plots.push((
             format!("performance-rendering-{}.svg", subject.file),
             draw(&subject, &measured)?,
