@@ -5,6 +5,7 @@
 //!  - [`Tracer::render`]: what does the camera see? (module [`film`])
 //!    In parts that add up to the same bits: [`Tracer::accumulate`] (module [`tally`]), and
 //!    more of it where the noise is: [`Tracer::shares`] (module [`adaptive`]).
+//!    With [`Settings::shared`] neighbouring pixels share what their paths find (module [`sharing`]).
 //!  - [`Tracer::geometry`]: which object, group, depth and normal stands in each pixel?
 //!    (module [`geometry`])
 //!  - [`Tracer::probe`]: what light arrives at the surfaces in these pixels, so that any reflectance
@@ -17,7 +18,7 @@
 //! triangles.
 //!
 //! Results depend on the input and the seed alone, never on the number of threads: every pixel has
-//! its own sequence of sample points and sums them in one order.
+//! its own sequence of sample points, and sums are exact or in one order.
 
 pub mod accel;
 pub mod adaptive;
