@@ -222,13 +222,14 @@ fn text(
 const EXPLANATION: &str = "Pictures of SIDE x SIDE pixels with a box filter, on all cores. RMSE is \
 over all pixels and channels, against what the same renderer converges to with the same model; the \
 noise that is left in that, known from its two halves, is taken out. Our pixels share what their \
-paths find, as they do by default, or do not (`--independent`); both are held to what sharing \
-converges to. Medians of the rounds. A \
+paths find where that pays, as they do by default, or do not (`--independent`); both are held to \
+what the default converges to. Medians of the rounds. A \
 ratio is our error in the time of the other's setting over the other's error; the claim is for the \
 setting that is best for the other. Mitsuba: integrator `path` without a limit of depth, and its own Russian \
 roulette; `ward` is our lobe as a plugin in Python (`benches/peers/ward.py`, compiled by LLVM), \
 `beckmann` the lobe that `unrender export` writes for it; reading and compiling are not counted. \
 Its variant `llvm_ad_rgb` needs a shared library of LLVM (Debian's `libllvm19`). \
 Radiance: `rtrace` on all cores with irradiance caching (`-aa`) or without; N x N rays a pixel; \
-reading is not counted.
+reading is not counted. In the room it converges to 2 x 2 rays a pixel, whose places are fixed, \
+which flatters its own 2 x 2 there and makes its 4 x 4 look worse.
 ";

@@ -110,7 +110,7 @@ fn each_pixel_has_its_own_mean() {
         let z = (*a - *b).as_dvec3() / variance.as_dvec3().map(f64::sqrt);
         worst = worst.max(z.abs().max_element());
     }
-    // 1200 numbers; 4.5 of 20 million such pictures are beyond 5.5.
+    // 1200 numbers, each of which is beyond 5.5 once in 26 million times.
     assert!(worst < 5.5, "a pixel is {worst} standard deviations off");
 }
 

@@ -167,7 +167,8 @@ impl Bounds {
             let x = point.x - self.centre[0][lane];
             let y = point.y - self.centre[1][lane];
             let z = point.z - self.centre[2][lane];
-            let distance2 = (x * x + y * y + z * z).max(f32::MIN_POSITIVE);
+            // As for points at a light: what it brings stays finite.
+            let distance2 = (x * x + y * y + z * z).max(1e-12);
             let distance = distance2.sqrt();
             // How far before the ball's centre the point lies along any of the axes, at most: with
             // the angle between it and the mean axis made smaller by the spread.

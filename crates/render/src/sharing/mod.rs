@@ -50,7 +50,7 @@ const SIDE: usize = TILE;
 const BATCH: usize = 1024;
 /// The time of a path that shares, in paths that do not: measured, 3.5 to 4.8.
 const PRICE: f64 = 4.0;
-/// Squares at most, and paths a pixel in each half, by which it is judged whether that is well spent.
+/// Squares, drawn anywhere, and paths a pixel in each half, that tell whether that is well spent.
 const PILOT: (usize, u32) = (16, 4);
 /// Keeps the numbers of those apart from the picture's under the same seed.
 const STREAM: u64 = 0x50A4_0000_0000_0000;
@@ -157,7 +157,8 @@ impl Sharing<'_> {
             let share = |index: u32| f64::from(index - start) / f64::from(end - start);
             let (from, to) = (share(batch.start), share(batch.end));
             next = batch.end;
-            let layers: Vec<Layer> = batch.map(|index| Layer::new(self, index, drifts)).collect();
+            let layers: Vec<Layer> =
+                batch.map(|index| Layer::new(self.size, index, drifts)).collect();
             self.add(&layers, &ranges, tally, &|done| progress(from + (to - from) * done));
         }
     }
@@ -255,10 +256,10 @@ struct Layer {
 
 impl Layer {
     /// With squares that drift from one number to the next, or stand in their tiles.
-    fn new(sharing: &Sharing<'_>, index: u32, drifts: bool) -> Self {
+    fn new(size: (usize, usize), index: u32, drifts: bool) -> Self {
         let random = mix(u64::from(index));
         let shift = |bits: u64| if drifts { bits as usize % SIDE } else { 0 };
-        Self { index, grid: Grid::new(sharing.size, (shift(random), shift(random >> 32))) }
+        Self { index, grid: Grid::new(size, (shift(random), shift(random >> 32))) }
     }
 }
 
