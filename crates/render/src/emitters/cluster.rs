@@ -43,6 +43,8 @@ pub(super) struct Cluster {
     spread_rad: f32,
     reach_rad: f32,
     pub(super) strength: f32,
+    /// The coordinate in which the lights differ most, by how much, and the middle.
+    extent: (usize, f32, f32),
 }
 
 impl Beacon {
@@ -72,13 +74,13 @@ impl Cluster {
         if beacons.is_empty() {
             return Vec::new();
         }
-        let mut clusters = vec![Self::new(beacons)];
+        let mut clusters = vec![Self::new(beacons, scale)];
         while clusters.len() < CLUSTERS_MAX {
-            let value = |cluster: &Self| cluster.strength * cluster.extent(scale).1;
+            let value = |cluster: &Self| cluster.strength * cluster.extent.1;
             let widest = clusters
                 .iter()
                 .enumerate()
-                .filter(|(_, cluster)| cluster.extent(scale).1 > EXTENT_MIN)
+                .filter(|(_, cluster)| cluster.extent.1 > EXTENT_MIN)
                 .max_by(|a, b| value(a.1).total_cmp(&value(b.1)))
                 .map(|(index, _)| index);
             let Some(index) = widest else { break };
@@ -88,7 +90,7 @@ impl Cluster {
         clusters
     }
 
-    fn new(members: Vec<Beacon>) -> Self {
+    fn new(members: Vec<Beacon>, scale: f32) -> Self {
         let count = members.len() as f32;
         let centre = members.iter().map(|m| m.centre).sum::<Vec3>() / count;
         let radius = |m: &Beacon| m.centre.distance(centre) + m.radius;
@@ -99,28 +101,28 @@ impl Cluster {
             if axis == Vec3::ZERO { PI } else { members.iter().map(off).fold(0.0, f32::max) };
         let reach_rad = members.iter().map(|m| m.reach_rad).fold(0.0, f32::max);
         let strength = members.iter().map(|m| m.strength).sum();
-        Self { members, centre, radius, axis, spread_rad, reach_rad, strength }
-    }
-
-    /// The coordinate in which the lights differ most, by how much, and the middle.
-    fn extent(&self, scale: f32) -> (usize, f32, f32) {
-        let along = |axis: usize| {
-            let values = self.members.iter().map(|m| m.place(scale)[axis]);
-            let (low, high) = values.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), v| {
-                (low.min(v), high.max(v))
-            });
-            (axis, high - low, 0.5 * (low + high))
-        };
-        (0..6).map(along).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0, 0.0))
+        let extent = extent(&members, scale);
+        Self { members, centre, radius, axis, spread_rad, reach_rad, strength, extent }
     }
 
     /// The lights before the middle and those after it; neither is empty if they extend at all.
     fn split(self, scale: f32) -> (Self, Self) {
-        let (axis, _, middle) = self.extent(scale);
+        let (axis, _, middle) = self.extent;
         let (one, other) =
             self.members.into_iter().partition(|member| member.place(scale)[axis] <= middle);
-        (Self::new(one), Self::new(other))
+        (Self::new(one, scale), Self::new(other, scale))
     }
+}
+
+/// The coordinate in which lights differ most, by how much, and the middle.
+fn extent(members: &[Beacon], scale: f32) -> (usize, f32, f32) {
+    let along = |axis: usize| {
+        let values = members.iter().map(|m| m.place(scale)[axis]);
+        let (low, high) = values
+            .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+        (axis, high - low, 0.5 * (low + high))
+    };
+    (0..6).map(along).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0, 0.0))
 }
 
 /// The bounds of all clusters, side by side, so that several are worked out at a time.
@@ -215,7 +217,7 @@ mod tests {
 
     #[test]
     fn nothing_comes_from_behind_and_more_from_near() {
-        let cluster = Cluster::new(vec![lamp(0, Vec3::ZERO, Vec3::Y)]);
+        let cluster = Cluster::new(vec![lamp(0, Vec3::ZERO, Vec3::Y)], 1.0);
         let bounds = Bounds::new(&[cluster]);
         let at = |point: Vec3| bounds.importances(point)[0];
         assert_eq!(at(-Vec3::Y), 0.0);
@@ -236,7 +238,7 @@ mod tests {
             inner_rad: 0.1,
             outer_rad: 0.3,
         };
-        let spot = Beacon::at_point(0, &kind).map(|beacon| Cluster::new(vec![beacon]));
+        let spot = Beacon::at_point(0, &kind).map(|beacon| Cluster::new(vec![beacon], 1.0));
         let bounds = Bounds::new(&[spot.expect("it stands somewhere")]);
         let at = |angle: f32| bounds.importances(Vec3::new(angle.sin(), -angle.cos(), 0.0))[0];
         assert!(at(0.29) > 0.0 && at(0.31) == 0.0);
