@@ -10,7 +10,7 @@
 //! [`Transport::reflected`] adds up the light, the Jacobian (module [`crate::jacobian`]) also how
 //! it changes.
 
-use crate::accel::{self, Ray};
+use crate::accel::{self, Between, Bundle, Ray};
 use crate::bsdf::{Bsdf, BsdfSample, Specular};
 use crate::caustic::{self, Images, Shiny};
 use crate::emitters::LightSample;
@@ -379,13 +379,14 @@ impl<'a> Transport<'a> {
             return;
         }
         let wi = at.frame.local_from_world(light.wi);
-        let f_cos = at.bsdf.value(at.wo, wi) * wi.z;
+        let (f, found) = at.bsdf.value_and_pdf(at.wo, wi);
+        let f_cos = f * wi.z;
         if f_cos.max_element() <= 0.0 || !self.is_free(origin, light.wi, light.distance) {
             return;
         }
         let count = count as f32;
         let share = match light.pdf {
-            Some(pdf) => pdf / (count * pdf + at.bsdf.pdf(at.wo, wi)),
+            Some(pdf) => pdf / (count * pdf + found),
             None => 1.0 / count,
         };
         ledger.direct(throughput, at, wi, f_cos, &light, share);
@@ -395,6 +396,23 @@ impl<'a> Transport<'a> {
     pub(crate) fn is_free(&self, origin: Vec3, wi: Vec3, distance: f32) -> bool {
         let t_max = distance * (1.0 - 1e-5);
         !self.tracer.accel.occluded(&Ray { origin, direction: wi, t_max })
+    }
+
+    /// What may stand between `apex` and the points of `bundle`.
+    pub(crate) fn between(&self, apex: Vec3, bundle: &Bundle) -> Between {
+        self.tracer.accel.between(apex, bundle)
+    }
+
+    /// [`Transport::is_free`] where it is known what may stand `between`.
+    pub(crate) fn is_free_among(
+        &self,
+        between: &Between,
+        origin: Vec3,
+        wi: Vec3,
+        distance: f32,
+    ) -> bool {
+        let t_max = distance * (1.0 - 1e-5);
+        !self.tracer.accel.occluded_among(between, &Ray { origin, direction: wi, t_max })
     }
 
     /// A light sample at a surface for any reflectance: the direction, its weight (radiance over

@@ -28,6 +28,9 @@ struct TracedObject {
     mesh: Mesh,
     group: u32,
     first_triangle: u32,
+    /// For each triangle the unit vector in which u grows and v stays, zero where there is none;
+    /// empty without texture coordinates.
+    growing_u: Vec<Vec3>,
 }
 
 impl Tracer {
@@ -40,8 +43,12 @@ impl Tracer {
             let first_triangle = triangles.len() as u32;
             triangles.extend((0..object.mesh.triangles.len()).map(|i| object.mesh.corners(i)));
             object_of_triangle.resize(triangles.len(), objects.len() as u32);
-            let group = object.group as u32;
-            objects.push(TracedObject { mesh: object.mesh.clone(), group, first_triangle });
+            objects.push(TracedObject {
+                mesh: object.mesh.clone(),
+                group: object.group as u32,
+                first_triangle,
+                growing_u: growing_u(&object.mesh),
+            });
         }
         let accel = Accel::build(&triangles);
         let group_of = |t: usize| objects[object_of_triangle[t] as usize].group as usize;
@@ -72,7 +79,8 @@ impl Tracer {
         let object_index = self.object_of_triangle[hit.triangle as usize];
         let object = &self.objects[object_index as usize];
         let mesh = &object.mesh;
-        let corners = mesh.triangles[(hit.triangle - object.first_triangle) as usize];
+        let index = (hit.triangle - object.first_triangle) as usize;
+        let corners = mesh.triangles[index];
         let [v, w] = hit.barycentric;
         let weights = [1.0 - v - w, v, w];
         let blend = |values: &[Vec3]| -> Vec3 {
@@ -96,30 +104,40 @@ impl Tracer {
             group: object.group,
             front,
             geometric_normal: if front { front_normal } else { -front_normal },
-            frame: Frame::new(shading, tangent(mesh, corners, weights, shading), front),
+            frame: Frame::new(shading, object.tangent(index, weights, shading), front),
             uv,
         }
     }
 }
 
-/// The zero of the brushed angle (design: `docs/conventions.md`): glTF's TANGENT, else the
-/// direction of growing u, else the projection of world +x, else of world +z.
-fn tangent(mesh: &Mesh, corners: [u32; 3], weights: [f32; 3], normal: Vec3) -> Vec3 {
-    let corners = corners.map(|i| i as usize);
-    let usable = |t: Vec3| t.is_finite() && t.reject_from(normal).length_squared() > 1e-12;
-    if !mesh.tangents.is_empty() {
-        let given: Vec3 = (0..3).map(|i| mesh.tangents[corners[i]].truncate() * weights[i]).sum();
-        if usable(given) {
-            return given;
+impl TracedObject {
+    /// The zero of the brushed angle (design: `docs/conventions.md`): glTF's TANGENT, else the
+    /// direction of growing u, else the projection of world +x, else of world +z.
+    fn tangent(&self, triangle: usize, weights: [f32; 3], normal: Vec3) -> Vec3 {
+        let usable = |t: Vec3| t.is_finite() && t.reject_from(normal).length_squared() > 1e-12;
+        if !self.mesh.tangents.is_empty() {
+            let corners = self.mesh.triangles[triangle];
+            let tangent = |i: usize| self.mesh.tangents[corners[i] as usize].truncate();
+            let given: Vec3 = (0..3).map(|i| tangent(i) * weights[i]).sum();
+            if usable(given) {
+                return given;
+            }
+        }
+        match self.growing_u.get(triangle) {
+            Some(growing_u) if usable(*growing_u) => *growing_u,
+            _ if Vec3::X.reject_from(normal).length_squared() > 1e-4 => Vec3::X,
+            _ => Vec3::Z,
         }
     }
-    if !mesh.uvs.is_empty() {
-        let growing_u = direction_of_u(mesh, corners).normalize_or_zero();
-        if usable(growing_u) {
-            return growing_u;
-        }
+}
+
+/// For each triangle the unit vector in which u grows and v stays, if there are such.
+fn growing_u(mesh: &Mesh) -> Vec<Vec3> {
+    if mesh.uvs.is_empty() {
+        return Vec::new();
     }
-    if Vec3::X.reject_from(normal).length_squared() > 1e-4 { Vec3::X } else { Vec3::Z }
+    let corners = mesh.triangles.iter().map(|corners| corners.map(|i| i as usize));
+    corners.map(|corners| direction_of_u(mesh, corners).normalize_or_zero()).collect()
 }
 
 /// The direction on a triangle in which u grows and v stays; zero where the texture coordinates

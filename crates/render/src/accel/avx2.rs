@@ -1,18 +1,22 @@
 //! Eight boxes at a time by AVX2.
 //!
+//! What follows a distance is done in integers, which takes a quarter of the time: the bits of numbers
+//! that are not negative are ordered as the numbers are, and a negative one is less than those either
+//! way; which of two negative ones is less makes no difference to whether a box is entered.
+//!
 //! Intrinsics may only run on a processor that has them: all of this is reached through [`walk`],
 //! which carries the feature, and which is called after [`is_there`] has said so. What it calls is
 //! inlined into it.
 #![expect(unsafe_code, reason = "AVX2 is reached through intrinsics and functions that carry it")]
 
 use super::tree::{Link, Node, Tree, WIDTH};
-use super::walk::{self, Boxes, Lanes, ROUNDING, three};
+use super::walk::{self, Boxes, Lanes, three};
 use super::woop::Triangles4;
 use super::{Hit, Ray};
 use std::arch::x86_64::{
-    __m256, _CMP_LE_OQ, _MM_HINT_T0, _mm_prefetch, _mm256_cmp_ps, _mm256_loadu_ps, _mm256_max_ps,
-    _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_ps, _mm256_setzero_ps,
-    _mm256_storeu_ps, _mm256_sub_ps,
+    __m256, _MM_HINT_T0, _mm_prefetch, _mm256_castps_si256, _mm256_castsi256_ps,
+    _mm256_cmpgt_epi32, _mm256_loadu_ps, _mm256_max_epi32, _mm256_min_epi32, _mm256_movemask_ps,
+    _mm256_mul_ps, _mm256_set1_ps, _mm256_setzero_si256, _mm256_storeu_si256, _mm256_sub_ps,
 };
 
 /// Whether this processor has what [`walk`] needs.
@@ -31,16 +35,17 @@ pub(super) unsafe fn walk<const ANY: bool>(tree: &Tree, ray: &Ray) -> Option<Hit
 
 struct Slabs8 {
     origin: [__m256; 3],
-    inverse: [__m256; 3],
+    inverse: [[__m256; 3]; 2],
     near: [usize; 3],
 }
 
 impl Boxes for Slabs8 {
     #[inline(always)]
-    fn new(origin: [f32; 3], inverse: [f32; 3], near: [usize; 3]) -> Self {
+    fn new(origin: [f32; 3], inverse: [[f32; 3]; 2], near: [usize; 3]) -> Self {
         // SAFETY: inlined into `walk`, which runs only where AVX2 is.
         let splat = |x| unsafe { _mm256_set1_ps(x) };
-        Self { origin: three(origin, splat), inverse: three(inverse, splat), near }
+        let inverse = [three(inverse[0], splat), three(inverse[1], splat)];
+        Self { origin: three(origin, splat), inverse, near }
     }
 
     #[inline(always)]
@@ -51,18 +56,22 @@ impl Boxes for Slabs8 {
             let side = |axis: usize, far: usize| {
                 let bounds = &node.bounds[axis][self.near[axis] ^ far];
                 let bounds = _mm256_loadu_ps(bounds.as_ptr());
-                _mm256_mul_ps(_mm256_sub_ps(bounds, self.origin[axis]), self.inverse[axis])
+                let distance = _mm256_sub_ps(bounds, self.origin[axis]);
+                _mm256_castps_si256(_mm256_mul_ps(distance, self.inverse[far][axis]))
             };
-            let enter = _mm256_max_ps(
-                _mm256_max_ps(side(0, 0), side(1, 0)),
-                _mm256_max_ps(side(2, 0), _mm256_setzero_ps()),
+            let enter = _mm256_max_epi32(
+                _mm256_max_epi32(side(0, 0), side(1, 0)),
+                _mm256_max_epi32(side(2, 0), _mm256_setzero_si256()),
             );
-            let leave = _mm256_min_ps(_mm256_min_ps(side(0, 1), side(1, 1)), side(2, 1));
-            let leave = _mm256_mul_ps(leave, _mm256_set1_ps(ROUNDING));
-            let end = _mm256_min_ps(leave, _mm256_set1_ps(t_max));
-            let inside = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(enter, end));
+            let end = _mm256_castps_si256(_mm256_set1_ps(t_max));
+            let leave = _mm256_min_epi32(
+                _mm256_min_epi32(side(0, 1), side(1, 1)),
+                _mm256_min_epi32(side(2, 1), end),
+            );
+            let outside = _mm256_castsi256_ps(_mm256_cmpgt_epi32(enter, leave));
+            let inside = !_mm256_movemask_ps(outside) & 0xff;
             let mut enters = Lanes([0.0; WIDTH]);
-            _mm256_storeu_ps(enters.0.as_mut_ptr(), enter);
+            _mm256_storeu_si256(enters.0.as_mut_ptr().cast(), enter);
             (enters, inside as u32)
         }
     }

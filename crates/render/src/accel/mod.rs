@@ -10,10 +10,12 @@
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod build;
+mod shaft;
 mod tree;
 mod walk;
 mod woop;
 
+pub(crate) use shaft::{Between, Bundle};
 pub(crate) use woop::front_normal;
 pub use woop::offset;
 

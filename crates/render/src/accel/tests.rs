@@ -2,6 +2,7 @@
 
 use super::woop::{ShearedRay, Triangles4};
 use super::*;
+use glam::Vec4;
 
 /// A closed sphere of triangles around `centre`.
 fn sphere(centre: Vec3, radius: f32, steps: usize) -> (Vec<Vec3>, Vec<[Vec3; 3]>) {
@@ -94,4 +95,68 @@ fn many_triangles_in_one_place_are_no_trouble() {
         assert_eq!(accel.closest(&ray).map(|hit| hit.t), Some(distance));
     }
     assert_eq!(accel.closest(&Ray::new(Vec3::new(3.0, 0.25, 1.0), Vec3::NEG_Z)), None);
+}
+
+/// Segments that are asked together are answered as those that are asked alone.
+#[test]
+fn what_may_stand_between_a_point_and_many_is_all_that_does() {
+    let (_, coarse) = sphere(Vec3::new(0.2, 0.1, 0.0), 0.9, 5);
+    let (_, fine) = sphere(Vec3::new(-1.2, 0.4, 0.3), 0.7, 30);
+    let all: Vec<_> = coarse.into_iter().chain(fine).collect();
+    let accel = Accel::build(&all);
+    let random = |i: u32, set: u32| Vec4::from_array(sobol_burley::sample_4d(i, 0, set)).truncate();
+    // Nothing, something to ask, too much to ask; and segments that are free and that are not.
+    let (mut kinds, mut answers) = ([0; 3], [0; 2]);
+    for i in 0..2000 {
+        let apex = 4.0 * random(i, 1) - 2.0;
+        let centre = 4.0 * random(i, 2) - 2.0;
+        let size = 0.3 * random(i, 3);
+        // Every other bundle is flat along an axis that is not the box's.
+        let normal = (random(i, 4) - 0.5).normalize_or(Vec3::Y);
+        let flat = |p: Vec3| if i % 2 == 0 { p } else { p.reject_from_normalized(normal) };
+        let points = (0..16).map(|k| centre + flat(size * (random(16 * i + k, 5) - 0.5)));
+        let bundle = Bundle::new(points.clone(), normal);
+        let between = accel.between(apex, &bundle);
+        kinds[match between {
+            Between::Blocks(_, 0) => 0,
+            Between::Blocks(..) => 1,
+            Between::Many => 2,
+        }] += 1;
+        for point in points {
+            let distance = (apex - point).length();
+            let direction = (apex - point) / distance;
+            let ray = Ray { origin: point, direction, t_max: (1.0 - 1e-5) * distance };
+            let occluded = accel.occluded(&ray);
+            assert_eq!(accel.occluded_among(&between, &ray), occluded, "{i}: {ray:?}");
+            answers[usize::from(occluded)] += 1;
+        }
+    }
+    assert!(kinds.iter().all(|kind| *kind > 100), "{kinds:?}");
+    assert!(answers.iter().all(|answer| *answer > 3000), "{answers:?}");
+}
+
+/// From a floor of many triangles nothing stands in the way to a point above it, however low.
+#[test]
+fn what_points_stand_on_is_not_between() {
+    let corner = |i: u32, j: u32| Vec3::new(i as f32, 0.1 * (i + j) as f32, j as f32);
+    let squares = (0..100).map(|k| (k / 10, k % 10));
+    let floor = squares.flat_map(|(i, j)| {
+        let quad = [corner(i, j), corner(i, j + 1), corner(i + 1, j + 1), corner(i + 1, j)];
+        [[quad[0], quad[1], quad[2]], [quad[0], quad[2], quad[3]]]
+    });
+    let floor: Vec<_> = floor.collect();
+    let accel = Accel::build(&floor);
+    let normal = front_normal(floor[0]);
+    let on_floor = |x: f32, z: f32| offset(Vec3::new(x, 0.1 * (x + z), z), normal);
+    let bundle = Bundle::new(
+        (0..64).map(|k| on_floor(3.3 + 0.1 * (k / 8) as f32, 4.4 + 0.1 * (k % 8) as f32)),
+        normal,
+    );
+    for height in [1e-3, 0.1, 3.0] {
+        let apex = on_floor(6.2, 3.1) + height * normal;
+        let between = accel.between(apex, &bundle);
+        assert!(matches!(between, Between::Blocks(_, 0)), "{height}: {between:?}");
+    }
+    let below = on_floor(6.2, 3.1) - 0.1 * normal;
+    assert!(!matches!(accel.between(below, &bundle), Between::Blocks(_, 0)));
 }

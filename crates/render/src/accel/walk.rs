@@ -10,16 +10,16 @@ use glam::Vec4;
 use std::mem::MaybeUninit;
 
 /// Widens the far side of the slab test by more than its rounding error (Ize 2013).
-pub(super) const ROUNDING: f32 = 1.0 + 2.0 * 3.0 * f32::EPSILON;
+const ROUNDING: f32 = 1.0 + 2.0 * 3.0 * f32::EPSILON;
 /// Each level leaves at most seven children behind; below `DEPTH_MAX` levels each divides the
 /// triangles by eight, of which there are fewer than 2^31.
 const STACK: usize = (WIDTH - 1) * (build::DEPTH_MAX + 11);
 
 /// Tests the eight boxes of a node against one ray.
 pub(super) trait Boxes {
-    /// A ray made ready, from its origin, the inverse of its direction, and for each axis which side
-    /// of a box it meets first.
-    fn new(origin: [f32; 3], inverse: [f32; 3], near: [usize; 3]) -> Self;
+    /// A ray made ready, from its origin, the inverse of its direction for near and for far sides of
+    /// boxes, and for each axis which side it meets first.
+    fn new(origin: [f32; 3], inverse: [[f32; 3]; 2], near: [usize; 3]) -> Self;
 
     /// Where the ray enters each box, and a bit for each box that it does enter before `t_max`.
     fn enter(&self, node: &Node, t_max: f32) -> (Lanes, u32);
@@ -82,9 +82,15 @@ pub(super) fn walk<B: Boxes, const ANY: bool>(tree: &Tree, ray: &Ray) -> Option<
 #[inline(always)]
 fn boxes<B: Boxes>(ray: &Ray) -> B {
     // A direction of zero would make 0 * infinity; a huge finite slope does not.
-    let slope = |d: f32| if d.abs() > 1e-18 { 1.0 / d } else { 1e18f32.copysign(d) };
-    let inverse = three(ray.direction.to_array(), slope);
-    B::new(ray.origin.to_array(), inverse, three(inverse, |i| usize::from(i < 0.0)))
+    let direction = ray.direction.extend(1.0);
+    let usable = direction.abs().cmpgt(Vec4::splat(1e-18));
+    let steep = Vec4::splat(1e18).copysign(direction);
+    let inverse = Vec4::select(usable, direction.recip(), steep);
+    let negative = inverse.is_negative_bitmask() as usize;
+    let [x, y, z, _] = inverse.to_array();
+    let far = [x * ROUNDING, y * ROUNDING, z * ROUNDING];
+    let near = [negative & 1, negative >> 1 & 1, negative >> 2 & 1];
+    B::new(ray.origin.to_array(), [[x, y, z], far], near)
 }
 
 /// `array::map`, which the compiler leaves out of line: at this place that costs as much as a box.
@@ -165,14 +171,15 @@ impl Stack {
 /// Four boxes at a time by glam's vectors.
 struct Slabs {
     origin: [Vec4; 3],
-    inverse: [Vec4; 3],
+    inverse: [[Vec4; 3]; 2],
     near: [usize; 3],
 }
 
 impl Boxes for Slabs {
     #[inline(always)]
-    fn new(origin: [f32; 3], inverse: [f32; 3], near: [usize; 3]) -> Self {
-        Self { origin: three(origin, Vec4::splat), inverse: three(inverse, Vec4::splat), near }
+    fn new(origin: [f32; 3], inverse: [[f32; 3]; 2], near: [usize; 3]) -> Self {
+        let inverse = [three(inverse[0], Vec4::splat), three(inverse[1], Vec4::splat)];
+        Self { origin: three(origin, Vec4::splat), inverse, near }
     }
 
     #[inline(always)]
@@ -182,10 +189,10 @@ impl Boxes for Slabs {
         for half in [0, 4] {
             let side = |axis: usize, far: usize| {
                 let bounds = &node.bounds[axis][self.near[axis] ^ far];
-                (Vec4::from_slice(&bounds[half..]) - self.origin[axis]) * self.inverse[axis]
+                (Vec4::from_slice(&bounds[half..]) - self.origin[axis]) * self.inverse[far][axis]
             };
             let enter = side(0, 0).max(side(1, 0)).max(side(2, 0)).max(Vec4::ZERO);
-            let leave = side(0, 1).min(side(1, 1)).min(side(2, 1)) * ROUNDING;
+            let leave = side(0, 1).min(side(1, 1)).min(side(2, 1));
             let inside = enter.cmple(leave.min(Vec4::splat(t_max)));
             entered |= inside.bitmask() << half;
             enter.write_to_slice(&mut enters.0[half..]);

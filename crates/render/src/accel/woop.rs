@@ -101,6 +101,12 @@ impl Triangles4 {
         Some(Hit { t, triangle: self.ids[lane], barycentric })
     }
 
+    /// One corner of all four triangles, an axis a vector.
+    #[inline(always)]
+    pub(super) fn corner(&self, corner: usize) -> [Vec4; 3] {
+        self.corners[corner]
+    }
+
     /// The corners of the triangle in `lane`.
     #[cfg(test)]
     pub(super) fn corners(&self, lane: usize) -> [Vec3; 3] {
@@ -128,20 +134,19 @@ fn edge_again(single: Vec4, p: Vec4, q: Vec4, r: Vec4, s: Vec4) -> Vec4 {
 }
 
 /// Moves `point` on a surface off it along the unit `normal`, just far enough that rays that start
-/// there do not meet the surface again (Waechter & Binder, Ray Tracing Gems 2019, chapter 6).
+/// there do not meet the surface again: by some hundred steps of the numbers' precision [Waechter and
+/// Binder, Ray Tracing Gems 2019, chapter 6].
 #[inline]
 pub fn offset(point: Vec3, normal: Vec3) -> Vec3 {
+    /// Nearer to zero than this, the precision of where rays met the surface is that of larger numbers.
     const ORIGIN: f32 = 1.0 / 32.0;
-    const FLOAT_SCALE: f32 = 1.0 / 65536.0;
-    const INT_SCALE: f32 = 256.0;
-    let one = |p: f32, n: f32| {
-        if p.abs() < ORIGIN {
-            return p + FLOAT_SCALE * n;
-        }
-        let steps = (INT_SCALE * n) as i32;
-        f32::from_bits(p.to_bits().wrapping_add_signed(if p < 0.0 { -steps } else { steps }))
-    };
-    Vec3::new(one(point.x, normal.x), one(point.y, normal.y), one(point.z, normal.z))
+    const NEAR_ORIGIN: f32 = 1.0 / 65536.0;
+    /// 256 steps.
+    const RELATIVE: f32 = 256.0 * f32::EPSILON;
+    let size = point.abs();
+    let steps =
+        Vec3::select(size.cmplt(Vec3::splat(ORIGIN)), Vec3::splat(NEAR_ORIGIN), size * RELATIVE);
+    point + normal * steps
 }
 
 /// The unit normal of the front of a triangle, in double precision inside.

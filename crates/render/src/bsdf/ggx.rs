@@ -36,8 +36,15 @@ impl GgxLobe {
     /// `w`, sr^-1, for two directions above the surface.
     #[inline]
     pub fn value(&self, wo: Vec3, wi: Vec3) -> f32 {
-        let masking = 1.0 + self.lambda(wo) + self.lambda(wi);
-        self.distribution(wo + wi) / (4.0 * wo.z * wi.z * masking)
+        self.value_and_pdf(wo, wi).0
+    }
+
+    /// [`GgxLobe::value`] and [`GgxLobe::pdf`], which share most of the work.
+    #[inline]
+    pub fn value_and_pdf(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
+        let seen = 1.0 + self.lambda(wo);
+        let normals = self.distribution(wo + wi) / (4.0 * wo.z);
+        (normals / (wi.z * (seen + self.lambda(wi))), normals / seen)
     }
 
     /// [`GgxLobe::value`] with its derivatives. Of roughnesses raised to [`ALPHA_MIN`], they are
@@ -71,7 +78,7 @@ impl GgxLobe {
     /// `D(h) / (4 cos_o (1 + L(wo)))`.
     #[inline]
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        self.distribution(wo + wi) / (4.0 * wo.z * (1.0 + self.lambda(wo)))
+        self.value_and_pdf(wo, wi).1
     }
 
     /// Draws `wi` for `wo` from two numbers in [0, 1); it may fall below the surface.

@@ -51,6 +51,15 @@ impl GlossyLobe {
         }
     }
 
+    /// [`GlossyLobe::value`] and [`GlossyLobe::pdf`] at once.
+    #[inline]
+    pub fn value_and_pdf(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
+        match self {
+            Self::Ward(lobe) => lobe.value_and_pdf(wo, wi),
+            Self::Ggx(lobe) => lobe.value_and_pdf(wo, wi),
+        }
+    }
+
     /// Draws `wi` for `wo` from two numbers in [0, 1); it may fall below the surface.
     #[inline]
     pub fn sample(&self, wo: Vec3, u: [f32; 2]) -> Vec3 {

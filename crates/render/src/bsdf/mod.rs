@@ -134,33 +134,33 @@ impl<'a> Bsdf<'a> {
 
     /// `f` without the cosine, sr^-1. A perfect mirror counts nothing here.
     pub fn value(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        if wo.z <= 0.0 || wi.z <= 0.0 {
-            return Rgb::ZERO;
-        }
-        let mut f = self.rho_d * lambert::VALUE;
-        match self.specular {
-            Specular::Glossy(lobe) => f += self.rho_s * lobe.value(wo, wi),
-            Specular::None | Specular::Mirror => {}
-        }
-        f
+        self.value_and_pdf(wo, wi).0
     }
 
     /// The density over solid angle with which [`Bsdf::sample`] draws `wi`, mirrors aside.
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        self.value_and_pdf(wo, wi).1
+    }
+
+    /// [`Bsdf::value`] and [`Bsdf::pdf`], which share most of the work.
+    pub fn value_and_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
         if wo.z <= 0.0 || wi.z <= 0.0 {
-            return 0.0;
+            return (Rgb::ZERO, 0.0);
         }
         let share = self.images.share();
         let mut diffuse = (1.0 - share) * lambert::pdf(wi);
         if share > 0.0 {
             diffuse += share * self.images.pdf(wi);
         }
-        let mut pdf = (1.0 - self.specular_share) * diffuse;
+        let value = self.rho_d * lambert::VALUE;
+        let pdf = (1.0 - self.specular_share) * diffuse;
         match self.specular {
-            Specular::Glossy(lobe) => pdf += self.specular_share * lobe.pdf(wo, wi),
-            Specular::None | Specular::Mirror => {}
+            Specular::Glossy(lobe) => {
+                let (specular, density) = lobe.value_and_pdf(wo, wi);
+                (value + self.rho_s * specular, pdf + self.specular_share * density)
+            }
+            Specular::None | Specular::Mirror => (value, pdf),
         }
-        pdf
     }
 
     /// Draws `wi` from three numbers in [0, 1); none if the direction falls below the surface.
@@ -179,11 +179,11 @@ impl<'a> Bsdf<'a> {
             Specular::Glossy(lobe) if take_specular => lobe.sample(wo, [u[1], u[2]]),
             _ => self.sample_diffuse(u),
         };
-        let pdf = self.pdf(wo, wi);
+        let (value, pdf) = self.value_and_pdf(wo, wi);
         if wi.z <= 0.0 || pdf <= 0.0 || !pdf.is_finite() {
             return None;
         }
-        Some(BsdfSample { wi, weight: self.value(wo, wi) * (wi.z / pdf), pdf })
+        Some(BsdfSample { wi, weight: value * (wi.z / pdf), pdf })
     }
 
     /// A direction for the diffuse part, given that `u[0]` chose it.

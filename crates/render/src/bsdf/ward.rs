@@ -56,14 +56,23 @@ impl WardLobe {
     /// `w`, sr^-1, for two directions above the surface.
     #[inline]
     pub fn value(&self, wo: Vec3, wi: Vec3) -> f32 {
+        self.value_and_pdf(wo, wi).0
+    }
+
+    /// [`WardLobe::value`] and [`WardLobe::pdf`], which share most of the work.
+    #[inline]
+    pub fn value_and_pdf(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
         let h = wo + wi;
-        let inv_z2 = 1.0 / (h.z * h.z);
-        let e = self.exponential(h, inv_z2);
-        match self.model {
-            WardModel::Ward1992 => e * self.norm / (wo.z * wi.z).sqrt(),
-            WardModel::WardDuer => e * self.norm / (wo.z * wi.z),
-            WardModel::WardGmd => e * self.norm * 4.0 * h.length_squared() * inv_z2 * inv_z2,
-        }
+        let (length2, inv_z2) = (h.length_squared(), 1.0 / (h.z * h.z));
+        let (x, y) = (h.x * self.inv_alpha_x, h.y * self.inv_alpha_y);
+        let e = (-(x * x + y * y) * inv_z2).exp() * self.norm;
+        let value = match self.model {
+            WardModel::Ward1992 => e / (wo.z * wi.z).sqrt(),
+            WardModel::WardDuer => e / (wo.z * wi.z),
+            WardModel::WardGmd => e * 4.0 * length2 * inv_z2 * inv_z2,
+        };
+        // cos^3 (wo . h^) = h_z^3 (wo . h) / |h|^4, and wo . h = |h|^2 / 2.
+        (value, e * 2.0 * length2 * inv_z2 / h.z)
     }
 
     /// [`WardLobe::value`] with its derivatives. Of roughnesses raised to [`ALPHA_MIN`], they are
@@ -94,11 +103,7 @@ impl WardLobe {
     /// `e / (4 pi alpha_x alpha_y cos^3 theta_h (wo . h))`, h normalised.
     #[inline]
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        let h = wo + wi;
-        let length2 = h.length_squared();
-        let inv_z2 = 1.0 / (h.z * h.z);
-        // cos^3 (wo . h^) = h_z^3 (wo . h) / |h|^4, and wo . h = |h|^2 / 2.
-        self.exponential(h, inv_z2) * self.norm * 2.0 * length2 * inv_z2 / h.z
+        self.value_and_pdf(wo, wi).1
     }
 
     /// Draws `wi` for `wo` from two numbers in [0, 1); it may fall below the surface.
@@ -114,12 +119,6 @@ impl WardLobe {
         let sin_theta = (1.0 - cos_theta * cos_theta).max(0.0).sqrt();
         let h = Vec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta);
         2.0 * wo.dot(h) * h - wo
-    }
-
-    #[inline]
-    fn exponential(&self, h: Vec3, inv_z2: f32) -> f32 {
-        let (x, y) = (h.x * self.inv_alpha_x, h.y * self.inv_alpha_y);
-        (-(x * x + y * y) * inv_z2).exp()
     }
 }
 

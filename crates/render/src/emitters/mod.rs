@@ -207,7 +207,7 @@ impl Emitters {
     /// environment.
     pub fn environment_pdf(&self, point: Vec3, wi: Vec3) -> f32 {
         let Some(environment) = &self.environment else { return 0.0 };
-        self.odds(point)[SKY] * environment.pdf(wi)
+        self.odds_of(SKY, point) * environment.pdf(wi)
     }
 
     /// The radiance that a triangle emits from its front.
@@ -225,20 +225,24 @@ impl Emitters {
             NONE => 0.0,
             index => {
                 let triangle = &self.triangles[index as usize];
-                let odds = self.odds(point)[triangle.choice];
+                let odds = self.odds_of(triangle.choice, point);
                 odds * triangle.density * distance * distance / cos.max(1e-6)
             }
         }
     }
 
-    /// The probability of each choice at `point`; all zero where no light comes.
+    /// The probability of one choice at `point`.
     #[inline]
-    fn odds(&self, point: Vec3) -> [f32; CHOICES] {
-        if let Some(sole) = self.sole {
-            let mut odds = [0.0; CHOICES];
-            odds[sole] = 1.0;
-            return odds;
+    fn odds_of(&self, choice: usize, point: Vec3) -> f32 {
+        match self.sole {
+            Some(sole) => f32::from(u8::from(sole == choice)),
+            None => self.odds(point)[choice],
         }
+    }
+
+    /// The probability of each choice at `point`, where there are several; all zero where no light
+    /// comes.
+    fn odds(&self, point: Vec3) -> [f32; CHOICES] {
         let mut odds = self.irradiances;
         odds[..CLUSTERS_MAX].copy_from_slice(&self.bounds.importances(point));
         let (mut sum, mut power) = (0.0, 0.0);
@@ -255,22 +259,31 @@ impl Emitters {
         odds
     }
 
-    /// Draws light for the surface point `point` from three numbers in [0, 1).
-    pub fn sample(&self, point: Vec3, u: [f32; 3]) -> Option<LightSample> {
-        let odds = self.odds(point);
+    /// Draws a choice for `point` by a number in [0, 1): its probability, and a number for what is drawn
+    /// next.
+    #[inline]
+    fn draw(&self, point: Vec3, u: f32) -> Option<(&Choice, f32, f32)> {
+        if let Some(sole) = self.sole {
+            return Some((&self.choices[sole], 1.0, u));
+        }
         // The last one that is possible, should the rounded sum of all be less than one.
         let mut drawn = None;
         let mut before = 0.0;
-        for (choice, probability) in self.choices.iter().zip(odds) {
+        for (choice, probability) in self.choices.iter().zip(self.odds(point)) {
             if probability > 0.0 {
-                drawn = Some((choice, probability, (u[0] - before) / probability));
+                drawn = Some((choice, probability, (u - before) / probability));
                 before += probability;
-                if u[0] < before {
+                if u < before {
                     break;
                 }
             }
         }
-        let (choice, probability, within) = drawn?;
+        drawn
+    }
+
+    /// Draws light for the surface point `point` from three numbers in [0, 1).
+    pub fn sample(&self, point: Vec3, u: [f32; 3]) -> Option<LightSample> {
+        let (choice, probability, within) = self.draw(point, u[0])?;
         let place = choice.cumulative.partition_point(|&c| c <= within);
         let place = place.min(choice.lights.len() - 1);
         let light = choice.lights[place];

@@ -1,7 +1,7 @@
 //! A surface that the camera sees, and the light that it reflects without its neighbours' help.
 
 use crate::accel::{self, Ray};
-use crate::bsdf::Bsdf;
+use crate::bsdf::{Bsdf, Specular, lambert};
 use crate::caustic::Images;
 use crate::path::{Sum, Transport, Vertex};
 use crate::sampler::Sampler;
@@ -102,25 +102,30 @@ impl First {
         (sum.radiance + sample.weight * reflected, None)
     }
 
-    /// The unit vector to `point` and the distance, if this surface turns its front there.
-    pub(super) fn direction(&self, point: Vec3) -> Option<(Vec3, f32)> {
-        let to_point = point - self.origin;
-        let distance = to_point.length();
-        let wi = to_point / distance;
-        self.surface.is_above(wi).then_some((wi, distance))
+    /// Where rays leave it.
+    pub(super) fn origin(&self) -> Vec3 {
+        self.origin
     }
 
-    /// Whether nothing stands between this surface and what lies at `distance` along `wi`.
-    pub(super) fn is_free(&self, transport: &Transport<'_>, wi: Vec3, distance: f32) -> bool {
-        transport.is_free(self.origin, wi, distance)
+    /// The unit normals of the triangle and of the shading.
+    pub(super) fn normals(&self) -> [Vec3; 2] {
+        [self.surface.geometric_normal, self.surface.frame.normal]
     }
 
-    /// How this surface looks along `wi`, if it could have.
-    pub(super) fn view(&self, wi: Vec3) -> Option<View> {
-        let local = self.frame.local_from_world(wi);
-        let bsdf = self.bsdf();
-        let pdf = bsdf.pdf(self.wo, local);
-        let f_cos = bsdf.value(self.wo, local) * local.z;
-        (pdf > 0.0 && pdf.is_finite()).then_some(View { wi, f_cos, pdf })
+    /// The images that the diffuse part looks for, and the frame that they are given in.
+    pub(super) fn images(&self) -> (&Images, &Frame) {
+        (&self.images, &self.frame)
+    }
+
+    /// How this surface looks along the unit vector `wi` (world space), of the cosine `cosine`; if it
+    /// has no lobe, it would do so with the density `diffuse_pdf`. None if it could not have.
+    #[inline]
+    pub(super) fn view(&self, wi: Vec3, cosine: f32, diffuse_pdf: f32) -> Option<View> {
+        let (f, pdf) = if self.bsdf.specular == Specular::None {
+            (self.bsdf.rho_d * lambert::VALUE, diffuse_pdf)
+        } else {
+            self.bsdf().value_and_pdf(self.wo, self.frame.local_from_world(wi))
+        };
+        (pdf > 0.0 && pdf.is_finite()).then_some(View { wi, f_cos: f * cosine, pdf })
     }
 }

@@ -80,10 +80,9 @@ impl Second {
         Some(Self { surface, point, reflection: reflection? })
     }
 
-    /// The cosine under which the surface is seen along `wi`, if from the right side.
-    pub(super) fn cosine(&self, wi: Vec3) -> Option<f32> {
-        let above = self.surface.is_above(-wi);
-        above.then(|| -wi.dot(self.surface.geometric_normal))
+    /// The unit normals of the triangle and of the shading.
+    pub(super) fn normals(&self) -> [Vec3; 2] {
+        [self.surface.geometric_normal, self.surface.frame.normal]
     }
 }
 
@@ -138,8 +137,8 @@ impl Lobe {
     /// density with which it would be found on a path from there.
     pub(super) fn f_cos_and_pdf(&self, arrival: &Arrival, wo: Vec3) -> (Rgb, f32) {
         let bsdf = self.bsdf.looking_at(&self.images);
-        let f_cos = bsdf.value(wo, arrival.wi) * arrival.wi.z;
-        let by_direction = if arrival.by_direction { bsdf.pdf(wo, arrival.wi) } else { 0.0 };
-        (f_cos, arrival.light_pdf + by_direction)
+        let (f, pdf) = bsdf.value_and_pdf(wo, arrival.wi);
+        let by_direction = if arrival.by_direction { pdf } else { 0.0 };
+        (f * arrival.wi.z, arrival.light_pdf + by_direction)
     }
 }

@@ -41,7 +41,7 @@ pub struct Effort {
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
     /// Let every pixel have paths of its own. Else neighbouring pixels share what theirs find, where
-    /// a few squares of the picture say that it pays: a path then takes four times as long and
+    /// a few squares of the picture say that it pays: a path then takes three times as long and
     /// brings more than that, but noise is alike in pixels nearby. Not for pictures whose noise is to
     /// be measured, or that materials are recovered from.
     #[arg(long)]

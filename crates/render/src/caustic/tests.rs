@@ -1,0 +1,192 @@
+//! Planes, lamps, and where images lie.
+
+use super::*;
+use unrender_scene::{Group, Light, Material, Object};
+
+const UP: [Vec3; 2] = [Vec3::Z, Vec3::X];
+const DOWN: [Vec3; 2] = [Vec3::X, Vec3::Z];
+
+fn quad(centre: Vec3, [x, y]: [Vec3; 2]) -> Mesh {
+    let corners = [centre - x - y, centre + x - y, centre + x + y, centre - x + y];
+    Mesh::flat(&corners, &[], &[[0, 1, 2], [0, 2, 3]])
+}
+
+fn merged(meshes: impl IntoIterator<Item = Mesh>) -> Mesh {
+    meshes.into_iter().fold(Mesh::default(), |mut all, mesh| {
+        let first = all.positions.len() as u32;
+        all.positions.extend(mesh.positions);
+        all.normals.extend(mesh.normals);
+        all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + first)));
+        all
+    })
+}
+
+/// The faces of a box around the origin.
+fn cuboid(half: Vec3) -> Mesh {
+    let face = |i: usize| {
+        let axis = |j: usize| Vec3::AXES[j % 3] * half[j % 3];
+        let (x, y, z) = (axis(i + 1), axis(i + 2), axis(i));
+        [quad(z, [x, y]), quad(-z, [y, x])]
+    };
+    merged((0..3).flat_map(face))
+}
+
+/// Every mesh an object of a group of its own, shiny or emitting as told.
+fn scene(parts: Vec<(Mesh, f32, f32)>) -> Scene {
+    let mut scene = Scene::default();
+    for (group, (mesh, rho_s, emission)) in parts.into_iter().enumerate() {
+        let material = Material::isotropic(Rgb::splat(0.1), Rgb::splat(rho_s), 0.1);
+        let (name, emission) = (String::new(), Rgb::splat(emission));
+        scene.groups.push(Group { name: name.clone(), material, emission });
+        scene.objects.push(Object { name, group, mesh });
+    }
+    scene
+}
+
+fn shiny(scene: &Scene) -> Vec<Shiny> {
+    Caustics::new(scene).shiny(&(&scene.materials()).into())
+}
+
+#[test]
+fn what_is_flat_is_a_plane_and_nothing_else() {
+    let floor = || quad(Vec3::ZERO, UP);
+    let mut double_sided = floor();
+    double_sided.triangles.extend([[2, 1, 0], [5, 4, 3]]);
+    // Its first triangle has no area, and flat normals for that point anywhere.
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, 2.0 * Vec3::X];
+    let with_a_needle = Mesh::flat(&corners, &[], &[[0, 1, 3], [0, 1, 2]]);
+    let unused = Mesh { triangles: Vec::new(), ..quad(7.0 * Vec3::Y, DOWN) };
+    for (name, mesh) in [
+        ("quad", floor()),
+        ("turned", quad(Vec3::splat(7.0), [Vec3::new(1.0, 0.2, 0.3), Vec3::Y])),
+        ("two quads", merged([floor(), quad(4.0 * Vec3::X, UP)])),
+        ("double sided", double_sided),
+        ("needle", with_a_needle),
+        ("unused corners", merged([floor(), unused])),
+    ] {
+        let plane = Plane::of(&mesh).unwrap_or_else(|| panic!("{name} is a plane"));
+        assert!((plane.normal.length() - 1.0).abs() < 1e-6, "{name}");
+    }
+    assert!((Plane::of(&floor()).map_or(0.0, |plane| plane.area) - 4.0).abs() < 1e-6);
+
+    let mut bent = floor();
+    bent.positions[2].y += 0.05;
+    let mut smooth = floor();
+    smooth.normals[0] = Vec3::new(0.3, 1.0, 0.0).normalize();
+    let ball = {
+        let mut mesh = cuboid(Vec3::ONE);
+        mesh.normals = mesh.positions.iter().map(|p| p.normalize()).collect();
+        mesh.positions.clone_from(&mesh.normals);
+        mesh
+    };
+    for (name, mesh) in [
+        ("bent", bent),
+        ("shaded as if bent", smooth),
+        ("ball", ball),
+        ("box", cuboid(Vec3::ONE)),
+        ("thin box", cuboid(Vec3::new(1.0, 1e-3, 1.0))),
+        ("two floors", merged([floor(), quad(0.01 * Vec3::Y, UP)])),
+        ("no triangles", Mesh::default()),
+        ("no area", without_area()),
+    ] {
+        assert!(Plane::of(&mesh).is_none(), "{name} is no plane");
+    }
+}
+
+fn without_area() -> Mesh {
+    Mesh::flat(&[Vec3::ONE; 3], &[], &[[0, 1, 2]])
+}
+
+#[test]
+fn pairs_are_planes_that_shine_with_lamps_that_shine_at_them() {
+    let floor = |rho_s| (quad(Vec3::ZERO, UP), rho_s, 0.0);
+    let lamp = |height: f32, facing| (quad(height * Vec3::Y, facing), 0.0, 5.0);
+    for (count, parts) in [
+        (1, vec![floor(0.5), lamp(1.0, DOWN)]),
+        (2, vec![floor(0.5), lamp(1.0, DOWN), lamp(-1.0, UP)]),
+        // Dull, facing away, in the plane, dark, without an area.
+        (0, vec![floor(0.0), lamp(1.0, DOWN)]),
+        (0, vec![floor(0.5), lamp(1.0, UP)]),
+        (0, vec![floor(0.5), lamp(0.0, UP)]),
+        (0, vec![floor(0.5), (quad(Vec3::Y, DOWN), 0.0, 0.0)]),
+        (0, vec![floor(0.5), (without_area(), 0.0, 5.0)]),
+        (0, vec![floor(0.5), (Mesh::default(), 0.0, 5.0)]),
+        // A lamp that shines itself is no image of its own, but shows others.
+        (0, vec![(quad(Vec3::ZERO, UP), 0.5, 5.0)]),
+        (1, vec![(quad(Vec3::ZERO, UP), 0.5, 5.0), lamp(1.0, DOWN)]),
+    ] {
+        assert_eq!(shiny(&scene(parts)).len(), count);
+    }
+}
+
+#[test]
+fn lights_at_a_point_are_lamps_and_spots_shine_where_they_point() {
+    let (position, intensity) = (Vec3::Y, Rgb::ONE);
+    let spot = |direction| LightKind::Spot {
+        position,
+        direction,
+        intensity,
+        inner_rad: 0.1,
+        outer_rad: 0.5,
+    };
+    for (count, kind) in [
+        (1, LightKind::Point { position, intensity }),
+        (0, LightKind::Point { position, intensity: Rgb::ZERO }),
+        (1, spot(Vec3::NEG_Y)),
+        (0, spot(Vec3::Y)),
+        (0, LightKind::Directional { direction: Vec3::NEG_Y, irradiance: intensity }),
+    ] {
+        let mut scene = scene(vec![(quad(Vec3::ZERO, UP), 0.5, 0.0)]);
+        scene.lights.push(Light { name: String::new(), kind });
+        assert_eq!(shiny(&scene).len(), count, "{kind:?}");
+    }
+}
+
+#[test]
+fn of_many_pairs_the_strongest_are_kept_and_lamps_that_are_off_are_none() {
+    let mut parts = Vec::new();
+    for i in 0..40 {
+        let aside = 5.0 * i as f32 * Vec3::X;
+        parts.push((quad(aside, UP), 0.02 * i as f32, 0.0));
+        parts.push((quad(aside + Vec3::Y, DOWN), 0.0, (i + 1) as f32));
+    }
+    let scene = scene(parts);
+    let pairs = shiny(&scene);
+    assert_eq!(pairs.len(), PAIRS_MAX);
+    assert_eq!((pairs[0].plane.group, pairs[0].lamp.source), (78, 79));
+    let materials = scene.materials();
+    let lights = vec![Rgb::ZERO; scene.groups.len()];
+    let appearance = Appearance { materials: &materials, lights: &lights };
+    assert!(Caustics::new(&scene).shiny(&appearance).is_empty());
+}
+
+/// A point of a wall that looks along +z.
+fn wall(point: Vec3) -> Surface {
+    let frame = Frame::new(Vec3::Z, Vec3::X, true);
+    let (geometric_normal, uv) = (Vec3::Z, glam::Vec2::ZERO);
+    let (triangle, object, group, front) = (0, 9, 9, true);
+    Surface { point, triangle, object, group, front, geometric_normal, frame, uv }
+}
+
+#[test]
+fn images_lie_where_the_mirror_shows_the_lamp() {
+    let lamp = (quad(Vec3::Y, [0.1 * Vec3::X, 0.1 * Vec3::Z]), 0.0, 5.0);
+    let pairs = shiny(&scene(vec![(quad(Vec3::ZERO, UP), 0.5, 0.0), lamp]));
+    let at = |point: Vec3| pairs[0].image(&wall(point));
+    let (direction, deviation) = at(Vec3::new(0.0, 1.0, -0.9)).expect("the floor shows it");
+    assert!((direction - Vec3::new(0.0, -2.0, 0.9).normalize()).length() < 1e-6);
+    // sqrt 2 alpha / 2, and a little for the lamp.
+    assert!(deviation > 0.0707 && deviation < 0.09, "{deviation}");
+    // Below the floor, on it, too far for it, and with the back to it.
+    assert_eq!(at(Vec3::new(0.0, -1.0, -0.9)), None);
+    assert_eq!(at(Vec3::new(0.0, 0.0, -0.9)), None);
+    assert_eq!(at(Vec3::new(0.0, 1.0, -9.0)), None);
+    assert_eq!(at(Vec3::new(0.0, 1.0, 0.9)), None);
+    // No number that is none comes out of numbers that are.
+    for odd in [f32::NAN, f32::INFINITY, f32::MAX, 1e30, f32::MIN_POSITIVE] {
+        for point in Vec3::AXES.map(|axis| odd * axis - 0.9 * Vec3::Z) {
+            let image = at(point);
+            assert!(image.is_none_or(|(d, s)| d.is_finite() && s.is_finite()), "{image:?}");
+        }
+    }
+}
