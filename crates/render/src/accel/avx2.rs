@@ -24,7 +24,7 @@ pub(super) fn is_there() -> bool {
     is_x86_feature_detected!("avx2") && is_x86_feature_detected!("bmi1")
 }
 
-/// The nearest triangle along the ray, or with `ANY` the first that is found.
+/// The nearest triangle along the ray, or with `ANY` only whether there is one.
 ///
 /// # Safety
 /// The processor must have the features: [`is_there`].

@@ -16,7 +16,7 @@ use obvhs::{Boundable, BvhBuildParams};
 use std::time::Duration;
 
 /// What a node costs, in tests of a block of four triangles.
-const COST_NODE: f32 = 2.5;
+const COST_NODE: f32 = 3.0;
 /// Below this depth nodes are split in equal parts, whatever they cost: no tree is deeper than the
 /// stack of the walk can bear, not even one over triangles that all lie in one place.
 pub(super) const DEPTH_MAX: usize = 26;

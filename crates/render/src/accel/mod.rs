@@ -108,7 +108,7 @@ impl Accel {
         self.walk::<true>(ray).is_some()
     }
 
-    /// The nearest triangle, or with `ANY` the first that is found.
+    /// The nearest triangle, or with `ANY` only whether there is one.
     #[inline]
     fn walk<const ANY: bool>(&self, ray: &Ray) -> Option<Hit> {
         match self.kernel {

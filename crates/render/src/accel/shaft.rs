@@ -106,7 +106,7 @@ impl Accel {
                 let sheared = ShearedRay::new(ray);
                 let mut blocks = blocks[..*count].iter();
                 let block = |index: &u32| &self.tree.blocks[*index as usize];
-                blocks.any(|index| block(index).nearest(&sheared, ray.t_max).is_some())
+                blocks.any(|index| block(index).is_met(&sheared, ray.t_max))
             }
         }
     }

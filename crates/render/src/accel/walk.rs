@@ -39,7 +39,10 @@ pub(super) fn portable<const ANY: bool>(tree: &Tree, ray: &Ray) -> Option<Hit> {
     walk::<Slabs, ANY>(tree, ray)
 }
 
-/// The nearest triangle along the ray, or with `ANY` the first that is found.
+/// What is said of a triangle of which was only asked whether there is one.
+const SOMETHING: Hit = Hit { t: 0.0, triangle: 0, barycentric: [0.0; 2] };
+
+/// The nearest triangle along the ray, or with `ANY` only whether there is one.
 #[inline(always)]
 pub(super) fn walk<B: Boxes, const ANY: bool>(tree: &Tree, ray: &Ray) -> Option<Hit> {
     let boxes = boxes::<B>(ray);
@@ -52,10 +55,11 @@ pub(super) fn walk<B: Boxes, const ANY: bool>(tree: &Tree, ray: &Ray) -> Option<
     loop {
         if link.is_leaf() {
             for block in &tree.blocks[link.blocks()] {
-                if let Some(hit) = block.nearest(&sheared, t_max) {
-                    if ANY {
-                        return Some(hit);
+                if ANY {
+                    if block.is_met(&sheared, t_max) {
+                        return Some(SOMETHING);
                     }
+                } else if let Some(hit) = block.nearest(&sheared, t_max) {
                     t_max = hit.t;
                     best = Some(hit);
                 }

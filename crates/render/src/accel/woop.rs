@@ -49,6 +49,19 @@ pub(super) struct Triangles4 {
     pub(super) ids: [u32; 4],
 }
 
+/// What a ray and four triangles have in common.
+struct Meeting {
+    /// Those that it meets.
+    hit: BVec4A,
+    /// Distances along it.
+    t: Vec4,
+    /// Weights of the second and the third corner, not normalised.
+    v: Vec4,
+    w: Vec4,
+    /// What normalises them.
+    inverse: Vec4,
+}
+
 impl Triangles4 {
     /// One to four triangles with their numbers.
     pub(super) fn new(triangles: &[(u32, [Vec3; 3])]) -> Self {
@@ -65,6 +78,23 @@ impl Triangles4 {
     /// (0, `t_max`).
     #[inline(always)]
     pub(super) fn nearest(&self, ray: &ShearedRay, t_max: f32) -> Option<Hit> {
+        let Meeting { hit, t, v, w, inverse } = self.meet(ray, t_max)?;
+        let distances = Vec4::select(hit, t, Vec4::INFINITY);
+        let t = distances.min_element();
+        let lane = distances.cmpeq(Vec4::splat(t)).bitmask().trailing_zeros() as usize % 4;
+        let barycentric = [(v * inverse)[lane], (w * inverse)[lane]];
+        Some(Hit { t, triangle: self.ids[lane], barycentric })
+    }
+
+    /// Whether the ray meets one of them, as [`Triangles4::nearest`] has it.
+    #[inline(always)]
+    pub(super) fn is_met(&self, ray: &ShearedRay, t_max: f32) -> bool {
+        self.meet(ray, t_max).is_some()
+    }
+
+    /// Which of the four triangles the ray meets, at least one.
+    #[inline(always)]
+    fn meet(&self, ray: &ShearedRay, t_max: f32) -> Option<Meeting> {
         let [kx, ky, kz] = ray.axes;
         let [sx, sy, sz] = three(ray.shear, Vec4::splat);
         let [ox, oy, oz] = three(ray.origin, Vec4::splat);
@@ -94,11 +124,7 @@ impl Triangles4 {
         if !hit.any() {
             return None;
         }
-        let distances = Vec4::select(hit, t, Vec4::INFINITY);
-        let t = distances.min_element();
-        let lane = distances.cmpeq(Vec4::splat(t)).bitmask().trailing_zeros() as usize % 4;
-        let barycentric = [(v * inverse)[lane], (w * inverse)[lane]];
-        Some(Hit { t, triangle: self.ids[lane], barycentric })
+        Some(Meeting { hit, t, v, w, inverse })
     }
 
     /// One corner of all four triangles, an axis a vector.
