@@ -29,7 +29,8 @@ pub(crate) fn sets(scene: &Scene, triangles: &[[Vec3; 3]], side: usize) -> [RayS
         let ray = camera_ray(&scene.cameras[0], (side, side), pixel, &mut sampler);
         primary.push(ray);
         let Some(hit) = accel.closest(&ray) else { continue };
-        let front = accel.front_normal(hit.triangle);
+        let [a, b, c] = triangles[hit.triangle as usize];
+        let front = (b - a).cross(c - a).normalize();
         let normal = if front.dot(ray.direction) < 0.0 { front } else { -front };
         let point = offset(ray.origin + hit.t * ray.direction, normal);
         let [u, v, s, t] = sampler.next4();

@@ -351,7 +351,7 @@ impl<'a> Transport<'a> {
     /// The density over solid angle with which light samples at `from` find `emitter` along `wi`.
     pub fn light_pdf(&self, from: &Surface, emitter: &Surface, wi: Vec3) -> f32 {
         let distance = (emitter.point - from.point).length();
-        let cos = -wi.dot(self.tracer.accel.front_normal(emitter.triangle));
+        let cos = -wi.dot(self.tracer.front_normal(emitter.triangle));
         let origin = accel::offset(from.point, from.geometric_normal);
         self.tracer.emitters.pdf(origin, emitter.triangle, distance, cos)
     }

@@ -1,10 +1,10 @@
 //! A scene made ready for rays: flat arrays, the tree, and the lights.
 
-use crate::accel::{Accel, Hit, Ray};
+use crate::accel::{self, Accel, Hit, Ray};
 use crate::caustic::Caustics;
 use crate::emitters::Emitters;
 use crate::surface::{Frame, Surface};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use unrender_scene::{BrdfModel, Material, Mesh, Rgb, Scene};
 
 /// Answers what light does in one scene, for any materials of its groups.
@@ -18,40 +18,64 @@ pub struct Tracer {
     pub(crate) caustics: Caustics,
     pub(crate) model: BrdfModel,
     objects: Vec<TracedObject>,
-    /// For each triangle of the scene: its object.
-    object_of_triangle: Vec<u32>,
+    /// All triangles, and all their corners.
+    faces: Vec<Face>,
+    vertices: Vec<Vertex>,
 }
 
-/// An object's mesh and where its triangles start in the scene's count.
+/// What all triangles of an object have in common.
 #[derive(Debug)]
 struct TracedObject {
-    mesh: Mesh,
     group: u32,
-    first_triangle: u32,
-    /// For each triangle the unit vector in which u grows and v stays, zero where there is none;
-    /// empty without texture coordinates.
-    growing_u: Vec<Vec3>,
+    /// Where its vertices start in the scene's count.
+    first_vertex: u32,
+    /// Of its vertices, if they have them.
+    uvs: Vec<Vec2>,
+    tangents: Vec<Vec4>,
+}
+
+/// A triangle: all that a ray that meets it asks of it lies in one place.
+#[derive(Clone, Copy, Debug)]
+struct Face {
+    /// Indices among all vertices of the scene.
+    corners: [u32; 3],
+    object: u32,
+    /// Unit normal of the front.
+    normal: Vec3,
+    /// The unit vector in which u grows and v stays, zero where there is none.
+    growing_u: Vec3,
+}
+
+/// A corner of triangles.
+#[derive(Clone, Copy, Debug)]
+struct Vertex {
+    position: Vec3,
+    /// Unit shading normal.
+    normal: Vec3,
 }
 
 impl Tracer {
     /// Prepares `scene`, which has passed `Scene::validate`.
     pub fn new(scene: &Scene) -> Self {
         let mut objects = Vec::with_capacity(scene.objects.len());
-        let mut object_of_triangle = Vec::new();
-        let mut triangles = Vec::with_capacity(scene.triangle_count());
-        for object in &scene.objects {
-            let first_triangle = triangles.len() as u32;
-            triangles.extend((0..object.mesh.triangles.len()).map(|i| object.mesh.corners(i)));
-            object_of_triangle.resize(triangles.len(), objects.len() as u32);
+        let mut faces = Vec::with_capacity(scene.triangle_count());
+        let mut vertices: Vec<Vertex> = Vec::new();
+        for (index, object) in scene.objects.iter().enumerate() {
+            let first_vertex = vertices.len() as u32;
+            faces.extend(Face::all(&object.mesh, index as u32, first_vertex));
+            let pairs = object.mesh.positions.iter().zip(&object.mesh.normals);
+            vertices.extend(pairs.map(|(&position, &normal)| Vertex { position, normal }));
             objects.push(TracedObject {
-                mesh: object.mesh.clone(),
                 group: object.group as u32,
-                first_triangle,
-                growing_u: growing_u(&object.mesh),
+                first_vertex,
+                uvs: object.mesh.uvs.clone(),
+                tangents: object.mesh.tangents.clone(),
             });
         }
+        let corners = |face: &Face| face.corners.map(|i| vertices[i as usize].position);
+        let triangles: Vec<_> = faces.iter().map(corners).collect();
         let accel = Accel::build(&triangles);
-        let group_of = |t: usize| objects[object_of_triangle[t] as usize].group as usize;
+        let group_of = |t: usize| objects[faces[t].object as usize].group as usize;
         let emission = |t: usize| scene.groups[group_of(t)].emission;
         let emitters = Emitters::new(
             &triangles,
@@ -61,7 +85,7 @@ impl Tracer {
             scene.environment.as_ref(),
         );
         let caustics = Caustics::new(scene);
-        Self { accel, emitters, caustics, model: scene.brdf, objects, object_of_triangle }
+        Self { accel, emitters, caustics, model: scene.brdf, objects, faces, vertices }
     }
 
     /// The nearest surface along the ray.
@@ -71,73 +95,84 @@ impl Tracer {
 
     /// The object's and the group's index of a triangle.
     pub fn object_and_group(&self, triangle: u32) -> (u32, u32) {
-        let object = self.object_of_triangle[triangle as usize];
+        let object = self.faces[triangle as usize].object;
         (object, self.objects[object as usize].group)
     }
 
+    /// The unit normal of the front of a triangle.
+    pub(crate) fn front_normal(&self, triangle: u32) -> Vec3 {
+        self.faces[triangle as usize].normal
+    }
+
     fn surface_at(&self, ray: &Ray, hit: Hit) -> Surface {
-        let object_index = self.object_of_triangle[hit.triangle as usize];
-        let object = &self.objects[object_index as usize];
-        let mesh = &object.mesh;
-        let index = (hit.triangle - object.first_triangle) as usize;
-        let corners = mesh.triangles[index];
+        let face = &self.faces[hit.triangle as usize];
+        let object = &self.objects[face.object as usize];
+        let corners = face.corners.map(|i| self.vertices[i as usize]);
         let [v, w] = hit.barycentric;
         let weights = [1.0 - v - w, v, w];
-        let blend = |values: &[Vec3]| -> Vec3 {
-            (0..3).map(|i| values[corners[i] as usize] * weights[i]).sum()
+        let blend = |of: fn(&Vertex) -> Vec3| -> Vec3 {
+            (0..3).map(|i| of(&corners[i]) * weights[i]).sum()
         };
-        let front_normal = self.accel.front_normal(hit.triangle);
-        let front = ray.direction.dot(front_normal) < 0.0;
-        let mut shading = blend(&mesh.normals).try_normalize().unwrap_or(front_normal);
-        if shading.dot(front_normal) < 0.0 {
+        let front = ray.direction.dot(face.normal) < 0.0;
+        let mut shading = blend(|vertex| vertex.normal).try_normalize().unwrap_or(face.normal);
+        if shading.dot(face.normal) < 0.0 {
             shading = -shading;
         }
-        let uv = if mesh.uvs.is_empty() {
-            Vec2::ZERO
-        } else {
-            (0..3).map(|i| mesh.uvs[corners[i] as usize] * weights[i]).sum()
-        };
         Surface {
-            point: blend(&mesh.positions),
+            point: blend(|vertex| vertex.position),
             triangle: hit.triangle,
-            object: object_index,
+            object: face.object,
             group: object.group,
             front,
-            geometric_normal: if front { front_normal } else { -front_normal },
-            frame: Frame::new(shading, object.tangent(index, weights, shading), front),
-            uv,
+            geometric_normal: if front { face.normal } else { -face.normal },
+            frame: Frame::new(shading, object.tangent(face, weights, shading), front),
+            uv: object.uv(face, weights),
         }
     }
 }
 
 impl TracedObject {
+    /// `TEXCOORD_0` at the `weights` of a triangle's corners; zero without any.
+    fn uv(&self, face: &Face, weights: [f32; 3]) -> Vec2 {
+        if self.uvs.is_empty() {
+            return Vec2::ZERO;
+        }
+        (0..3).map(|i| self.uvs[(face.corners[i] - self.first_vertex) as usize] * weights[i]).sum()
+    }
+
     /// The zero of the brushed angle (design: `docs/conventions.md`): glTF's TANGENT, else the
     /// direction of growing u, else the projection of world +x, else of world +z.
-    fn tangent(&self, triangle: usize, weights: [f32; 3], normal: Vec3) -> Vec3 {
+    fn tangent(&self, face: &Face, weights: [f32; 3], normal: Vec3) -> Vec3 {
         let usable = |t: Vec3| t.is_finite() && t.reject_from(normal).length_squared() > 1e-12;
-        if !self.mesh.tangents.is_empty() {
-            let corners = self.mesh.triangles[triangle];
-            let tangent = |i: usize| self.mesh.tangents[corners[i] as usize].truncate();
-            let given: Vec3 = (0..3).map(|i| tangent(i) * weights[i]).sum();
+        if !self.tangents.is_empty() {
+            let tangent = |corner: u32| self.tangents[(corner - self.first_vertex) as usize];
+            let given: Vec3 =
+                (0..3).map(|i| tangent(face.corners[i]).truncate() * weights[i]).sum();
             if usable(given) {
                 return given;
             }
         }
-        match self.growing_u.get(triangle) {
-            Some(growing_u) if usable(*growing_u) => *growing_u,
-            _ if Vec3::X.reject_from(normal).length_squared() > 1e-4 => Vec3::X,
-            _ => Vec3::Z,
+        if usable(face.growing_u) {
+            return face.growing_u;
         }
+        if Vec3::X.reject_from(normal).length_squared() > 1e-4 { Vec3::X } else { Vec3::Z }
     }
 }
 
-/// For each triangle the unit vector in which u grows and v stays, if there are such.
-fn growing_u(mesh: &Mesh) -> Vec<Vec3> {
-    if mesh.uvs.is_empty() {
-        return Vec::new();
+impl Face {
+    /// The triangles of the object number `object`, whose first vertex is the number `first_vertex`.
+    fn all(mesh: &Mesh, object: u32, first_vertex: u32) -> impl Iterator<Item = Self> {
+        (0..mesh.triangles.len()).map(move |index| {
+            let corners = mesh.triangles[index];
+            let growing_u = if mesh.uvs.is_empty() {
+                Vec3::ZERO
+            } else {
+                direction_of_u(mesh, corners.map(|i| i as usize)).normalize_or_zero()
+            };
+            let normal = accel::front_normal(mesh.corners(index));
+            Self { corners: corners.map(|i| i + first_vertex), object, normal, growing_u }
+        })
     }
-    let corners = mesh.triangles.iter().map(|corners| corners.map(|i| i as usize));
-    corners.map(|corners| direction_of_u(mesh, corners).normalize_or_zero()).collect()
 }
 
 /// The direction on a triangle in which u grows and v stays; zero where the texture coordinates

@@ -55,7 +55,6 @@ pub struct Hit {
 #[derive(Debug)]
 pub struct Accel {
     tree: Tree,
-    normals: Vec<Vec3>,
     bounds: [Vec3; 2],
     kernel: Kernel,
 }
@@ -84,18 +83,12 @@ impl Accel {
     /// Builds the tree over all triangles of a scene; there must be one at least.
     pub fn build(triangles: &[[Vec3; 3]]) -> Self {
         let (tree, bounds) = build::build(triangles);
-        let normals = triangles.iter().map(|t| woop::front_normal(*t)).collect();
-        Self { tree, normals, bounds, kernel: Kernel::best() }
+        Self { tree, bounds, kernel: Kernel::best() }
     }
 
     /// The lower and upper corner of the box around everything.
     pub fn bounds(&self) -> [Vec3; 2] {
         self.bounds
-    }
-
-    /// The unit normal of the front of a triangle.
-    pub fn front_normal(&self, triangle: u32) -> Vec3 {
-        self.normals[triangle as usize]
     }
 
     /// The nearest triangle along the ray, from either side.

@@ -54,7 +54,7 @@ const BATCH: usize = 1024;
 /// The time of a path that shares, in paths that do not: measured, 2.8.
 const PRICE: f64 = 3.0;
 /// Squares, drawn anywhere, and paths a pixel in each half, that tell whether that is well spent.
-const PILOT: (usize, u32) = (16, 4);
+const PILOT: (usize, u32) = (16, 2);
 /// Keeps the numbers of those apart from the picture's under the same seed.
 const STREAM: u64 = 0x50A4_0000_0000_0000;
 
