@@ -1,11 +1,11 @@
 //! How rays find triangles: a small interface, and one tree behind it.
 //!
-//! The interface is [`Accel::closest`] and [`Accel::occluded`]; nobody outside this module knows
-//! what stands behind them. The binary tree of `obvhs` is collapsed to eight boxes a node (`build`)
-//! and walked with a watertight triangle test (`woop`): a ray that meets an edge or a vertex of a
-//! closed mesh never slips through. The walk (`walk`) is written once; eight boxes are tested by
-//! AVX2 where the processor has it (`avx2`) and four at a time by glam's vectors, SSE2 or NEON,
-//! elsewhere. Both find the same bits.
+//! The interface is [`Accel::closest`] and [`Accel::occluded`], and for what stands between one point
+//! and many `Accel::between` (`shaft`); nobody outside this module knows what stands behind them. The
+//! binary tree of `obvhs` is collapsed to eight boxes a node (`build`) and walked with a watertight
+//! triangle test (`woop`): a ray that meets an edge or a vertex of a closed mesh never slips through.
+//! The walk (`walk`) is written once; eight boxes are tested by AVX2 where the processor has it
+//! (`avx2`) and four at a time by glam's vectors, SSE2 or NEON, elsewhere. Both find the same bits.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
