@@ -11,9 +11,6 @@ use unrender_render::{Appearance, NOTHING, Settings};
 use unrender_scene::color::luminance;
 use unrender_scene::{Image, Rgb, RgbImage};
 
-/// Pixels rendered between two words to the observer.
-const CHUNK: usize = 4096;
-
 /// Renders the last picture and gathers the results.
 pub(crate) fn finish(
     state: State<'_>,
@@ -51,17 +48,12 @@ fn render_twice(
     options: &Options,
     observer: &dyn Observer,
 ) -> [Vec<Rgb>; 2] {
-    let pixels: Vec<u32> = (0..renderer.geometry().pixels().len() as u32).collect();
     let spp = options.spp.div_ceil(2).max(1);
-    [0usize, 1].map(|half| {
-        let seed = mix(options.seed ^ 0x5EED).wrapping_add(half as u64);
-        let settings = Settings { spp, seed, max_bounces: options.max_bounces, shared: false };
-        let mut picture = Vec::with_capacity(pixels.len());
-        for chunk in pixels.chunks(CHUNK) {
-            picture.extend(renderer.rerender(appearance, chunk, &settings));
-            observer.picture((half as f64 + picture.len() as f64 / pixels.len() as f64) / 2.0);
-        }
-        picture
+    [0, 1].map(|half| {
+        let seed = mix(options.seed ^ 0x5EED).wrapping_add(half);
+        let settings = Settings { spp, seed, max_bounces: options.max_bounces, shared: true };
+        let progress = |share: f64| observer.picture((half as f64 + share) / 2.0);
+        renderer.picture(appearance, &settings, &progress)
     })
 }
 

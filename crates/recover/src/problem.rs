@@ -78,7 +78,7 @@ pub struct Options {
     pub thresholds: Thresholds,
     /// Another seed, another noise.
     pub seed: u64,
-    /// Paths a pixel of the final re-rendering.
+    /// Paths a pixel of the final re-rendering; fewer, of no more noise, where pixels share theirs.
     pub spp: u32,
     /// Reflections along a path at most.
     pub max_bounces: u32,

@@ -188,10 +188,10 @@ impl Termination {
 }
 
 /// Hears of each turn as it ends.
-pub trait Observer {
+pub trait Observer: Sync {
     /// After a global re-rendering.
     fn turn(&mut self, record: &TurnRecord);
-    /// During the final picture: the share done, 0 to 1.
+    /// During the final picture, from any thread: the share done, 0 to 1.
     fn picture(&self, share: f64);
 }
 

@@ -34,7 +34,18 @@ pub trait Renderer: Sync {
     /// The radiance of `pixels`, re-rendered.
     fn rerender(&self, appearance: Appearance<'_>, pixels: &[u32], settings: &Settings)
     -> Vec<Rgb>;
+    /// The whole picture, with no more noise than `settings.spp` paths a pixel bring; pixels nearby
+    /// may share what they find. `progress` hears the share done, 0 to 1.
+    fn picture(
+        &self,
+        appearance: Appearance<'_>,
+        settings: &Settings,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Vec<Rgb>;
 }
+
+/// A path that shares is taken for this many at most: a few squares of a picture do not tell all.
+const WORTH_MAX: f64 = 8.0;
 
 /// The path tracer behind one camera.
 #[derive(Debug)]
@@ -115,6 +126,18 @@ impl Renderer for View<'_> {
         let estimates =
             self.tracer.render_pixels(appearance, self.camera, self.size, pixels, settings);
         estimates.into_iter().map(|(mean, _)| mean).collect()
+    }
+
+    fn picture(
+        &self,
+        appearance: Appearance<'_>,
+        settings: &Settings,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Vec<Rgb> {
+        let worth = self.tracer.worth_of_sharing(appearance, self.camera, self.size, settings);
+        let paths = f64::from(settings.spp) / worth.unwrap_or(1.0).min(WORTH_MAX);
+        let settings = Settings { spp: paths.ceil() as u32, shared: worth.is_some(), ..*settings };
+        self.render(appearance, &settings, progress).mean.pixels().to_vec()
     }
 }
 

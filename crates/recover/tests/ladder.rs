@@ -182,6 +182,16 @@ impl Renderer for Stripes {
         };
         pixels.iter().map(one).collect()
     }
+
+    fn picture(
+        &self,
+        appearance: Appearance<'_>,
+        settings: &Settings,
+        _: &(dyn Fn(f64) + Sync),
+    ) -> Vec<Rgb> {
+        let pixels: Vec<u32> = (0..self.geometry.pixels().len() as u32).collect();
+        self.rerender(appearance, &pixels, settings)
+    }
 }
 
 fn checkers() -> Material {

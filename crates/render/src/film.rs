@@ -80,6 +80,19 @@ impl Tracer {
         pixels.par_chunks(CHUNK).flat_map_iter(|chunk| painter.estimates(chunk)).collect()
     }
 
+    /// How many paths that share nothing a path that shares what it finds is worth in the picture of
+    /// `size`, as far as its noise goes; may be infinite. None where sharing does not pay, and where
+    /// [`Settings::shared`] has no effect.
+    pub fn worth_of_sharing<'a>(
+        &self,
+        appearance: impl Into<Appearance<'a>>,
+        camera: &Camera,
+        size: (usize, usize),
+        settings: &Settings,
+    ) -> Option<f64> {
+        Painter::new(self, appearance.into(), camera, size, settings).sharing().worth()
+    }
+
     /// Adds the paths that `samples` asks for to `tally`, whose size is the picture's;
     /// `settings.spp` does not count. The paths of [`Tracer::render`] are
     /// the numbers 0..spp of all pixels: a tally of those, however many calls it was made in, has
@@ -95,9 +108,8 @@ impl Tracer {
     ) {
         let painter = Painter::new(self, appearance.into(), camera, tally.size(), settings);
         if settings.shared {
-            let Painter { transport, camera, size, settings } = &painter;
-            let sharing = Sharing { transport, camera, size: *size, seed: settings.seed };
-            if sharing.pays() {
+            let sharing = painter.sharing();
+            if sharing.worth().is_some() {
                 sharing.accumulate(samples, tally, progress);
                 return;
             }
@@ -134,6 +146,12 @@ impl<'a> Painter<'a> {
     ) -> Self {
         let transport = Transport::new(tracer, appearance, settings.max_bounces);
         Self { transport, camera, size, settings }
+    }
+
+    /// The same with pixels that share.
+    fn sharing(&self) -> Sharing<'_> {
+        let Self { transport, camera, size, settings } = self;
+        Sharing { transport, camera, size: *size, seed: settings.seed }
     }
 
     /// Mean and variance of some pixels.

@@ -178,7 +178,7 @@ impl<'a> Teller<'a> {
 }
 
 /// The final picture's share of the time, roughly.
-const PICTURE: f64 = 0.4;
+const PICTURE: f64 = 0.15;
 
 impl Observer for Teller<'_> {
     fn turn(&mut self, record: &TurnRecord) {

@@ -82,12 +82,13 @@ pub(crate) struct Sharing<'a> {
 }
 
 impl Sharing<'_> {
-    /// Whether sharing makes so much less noise that it is worth its price: not where most of the
-    /// noise is what stands in the pixel. Depends on all that the picture does but on its samples.
-    pub(crate) fn pays(&self) -> bool {
+    /// How many paths that share nothing a path that shares is worth, by the noise of a few squares;
+    /// none where that is less than its price, since most of the noise is what stands in the pixel.
+    /// Depends on all that the picture does but on its samples.
+    pub(crate) fn worth(&self) -> Option<f64> {
         let grid = Grid::new(self.size, (0, 0));
         if grid.squares() == 0 {
-            return false;
+            return None;
         }
         let noise: Vec<[f64; 2]> = (0..PILOT.0 as u64)
             .into_par_iter()
@@ -98,7 +99,7 @@ impl Sharing<'_> {
             })
             .collect();
         let sum = |way: usize| noise.iter().map(|noise| noise[way]).sum::<f64>();
-        sum(0) > PRICE * sum(1)
+        (sum(0) > PRICE * sum(1)).then(|| sum(0) / sum(1))
     }
 
     /// The squared difference of two pictures of some pixels, under numbers of their own.

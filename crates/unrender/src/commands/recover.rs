@@ -25,7 +25,8 @@ pub struct Args {
     /// Chooses the noise of the renderings; the same seed gives the same bits.
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
-    /// Paths a pixel of the final re-rendering [default: 64].
+    /// Paths a pixel of the final re-rendering; where pixels nearby share what theirs find, so many
+    /// fewer that there is no more noise [default: 64].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
     /// The most reflections of a path; 1 is direct light only [default: until it carries nothing].
