@@ -44,8 +44,9 @@ pub trait Renderer: Sync {
     ) -> Vec<Rgb>;
 }
 
-/// A path that shares is taken for this many at most: a few squares of a picture do not tell all.
-const WORTH_MAX: f64 = 8.0;
+/// A path that shares is taken for this many at most: a few squares of a picture do not tell all, and
+/// with few paths the squares that share are seen.
+const WORTH_MAX: f64 = 4.0;
 
 /// The path tracer behind one camera.
 #[derive(Debug)]
