@@ -4,6 +4,7 @@ use crate::Failure;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
+use std::ops::Range;
 
 const SIZE: (u32, u32) = (720, 420);
 /// Colours that differ for colour-blind readers too [Okabe and Ito, "Color Universal Design", 2008].
@@ -28,9 +29,12 @@ pub(crate) struct Axes<'a> {
     pub(crate) title: &'a str,
     pub(crate) x: &'a str,
     pub(crate) y: &'a str,
-    /// Whether curves go down from left to right; the legend stays out of their way.
-    pub(crate) falling: bool,
 }
+
+/// The share of an axis that the legend may take.
+const LEGEND: (f64, f64) = (0.4, 0.35);
+/// Places along a piece of a curve that the legend should not cover.
+const PLACES: usize = 16;
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
@@ -92,20 +96,46 @@ where
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], color.stroke_width(2)));
     }
     if curves.len() > 1 {
-        let corner = if axes.falling {
-            SeriesLabelPosition::LowerLeft
-        } else {
-            SeriesLabelPosition::UpperLeft
-        };
         chart
             .configure_series_labels()
-            .position(corner)
+            .position(free_corner(curves))
             .background_style(WHITE.mix(0.85))
             .border_style(BLACK.mix(0.3))
             .label_font(("sans-serif", 13))
             .draw()?;
     }
     Ok(())
+}
+
+/// The corner in which the legend covers least of the curves.
+fn free_corner(curves: &[Curve]) -> SeriesLabelPosition {
+    let points = || curves.iter().flat_map(|curve| curve.points.iter().copied());
+    let (x, y) = (decades(points().map(|p| p.0)), decades(points().map(|p| p.1)));
+    let share =
+        |v: f64, range: &Range<f64>| (v / range.start).ln() / (range.end / range.start).ln();
+    let place = |p: (f64, f64)| (share(p.0, &x), share(p.1, &y));
+    let pieces = curves.iter().flat_map(|curve| curve.points.windows(2));
+    let places: Vec<(f64, f64)> = pieces
+        .flat_map(|ends| {
+            let (from, to) = (place(ends[0]), place(ends[1]));
+            (0..=PLACES).map(move |i| {
+                let t = i as f64 / PLACES as f64;
+                (from.0 + t * (to.0 - from.0), from.1 + t * (to.1 - from.1))
+            })
+        })
+        .collect();
+    let covered = |right: bool, upper: bool| {
+        let near = |v: f64, far: bool, reach: f64| if far { v > 1.0 - reach } else { v < reach };
+        places.iter().filter(|p| near(p.0, right, LEGEND.0) && near(p.1, upper, LEGEND.1)).count()
+    };
+    let corners = [
+        (covered(false, true), SeriesLabelPosition::UpperLeft),
+        (covered(true, true), SeriesLabelPosition::UpperRight),
+        (covered(false, false), SeriesLabelPosition::LowerLeft),
+        (covered(true, false), SeriesLabelPosition::LowerRight),
+    ];
+    let [first, ..] = corners.clone();
+    corners.into_iter().fold(first, |best, corner| if corner.0 < best.0 { corner } else { best }).1
 }
 
 /// As people write it: `0.001`, `20`, `1000000`.
@@ -115,7 +145,7 @@ fn number(value: &f64) -> String {
 }
 
 /// A range with a little room beyond the values, which must be above zero.
-fn decades(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
+fn decades(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     low / 1.5..high * 1.5
@@ -132,13 +162,25 @@ mod tests {
             points: (1..5).map(|i| (f64::from(i), slope * f64::from(i))).collect(),
         };
         let curves = [curve("one", 1.0), curve("two", 2.0)];
-        for falling in [false, true] {
-            let axes = Axes { title: "Lines", x: "steps", y: "height", falling };
-            let text = svg(&axes, &curves).unwrap();
-            for word in ["Lines", "steps", "height", "one", "two", "#000000", "#D55E00"] {
-                assert!(text.contains(word), "{word} is missing");
-            }
-            assert!(svg(&axes, &[]).is_err());
+        let axes = Axes { title: "Lines", x: "steps", y: "height" };
+        let text = svg(&axes, &curves).unwrap();
+        for word in ["Lines", "steps", "height", "one", "two", "#000000", "#D55E00"] {
+            assert!(text.contains(word), "{word} is missing");
         }
+        assert!(svg(&axes, &[]).is_err());
+    }
+
+    #[test]
+    fn the_legend_stays_out_of_the_curves_way() {
+        let curve = |points: &[(f64, f64)]| {
+            let label = String::new();
+            free_corner(&[Curve { label, points: points.to_vec() }])
+        };
+        let is = |found: SeriesLabelPosition, wanted: SeriesLabelPosition| {
+            assert_eq!(format!("{found:?}"), format!("{wanted:?}"));
+        };
+        is(curve(&[(1.0, 1.0), (10.0, 10.0)]), SeriesLabelPosition::UpperLeft);
+        is(curve(&[(1.0, 10.0), (10.0, 1.0)]), SeriesLabelPosition::UpperRight);
+        is(curve(&[(1.0, 10.0), (10.0, 10.0), (10.0, 1.0)]), SeriesLabelPosition::LowerLeft);
     }
 }

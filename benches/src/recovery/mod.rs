@@ -170,7 +170,6 @@ fn draw(ours: &Ours, descents: &[Descent]) -> Result<String, Failure> {
         title: "Recovery of Figure 8",
         x: "seconds",
         y: "worst error, of the one asked for",
-        falling: true,
     };
     plot::svg(&axes, &curves)
 }

@@ -159,12 +159,7 @@ fn draw(subject: &Subject, measured: &[Measured]) -> Result<String, Failure> {
         }
     };
     let curves: Vec<plot::Curve> = measured.iter().map(curve).collect();
-    let axes = Axes {
-        title: subject.name,
-        x: "seconds on all cores",
-        y: "RMSE, W/(sr m^2)",
-        falling: true,
-    };
+    let axes = Axes { title: subject.name, x: "seconds on all cores", y: "RMSE, W/(sr m^2)" };
     plot::svg(&axes, &curves)
 }
 

@@ -178,7 +178,7 @@ fn draw<const N: usize>(
         label: label.to_owned(),
         points: pairs().filter_map(|(c, cost)| Some((c.value as f64, quantity(cost)?))).collect(),
     };
-    let axes = Axes { title, x: measured.axis.name, y, falling: false };
+    let axes = Axes { title, x: measured.axis.name, y };
     plot::svg(&axes, &quantities.map(curve))
 }
 
