@@ -32,7 +32,7 @@ pub(crate) struct Axes<'a> {
 }
 
 /// The share of an axis that the legend may take.
-const LEGEND: (f64, f64) = (0.4, 0.35);
+const LEGEND: (f64, f64) = (0.5, 0.35);
 /// Places along a piece of a curve that the legend should not cover.
 const PLACES: usize = 16;
 
