@@ -107,17 +107,20 @@ fn dispersed_objects(
     if 2 * far.len() < medians.len() { far } else { BTreeSet::new() }
 }
 
-/// The cells that stand out in coherent patches.
+/// The cells that stand out in coherent patches: by their medians, and of those at a patch's edge, of
+/// which it may cover less than half, by their means.
 fn stray_cells(cells: &BTreeMap<Cell, Vec<f32>>) -> BTreeSet<Cell> {
-    let means: BTreeMap<Cell, f32> =
-        cells.iter().map(|(cell, values)| (*cell, median(values.clone()))).collect();
-    let middle = median(means.values().copied().collect());
-    let deviation = 1.4826 * median(means.values().map(|m| (m - middle).abs()).collect());
-    let threshold = (DEVIATIONS * deviation).max(LEAST);
-    let beyond = |cell: &Cell, share: f32| {
-        means.get(cell).is_some_and(|m| (m - middle).abs() > share * threshold)
+    let of_cells = |value: fn(&[f32]) -> f32| -> BTreeMap<Cell, f32> {
+        cells.iter().map(|(cell, values)| (*cell, value(values))).collect()
     };
-    let seeds: BTreeSet<Cell> = means.keys().filter(|c| beyond(c, 1.0)).copied().collect();
+    let medians = of_cells(|values| median(values.to_vec()));
+    let means = of_cells(|values| values.iter().sum::<f32>() / values.len() as f32);
+    let middle = median(medians.values().copied().collect());
+    let deviation = 1.4826 * median(medians.values().map(|m| (m - middle).abs()).collect());
+    let threshold = (DEVIATIONS * deviation).max(LEAST);
+    let beyond = |value: f32, share: f32| (value - middle).abs() > share * threshold;
+    let seeds = medians.iter().filter(|(_, median)| beyond(**median, 1.0));
+    let seeds: BTreeSet<Cell> = seeds.map(|(cell, _)| *cell).collect();
     let mut strays = BTreeSet::new();
     for patch in patches(&seeds) {
         if patch.len() as f32 >= PATCH {
@@ -125,8 +128,8 @@ fn stray_cells(cells: &BTreeMap<Cell, Vec<f32>>) -> BTreeSet<Cell> {
         }
     }
     let beside = |cell: &Cell| neighbours(*cell).any(|n| strays.contains(&n));
-    let grown: Vec<Cell> =
-        means.keys().filter(|c| beside(c) && beyond(c, BESIDE)).copied().collect();
+    let grown = means.iter().filter(|(cell, mean)| beside(cell) && beyond(**mean, BESIDE));
+    let grown: Vec<Cell> = grown.map(|(cell, _)| *cell).collect();
     strays.extend(grown);
     strays
 }

@@ -29,6 +29,7 @@ pub mod environment;
 pub mod film;
 pub mod geometry;
 pub mod jacobian;
+mod lanes;
 pub mod path;
 pub mod probe;
 pub mod sampler;

@@ -18,6 +18,7 @@
 use super::tree::{Link, Node, WIDTH};
 use super::woop::{ShearedRay, Triangles4};
 use super::{Accel, Ray};
+use crate::lanes::{Vec3x4, cross, dot, dot_one};
 use glam::{BVec4A, Vec3, Vec4};
 
 /// More blocks of triangles than this are not worth asking one by one.
@@ -194,12 +195,12 @@ impl Shaft {
         let [a, b, c] = [corner(0), corner(1), corner(2)];
         let edges = [cross(a, b), cross(b, c), cross(c, a)];
         let normal = [0, 1, 2].map(|i| edges[0][i] + edges[1][i] + edges[2][i]);
-        let volume = dot4(a, edges[1]);
+        let volume = dot(a, edges[1]);
         let sign = Vec4::ONE.copysign(volume);
         // The greatest value over the bundle of its product with a vector, and what rounding may add.
-        let greatest = |vector: [Vec4; 3]| {
-            let centre = dot(vector, self.centre) * sign;
-            let reach = |half: Vec3| dot(vector, half).abs();
+        let greatest = |vector: Vec3x4| {
+            let centre = dot_one(vector, self.centre) * sign;
+            let reach = |half: Vec3| dot_one(vector, half).abs();
             let reach = reach(self.half[0]) + reach(self.half[1]) + reach(self.half[2]);
             (centre + reach) + (centre.abs() + reach) * ROUNDING
         };
@@ -209,16 +210,4 @@ impl Shaft {
         }
         meets.any()
     }
-}
-
-fn cross([ax, ay, az]: [Vec4; 3], [bx, by, bz]: [Vec4; 3]) -> [Vec4; 3] {
-    [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
-}
-
-fn dot4(a: [Vec4; 3], b: [Vec4; 3]) -> Vec4 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn dot(a: [Vec4; 3], b: Vec3) -> Vec4 {
-    a[0] * b.x + a[1] * b.y + a[2] * b.z
 }

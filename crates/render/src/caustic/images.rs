@@ -1,6 +1,7 @@
 //! The mirror images that a surface looks for: a mixture of spherical Gaussians.
 
 use super::{DEVIATION_MAX, DEVIATION_MIN};
+use crate::lanes::{Vec3x4, dot, put};
 use crate::surface::Frame;
 use glam::{Vec3, Vec4};
 use std::f32::consts::TAU;
@@ -119,7 +120,7 @@ pub(crate) struct Images4 {
 /// One image of each of four surfaces; one that a surface lacks has a norm of zero.
 #[derive(Clone, Copy, Debug)]
 struct Image4 {
-    axis: [Vec4; 3],
+    axis: Vec3x4,
     kappa: Vec4,
     /// Of its density, as one of its surface's images.
     norm: Vec4,
@@ -134,10 +135,7 @@ impl Images4 {
             four.share[lane] = images.share();
             four.count = four.count.max(images.count);
             for (slot, image) in four.images.iter_mut().zip(images.all()) {
-                let axis = frame.world_from_local(image.axis);
-                for (of_four, coordinate) in slot.axis.iter_mut().zip(axis.to_array()) {
-                    of_four[lane] = coordinate;
-                }
+                put(&mut slot.axis, lane, frame.world_from_local(image.axis));
                 slot.kappa[lane] = image.kappa;
                 slot.norm[lane] = image.norm / images.count as f32;
             }
@@ -148,11 +146,11 @@ impl Images4 {
     /// For each surface the density over solid angle with which directions are drawn that are
     /// `cosine_pdf` by the cosine and along the unit vectors `wi` (world space) towards the images.
     #[inline]
-    pub(crate) fn pdf(&self, wi: [Vec4; 3], cosine_pdf: Vec4) -> Vec4 {
+    pub(crate) fn pdf(&self, wi: Vec3x4, cosine_pdf: Vec4) -> Vec4 {
         let mut pdf = Vec4::ZERO;
         for image in &self.images[..self.count] {
-            let [x, y, z] = [0, 1, 2].map(|i| wi[i] - image.axis[i]);
-            let depth = 0.5 * image.kappa * (x * x + y * y + z * z);
+            let away = [0, 1, 2].map(|i| wi[i] - image.axis[i]);
+            let depth = 0.5 * image.kappa * dot(away, away);
             let counts = depth.cmple(Vec4::splat(DEPTH_MAX));
             if counts.any() {
                 pdf += Vec4::select(counts, image.norm * (-depth).exp(), Vec4::ZERO);

@@ -4,6 +4,7 @@ use super::first::{First, View};
 use super::second::Second;
 use crate::accel::Bundle;
 use crate::caustic::Images4;
+use crate::lanes::{Vec3x4, dot, put};
 use crate::path::Transport;
 use glam::{Vec3, Vec4};
 use std::f32::consts::FRAC_1_PI;
@@ -67,9 +68,9 @@ impl Viewers {
 
 /// Four first surfaces. Lanes beyond the last have no normal and see nothing.
 struct Four {
-    origin: [Vec4; 3],
-    geometric_normal: [Vec4; 3],
-    shading_normal: [Vec4; 3],
+    origin: Vec3x4,
+    geometric_normal: Vec3x4,
+    shading_normal: Vec3x4,
     images: Images4,
 }
 
@@ -106,9 +107,7 @@ impl Four {
         let lanes = |of: &dyn Fn(&First) -> Vec3| {
             let mut lanes = [Vec4::ZERO; 3];
             for (lane, first) in firsts.iter().enumerate() {
-                for (axis, coordinate) in of(first).to_array().into_iter().enumerate() {
-                    lanes[axis][lane] = coordinate;
-                }
+                put(&mut lanes, lane, of(first));
             }
             lanes
         };
@@ -123,7 +122,7 @@ impl Four {
     /// How they see the place of `second`.
     #[inline]
     fn sight(&self, second: &Second) -> Sight {
-        let to_point: [Vec4; 3] = [0, 1, 2].map(|i| second.point[i] - self.origin[i]);
+        let to_point: Vec3x4 = [0, 1, 2].map(|i| second.point[i] - self.origin[i]);
         let distance = dot(to_point, to_point).sqrt();
         let inverse = distance.recip();
         let wi = to_point.map(|coordinate| coordinate * inverse);
@@ -165,8 +164,4 @@ impl Sight {
             geometry: self.geometry[lane],
         })
     }
-}
-
-fn dot(a: [Vec4; 3], b: [Vec4; 3]) -> Vec4 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
