@@ -134,8 +134,8 @@ fn free_corner(curves: &[Curve]) -> SeriesLabelPosition {
         (covered(false, false), SeriesLabelPosition::LowerLeft),
         (covered(true, false), SeriesLabelPosition::LowerRight),
     ];
-    let [first, ..] = corners.clone();
-    corners.into_iter().fold(first, |best, corner| if corner.0 < best.0 { corner } else { best }).1
+    let least = corners.into_iter().min_by_key(|(covered, _)| *covered);
+    least.map_or(SeriesLabelPosition::UpperLeft, |(_, corner)| corner)
 }
 
 /// As people write it: `0.001`, `20`, `1000000`.

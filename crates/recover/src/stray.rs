@@ -3,7 +3,7 @@
 //!
 //! The paper fits a plane to the values of a flat object. Light is seldom planar, but its shape is
 //! known here: what must be flat over a surface is the quotient of photograph and re-rendering under
-//! the best uniform hypothesis. Its mean is taken over small cells of the picture. Cells that stand
+//! the best uniform hypothesis. Its median is taken over small cells of the picture. Cells that stand
 //! out from their group, in a few coherent patches, are strays: the group is fitted again without
 //! them, which shows others. A pattern is no stray: it covers more, or comes in many pieces.
 //!

@@ -2,7 +2,8 @@
 //!
 //! What follows a distance is done in integers, which takes a quarter of the time: the bits of numbers
 //! that are not negative are ordered as the numbers are, and a negative one is less than those either
-//! way; which of two negative ones is less makes no difference to whether a box is entered.
+//! way; which of two negative ones is less makes no difference to whether a box is entered. (Minus
+//! zero is one of those: a box that is left where the ray starts holds nothing that lies before it.)
 //!
 //! Intrinsics may only run on a processor that has them: all of this is reached through [`walk`],
 //! which carries the feature, and which is called after [`is_there`] has said so. What it calls is
