@@ -1,193 +1,247 @@
-//! Pictures: many paths a pixel, their mean and how sure it is.
+//! Sums that come out the same however they are cut into parts: whole numbers for every pixel.
+//!
+//! Floating-point sums depend on their order, so a picture that is rendered in parts, on several
+//! machines or with a break, would differ from the whole one in its last bits. A [`Tally`] keeps
+//! for every pixel the sum of its paths' radiances and of their squares as multiples of one
+//! [`QUANTUM`], and how many paths there were. Whole numbers add up alike in any order: tallies of
+//! the samples A..B and B..C, added, are to the bit the tally of A..C.
+//!
+//! Of each number, what is below the quantum is cut off: a value of 1e-10 keeps all digits of
+//! single precision, smaller ones fewer, and sums are too small by at most a quantum a path. Sums
+//! stay at [`Moments::MAX`] once they have come there.
 
-use crate::accel::Ray;
-use crate::adaptive::Samples;
-use crate::path::{MAX_BOUNCES, Transport};
-use crate::sampler::Sampler;
-use crate::sharing::Sharing;
-use crate::tally::{Moments, Tally};
-use crate::tracer::{Appearance, Tracer};
-use rayon::prelude::*;
-use std::ops::Range;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use unrender_scene::{Camera, Rgb, RgbImage};
+use crate::film::Film;
+use glam::{DVec3, Vec3};
+use unrender_scene::{Image, Rgb, RgbImage};
 
-/// How to render.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Settings {
-    /// Paths a pixel.
-    pub spp: u32,
-    /// Another seed, another noise.
-    pub seed: u64,
-    /// Reflections along a path at most; one means direct light only.
-    pub max_bounces: u32,
-    /// Whether neighbouring pixels may share what their paths find (module [`crate::sharing`]), as
-    /// they then do where it pays: less noise, but alike in pixels that share. For whole pictures
-    /// only.
-    pub shared: bool,
+/// The unit of all sums: 2^-64, in W sr^-1 m^-2 for radiances and in its square for squares.
+pub const QUANTUM: f64 = 1.0 / (1u128 << 64) as f64;
+
+/// What the paths of one pixel have brought.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Moments {
+    /// The sum of the radiances, by channel, in units of [`QUANTUM`].
+    pub sum: [u128; 3],
+    /// The sum of their squares, likewise.
+    pub squares: [u128; 3],
+    /// The number of paths.
+    pub count: u32,
+    /// How many of them brought something that is no finite number, and were counted as black.
+    pub faulty: u32,
 }
 
-impl Default for Settings {
-    fn default() -> Self {
-        Self { spp: 64, seed: 0, max_bounces: MAX_BOUNCES, shared: false }
+impl Moments {
+    /// The greatest sum, in units of [`QUANTUM`]; as a number 2^64 = 1.8e19.
+    pub const MAX: u128 = u128::MAX;
+
+    /// Counts one more path, which brought `radiance`.
+    #[inline]
+    pub fn push(&mut self, radiance: Rgb) {
+        self.count = self.count.saturating_add(1);
+        if !radiance.is_finite() {
+            self.faulty = self.faulty.saturating_add(1);
+            return;
+        }
+        for (channel, value) in radiance.to_array().into_iter().enumerate() {
+            let value = f64::from(value);
+            self.sum[channel] = self.sum[channel].saturating_add(quanta(value));
+            self.squares[channel] = self.squares[channel].saturating_add(quanta(value * value));
+        }
+    }
+
+    /// Counts all paths of `other`, which are not among these.
+    pub fn add(&mut self, other: &Self) {
+        for channel in 0..3 {
+            self.sum[channel] = self.sum[channel].saturating_add(other.sum[channel]);
+            self.squares[channel] = self.squares[channel].saturating_add(other.squares[channel]);
+        }
+        self.count = self.count.saturating_add(other.count);
+        self.faulty = self.faulty.saturating_add(other.faulty);
+    }
+
+    /// The mean radiance, W sr^-1 m^-2 per channel; zero without paths.
+    pub fn mean(&self) -> Rgb {
+        self.mean_f64().as_vec3()
+    }
+
+    /// The variance of the mean, from the spread of the paths; zero for fewer than two.
+    pub fn variance(&self) -> Rgb {
+        (self.spread() / f64::from(self.count).max(1.0)).as_vec3()
+    }
+
+    /// The variance of one path, by channel; zero for fewer than two.
+    pub(crate) fn spread(&self) -> DVec3 {
+        let n = f64::from(self.count);
+        let mean = self.mean_f64();
+        let squares = DVec3::from_array(self.squares.map(value)) / n.max(1.0);
+        (squares - mean * mean).max(DVec3::ZERO) * (n / (n - 1.0).max(1.0))
+    }
+
+    fn mean_f64(&self) -> DVec3 {
+        DVec3::from_array(self.sum.map(value)) / f64::from(self.count).max(1.0)
     }
 }
 
-/// A picture with the variance of its noise.
+/// A number of at least zero in units of [`QUANTUM`], cut off; the greatest one for what is above.
+#[inline]
+fn quanta(value: f64) -> u128 {
+    (value * (1.0 / QUANTUM)) as u128
+}
+
+fn value(quanta: u128) -> f64 {
+    quanta as f64 * QUANTUM
+}
+
+/// A picture in the making: the [`Moments`] of every pixel, 112 bytes each.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Film {
-    /// Radiance, W sr^-1 m^-2 per channel.
-    pub mean: RgbImage,
-    /// Variance of `mean`, from the spread of the paths. Paths of a pixel are stratified, so the
-    /// true variance is at most this. Zero with a single path.
-    pub variance: RgbImage,
+pub struct Tally {
+    pub(crate) moments: Image<Moments>,
 }
 
-/// Keeps the numbers of pictures apart from those of probes under the same seed.
-pub(crate) const STREAM: u64 = 0x0F11_0000_0000_0000;
-
-/// Pixels that one task renders before it reports progress.
-pub(crate) const CHUNK: usize = 256;
-
-impl Tracer {
-    /// Renders what `camera` sees in `width` x `height` pixels. `progress` hears the share done, 0
-    /// to 1, from any thread.
-    pub fn render<'a>(
-        &self,
-        appearance: impl Into<Appearance<'a>>,
-        camera: &Camera,
-        (width, height): (usize, usize),
-        settings: &Settings,
-        progress: &(dyn Fn(f64) + Sync),
-    ) -> Film {
-        let mut tally = Tally::new(width, height);
-        let samples = Samples::Even(0..settings.spp);
-        self.accumulate(appearance, camera, settings, &samples, &mut tally, progress);
-        tally.film()
+impl Tally {
+    /// A picture of `width` x `height` pixels without any paths.
+    pub fn new(width: usize, height: usize) -> Self {
+        Self::from_moments(Image::from_fn(width, height, |_, _| Moments::default()))
     }
 
-    /// Renders some pixels of the picture, given by index: mean and variance of each. They share
-    /// nothing, whatever `settings` say.
-    pub fn render_pixels<'a>(
-        &self,
-        appearance: impl Into<Appearance<'a>>,
-        camera: &Camera,
-        size: (usize, usize),
-        pixels: &[u32],
-        settings: &Settings,
-    ) -> Vec<(Rgb, Rgb)> {
-        let painter = Painter::new(self, appearance.into(), camera, size, settings);
-        pixels.par_chunks(CHUNK).flat_map_iter(|chunk| painter.estimates(chunk)).collect()
+    /// A picture from what its pixels have brought.
+    pub fn from_moments(moments: Image<Moments>) -> Self {
+        Self { moments }
     }
 
-    /// How many paths that share nothing a path that shares what it finds is worth in the picture of
-    /// `size`, as far as its noise goes; may be infinite. None where sharing does not pay, and where
-    /// [`Settings::shared`] has no effect.
-    pub fn worth_of_sharing<'a>(
-        &self,
-        appearance: impl Into<Appearance<'a>>,
-        camera: &Camera,
-        size: (usize, usize),
-        settings: &Settings,
-    ) -> Option<f64> {
-        Painter::new(self, appearance.into(), camera, size, settings).sharing().worth()
+    /// What every pixel has brought.
+    pub fn moments(&self) -> &Image<Moments> {
+        &self.moments
     }
 
-    /// Adds the paths that `samples` asks for to `tally`, whose size is the picture's;
-    /// `settings.spp` does not count. The paths of [`Tracer::render`] are
-    /// the numbers 0..spp of all pixels: a tally of those, however many calls it was made in, has
-    /// the same bits as its picture. `progress` hears the share done, 0 to 1, from any thread.
-    pub fn accumulate<'a>(
-        &self,
-        appearance: impl Into<Appearance<'a>>,
-        camera: &Camera,
-        settings: &Settings,
-        samples: &Samples<'_>,
-        tally: &mut Tally,
-        progress: &(dyn Fn(f64) + Sync),
-    ) {
-        let painter = Painter::new(self, appearance.into(), camera, tally.size(), settings);
-        if settings.shared {
-            let sharing = painter.sharing();
-            if sharing.worth().is_some() {
-                sharing.accumulate(samples, tally, progress);
-                return;
-            }
+    /// What every pixel has brought, to be added to.
+    pub fn moments_mut(&mut self) -> &mut Image<Moments> {
+        &mut self.moments
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> (usize, usize) {
+        (self.moments.width(), self.moments.height())
+    }
+
+    /// Adds the paths of `other`, which are not among these.
+    ///
+    /// # Panics
+    /// If the pictures differ in size.
+    pub fn add(&mut self, other: &Self) {
+        assert_eq!(self.size(), other.size(), "tallies of one picture have one size");
+        let pairs = self.moments.pixels_mut().iter_mut().zip(other.moments.pixels());
+        pairs.for_each(|(mine, theirs)| mine.add(theirs));
+    }
+
+    /// The mean of the paths in every pixel, W sr^-1 m^-2 per channel.
+    pub fn mean(&self) -> RgbImage {
+        self.moments.map(Moments::mean)
+    }
+
+    /// The picture with the variance of its noise.
+    pub fn film(&self) -> Film {
+        Film { mean: self.mean(), variance: self.moments.map(Moments::variance) }
+    }
+
+    /// The paths that brought no finite number and were counted as black.
+    pub fn faulty(&self) -> u64 {
+        self.moments.pixels().iter().map(|m| u64::from(m.faulty)).sum()
+    }
+
+    /// The relative standard error of the picture: the root of the mean over pixels and channels of
+    /// the mean's variance ([`Film::variance`]), over the mean over pixels and channels of the
+    /// radiance. Zero for a black picture, infinite if a pixel has fewer than two paths.
+    pub fn noise(&self) -> f64 {
+        let pixels = self.moments.pixels();
+        if pixels.iter().any(|m| m.count < 2) {
+            return f64::INFINITY;
         }
-        let pixels = tally.moments.pixels_mut();
-        let count = pixels.len();
-        let done = AtomicUsize::new(0);
-        pixels.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, pixels)| {
-            for (offset, moments) in pixels.iter_mut().enumerate() {
-                let pixel = chunk * CHUNK + offset;
-                painter.add(pixel as u32, samples.of(pixel), moments);
-            }
-            let so_far = done.fetch_add(pixels.len(), Ordering::Relaxed) + pixels.len();
-            progress(so_far as f64 / count as f64);
-        });
-    }
-}
-
-/// What the pixels of a picture share.
-struct Painter<'a> {
-    transport: Transport<'a>,
-    camera: &'a Camera,
-    size: (usize, usize),
-    settings: &'a Settings,
-}
-
-impl<'a> Painter<'a> {
-    fn new(
-        tracer: &'a Tracer,
-        appearance: Appearance<'a>,
-        camera: &'a Camera,
-        size: (usize, usize),
-        settings: &'a Settings,
-    ) -> Self {
-        let transport = Transport::new(tracer, appearance, settings.max_bounces);
-        Self { transport, camera, size, settings }
-    }
-
-    /// The same with pixels that share.
-    fn sharing(&self) -> Sharing<'_> {
-        let Self { transport, camera, size, settings } = self;
-        Sharing { transport, camera, size: *size, seed: settings.seed }
-    }
-
-    /// Mean and variance of some pixels.
-    fn estimates(&self, pixels: &[u32]) -> Vec<(Rgb, Rgb)> {
-        let one = |&pixel: &u32| {
-            let mut moments = Moments::default();
-            self.add(pixel, 0..self.settings.spp, &mut moments);
-            (moments.mean(), moments.variance())
+        let sum = |f: fn(&Moments) -> Vec3| -> f64 {
+            pixels.iter().map(|m| f(m).as_dvec3().element_sum()).sum()
         };
-        pixels.iter().map(one).collect()
+        let (variance, radiance) = (sum(Moments::variance), sum(Moments::mean));
+        let n = 3.0 * pixels.len() as f64;
+        if radiance > 0.0 { (variance / n).sqrt() / (radiance / n) } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampler::mix;
+
+    /// Radiances of many magnitudes.
+    fn radiances() -> Vec<Rgb> {
+        let number = |i: u64| {
+            let bits = mix(i);
+            (bits as u32 as f32 / 2f32.powi(32)) * 10f32.powi((bits >> 40) as i32 % 12 - 6)
+        };
+        (0..999).map(|i| Rgb::new(number(3 * i), number(3 * i + 1), number(3 * i + 2))).collect()
     }
 
-    /// Adds the paths of the numbers `samples` to what a pixel has brought.
-    fn add(&self, pixel: u32, samples: Range<u32>, moments: &mut Moments) {
-        for index in samples {
-            let mut sampler = picture_sampler(self.settings.seed, pixel, index);
-            let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
-            moments.push(self.transport.radiance(&ray, &mut sampler, 0));
+    fn moments(radiances: &[Rgb]) -> Moments {
+        let mut moments = Moments::default();
+        radiances.iter().for_each(|r| moments.push(*r));
+        moments
+    }
+
+    #[test]
+    fn parts_add_up_to_the_whole_in_any_order() {
+        let all = radiances();
+        let whole = moments(&all);
+        let (a, b, c) = (moments(&all[..100]), moments(&all[100..700]), moments(&all[700..]));
+        for parts in [[a, b, c], [c, a, b], [b, c, a]] {
+            let mut sum = Moments::default();
+            parts.iter().for_each(|part| sum.add(part));
+            assert_eq!(sum, whole);
+            let mut last_two = parts[1];
+            last_two.add(&parts[2]);
+            let mut grouped = parts[0];
+            grouped.add(&last_two);
+            assert_eq!(grouped, whole);
         }
     }
-}
 
-/// The numbers of the path number `index` through a pixel of a picture.
-pub fn picture_sampler(seed: u64, pixel: u32, index: u32) -> Sampler {
-    Sampler::new(seed ^ STREAM, u64::from(pixel), index)
-}
+    #[test]
+    fn mean_and_variance_are_those_of_the_paths() {
+        let all = radiances();
+        let n = all.len() as f64;
+        let mean = all.iter().map(|r| r.as_dvec3()).sum::<DVec3>() / n;
+        let squares: DVec3 = all.iter().map(|r| (r.as_dvec3() - mean).powf(2.0)).sum();
+        let found = moments(&all);
+        let off = |found: Rgb, expected: DVec3| {
+            (found.as_dvec3() / expected - DVec3::ONE).abs().max_element()
+        };
+        assert!(off(found.mean(), mean) < 1e-7);
+        assert!(off(found.variance(), squares / (n * (n - 1.0))) < 1e-7);
+        assert_eq!(moments(&all[..1]).variance(), Rgb::ZERO);
+        assert_eq!(Moments::default().mean(), Rgb::ZERO);
+    }
 
-/// A ray through a random point of a pixel: the picture's filter is the pixel itself.
-pub fn camera_ray(
-    camera: &Camera,
-    (width, height): (usize, usize),
-    pixel: u32,
-    sampler: &mut Sampler,
-) -> Ray {
-    let [dx, dy, ..] = sampler.next4();
-    let x = (pixel as usize % width) as f32 + dx;
-    let y = (pixel as usize / width) as f32 + dy;
-    Ray::new(camera.origin(), camera.direction(x, y, width, height))
+    #[test]
+    fn numbers_out_of_range_saturate_and_no_number_is_black() {
+        let odd = [Rgb::splat(f32::MAX), Rgb::splat(f32::NAN), Rgb::splat(f32::INFINITY)];
+        let found = moments(&odd);
+        assert_eq!((found.count, found.faulty), (3, 2));
+        assert_eq!((found.sum, found.squares), ([Moments::MAX; 3], [Moments::MAX; 3]));
+        assert!(found.mean().is_finite() && found.variance().is_finite());
+        let mut twice = found;
+        twice.add(&found);
+        assert_eq!((twice.sum, twice.count), ([Moments::MAX; 3], 6));
+        // Small ones lose digits, smaller ones all of them.
+        assert_eq!(moments(&[Rgb::splat(1e-10)]).mean(), Rgb::splat(1e-10));
+        assert_eq!(moments(&[Rgb::splat(1e-20)]).mean(), Rgb::ZERO);
+    }
+
+    #[test]
+    fn noise_is_the_standard_error_over_the_mean() {
+        let mut tally = Tally::new(2, 1);
+        assert_eq!(tally.noise(), f64::INFINITY);
+        for value in [1.0, 3.0] {
+            tally.moments.pixels_mut().iter_mut().for_each(|m| m.push(Rgb::splat(value)));
+        }
+        // Of 1 and 3: the mean 2, the variance of a path 2, of the mean 1.
+        assert!((tally.noise() - 0.5).abs() < 1e-12);
+    }
 }

@@ -1,5 +1,5 @@
-//! The pinhole camera of glTF: it looks along its own -z, with +y up and +x to the right; and what
-//! its lens adds to that.
+//! Perspective cameras: glTF's pinhole, which looks along its own -z with +y up and +x to the right,
+//! with the distortion of a lens.
 
 use crate::Lens;
 use glam::{Affine3A, Mat3, Vec3};
@@ -9,12 +9,12 @@ use glam::{Affine3A, Mat3, Vec3};
 pub struct Camera {
     /// The node's name in the scene file.
     pub name: String,
-    /// Places the camera in the world; a rigid motion.
+    /// The pose: a rigid transform from camera to world coordinates.
     pub world_from_camera: Affine3A,
     /// Full vertical field of view, radians, of the pinhole with its axis through the picture's
-    /// centre: 2 atan(height / (2 focal length)). Held fixed whatever the picture's aspect.
+    /// centre: 2 atan(height / (2 focal length)). Independent of the picture's aspect.
     pub fov_y_rad: f32,
-    /// Width over height that the scene file states, if it does.
+    /// The aspect (width over height) that the scene file states, if any.
     pub aspect: Option<f32>,
     /// Principal point and distortion.
     pub lens: Lens,
@@ -36,8 +36,8 @@ impl Camera {
         self.world_from_camera.translation.into()
     }
 
-    /// Where a world point appears in a picture of `width` x `height` pixels, in pixels from the top
-    /// left; none if it lies beside the picture or behind the camera.
+    /// The projection of a world point into a picture of `width` x `height` pixels, in pixels from the
+    /// top left; none if it lies outside of the picture or behind the camera.
     pub fn project(&self, point: Vec3, width: usize, height: usize) -> Option<(f32, f32)> {
         let to_point = point - self.origin();
         let axes = self.world_from_camera.matrix3;
@@ -68,8 +68,8 @@ impl Camera {
         self.world_from_camera.transform_vector3(in_camera).normalize()
     }
 
-    /// Whether the lens can show all of a picture of `width` x `height` pixels; a distortion that
-    /// is too strong folds over before the corners.
+    /// Whether the lens model is invertible over all of a picture of `width` x `height` pixels; too strong
+    /// a distortion folds over before the corners.
     pub fn covers(&self, width: usize, height: usize) -> bool {
         let pixel = 2.0 * (0.5 * self.fov_y_rad).tan() / height as f32;
         let (x, y) = self.principal_point(width, height);
@@ -77,8 +77,7 @@ impl Camera {
         self.lens.reaches(pixel * side_x.hypot(side_y))
     }
 
-    /// Where the optical axis meets a picture of `width` x `height` pixels, in pixels from the top
-    /// left.
+    /// The principal point of a picture of `width` x `height` pixels, in pixels from the top left.
     pub fn principal_point(&self, width: usize, height: usize) -> (f32, f32) {
         let [right, down] = self.lens.principal_point;
         let (width, height) = (width as f32, height as f32);
@@ -126,7 +125,7 @@ mod tests {
             let back = camera.project(point, w, h).unwrap();
             assert!((back.0 - x).abs() < 2e-3 && (back.1 - y).abs() < 2e-3, "{back:?}");
         }
-        // A barrel sees more of the world in the same picture.
+        // Barrel distortion enlarges the field of view.
         let plain = Camera { lens: Lens::default(), ..camera.clone() };
         let corner = |c: &Camera| c.direction(0.0, 0.0, w, h).dot(axis);
         assert!(corner(&camera) < corner(&plain));

@@ -2,7 +2,7 @@
 
 /// Three linear channels: red, green, blue with the primaries of sRGB / Rec. 709.
 ///
-/// Depending on where it stands it is a radiance (W sr^-1 m^-2 per channel), an intensity
+/// Depending on its use it is a radiance (W sr^-1 m^-2 per channel), an intensity
 /// (W sr^-1), an irradiance (W m^-2) or a reflectance (0 to 1).
 pub type Rgb = glam::Vec3;
 

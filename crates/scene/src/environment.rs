@@ -1,4 +1,4 @@
-//! Light from all around: a panorama at infinite distance.
+//! Environment maps: light from infinite distance.
 //!
 //! The panorama is equirectangular: columns are equal steps of heading, rows equal steps of the
 //! angle from straight up. Its centre shows what lies along world -z, where a camera without any
@@ -16,20 +16,20 @@ use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 use std::sync::Arc;
 
-/// A panorama that lights the scene and is seen behind it.
+/// An environment map, visible behind the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
     radiance: Arc<RgbImage>,
     rotation_rad: f32,
 }
 
-/// Why a picture is no environment.
+/// Why a picture is no valid environment map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum EnvironmentError {
     /// It has no pixels.
     #[error("the panorama has no pixels")]
     Empty,
-    /// A pixel is negative, or no finite number.
+    /// A pixel is negative or not finite.
     #[error("pixel {pixel} of the panorama is negative or not a finite number")]
     NotRadiance {
         /// The pixel's index.
@@ -61,34 +61,34 @@ impl Environment {
         Ok(Self { radiance: Arc::new(radiance), rotation_rad })
     }
 
-    /// The panorama as it was given.
+    /// The panorama.
     pub fn panorama(&self) -> &RgbImage {
         &self.radiance
     }
 
-    /// True if any light comes from it.
+    /// True if it is not black.
     pub fn is_bright(&self) -> bool {
         self.radiance.pixels().iter().any(|rgb| luminance(*rgb) > 0.0)
     }
 
-    /// Where the panorama shows the unit vector `direction`: from its left edge and from its top,
-    /// each in widths and heights of it, 0 to 1.
+    /// The position of the unit vector `direction` in the panorama: from its left edge and from its top,
+    /// in widths and heights of it, 0 to 1.
     pub fn place(&self, direction: Vec3) -> (f32, f32) {
         let heading = direction.x.atan2(-direction.z);
         let u = 0.5 + (heading + self.rotation_rad) / TAU;
         (u - u.floor(), direction.y.clamp(-1.0, 1.0).acos() * FRAC_1_PI)
     }
 
-    /// The unit vector that the panorama shows `u` widths from its left edge, at the cosine
-    /// `cos_polar` of the angle from straight up.
+    /// The unit vector at `u` widths from the panorama's left edge and the cosine `cos_polar` of the polar
+    /// angle.
     pub fn direction(&self, u: f32, cos_polar: f32) -> Vec3 {
         let (sin, cos) = ((u - 0.5) * TAU - self.rotation_rad).sin_cos();
         let ring = ((1.0 - cos_polar) * (1.0 + cos_polar)).max(0.0).sqrt();
         Vec3::new(ring * sin, cos_polar, -ring * cos)
     }
 
-    /// The radiance that arrives along the unit vector `direction` from far away, bilinear between
-    /// the pixels' centres; columns go round, rows end at the poles.
+    /// The radiance from the direction of the unit vector `direction`, bilinear between the pixels' centres;
+    /// columns wrap around, rows end at the poles.
     pub fn radiance(&self, direction: Vec3) -> Rgb {
         let (u, v) = self.place(direction);
         let (width, height) = (self.radiance.width(), self.radiance.height());
@@ -105,7 +105,7 @@ impl Environment {
         upper * (1.0 - down) + lower * down
     }
 
-    /// The cosine of the angle from straight up at `v` heights from the panorama's top.
+    /// The cosine of the polar angle at `v` heights from the panorama's top.
     pub fn cos_polar(v: f32) -> f32 {
         (v * PI).cos()
     }
@@ -115,7 +115,7 @@ impl Environment {
 mod tests {
     use super::*;
 
-    /// Four columns and two rows of which each has a colour of its own.
+    /// Four columns and two rows of eight colours.
     fn numbered(rotation_deg: f32) -> Environment {
         let panorama = RgbImage::from_fn(4, 2, |x, y| Rgb::splat((10 * y + x) as f32));
         Environment::new(panorama, rotation_deg.to_radians()).unwrap()

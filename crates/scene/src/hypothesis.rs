@@ -1,28 +1,27 @@
-//! What a group's reflectance was taken to be, and where its numbers come from.
+//! The hypothesis of a group's reflectance, and the origin of its parameters.
 //!
-//! The names are those of project and result files, so these two enums alone of this crate know
-//! how to be written down.
+//! The names are those of project and result files, so these two enums are serialisable.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// A rung of the ladder, from simple to complex [Boivin & Gagalowicz 2002, section 4.2].
+/// A rung of the paper's hierarchy of BRDF models [Boivin and Gagalowicz 2002, section 4.2].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Hypothesis {
-    /// Lambert's surface.
+    /// Lambertian.
     Diffuse,
-    /// Reflects all light in the mirror direction.
+    /// A perfect mirror of reflectance one.
     Mirror,
-    /// Reflects a share of the light in the mirror direction.
+    /// A perfect mirror of lower reflectance.
     PartialMirror,
-    /// Lambert's surface under a perfect mirror.
+    /// Lambertian with a perfect mirror.
     DiffuseSpecular,
-    /// Ward's lobe, alike in all directions.
+    /// Isotropic Ward.
     Isotropic,
-    /// Ward's lobe with a brushed direction.
+    /// Anisotropic Ward.
     Anisotropic,
-    /// A diffuse reflectance that changes over the surface.
+    /// A diffuse texture.
     Textured,
 }
 
@@ -58,13 +57,13 @@ impl fmt::Display for Hypothesis {
     }
 }
 
-/// Where a group's numbers come from.
+/// The origin of a group's parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
-    /// From the photograph.
+    /// Recovered from the photograph.
     Recovered,
-    /// From the user.
+    /// Given by the user.
     Known,
     /// Not determined by this photograph; a note says why.
     Assumed,

@@ -1,43 +1,43 @@
-//! What a lens does beyond the pinhole: where its axis meets the picture, and radial distortion.
+//! The lens model: principal point and radial distortion.
 //!
-//! With the pinhole's image at distance one, `x = X/Z`, `y = Y/Z`, `r2 = x^2 + y^2`, the lens puts
+//! With the pinhole's image at distance one, `x = X/Z`, `y = Y/Z`, `r2 = x^2 + y^2`,
 //!
 //! ```text
 //! (x_d, y_d) = (1 + k1 r2 + k2 r2^2) (x, y),      pixel = f (x_d, y_d) + principal point
 //! ```
 //!
-//! the first two terms of Brown's model (Decentering distortion of lenses, 1966), with the signs
-//! of OpenCV: barrels have `k1 < 0`.
+//! the first two radial terms of [Brown 1966], with the signs of OpenCV: barrel distortion has `k1 < 0`.
 
-/// A lens; the default one is the pinhole's.
+/// A lens; the default is the pinhole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lens {
-    /// Where the optical axis meets the picture: from the picture's centre to the right and
-    /// downwards, in heights of the picture.
+    /// The principal point: from the picture's centre to the right and downwards, in heights of the
+    /// picture.
     pub principal_point: [f32; 2],
-    /// Radial distortion by the square of the distance from the axis.
+    /// The coefficient k1 of the squared distance from the axis.
     pub k1: f32,
-    /// Radial distortion by its fourth power.
+    /// The coefficient k2 of its fourth power.
     pub k2: f32,
 }
 
-/// Turns of Newton's method, each of which halves an interval if it does no better.
-const TURNS: usize = 60;
+/// Iterations of Newton's method, each of which bisects the interval if the step leaves it: enough for
+/// all bits of single precision by bisection alone.
+const ITERATIONS: usize = 60;
 
 impl Lens {
-    /// Whether lines of the world are curves in the picture.
+    /// Whether there is any radial distortion.
     pub fn distorts(&self) -> bool {
         self.k1 != 0.0 || self.k2 != 0.0
     }
 
-    /// By how much a point at the squared distance `r2` from the axis moves outwards, the image
-    /// plane at distance one; none where the model folds the picture over.
+    /// The radial factor `1 + k1 r2 + k2 r2^2` of a point at the squared distance `r2` from the axis;
+    /// none where the model folds over.
     pub fn factor(&self, r2: f32) -> Option<f32> {
         (f64::from(r2) < self.reach_r2()).then(|| self.polynomial(f64::from(r2)) as f32)
     }
 
-    /// Takes the distortion out of a point on the image plane at distance one. Beyond the farthest
-    /// point that the model can show, the answer is the one for that point.
+    /// The undistorted position of a point on the image plane at distance one. Beyond the range of the
+    /// model it is clamped to the end of the range.
     #[inline]
     pub fn undistorted(&self, x: f32, y: f32) -> (f32, f32) {
         if !self.distorts() {
@@ -51,8 +51,8 @@ impl Lens {
         ((f64::from(x) * scale) as f32, (f64::from(y) * scale) as f32)
     }
 
-    /// Whether the model can show a point at `distance` from the axis in the distorted picture,
-    /// the image plane at distance one.
+    /// Whether `distance` from the axis in the distorted picture, on the image plane at distance one, is in
+    /// the range of the model.
     pub fn reaches(&self, distance: f32) -> bool {
         let reach = self.reach_r2().sqrt();
         reach.is_infinite() || f64::from(distance) < reach * self.polynomial(reach * reach)
@@ -62,8 +62,7 @@ impl Lens {
         1.0 + r2 * (f64::from(self.k1) + r2 * f64::from(self.k2))
     }
 
-    /// The least squared distance at which what lies farther out no longer appears farther out:
-    /// the root of `1 + 3 k1 r2 + 5 k2 r2^2`.
+    /// The squared distance up to which the distorted distance increases: the root of `1 + 3 k1 r2 + 5 k2 r2^2`.
     fn reach_r2(&self) -> f64 {
         let (a, b) = (5.0 * f64::from(self.k2), 3.0 * f64::from(self.k1));
         let discriminant = b * b - 4.0 * a;
@@ -81,7 +80,7 @@ impl Lens {
             return high;
         }
         let mut r = distance.min(high);
-        for _ in 0..TURNS {
+        for _ in 0..ITERATIONS {
             let r2 = r * r;
             let excess = r * self.polynomial(r2) - distance;
             if excess > 0.0 {

@@ -1,10 +1,10 @@
-//! The world as plain data: what a photograph shows, before anyone asks how it got there.
+//! The scene as plain data: geometry, materials, lights and cameras.
 //!
-//! A [`Scene`] is meshes in world space, sorted into [`Group`]s that share one reflectance, with
-//! lights and cameras. Everything here is data without files, clocks or threads; readers and
-//! writers live in `unrender-formats`, light transport in `unrender-render`.
+//! A [`Scene`] has meshes in world space, in [`Group`]s that share one material, lights, an environment
+//! and cameras. This crate reads no files; readers and writers are in `unrender-formats`, light transport
+//! is in `unrender-render`.
 //!
-//! Frames, units and colour are fixed once for all crates in `docs/conventions.md`: metres, y up,
+//! Frames, units and colour spaces of all crates are defined in `docs/conventions.md`: metres, y up,
 //! counter-clockwise front faces, linear RGB, radiance in W sr^-1 m^-2 per channel, radians.
 
 pub mod camera;
@@ -29,12 +29,12 @@ pub use material::{BrdfModel, Lobe, Material, Texture, WardModel, Wrap};
 pub use mesh::{Mesh, Object};
 pub use validate::{SceneError, Warnings};
 
-/// All objects that share one reflectance. In glTF: all primitives that share a material.
+/// The objects that share one material. In glTF: all primitives with that material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
     /// The name of the material in the scene file; unique within a scene.
     pub name: String,
-    /// How the group reflects light.
+    /// The material.
     pub material: Material,
     /// Radiance that the group's surfaces emit from their front, W sr^-1 m^-2 per channel.
     pub emission: Rgb,
@@ -47,7 +47,7 @@ impl Group {
     }
 }
 
-/// A complete scene: what to render, from where, in which light.
+/// A complete scene.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Scene {
     /// Meshes in world space; each refers to its group by index.
@@ -56,11 +56,11 @@ pub struct Scene {
     pub groups: Vec<Group>,
     /// Point, spot and directional lights. Area lights are groups with an emission.
     pub lights: Vec<Light>,
-    /// Light from all around, if there is any.
+    /// The environment map, if any.
     pub environment: Option<Environment>,
     /// The cameras, in the order of the scene file.
     pub cameras: Vec<Camera>,
-    /// Which lobe the groups' materials mean.
+    /// The BRDF model of the groups' materials.
     pub brdf: BrdfModel,
 }
 

@@ -1,6 +1,6 @@
-//! Lights without a surface, as glTF's `KHR_lights_punctual` has them.
+//! Punctual lights, those of glTF's `KHR_lights_punctual`.
 //!
-//! Area lights are not here: they are groups whose `emission` is not zero.
+//! Area lights are groups whose `emission` is not zero.
 //! glTF counts these lights in candela and lux; the numbers are taken as radiometric, per channel.
 
 use crate::{Rgb, Scene};
@@ -11,23 +11,23 @@ use glam::Vec3;
 pub struct Light {
     /// The node's name in the scene file.
     pub name: String,
-    /// What it is and where it stands, in world space.
+    /// Its kind, with the position in world space.
     pub kind: LightKind,
 }
 
-/// The kinds of lights without a surface.
+/// The kinds of punctual lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightKind {
-    /// Shines alike in all directions.
+    /// Isotropic emission from a point.
     Point {
-        /// Where it stands, metres.
+        /// Position, metres.
         position: Vec3,
         /// Radiant intensity, W sr^-1 per channel.
         intensity: Rgb,
     },
-    /// Shines into a cone.
+    /// Emission from a point into a cone.
     Spot {
-        /// Where it stands, metres.
+        /// Position, metres.
         position: Vec3,
         /// Unit vector along the axis, away from the light.
         direction: Vec3,
@@ -38,7 +38,7 @@ pub enum LightKind {
         /// Half angle from which it is zero, radians; above `inner_rad`, at most pi/2.
         outer_rad: f32,
     },
-    /// Shines from infinitely far away.
+    /// Parallel light from infinity.
     Directional {
         /// Unit vector in which the light travels.
         direction: Vec3,
@@ -47,7 +47,7 @@ pub enum LightKind {
     },
 }
 
-/// A source of light, with or without a surface.
+/// A named light source: an area light or a punctual light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source<'a> {
     /// The group's index for area lights; for the others, the number of groups plus the index in
@@ -55,14 +55,14 @@ pub struct Source<'a> {
     pub index: usize,
     /// The name of the group or of the light; two sources may share one.
     pub name: &'a str,
-    /// How bright it is: radiance of area lights, radiant intensity of point and spot lights,
+    /// Its strength: radiance of area lights, radiant intensity of point and spot lights,
     /// irradiance of directional ones.
     pub strength: Rgb,
 }
 
 impl Scene {
-    /// All sources of light that have a name: the groups that emit, then the lights without a
-    /// surface. The environment is the source after them.
+    /// All named light sources: the groups that emit, then the punctual lights. In indices the
+    /// environment follows after them.
     pub fn sources(&self) -> impl Iterator<Item = Source<'_>> {
         let groups = self.groups.iter().enumerate().filter(|(_, group)| group.is_emitter());
         let area = groups.map(|(index, g)| Source { index, name: &g.name, strength: g.emission });
@@ -74,7 +74,7 @@ impl Scene {
         area.chain(others)
     }
 
-    /// How bright the source of this index is, to be changed; none if there is no such source.
+    /// The strength of the light source with this index; none if there is none.
     pub fn strength_mut(&mut self, index: usize) -> Option<&mut Rgb> {
         match index.checked_sub(self.groups.len()) {
             None => Some(&mut self.groups[index].emission),
@@ -84,7 +84,7 @@ impl Scene {
 }
 
 impl LightKind {
-    /// How bright it is: radiant intensity, or irradiance of directional lights.
+    /// Its strength: radiant intensity, or irradiance of directional lights.
     pub fn strength(&self) -> Rgb {
         match *self {
             Self::Point { intensity, .. } | Self::Spot { intensity, .. } => intensity,
@@ -92,7 +92,7 @@ impl LightKind {
         }
     }
 
-    /// As [`LightKind::strength`], to be changed.
+    /// [`LightKind::strength`] by mutable reference.
     pub fn strength_mut(&mut self) -> &mut Rgb {
         match self {
             Self::Point { intensity, .. } | Self::Spot { intensity, .. } => intensity,
@@ -101,7 +101,7 @@ impl LightKind {
     }
 
     /// The unit vector from `point` to the light, the distance (infinite for directional lights)
-    /// and the irradiance that it would bring to a surface at `point` that faces it.
+    /// and the unoccluded irradiance on a surface at `point` that faces it.
     pub fn illuminate(&self, point: Vec3) -> (Vec3, f32, Rgb) {
         match *self {
             Self::Point { position, intensity } => from_position(point, position, intensity),
@@ -121,7 +121,7 @@ fn from_position(point: Vec3, position: Vec3, intensity: Rgb) -> (Vec3, f32, Rgb
     (to_light / distance, distance, intensity / distance2)
 }
 
-/// The share of the axial intensity at an angle with cosine `cos_angle` from the axis
+/// The fraction of the axial intensity at an angle with cosine `cos_angle` from the axis
 /// (the formula recommended by `KHR_lights_punctual`).
 fn spot_falloff(cos_angle: f32, inner_rad: f32, outer_rad: f32) -> f32 {
     let (cos_inner, cos_outer) = (inner_rad.cos(), outer_rad.cos());

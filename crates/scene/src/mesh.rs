@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
-/// A mesh with one entry of each attribute a vertex.
+/// A mesh with one entry of each attribute per vertex.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Mesh {
     /// Vertex positions in world space, metres.
@@ -18,7 +18,7 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// A mesh without normals gets flat ones: every triangle its own vertices.
+    /// A mesh with flat normals: every triangle has its own vertices.
     ///
     /// `positions`, `uvs` and `triangles` as in the fields; `uvs` may be empty.
     pub fn flat(positions: &[Vec3], uvs: &[Vec2], triangles: &[[u32; 3]]) -> Self {

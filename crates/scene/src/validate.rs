@@ -1,14 +1,14 @@
-//! What makes a scene unusable (an error) or doubtful (a warning).
+//! Validation of scenes: errors and warnings.
 
 use crate::{Environment, Mesh, Scene};
 use glam::Vec3;
 
-/// Sentences for the user about doubtful but usable input: what was found, what was assumed.
+/// Warnings for the user: doubtful but usable input, and what was assumed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Warnings(pub Vec<String>);
 
 impl Warnings {
-    /// Notes `warning`, a whole sentence without a final line break; the same one only once.
+    /// Adds `warning`, a whole sentence without a final line break; each only once.
     pub fn push(&mut self, warning: impl Into<String>) {
         let warning = warning.into();
         if !self.0.contains(&warning) {
@@ -16,7 +16,7 @@ impl Warnings {
         }
     }
 
-    /// Notes all of `other`.
+    /// Adds all warnings of `other`.
     pub fn extend(&mut self, other: Self) {
         other.0.into_iter().for_each(|w| self.push(w));
     }
@@ -34,9 +34,9 @@ pub enum SceneError {
         object: String,
         /// The triangle's number from zero.
         triangle: usize,
-        /// The vertex it asks for.
+        /// The missing vertex.
         vertex: u32,
-        /// The vertices that there are.
+        /// The number of vertices.
         count: usize,
     },
     /// A coordinate is NaN or infinite.
@@ -51,10 +51,10 @@ pub enum SceneError {
         /// The vertex's number from zero.
         vertex: usize,
     },
-    /// There is no triangle at all.
+    /// There are no triangles.
     #[error("the scene has no triangles; export it with its meshes")]
     NoGeometry,
-    /// There is nothing that emits light.
+    /// Nothing emits light.
     #[error(
         "the scene has no light: give a material an emission (emissiveFactor), add a KHR_lights_punctual light or an environment"
     )]
@@ -62,8 +62,7 @@ pub enum SceneError {
 }
 
 impl Scene {
-    /// Checks what every user of the scene relies on, drops triangles without area, and returns
-    /// what is doubtful.
+    /// Checks indices, attributes and lights, removes triangles without area, and returns warnings.
     ///
     /// # Errors
     /// If an index is out of range, an attribute is not finite, or triangles or lights are missing.
@@ -76,7 +75,7 @@ impl Scene {
         Ok(warnings)
     }
 
-    /// As [`Scene::validate`] for a model that is to be put into a scene, and needs no light.
+    /// [`Scene::validate`] without lights, for a model to be inserted into a scene.
     ///
     /// # Errors
     /// If an index is out of range, an attribute is not finite, or triangles are missing.
@@ -144,7 +143,7 @@ fn check_finite(object: &str, mesh: &Mesh) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Removes triangles whose area vanishes in single precision; returns how many there were.
+/// Removes triangles whose area is zero in single precision; returns their number.
 fn drop_zero_area(mesh: &mut Mesh) -> usize {
     let before = mesh.triangles.len();
     let positions = &mesh.positions;
@@ -155,7 +154,7 @@ fn drop_zero_area(mesh: &mut Mesh) -> usize {
     before - mesh.triangles.len()
 }
 
-/// The number of triangles all of whose normals point to the back.
+/// The number of triangles whose normals all oppose the winding.
 fn turned_normals(mesh: &Mesh) -> usize {
     let turned = |index: &usize| {
         let [a, b, c] = mesh.corners(*index);
