@@ -57,7 +57,12 @@ impl Ours {
     }
 
     fn picture(&self, spp: u32, seed: u32, shared: bool) -> RgbImage {
-        let settings = Settings { spp, seed: u64::from(seed), shared, ..Settings::default() };
+        let settings = Settings {
+            spp,
+            seed: u64::from(seed),
+            integrator: unrender::render::Integrator::with_path_reuse(shared),
+            ..Settings::default()
+        };
         let size = (self.side, self.side);
         self.tracer.render(&self.materials, &self.camera, size, &settings, &|_| ()).mean
     }

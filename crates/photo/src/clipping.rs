@@ -1,20 +1,20 @@
-//! Which pixels are cut off at the top: of an integer file's range, or of a measured response.
+//! Clipped pixels: at the top of the range of an integer file, or beyond a measured response.
 
 use crate::Response;
 use unrender_formats::picture::Picture;
 use unrender_scene::{Image, Rgb};
 
-/// The indices of the pixels that have the greatest code in some channel, or one beyond the last
-/// that `response` was measured for; floating-point files have no greatest code.
+/// The indices of the pixels with a channel at the largest pixel value, or beyond the last value that
+/// `response` was measured for; floating-point files have no largest value.
 pub fn clipped_pixels(picture: &Picture, response: &Response) -> Vec<usize> {
-    // Half a code below the top: codes are exact, their quotients are rounded.
+    // Half a value below the top: pixel values are exact, their quotients are rounded.
     let top = picture.depth.max_code().map_or(f32::INFINITY, |max| (max - 0.5) / max);
     let beyond = |value: &Rgb| (0..3).any(|c| value[c] >= top || value[c] > response.last_code(c));
     let pixels = picture.values.pixels().iter().enumerate();
     pixels.filter(|(_, value)| beyond(value)).map(|(index, _)| index).collect()
 }
 
-/// True for the pixels of `like` that are not among `pixels` and not beside one of them.
+/// The mask, of the size of `like`, of pixels that are not in `pixels` nor adjacent to one of them.
 pub fn away_from<T>(like: &Image<T>, pixels: &[usize]) -> Image<bool> {
     let mut away = like.map(|_| true);
     for &index in pixels {
@@ -32,7 +32,7 @@ mod tests {
     use unrender_formats::picture::Depth;
 
     #[test]
-    fn only_the_greatest_code_is_clipped() {
+    fn only_the_largest_pixel_value_is_clipped() {
         for (depth, max) in [(Depth::Eight, 255.0), (Depth::Sixteen, 65535.0)] {
             let values = [max - 1.0, max].map(|code: f32| Rgb::new(0.0, code / max, 0.0));
             let values = Image::new(2, 1, values.to_vec());
@@ -42,7 +42,7 @@ mod tests {
     }
 
     #[test]
-    fn beyond_the_measured_response_nothing_is_known() {
+    fn values_beyond_the_measured_response_are_clipped() {
         let line = || Curve::new(&[0.0, 0.8], &[0.0, 1.0]);
         let response = Response::measured([line(), line(), line()]);
         let values = [0.8, 0.81].map(|code| Rgb::new(0.0, code, 0.0));

@@ -1,8 +1,8 @@
 //! A measured response curve, interpolated so that it stays monotone.
 //!
-//! Between two rows stands a cubic of Hermite whose slopes at the rows are weighted harmonic means
-//! of those of the chords beside them: no steeper than the data allow, so that the curve grows
-//! wherever they do [Fritsch & Butland 1984; the PCHIP of Moler and of SciPy].
+//! Between two rows the curve is a cubic Hermite polynomial. Its slope at a row is the weighted harmonic
+//! mean of the slopes of the adjacent chords, so that the curve is monotone [Fritsch and Butland 1984;
+//! PCHIP in MATLAB and SciPy].
 
 /// A strictly increasing curve from codes to linear values.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,11 +13,11 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// The curve through (`codes`, `values`). A code of zero that has no row stands for black, a
-    /// linear value of zero, unless the first row is that dark itself.
+    /// The curve through (`codes`, `values`). Without a row for the code zero one of linear value zero is
+    /// added, unless the first row has a value of zero itself.
     ///
     /// # Panics
-    /// If there are fewer than two rows, or either list does not grow strictly.
+    /// If there are fewer than two rows, or either list is not strictly increasing.
     pub fn new(codes: &[f64], values: &[f64]) -> Self {
         let (mut codes, mut values) = (codes.to_vec(), values.to_vec());
         if codes[0] > 0.0 && values[0] > 0.0 {
@@ -30,18 +30,18 @@ impl Curve {
         Self { codes, values, slopes }
     }
 
-    /// The linear value of a code; beyond the rows that of the last one.
+    /// The linear value of a code, clamped to the range of the rows.
     pub fn linear(&self, code: f64) -> f64 {
         let code = code.clamp(self.codes[0], self.last_code());
         self.hermite(segment(&self.codes, code), code)
     }
 
-    /// The code of a linear value; beyond the rows that of the last one.
+    /// The code of a linear value, clamped to the range of the rows.
     pub fn code(&self, linear: f64) -> f64 {
         let linear = linear.clamp(self.values[0], self.values[self.values.len() - 1]);
         let row = segment(&self.values, linear);
         let (mut low, mut high) = (self.codes[row], self.codes[row + 1]);
-        // The cubic grows: halving the interval finds its only crossing, to the last bit.
+        // The cubic is monotone: bisection finds its only crossing, to the last bit.
         for _ in 0..f64::MANTISSA_DIGITS {
             let middle = 0.5 * (low + high);
             *if self.hermite(row, middle) < linear { &mut low } else { &mut high } = middle;
@@ -49,7 +49,7 @@ impl Curve {
         0.5 * (low + high)
     }
 
-    /// The greatest code that was measured.
+    /// The largest measured code.
     pub fn last_code(&self) -> f64 {
         self.codes[self.codes.len() - 1]
     }
@@ -66,7 +66,7 @@ impl Curve {
     }
 }
 
-/// The row at the lower end of the interval in which `at` lies.
+/// The row at the lower end of the interval that contains `at`.
 fn segment(grid: &[f64], at: f64) -> usize {
     grid.partition_point(|x| *x <= at).clamp(1, grid.len() - 1) - 1
 }
@@ -87,7 +87,7 @@ fn slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
     std::iter::once(start).chain(inner).chain([end]).collect()
 }
 
-/// The slope of the parabola through the three rows at an end, kept within what stays monotone.
+/// The slope of the parabola through the three rows at an end, clamped so that the curve is monotone.
 fn end_slope([width, next_width]: [f64; 2], [chord, next_chord]: [f64; 2]) -> f64 {
     let slope = ((2.0 * width + next_width) * chord - width * next_chord) / (width + next_width);
     slope.clamp(0.0, 3.0 * chord)

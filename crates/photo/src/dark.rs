@@ -1,23 +1,25 @@
-//! Which pixels lie so near black that their noise is cut off below.
+//! Pixels so close to black that their noise is clipped from below.
 //!
-//! Where a camera's noise reaches below its black level, the file has black instead, and the mean of
-//! such a place is too bright. Leaving out its black pixels alone would make that worse: the
-//! brighter half of the noise would remain. So a pixel is judged by its neighbours, never by itself:
-//! whatever it shows, it goes if some of them are cut off among others that clearly are not. A place
-//! that is really black, and one that is black beside something bright, stay.
+//! Where noise extends below the black level, the file has black instead, and the mean of a region is
+//! biased upwards. Excluding the black pixels alone would increase the bias, since the brighter half of
+//! the noise would remain. So a pixel is tested by its neighbours, independently of its own value: it
+//! is excluded if some of them are clipped among others that clearly are not. Regions that are black,
+//! and black pixels beside an edge, are kept.
 
 use unrender_formats::picture::Picture;
 use unrender_scene::Rgb;
 
-/// Codes above black, of 0 to 1, from which on a pixel is clearly not cut off: two of 8 bits.
+/// Values this far above black (of 1) are clearly not clipped: two steps of 8 bits. At one step
+/// rounding would count as noise, at four steps weak noise is missed.
 const CLEARLY: f32 = 1.5 / 255.0;
-/// A neighbour above this is no noise of black, but an edge.
+/// Neighbours this far above black (of 1) are an edge and not noise: a dozen steps of 8 bits. Half of it
+/// keeps regions of strong noise, double of it excludes black beside dim objects.
 const EDGE: f32 = 12.5 / 255.0;
-/// Fewer pixels than this share of the picture do no harm.
+/// Below this share of the picture the bias is negligible and no pixel is excluded.
 const HARMLESS: f32 = 5e-4;
 
-/// The indices of the pixels in the noise of black in some channel; none where they are few, nor
-/// for floating-point files. `floor` is the code at and below which a value is cut off, by channel.
+/// The indices of the pixels with a channel in the noise near black; none where they are few, and none
+/// for floating-point files. `floor` is the pixel value at and below which a channel is clipped.
 pub fn dark_pixels(picture: &Picture, floor: Rgb) -> Vec<usize> {
     if picture.depth.max_code().is_none() {
         return Vec::new();
@@ -32,8 +34,8 @@ fn is_dark(picture: &Picture, floor: Rgb, index: usize) -> bool {
     let neighbours = || picture.values.neighbourhood(index).filter(move |&n| n != index);
     (0..3).any(|channel| {
         let floor = floor[channel];
-        let cut_off = neighbours().any(|n| values[n][channel] <= floor);
-        if !cut_off || neighbours().any(|n| values[n][channel] > floor + EDGE) {
+        let clipped = neighbours().any(|n| values[n][channel] <= floor);
+        if !clipped || neighbours().any(|n| values[n][channel] > floor + EDGE) {
             return false;
         }
         let clearly = neighbours().filter(|&n| values[n][channel] > floor + CLEARLY).count();
@@ -49,7 +51,7 @@ mod tests {
 
     const SIDE: usize = 300;
 
-    /// A noise of standard deviation one: the sum of twelve hashed numbers from 0 to 1, less six.
+    /// Noise of standard deviation one: the sum of twelve hashed numbers from 0 to 1, less six.
     fn noise(seed: usize) -> f32 {
         let uniform = |k: u64| {
             let mut x = (12 * seed as u64 + k + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
@@ -66,9 +68,9 @@ mod tests {
     }
 
     #[test]
-    fn what_stays_is_not_brighter_than_what_was_there() {
+    fn the_valid_pixels_are_not_biased_upwards() {
         const SIGMA: f32 = 2.0;
-        // A ramp from black to 12 codes; its lower half is in the noise.
+        // A ramp from black to 12 steps; its lower half is in the noise.
         let level = |x: usize| 12.0 * x as f32 / SIDE as f32;
         let noisy = picture(|x, y| level(x) + SIGMA * noise(y * SIDE + x));
         let dark = dark_pixels(&noisy, Rgb::ZERO);
@@ -80,7 +82,7 @@ mod tests {
             let code = |i: &usize| 255.0 * noisy.values.pixels()[*i].x - level(i % SIDE);
             (kept.iter().map(code).sum::<f32>() / kept.len() as f32, kept.len())
         };
-        // Between 3 and 5 codes, where the noise is cut off now and then.
+        // Between 3 and 5 steps, where the noise is sometimes clipped.
         let columns = 75..125;
         let (judged_by_neighbours, count) = bias(&|i| stays[i], columns.clone());
         let (all, _) = bias(&|_| true, columns.clone());
@@ -88,17 +90,17 @@ mod tests {
         assert!(count > 3000, "{count}");
         assert!(judged_by_neighbours <= all + 0.01, "{judged_by_neighbours} against {all}");
         assert!(without_black > all + 0.05, "{without_black} against {all}");
-        // Most of what is between 1.5 and 3 codes goes.
+        // Most of the pixels between 1.5 and 3 steps are excluded.
         let (_, count) = bias(&|i| stays[i], 38..75);
         assert!((count as f32) < 0.45 * 37.0 * SIDE as f32, "{count}");
     }
 
     #[test]
-    fn what_is_really_black_stays_and_edges_do() {
+    fn black_regions_and_edges_are_kept() {
         let half = picture(|x, _| if x < SIDE / 2 { 0.0 } else { 90.0 });
         assert!(dark_pixels(&half, Rgb::ZERO).is_empty());
         assert!(dark_pixels(&picture(|_, _| 0.0), Rgb::ZERO).is_empty());
-        // One code of rounding is no noise.
+        // Rounding by one step is no noise.
         assert!(dark_pixels(&picture(|x, y| ((x + y) % 2) as f32), Rgb::ZERO).is_empty());
     }
 }

@@ -1,13 +1,13 @@
-//! From a photograph to linear radiance, with a trust for every pixel.
+//! Photographs to linear radiance, with a valid mask, and camera calibration.
 //!
-//! The camera turned radiance into code values, by the paper's transfer function T; [`develop`] goes
-//! back through the [`Transfer`]: black level, [`Response`], exposure, [vignetting]. Pixels that the
-//! sensor or the file cut off say only "at least this much" and are not trusted, nor are their
-//! neighbours, into which they may have bled; and pixels in the noise of black say too much
-//! ([`dark`]).
+//! The camera maps radiance to pixel values (digital numbers) by a transfer function. [`develop`]
+//! inverts it ([`Transfer`]): black level, [`Response`], exposure, [vignetting]. The valid mask excludes
+//! clipped pixels, which are a lower bound only, with their neighbours, to which charge may have
+//! spread; and pixels in the noise near black, whose mean is biased ([`dark`]).
 //!
-//! Where the camera stood and what its lens does, [`calibrate`](mod@calibrate) finds from points of
-//! the scene that the photograph shows.
+//! [`calibrate`](mod@calibrate) finds pose, focal length and lens of the camera from measured points.
+//!
+//! Sources are cited by the keys of `docs/bibliography.md`.
 
 pub mod calibrate;
 pub mod clipping;
@@ -19,8 +19,8 @@ mod transfer;
 pub mod vignetting;
 
 pub use curve::Curve;
-pub use declared::declared_response;
-pub use response::{Response, choose_response};
+pub use declared::{choose_response, declared_response};
+pub use response::Response;
 pub use transfer::Transfer;
 pub use vignetting::Vignetting;
 
@@ -32,12 +32,12 @@ use unrender_scene::{Image, Rgb, RgbImage};
 pub enum Exposure {
     /// Known, by channel.
     Fixed(Rgb),
-    /// To be found from a group whose reflectance is known.
+    /// Unknown: estimated from a group of known reflectance.
     Auto,
 }
 
 impl Exposure {
-    /// The exposure to develop with: the fixed one, or one where it is still to be found.
+    /// The exposure to develop with: the fixed one, or one where it is unknown.
     pub fn or_one(self) -> Rgb {
         match self {
             Self::Fixed(exposure) => exposure,
@@ -51,19 +51,19 @@ impl Exposure {
 pub struct Photo {
     /// Radiance, W sr^-1 m^-2 per channel.
     pub radiance: RgbImage,
-    /// False where a channel is clipped, beside such a pixel, in the noise of black, and where the
-    /// file had no number.
-    pub trusted: Image<bool>,
-    /// How many pixels are clipped in some channel, their neighbours not counted.
+    /// The valid mask: false where a channel is clipped, beside such a pixel, in the noise near black,
+    /// and where the file has no finite value.
+    pub valid: Image<bool>,
+    /// The number of pixels with a clipped channel, without their neighbours.
     pub clipped: usize,
-    /// How many pixels lie in the noise of black.
+    /// The number of pixels in the noise near black.
     pub dark: usize,
-    /// The radiance between one code value and the next at this pixel; zero for floating-point
-    /// files. A uniform error of one step has the variance step^2 / 12.
-    pub quantum: RgbImage,
+    /// The quantisation step: the radiance between adjacent pixel values; zero for floating-point files.
+    /// Quantisation has the variance step^2 / 12.
+    pub quantisation_step: RgbImage,
 }
 
-/// Turns the code values of `picture` into radiance, back through `transfer`.
+/// Converts the pixel values of `picture` to radiance by the inverse of `transfer`.
 pub fn develop(picture: &Picture, transfer: &Transfer) -> Photo {
     let shares = transfer.vignetting.as_ref().map(Vignetting::picture);
     let share = |index: usize| shares.as_ref().map_or(1.0, |shares| shares.pixels()[index]);
@@ -73,17 +73,17 @@ pub fn develop(picture: &Picture, transfer: &Transfer) -> Photo {
         RgbImage::new(picture.values.width(), picture.values.height(), values)
     };
     let radiance = per_pixel(&|code, share| transfer.radiance(code, share));
-    let quantum = match picture.depth.max_code() {
+    let quantisation_step = match picture.depth.max_code() {
         Some(max_code) => per_pixel(&|code, share| transfer.step(code, 1.0 / max_code, share)),
         None => per_pixel(&|_, _| Rgb::ZERO),
     };
     let clipped = clipping::clipped_pixels(picture, &transfer.response);
     let dark = dark::dark_pixels(picture, transfer.floor());
-    let mut trusted = clipping::away_from(&picture.values, &clipped);
+    let mut valid = clipping::away_from(&picture.values, &clipped);
     for &index in picture.invalid.iter().chain(&dark) {
-        trusted.pixels_mut()[index] = false;
+        valid.pixels_mut()[index] = false;
     }
-    Photo { radiance, trusted, clipped: clipped.len(), dark: dark.len(), quantum }
+    Photo { radiance, valid, clipped: clipped.len(), dark: dark.len(), quantisation_step }
 }
 
 #[cfg(test)]
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn clipped_pixels_and_their_neighbours_are_not_trusted() {
+    fn clipped_pixels_and_their_neighbours_are_not_valid() {
         let mut values = vec![Rgb::splat(0.5); 8];
         values[1].y = 1.0;
         let mut integer = picture(Depth::Eight, values.clone());
@@ -128,14 +128,14 @@ mod tests {
         let photo = develop(&integer, &Transfer::plain(Response::Srgb, Rgb::ONE));
         assert_eq!(photo.clipped, 1);
         let expected = [false, false, false, true, true, true, false, true];
-        assert_eq!(photo.trusted.pixels(), expected);
+        assert_eq!(photo.valid.pixels(), expected);
         let float =
             develop(&picture(Depth::Float, values), &Transfer::plain(Response::Linear, Rgb::ONE));
-        assert!(float.clipped == 0 && float.trusted.pixels().iter().all(|t| *t));
+        assert!(float.clipped == 0 && float.valid.pixels().iter().all(|t| *t));
     }
 
     #[test]
-    fn the_quantum_is_the_distance_between_neighbouring_codes() {
+    fn the_quantisation_step_is_the_distance_between_neighbouring_pixel_values() {
         for code in 1..255u8 {
             let at = |code: u8| Rgb::splat(f32::from(code) / 255.0);
             let values = vec![at(code - 1), at(code), at(code + 1)];
@@ -144,17 +144,17 @@ mod tests {
                 &Transfer::plain(Response::Srgb, Rgb::splat(3.0)),
             );
             let [before, _, after] = [0, 1, 2].map(|i| photo.radiance.pixels()[i].x);
-            let quantum = photo.quantum.pixels()[1].x;
-            assert!((quantum / (0.5 * (after - before)) - 1.0).abs() < 0.02, "code {code}");
+            let step = photo.quantisation_step.pixels()[1].x;
+            assert!((step / (0.5 * (after - before)) - 1.0).abs() < 0.02, "code {code}");
         }
         let values = vec![Rgb::splat(0.5)];
         let photo = develop(
             &picture(Depth::Sixteen, values.clone()),
             &Transfer::plain(Response::Linear, Rgb::ONE),
         );
-        assert!((photo.quantum.pixels()[0].x - 1.0 / 65535.0).abs() < 1e-9);
+        assert!((photo.quantisation_step.pixels()[0].x - 1.0 / 65535.0).abs() < 1e-9);
         let photo =
             develop(&picture(Depth::Float, values), &Transfer::plain(Response::Linear, Rgb::ONE));
-        assert_eq!(photo.quantum.pixels()[0], Rgb::ZERO);
+        assert_eq!(photo.quantisation_step.pixels()[0], Rgb::ZERO);
     }
 }

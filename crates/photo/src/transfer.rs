@@ -1,33 +1,30 @@
-//! The camera transfer function T of the paper (section 4.1), both ways.
+//! The transfer function of the camera, T of [Boivin and Gagalowicz 2002, section 4.1], and its inverse.
 //!
-//! From the light to the file, channel by channel, at a pixel that the share `v` of the light
-//! reaches:
+//! From radiance to pixel values (codes), per channel, with the vignetting factor `v`:
 //!
 //! ```text
 //! linear = file_from_srgb (v radiance / exposure)
 //! code   = black + (1 - black) response(linear)
 //! ```
 //!
-//! and back from the code to the radiance. The black level is where the camera's darkness lies, in
-//! the file's codes from 0 to 1; the code 1 stays white.
+//! The black level is the code of zero radiance, in codes of 0 to 1; the code 1 stays white.
 
 use crate::{Response, Vignetting};
 use glam::Mat3;
 use unrender_scene::{Rgb, RgbImage};
 
-/// What a camera, and the program that wrote its picture, make of radiance.
+/// The transfer function of a camera and of the program that wrote its picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transfer {
     /// The curve from linear values to codes.
     pub response: Response,
-    /// The code of no light, by channel, from 0 and below 1; codes of 0 to 1.
+    /// The code of zero radiance, by channel, at least 0 and below 1.
     pub black_level: Rgb,
-    /// Linear sRGB from the linear values of the file, whose primaries may be others; none if they
-    /// are those of sRGB.
+    /// Linear sRGB from the linear values of the file; none if the file has the primaries of sRGB.
     pub srgb_from_file: Option<Mat3>,
     /// The radiance of a linear value of one, by channel.
     pub exposure: Rgb,
-    /// How the light falls off towards the picture's corners.
+    /// The vignetting of the lens.
     pub vignetting: Option<Vignetting>,
 }
 
@@ -38,14 +35,12 @@ impl Transfer {
         Self { response, black_level, srgb_from_file: None, exposure, vignetting: None }
     }
 
-    /// The share of the light that reaches the point (`x`, `y`) of the picture, in pixels from the
-    /// top left.
+    /// The vignetting factor at the point (`x`, `y`) of the picture, in pixels from the top left.
     pub fn share(&self, x: f32, y: f32) -> f32 {
         self.vignetting.as_ref().map_or(1.0, |vignetting| vignetting.share(x, y))
     }
 
-    /// The radiance that a code value stands for, W sr^-1 m^-2 per channel, at a pixel that `share`
-    /// of the light reaches.
+    /// The radiance of a code, W sr^-1 m^-2 per channel, at a pixel with the vignetting factor `share`.
     pub fn radiance(&self, code: Rgb, share: f32) -> Rgb {
         let code = (code - self.black_level) / (Rgb::ONE - self.black_level);
         let linear = |channel| self.response.linear_from_code(channel, code[channel]);
@@ -54,8 +49,8 @@ impl Transfer {
         linear * self.exposure / share
     }
 
-    /// The code value of a radiance at a pixel that `share` of the light reaches. A file may hold
-    /// less: integer ones 0 to 1, in steps.
+    /// The code of a radiance at a pixel with the vignetting factor `share`, neither clipped nor
+    /// quantised.
     pub fn code(&self, radiance: Rgb, share: f32) -> Rgb {
         let linear = radiance * share / self.exposure;
         let linear = self.srgb_from_file.map_or(linear, |m| m.inverse() * linear);
@@ -64,7 +59,7 @@ impl Transfer {
         code * (Rgb::ONE - self.black_level) + self.black_level
     }
 
-    /// The code values of a whole picture of radiance by this camera.
+    /// The codes of a picture of radiance.
     pub fn codes(&self, radiance: &RgbImage) -> RgbImage {
         RgbImage::from_fn(radiance.width(), radiance.height(), |x, y| {
             let share = self.share(x as f32 + 0.5, y as f32 + 0.5);
@@ -72,8 +67,8 @@ impl Transfer {
         })
     }
 
-    /// The radiance between `code` and the next code, `step` away; see [`Response::step`]. Where
-    /// channels are mixed, the root of the sum of squares of what the steps of each would do.
+    /// The radiance between `code` and the adjacent code, `step` away; see [`Response::step`]. Where
+    /// primaries are converted, the root of the sum of squares over the channels of the file.
     pub fn step(&self, code: Rgb, step: f32, share: f32) -> Rgb {
         let range = Rgb::ONE - self.black_level;
         let (code, step) = ((code - self.black_level) / range, Rgb::splat(step) / range);

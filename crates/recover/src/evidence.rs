@@ -10,7 +10,7 @@ use crate::rerender::Renderer;
 use glam::Vec3;
 use rayon::prelude::*;
 use unrender_render::sampler::mix;
-use unrender_render::{Appearance, GlossyLobe, Probe, ProbeSettings, Probes, SeenRadiance};
+use unrender_render::{Appearance, GlossyLobe, Probe, ProbeSettings, Probes, RadianceCache};
 use unrender_scene::{BrdfModel, Material, Rgb};
 
 /// What is known of one group in one turn.
@@ -57,7 +57,7 @@ pub struct Stage<'a> {
     /// The renderer, behind the photograph's camera.
     pub renderer: &'a dyn Renderer,
     /// Where the photograph itself says what radiance the surfaces send.
-    pub seen: Option<&'a SeenRadiance>,
+    pub seen: Option<&'a RadianceCache>,
 }
 
 /// How much to gather.

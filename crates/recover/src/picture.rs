@@ -51,7 +51,12 @@ fn render_twice(
     let spp = options.spp.div_ceil(2).max(1);
     [0, 1].map(|half| {
         let seed = mix(options.seed ^ 0x5EED).wrapping_add(half);
-        let settings = Settings { spp, seed, max_bounces: options.max_bounces, shared: true };
+        let settings = Settings {
+            spp,
+            seed,
+            max_bounces: options.max_bounces,
+            integrator: unrender_render::Integrator::PathReuse,
+        };
         let progress = |share: f64| observer.picture((half as f64 + share) / 2.0);
         renderer.picture(appearance, &settings, &progress)
     })

@@ -3,7 +3,7 @@
 
 use unrender_render::{
     Appearance, Film, GeometryBuffers, Jacobian, Parameter, ProbeSettings, Probes, ProposalLobe,
-    SeenRadiance, Settings, Tracer, seen::Lookup,
+    RadianceCache, Settings, Tracer, radiance_cache::CacheLookup,
 };
 use unrender_scene::{BrdfModel, Camera, Rgb};
 
@@ -19,7 +19,7 @@ pub trait Renderer: Sync {
         appearance: Appearance<'_>,
         pixels: &[u32],
         settings: &ProbeSettings,
-        seen: Option<&SeenRadiance>,
+        seen: Option<&RadianceCache>,
     ) -> Probes;
     /// The radiance of `pixels` and its derivatives by `parameters`; paths end where `seen` knows
     /// the radiance.
@@ -29,7 +29,7 @@ pub trait Renderer: Sync {
         pixels: &[u32],
         parameters: &[Parameter],
         settings: &Settings,
-        seen: Option<&SeenRadiance>,
+        seen: Option<&RadianceCache>,
     ) -> Jacobian;
     /// The radiance of `pixels`, re-rendered.
     fn rerender(&self, appearance: Appearance<'_>, pixels: &[u32], settings: &Settings)
@@ -70,8 +70,8 @@ impl<'a> View<'a> {
         Self { tracer, camera, size: (width, height), model, geometry }
     }
 
-    fn lookup<'s>(&'s self, seen: Option<&'s SeenRadiance>) -> Option<Lookup<'s>> {
-        seen.map(|seen| Lookup { seen, camera: self.camera, geometry: &self.geometry })
+    fn lookup<'s>(&'s self, seen: Option<&'s RadianceCache>) -> Option<CacheLookup<'s>> {
+        seen.map(|seen| CacheLookup { cache: seen, camera: self.camera, geometry: &self.geometry })
     }
 
     /// The whole picture, with its variance.
@@ -99,7 +99,7 @@ impl Renderer for View<'_> {
         appearance: Appearance<'_>,
         pixels: &[u32],
         settings: &ProbeSettings,
-        seen: Option<&SeenRadiance>,
+        seen: Option<&RadianceCache>,
     ) -> Probes {
         let lookup = self.lookup(seen);
         self.tracer.probe(appearance, self.camera, self.size, pixels, settings, lookup)
@@ -111,7 +111,7 @@ impl Renderer for View<'_> {
         pixels: &[u32],
         parameters: &[Parameter],
         settings: &Settings,
-        seen: Option<&SeenRadiance>,
+        seen: Option<&RadianceCache>,
     ) -> Jacobian {
         let lookup = self.lookup(seen);
         let Self { camera, size, .. } = *self;
@@ -135,9 +135,13 @@ impl Renderer for View<'_> {
         settings: &Settings,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Vec<Rgb> {
-        let worth = self.tracer.worth_of_sharing(appearance, self.camera, self.size, settings);
+        let worth = self.tracer.path_reuse_efficiency(appearance, self.camera, self.size, settings);
         let paths = f64::from(settings.spp) / worth.unwrap_or(1.0).min(WORTH_MAX);
-        let settings = Settings { spp: paths.ceil() as u32, shared: worth.is_some(), ..*settings };
+        let settings = Settings {
+            spp: paths.ceil() as u32,
+            integrator: unrender_render::Integrator::with_path_reuse(worth.is_some()),
+            ..*settings
+        };
         self.render(appearance, &settings, progress).mean.pixels().to_vec()
     }
 }

@@ -11,7 +11,7 @@ use unrender_render::geometry::PixelGeometry;
 use unrender_render::probe::Incident;
 use unrender_render::{
     Appearance, GeometryBuffers, GlossyLobe, Jacobian, Parameter, Probe, ProbeSettings, Probes,
-    SeenRadiance, Settings,
+    RadianceCache, Settings,
 };
 use unrender_scene::{BrdfModel, Image, Material, Rgb, RgbImage, Texture, Wrap};
 
@@ -126,7 +126,7 @@ impl Renderer for Stripes {
         _: Appearance<'_>,
         pixels: &[u32],
         settings: &ProbeSettings,
-        _: Option<&SeenRadiance>,
+        _: Option<&RadianceCache>,
     ) -> Probes {
         let mut all = Probes::default();
         for &pixel in pixels {
@@ -159,7 +159,7 @@ impl Renderer for Stripes {
         pixels: &[u32],
         parameters: &[Parameter],
         _: &Settings,
-        _: Option<&SeenRadiance>,
+        _: Option<&RadianceCache>,
     ) -> Jacobian {
         let mut jacobian = Jacobian::default();
         for &pixel in pixels {

@@ -1,38 +1,37 @@
-//! Directions to the environment, drawn by how bright it is.
+//! Importance sampling of the environment map.
 //!
-//! The panorama is divided into cells between the centres of its pixels, within which it is
-//! bilinear; at the poles half a row is left. A cell is drawn with a probability proportional to
-//! the mean luminance of its corners times its solid angle (the sine of the polar angle, exactly:
-//! the difference of the cosines), then a direction in it uniformly over the solid angle [after
-//! Pharr, Jakob and Humphreys, *Physically Based Rendering*, 4th ed., section 12.5]. The density is
-//! the cell's luminance over the luminance of all directions, has no pole, and is positive wherever
-//! light comes from.
+//! The panorama is bilinear within the cells between the centres of its pixels; at the poles half a
+//! row is left. A cell is drawn with a probability proportional to the mean luminance of its corners
+//! times its solid angle, which is exactly proportional to the difference of the cosines of the polar
+//! angle. A direction is then drawn uniformly over the cell's solid angle, after [Pharr et al. 2023,
+//! section 12.5]. The density is the cell's luminance over the integral of luminance; it is bounded at
+//! the poles and positive wherever the radiance is.
 
 use glam::Vec3;
 use std::f64::consts::{PI, TAU};
 use unrender_scene::color::luminance;
 use unrender_scene::{Environment, Rgb};
 
-/// An environment that can be sampled.
+/// An environment with its sampling distribution.
 #[derive(Clone, Debug)]
 pub struct EnvironmentSampler {
     environment: Environment,
     /// Cells in a row; the first lies between the centres of the first and the second column.
     columns: usize,
-    /// For each row of cells, and their end: the cosine of the polar angle where it begins.
+    /// The cosine of the polar angle at the start of each row of cells, and at the end of the last.
     cosines: Vec<f32>,
     /// Density of each cell over solid angle, sr^-1, row by row.
     densities: Vec<f32>,
-    /// Running sums of the probabilities of the rows; ends with one.
+    /// The cumulative distribution of the rows; ends with one.
     rows: Vec<f32>,
-    /// For each row, the running sums of the probabilities of its cells; ends with one.
+    /// For each row, the cumulative distribution of its cells; ends with one.
     cells: Vec<f32>,
     /// The integral of the radiance's luminance over all directions, W m^-2.
     flux: f32,
 }
 
 impl EnvironmentSampler {
-    /// Prepares `environment`; nothing if no light comes from it.
+    /// Prepares `environment`; none if it is black.
     pub fn new(environment: &Environment) -> Option<Self> {
         let panorama = environment.panorama();
         let (columns, height) = (panorama.width(), panorama.height());
@@ -50,7 +49,7 @@ impl EnvironmentSampler {
             let of_row: Vec<f64> = (0..columns).map(mean).collect();
             let solid_angle = TAU / columns as f64 * (cosines[row] - cosines[row + 1]);
             rows.push(of_row.iter().sum::<f64>() * solid_angle);
-            cells.extend(running_shares(&of_row));
+            cells.extend(cumulative(&of_row));
             brightness.extend(of_row);
         }
         let flux: f64 = rows.iter().sum();
@@ -59,7 +58,7 @@ impl EnvironmentSampler {
             columns,
             cosines: cosines.iter().map(|c| *c as f32).collect(),
             densities: brightness.iter().map(|b| (b / flux) as f32).collect(),
-            rows: running_shares(&rows).collect(),
+            rows: cumulative(&rows).collect(),
             cells,
             flux: flux as f32,
         })
@@ -70,7 +69,7 @@ impl EnvironmentSampler {
         self.flux
     }
 
-    /// The radiance that arrives along the unit vector `wi` from far away.
+    /// The radiance that arrives from the direction of the unit vector `wi`.
     pub fn radiance(&self, wi: Vec3) -> Rgb {
         self.environment.radiance(wi)
     }
@@ -78,14 +77,13 @@ impl EnvironmentSampler {
     /// The density over solid angle with which [`EnvironmentSampler::sample`] draws `wi`.
     pub fn pdf(&self, wi: Vec3) -> f32 {
         let (u, _) = self.environment.place(wi);
-        // The cosines fall; the last entry is the end of the last row.
+        // The cosines decrease; the last entry is the end of the last row.
         let row = self.cosines.partition_point(|&c| c > wi.y).clamp(1, self.rows.len()) - 1;
         let column = (u * self.columns as f32 - 0.5).rem_euclid(self.columns as f32) as usize;
         self.densities[row * self.columns + column.min(self.columns - 1)]
     }
 
-    /// Draws a direction to the environment from two numbers in [0, 1): the unit vector and its
-    /// density over solid angle.
+    /// Draws a direction from two numbers in [0, 1): the unit vector and its density over solid angle.
     pub fn sample(&self, u: [f32; 2]) -> (Vec3, f32) {
         let (row, down) = draw(&self.rows, u[1]);
         let first = row * self.columns;
@@ -97,8 +95,8 @@ impl EnvironmentSampler {
     }
 }
 
-/// The running sums of `weights` over their sum; ends with one, or is all zeros.
-fn running_shares(weights: &[f64]) -> impl Iterator<Item = f32> {
+/// The cumulative distribution of `weights`; ends with one, or is all zeros.
+fn cumulative(weights: &[f64]) -> impl Iterator<Item = f32> {
     let total: f64 = weights.iter().sum();
     let scale = if total > 0.0 { 1.0 / total } else { 0.0 };
     weights.iter().scan(0.0, move |sum, weight| {
@@ -107,10 +105,10 @@ fn running_shares(weights: &[f64]) -> impl Iterator<Item = f32> {
     })
 }
 
-/// The entry that `u` falls into by running sums, and where in it, both from 0 to 1.
-fn draw(running: &[f32], u: f32) -> (usize, f32) {
-    let index = running.partition_point(|&sum| sum <= u).min(running.len() - 1);
-    let before = if index == 0 { 0.0 } else { running[index - 1] };
-    let within = (u - before) / (running[index] - before).max(f32::MIN_POSITIVE);
+/// The entry of a cumulative distribution that `u` falls into, and the position within it, 0 to 1.
+fn draw(cumulative: &[f32], u: f32) -> (usize, f32) {
+    let index = cumulative.partition_point(|&sum| sum <= u).min(cumulative.len() - 1);
+    let before = if index == 0 { 0.0 } else { cumulative[index - 1] };
+    let within = (u - before) / (cumulative[index] - before).max(f32::MIN_POSITIVE);
     (index, within.clamp(0.0, 1.0))
 }

@@ -1,40 +1,56 @@
-//! Sums that come out the same however they are cut into parts: whole numbers for every pixel.
+//! The film: the accumulated samples of every pixel, and the picture that they make.
 //!
-//! Floating-point sums depend on their order, so a picture that is rendered in parts, on several
-//! machines or with a break, would differ from the whole one in its last bits. A [`Tally`] keeps
-//! for every pixel the sum of its paths' radiances and of their squares as multiples of one
-//! [`QUANTUM`], and how many paths there were. Whole numbers add up alike in any order: tallies of
-//! the samples A..B and B..C, added, are to the bit the tally of A..C.
+//! Each pixel accumulates the sum of its samples' radiances and of their squares, by channel:
 //!
-//! Of each number, what is below the quantum is cut off: a value of 1e-10 keeps all digits of
-//! single precision, smaller ones fewer, and sums are too small by at most a quantum a path. Sums
-//! stay at [`Moments::MAX`] once they have come there.
+//! ```text
+//! mean = sum / n,      variance of the mean = (sum of squares / n - mean^2) / (n - 1)
+//! ```
+//!
+//! Floating-point sums depend on the order of addition. A picture that is rendered in shards, on
+//! several machines or with an interruption, would then differ from the whole one in its last bits.
+//! The sums here are integers, multiples of [`QUANTUM`]: integer addition is associative, so the
+//! accumulator of the samples A..B plus that of B..C equals that of A..C to the bit.
+//!
+//! Each sample is truncated to a multiple of the quantum: 1e-10 keeps all digits of single precision,
+//! smaller values lose digits, and the error of a sum is at most one quantum per sample. Sums saturate
+//! at [`PixelAccumulator::MAX`].
 
-use crate::film::Film;
 use glam::{DVec3, Vec3};
 use unrender_scene::{Image, Rgb, RgbImage};
 
-/// The unit of all sums: 2^-64, in W sr^-1 m^-2 for radiances and in its square for squares.
+/// The unit of all sums: 2^-64, in W sr^-1 m^-2 for radiances and in its square for squares. It
+/// divides the 128 bits of a sum evenly: the largest sum is 2^64. With 2^-32 dark pixels would lose
+/// digits, with 2^-96 sums would saturate at 2^32.
 pub const QUANTUM: f64 = 1.0 / (1u128 << 64) as f64;
 
-/// What the paths of one pixel have brought.
+/// A picture with the variance of its noise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    /// Radiance, W sr^-1 m^-2 per channel.
+    pub mean: RgbImage,
+    /// Variance of `mean`, estimated from the sample variance. The samples of a pixel are stratified,
+    /// so the true variance is at most this. Zero with a single sample.
+    pub variance: RgbImage,
+}
+
+/// The accumulated samples of one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Moments {
+pub struct PixelAccumulator {
     /// The sum of the radiances, by channel, in units of [`QUANTUM`].
     pub sum: [u128; 3],
     /// The sum of their squares, likewise.
     pub squares: [u128; 3],
-    /// The number of paths.
+    /// The number of samples.
     pub count: u32,
-    /// How many of them brought something that is no finite number, and were counted as black.
+    /// The number of samples that were not finite. They count as black.
     pub faulty: u32,
 }
 
-impl Moments {
+impl PixelAccumulator {
     /// The greatest sum, in units of [`QUANTUM`]; as a number 2^64 = 1.8e19.
     pub const MAX: u128 = u128::MAX;
 
-    /// Counts one more path, which brought `radiance`.
+    /// Adds one sample.
     #[inline]
     pub fn push(&mut self, radiance: Rgb) {
         self.count = self.count.saturating_add(1);
@@ -49,7 +65,7 @@ impl Moments {
         }
     }
 
-    /// Counts all paths of `other`, which are not among these.
+    /// Adds the samples of `other`, a disjoint set.
     pub fn add(&mut self, other: &Self) {
         for channel in 0..3 {
             self.sum[channel] = self.sum[channel].saturating_add(other.sum[channel]);
@@ -59,18 +75,18 @@ impl Moments {
         self.faulty = self.faulty.saturating_add(other.faulty);
     }
 
-    /// The mean radiance, W sr^-1 m^-2 per channel; zero without paths.
+    /// The mean radiance, W sr^-1 m^-2 per channel; zero without samples.
     pub fn mean(&self) -> Rgb {
         self.mean_f64().as_vec3()
     }
 
-    /// The variance of the mean, from the spread of the paths; zero for fewer than two.
+    /// The variance of the mean; zero for fewer than two samples.
     pub fn variance(&self) -> Rgb {
-        (self.spread() / f64::from(self.count).max(1.0)).as_vec3()
+        (self.sample_variance() / f64::from(self.count).max(1.0)).as_vec3()
     }
 
-    /// The variance of one path, by channel; zero for fewer than two.
-    pub(crate) fn spread(&self) -> DVec3 {
+    /// The sample variance, by channel; zero for fewer than two samples.
+    pub(crate) fn sample_variance(&self) -> DVec3 {
         let n = f64::from(self.count);
         let mean = self.mean_f64();
         let squares = DVec3::from_array(self.squares.map(value)) / n.max(1.0);
@@ -82,7 +98,7 @@ impl Moments {
     }
 }
 
-/// A number of at least zero in units of [`QUANTUM`], cut off; the greatest one for what is above.
+/// A number of at least zero in units of [`QUANTUM`], truncated, saturating.
 #[inline]
 fn quanta(value: f64) -> u128 {
     (value * (1.0 / QUANTUM)) as u128
@@ -92,75 +108,75 @@ fn value(quanta: u128) -> f64 {
     quanta as f64 * QUANTUM
 }
 
-/// A picture in the making: the [`Moments`] of every pixel, 112 bytes each.
+/// The [`PixelAccumulator`]s of a picture, 112 bytes per pixel.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tally {
-    pub(crate) moments: Image<Moments>,
+pub struct Accumulator {
+    pub(crate) pixels: Image<PixelAccumulator>,
 }
 
-impl Tally {
-    /// A picture of `width` x `height` pixels without any paths.
+impl Accumulator {
+    /// A picture of `width` x `height` pixels without any samples.
     pub fn new(width: usize, height: usize) -> Self {
-        Self::from_moments(Image::from_fn(width, height, |_, _| Moments::default()))
+        Self::from_image(Image::from_fn(width, height, |_, _| PixelAccumulator::default()))
     }
 
-    /// A picture from what its pixels have brought.
-    pub fn from_moments(moments: Image<Moments>) -> Self {
-        Self { moments }
+    /// A picture from the accumulators of its pixels.
+    pub fn from_image(pixels: Image<PixelAccumulator>) -> Self {
+        Self { pixels }
     }
 
-    /// What every pixel has brought.
-    pub fn moments(&self) -> &Image<Moments> {
-        &self.moments
+    /// The accumulators of all pixels.
+    pub fn image(&self) -> &Image<PixelAccumulator> {
+        &self.pixels
     }
 
-    /// What every pixel has brought, to be added to.
-    pub fn moments_mut(&mut self) -> &mut Image<Moments> {
-        &mut self.moments
+    /// The accumulators of all pixels, to add samples to.
+    pub fn image_mut(&mut self) -> &mut Image<PixelAccumulator> {
+        &mut self.pixels
     }
 
     /// Width and height in pixels.
     pub fn size(&self) -> (usize, usize) {
-        (self.moments.width(), self.moments.height())
+        (self.pixels.width(), self.pixels.height())
     }
 
-    /// Adds the paths of `other`, which are not among these.
+    /// Adds the samples of `other`, a disjoint set.
     ///
     /// # Panics
     /// If the pictures differ in size.
     pub fn add(&mut self, other: &Self) {
-        assert_eq!(self.size(), other.size(), "tallies of one picture have one size");
-        let pairs = self.moments.pixels_mut().iter_mut().zip(other.moments.pixels());
+        assert_eq!(self.size(), other.size(), "accumulators of one picture have one size");
+        let pairs = self.pixels.pixels_mut().iter_mut().zip(other.pixels.pixels());
         pairs.for_each(|(mine, theirs)| mine.add(theirs));
     }
 
-    /// The mean of the paths in every pixel, W sr^-1 m^-2 per channel.
+    /// The mean radiance of every pixel, W sr^-1 m^-2 per channel.
     pub fn mean(&self) -> RgbImage {
-        self.moments.map(Moments::mean)
+        self.pixels.map(PixelAccumulator::mean)
     }
 
     /// The picture with the variance of its noise.
     pub fn film(&self) -> Film {
-        Film { mean: self.mean(), variance: self.moments.map(Moments::variance) }
+        Film { mean: self.mean(), variance: self.pixels.map(PixelAccumulator::variance) }
     }
 
-    /// The paths that brought no finite number and were counted as black.
+    /// The number of samples that were not finite. They count as black.
     pub fn faulty(&self) -> u64 {
-        self.moments.pixels().iter().map(|m| u64::from(m.faulty)).sum()
+        self.pixels.pixels().iter().map(|m| u64::from(m.faulty)).sum()
     }
 
-    /// The relative standard error of the picture: the root of the mean over pixels and channels of
-    /// the mean's variance ([`Film::variance`]), over the mean over pixels and channels of the
-    /// radiance. Zero for a black picture, infinite if a pixel has fewer than two paths.
+    /// The relative standard error of the picture: the root mean square of the pixels' standard errors
+    /// ([`Film::variance`]) over their mean radiance, both over all pixels and channels. Zero for a
+    /// black picture, infinite if a pixel has fewer than two samples.
     pub fn noise(&self) -> f64 {
-        let pixels = self.moments.pixels();
+        let pixels = self.pixels.pixels();
         if pixels.iter().any(|m| m.count < 2) {
             return f64::INFINITY;
         }
-        let sum = |f: fn(&Moments) -> Vec3| -> f64 {
+        let sum = |f: fn(&PixelAccumulator) -> Vec3| -> f64 {
             pixels.iter().map(|m| f(m).as_dvec3().element_sum()).sum()
         };
-        let (variance, radiance) = (sum(Moments::variance), sum(Moments::mean));
+        let (variance, radiance) = (sum(PixelAccumulator::variance), sum(PixelAccumulator::mean));
         let n = 3.0 * pixels.len() as f64;
         if radiance > 0.0 { (variance / n).sqrt() / (radiance / n) } else { 0.0 }
     }
@@ -180,68 +196,72 @@ mod tests {
         (0..999).map(|i| Rgb::new(number(3 * i), number(3 * i + 1), number(3 * i + 2))).collect()
     }
 
-    fn moments(radiances: &[Rgb]) -> Moments {
-        let mut moments = Moments::default();
-        radiances.iter().for_each(|r| moments.push(*r));
-        moments
+    fn accumulated(radiances: &[Rgb]) -> PixelAccumulator {
+        let mut pixel = PixelAccumulator::default();
+        radiances.iter().for_each(|r| pixel.push(*r));
+        pixel
     }
 
     #[test]
-    fn parts_add_up_to_the_whole_in_any_order() {
+    fn shards_add_up_to_the_whole_in_any_order() {
         let all = radiances();
-        let whole = moments(&all);
-        let (a, b, c) = (moments(&all[..100]), moments(&all[100..700]), moments(&all[700..]));
-        for parts in [[a, b, c], [c, a, b], [b, c, a]] {
-            let mut sum = Moments::default();
-            parts.iter().for_each(|part| sum.add(part));
+        let whole = accumulated(&all);
+        let (a, b, c) =
+            (accumulated(&all[..100]), accumulated(&all[100..700]), accumulated(&all[700..]));
+        for shards in [[a, b, c], [c, a, b], [b, c, a]] {
+            let mut sum = PixelAccumulator::default();
+            shards.iter().for_each(|shard| sum.add(shard));
             assert_eq!(sum, whole);
-            let mut last_two = parts[1];
-            last_two.add(&parts[2]);
-            let mut grouped = parts[0];
+            let mut last_two = shards[1];
+            last_two.add(&shards[2]);
+            let mut grouped = shards[0];
             grouped.add(&last_two);
             assert_eq!(grouped, whole);
         }
     }
 
     #[test]
-    fn mean_and_variance_are_those_of_the_paths() {
+    fn mean_and_variance_are_those_of_the_samples() {
         let all = radiances();
         let n = all.len() as f64;
         let mean = all.iter().map(|r| r.as_dvec3()).sum::<DVec3>() / n;
         let squares: DVec3 = all.iter().map(|r| (r.as_dvec3() - mean).powf(2.0)).sum();
-        let found = moments(&all);
+        let found = accumulated(&all);
         let off = |found: Rgb, expected: DVec3| {
             (found.as_dvec3() / expected - DVec3::ONE).abs().max_element()
         };
         assert!(off(found.mean(), mean) < 1e-7);
         assert!(off(found.variance(), squares / (n * (n - 1.0))) < 1e-7);
-        assert_eq!(moments(&all[..1]).variance(), Rgb::ZERO);
-        assert_eq!(Moments::default().mean(), Rgb::ZERO);
+        assert_eq!(accumulated(&all[..1]).variance(), Rgb::ZERO);
+        assert_eq!(PixelAccumulator::default().mean(), Rgb::ZERO);
     }
 
     #[test]
-    fn numbers_out_of_range_saturate_and_no_number_is_black() {
+    fn values_out_of_range_saturate_and_nan_is_black() {
         let odd = [Rgb::splat(f32::MAX), Rgb::splat(f32::NAN), Rgb::splat(f32::INFINITY)];
-        let found = moments(&odd);
+        let found = accumulated(&odd);
         assert_eq!((found.count, found.faulty), (3, 2));
-        assert_eq!((found.sum, found.squares), ([Moments::MAX; 3], [Moments::MAX; 3]));
+        assert_eq!(
+            (found.sum, found.squares),
+            ([PixelAccumulator::MAX; 3], [PixelAccumulator::MAX; 3])
+        );
         assert!(found.mean().is_finite() && found.variance().is_finite());
         let mut twice = found;
         twice.add(&found);
-        assert_eq!((twice.sum, twice.count), ([Moments::MAX; 3], 6));
-        // Small ones lose digits, smaller ones all of them.
-        assert_eq!(moments(&[Rgb::splat(1e-10)]).mean(), Rgb::splat(1e-10));
-        assert_eq!(moments(&[Rgb::splat(1e-20)]).mean(), Rgb::ZERO);
+        assert_eq!((twice.sum, twice.count), ([PixelAccumulator::MAX; 3], 6));
+        // Values near the quantum lose digits, values below it vanish.
+        assert_eq!(accumulated(&[Rgb::splat(1e-10)]).mean(), Rgb::splat(1e-10));
+        assert_eq!(accumulated(&[Rgb::splat(1e-20)]).mean(), Rgb::ZERO);
     }
 
     #[test]
     fn noise_is_the_standard_error_over_the_mean() {
-        let mut tally = Tally::new(2, 1);
-        assert_eq!(tally.noise(), f64::INFINITY);
+        let mut accumulator = Accumulator::new(2, 1);
+        assert_eq!(accumulator.noise(), f64::INFINITY);
         for value in [1.0, 3.0] {
-            tally.moments.pixels_mut().iter_mut().for_each(|m| m.push(Rgb::splat(value)));
+            accumulator.pixels.pixels_mut().iter_mut().for_each(|m| m.push(Rgb::splat(value)));
         }
-        // Of 1 and 3: the mean 2, the variance of a path 2, of the mean 1.
-        assert!((tally.noise() - 0.5).abs() < 1e-12);
+        // Of 1 and 3: the mean 2, the sample variance 2, the variance of the mean 1.
+        assert!((accumulator.noise() - 0.5).abs() < 1e-12);
     }
 }

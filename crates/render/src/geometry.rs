@@ -1,4 +1,4 @@
-//! What stands in each pixel: object, group, depth and normal at the pixel's centre.
+//! Geometry buffers (G-buffers): object, group, depth and normal at each pixel's centre.
 
 use crate::accel::Ray;
 use crate::tracer::Tracer;
@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use unrender_scene::{Camera, Image};
 
-/// The object and group of pixels that show no surface.
+/// The object and group of pixels whose ray hits no surface.
 pub const NOTHING: u32 = u32::MAX;
 
 /// The first surface behind the centre of one pixel.
@@ -16,15 +16,16 @@ pub struct PixelGeometry {
     pub object: u32,
     /// The group's index in the scene, or [`NOTHING`].
     pub group: u32,
-    /// Distance from the camera's centre, metres; infinite for nothing.
+    /// Distance from the camera's centre, metres; infinite without a surface.
     pub depth: f32,
-    /// Unit shading normal on the viewer's side, world space; zero for nothing.
+    /// Unit shading normal on the viewer's side, world space; zero without a surface.
     pub normal: Vec3,
-    /// Unit tangent, the zero of the brushed angle, world space; zero for nothing.
+    /// Unit tangent, from which the angle of anisotropy is measured, world space; zero without a
+    /// surface.
     pub tangent: Vec3,
-    /// `TEXCOORD_0`; zero for nothing, or where there is none.
+    /// `TEXCOORD_0`; zero without a surface or without coordinates.
     pub uv: Vec2,
-    /// Whether the front (counter-clockwise) side is seen.
+    /// Whether the front (counter-clockwise) side is visible.
     pub front: bool,
 }
 
@@ -45,7 +46,7 @@ impl PixelGeometry {
 }
 
 impl Tracer {
-    /// The geometry behind the centre of every pixel.
+    /// The first surface behind the centre of every pixel.
     pub fn geometry(&self, camera: &Camera, width: usize, height: usize) -> GeometryBuffers {
         let at = |index: usize| {
             let (x, y) = ((index % width) as f32 + 0.5, (index / width) as f32 + 0.5);

@@ -1,57 +1,67 @@
-//! Pictures: many paths a pixel, their mean and how sure it is.
+//! Rendering pictures: which samples every pixel takes, by which integrator.
+//!
+//! [`Tracer::render`] takes the same number of samples in all pixels. [`Tracer::accumulate`] adds any
+//! [`SampleAllocation`] to an accumulator, so that pictures can be rendered in shards or adaptively
+//! ([`crate::adaptive`]). Two integrators estimate the samples: [`Integrator::Path`] traces independent
+//! paths ([`crate::path`]), [`Integrator::PathReuse`] reuses the paths of neighbouring pixels
+//! ([`crate::path_reuse`]).
 
-use crate::accel::Ray;
-use crate::adaptive::Samples;
+use crate::adaptive::{self, AdaptiveSampling, SampleAllocation};
+use crate::appearance::Appearance;
+use crate::camera_sample::{camera_ray, pixel_sampler};
+use crate::film::{Accumulator, Film, PixelAccumulator};
 use crate::path::{MAX_BOUNCES, Transport};
-use crate::sampler::Sampler;
-use crate::sharing::Sharing;
-use crate::tally::{Moments, Tally};
-use crate::tracer::{Appearance, Tracer};
+use crate::path_reuse::PathReuse;
+use crate::tracer::Tracer;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use unrender_scene::{Camera, Rgb, RgbImage};
+use unrender_scene::{Camera, Rgb};
+
+/// Which estimator the samples of a picture come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Integrator {
+    /// Path tracing: the samples of all pixels are independent.
+    #[default]
+    Path,
+    /// Path reuse among neighbouring pixels [Bekaert et al. 2002] where a pilot finds it efficient,
+    /// else path tracing. It reduces the variance and correlates the noise of neighbouring pixels. It
+    /// renders whole pictures only.
+    PathReuse,
+}
+
+impl Integrator {
+    /// [`Integrator::PathReuse`] if `reuse`, else [`Integrator::Path`].
+    pub fn with_path_reuse(reuse: bool) -> Self {
+        if reuse { Self::PathReuse } else { Self::Path }
+    }
+}
 
 /// How to render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// Paths a pixel.
+    /// Samples per pixel.
     pub spp: u32,
-    /// Another seed, another noise.
+    /// The seed of the random numbers; the same seed gives the same bits.
     pub seed: u64,
-    /// Reflections along a path at most; one means direct light only.
+    /// Most reflections along a path; one means direct light only.
     pub max_bounces: u32,
-    /// Whether neighbouring pixels may share what their paths find (module [`crate::sharing`]), as
-    /// they then do where it pays: less noise, but alike in pixels that share. For whole pictures
-    /// only.
-    pub shared: bool,
+    /// The estimator.
+    pub integrator: Integrator,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { spp: 64, seed: 0, max_bounces: MAX_BOUNCES, shared: false }
+        Self { spp: 64, seed: 0, max_bounces: MAX_BOUNCES, integrator: Integrator::Path }
     }
 }
 
-/// A picture with the variance of its noise.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Film {
-    /// Radiance, W sr^-1 m^-2 per channel.
-    pub mean: RgbImage,
-    /// Variance of `mean`, from the spread of the paths. Paths of a pixel are stratified, so the
-    /// true variance is at most this. Zero with a single path.
-    pub variance: RgbImage,
-}
-
-/// Keeps the numbers of pictures apart from those of probes under the same seed.
-pub(crate) const STREAM: u64 = 0x0F11_0000_0000_0000;
-
-/// Pixels that one task renders before it reports progress.
-pub(crate) const CHUNK: usize = 256;
+/// Pixels per parallel task, after which it reports progress.
+const CHUNK: usize = 256;
 
 impl Tracer {
-    /// Renders what `camera` sees in `width` x `height` pixels. `progress` hears the share done, 0
-    /// to 1, from any thread.
+    /// Renders what `camera` sees in `width` x `height` pixels. `progress` is called with the
+    /// completed fraction, 0 to 1, from any thread.
     pub fn render<'a>(
         &self,
         appearance: impl Into<Appearance<'a>>,
@@ -60,14 +70,14 @@ impl Tracer {
         settings: &Settings,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Film {
-        let mut tally = Tally::new(width, height);
-        let samples = Samples::Even(0..settings.spp);
-        self.accumulate(appearance, camera, settings, &samples, &mut tally, progress);
-        tally.film()
+        let mut accumulator = Accumulator::new(width, height);
+        let samples = SampleAllocation::Uniform(0..settings.spp);
+        self.accumulate(appearance, camera, settings, &samples, &mut accumulator, progress);
+        accumulator.film()
     }
 
-    /// Renders some pixels of the picture, given by index: mean and variance of each. They share
-    /// nothing, whatever `settings` say.
+    /// Renders some pixels of the picture, given by index: mean and variance of each. They are path
+    /// traced, whatever `settings.integrator` says.
     pub fn render_pixels<'a>(
         &self,
         appearance: impl Into<Appearance<'a>>,
@@ -76,67 +86,74 @@ impl Tracer {
         pixels: &[u32],
         settings: &Settings,
     ) -> Vec<(Rgb, Rgb)> {
-        let painter = Painter::new(self, appearance.into(), camera, size, settings);
-        pixels.par_chunks(CHUNK).flat_map_iter(|chunk| painter.estimates(chunk)).collect()
+        let tracing = PathTracing::new(self, appearance.into(), camera, size, settings);
+        pixels.par_chunks(CHUNK).flat_map_iter(|chunk| tracing.estimates(chunk)).collect()
     }
 
-    /// How many paths that share nothing a path that shares what it finds is worth in the picture of
-    /// `size`, as far as its noise goes; may be infinite. None where sharing does not pay, and where
-    /// [`Settings::shared`] has no effect.
-    pub fn worth_of_sharing<'a>(
+    /// The efficiency of path reuse in the picture of `size`: the number of independent samples that
+    /// have the variance of one sample with reuse; may be infinite. None where reuse costs more than it
+    /// saves, and [`Integrator::PathReuse`] traces independent paths.
+    pub fn path_reuse_efficiency<'a>(
         &self,
         appearance: impl Into<Appearance<'a>>,
         camera: &Camera,
         size: (usize, usize),
         settings: &Settings,
     ) -> Option<f64> {
-        Painter::new(self, appearance.into(), camera, size, settings).sharing().worth()
+        PathTracing::new(self, appearance.into(), camera, size, settings).with_reuse().efficiency()
     }
 
-    /// Adds the paths that `samples` asks for to `tally`, whose size is the picture's;
-    /// `settings.spp` does not count. The paths of [`Tracer::render`] are
-    /// the numbers 0..spp of all pixels: a tally of those, however many calls it was made in, has
-    /// the same bits as its picture. `progress` hears the share done, 0 to 1, from any thread.
+    /// Adds the samples of the allocation to `accumulator`, which has the size of the picture;
+    /// `settings.spp` has no effect. [`Tracer::render`] takes the samples 0..spp of all pixels: an
+    /// accumulator of those, in however many calls, gives the same bits. `progress` is called with the
+    /// completed fraction, 0 to 1, from any thread.
     pub fn accumulate<'a>(
         &self,
         appearance: impl Into<Appearance<'a>>,
         camera: &Camera,
         settings: &Settings,
-        samples: &Samples<'_>,
-        tally: &mut Tally,
+        samples: &SampleAllocation<'_>,
+        accumulator: &mut Accumulator,
         progress: &(dyn Fn(f64) + Sync),
     ) {
-        let painter = Painter::new(self, appearance.into(), camera, tally.size(), settings);
-        if settings.shared {
-            let sharing = painter.sharing();
-            if sharing.worth().is_some() {
-                sharing.accumulate(samples, tally, progress);
-                return;
+        let size = accumulator.size();
+        let tracing = PathTracing::new(self, appearance.into(), camera, size, settings);
+        if settings.integrator == Integrator::PathReuse {
+            let reuse = tracing.with_reuse();
+            if reuse.efficiency().is_some() {
+                return reuse.accumulate(samples, accumulator, progress);
             }
         }
-        let pixels = tally.moments.pixels_mut();
-        let count = pixels.len();
-        let done = AtomicUsize::new(0);
-        pixels.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, pixels)| {
-            for (offset, moments) in pixels.iter_mut().enumerate() {
-                let pixel = chunk * CHUNK + offset;
-                painter.add(pixel as u32, samples.of(pixel), moments);
-            }
-            let so_far = done.fetch_add(pixels.len(), Ordering::Relaxed) + pixels.len();
-            progress(so_far as f64 / count as f64);
-        });
+        tracing.accumulate(samples, accumulator, progress);
+    }
+
+    /// The adaptive sampling of a picture of `size`, from a pilot rendering. Depends on the seed and
+    /// not on `settings.spp`.
+    pub fn adaptive_sampling<'a>(
+        &self,
+        appearance: impl Into<Appearance<'a>>,
+        camera: &Camera,
+        (width, height): (usize, usize),
+        settings: &Settings,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> AdaptiveSampling {
+        let settings = Settings { seed: adaptive::pilot_seed(settings.seed), ..*settings };
+        let samples = SampleAllocation::Uniform(0..adaptive::PILOT);
+        let mut pilot = Accumulator::new(width, height);
+        self.accumulate(appearance, camera, &settings, &samples, &mut pilot, progress);
+        AdaptiveSampling::from_pilot(&pilot)
     }
 }
 
-/// What the pixels of a picture share.
-struct Painter<'a> {
+/// The path tracing integrator of a picture.
+struct PathTracing<'a> {
     transport: Transport<'a>,
     camera: &'a Camera,
     size: (usize, usize),
     settings: &'a Settings,
 }
 
-impl<'a> Painter<'a> {
+impl<'a> PathTracing<'a> {
     fn new(
         tracer: &'a Tracer,
         appearance: Appearance<'a>,
@@ -148,46 +165,47 @@ impl<'a> Painter<'a> {
         Self { transport, camera, size, settings }
     }
 
-    /// The same with pixels that share.
-    fn sharing(&self) -> Sharing<'_> {
+    /// The integrator with path reuse of the same picture.
+    fn with_reuse(&self) -> PathReuse<'_> {
         let Self { transport, camera, size, settings } = self;
-        Sharing { transport, camera, size: *size, seed: settings.seed }
+        PathReuse { transport, camera, size: *size, seed: settings.seed }
+    }
+
+    fn accumulate(
+        &self,
+        samples: &SampleAllocation<'_>,
+        accumulator: &mut Accumulator,
+        progress: &(dyn Fn(f64) + Sync),
+    ) {
+        let pixels = accumulator.image_mut().pixels_mut();
+        let count = pixels.len();
+        let done = AtomicUsize::new(0);
+        pixels.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, pixels)| {
+            for (offset, accumulator) in pixels.iter_mut().enumerate() {
+                let pixel = chunk * CHUNK + offset;
+                self.add(pixel as u32, samples.of(pixel), accumulator);
+            }
+            let so_far = done.fetch_add(pixels.len(), Ordering::Relaxed) + pixels.len();
+            progress(so_far as f64 / count as f64);
+        });
     }
 
     /// Mean and variance of some pixels.
     fn estimates(&self, pixels: &[u32]) -> Vec<(Rgb, Rgb)> {
         let one = |&pixel: &u32| {
-            let mut moments = Moments::default();
-            self.add(pixel, 0..self.settings.spp, &mut moments);
-            (moments.mean(), moments.variance())
+            let mut accumulator = PixelAccumulator::default();
+            self.add(pixel, 0..self.settings.spp, &mut accumulator);
+            (accumulator.mean(), accumulator.variance())
         };
         pixels.iter().map(one).collect()
     }
 
-    /// Adds the paths of the numbers `samples` to what a pixel has brought.
-    fn add(&self, pixel: u32, samples: Range<u32>, moments: &mut Moments) {
+    /// Adds the samples of the numbers `samples` to a pixel.
+    fn add(&self, pixel: u32, samples: Range<u32>, accumulator: &mut PixelAccumulator) {
         for index in samples {
-            let mut sampler = picture_sampler(self.settings.seed, pixel, index);
+            let mut sampler = pixel_sampler(self.settings.seed, pixel, index);
             let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
-            moments.push(self.transport.radiance(&ray, &mut sampler, 0));
+            accumulator.push(self.transport.radiance(&ray, &mut sampler, 0));
         }
     }
-}
-
-/// The numbers of the path number `index` through a pixel of a picture.
-pub fn picture_sampler(seed: u64, pixel: u32, index: u32) -> Sampler {
-    Sampler::new(seed ^ STREAM, u64::from(pixel), index)
-}
-
-/// A ray through a random point of a pixel: the picture's filter is the pixel itself.
-pub fn camera_ray(
-    camera: &Camera,
-    (width, height): (usize, usize),
-    pixel: u32,
-    sampler: &mut Sampler,
-) -> Ray {
-    let [dx, dy, ..] = sampler.next4();
-    let x = (pixel as usize % width) as f32 + dx;
-    let y = (pixel as usize / width) as f32 + dy;
-    Ray::new(camera.origin(), camera.direction(x, y, width, height))
 }

@@ -1,30 +1,30 @@
-//! Four vectors side by side: one [`Vec4`] an axis, one lane a vector.
+//! Four 3-vectors as a structure of arrays: one [`Vec4`] per axis, one lane per vector.
 
 use glam::{Vec3, Vec4};
 
 /// Four vectors.
 pub(crate) type Vec3x4 = [Vec4; 3];
 
-/// Puts `vector` into a lane.
-pub(crate) fn put(vectors: &mut Vec3x4, lane: usize, vector: Vec3) {
+/// Sets one lane to `vector`.
+pub(crate) fn set_lane(vectors: &mut Vec3x4, lane: usize, vector: Vec3) {
     for (axis, coordinate) in vectors.iter_mut().zip(vector.to_array()) {
         axis[lane] = coordinate;
     }
 }
 
-/// The products, lane by lane.
+/// The dot products, lane by lane.
 #[inline(always)]
 pub(crate) fn dot(a: Vec3x4, b: Vec3x4) -> Vec4 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The products of all four with one vector.
+/// The dot products of all four with one vector.
 #[inline(always)]
 pub(crate) fn dot_one(a: Vec3x4, b: Vec3) -> Vec4 {
     a[0] * b.x + a[1] * b.y + a[2] * b.z
 }
 
-/// The vector products, lane by lane.
+/// The cross products, lane by lane.
 #[inline(always)]
 pub(crate) fn cross([ax, ay, az]: Vec3x4, [bx, by, bz]: Vec3x4) -> Vec3x4 {
     [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
@@ -35,14 +35,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lanes_are_the_vectors_that_were_put_there() {
+    fn lanes_behave_like_their_vectors() {
         let vectors = [[1.0, 2.0, 3.0], [-4.0, 5.0, 0.5], [0.0, 0.25, -1.0], [7.0, -2.0, 3.0]];
         let (mut a, mut b) = ([Vec4::ZERO; 3], [Vec4::ZERO; 3]);
         let one = |lane: usize| Vec3::from_array(vectors[lane]);
         let other = |lane: usize| Vec3::from_array(vectors[(lane + 1) % 4]);
         for lane in 0..4 {
-            put(&mut a, lane, one(lane));
-            put(&mut b, lane, other(lane));
+            set_lane(&mut a, lane, one(lane));
+            set_lane(&mut b, lane, other(lane));
         }
         for lane in 0..4 {
             let crossed = Vec3::from_array(cross(a, b).map(|axis| axis[lane]));

@@ -1,50 +1,54 @@
-//! Scene to radiance: global illumination by path tracing, and the evidence that recovery reads.
+//! Scene to radiance: global illumination by path tracing, its derivatives, and the incident light that
+//! recovery needs.
 //!
-//! Everything starts at a [`Tracer`], built once for a scene's geometry and lights. It then answers
-//! four questions, each for any [`Appearance`] (materials and brightness of lights):
-//!  - [`Tracer::render`]: what does the camera see? (module [`film`])
-//!    In parts that add up to the same bits: [`Tracer::accumulate`] (module [`tally`]), and
-//!    more of it where the noise is: [`Tracer::shares`] (module [`adaptive`]).
-//!    With [`Settings::shared`] neighbouring pixels share what their paths find (module [`sharing`]).
-//!  - [`Tracer::geometry`]: which object, group, depth and normal stands in each pixel?
-//!    (module [`geometry`])
-//!  - [`Tracer::probe`]: what light arrives at the surfaces in these pixels, so that any reflectance
-//!    can be tried on them without tracing again? (module [`probe`])
-//!  - [`Tracer::jacobian`]: how does what the camera sees change with every parameter? (module
-//!    [`jacobian`])
+//! A [`Tracer`] is built once for a scene's geometry and lights. For any [`Appearance`] (materials and
+//! brightness of lights) it computes
+//!  - [`Tracer::render`]: the picture that a camera sees (module [`integrator`]); in shards that add up
+//!    to the same bits, by [`Tracer::accumulate`] into an [`Accumulator`] (module [`film`]); with more
+//!    samples where the variance is high, by [`Tracer::adaptive_sampling`] (module [`adaptive`]); with
+//!    path reuse among neighbouring pixels ([`Integrator::PathReuse`], module `path_reuse`);
+//!  - [`Tracer::geometry`]: object, group, depth and normal of each pixel (module [`geometry`]);
+//!  - [`Tracer::probe`]: the light incident at the surfaces behind given pixels, so that any reflectance
+//!    can be evaluated there without tracing again (module [`probe`]);
+//!  - [`Tracer::jacobian`]: the derivative of the picture by every parameter (module [`jacobian`]).
 //!
-//! Reading order: [`path`] is the light transport, [`surface`] and [`bsdf`] what it meets,
-//! [`emitters`] and [`environment`] where it ends, [`sampler`] the numbers that steer it, [`accel`] how rays find
-//! triangles.
+//! Reading order: [`path`] is the light transport; [`surface`] and [`bsdf`] are what a ray hits,
+//! [`emitters`] and [`environment`] the lights, [`guiding`] directs samples to them by way of glossy
+//! planes, [`sampler`] draws the random numbers, [`accel`] intersects rays with triangles.
 //!
-//! Results depend on the input and the seed alone, never on the number of threads: every pixel has
-//! its own sequence of sample points, and sums are exact or in one order.
+//! Sources are cited by the keys of `docs/bibliography.md`.
+//!
+//! Results depend on the input and the seed alone, never on the number of threads: every pixel has its
+//! own random numbers, and sums are exact or in a fixed order.
 
 pub mod accel;
 pub mod adaptive;
+pub mod appearance;
 pub mod bsdf;
-pub mod caustic;
+pub mod camera_sample;
 pub mod emitters;
 pub mod environment;
 pub mod film;
 pub mod geometry;
+pub mod guiding;
+pub mod integrator;
 pub mod jacobian;
 mod lanes;
 pub mod path;
+mod path_reuse;
 pub mod probe;
+pub mod radiance_cache;
 pub mod sampler;
-pub mod seen;
-pub mod sharing;
 pub mod surface;
-pub mod tally;
 pub mod tracer;
 
+pub use appearance::Appearance;
 pub use bsdf::lobe::GlossyLobe;
 pub use bsdf::ward::WardLobe;
-pub use film::{Film, Settings};
+pub use film::{Accumulator, Film, PixelAccumulator};
 pub use geometry::{GeometryBuffers, NOTHING, PixelGeometry};
+pub use integrator::{Integrator, Settings};
 pub use jacobian::{Jacobian, Parameter};
 pub use probe::{Probe, ProbeSettings, Probes, ProposalLobe};
-pub use seen::SeenRadiance;
-pub use tally::{Moments, Tally};
-pub use tracer::{Appearance, Tracer};
+pub use radiance_cache::RadianceCache;
+pub use tracer::Tracer;

@@ -1,142 +1,188 @@
-//! Light transport: unidirectional path tracing with next-event estimation and multiple importance
-//! sampling by the balance heuristic [Kajiya 1986; Veach 1997].
+//! Light transport: unidirectional path tracing with next-event estimation [Kajiya 1986] and multiple
+//! importance sampling by the balance heuristic [Veach and Guibas 1995].
 //!
-//! At every surface the radiance that leaves towards `wo` is what it emits plus
-//! `integral f(wo, wi) L(wi) cos_i dwi`. The integral is estimated by one light sample and one
-//! direction drawn from the reflectance; the direction's ray goes on as the path. Light that both
-//! could have found is shared out by their densities. Perfect mirrors take no light samples.
+//! At every surface the outgoing radiance obeys the rendering equation
 //!
-//! A path is walked in one place, `Transport::walk`, and tells a `Ledger` what it meets:
-//! [`Transport::reflected`] adds up the light, the Jacobian (module [`crate::jacobian`]) also how
-//! it changes.
+//! ```text
+//! L(wo) = E(wo) + integral f(wo, wi) L(wi) cos_i dwi
+//! ```
+//!
+//! The integral is estimated by one light sample and one direction drawn from the BRDF, along which
+//! the path continues. Light that both strategies can find is weighted by their densities. Perfect
+//! mirrors take no light samples. Paths end by Russian roulette, at [`MAX_BOUNCES`], or at a surface
+//! whose radiance the image-based cache knows ([`crate::radiance_cache`]).
+//!
+//! One function traces all paths, `Transport::trace`. It reports the events of a path to a
+//! `PathObserver`: `RadianceSum` adds up the radiance, and the tape of [`crate::jacobian`]
+//! differentiates it.
 
-use crate::accel::{self, Between, Bundle, Ray};
+use crate::accel::{self, Bundle, Occluders, Ray};
+use crate::appearance::{Appearance, LightSource, SourceLayout};
 use crate::bsdf::{Bsdf, BsdfSample, Specular};
-use crate::caustic::{self, Images, Shiny};
 use crate::emitters::LightSample;
+use crate::guiding::{self, GlossyPair, VmfMixture};
+use crate::radiance_cache::CacheLookup;
 use crate::sampler::Sampler;
-use crate::seen::Lookup;
 use crate::surface::{Frame, Surface};
-use crate::tracer::{Appearance, Tracer};
+use crate::tracer::Tracer;
 use glam::Vec3;
 use unrender_scene::Rgb;
 
-/// Paths longer than this end; in a closed room that reflects 95 % they carry e^-25 of the light.
+/// The longest path. In a closed room of reflectance 0.95 the light beyond is e^-25 of the total, below
+/// single precision; with half of it e^-13, with double of it a bug would take twice as long to end.
 pub const MAX_BOUNCES: u32 = 500;
-/// From this bounce on, paths that carry little light end at random.
+/// Russian roulette starts at this bounce. Earlier it ends paths that carry most of the light; later
+/// dim paths cost time.
 const ROULETTE_FROM: u32 = 3;
-/// Little is less than this: those that go on are then no brighter than most, which would be noise.
-/// (In a closed room, at equal time, the variance is 0.7 of what it is with 1.)
-const LITTLE: f32 = 0.2;
-/// A path survives a bounce with this probability at most, so that none lives for ever.
+/// Russian roulette ends paths whose throughput is below this, so that survivors are no brighter than
+/// most paths. In a closed room, at equal time, the variance is 0.7 of that with the threshold 1.
+const ROULETTE_THROUGHPUT: f32 = 0.2;
+/// The largest probability of surviving a bounce. It bounds the mean length of paths at reflectance
+/// one, 50 bounces; at 0.96 it would end bright paths, at 0.99 they would be twice as long.
 const SURVIVAL_MAX: f32 = 0.98;
+/// Shadow rays end at this share of the distance to the light, so that they do not hit the light
+/// itself: about 170 units in the last place. With half of it large lamps may occlude themselves, with
+/// double of it thin objects directly before a lamp are missed.
+const SHADOW_LENGTH: f32 = 1.0 - 1e-5;
 
-/// A surface on a path, with all that scatters light there.
+/// The BRDF at a surface and its frame.
+pub struct LocalBsdf {
+    /// The BRDF.
+    pub bsdf: Bsdf<'static>,
+    /// The anisotropy frame, in which its directions are given.
+    pub frame: Frame,
+}
+
+/// A vertex of a path: a surface and its BRDF.
 #[derive(Clone, Copy)]
 pub(crate) struct Vertex<'a> {
     pub(crate) surface: &'a Surface,
-    /// The reflectance that directions are drawn from.
+    /// The BRDF that directions are drawn from.
     pub(crate) bsdf: &'a Bsdf<'a>,
-    /// Its brushed frame, in which `wo` and all other directions of the vertex are given.
+    /// Its anisotropy frame, in which `wo` and all other directions at the vertex are given.
     pub(crate) frame: &'a Frame,
     /// Unit vector back along the path.
     pub(crate) wo: Vec3,
 }
 
-/// What a path meets is told to a ledger, in the path's order. `throughput` is the share of the
-/// light from there that the camera sees, by the appearance that directions are drawn from.
-pub(crate) trait Ledger {
-    /// The path stands at a surface that reflects.
-    fn arrive(&mut self, at: &Vertex<'_>);
-
-    /// `light` arrives there unhindered from `wi`; `f_cos` is the reflectance times the cosine,
-    /// `share` what light samples have to account for of light that both strategies find.
-    fn direct(
-        &mut self,
-        throughput: Rgb,
-        at: &Vertex<'_>,
-        wi: Vec3,
-        f_cos: Rgb,
-        light: &LightSample,
-        share: f32,
-    );
-
-    /// The path goes on in the direction of `sample`, which it did with the probability `survival`.
-    fn bounce(&mut self, at: &Vertex<'_>, sample: &BsdfSample, survival: f32);
-
-    /// The ray meets the source `source` (a surface or the environment), which emits `radiance` in the scene as it is; `share` is
-    /// what rays have to account for.
-    fn emission(&mut self, throughput: Rgb, source: u32, radiance: Rgb, share: f32);
-
-    /// The path ends at a surface of known radiance.
-    fn known(&mut self, throughput: Rgb, radiance: Rgb);
+/// Light from a light sample that is not occluded.
+pub(crate) struct DirectLight<'a> {
+    /// Unit vector towards the light, in the frame of the vertex.
+    pub(crate) wi: Vec3,
+    /// The BRDF times the cosine.
+    pub(crate) f_cos: Rgb,
+    pub(crate) sample: &'a LightSample,
+    /// The weight of multiple importance sampling.
+    pub(crate) mis: f32,
 }
 
-/// The ledger that adds up radiance.
-pub(crate) struct Sum<'a> {
-    appearance: Appearance<'a>,
+/// Emission in a direction, in the scene as it is ([`Appearance::lights`] not applied).
+pub(crate) struct Emission {
+    pub(crate) source: LightSource,
     pub(crate) radiance: Rgb,
 }
 
-impl<'a> Sum<'a> {
-    pub(crate) fn new(appearance: Appearance<'a>) -> Self {
-        Self { appearance, radiance: Rgb::ZERO }
+/// Receives the events of a path, in the order of the path. `throughput` is the product of BRDFs and
+/// cosines over densities from the camera up to the event, under the appearance that directions are
+/// drawn from.
+pub(crate) trait PathObserver {
+    /// The path arrives at a vertex that reflects.
+    fn record_vertex(&mut self, at: &Vertex<'_>);
+
+    /// A light sample contributes at the vertex.
+    fn record_direct(&mut self, throughput: Rgb, at: &Vertex<'_>, light: &DirectLight<'_>);
+
+    /// The path continues in the direction of `sample`, having survived Russian roulette with the
+    /// probability `survival`.
+    fn record_bounce(&mut self, at: &Vertex<'_>, sample: &BsdfSample, survival: f32);
+
+    /// The path's ray hits something that emits. `mis` is the weight of multiple importance sampling.
+    fn record_emission(&mut self, throughput: Rgb, emission: &Emission, mis: f32);
+
+    /// The path ends at a surface whose reflected radiance is in the cache.
+    fn record_cache_hit(&mut self, throughput: Rgb, radiance: Rgb);
+}
+
+/// The observer that adds up radiance.
+pub(crate) struct RadianceSum<'a> {
+    appearance: Appearance<'a>,
+    layout: SourceLayout,
+    pub(crate) radiance: Rgb,
+}
+
+impl<'a> RadianceSum<'a> {
+    pub(crate) fn new(transport: &Transport<'a>) -> Self {
+        let layout = transport.tracer.emitters.layout();
+        Self { appearance: transport.appearance, layout, radiance: Rgb::ZERO }
+    }
+
+    #[inline]
+    fn brightness(&self, source: LightSource) -> Rgb {
+        self.appearance.light(self.layout.index(source))
     }
 }
 
-impl Ledger for Sum<'_> {
+impl PathObserver for RadianceSum<'_> {
     #[inline]
-    fn arrive(&mut self, _: &Vertex<'_>) {}
+    fn record_vertex(&mut self, _: &Vertex<'_>) {}
 
     #[inline]
-    fn direct(
-        &mut self,
-        throughput: Rgb,
-        _: &Vertex<'_>,
-        _: Vec3,
-        f_cos: Rgb,
-        light: &LightSample,
-        share: f32,
-    ) {
-        let factor = self.appearance.light(light.source);
-        self.radiance += throughput * (f_cos * light.weight * factor * share);
+    fn record_direct(&mut self, throughput: Rgb, _: &Vertex<'_>, light: &DirectLight<'_>) {
+        let factor = self.brightness(light.sample.source);
+        self.radiance += throughput * (light.f_cos * light.sample.weight * factor * light.mis);
     }
 
     #[inline]
-    fn bounce(&mut self, _: &Vertex<'_>, _: &BsdfSample, _: f32) {}
+    fn record_bounce(&mut self, _: &Vertex<'_>, _: &BsdfSample, _: f32) {}
 
     #[inline]
-    fn emission(&mut self, throughput: Rgb, source: u32, radiance: Rgb, share: f32) {
-        self.radiance += throughput * (radiance * self.appearance.light(source)) * share;
+    fn record_emission(&mut self, throughput: Rgb, emission: &Emission, mis: f32) {
+        let factor = self.brightness(emission.source);
+        self.radiance += throughput * (emission.radiance * factor) * mis;
     }
 
     #[inline]
-    fn known(&mut self, throughput: Rgb, radiance: Rgb) {
+    fn record_cache_hit(&mut self, throughput: Rgb, radiance: Rgb) {
         self.radiance += throughput * radiance;
     }
 }
 
-/// What a path meets: a surface, or the environment.
-pub(crate) struct Met {
+/// What a ray hits: a surface, or the environment.
+pub(crate) struct RayHit {
     pub(crate) surface: Option<Surface>,
-    /// What emits there, and its radiance in the scene as it is.
-    pub(crate) source: u32,
-    pub(crate) emission: Rgb,
-    /// The density over solid angle with which light samples find it; zero if it is no light.
+    pub(crate) emission: Emission,
+    /// The density over solid angle with which light samples draw this direction; zero if nothing
+    /// emits there.
     pub(crate) light_pdf: f32,
 }
 
-impl Met {
-    /// Tells `ledger` of the light that was met in a direction drawn with the density `pdf`, where
-    /// `lights` light samples were taken.
+impl RayHit {
+    /// Reports the emission to `observer`. The direction was drawn with the density `pdf`, beside
+    /// `lights` light samples.
     #[inline]
-    pub(crate) fn tell(&self, throughput: Rgb, pdf: f32, lights: u32, ledger: &mut impl Ledger) {
-        if self.emission != Rgb::ZERO {
-            let found = pdf / (pdf + lights as f32 * self.light_pdf);
-            let share = if pdf.is_finite() { found } else { 1.0 };
-            ledger.emission(throughput, self.source, self.emission, share);
+    pub(crate) fn record_emission(
+        &self,
+        throughput: Rgb,
+        pdf: f32,
+        lights: u32,
+        observer: &mut impl PathObserver,
+    ) {
+        if self.emission.radiance != Rgb::ZERO {
+            let balance = pdf / (pdf + lights as f32 * self.light_pdf);
+            let mis = if pdf.is_finite() { balance } else { 1.0 };
+            observer.record_emission(throughput, &self.emission, mis);
         }
     }
+}
+
+/// A light sample that is not occluded, for any BRDF.
+pub struct VisibleLight {
+    /// Unit vector towards the light, world space.
+    pub wi: Vec3,
+    /// Radiance over density, or of a punctual light irradiance over probability.
+    pub weight: Rgb,
+    /// The density over solid angle; none for punctual lights.
+    pub pdf: Option<f32>,
 }
 
 /// The light transport of one scene under one appearance.
@@ -145,24 +191,25 @@ pub struct Transport<'a> {
     tracer: &'a Tracer,
     appearance: Appearance<'a>,
     max_bounces: u32,
-    seen: Option<Lookup<'a>>,
-    shiny: Vec<Shiny>,
+    cache: Option<CacheLookup<'a>>,
+    /// The pairs of a glossy plane and a lamp that guide sampling.
+    glossy_pairs: Vec<GlossyPair>,
 }
 
 impl<'a> Transport<'a> {
     /// Transport with at most `max_bounces` reflections along a path; one means direct light only.
     ///
     /// # Panics
-    /// Later, if the appearance has fewer materials than groups.
+    /// Later, if the appearance has fewer materials than the scene has groups.
     pub fn new(tracer: &'a Tracer, appearance: Appearance<'a>, max_bounces: u32) -> Self {
-        let shiny = tracer.caustics.shiny(&appearance);
-        Self { tracer, appearance, max_bounces, seen: None, shiny }
+        let glossy_pairs = tracer.guide.pairs(&appearance);
+        Self { tracer, appearance, max_bounces, cache: None, glossy_pairs }
     }
 
-    /// The same transport, but paths end where `seen` knows the radiance; never at the surface of
-    /// the reflection number zero, which the camera itself looks at.
-    pub fn ending_at(self, seen: Option<Lookup<'a>>) -> Self {
-        Self { seen, ..self }
+    /// The same transport with paths that end at surfaces whose radiance is in `cache`, except at the
+    /// first vertex, which the camera itself sees.
+    pub fn with_cache(self, cache: Option<CacheLookup<'a>>) -> Self {
+        Self { cache, ..self }
     }
 
     /// The nearest surface along the ray.
@@ -170,95 +217,107 @@ impl<'a> Transport<'a> {
         self.tracer.surface(ray)
     }
 
-    /// A ray that leaves `surface` along `wi` without meeting it again.
+    /// A ray that leaves `surface` along `wi` without hitting it again.
     pub fn leave(surface: &Surface, wi: Vec3) -> Ray {
         Ray::new(accel::offset(surface.point, surface.geometric_normal), wi)
     }
 
-    /// The radiance that `surface` emits to its viewer: from the front only.
+    /// The radiance that `surface` emits towards the side from which it was hit: from its front only.
     pub fn emitted(&self, surface: &Surface) -> Rgb {
-        self.emission(surface) * self.appearance.light(surface.group)
+        self.scaled(&self.emission(surface))
     }
 
-    /// What `surface` emits in the scene as it is.
-    pub(crate) fn emission(&self, surface: &Surface) -> Rgb {
-        if surface.front { self.tracer.emitters.radiance(surface.triangle) } else { Rgb::ZERO }
+    /// The emission of `surface` in the scene as it is.
+    pub(crate) fn emission(&self, surface: &Surface) -> Emission {
+        let front = surface.front;
+        let radiance =
+            if front { self.tracer.emitters.radiance(surface.triangle) } else { Rgb::ZERO };
+        Emission { source: LightSource::Group(surface.group), radiance }
     }
 
-    /// The radiance that arrives along `wi` (world space) from the environment; zero without one.
+    /// The radiance that arrives from the environment along `wi` (world space); zero without one.
     pub fn environment(&self, wi: Vec3) -> Rgb {
-        let (source, radiance) = self.background(wi);
-        radiance * self.appearance.light(source)
+        self.scaled(&self.background(wi))
     }
 
-    /// The source behind all surfaces and what comes from it along `wi` in the scene as it is.
-    pub(crate) fn background(&self, wi: Vec3) -> (u32, Rgb) {
-        let emitters = &self.tracer.emitters;
-        (emitters.environment_source(), emitters.environment(wi))
+    /// The emission of the environment along `wi` in the scene as it is.
+    pub(crate) fn background(&self, wi: Vec3) -> Emission {
+        let radiance = self.tracer.emitters.environment(wi);
+        Emission { source: LightSource::Environment, radiance }
     }
 
-    /// The reflectance at `surface` and the brushed frame that it lives in.
-    // Out of line, as the compiler would have it with several callers, pictures take 2 % longer.
+    /// The radiance of an emission under the appearance.
+    pub(crate) fn scaled(&self, emission: &Emission) -> Rgb {
+        emission.radiance * self.brightness(emission.source)
+    }
+
+    /// The factor of the appearance on the emission of `source`.
+    pub(crate) fn brightness(&self, source: LightSource) -> Rgb {
+        self.appearance.light(self.tracer.emitters.layout().index(source))
+    }
+
+    /// The BRDF at `surface`.
+    // Not inlined, as the compiler decides where there are several callers, pictures take 2 % longer.
     #[inline(always)]
-    pub fn bsdf(&self, surface: &Surface) -> (Bsdf<'static>, Frame) {
+    pub fn bsdf(&self, surface: &Surface) -> LocalBsdf {
         let material = &self.appearance.materials[surface.group as usize];
         let bsdf = Bsdf::new(material, material.rho_d_at(surface.uv), self.tracer.model);
-        (bsdf, surface.frame.brushed(material.theta_rad))
+        LocalBsdf { bsdf, frame: surface.frame.rotated(material.theta_rad) }
     }
 
-    /// All radiance that arrives along the ray. Counts the first surface's reflection as the
-    /// reflection number `bounce`, from zero.
+    /// The radiance that arrives along the ray. The reflection at the first surface counts as the
+    /// bounce number `bounce`, from zero.
     pub fn radiance(&self, ray: &Ray, sampler: &mut Sampler, bounce: u32) -> Rgb {
         let Some(surface) = self.surface(ray) else { return self.environment(ray.direction) };
         self.emitted(&surface) + self.reflected(surface, -ray.direction, sampler, bounce)
     }
 
-    /// The radiance that `surface` reflects into `wo` (world space), emission left out.
+    /// The radiance that `surface` reflects into `wo` (world space), without its emission.
     pub fn reflected(&self, surface: Surface, wo: Vec3, sampler: &mut Sampler, bounce: u32) -> Rgb {
-        let mut sum = Sum::new(self.appearance);
-        self.walk(surface, wo, sampler, bounce, &mut sum);
+        let mut sum = RadianceSum::new(self);
+        self.trace(surface, wo, sampler, bounce, &mut sum);
         sum.radiance
     }
 
-    /// Walks a path on from `surface`, seen from `wo` (world space), and tells `ledger` what it
-    /// meets.
+    /// Traces a path that starts at `surface` and leaves it into `wo` (world space), and reports its
+    /// events to `observer`.
     #[inline]
-    pub(crate) fn walk(
+    pub(crate) fn trace(
         &self,
         mut surface: Surface,
         mut wo: Vec3,
         sampler: &mut Sampler,
         bounce: u32,
-        ledger: &mut impl Ledger,
+        observer: &mut impl PathObserver,
     ) {
         let mut throughput = Rgb::ONE;
         for bounce in bounce..self.max_bounces {
-            if let Some(known) = self.known(&surface, bounce) {
-                ledger.known(throughput, known);
+            if let Some(radiance) = self.cached(&surface, bounce) {
+                observer.record_cache_hit(throughput, radiance);
                 break;
             }
-            let (bsdf, frame) = self.bsdf(&surface);
+            let LocalBsdf { bsdf, frame } = self.bsdf(&surface);
             if bsdf.is_black() {
                 break;
             }
-            let images;
-            let bsdf = if self.looks_for_images(&bsdf, bounce) {
-                images = Images::seen_from(&surface, &frame, &self.shiny, bounce);
-                bsdf.looking_at(&images)
+            let guide;
+            let bsdf = if self.is_guided(&bsdf, bounce) {
+                guide = guiding::mixture(&surface, &frame, &self.glossy_pairs, bounce);
+                bsdf.guided_by(&guide)
             } else {
                 bsdf
             };
             let wo_local = frame.local_from_world(wo);
             let at = Vertex { surface: &surface, bsdf: &bsdf, frame: &frame, wo: wo_local };
-            ledger.arrive(&at);
+            observer.record_vertex(&at);
 
-            // Light that comes straight from an emitter.
+            // Next-event estimation.
             let [pick, u, v, _] = sampler.next4();
             if !bsdf.is_pure_mirror() {
-                self.direct(throughput, &at, [pick, u, v], 1, ledger);
+                self.sample_light(throughput, &at, [pick, u, v], 1, observer);
             }
 
-            // Light from the direction in which the path goes on.
+            // The next direction.
             let [lobe, u, v, survival] = sampler.next4();
             let Some(sample) = bsdf.sample(wo_local, [lobe, u, v]) else { break };
             let wi = frame.world_from_local(sample.wi);
@@ -267,88 +326,82 @@ impl<'a> Transport<'a> {
             }
             throughput *= sample.weight;
 
-            // Possibly end the path.
+            // Russian roulette.
             let mut probability = 1.0;
             if bounce >= ROULETTE_FROM {
-                probability = (throughput.max_element() / LITTLE).min(SURVIVAL_MAX);
+                probability = (throughput.max_element() / ROULETTE_THROUGHPUT).min(SURVIVAL_MAX);
                 if survival >= probability {
                     break;
                 }
                 throughput /= probability;
             }
-            ledger.bounce(&at, &sample, probability);
+            observer.record_bounce(&at, &sample, probability);
 
-            let met = self.meet(&surface, wi);
-            met.tell(throughput, sample.pdf, 1, ledger);
-            let Some(next) = met.surface else { break };
+            let hit = self.hit(&surface, wi);
+            hit.record_emission(throughput, sample.pdf, 1, observer);
+            let Some(next) = hit.surface else { break };
             (surface, wo) = (next, -wi);
         }
     }
 
-    /// What a path meets that leaves `from` along `wi`.
+    /// What the ray from `from` along `wi` hits.
     #[inline]
-    pub(crate) fn meet(&self, from: &Surface, wi: Vec3) -> Met {
+    pub(crate) fn hit(&self, from: &Surface, wi: Vec3) -> RayHit {
         let surface = self.surface(&Self::leave(from, wi));
-        let (source, emission) = match &surface {
-            Some(surface) => (surface.group, self.emission(surface)),
+        let emission = match &surface {
+            Some(surface) => self.emission(surface),
             None => self.background(wi),
         };
         let light_pdf = match &surface {
-            _ if emission == Rgb::ZERO => 0.0,
+            _ if emission.radiance == Rgb::ZERO => 0.0,
             Some(surface) => self.light_pdf(from, surface, wi),
             None => self.environment_pdf(from, wi),
         };
-        Met { surface, source, emission, light_pdf }
+        RayHit { surface, emission, light_pdf }
     }
 
-    /// Whether a reflectance met at the reflection number `bounce` is sampled towards images.
+    /// Whether the sampling of a BRDF at the bounce number `bounce` is guided.
     #[inline]
-    fn looks_for_images(&self, bsdf: &Bsdf<'_>, bounce: u32) -> bool {
-        !self.shiny.is_empty() && bounce < caustic::BOUNCES && bsdf.rho_d.max_element() > 0.0
+    fn is_guided(&self, bsdf: &Bsdf<'_>, bounce: u32) -> bool {
+        !self.glossy_pairs.is_empty() && bounce < guiding::BOUNCES && bsdf.rho_d.max_element() > 0.0
     }
 
-    /// Where the reflectance at the surface of the reflection number `bounce` looks for light.
-    pub(crate) fn images(
+    /// The mixture that guides the sampling of a BRDF at the bounce number `bounce`.
+    pub(crate) fn guide(
         &self,
-        bsdf: &Bsdf<'_>,
+        LocalBsdf { bsdf, frame }: &LocalBsdf,
         surface: &Surface,
-        frame: &Frame,
         bounce: u32,
-    ) -> Images {
-        if self.looks_for_images(bsdf, bounce) {
-            Images::seen_from(surface, frame, &self.shiny, bounce)
+    ) -> VmfMixture {
+        if self.is_guided(bsdf, bounce) {
+            guiding::mixture(surface, frame, &self.glossy_pairs, bounce)
         } else {
-            Images::NONE
+            VmfMixture::NONE
         }
     }
 
-    /// Whether paths may have a reflection number `bounce`, from zero.
+    /// Whether paths may have a bounce number `bounce`, from zero.
     pub(crate) fn reflects(&self, bounce: u32) -> bool {
         bounce < self.max_bounces
     }
 
-    /// Whether light comes from several places, among which light samples choose.
+    /// Whether light samples choose among several pools of lights.
     pub(crate) fn has_several_lights(&self) -> bool {
         self.tracer.emitters.are_several()
     }
 
-    /// Whether nothing of `surface` is a perfect mirror.
-    pub(crate) fn is_smooth(&self, surface: &Surface) -> bool {
-        self.bsdf(surface).0.specular != Specular::Mirror
+    /// Whether no part of the BRDF of `surface` is a perfect mirror.
+    pub(crate) fn is_not_specular(&self, surface: &Surface) -> bool {
+        self.bsdf(surface).bsdf.specular != Specular::Mirror
     }
 
-    /// What is assumed of the scene.
-    pub(crate) fn appearance(&self) -> Appearance<'a> {
-        self.appearance
-    }
-
-    /// The radiance of `surface` if the cache knows it.
+    /// The radiance of `surface` from the cache.
     #[inline]
-    fn known(&self, surface: &Surface, bounce: u32) -> Option<Rgb> {
-        self.seen.filter(|_| bounce > 0).and_then(|seen| seen.radiance(surface))
+    fn cached(&self, surface: &Surface, bounce: u32) -> Option<Rgb> {
+        self.cache.filter(|_| bounce > 0).and_then(|cache| cache.radiance(surface))
     }
 
-    /// The density over solid angle with which light samples at `from` find `emitter` along `wi`.
+    /// The density over solid angle with which light samples at `from` draw `emitter` along `wi`.
     pub fn light_pdf(&self, from: &Surface, emitter: &Surface, wi: Vec3) -> f32 {
         let distance = (emitter.point - from.point).length();
         let cos = -wi.dot(self.tracer.front_normal(emitter.triangle));
@@ -356,22 +409,23 @@ impl<'a> Transport<'a> {
         self.tracer.emitters.pdf(origin, emitter.triangle, distance, cos)
     }
 
-    /// The density over solid angle with which light samples at `from` find the environment along
+    /// The density over solid angle with which light samples at `from` draw the environment along
     /// `wi`.
     pub fn environment_pdf(&self, from: &Surface, wi: Vec3) -> f32 {
         let origin = accel::offset(from.point, from.geometric_normal);
         self.tracer.emitters.environment_pdf(origin, wi)
     }
 
-    /// One of `count` light samples, weighted against what the reflectance's own sampling finds.
+    /// Takes one of `count` light samples at a vertex, weighted by the balance heuristic against one
+    /// sample of the BRDF, and reports it to `observer` if it contributes.
     #[inline]
-    pub(crate) fn direct(
+    pub(crate) fn sample_light(
         &self,
         throughput: Rgb,
         at: &Vertex<'_>,
         u: [f32; 3],
         count: u32,
-        ledger: &mut impl Ledger,
+        observer: &mut impl PathObserver,
     ) {
         let origin = accel::offset(at.surface.point, at.surface.geometric_normal);
         let Some(light) = self.tracer.emitters.sample(origin, u) else { return };
@@ -379,49 +433,48 @@ impl<'a> Transport<'a> {
             return;
         }
         let wi = at.frame.local_from_world(light.wi);
-        let (f, found) = at.bsdf.value_and_pdf(at.wo, wi);
+        let (f, bsdf_pdf) = at.bsdf.value_and_pdf(at.wo, wi);
         let f_cos = f * wi.z;
-        if f_cos.max_element() <= 0.0 || !self.is_free(origin, light.wi, light.distance) {
+        if f_cos.max_element() <= 0.0 || !self.is_visible(origin, light.wi, light.distance) {
             return;
         }
         let count = count as f32;
-        let share = match light.pdf {
-            Some(pdf) => pdf / (count * pdf + found),
+        let mis = match light.pdf {
+            Some(pdf) => pdf / (count * pdf + bsdf_pdf),
             None => 1.0 / count,
         };
-        ledger.direct(throughput, at, wi, f_cos, &light, share);
+        observer.record_direct(throughput, at, &DirectLight { wi, f_cos, sample: &light, mis });
     }
 
-    /// Whether nothing stands between `origin` and a light at `distance` along `wi`.
-    pub(crate) fn is_free(&self, origin: Vec3, wi: Vec3, distance: f32) -> bool {
-        let t_max = distance * (1.0 - 1e-5);
+    /// Whether nothing occludes a light at `distance` along `wi` from `origin`.
+    pub(crate) fn is_visible(&self, origin: Vec3, wi: Vec3, distance: f32) -> bool {
+        let t_max = distance * SHADOW_LENGTH;
         !self.tracer.accel.occluded(&Ray { origin, direction: wi, t_max })
     }
 
-    /// What may stand between `apex` and the points of `bundle`.
-    pub(crate) fn between(&self, apex: Vec3, bundle: &Bundle) -> Between {
-        self.tracer.accel.between(apex, bundle)
+    /// The triangles that may occlude the segments between `apex` and the points of `bundle`.
+    pub(crate) fn occluders(&self, apex: Vec3, bundle: &Bundle) -> Occluders {
+        self.tracer.accel.occluders(apex, bundle)
     }
 
-    /// [`Transport::is_free`] where it is known what may stand `between`.
-    pub(crate) fn is_free_among(
+    /// [`Transport::is_visible`] where the possible `occluders` are known.
+    pub(crate) fn is_visible_among(
         &self,
-        between: &Between,
+        occluders: &Occluders,
         origin: Vec3,
         wi: Vec3,
         distance: f32,
     ) -> bool {
-        let t_max = distance * (1.0 - 1e-5);
-        !self.tracer.accel.occluded_among(between, &Ray { origin, direction: wi, t_max })
+        let t_max = distance * SHADOW_LENGTH;
+        !self.tracer.accel.occluded_among(occluders, &Ray { origin, direction: wi, t_max })
     }
 
-    /// A light sample at a surface for any reflectance: the direction, its weight (radiance over
-    /// density, or irradiance over probability), and its density if other rays can find the light.
-    pub fn visible_light(&self, at: &Surface, u: [f32; 3]) -> Option<(Vec3, Rgb, Option<f32>)> {
+    /// A light sample at a surface for any BRDF; none if it is occluded.
+    pub fn visible_light(&self, at: &Surface, u: [f32; 3]) -> Option<VisibleLight> {
         let origin = accel::offset(at.point, at.geometric_normal);
         let light = self.tracer.emitters.sample(origin, u)?;
-        let seen = at.is_above(light.wi) && self.is_free(origin, light.wi, light.distance);
-        let weight = light.weight * self.appearance.light(light.source);
-        seen.then_some((light.wi, weight, light.pdf))
+        let visible = at.is_above(light.wi) && self.is_visible(origin, light.wi, light.distance);
+        let weight = light.weight * self.brightness(light.source);
+        visible.then_some(VisibleLight { wi: light.wi, weight, pdf: light.pdf })
     }
 }

@@ -1,51 +1,56 @@
-//! The light that arrives at the surfaces behind given pixels: trace once, solve many.
+//! Probes: the incident light at the surfaces behind given pixels, traced once, for any reflectance.
 //!
-//! At a surface point seen from `wo`, radiance is linear in the reflectances:
-//! `L(wo) = E + rho_d D + rho_s S`, with
-//! `D = 1/pi integral L(wi) cos_i dwi` and `S = integral w(wo, wi) L(wi) cos_i dwi`, and for a
-//! perfect mirror `S = M`, the radiance from the mirror direction. A probe holds `E`, `D`, `M` and
-//! a set of incident samples `(wi, L cos_i / density)`, so that `S` for any roughness and brushed
-//! direction is a sum over them (design, section 5: "trace once, solve many").
+//! At a surface point the radiance towards `wo` is linear in the reflectances,
 //!
-//! The samples come from a mixture: the cosine, half-vector lobes of the asked widths, and light
-//! samples. Each is weighted by one over the sum of all densities times their counts (the
-//! multi-sample balance heuristic [Veach 1997, section 9.2]), so the sum is unbiased for every
-//! lobe, and of low variance for lobes like those of the mixture.
+//! ```text
+//! L(wo) = E + rho_d D + rho_s S
+//! D = 1/pi integral L(wi) cos_i dwi,     S = integral w(wo, wi) L(wi) cos_i dwi
+//! ```
+//!
+//! and for a perfect mirror `S = M`, the radiance from the mirror direction. A probe holds `E`, `D`,
+//! `M` and a set of incident samples `(wi, L cos_i / density)`; `S` for any roughness and anisotropy
+//! direction is a sum over them.
+//!
+//! The samples come from a mixture: the cosine, half-vector lobes of given roughnesses, and light
+//! samples. Each is weighted by one over the sum of all densities times their numbers, the multi-sample
+//! balance heuristic [Veach 1997, section 9.2]. So the sum is unbiased for every lobe, and its variance
+//! is low for lobes like those of the mixture.
 
 use crate::accel::Ray;
+use crate::appearance::Appearance;
 use crate::bsdf::lobe::GlossyLobe;
 use crate::bsdf::{lambert, mirror};
-use crate::film::camera_ray;
-use crate::path::{MAX_BOUNCES, Transport};
+use crate::camera_sample::camera_ray;
+use crate::path::{MAX_BOUNCES, Transport, VisibleLight};
+use crate::radiance_cache::CacheLookup;
 use crate::sampler::Sampler;
-use crate::seen::Lookup;
 use crate::surface::Surface;
-use crate::tracer::{Appearance, Tracer};
+use crate::tracer::Tracer;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
 use unrender_scene::{Camera, Material, Rgb};
 
-/// What to gather at each pixel.
+/// The sampling of the probes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProbeSettings {
-    /// Camera rays a pixel; each becomes one probe.
+    /// Camera rays per pixel; each becomes one probe.
     pub probes_per_pixel: u32,
-    /// Directions by the cosine, and as many light samples, for each probe.
+    /// Directions by the cosine, and as many light samples, per probe.
     pub cosine: u32,
-    /// Directions for each of `lobes`, for each probe.
+    /// Directions for each of `lobes`, per probe.
     pub per_lobe: u32,
-    /// Half-vector lobes to draw directions from, in the tangent frame.
+    /// Half-vector lobes to draw directions from.
     pub lobes: Vec<ProposalLobe>,
-    /// Whether to trace the mirror direction too.
+    /// Whether to trace the mirror direction, too.
     pub mirror: bool,
     /// Whether to keep the incident samples, or only their sum `D`.
     pub keep_incident: bool,
-    /// Whether rays go on through perfect mirrors, to what is seen in them.
+    /// Whether camera rays continue at perfect mirrors, so that the probe lies on the reflected surface.
     pub through_mirrors: bool,
-    /// Another seed, another noise.
+    /// The seed of the random numbers; the same seed gives the same bits.
     pub seed: u64,
-    /// Reflections along a path at most.
+    /// Most reflections along a path.
     pub max_bounces: u32,
 }
 
@@ -65,14 +70,14 @@ impl Default for ProbeSettings {
     }
 }
 
-/// A lobe to draw directions from: roughnesses and the angle of the first from the tangent.
+/// A lobe to draw directions from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProposalLobe {
-    /// Roughness along the direction.
+    /// Roughness along the anisotropy direction.
     pub alpha_x: f32,
     /// Roughness across it.
     pub alpha_y: f32,
-    /// The direction's angle from the tangent, radians.
+    /// The angle of the anisotropy direction from the tangent, radians.
     pub theta_rad: f32,
 }
 
@@ -83,27 +88,27 @@ pub struct Probe {
     pub pixel: u32,
     /// The group of the surface.
     pub group: u32,
-    /// What is left of the radiance on its way to the camera: below one behind a mirror.
+    /// The throughput from the surface to the camera: below one where the path has mirrors.
     pub throughput: Rgb,
-    /// Unit vector to the viewer, in the tangent frame.
+    /// Unit vector towards the camera (or the mirror before it), in the tangent frame.
     pub wo: Vec3,
     /// The surface point in world space, metres.
     pub point: Vec3,
-    /// Radiance that the surface emits.
+    /// `E`: the radiance that the surface emits.
     pub emitted: Rgb,
     /// `D`: the radiance of a white diffuse surface.
     pub diffuse: Rgb,
     /// `M`: the radiance of a perfect mirror; zero if not asked for.
     pub mirror: Rgb,
-    /// What stands in the mirror direction, if that was asked for and there is something.
+    /// The surface in the mirror direction, if asked for and present.
     pub mirrored: Option<Mirrored>,
-    /// Where its samples start in [`Probes::incident`].
+    /// The index of its first sample in [`Probes::incident`].
     pub first: u32,
-    /// How many there are.
+    /// The number of its samples.
     pub count: u32,
 }
 
-/// The surface that a perfect mirror would show.
+/// The surface that a perfect mirror would reflect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mirrored {
     /// The object's index in the scene.
@@ -112,21 +117,21 @@ pub struct Mirrored {
     pub point: Vec3,
 }
 
-/// Light from one direction.
+/// An incident light sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Incident {
-    /// Unit vector to where the light comes from, in the tangent frame.
+    /// Unit vector towards the light's origin, in the tangent frame.
     pub wi: Vec3,
     /// `L cos_i` over the density: the sample's share of the irradiance, W m^-2.
     pub irradiance: Rgb,
 }
 
-/// Probes in the order of the pixels asked for.
+/// The probes of some pixels, in the order of the pixels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Probes {
-    /// One for each camera ray that met a surface.
+    /// One per camera ray that hit a surface.
     pub probes: Vec<Probe>,
-    /// The incident samples of all probes, one behind the other.
+    /// The incident samples of all probes, concatenated.
     pub incident: Vec<Incident>,
 }
 
@@ -137,11 +142,12 @@ impl Probes {
     }
 }
 
+/// Pixels per parallel task. A probe traces hundreds of rays, so tasks are smaller than in pictures.
 const CHUNK: usize = 64;
 
 impl Tracer {
-    /// Gathers the light at the surfaces behind `pixels` (indices into a picture of `size`); paths
-    /// end where `seen` knows the radiance.
+    /// The probes at the surfaces behind `pixels` (indices into a picture of `size`). Paths end at
+    /// surfaces whose radiance is in `cache`.
     pub fn probe<'a>(
         &self,
         appearance: impl Into<Appearance<'a>>,
@@ -149,56 +155,83 @@ impl Tracer {
         size: (usize, usize),
         pixels: &[u32],
         settings: &ProbeSettings,
-        seen: Option<Lookup<'_>>,
+        cache: Option<CacheLookup<'_>>,
     ) -> Probes {
         let appearance = appearance.into();
-        let gatherer = Gatherer::new(self, appearance, settings, seen);
-        let parts: Vec<Probes> = pixels
+        let gatherer = Gatherer::new(self, appearance, settings, cache);
+        let chunks: Vec<Probes> = pixels
             .par_chunks(CHUNK)
             .map(|chunk| {
-                let mut part = Probes::default();
+                let mut probes = Probes::default();
                 for &pixel in chunk {
                     for index in 0..settings.probes_per_pixel {
-                        gatherer.probe(camera, size, pixel, index, &mut part);
+                        gatherer.probe(camera, size, pixel, index, &mut probes);
                     }
                 }
-                part
+                probes
             })
             .collect();
-        concatenate(parts)
+        concatenate(chunks)
     }
 }
 
-fn concatenate(parts: Vec<Probes>) -> Probes {
+fn concatenate(chunks: Vec<Probes>) -> Probes {
     let mut all = Probes {
-        probes: Vec::with_capacity(parts.iter().map(|p| p.probes.len()).sum()),
-        incident: Vec::with_capacity(parts.iter().map(|p| p.incident.len()).sum()),
+        probes: Vec::with_capacity(chunks.iter().map(|p| p.probes.len()).sum()),
+        incident: Vec::with_capacity(chunks.iter().map(|p| p.incident.len()).sum()),
     };
-    for part in parts {
+    for chunk in chunks {
         let shift = all.incident.len() as u32;
-        all.probes.extend(part.probes.into_iter().map(|p| Probe { first: p.first + shift, ..p }));
-        all.incident.extend(part.incident);
+        all.probes.extend(chunk.probes.into_iter().map(|p| Probe { first: p.first + shift, ..p }));
+        all.incident.extend(chunk.incident);
     }
     all
 }
 
-/// The sampling techniques of one probe; each has its own stream of numbers.
+/// The sampling techniques of a probe; each has its own stream of random numbers.
 const CAMERA: u64 = 0;
 const MIRROR: u64 = 1;
 const LIGHT: u64 = 2;
 const COSINE: u64 = 3;
 const FIRST_LOBE: u64 = 4;
 const STREAMS: u64 = 16;
-/// One path in the mirror direction for this many by the cosine.
+/// One path in the mirror direction per so many directions by the cosine. Half of it spends twice the
+/// time on mirrors, double of it makes `M` noisier than `D`.
 const MIRROR_SHARE: u32 = 4;
-/// Mirrors in a row that a camera ray follows at most.
+/// Most mirrors in a row that a camera ray follows; beyond, their product of reflectances is small.
 const MIRRORS_MAX: usize = 16;
 
+/// Gathers probes.
 struct Gatherer<'a> {
     transport: Transport<'a>,
     materials: &'a [Material],
     settings: &'a ProbeSettings,
-    lobes: Vec<(GlossyLobe, f32, f32)>,
+    lobes: Vec<RotatedLobe>,
+}
+
+/// A lobe in a frame that is rotated about the normal.
+#[derive(Clone, Copy)]
+struct RotatedLobe {
+    lobe: GlossyLobe,
+    cos: f32,
+    sin: f32,
+}
+
+/// The surface of a probe.
+struct FirstSurface {
+    surface: Surface,
+    /// Unit vector back along the ray, world space.
+    wo: Vec3,
+    /// Of the mirrors on the way.
+    throughput: Rgb,
+    /// The number of mirrors on the way.
+    bounces: u32,
+}
+
+/// What the mirror direction of a probe shows.
+struct MirrorView {
+    radiance: Rgb,
+    surface: Option<Mirrored>,
 }
 
 impl<'a> Gatherer<'a> {
@@ -206,15 +239,16 @@ impl<'a> Gatherer<'a> {
         tracer: &'a Tracer,
         appearance: Appearance<'a>,
         settings: &'a ProbeSettings,
-        seen: Option<Lookup<'a>>,
+        cache: Option<CacheLookup<'a>>,
     ) -> Self {
         assert!(settings.lobes.len() as u64 <= STREAMS - FIRST_LOBE, "too many proposal lobes");
         let lobes = settings.lobes.iter().map(|lobe| {
             let (sin, cos) = lobe.theta_rad.sin_cos();
-            (GlossyLobe::new(tracer.model, lobe.alpha_x, lobe.alpha_y), cos, sin)
+            let lobe = GlossyLobe::new(tracer.model, lobe.alpha_x, lobe.alpha_y);
+            RotatedLobe { lobe, cos, sin }
         });
         Self {
-            transport: Transport::new(tracer, appearance, settings.max_bounces).ending_at(seen),
+            transport: Transport::new(tracer, appearance, settings.max_bounces).with_cache(cache),
             materials: appearance.materials,
             settings,
             lobes: lobes.collect(),
@@ -225,7 +259,7 @@ impl<'a> Gatherer<'a> {
         Sampler::new(self.settings.seed, u64::from(pixel) * STREAMS + technique, index)
     }
 
-    /// Gathers at the surface behind one camera ray and appends it to `out`.
+    /// Gathers the probe of one camera ray and appends it to `out`.
     fn probe(
         &self,
         camera: &Camera,
@@ -235,11 +269,12 @@ impl<'a> Gatherer<'a> {
         out: &mut Probes,
     ) {
         let ray = camera_ray(camera, size, pixel, &mut self.sampler(pixel, CAMERA, index));
-        let Some((surface, wo, throughput, bounces)) = self.first_surface(ray) else { return };
+        let Some(first) = self.first_surface(ray) else { return };
+        let FirstSurface { surface, wo, throughput, bounces } = first;
         let wo_local = surface.frame.local_from_world(wo);
         let first = out.incident.len();
         let mut gathering = Gathering { gatherer: self, surface, wo: wo_local, bounces, out };
-        // Mirrors on the way may have used up all reflections.
+        // Mirrors on the way may have used up all bounces.
         let reflects = bounces < self.settings.max_bounces;
         if reflects && wo_local.z > 0.0 {
             gathering.lights(pixel, index);
@@ -258,23 +293,23 @@ impl<'a> Gatherer<'a> {
             point: surface.point,
             emitted: self.transport.emitted(&surface),
             diffuse: total * FRAC_1_PI,
-            mirror: mirror.map_or(Rgb::ZERO, |m| m.0),
-            mirrored: mirror.and_then(|m| m.1),
+            mirror: mirror.as_ref().map_or(Rgb::ZERO, |m| m.radiance),
+            mirrored: mirror.and_then(|m| m.surface),
             first: first as u32,
             count: (out.incident.len() - first) as u32,
         });
     }
 
-    /// The surface behind a camera ray, the direction back, the throughput of the mirrors between,
-    /// and how many there were.
-    fn first_surface(&self, mut ray: Ray) -> Option<(Surface, Vec3, Rgb, u32)> {
+    /// The first surface along a camera ray, or with [`ProbeSettings::through_mirrors`] the first that
+    /// is no perfect mirror.
+    fn first_surface(&self, mut ray: Ray) -> Option<FirstSurface> {
         let mut throughput = Rgb::ONE;
         for bounces in 0..MIRRORS_MAX {
             let surface = self.transport.surface(&ray)?;
             let wo = -ray.direction;
             let material = &self.materials[surface.group as usize];
             if !(self.settings.through_mirrors && material.is_pure_mirror()) {
-                return Some((surface, wo, throughput, bounces as u32));
+                return Some(FirstSurface { surface, wo, throughput, bounces: bounces as u32 });
             }
             let local = surface.frame.local_from_world(wo);
             let wi = surface.frame.world_from_local(mirror::reflect(local));
@@ -287,24 +322,24 @@ impl<'a> Gatherer<'a> {
         None
     }
 
-    /// The density of all directional techniques together, each times its count.
+    /// The sum of the densities of all directional techniques, each times its number of samples.
     fn density(&self, wo: Vec3, wi: Vec3) -> f32 {
         let mut density = self.settings.cosine as f32 * lambert::pdf(wi);
-        for (lobe, cos, sin) in &self.lobes {
-            let pdf = lobe.pdf(turned(wo, *cos, *sin), turned(wi, *cos, *sin));
+        for RotatedLobe { lobe, cos, sin } in &self.lobes {
+            let pdf = lobe.pdf(rotated(wo, *cos, *sin), rotated(wi, *cos, *sin));
             density += self.settings.per_lobe as f32 * pdf;
         }
         density
     }
 }
 
-/// The vector in a frame that is turned about z by the angle with the given cosine and sine.
+/// The vector in a frame that is rotated about z by the angle with the given cosine and sine.
 #[inline]
-fn turned(v: Vec3, cos: f32, sin: f32) -> Vec3 {
+fn rotated(v: Vec3, cos: f32, sin: f32) -> Vec3 {
     Vec3::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z)
 }
 
-/// The gathering at one surface point.
+/// The gathering of one probe.
 struct Gathering<'a, 'b> {
     gatherer: &'b Gatherer<'a>,
     surface: Surface,
@@ -314,14 +349,14 @@ struct Gathering<'a, 'b> {
 }
 
 impl Gathering<'_, '_> {
-    /// Light samples.
+    /// Takes the light samples.
     fn lights(&mut self, pixel: u32, index: u32) {
         let count = self.gatherer.settings.cosine;
         for k in 0..count {
             let mut sampler = self.gatherer.sampler(pixel, LIGHT, index * count + k);
             let [pick, u, v, _] = sampler.next4();
-            let seen = self.gatherer.transport.visible_light(&self.surface, [pick, u, v]);
-            let Some((wi, weight, pdf)) = seen else { continue };
+            let light = self.gatherer.transport.visible_light(&self.surface, [pick, u, v]);
+            let Some(VisibleLight { wi, weight, pdf }) = light else { continue };
             let wi = self.surface.frame.local_from_world(wi);
             let factor = match pdf {
                 Some(pdf) => pdf / (count as f32 * pdf + self.gatherer.density(self.wo, wi)),
@@ -331,7 +366,7 @@ impl Gathering<'_, '_> {
         }
     }
 
-    /// Directions by the cosine and by the lobes.
+    /// Traces the directions by the cosine and by the lobes.
     fn directions(&mut self, pixel: u32, index: u32) {
         let settings = self.gatherer.settings;
         for k in 0..settings.cosine {
@@ -345,15 +380,15 @@ impl Gathering<'_, '_> {
                 let number = index * settings.per_lobe + k;
                 let mut sampler = self.gatherer.sampler(pixel, technique, number);
                 let [u, v, ..] = sampler.next4();
-                let (lobe, cos, sin) = self.gatherer.lobes[lobe];
-                let wi = lobe.sample(turned(self.wo, cos, sin), [u, v]);
-                self.follow(turned(wi, cos, -sin), sampler);
+                let RotatedLobe { lobe, cos, sin } = self.gatherer.lobes[lobe];
+                let wi = lobe.sample(rotated(self.wo, cos, sin), [u, v]);
+                self.follow(rotated(wi, cos, -sin), sampler);
             }
         }
     }
 
-    /// Traces the ray along `wi` and keeps what arrives, emission and reflection apart: only the
-    /// emission could have come from a light sample too.
+    /// Traces the ray along `wi` and keeps emitted and reflected light as separate samples: only
+    /// emission can also come from a light sample.
     fn follow(&mut self, wi: Vec3, mut sampler: Sampler) {
         let world = self.surface.frame.world_from_local(wi);
         if !self.surface.is_above(world) {
@@ -383,24 +418,24 @@ impl Gathering<'_, '_> {
         }
     }
 
-    /// The radiance from the mirror direction and what stands there, if anything does; none if
-    /// nobody asks, or if the direction falls below the surface.
-    fn mirror(&self, pixel: u32, index: u32) -> Option<(Rgb, Option<Mirrored>)> {
+    /// Traces the mirror direction; none if not asked for, or if the direction lies below the surface.
+    fn mirror(&self, pixel: u32, index: u32) -> Option<MirrorView> {
         let wi = self.surface.frame.world_from_local(mirror::reflect(self.wo));
         if !self.gatherer.settings.mirror || !self.surface.is_above(wi) {
             return None;
         }
         let transport = &self.gatherer.transport;
-        let Some(seen) = transport.surface(&Transport::leave(&self.surface, wi)) else {
-            return Some((transport.environment(wi), None));
+        let Some(next) = transport.surface(&Transport::leave(&self.surface, wi)) else {
+            return Some(MirrorView { radiance: transport.environment(wi), surface: None });
         };
-        // One path beyond the mirrored point is very noisy where no cache ends it.
+        // A single path from the reflected point is very noisy where no cache ends it.
         let count = self.gatherer.settings.cosine.div_ceil(MIRROR_SHARE).max(1);
         let paths = (0..count).map(|k| {
             let mut sampler = self.gatherer.sampler(pixel, MIRROR, index * count + k);
-            transport.reflected(seen, -wi, &mut sampler, self.bounces + 1)
+            transport.reflected(next, -wi, &mut sampler, self.bounces + 1)
         });
-        let radiance = transport.emitted(&seen) + paths.sum::<Rgb>() / count as f32;
-        Some((radiance, Some(Mirrored { object: seen.object, point: seen.point })))
+        let radiance = transport.emitted(&next) + paths.sum::<Rgb>() / count as f32;
+        let surface = Some(Mirrored { object: next.object, point: next.point });
+        Some(MirrorView { radiance, surface })
     }
 }

@@ -1,15 +1,16 @@
-//! Owen-scrambled Sobol' points, four dimensions at a time [Burley 2020].
+//! Random numbers: Owen-scrambled Sobol' points, four dimensions at a time [Burley 2020].
 //!
 //! A path takes its numbers in sets of four. All sets of one sample share the sample's index and
-//! differ in their scramble, so each set is stratified over the samples of a pixel. What happens far
-//! along a path depends on so much that went before that stratification is lost on it: its numbers
-//! are plain random ones, which cost less [Jarzynski and Olano, "Hash Functions for GPU Rendering",
-//! JCGT 2020: pcg4d].
+//! differ in their scramble, so each set is stratified over the samples of a pixel (padding). Far along
+//! a path stratification no longer reduces the variance; those sets are independent hashed numbers,
+//! which cost less [Jarzynski and Olano 2020: pcg4d].
 
-/// Sets that are stratified: the place in the pixel, and light and direction at the first surfaces.
+/// Number of stratified sets: the position in the pixel, and light and direction at the first two
+/// vertices. With three sets the second vertex loses its stratification, with ten each path costs more
+/// and is hardly less noisy.
 const STRATIFIED: u32 = 5;
 
-/// The numbers of one sample.
+/// The random numbers of one sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler {
     index: u32,
@@ -17,11 +18,11 @@ pub struct Sampler {
     set: u32,
 }
 
-/// The sequence is this long; later samples start another one.
+/// The length of a sequence, that of the tables of `sobol_burley`; later samples start another one.
 const LENGTH: u32 = 1 << 16;
 
 impl Sampler {
-    /// The sample number `index` of the stream `stream` (a pixel, say) under `seed`.
+    /// The sample number `index` of `stream` (a pixel, say) under `seed`.
     pub fn new(seed: u64, stream: u64, index: u32) -> Self {
         let block = u64::from(index / LENGTH);
         let key = mix(seed ^ mix(stream.wrapping_mul(2).wrapping_add(1) ^ (block << 48)));
@@ -38,7 +39,7 @@ impl Sampler {
         self.stratified(self.index)
     }
 
-    /// The next set, `count` times over: all of them, of all samples, are stratified together.
+    /// `count` instances of the next set; all of them, of all samples, are stratified together.
     pub(crate) fn next4_each(&mut self, count: u32) -> impl Iterator<Item = [f32; 4]> + use<> {
         self.set += 1;
         let this = *self;
@@ -53,7 +54,7 @@ impl Sampler {
     }
 }
 
-/// Four numbers whose bits depend on all bits of the four given.
+/// The hash pcg4d: four numbers whose bits depend on all bits of the input.
 #[inline]
 fn pcg4d(v: [u32; 4]) -> [u32; 4] {
     let stir = |[mut x, mut y, mut z, mut w]: [u32; 4]| {
@@ -73,7 +74,7 @@ fn unit(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// A bijection that scatters the bits (the finaliser of splitmix64).
+/// The finaliser of splitmix64 [Steele et al. 2014], a bijection with good avalanche.
 pub fn mix(x: u64) -> u64 {
     let x = x.wrapping_add(0x9E37_79B9_7F4A_7C15);
     let x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -99,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn the_numbers_that_are_not_stratified_are_even_and_independent() {
+    fn the_numbers_that_are_not_stratified_are_uniform_and_independent() {
         // Means of products of the 4 numbers of a set, and of those of the next: 1/4 if independent.
         let n = 1 << 15;
         let mut sums = [[0.0f64; 8]; 8];
@@ -116,7 +117,7 @@ mod tests {
         for (i, j) in (0..64).map(|k| (k / 8, k % 8)) {
             let (mean, expected) =
                 (sums[i][j] / f64::from(n), if i == j { 1.0 / 3.0 } else { 0.25 });
-            // The deviation of one product is 0.30 at most.
+            // The standard deviation of one product is 0.30 at most.
             assert!((mean - expected).abs() < 4.5 * 0.30 / f64::from(n).sqrt(), "{i} {j}: {mean}");
         }
     }

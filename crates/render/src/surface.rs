@@ -1,19 +1,19 @@
-//! What a ray has met: a point with its frame, its group and its texture coordinate.
+//! Surface interactions: a point with its shading frame, group and texture coordinate.
 
 use glam::{Vec2, Vec3};
 
-/// A point on a surface, seen from the side of `wo`.
+/// A point on a surface, with normals on the side from which a ray arrived.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
     /// The point in world space, metres.
     pub point: Vec3,
-    /// The triangle, counted over the whole scene.
+    /// The triangle's index in the scene.
     pub triangle: u32,
     /// The object's index in the scene.
     pub object: u32,
     /// The group's index in the scene.
     pub group: u32,
-    /// Whether the front (counter-clockwise) side is seen.
+    /// Whether the ray arrived on the front (counter-clockwise) side.
     pub front: bool,
     /// Unit normal of the triangle on the viewer's side.
     pub geometric_normal: Vec3,
@@ -24,20 +24,20 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// True if `wi`, in world space, leaves the surface on the viewer's side: by the triangle and
-    /// by the shading normal.
+    /// True if `wi`, in world space, lies in the upper hemisphere of both the geometric and the shading
+    /// normal.
     pub fn is_above(&self, wi: Vec3) -> bool {
         wi.dot(self.geometric_normal) > 0.0 && wi.dot(self.frame.normal) > 0.0
     }
 }
 
 /// The tangent frame at a surface: z the shading normal on the viewer's side, x the surface's
-/// tangent, y such that angles from x to y count counter-clockwise *seen from the front*.
+/// tangent, y such that angles from x to y are counter-clockwise *seen from the front*.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
-    /// Unit tangent, the zero of the brushed angle.
+    /// Unit tangent, from which the angle of anisotropy is measured.
     pub tangent: Vec3,
-    /// Unit vector at a right angle to tangent and normal.
+    /// Unit vector orthogonal to tangent and normal.
     pub bitangent: Vec3,
     /// Unit shading normal.
     pub normal: Vec3,
@@ -45,7 +45,7 @@ pub struct Frame {
 
 impl Frame {
     /// A frame from the shading normal of the front, a tangent that need not be orthogonal to it,
-    /// and whether the front is seen.
+    /// and whether the ray arrived on the front.
     pub fn new(front_normal: Vec3, tangent: Vec3, front: bool) -> Self {
         let across = front_normal.cross(tangent).try_normalize();
         let bitangent = across.unwrap_or_else(|| front_normal.any_orthonormal_vector());
@@ -53,21 +53,21 @@ impl Frame {
         Self { tangent: bitangent.cross(front_normal), bitangent, normal }
     }
 
-    /// A world direction in the tangent frame.
+    /// A direction in world space as one in this frame.
     #[inline]
     pub fn local_from_world(&self, v: Vec3) -> Vec3 {
         Vec3::new(v.dot(self.tangent), v.dot(self.bitangent), v.dot(self.normal))
     }
 
-    /// A direction of the tangent frame in the world.
+    /// A direction in this frame as one in world space.
     #[inline]
     pub fn world_from_local(&self, v: Vec3) -> Vec3 {
         self.tangent * v.x + self.bitangent * v.y + self.normal * v.z
     }
 
-    /// This frame turned by `theta` about the normal of the front: x becomes the brushed direction.
+    /// The anisotropy frame: this one rotated by `theta` about the normal of the front.
     #[inline]
-    pub fn brushed(&self, theta_rad: f32) -> Self {
+    pub fn rotated(&self, theta_rad: f32) -> Self {
         if theta_rad == 0.0 {
             return *self;
         }
@@ -85,11 +85,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_brushed_angle_counts_counter_clockwise_from_the_front_on_both_sides() {
+    fn the_angle_of_anisotropy_is_counter_clockwise_from_the_front_on_both_sides() {
         for front in [true, false] {
             let frame = Frame::new(Vec3::Z, Vec3::X, front);
-            let brushed = frame.brushed(0.3);
-            assert!((brushed.tangent - Vec3::new(0.3f32.cos(), 0.3f32.sin(), 0.0)).length() < 1e-6);
+            let rotated = frame.rotated(0.3);
+            assert!((rotated.tangent - Vec3::new(0.3f32.cos(), 0.3f32.sin(), 0.0)).length() < 1e-6);
             assert_eq!(frame.normal.z > 0.0, front);
         }
     }

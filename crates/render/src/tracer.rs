@@ -1,52 +1,54 @@
-//! A scene made ready for rays: flat arrays, the tree, and the lights.
+//! A scene prepared for ray tracing: flat vertex and triangle arrays, the acceleration structure, the
+//! light samplers.
 
 use crate::accel::{self, Accel, Hit, Ray};
-use crate::caustic::Caustics;
-use crate::emitters::Emitters;
+use crate::emitters::{Emitters, TriangleEmission};
+use crate::guiding::SpecularGuide;
 use crate::surface::{Frame, Surface};
 use glam::{Vec2, Vec3, Vec4};
-use unrender_scene::{BrdfModel, Material, Mesh, Rgb, Scene};
+use unrender_scene::{BrdfModel, Mesh, Scene};
 
-/// Answers what light does in one scene, for any materials of its groups.
+/// A scene prepared for ray tracing.
 ///
-/// Geometry, lights and the form of Ward's lobe are fixed when it is built; materials come with
-/// each question, since recovery tries many on the same geometry.
+/// Geometry, lights and the BRDF model are fixed when it is built. Materials and the brightness of
+/// lights ([`crate::Appearance`]) are arguments of each rendering, since recovery tries many on the
+/// same geometry.
 #[derive(Debug)]
 pub struct Tracer {
     pub(crate) accel: Accel,
     pub(crate) emitters: Emitters,
-    pub(crate) caustics: Caustics,
+    pub(crate) guide: SpecularGuide,
     pub(crate) model: BrdfModel,
     objects: Vec<TracedObject>,
-    /// All triangles, and all their corners.
+    /// All triangles and all vertices of the scene.
     faces: Vec<Face>,
     vertices: Vec<Vertex>,
 }
 
-/// What all triangles of an object have in common.
+/// The attributes of one object.
 #[derive(Debug)]
 struct TracedObject {
     group: u32,
-    /// Where its vertices start in the scene's count.
+    /// The index of its first vertex in the scene.
     first_vertex: u32,
-    /// Of its vertices, if they have them.
+    /// Per vertex; empty if the object has none.
     uvs: Vec<Vec2>,
     tangents: Vec<Vec4>,
 }
 
-/// A triangle: all that a ray that meets it asks of it lies in one place.
+/// A triangle. Per-triangle hit data is contiguous.
 #[derive(Clone, Copy, Debug)]
 struct Face {
-    /// Indices among all vertices of the scene.
+    /// Vertex indices in the scene.
     corners: [u32; 3],
     object: u32,
     /// Unit normal of the front.
     normal: Vec3,
-    /// The unit vector in which u grows and v stays, zero where there is none.
-    growing_u: Vec3,
+    /// The unit vector `dp/du`; zero where there is none.
+    dp_du: Vec3,
 }
 
-/// A corner of triangles.
+/// A vertex.
 #[derive(Clone, Copy, Debug)]
 struct Vertex {
     position: Vec3,
@@ -76,16 +78,20 @@ impl Tracer {
         let triangles: Vec<_> = faces.iter().map(corners).collect();
         let accel = Accel::build(&triangles);
         let group_of = |t: usize| objects[faces[t].object as usize].group as usize;
-        let emission = |t: usize| scene.groups[group_of(t)].emission;
+        let emission = |t: usize| TriangleEmission {
+            group: group_of(t) as u32,
+            radiance: scene.groups[group_of(t)].emission,
+        };
         let emitters = Emitters::new(
             &triangles,
-            |t| (group_of(t) as u32, emission(t)),
-            (&scene.lights, scene.groups.len() as u32),
+            emission,
+            scene.groups.len() as u32,
+            &scene.lights,
             accel.bounds(),
             scene.environment.as_ref(),
         );
-        let caustics = Caustics::new(scene);
-        Self { accel, emitters, caustics, model: scene.brdf, objects, faces, vertices }
+        let guide = SpecularGuide::new(scene, emitters.layout());
+        Self { accel, emitters, guide, model: scene.brdf, objects, faces, vertices }
     }
 
     /// The nearest surface along the ray.
@@ -93,7 +99,7 @@ impl Tracer {
         self.accel.closest(ray).map(|hit| self.surface_at(ray, hit))
     }
 
-    /// The object's and the group's index of a triangle.
+    /// The indices of a triangle's object and group.
     pub fn object_and_group(&self, triangle: u32) -> (u32, u32) {
         let object = self.faces[triangle as usize].object;
         (object, self.objects[object as usize].group)
@@ -132,7 +138,7 @@ impl Tracer {
 }
 
 impl TracedObject {
-    /// `TEXCOORD_0` at the `weights` of a triangle's corners; zero without any.
+    /// `TEXCOORD_0` at the barycentric `weights`; zero without any.
     fn uv(&self, face: &Face, weights: [f32; 3]) -> Vec2 {
         if self.uvs.is_empty() {
             return Vec2::ZERO;
@@ -140,8 +146,8 @@ impl TracedObject {
         (0..3).map(|i| self.uvs[(face.corners[i] - self.first_vertex) as usize] * weights[i]).sum()
     }
 
-    /// The zero of the brushed angle (design: `docs/conventions.md`): glTF's TANGENT, else the
-    /// direction of growing u, else the projection of world +x, else of world +z.
+    /// The tangent from which the anisotropy direction is measured (`docs/conventions.md`): glTF's
+    /// TANGENT, else `dp/du`, else world +x, else world +z; not yet orthogonal to `normal`.
     fn tangent(&self, face: &Face, weights: [f32; 3], normal: Vec3) -> Vec3 {
         let usable = |t: Vec3| t.is_finite() && t.reject_from(normal).length_squared() > 1e-12;
         if !self.tangents.is_empty() {
@@ -152,32 +158,33 @@ impl TracedObject {
                 return given;
             }
         }
-        if usable(face.growing_u) {
-            return face.growing_u;
+        if usable(face.dp_du) {
+            return face.dp_du;
         }
         if Vec3::X.reject_from(normal).length_squared() > 1e-4 { Vec3::X } else { Vec3::Z }
     }
 }
 
 impl Face {
-    /// The triangles of the object number `object`, whose first vertex is the number `first_vertex`.
+    /// The triangles of the object with the index `object`, whose first vertex has the index
+    /// `first_vertex`.
     fn all(mesh: &Mesh, object: u32, first_vertex: u32) -> impl Iterator<Item = Self> {
         (0..mesh.triangles.len()).map(move |index| {
             let corners = mesh.triangles[index];
-            let growing_u = if mesh.uvs.is_empty() {
+            let dp_du = if mesh.uvs.is_empty() {
                 Vec3::ZERO
             } else {
-                direction_of_u(mesh, corners.map(|i| i as usize)).normalize_or_zero()
+                dp_du(mesh, corners.map(|i| i as usize)).normalize_or_zero()
             };
             let normal = accel::front_normal(mesh.corners(index));
-            Self { corners: corners.map(|i| i + first_vertex), object, normal, growing_u }
+            Self { corners: corners.map(|i| i + first_vertex), object, normal, dp_du }
         })
     }
 }
 
-/// The direction on a triangle in which u grows and v stays; zero where the texture coordinates
-/// span no area, and so no such direction.
-fn direction_of_u(mesh: &Mesh, [a, b, c]: [usize; 3]) -> Vec3 {
+/// The direction of `dp/du` of a triangle [Pharr et al. 2023, section 6.5]; zero where the texture coordinates
+/// span no area.
+fn dp_du(mesh: &Mesh, [a, b, c]: [usize; 3]) -> Vec3 {
     let (e1, e2) = (mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
     let (d1, d2) = (mesh.uvs[b] - mesh.uvs[a], mesh.uvs[c] - mesh.uvs[a]);
     let area = d1.perp_dot(d2);
@@ -185,40 +192,4 @@ fn direction_of_u(mesh: &Mesh, [a, b, c]: [usize; 3]) -> Vec3 {
         return Vec3::ZERO;
     }
     (e1 * d2.y - e2 * d1.y) * area.signum()
-}
-
-/// What a question assumes of the scene beyond its geometry: what recovery guesses.
-#[derive(Clone, Copy, Debug)]
-pub struct Appearance<'a> {
-    /// The material of every group.
-    pub materials: &'a [Material],
-    /// How many times as bright as in the scene each source shines, per channel: first the groups
-    /// (those that emit), then the lights without a surface, then the environment. Sources beyond
-    /// the end shine as they are.
-    pub lights: &'a [Rgb],
-}
-
-impl Appearance<'_> {
-    /// How many times as bright as in the scene `source` shines.
-    pub fn light(&self, source: u32) -> Rgb {
-        self.lights.get(source as usize).copied().unwrap_or(Rgb::ONE)
-    }
-}
-
-impl<'a> From<&'a [Material]> for Appearance<'a> {
-    fn from(materials: &'a [Material]) -> Self {
-        Self { materials, lights: &[] }
-    }
-}
-
-impl<'a, const N: usize> From<&'a [Material; N]> for Appearance<'a> {
-    fn from(materials: &'a [Material; N]) -> Self {
-        materials.as_slice().into()
-    }
-}
-
-impl<'a> From<&'a Vec<Material>> for Appearance<'a> {
-    fn from(materials: &'a Vec<Material>) -> Self {
-        materials.as_slice().into()
-    }
 }

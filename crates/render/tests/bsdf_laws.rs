@@ -1,6 +1,5 @@
-//! Proves of every reflectance: reciprocity, bounded energy, and that sampling does what its
-//! density says (chi-squared on a grid of directions, with the samples that fall below the surface
-//! as one more cell).
+//! Every BRDF: reciprocity, bounded albedo, and agreement of sampling and density (chi-squared test on
+//! a grid of directions, with the samples below the surface as one more cell).
 
 mod common;
 
@@ -9,7 +8,7 @@ use glam::Vec3;
 use std::f64::consts::TAU;
 use unrender_render::GlossyLobe;
 use unrender_render::bsdf::{Bsdf, lobe};
-use unrender_render::caustic::Images;
+use unrender_render::guiding::VmfMixture;
 use unrender_scene::{BrdfModel, Material, Rgb, WardModel};
 
 const ALPHAS: [(f32, f32); 6] =
@@ -75,10 +74,10 @@ fn guided() -> impl Iterator<Item = (String, Bsdf<'static>)> {
     ];
     cases.into_iter().flat_map(|(name, axes)| {
         // For as long as the tests run, which is short.
-        let images: &'static Images = Box::leak(Box::new(Images::towards(&axes)));
+        let guide: &'static VmfMixture = Box::leak(Box::new(VmfMixture::towards(&axes)));
         let glossy = glossy(WardModel::WardGmd.into(), 0.5, 0.3, (0.1, 0.3));
         [("lambert", lambert()), ("mixture", glossy)]
-            .map(|(base, bsdf)| (format!("{base} with {name}"), bsdf.looking_at(images)))
+            .map(|(base, bsdf)| (format!("{base} with {name}"), bsdf.guided_by(guide)))
     })
 }
 
@@ -238,10 +237,10 @@ fn chi_squared_notices_a_density_that_is_a_little_wrong() {
 #[test]
 fn chi_squared_notices_an_image_that_is_a_little_elsewhere() {
     let wo = direction(35.0, 0.7);
-    let towards = |degrees| Images::towards(&[(direction(degrees, 0.0), 0.1)]);
+    let towards = |degrees| VmfMixture::towards(&[(direction(degrees, 0.0), 0.1)]);
     let (right, wrong) = (towards(40.0), towards(41.0));
-    let pdf = |wi| f64::from(lambert().looking_at(&wrong).pdf(wo, wi));
-    assert!(p_value(&lambert().looking_at(&right), wo, pdf, &mut Random::new(3)) < 1e-6);
+    let pdf = |wi| f64::from(lambert().guided_by(&wrong).pdf(wo, wi));
+    assert!(p_value(&lambert().guided_by(&right), wo, pdf, &mut Random::new(3)) < 1e-6);
 }
 
 #[test]

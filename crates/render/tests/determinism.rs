@@ -6,9 +6,9 @@ mod common;
 use common::{Stage, camera, plate_corners, quad_mesh, settings};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
-use unrender_render::adaptive::Samples;
+use unrender_render::adaptive::SampleAllocation;
 use unrender_render::probe::ProposalLobe;
-use unrender_render::{Film, ProbeSettings, Probes, Settings, Tally};
+use unrender_render::{Accumulator, Film, ProbeSettings, Probes, Settings};
 use unrender_scene::{Camera, Image, Material, Rgb, Texture, Wrap};
 
 /// A small room with a lamp, a glossy ball and a mirror.
@@ -99,9 +99,9 @@ fn parts_of_the_samples_add_up_to_the_whole_picture() {
     let whole = stage.render(&view(), SIDE, Settings { seed: 4, ..settings(13) });
     let settings = Settings { seed: 4, ..settings(1) };
     let part = |samples: std::ops::Range<u32>, threads: usize| {
-        let mut tally = Tally::new(SIDE, SIDE);
+        let mut tally = Accumulator::new(SIDE, SIDE);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let all = Samples::Even(samples);
+        let all = SampleAllocation::Uniform(samples);
         pool.install(|| {
             tracer.accumulate(&materials, &view(), &settings, &all, &mut tally, &|_| ());
         });

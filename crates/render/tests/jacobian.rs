@@ -7,8 +7,8 @@ mod common;
 use common::{Stage, camera, plate_corners, quad_mesh, settings};
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
-use unrender_render::seen::Lookup;
-use unrender_render::{Appearance, Jacobian, Parameter, SeenRadiance, Settings, Tracer};
+use unrender_render::radiance_cache::CacheLookup;
+use unrender_render::{Appearance, Jacobian, Parameter, RadianceCache, Settings, Tracer};
 use unrender_scene::{
     BrdfModel, Camera, Image, LightKind, Material, Rgb, Texture, WardModel, Wrap,
 };
@@ -84,7 +84,7 @@ impl Room {
         &self,
         parameters: &[Parameter],
         settings: &Settings,
-        seen: Option<Lookup<'_>>,
+        seen: Option<CacheLookup<'_>>,
     ) -> Jacobian {
         let (appearance, pixels) = (self.appearance(), all_pixels());
         self.tracer.jacobian(appearance, &self.camera, SIZE, &pixels, parameters, settings, seen)
@@ -104,7 +104,7 @@ impl Room {
             Parameter::AlphaY(group) => materials[group as usize].alpha_y += step,
             Parameter::Theta(group) => materials[group as usize].theta_rad += step,
             Parameter::Light(source) => lights[source as usize] += step,
-            Parameter::Seen => {}
+            Parameter::Cache => {}
         }
         (materials, lights)
     }
@@ -114,15 +114,18 @@ impl Room {
         &self,
         (parameter, step): (Parameter, f32),
         settings: &Settings,
-        seen: Option<&SeenRadiance>,
+        seen: Option<&RadianceCache>,
     ) -> Vec<Rgb> {
         let geometry = self.tracer.geometry(&self.camera, SIDE, SIDE);
         let mut seen = seen.cloned();
-        if let (Some(seen), Parameter::Seen) = (&mut seen, parameter) {
+        if let (Some(seen), Parameter::Cache) = (&mut seen, parameter) {
             seen.radiance.pixels_mut().iter_mut().for_each(|p| *p *= 1.0 + step);
         }
-        let lookup =
-            seen.as_ref().map(|seen| Lookup { seen, camera: &self.camera, geometry: &geometry });
+        let lookup = seen.as_ref().map(|seen| CacheLookup {
+            cache: seen,
+            camera: &self.camera,
+            geometry: &geometry,
+        });
         let (materials, lights) = self.moved(parameter, step);
         let moved = Appearance { materials: &materials, lights: &lights };
         let (drawn, camera, pixels) = (self.appearance(), &self.camera, all_pixels());
@@ -130,12 +133,12 @@ impl Room {
     }
 
     /// What a photograph of the room would say of the walls and the lamp's light on them.
-    fn photograph(&self) -> SeenRadiance {
+    fn photograph(&self) -> RadianceCache {
         let film =
             self.tracer.render(self.appearance(), &self.camera, SIZE, &settings(64), &|_| ());
         let geometry = self.tracer.geometry(&self.camera, SIDE, SIDE);
         let known = Image::from_fn(SIDE, SIDE, |x, y| geometry.at(x, y).group == WALLS);
-        SeenRadiance { radiance: film.mean, known }
+        RadianceCache { radiance: film.mean, valid: known }
     }
 }
 
@@ -204,10 +207,11 @@ fn step(parameter: Parameter) -> f32 {
 const ERROR_MAX: f64 = 4e-3;
 
 /// Asserts that all derivatives are the differences on the same paths.
-fn assert_exact(room: &Room, parameters: &[Parameter], seen: Option<&SeenRadiance>) {
+fn assert_exact(room: &Room, parameters: &[Parameter], seen: Option<&RadianceCache>) {
     let settings = settings(64);
     let geometry = room.tracer.geometry(&room.camera, SIDE, SIDE);
-    let lookup = seen.map(|seen| Lookup { seen, camera: &room.camera, geometry: &geometry });
+    let lookup =
+        seen.map(|seen| CacheLookup { cache: seen, camera: &room.camera, geometry: &geometry });
     let jacobian = room.jacobian(parameters, &settings, lookup);
     for (k, &parameter) in parameters.iter().enumerate() {
         let step = step(parameter);
@@ -234,7 +238,7 @@ fn derivatives_are_the_differences_of_the_same_paths() {
 fn they_are_so_too_where_paths_end_at_the_photograph() {
     let room = Room::new(WardModel::WardGmd);
     let mut all = everything();
-    all.push(Parameter::Seen);
+    all.push(Parameter::Cache);
     assert_exact(&room, &all, Some(&room.photograph()));
 }
 
@@ -243,7 +247,7 @@ fn what_the_camera_looks_at_is_not_taken_from_the_photograph() {
     let room = Room::new(WardModel::WardGmd);
     let photograph = room.photograph();
     let geometry = room.tracer.geometry(&room.camera, SIDE, SIDE);
-    let lookup = Lookup { seen: &photograph, camera: &room.camera, geometry: &geometry };
+    let lookup = CacheLookup { cache: &photograph, camera: &room.camera, geometry: &geometry };
     for (max_bounces, same) in [(1, true), (2, false)] {
         let settings = Settings { max_bounces, ..settings(4) };
         let [with, without] =
@@ -274,8 +278,8 @@ fn light_is_the_sum_over_its_sources() {
     let room = Room::new(WardModel::WardGmd);
     let photograph = room.photograph();
     let geometry = room.tracer.geometry(&room.camera, SIDE, SIDE);
-    let lookup = Lookup { seen: &photograph, camera: &room.camera, geometry: &geometry };
-    let sources = [Parameter::Light(LAMP), Parameter::Light(POINT), Parameter::Seen];
+    let lookup = CacheLookup { cache: &photograph, camera: &room.camera, geometry: &geometry };
+    let sources = [Parameter::Light(LAMP), Parameter::Light(POINT), Parameter::Cache];
     for seen in [None, Some(lookup)] {
         let jacobian = room.jacobian(&sources, &settings(16), seen);
         assert_eq!(rms(&column(&jacobian, 2)) != DVec3::ZERO, seen.is_some());

@@ -60,7 +60,7 @@ impl View {
             Parameter::AlphaY(group) => materials[group as usize].alpha_y += step,
             Parameter::Theta(group) => materials[group as usize].theta_rad += step,
             Parameter::Light(source) => lights[source as usize] += step,
-            Parameter::Seen => unreachable!("no cache here"),
+            Parameter::Cache => unreachable!("no cache here"),
         }
         let appearance = Appearance { materials: &materials, lights: &lights };
         let film = self.tracer.render(appearance, &self.camera, SIZE, &settings, &|_| ());

@@ -1,12 +1,12 @@
-//! Proves that pixels which share their paths have the mean that they have without, less noise, and
-//! the same bits however they are rendered.
+//! Path reuse: the estimate is unbiased, its variance is lower, and its bits do not depend on threads
+//! or shards.
 
 mod common;
 
 use common::{Estimate, Stage, assert_agree, camera, settings};
 use glam::{DVec3, Vec3};
-use unrender_render::adaptive::Samples;
-use unrender_render::{Settings, Tally};
+use unrender_render::adaptive::SampleAllocation;
+use unrender_render::{Accumulator, Integrator, Settings};
 use unrender_scene::{Camera, LightKind, Material, Rgb};
 
 const SIDE: usize = 20;
@@ -15,8 +15,8 @@ fn view() -> Camera {
     camera(Vec3::new(0.0, 0.0, 0.95), Vec3::new(0.0, -0.2, 0.0), 1.2)
 }
 
-/// A room with a lamp, a spot, a brushed floor, a ball with a gloss on it, a mirror, and a plate
-/// that is a mirror and diffuse.
+/// A room with a lamp, a spot light, an anisotropic floor, a glossy ball, a mirror, and a plate with a
+/// mirror and a diffuse term.
 fn room() -> Stage {
     let mut stage = Stage::default();
     let wall = stage.group(Material::diffuse(Rgb::new(0.7, 0.5, 0.3)), Rgb::ZERO);
@@ -47,8 +47,8 @@ fn room() -> Stage {
     stage
 }
 
-/// The mean of the picture, by its spread over a number of pictures: pixels that share are not
-/// independent.
+/// The mean over the pixels, with its standard deviation estimated from several pictures, since the
+/// pixels of one picture are correlated; and the sum of the estimated variances.
 fn mean(stage: &Stage, pictures: u64, settings: Settings) -> (Estimate, DVec3) {
     let (tracer, materials) = (stage.tracer(), stage.scene.materials());
     let film = |seed| {
@@ -62,13 +62,13 @@ fn mean(stage: &Stage, pictures: u64, settings: Settings) -> (Estimate, DVec3) {
 }
 
 #[test]
-fn what_pixels_share_biases_nothing_and_makes_less_noise() {
+fn path_reuse_is_unbiased_and_reduces_the_variance() {
     let stage = room();
     for max_bounces in [2, 3, 20] {
         let alone = Settings { max_bounces, ..settings(32) };
-        let shared = Settings { shared: true, ..alone };
+        let reused = Settings { integrator: Integrator::PathReuse, ..alone };
         let (expected, before) = mean(&stage, 100, alone);
-        let (found, after) = mean(&stage, 100, shared);
+        let (found, after) = mean(&stage, 100, reused);
         assert_agree(&format!("{max_bounces} bounces"), found, expected, 3e-3);
         let share = (after / before).max_element();
         assert!(share < 0.5, "{max_bounces} bounces: {share} of the variance");
@@ -76,16 +76,16 @@ fn what_pixels_share_biases_nothing_and_makes_less_noise() {
 }
 
 #[test]
-fn where_sharing_would_not_pay_pixels_do_not_share() {
+fn where_path_reuse_does_not_pay_paths_are_independent() {
     let is_alike = |stage: &Stage| {
-        let shared = Settings { shared: true, ..settings(4) };
-        stage.render(&view(), SIDE, settings(4)) == stage.render(&view(), SIDE, shared)
+        let reused = Settings { integrator: Integrator::PathReuse, ..settings(4) };
+        stage.render(&view(), SIDE, settings(4)) == stage.render(&view(), SIDE, reused)
     };
     assert!(is_alike(&chequers()) && !is_alike(&room()));
 }
 
-/// A wall of many small squares of two colours in the sun: all noise is in which of them a pixel
-/// sees.
+/// A wall of many small squares of two colours in the sun: all of the variance lies in which of them a
+/// sample hits.
 fn chequers() -> Stage {
     let mut stage = Stage::default();
     let colours = [0.1, 0.8].map(|rho| stage.group(Material::diffuse(Rgb::splat(rho)), Rgb::ZERO));
@@ -103,10 +103,14 @@ fn each_pixel_has_its_own_mean() {
     // A bias that moves light from one pixel to its neighbour would not show in the mean of all.
     let stage = room();
     let alone = stage.render(&view(), SIDE, settings(4096));
-    let shared = stage.render(&view(), SIDE, Settings { shared: true, ..settings(1024) });
+    let reused = stage.render(
+        &view(),
+        SIDE,
+        Settings { integrator: Integrator::PathReuse, ..settings(1024) },
+    );
     let mut worst = 0.0f64;
-    for (pixel, (a, b)) in alone.mean.pixels().iter().zip(shared.mean.pixels()).enumerate() {
-        let variance = alone.variance.pixels()[pixel] + shared.variance.pixels()[pixel];
+    for (pixel, (a, b)) in alone.mean.pixels().iter().zip(reused.mean.pixels()).enumerate() {
+        let variance = alone.variance.pixels()[pixel] + reused.variance.pixels()[pixel];
         let z = (*a - *b).as_dvec3() / variance.as_dvec3().map(f64::sqrt);
         worst = worst.max(z.abs().max_element());
     }
@@ -119,35 +123,35 @@ fn a_furnace_stays_white() {
     let mut stage = Stage::default();
     let wall = stage.group(Material::diffuse(Rgb::splat(0.5)), Rgb::ONE);
     stage.room(wall, Vec3::ONE);
-    let shared = Settings { shared: true, ..settings(64) };
-    let (found, _) = mean(&stage, 50, shared);
+    let reused = Settings { integrator: Integrator::PathReuse, ..settings(64) };
+    let (found, _) = mean(&stage, 50, reused);
     assert_agree("furnace", found, Estimate::exactly(Rgb::splat(2.0)), 1e-3);
 }
 
 #[test]
-fn threads_and_parts_change_no_bit() {
+fn threads_and_shards_change_no_bit() {
     let stage = room();
     let (tracer, materials) = (stage.tracer(), stage.scene.materials());
-    let settings = Settings { shared: true, ..settings(7) };
-    let part = |samples: Samples<'_>, threads: usize| {
-        let mut tally = Tally::new(SIDE, SIDE);
+    let settings = Settings { integrator: Integrator::PathReuse, ..settings(7) };
+    let shard = |samples: SampleAllocation<'_>, threads: usize| {
+        let mut accumulator = Accumulator::new(SIDE, SIDE);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            tracer.accumulate(&materials, &view(), &settings, &samples, &mut tally, &|_| ());
+            tracer.accumulate(&materials, &view(), &settings, &samples, &mut accumulator, &|_| ());
         });
-        tally
+        accumulator
     };
-    let whole = part(Samples::Even(0..7), 1);
-    let mut sum = part(Samples::Even(3..7), 3);
-    sum.add(&part(Samples::Even(0..3), 2));
+    let whole = shard(SampleAllocation::Uniform(0..7), 1);
+    let mut sum = shard(SampleAllocation::Uniform(3..7), 3);
+    sum.add(&shard(SampleAllocation::Uniform(0..3), 2));
     assert!(sum == whole);
     assert!(stage.render(&view(), SIDE, settings) == whole.film());
-    // Likewise where the number of samples depends on the noise.
-    let shares = tracer.shares(&materials, &view(), (SIDE, SIDE), &settings, &|_| ());
-    let whole = part(Samples::ByNoise(&shares, 0..7), 1);
-    let mut sum = part(Samples::ByNoise(&shares, 0..2), 2);
-    sum.add(&part(Samples::ByNoise(&shares, 2..7), 1));
+    // The same with adaptive sampling.
+    let sampling = tracer.adaptive_sampling(&materials, &view(), (SIDE, SIDE), &settings, &|_| ());
+    let whole = shard(SampleAllocation::Adaptive(&sampling, 0..7), 1);
+    let mut sum = shard(SampleAllocation::Adaptive(&sampling, 0..2), 2);
+    sum.add(&shard(SampleAllocation::Adaptive(&sampling, 2..7), 1));
     assert!(sum == whole);
-    let counts = |i: usize| whole.moments().pixels()[i].count as usize;
-    assert!((0..SIDE * SIDE).all(|i| counts(i) == shares.samples(i, 0..7).len()));
+    let counts = |i: usize| whole.image().pixels()[i].count as usize;
+    assert!((0..SIDE * SIDE).all(|i| counts(i) == sampling.samples(i, 0..7).len()));
 }

@@ -1,8 +1,8 @@
-//! Where new pictures are seen from: key poses, and a smooth way through them.
+//! Camera paths: Catmull-Rom splines through key poses [Catmull and Rom 1974].
 //!
-//! Between two keys every number follows the cubic Hermite curve whose slopes at the keys are those
-//! of the line from the key before to the key after [Catmull & Rom 1974], in time. At the keys the
-//! pose is the key's to the bit.
+//! Between two keys every parameter follows the cubic Hermite curve in time whose slopes at the keys
+//! are those of the line from the key before to the key after. At a key the pose is the key's to the
+//! bit.
 
 use glam::Vec3;
 use unrender_scene::{Camera, Lens};
@@ -10,11 +10,11 @@ use unrender_scene::{Camera, Lens};
 /// A pose at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
-    /// When, in any unit; grows from key to key.
+    /// Time, in any unit; increases from key to key.
     pub time: f32,
     /// The camera's centre, metres.
     pub eye: Vec3,
-    /// A point that it looks at.
+    /// A point on the optical axis.
     pub target: Vec3,
     /// Upwards in the picture.
     pub up: Vec3,
@@ -22,17 +22,17 @@ pub struct Key {
     pub fov_y_rad: f32,
 }
 
-/// A way through key poses.
+/// A camera path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
-    /// The poses, in the order of time; at least one.
+    /// The keys, in the order of time; at least one.
     pub keys: Vec<Key>,
-    /// The lens, alike all the way.
+    /// The lens, constant along the path.
     pub lens: Lens,
 }
 
 impl Path {
-    /// The cameras of `frames` pictures, evenly spaced in time from the first key to the last.
+    /// The cameras of `frames` pictures, equally spaced in time from the first key to the last.
     pub fn cameras(&self, frames: usize) -> Vec<Camera> {
         let (Some(first), Some(last)) = (self.keys.first(), self.keys.last()) else {
             return Vec::new();
@@ -50,7 +50,7 @@ impl Path {
         (0..frames).map(at).collect()
     }
 
-    /// The camera at `time`, called `name`; before the first and after the last key it stands still.
+    /// The camera at `time`, called `name`; constant before the first and after the last key.
     pub fn camera(&self, name: &str, time: f32) -> Camera {
         let key = self.pose(time);
         let camera = Camera::look_at(name, key.eye, key.target, key.up, key.fov_y_rad);
@@ -68,7 +68,7 @@ impl Path {
         let vector = |of: fn(&Key) -> Vec3| hermite(near.each_ref().map(|k| (k.time, of(k))), time);
         let fov = hermite(near.each_ref().map(|k| (k.time, Vec3::splat(k.fov_y_rad))), time).x;
         let up = vector(|k| k.up.normalize());
-        // A swing in the field of view may not overshoot into nonsense.
+        // Overshoot could make the field of view invalid.
         let fov_y_rad = fov.clamp(
             near[1].fov_y_rad.min(near[2].fov_y_rad),
             near[1].fov_y_rad.max(near[2].fov_y_rad),
@@ -77,7 +77,7 @@ impl Path {
     }
 }
 
-/// The curve at `time`, which lies between the second and the third of four values in time.
+/// The curve at `time`, which lies between the second and the third of four (time, value) pairs.
 fn hermite(values: [(f32, Vec3); 4], time: f32) -> Vec3 {
     let [a, b, c, d] = values;
     let slope = |from: (f32, Vec3), to: (f32, Vec3)| (to.1 - from.1) / (to.0 - from.0);
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_hit_the_keys_and_run_straight_through_keys_on_a_line() {
+    fn frames_hit_the_keys_and_follow_keys_on_a_line() {
         let keys = vec![key(0.0, 0.0), key(1.0, 1.0), key(3.0, 3.0), key(4.0, 4.0)];
         let even: Vec<f32> = (0..9).map(|i| 0.5 * i as f32).collect();
         let got = eyes(keys, 9);
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn the_way_has_no_kink_at_a_key() {
+    fn the_path_is_smooth_at_a_key() {
         let keys = vec![key(0.0, 0.0), key(1.0, 2.0), key(2.0, 1.0)];
         let path = Path { keys, lens: Lens::default() };
         let x = |time: f32| path.camera("", time).origin().x;

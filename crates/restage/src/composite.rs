@@ -1,61 +1,61 @@
-//! The change put into the photograph.
+//! Compositing: the rendered change added to the photograph.
 //!
-//! With `P` the photograph's radiance, `B` and `A` the renderings before and after, `r` the share of
-//! the pixel that shows something else than before, `K` the part of `A - B` that comes by paths which
-//! see the same surface, and `D` the change that is believed (module [`crate::touched`]: `K`, or its
-//! mean over the face), a touched pixel becomes
+//! With `P` the radiance of the photograph, `B` and `A` the renderings before and after the edits, `r`
+//! the fraction of the pixel that shows another surface than before, `K` the part of `A - B` of paths
+//! that show the same surface, and `D` the significant change (module [`crate::touched`]: `K`, or its
+//! local mean), a touched pixel becomes
 //!
 //! ```text
 //! C = (A - K) + (1 - r) (P - B) + g D
 //! ```
 //!
-//! Where the same surface is seen, `r = 0`, `A - K = B`, and `C = P + g D`. With `g = 1` this is differential
-//! rendering [Fournier et al. 1993; Debevec 1998]: what the model does not explain, `P - B`, stays as
-//! it is. With `g = P/B` and `D = A - B` it is the
-//! ratio, `C = P A/B`: what the model does not explain is taken for
-//! reflectance, and is shaded like it. Where something new is seen, `r = 1` and `C = A`: the
-//! photograph knows nothing of it.
+//! Where the same surface is visible, `r = 0`, `A - K = B`, and `C = P + g D`. With the gain `g = 1`
+//! this is differential rendering [Fournier et al. 1993; Debevec 1998]: the residual `P - B` is kept.
+//! With `g = P/B` and `D = A - B` it is the ratio image, `C = P A/B`: the residual is attributed to
+//! reflectance and shaded like it. Where another surface is visible, `r = 1` and `C = A`.
 //!
-//! The gain is `P/B` where that is a matter of reflectance and well known: on surfaces without a
-//! shine, where the photograph is not clipped, `P/B` lies within [`GAIN_MAX`] of one and `B` is above
-//! [`SIGMAS`] standard deviations of its noise. Else it is one.
+//! The gain is `P/B` where the residual is plausibly reflectance: on surfaces without specular term,
+//! where the photograph is not clipped, `P/B` lies within [`GAIN_MAX`] of one and `B` exceeds
+//! [`SIGMAS`] standard deviations of its noise. Elsewhere it is one.
 
 use crate::pair::Paired;
 use unrender_render::{GeometryBuffers, NOTHING};
 use unrender_scene::{Image, Material, Rgb, RgbImage};
 
-/// Beyond this, or its inverse, photograph and model differ by more than a reflectance.
+/// Gains beyond this or its inverse are not plausible as errors of a reflectance. With half of it (no
+/// gain at all) textures that the model lacks are not shaded; with double of it shadows that the model
+/// lacks are taken for reflectance.
 pub const GAIN_MAX: f32 = 2.0;
-/// `B` below so many standard deviations gives no gain.
+/// `B` below this many standard deviations gives no gain: the relative error of `P/B` is then above
+/// 1/8. With half of it noise shows in dark parts, with double of it dark parts have no gain.
 pub const SIGMAS: f32 = 8.0;
 
-/// How what the model does not explain goes through a change of light.
+/// How the residual of the model responds to a change of light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Gain {
-    /// Pixel by pixel, as the head of this module says.
+    /// Per pixel, as described in the module head.
     #[default]
     Auto,
-    /// It stays: `g = 1`.
+    /// The residual is kept: `g = 1`.
     Difference,
-    /// It is shaded: `g = P/B` where `B` is not nothing.
+    /// The residual is shaded: `g = P/B` where `B` is not zero.
     Ratio,
 }
 
-/// The photograph, as far as it is needed here.
+/// The photograph and the scene that it shows.
 #[derive(Clone, Copy, Debug)]
 pub struct Photograph<'a> {
     /// Radiance, W sr^-1 m^-2 per channel.
     pub radiance: &'a RgbImage,
-    /// True in pixels that are cut off at the top: their radiance is at least this.
+    /// True in clipped pixels, whose radiance is a lower bound.
     pub clipped: &'a Image<bool>,
-    /// What the camera saw.
+    /// The geometry that it shows.
     pub geometry: &'a GeometryBuffers,
     /// The materials of the groups before the edits.
     pub materials: &'a [Material],
 }
 
-/// The photograph with the change in it; pixels without a change in `touched` keep their radiance
-/// to the bit.
+/// The composite; pixels without a change in `touched` keep the radiance of the photograph to the bit.
 pub fn composite(
     photograph: &Photograph<'_>,
     paired: &Image<Paired>,
@@ -63,34 +63,34 @@ pub fn composite(
     gain: Gain,
 ) -> RgbImage {
     let pixel = |index: usize| {
-        let seen = photograph.radiance.pixels()[index];
-        let Some(change) = touched.pixels()[index] else { return seen };
+        let photographed = photograph.radiance.pixels()[index];
+        let Some(change) = touched.pixels()[index] else { return photographed };
         let pixel = &paired.pixels()[index];
         let clipped = photograph.clipped.pixels()[index];
-        // What is cut off was at least as bright as the model says.
-        let seen = if clipped { seen.max(pixel.before) } else { seen };
+        // Of a clipped pixel the model may know that it was brighter.
+        let photographed = if clipped { photographed.max(pixel.before) } else { photographed };
         let group = photograph.geometry.pixels()[index].group;
-        let shines =
+        let specular =
             group == NOTHING || photograph.materials[group as usize].rho_s.max_element() > 0.0;
         let gain = match gain {
             Gain::Difference => Rgb::ONE,
-            Gain::Ratio => ratio(seen, pixel.before, Rgb::ZERO, f32::INFINITY),
-            Gain::Auto if shines || clipped => Rgb::ONE,
-            Gain::Auto => ratio(seen, pixel.before, pixel.before_variance, GAIN_MAX),
+            Gain::Ratio => ratio(photographed, pixel.before, Rgb::ZERO, f32::INFINITY),
+            Gain::Auto if specular || clipped => Rgb::ONE,
+            Gain::Auto => ratio(photographed, pixel.before, pixel.before_variance, GAIN_MAX),
         };
-        let unexplained = (1.0 - pixel.replaced) * (seen - pixel.before);
-        (pixel.after - pixel.kept_change + unexplained + gain * change).max(Rgb::ZERO)
+        let residual = (1.0 - pixel.replaced) * (photographed - pixel.before);
+        (pixel.after - pixel.kept_change + residual + gain * change).max(Rgb::ZERO)
     };
     let (width, height) = (paired.width(), paired.height());
     Image::from_fn(width, height, |x, y| pixel(y * width + x))
 }
 
-/// `seen / before` by channel, or one where it is not well known.
-fn ratio(seen: Rgb, before: Rgb, variance: Rgb, most: f32) -> Rgb {
+/// `photographed / before` by channel, or one where it is not significant.
+fn ratio(photographed: Rgb, before: Rgb, variance: Rgb, most: f32) -> Rgb {
     let channel = |i: usize| {
-        let gain = seen[i] / before[i];
-        let known = before[i] > SIGMAS * variance[i].sqrt() && before[i] > 0.0;
-        if known && gain <= most && gain >= 1.0 / most { gain } else { 1.0 }
+        let gain = photographed[i] / before[i];
+        let significant = before[i] > SIGMAS * variance[i].sqrt() && before[i] > 0.0;
+        if significant && gain <= most && gain >= 1.0 / most { gain } else { 1.0 }
     };
     Rgb::new(channel(0), channel(1), channel(2))
 }

@@ -1,12 +1,12 @@
-//! The light from all around, exchanged.
+//! Replacing the environment.
 
-use crate::edit::Stage;
+use crate::stage::Stage;
 use unrender_scene::Environment;
 
-/// Puts another panorama around the scene, or none.
+/// Replaces or removes the environment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surround {
-    /// What surrounds the scene from now on.
+    /// The new environment.
     pub environment: Option<Environment>,
 }
 

@@ -1,8 +1,8 @@
-//! The photograph's noise for what was not photographed.
+//! Sensor noise for the synthetic parts of a composite.
 //!
-//! A sensor's noise has a variance of `shot` times the light. Where the share `r` of a pixel is
-//! synthetic, the photograph's noise is there with the weight `1 - r`; what lacks is added, less what
-//! the rendering itself has.
+//! Shot noise has a variance of `shot` times the radiance. Where the fraction `r` of a pixel is
+//! synthetic, the composite has the noise of the photograph with the weight `1 - r`. The missing
+//! variance, `shot radiance (1 - (1 - r)^2)` less the variance of the rendering, is added.
 
 use crate::pair::Paired;
 use std::f32::consts::TAU;
@@ -13,20 +13,20 @@ use unrender_scene::{Image, Rgb, RgbImage};
 pub fn add(picture: &mut RgbImage, paired: &Image<Paired>, shot: Rgb, seed: u64) {
     let pixels = picture.pixels_mut().iter_mut().zip(paired.pixels()).enumerate();
     for (index, (radiance, pixel)) in pixels.filter(|(_, (_, pixel))| pixel.replaced > 0.0) {
-        let kept = 1.0 - pixel.replaced;
-        let lacking = shot * *radiance * (1.0 - kept * kept) - pixel.after_variance;
+        let photographed = 1.0 - pixel.replaced;
+        let missing = shot * *radiance * (1.0 - photographed * photographed) - pixel.after_variance;
         let noise = |channel: usize| {
             let key = mix(seed ^ GRAIN) ^ (3 * index + channel) as u64;
-            lacking[channel].max(0.0).sqrt() * normal(key)
+            missing[channel].max(0.0).sqrt() * normal(key)
         };
         *radiance = (*radiance + Rgb::new(noise(0), noise(1), noise(2))).max(Rgb::ZERO);
     }
 }
 
-/// Keeps these numbers apart from those of paths.
+/// Separates these random numbers from those of paths.
 const GRAIN: u64 = 0x6A21_0000_0000_0000;
 
-/// A number of the standard normal distribution for each key [Box & Muller 1958].
+/// A standard normal number for each key [Box and Muller 1958].
 fn normal(key: u64) -> f32 {
     let uniform = |bits: u64| ((bits >> 40) as f32 + 0.5) / (1u64 << 24) as f32;
     let (first, second) = (mix(key), mix(mix(key)));
@@ -38,7 +38,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn synthetic_parts_get_the_variance_that_lacks_and_others_nothing() {
+    fn synthetic_parts_get_the_missing_variance_and_others_nothing() {
         let (shot, level) = (1e-3, 0.5);
         let of = |replaced| Paired {
             replaced,

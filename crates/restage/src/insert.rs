@@ -1,49 +1,49 @@
-//! A model put into the scene.
+//! Inserting a model into the scene.
 
-use crate::edit::Stage;
 use crate::repaint::Paint;
 use crate::snap;
+use crate::stage::Stage;
 use glam::{Affine3A, Quat, Vec3};
 use unrender_scene::{Light, LightKind, Mesh, Scene};
 
-/// Puts a model into the scene. Its objects and groups are called `name.theirs` there.
+/// Inserts a model. Its objects and groups get the prefix `name.`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Insert {
-    /// What the inserted thing is called.
+    /// The name of the inserted model.
     pub name: String,
-    /// Its meshes, groups and lights; checked as `Scene::validate_meshes` does.
+    /// Its meshes, groups and lights, which passed `Scene::validate_meshes`.
     pub model: Scene,
-    /// How it is turned about its own origin.
+    /// Rotation about its own origin.
     pub rotation: Quat,
-    /// How many times as large it becomes, above zero.
+    /// Scale factor, above zero.
     pub scale: f32,
-    /// Where it stands.
+    /// Position.
     pub place: Place,
-    /// Other materials than its own: for the group of the model that is named, or for all.
+    /// Replacements of its materials: for the named group of the model, or for all groups.
     pub paint: Vec<(Option<String>, Paint)>,
 }
 
-/// Where a model stands.
+/// The position of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Place {
-    /// Its origin stands there, metres.
+    /// The position of its origin, metres.
     At(Vec3),
-    /// It is put down onto the highest surface of a group above or below a point of the ground.
+    /// On the highest upward-facing surface of a group at given horizontal coordinates.
     Onto {
         /// The group.
         group: String,
-        /// The point's x, metres.
+        /// World x, metres.
         x: f32,
-        /// The point's z, metres.
+        /// World z, metres.
         z: f32,
     },
-    /// It is put down where a ray first meets the scene.
+    /// At the first hit of a ray.
     Seen {
-        /// Where the ray starts, metres.
+        /// Origin of the ray, metres.
         origin: Vec3,
-        /// Unit vector along it.
+        /// Unit vector along the ray.
         direction: Vec3,
-        /// The group that it has to meet, if that is stated.
+        /// The group that the ray must hit, if stated.
         group: Option<String>,
     },
 }
@@ -67,7 +67,7 @@ pub(crate) fn apply(insert: &Insert, stage: &mut Stage<'_>) -> Result<(), String
         insert.rotation,
         Vec3::ZERO,
     );
-    model.objects.iter_mut().for_each(|object| carry(&mut object.mesh, &turned));
+    model.objects.iter_mut().for_each(|object| transform_mesh(&mut object.mesh, &turned));
     let Some([low, high]) = bounds(&model) else {
         return Err(format!("the model of \"{name}\" has no triangles"));
     };
@@ -80,7 +80,7 @@ pub(crate) fn apply(insert: &Insert, stage: &mut Stage<'_>) -> Result<(), String
         }
     };
     let moved = Affine3A::from_translation(shift);
-    model.objects.iter_mut().for_each(|object| carry(&mut object.mesh, &moved));
+    model.objects.iter_mut().for_each(|object| transform_mesh(&mut object.mesh, &moved));
     if let Some([a, b]) = bounds(scene)
         && ((low + shift).cmpgt(b).any() || (high + shift).cmplt(a).any())
     {
@@ -92,17 +92,20 @@ pub(crate) fn apply(insert: &Insert, stage: &mut Stage<'_>) -> Result<(), String
         ));
     }
     let world_from_model = moved * turned;
-    model.lights.iter_mut().for_each(|light| carry_light(light, &world_from_model, insert.scale));
+    model
+        .lights
+        .iter_mut()
+        .for_each(|light| transform_light(light, &world_from_model, insert.scale));
     join(insert, model, stage);
     Ok(())
 }
 
-/// Puts the materials of the edit onto the model's groups.
+/// Replaces the materials of the model's groups.
 fn paint(insert: &Insert, model: &mut Scene) -> Result<(), String> {
     for (group, paint) in &insert.paint {
         let wanted = |name: &str| group.as_ref().is_none_or(|g| g == name);
         if !model.groups.iter().any(|g| wanted(&g.name)) {
-            let there = crate::edit::some_names(model.groups.iter().map(|g| g.name.as_str()));
+            let there = crate::stage::some_names(model.groups.iter().map(|g| g.name.as_str()));
             return Err(format!(
                 "the model has no material \"{}\"; it has {there}",
                 group.as_deref().unwrap_or_default()
@@ -115,7 +118,7 @@ fn paint(insert: &Insert, model: &mut Scene) -> Result<(), String> {
     Ok(())
 }
 
-/// Adds the placed model to the scene.
+/// Adds the transformed model to the scene.
 fn join(insert: &Insert, model: Scene, stage: &mut Stage<'_>) {
     let first = stage.scene.groups.len();
     let prefix = &insert.name;
@@ -143,17 +146,17 @@ fn join(insert: &Insert, model: Scene, stage: &mut Stage<'_>) {
     }
 }
 
-/// Carries a mesh by a similarity.
-fn carry(mesh: &mut Mesh, transform: &Affine3A) {
+/// Transforms a mesh by a similarity.
+fn transform_mesh(mesh: &mut Mesh, transform: &Affine3A) {
     let turn = |v: Vec3| transform.transform_vector3(v).normalize_or(v);
     mesh.positions.iter_mut().for_each(|p| *p = transform.transform_point3(*p));
     mesh.normals.iter_mut().for_each(|n| *n = turn(*n));
     mesh.tangents.iter_mut().for_each(|t| *t = turn(t.truncate()).extend(t.w));
 }
 
-/// Carries a light by a similarity that makes things `scale` times as large. Radiance stays, so
-/// that radiant intensity grows with the area.
-fn carry_light(light: &mut Light, transform: &Affine3A, scale: f32) {
+/// Transforms a light by a similarity of the given scale. Radiance is invariant, so radiant intensity
+/// is proportional to the area.
+fn transform_light(light: &mut Light, transform: &Affine3A, scale: f32) {
     let turn = |v: Vec3| transform.transform_vector3(v).normalize_or(v);
     match &mut light.kind {
         LightKind::Point { position, intensity } => {
@@ -169,7 +172,7 @@ fn carry_light(light: &mut Light, transform: &Affine3A, scale: f32) {
     }
 }
 
-/// The box around all vertices that a triangle uses; none without a triangle.
+/// The bounding box of all triangles; none without a triangle.
 fn bounds(scene: &Scene) -> Option<[Vec3; 2]> {
     let corners = scene
         .objects

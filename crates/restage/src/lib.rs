@@ -1,13 +1,13 @@
-//! A scene and edits to new pictures, and back into the photograph.
+//! Edits of a scene: new pictures of it, and composites with the photograph.
 //!
-//! Edits are plain data ([`Edit`]); [`apply`] puts them onto a scene, one kind a module, and says in
-//! a [`Change`] which objects are still what they were. From there on there are two ways:
-//!  - the changed scene is rendered like any other, from where a [`camera::Path`] leads;
-//!  - [`pair::render`] renders the scene before and after with the same random numbers, and
-//!    [`composite::composite`] puts the change, and nothing else, into the photograph.
+//! Edits are plain data ([`Edit`]), one kind per module. [`apply`] applies them to a scene and returns
+//! a [`Change`], which maps the objects of the edited scene to those of the original one. Then
+//!  - the edited scene is rendered like any other, from the cameras of a [`camera::Path`];
+//!  - or [`pair::render`] renders the scene before and after the edits with the same random numbers,
+//!    and [`composite::composite`] adds the difference to the photograph.
 //!
-//! To add a kind of edit, write a file beside [`remove`], name it in [`Edit`] and send it from
-//! [`apply`].
+//! To add a kind of edit, write a file beside [`remove`], name it in [`Edit`] and call it from
+//! [`apply`]. Sources are cited by the keys of `docs/bibliography.md`.
 
 pub mod camera;
 pub mod composite;
@@ -20,6 +20,8 @@ pub mod pair;
 pub mod remove;
 pub mod repaint;
 pub mod snap;
+mod stage;
 pub mod touched;
 
-pub use edit::{Change, Edit, EditError, apply};
+pub use edit::{Edit, EditError, apply};
+pub use stage::Change;

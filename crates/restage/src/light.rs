@@ -1,55 +1,55 @@
-//! Lights changed, added and removed.
+//! Changing, adding and removing lights.
 //!
-//! An area light is a group that emits, with its objects; all others are in `Scene::lights`.
+//! An area light is a group that emits, with its objects; punctual lights are in `Scene::lights`.
 
-use crate::edit::{Stage, some_names};
+use crate::stage::{Stage, some_names};
 use glam::{Quat, Vec2, Vec3};
 use unrender_scene::{Group, Light, LightKind, Material, Mesh, Object, Rgb};
 
 /// Changes, adds or removes one light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightEdit {
-    /// The name of the light: of a group that emits, or of a light without a surface.
+    /// The name of the light: of a group that emits, or of a punctual light.
     pub name: String,
-    /// What becomes of it.
+    /// The change.
     pub change: LightChange,
 }
 
-/// What becomes of a light.
+/// A change of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightChange {
-    /// It stays, differently.
+    /// Changes its parameters.
     Alter(Alter),
-    /// It is gone; of an area light the objects too.
+    /// Removes it; of an area light the objects, too.
     Remove,
-    /// It is new.
+    /// Adds it.
     Add(NewLight),
 }
 
-/// A change of a light that is there.
+/// A change of the parameters of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alter {
-    /// How many times as bright it becomes, by channel; zero switches it off.
+    /// Factor on its strength, by channel; zero switches it off.
     pub scale: Rgb,
-    /// How bright it becomes before that, in the unit of its kind: radiance, radiant intensity or
+    /// New strength before that factor, in the unit of its kind: radiance, radiant intensity or
     /// irradiance.
     pub strength: Option<Rgb>,
-    /// How far it is moved, metres.
+    /// Translation, metres.
     pub shift: Vec3,
-    /// Where it shines to, a unit vector: spots and directional lights.
+    /// New axis of emission, a unit vector: spots and directional lights.
     pub direction: Option<Vec3>,
 }
 
-/// A light that was not there.
+/// A new light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NewLight {
-    /// One without a surface.
+    /// A punctual light.
     Punctual(LightKind),
-    /// A rectangle that emits from one side.
+    /// A rectangle that emits from its front.
     Area {
         /// Its centre, metres.
         centre: Vec3,
-        /// Unit vector to where it shines.
+        /// Unit normal of its front.
         normal: Vec3,
         /// Its two sides, metres.
         size: Vec2,
@@ -58,8 +58,8 @@ pub enum NewLight {
     },
 }
 
-/// Which light it is.
-enum Found {
+/// An existing light.
+enum LightRef {
     Area(usize),
     Punctual(usize),
 }
@@ -71,26 +71,26 @@ pub(crate) fn apply(edit: &LightEdit, stage: &mut Stage<'_>) -> Result<(), Strin
     }
     match (find(&edit.name, stage)?, edit.change) {
         (found, LightChange::Alter(alter)) => alter_light(&edit.name, &found, alter, stage),
-        (Found::Area(group), _) => {
+        (LightRef::Area(group), _) => {
             let of_group: Vec<bool> =
                 stage.scene.objects.iter().map(|object| object.group == group).collect();
             stage.retain_objects(|index| !of_group[index]);
             Ok(())
         }
-        (Found::Punctual(index), _) => {
+        (LightRef::Punctual(index), _) => {
             stage.scene.lights.remove(index);
             Ok(())
         }
     }
 }
 
-fn find(name: &str, stage: &Stage<'_>) -> Result<Found, String> {
+fn find(name: &str, stage: &Stage<'_>) -> Result<LightRef, String> {
     let groups = stage.scene.groups.len();
     let found: Vec<usize> =
         stage.scene.sources().filter(|s| s.name == name).map(|s| s.index).collect();
     match found[..] {
-        [index] if index < groups => Ok(Found::Area(index)),
-        [index] => Ok(Found::Punctual(index - groups)),
+        [index] if index < groups => Ok(LightRef::Area(index)),
+        [index] => Ok(LightRef::Punctual(index - groups)),
         [] => {
             let there = some_names(stage.scene.sources().map(|s| s.name));
             Err(format!(
@@ -103,14 +103,14 @@ fn find(name: &str, stage: &Stage<'_>) -> Result<Found, String> {
 
 fn alter_light(
     name: &str,
-    found: &Found,
+    found: &LightRef,
     alter: Alter,
     stage: &mut Stage<'_>,
 ) -> Result<(), String> {
     let change = &mut stage.change;
     let scene = &mut stage.scene;
     let strength = match *found {
-        Found::Area(group) => {
+        LightRef::Area(group) => {
             if alter.direction.is_some() {
                 return Err(format!("\"{name}\" is an area light, which has no direction to set"));
             }
@@ -123,7 +123,7 @@ fn alter_light(
             }
             &mut scene.groups[group].emission
         }
-        Found::Punctual(index) => {
+        LightRef::Punctual(index) => {
             place(name, &mut scene.lights[index].kind, alter)?;
             scene.lights[index].kind.strength_mut()
         }

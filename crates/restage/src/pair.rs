@@ -1,46 +1,45 @@
-//! A scene before and after its edits, rendered with the same random numbers.
+//! A scene before and after its edits, rendered with common random numbers.
 //!
-//! Each path is walked twice with the same numbers, once in either scene. Paths that meet nothing of
-//! the edit are alike to the bit and their difference is nothing; so the noise of the difference is
-//! that of the change and not that of the picture. Its variance is that of the differences, path by
-//! path.
+//! Each sample is traced in both scenes with the same random numbers. Paths that the edits do not
+//! affect agree to the bit, and their difference is zero. So the noise of the difference is that of the
+//! change and not that of the picture; its variance is the sample variance of the differences.
 //!
-//! A path also tells *what* is seen: perfect mirrors are followed to what stands in them, and if that
-//! is another surface before and after, or wears another material, then what the photograph shows
-//! there has been replaced.
+//! Each sample also identifies the visible surface, through perfect mirrors. Where it is another one
+//! after the edits, or has another material, the content of the photograph is replaced.
 
-use crate::edit::Change;
+use crate::stage::Change;
 use glam::Vec3;
 use rayon::prelude::*;
 use rayon::slice::ChunksMut;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use unrender_render::accel::Ray;
-use unrender_render::adaptive::{self, Samples, Shares};
-use unrender_render::film::{camera_ray, picture_sampler};
+use unrender_render::adaptive::{self, AdaptiveSampling, SampleAllocation};
+use unrender_render::camera_sample::{camera_ray, pixel_sampler};
 use unrender_render::path::Transport;
+use unrender_render::sampler::Sampler;
 use unrender_render::surface::Surface;
-use unrender_render::{Moments, Settings, Tally, Tracer};
+use unrender_render::{Accumulator, PixelAccumulator, Settings, Tracer};
 use unrender_scene::{Camera, Image, Material, Rgb, RgbImage, Scene};
 
-/// What one pixel is, before and after.
+/// One pixel before and after the edits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Paired {
     /// Radiance before the edits, W sr^-1 m^-2 per channel.
     pub before: Rgb,
     /// Radiance after.
     pub after: Rgb,
-    /// The part of `after - before` that comes by paths which see the same surface.
+    /// The part of `after - before` of samples that show the same surface.
     pub kept_change: Rgb,
-    /// Variance of `kept_change`: where nothing is replaced, that of `after - before`.
+    /// Variance of `kept_change`; where nothing is replaced, that of `after - before`.
     pub change_variance: Rgb,
     /// Variance of `before`.
     pub before_variance: Rgb,
     /// Variance of `after`.
     pub after_variance: Rgb,
-    /// The share of the pixel that shows something else than before, 0 to 1.
+    /// The fraction of the pixel that shows another surface than before, 0 to 1.
     pub replaced: f32,
-    /// The share of the pixel that shows a surface of the old scene which something hid before.
+    /// The fraction of the pixel that shows a surface of the old scene that was occluded before.
     pub uncovered: f32,
 }
 
@@ -49,24 +48,23 @@ pub struct Paired {
 pub struct Scenes<'a> {
     /// The scene that the photograph shows.
     pub before: &'a Scene,
-    /// The same with the edits, validated.
+    /// The edited scene, validated.
     pub after: &'a Scene,
-    /// What the edits did.
+    /// The relation between the two.
     pub change: &'a Change,
 }
 
-/// The sums that a pairing keeps of every pixel, each in a tally of its own: the radiance after and
-/// before; what the paths that see the same surface as before bring more than before, and less; and
-/// one, in the first channel, for each path that sees something else, in the second for each that
-/// sees what was uncovered.
+/// The accumulators of a pairing: the radiance after and before; the positive and the negative part of
+/// the change of samples that show the same surface; and counts, in the first channel of samples that
+/// show another surface, in the second of those that show an uncovered one.
 pub const LAYERS: [&str; 5] = ["after", "before", "lighter", "darker", "shown"];
 
-/// Pixels that one task renders before it reports progress.
+/// Pixels per parallel task, after which it reports progress.
 const CHUNK: usize = 128;
-/// Mirrors in a row that are looked through at most.
+/// Most perfect mirrors in a row that are followed.
 const MIRRORS_MAX: usize = 16;
 
-/// Both scenes, ready to be rendered together.
+/// Both scenes, prepared for rendering.
 #[derive(Debug)]
 pub struct Pairing<'a> {
     scenes: Scenes<'a>,
@@ -77,22 +75,23 @@ pub struct Pairing<'a> {
 }
 
 impl<'a> Pairing<'a> {
-    /// Prepares both scenes, as `camera` sees them; `settings.spp` does not count.
+    /// Prepares both scenes; `settings.spp` has no effect.
     pub fn new(scenes: Scenes<'a>, camera: &'a Camera, settings: Settings) -> Self {
         let side = |scene: &Scene| (Tracer::new(scene), scene.materials());
         let (before, after) = (side(scenes.before), side(scenes.after));
         Self { scenes, before, after, camera, settings }
     }
 
-    /// Adds the paths that `samples` asks for to `layers`, whose size is the picture's. However the paths are cut into calls, the sums have the same bits.
-    /// `progress` hears the share done, 0 to 1, from any thread.
+    /// Adds the samples of the allocation to `layers`, which have the size of the picture. The sums have
+    /// the same bits in however many calls. `progress` is called with the completed fraction, 0 to 1,
+    /// from any thread.
     ///
     /// # Panics
-    /// If there is not one tally for each of [`LAYERS`].
+    /// If there is not one accumulator for each of [`LAYERS`].
     pub fn accumulate(
         &self,
-        samples: &Samples<'_>,
-        layers: &mut [Tally],
+        samples: &SampleAllocation<'_>,
+        layers: &mut [Accumulator],
         progress: &(dyn Fn(f64) + Sync),
     ) {
         let [after, before, lighter, darker, shown] = layers else {
@@ -121,22 +120,22 @@ impl<'a> Pairing<'a> {
             });
     }
 
-    /// Renders a pilot of a picture of `size` and says how many paths each pixel should get, by the
-    /// noise of what goes into a composite: the change, or where something new is seen the radiance.
-    pub fn shares(&self, (width, height): (usize, usize)) -> Shares {
+    /// The adaptive sampling of a picture of `size`, from a pilot, by the variance of what a composite
+    /// shows: of the change, or where another surface is visible of the radiance.
+    pub fn adaptive_sampling(&self, (width, height): (usize, usize)) -> AdaptiveSampling {
         let settings = Settings { seed: adaptive::pilot_seed(self.settings.seed), ..self.settings };
         let pilot = Self::new(self.scenes, self.camera, settings);
-        let mut layers = LAYERS.map(|_| Tally::new(width, height));
-        pilot.accumulate(&Samples::Even(0..adaptive::PILOT), &mut layers, &|_| ());
-        let moments = |index: usize| {
-            let of = |layer: usize| layers[layer].moments().pixels()[index];
-            // Each path counts twice then, as lighter and as darker; in all pixels alike.
+        let mut layers = LAYERS.map(|_| Accumulator::new(width, height));
+        pilot.accumulate(&SampleAllocation::Uniform(0..adaptive::PILOT), &mut layers, &|_| ());
+        let pixel = |index: usize| {
+            let of = |layer: usize| layers[layer].image().pixels()[index];
+            // Each sample counts twice then, in both parts; in all pixels.
             let mut change = of(2);
             change.add(&of(3));
             if of(4).sum[0] > 0 { of(0) } else { change }
         };
-        let moments = (0..width * height).map(moments).collect();
-        Shares::by_noise(&Tally::from_moments(Image::new(width, height, moments)))
+        let pixels = (0..width * height).map(pixel).collect();
+        AdaptiveSampling::from_pilot(&Accumulator::from_image(Image::new(width, height, pixels)))
     }
 
     fn pair(&self, size: (usize, usize)) -> Pair<'_> {
@@ -153,18 +152,18 @@ impl<'a> Pairing<'a> {
     }
 }
 
-fn chunks(tally: &mut Tally) -> ChunksMut<'_, Moments> {
-    tally.moments_mut().pixels_mut().par_chunks_mut(CHUNK)
+fn chunks(layer: &mut Accumulator) -> ChunksMut<'_, PixelAccumulator> {
+    layer.image_mut().pixels_mut().par_chunks_mut(CHUNK)
 }
 
-/// What the sums in `layers`, one tally for each of [`LAYERS`], say of every pixel.
+/// The pixels of `layers`, one accumulator for each of [`LAYERS`].
 ///
 /// # Panics
-/// If tallies are missing.
-pub fn paired(layers: &[Tally]) -> Image<Paired> {
+/// If accumulators are missing.
+pub fn paired(layers: &[Accumulator]) -> Image<Paired> {
     let (width, height) = layers[0].size();
     let of_pixel = |index: usize| {
-        let of = |layer: usize| layers[layer].moments().pixels()[index];
+        let of = |layer: usize| layers[layer].image().pixels()[index];
         let (after, before, lighter, darker) = (of(0), of(1), of(2), of(3));
         let shown = of(4).mean();
         let n = (lighter.count as f32 - 1.0).max(1.0);
@@ -172,7 +171,7 @@ pub fn paired(layers: &[Tally]) -> Image<Paired> {
             before: before.mean(),
             after: after.mean(),
             kept_change: lighter.mean() - darker.mean(),
-            // A channel of a path is lighter or darker, so their product is nothing.
+            // A channel of a sample is lighter or darker, so the product of the parts is zero.
             change_variance: lighter.variance()
                 + darker.variance()
                 + 2.0 * lighter.mean() * darker.mean() / n,
@@ -185,8 +184,8 @@ pub fn paired(layers: &[Tally]) -> Image<Paired> {
     Image::new(width, height, (0..width * height).map(of_pixel).collect())
 }
 
-/// Renders both scenes as `camera` sees them in `width` x `height` pixels. `progress` hears the
-/// share done, 0 to 1, from any thread.
+/// Renders both scenes as `camera` sees them in `width` x `height` pixels. `progress` is called with the
+/// completed fraction, 0 to 1, from any thread.
 pub fn render(
     scenes: &Scenes<'_>,
     camera: &Camera,
@@ -194,23 +193,25 @@ pub fn render(
     settings: &Settings,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Image<Paired> {
-    let mut layers = LAYERS.map(|_| Tally::new(width, height));
+    let mut layers = LAYERS.map(|_| Accumulator::new(width, height));
     let pairing = Pairing::new(*scenes, camera, *settings);
-    pairing.accumulate(&Samples::Even(0..settings.spp), &mut layers, progress);
+    pairing.accumulate(&SampleAllocation::Uniform(0..settings.spp), &mut layers, progress);
     paired(&layers)
 }
 
-/// For each group of the old scene: whether it reflects or emits differently after.
+/// For each group of the old scene whether its material or emission changes.
 fn repainted(scenes: &Scenes<'_>) -> Vec<bool> {
     let pairs = scenes.before.groups.iter().zip(&scenes.after.groups);
     pairs.map(|(b, a)| b.material != a.material || b.emission != a.emission).collect()
 }
 
+/// One of the two scenes.
 struct Side<'a> {
     transport: Transport<'a>,
     materials: &'a [Material],
 }
 
+/// Both scenes during the rendering of a picture.
 struct Pair<'a> {
     before: Side<'a>,
     after: Side<'a>,
@@ -222,8 +223,28 @@ struct Pair<'a> {
     settings: &'a Settings,
 }
 
-/// What a path sees: an object and a point of it.
-type Shown = Option<(u32, u32, Vec3)>;
+/// The visible surface of a sample.
+#[derive(Clone, Copy)]
+struct VisibleSurface {
+    object: u32,
+    group: u32,
+    point: Vec3,
+}
+
+/// One sample of one scene.
+struct PairSample {
+    radiance: Rgb,
+    visible: Option<VisibleSurface>,
+}
+
+/// How the visible surface of a sample changes.
+#[derive(Clone, Copy)]
+struct Replacement {
+    /// Another surface is visible.
+    replaced: bool,
+    /// It is a surface of the old scene that was occluded.
+    uncovered: bool,
+}
 
 impl<'a> Side<'a> {
     fn new((tracer, materials): &'a (Tracer, Vec<Material>), settings: &Settings) -> Self {
@@ -231,9 +252,9 @@ impl<'a> Side<'a> {
         Self { transport, materials }
     }
 
-    /// Object, group and point that `surface` shows to a viewer along `direction`: itself, or what
-    /// stands in it if it is a perfect mirror.
-    fn shown(&self, mut surface: Surface, mut direction: Vec3) -> Shown {
+    /// The surface visible at `surface` along `direction`: itself, or the reflected one of a perfect
+    /// mirror.
+    fn visible(&self, mut surface: Surface, mut direction: Vec3) -> Option<VisibleSurface> {
         for _ in 0..MIRRORS_MAX {
             if !self.materials[surface.group as usize].is_pure_mirror() {
                 break;
@@ -246,55 +267,60 @@ impl<'a> Side<'a> {
             surface = self.transport.surface(&Transport::leave(&surface, wi))?;
             direction = wi;
         }
-        Some((surface.object, surface.group, surface.point))
+        let Surface { object, group, point, .. } = surface;
+        Some(VisibleSurface { object, group, point })
     }
 
-    /// What arrives along a ray, and what is seen.
-    fn look(&self, ray: &Ray, sampler: &mut unrender_render::sampler::Sampler) -> (Rgb, Shown) {
+    /// Traces one sample.
+    fn sample(&self, ray: &Ray, sampler: &mut Sampler) -> PairSample {
         let radiance = self.transport.radiance(ray, sampler, 0);
-        let shown = self.transport.surface(ray).and_then(|s| self.shown(s, ray.direction));
-        (radiance, shown)
+        let visible = self.transport.surface(ray).and_then(|s| self.visible(s, ray.direction));
+        PairSample { radiance, visible }
     }
 }
 
 impl Pair<'_> {
-    /// Adds the paths of the numbers `samples` to those of a pixel.
+    /// Adds the samples of the numbers `samples` to a pixel.
     fn add(&self, pixel: u32, samples: Range<u32>, sums: &mut Sums<'_>) {
         for index in samples {
-            let mut sampler = picture_sampler(self.settings.seed, pixel, index);
+            let mut sampler = pixel_sampler(self.settings.seed, pixel, index);
             let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
             let mut again = sampler;
-            let (before, was) = self.before.look(&ray, &mut sampler);
-            let (after, is) = self.after.look(&ray, &mut again);
-            sums.push(before, after, self.compare(was, is));
+            let before = self.before.sample(&ray, &mut sampler);
+            let after = self.after.sample(&ray, &mut again);
+            let replacement = self.replacement(before.visible, after.visible);
+            sums.push(before.radiance, after.radiance, replacement);
         }
     }
 
-    /// Whether what is seen was replaced, and whether it was uncovered.
-    fn compare(&self, was: Shown, is: Shown) -> (bool, bool) {
-        let Some((object, group, point)) = is else {
-            return (was.is_some() || self.new_surroundings, was.is_some());
+    fn replacement(
+        &self,
+        before: Option<VisibleSurface>,
+        after: Option<VisibleSurface>,
+    ) -> Replacement {
+        let Some(VisibleSurface { object, group, point }) = after else {
+            let uncovered = before.is_some();
+            return Replacement { replaced: uncovered || self.new_surroundings, uncovered };
         };
-        let Some(origin) = self.origin[object as usize] else { return (true, false) };
-        if self.repainted[group as usize] {
-            return (true, false);
-        }
-        let same = was.is_some_and(|(old, _, at)| old as usize == origin && at == point);
-        (!same, !same)
+        let origin = self.origin[object as usize].filter(|_| !self.repainted[group as usize]);
+        let Some(origin) = origin else { return Replacement { replaced: true, uncovered: false } };
+        let same = before.is_some_and(|b| b.object as usize == origin && b.point == point);
+        Replacement { replaced: !same, uncovered: !same }
     }
 }
 
-/// The sums over a pixel's paths.
+/// The accumulators of one pixel.
 struct Sums<'a> {
-    after: &'a mut Moments,
-    before: &'a mut Moments,
-    lighter: &'a mut Moments,
-    darker: &'a mut Moments,
-    shown: &'a mut Moments,
+    after: &'a mut PixelAccumulator,
+    before: &'a mut PixelAccumulator,
+    lighter: &'a mut PixelAccumulator,
+    darker: &'a mut PixelAccumulator,
+    shown: &'a mut PixelAccumulator,
 }
 
 impl Sums<'_> {
-    fn push(&mut self, before: Rgb, after: Rgb, (replaced, uncovered): (bool, bool)) {
+    fn push(&mut self, before: Rgb, after: Rgb, replacement: Replacement) {
+        let Replacement { replaced, uncovered } = replacement;
         self.before.push(before);
         self.after.push(after);
         let change = if replaced { Rgb::ZERO } else { after - before };
@@ -305,7 +331,7 @@ impl Sums<'_> {
     }
 }
 
-/// The picture of the scene after its edits.
+/// The picture of the edited scene.
 pub fn after(paired: &Image<Paired>) -> RgbImage {
     paired.map(|pixel| pixel.after)
 }

@@ -1,17 +1,17 @@
-//! Objects taken away, by their own name or by their group's.
+//! Removing objects, by name or by group.
 
-use crate::edit::{Stage, some_names};
+use crate::stage::{Stage, some_names};
 
-/// Takes objects away.
+/// Removes objects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Remove {
-    /// The name of objects, or of a group, all of whose objects go.
+    /// The name of objects, or of a group, whose objects are all removed.
     pub name: String,
-    /// What bears the name.
+    /// What the name refers to.
     pub what: Bearer,
 }
 
-/// What a name is the name of.
+/// What a name refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bearer {
     /// Objects or a group, whichever there is.

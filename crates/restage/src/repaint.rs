@@ -1,40 +1,40 @@
-//! A group that reflects differently.
+//! Changing the material of a group.
 
-use crate::edit::{Stage, some_names};
+use crate::stage::{Stage, some_names};
 use std::sync::Arc;
 use unrender_scene::{Material, Rgb, Texture};
 
-/// Changes the reflectance of a group; what is none stays.
+/// Changes the material of a group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Repaint {
     /// The group's name.
     pub group: String,
-    /// How it is painted.
+    /// The new parameters.
     pub paint: Paint,
 }
 
-/// New parameters of a material; what is none stays as it is.
+/// New parameters of a material; those that are none are kept.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Paint {
-    /// Diffuse reflectance; takes the place of a texture.
+    /// Diffuse reflectance; replaces a texture.
     pub rho_d: Option<Rgb>,
     /// Specular reflectance.
     pub rho_s: Option<Rgb>,
-    /// Roughness along the brushed direction.
+    /// Roughness along the anisotropy direction.
     pub alpha_x: Option<f32>,
     /// Roughness across it.
     pub alpha_y: Option<f32>,
-    /// Brushed direction, radians from the surface's tangent.
+    /// Anisotropy direction, radians from the surface's tangent.
     pub theta_rad: Option<f32>,
     /// Diffuse reflectance over the surface, by its `TEXCOORD_0`.
     pub texture: Option<Arc<Texture>>,
 }
 
 impl Paint {
-    /// Puts the paint onto `material`.
+    /// Applies the parameters to `material`.
     ///
     /// # Errors
-    /// If a shine is left that is smooth in one direction and rough in the other.
+    /// If only one of the two roughnesses is zero.
     pub fn onto(&self, material: &mut Material) -> Result<(), String> {
         if let Some(rho_d) = self.rho_d {
             material.rho_d = rho_d;

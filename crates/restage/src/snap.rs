@@ -1,16 +1,17 @@
-//! Where things are put down: onto a surface that faces upwards.
+//! Finding upward-facing surfaces to place models on.
 
-use crate::edit::some_names;
+use crate::stage::some_names;
 use glam::Vec3;
 use unrender_render::accel::Ray;
 use unrender_render::path::Transport;
 use unrender_render::{Tracer, surface::Surface};
 use unrender_scene::Scene;
 
-/// Surfaces whose normal has at least this share upwards can be stood on.
+/// Surfaces whose unit normal has at least this y component face upwards: slopes up to 60 degrees. At
+/// 0.25 steep roofs count as ground, at 1 nothing but level floors.
 const LEVEL: f32 = 0.5;
 
-/// The highest point of `group` at `x` and `z` that can be stood on.
+/// The highest upward-facing point of `group` at `x` and `z`.
 pub(crate) fn highest(scene: &Scene, group: &str, x: f32, z: f32) -> Result<Vec3, String> {
     let index = scene.group_index(group).ok_or_else(|| {
         let there = some_names(scene.groups.iter().map(|g| g.name.as_str()));
@@ -29,7 +30,7 @@ pub(crate) fn highest(scene: &Scene, group: &str, x: f32, z: f32) -> Result<Vec3
     Err(format!("nothing of \"{group}\" can be stood on at x = {x}, z = {z}"))
 }
 
-/// The first point of the scene along a ray, which must be of `group` if that is stated.
+/// The first hit of a ray, which must be on `group` if that is stated, and face upwards.
 pub(crate) fn seen(
     scene: &Scene,
     origin: Vec3,
@@ -51,12 +52,12 @@ pub(crate) fn seen(
     Ok(surface.point)
 }
 
-/// Whether the side of the surface that is seen faces upwards.
+/// Whether the visible side of the surface faces upwards.
 fn is_level(surface: &Surface) -> bool {
     surface.geometric_normal.y > LEVEL
 }
 
-/// The ray straight down on the other side of `surface`.
+/// The ray straight down from the other side of `surface`.
 fn beyond(surface: &Surface) -> Ray {
     let below = Surface { geometric_normal: -surface.geometric_normal, ..*surface };
     Transport::leave(&below, Vec3::NEG_Y)

@@ -5,7 +5,7 @@ use crate::cli::warn;
 use std::fs;
 use std::path::Path;
 use unrender_formats::{FileError, picture};
-use unrender_render::Tally;
+use unrender_render::Accumulator;
 use unrender_scene::Warnings;
 
 /// Makes the folder for results where it is missing and checks that files can be made in it.
@@ -21,7 +21,7 @@ pub(crate) fn check_picture(path: &Path) -> Result<(), FileError> {
 }
 
 /// Writes the picture that `tally` has come to, and tells what in it is no number.
-pub(crate) fn write_picture(path: &Path, tally: &Tally) -> Result<(), FileError> {
+pub(crate) fn write_picture(path: &Path, tally: &Accumulator) -> Result<(), FileError> {
     picture::write(path, &tally.mean())?;
     let mut warnings = Warnings::default();
     if tally.faulty() > 0 {

@@ -2,7 +2,7 @@
 //!
 //! A part is an EXR file of whole numbers (`unrender_formats::planes`). Its channels R, G and B show
 //! the picture so far; `sum_r_0` to `sum_b_3` and `squares_r_0` to `squares_b_3` are the sums of
-//! [`Moments`] in four pieces of 32 bits, the lowest first; `count` and `faulty` are its counts. Where
+//! [`PixelAccumulator`] in four pieces of 32 bits, the lowest first; `count` and `faulty` are its counts. Where
 //! there are sums of several layers, as for a composite, the second and later ones have theirs in
 //! `LAYER.count` and so on. A [`Head`] in JSON says what the samples are of, so that only what belongs together is added.
 
@@ -14,7 +14,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use unrender_formats::FileError;
 use unrender_formats::planes::{self, Planes};
-use unrender_render::{Moments, Tally};
+use unrender_render::{Accumulator, PixelAccumulator};
 use unrender_scene::{Camera, Image, Warnings};
 
 /// What a rendering is of. Two parts with the same are samples of one picture.
@@ -62,7 +62,7 @@ pub(crate) struct Part {
     pub(crate) path: PathBuf,
     pub(crate) head: Head,
     /// One for each layer.
-    pub(crate) layers: Vec<Tally>,
+    pub(crate) layers: Vec<Accumulator>,
 }
 
 impl Identity {
@@ -99,13 +99,13 @@ const COLOURS: [char; 3] = ['r', 'g', 'b'];
 ///
 /// # Errors
 /// If the file cannot be written.
-pub(crate) fn write(path: &Path, head: &Head, layers: &[Tally]) -> Result<(), Error> {
+pub(crate) fn write(path: &Path, head: &Head, layers: &[Accumulator]) -> Result<(), Error> {
     let text = serde_json::to_string(head)
         .map_err(|error| FileError::new(path, format!("cannot be written: {error}")))?;
     let mut channels = Vec::new();
     for (prefix, tally) in head.prefixes().zip(layers) {
-        let pixels = tally.moments().pixels();
-        let mut add = |name: &str, of: &dyn Fn(&Moments) -> u32| {
+        let pixels = tally.image().pixels();
+        let mut add = |name: &str, of: &dyn Fn(&PixelAccumulator) -> u32| {
             channels.push((format!("{prefix}{name}"), pixels.iter().map(of).collect()));
         };
         add("count", &|m| m.count);
@@ -135,14 +135,14 @@ pub(crate) fn read(path: &Path) -> Result<Part, Error> {
     if (head.identity.width, head.identity.height) != (planes.width, planes.height) {
         return Err(foreign("its size is not the one that it describes".into()).into());
     }
-    let layers: Vec<Tally> = head
+    let layers: Vec<Accumulator> = head
         .prefixes()
         .map(|prefix| layer(&planes, &prefix))
         .collect::<Result<_, _>>()
         .map_err(foreign)?;
     let count = head.samples.end.checked_sub(head.samples.start);
-    let told = |m: &Moments| head.identity.adaptive || Some(m.count) == count;
-    let all_told = layers.iter().all(|layer| layer.moments().pixels().iter().all(told));
+    let told = |m: &PixelAccumulator| head.identity.adaptive || Some(m.count) == count;
+    let all_told = layers.iter().all(|layer| layer.image().pixels().iter().all(told));
     if count.is_none() || !all_told {
         let problem = "its pixels do not have the samples that it describes";
         return Err(foreign(problem.into()).into());
@@ -151,9 +151,9 @@ pub(crate) fn read(path: &Path) -> Result<Part, Error> {
 }
 
 /// The sums of the layer whose channels begin with `prefix`, or what is wrong with them.
-fn layer(planes: &Planes, prefix: &str) -> Result<Tally, String> {
-    let mut moments = vec![Moments::default(); planes.width * planes.height];
-    let mut each = |name: &str, set: &dyn Fn(&mut Moments, u32)| {
+fn layer(planes: &Planes, prefix: &str) -> Result<Accumulator, String> {
+    let mut moments = vec![PixelAccumulator::default(); planes.width * planes.height];
+    let mut each = |name: &str, set: &dyn Fn(&mut PixelAccumulator, u32)| {
         let name = format!("{prefix}{name}");
         let numbers = planes.channel(&name).ok_or(format!("it lacks the channel {name}"))?;
         moments.iter_mut().zip(numbers).for_each(|(m, number)| set(m, *number));
@@ -168,7 +168,7 @@ fn layer(planes: &Planes, prefix: &str) -> Result<Tally, String> {
             each(&format!("squares_{name}_{piece}"), &|m, n| m.squares[colour] |= put(n))?;
         }
     }
-    Ok(Tally::from_moments(Image::new(planes.width, planes.height, moments)))
+    Ok(Accumulator::from_image(Image::new(planes.width, planes.height, moments)))
 }
 
 /// The samples of all parts in `paths`, in any order, as one part; `allow_gaps` if some between them

@@ -15,8 +15,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use unrender_formats::FileError;
-use unrender_render::Tally;
-use unrender_render::adaptive::{Samples, Shares};
+use unrender_render::Accumulator;
+use unrender_render::adaptive::{AdaptiveSampling, SampleAllocation};
 
 /// How long a pass should take.
 const PASS: Duration = Duration::from_secs(2);
@@ -34,7 +34,7 @@ pub(crate) struct Goal {
     pub(crate) samples: Range<u32>,
     /// No further pass fits into this time.
     pub(crate) time: Option<Duration>,
-    /// [`Tally::noise`] is at most this.
+    /// [`Accumulator::noise`] is at most this.
     pub(crate) noise: Option<f64>,
     /// Where to keep the samples, and to take up those that are there.
     pub(crate) checkpoint: Option<PathBuf>,
@@ -50,7 +50,7 @@ pub(crate) struct Job<'a> {
 /// A rendering as far as it came.
 pub(crate) struct Rendered {
     /// One for each of the subject's layers.
-    pub(crate) layers: Vec<Tally>,
+    pub(crate) layers: Vec<Accumulator>,
     /// The numbers of its samples; with adaptive sampling, of a pixel of mean noise.
     pub(crate) samples: Range<u32>,
     /// Whether Ctrl-C ended it.
@@ -76,7 +76,7 @@ impl Rendered {
 struct Run<'a> {
     job: &'a Job<'a>,
     goal: &'a Goal,
-    shares: Option<Shares>,
+    shares: Option<AdaptiveSampling>,
     started: Instant,
     /// What a sample of all pixels takes, by the last pass, seconds.
     sample_seconds: Option<f64>,
@@ -159,8 +159,8 @@ impl Run<'_> {
         let (before, after) = (self.share(samples.start), self.share(samples.end));
         let Self { job, shares, rendered, .. } = self;
         let paths = match shares {
-            Some(shares) => Samples::ByNoise(shares, samples.clone()),
-            None => Samples::Even(samples.clone()),
+            Some(shares) => SampleAllocation::Adaptive(shares, samples.clone()),
+            None => SampleAllocation::Uniform(samples.clone()),
         };
         let tell = |done: f64| progress.set(before + (after - before) * done);
         job.subject.accumulate(&paths, &mut rendered.layers, &tell);
@@ -180,7 +180,7 @@ impl Run<'_> {
 }
 
 /// How far a picture is whose samples are numbered up to `end`.
-pub(crate) fn in_words(end: u32, tally: &Tally) -> String {
+pub(crate) fn in_words(end: u32, tally: &Accumulator) -> String {
     match tally.noise() {
         noise if noise.is_finite() => {
             format!("{end} samples a pixel, relative standard error {:.3} %", 100.0 * noise)
@@ -193,7 +193,7 @@ pub(crate) fn in_words(end: u32, tally: &Tally) -> String {
 fn begin(job: &Job<'_>, goal: &Goal) -> Result<Rendered, Error> {
     let Range { start, end } = goal.samples;
     let Some(path) = goal.checkpoint.as_ref().filter(|path| path.exists()) else {
-        let empty = |_: &&str| Tally::new(job.identity.width, job.identity.height);
+        let empty = |_: &&str| Accumulator::new(job.identity.width, job.identity.height);
         let layers = job.subject.layers().iter().map(empty).collect();
         return Ok(Rendered { layers, samples: start..start, interrupted: false });
     };

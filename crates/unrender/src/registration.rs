@@ -52,8 +52,8 @@ impl Laid {
     pub(crate) fn observe(&self, job: &Job, geometry: &GeometryBuffers) -> Observation {
         let picture = Picture {
             values: job.photo.radiance.clone(),
-            trusted: job.photo.trusted.clone(),
-            quantum: job.photo.quantum.clone(),
+            trusted: job.photo.valid.clone(),
+            quantum: job.photo.quantisation_step.clone(),
         };
         Observation::with_margins(picture, geometry, &self.margins, job.scene.groups.len())
     }

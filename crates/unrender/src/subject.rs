@@ -1,7 +1,7 @@
 //! What is rendered in passes: one picture, or a composite's scenes before and after.
 
-use unrender_render::adaptive::{Samples, Shares};
-use unrender_render::{Settings, Tally, Tracer};
+use unrender_render::adaptive::{AdaptiveSampling, SampleAllocation};
+use unrender_render::{Accumulator, Settings, Tracer};
 use unrender_restage::pair::{self, Pairing};
 use unrender_scene::{Camera, Material, Scene};
 
@@ -13,13 +13,13 @@ pub(crate) trait Subject {
     /// Adds the paths that `samples` asks for to `layers`.
     fn accumulate(
         &self,
-        samples: &Samples<'_>,
-        layers: &mut [Tally],
+        samples: &SampleAllocation<'_>,
+        layers: &mut [Accumulator],
         progress: &(dyn Fn(f64) + Sync),
     );
 
     /// How many paths each pixel should get, by a pilot picture of `size`.
-    fn shares(&self, size: (usize, usize)) -> Shares;
+    fn shares(&self, size: (usize, usize)) -> AdaptiveSampling;
 }
 
 /// One picture of a scene.
@@ -43,16 +43,16 @@ impl Subject for Picture<'_> {
 
     fn accumulate(
         &self,
-        samples: &Samples<'_>,
-        layers: &mut [Tally],
+        samples: &SampleAllocation<'_>,
+        layers: &mut [Accumulator],
         progress: &(dyn Fn(f64) + Sync),
     ) {
         let Self { tracer, materials, camera, settings } = self;
         tracer.accumulate(materials, camera, settings, samples, &mut layers[0], progress);
     }
 
-    fn shares(&self, size: (usize, usize)) -> Shares {
-        self.tracer.shares(&self.materials, self.camera, size, &self.settings, &|_| ())
+    fn shares(&self, size: (usize, usize)) -> AdaptiveSampling {
+        self.tracer.adaptive_sampling(&self.materials, self.camera, size, &self.settings, &|_| ())
     }
 }
 
@@ -63,14 +63,14 @@ impl Subject for Pairing<'_> {
 
     fn accumulate(
         &self,
-        samples: &Samples<'_>,
-        layers: &mut [Tally],
+        samples: &SampleAllocation<'_>,
+        layers: &mut [Accumulator],
         progress: &(dyn Fn(f64) + Sync),
     ) {
         self.accumulate(samples, layers, progress);
     }
 
-    fn shares(&self, size: (usize, usize)) -> Shares {
-        self.shares(size)
+    fn shares(&self, size: (usize, usize)) -> AdaptiveSampling {
+        self.adaptive_sampling(size)
     }
 }

@@ -1,4 +1,4 @@
-//! The camera in numbers that people use, each with its standard deviation.
+//! The calibrated camera in angles, pixels and metres, each with its standard deviation.
 
 use super::layout::Layout;
 use super::model::{Free, Model, Sight};
@@ -12,23 +12,23 @@ use unrender_scene::{Camera, Lens, Warnings};
 /// Errors of the pixels above this share of the picture's diagonal are worth a word.
 const UNUSUAL: f64 = 0.004;
 
-/// A number and how sure it is.
+/// A parameter with its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// The number.
+    /// The estimate.
     pub value: f64,
-    /// Its standard deviation; none for a number that was held.
+    /// Its standard deviation; none for a parameter that was held fixed.
     pub std: Option<f64>,
 }
 
-/// A pair that was thrown out.
+/// An outlier.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rejected {
-    /// The pair's place among all, from zero.
+    /// The index of the pair.
     pub index: usize,
     /// The pair's name.
     pub name: String,
-    /// How far it is from where the camera shows its point, pixels; infinite behind the camera.
+    /// The reprojection error, pixels; infinite behind the camera.
     pub distance_px: f64,
 }
 
@@ -37,34 +37,33 @@ pub struct Rejected {
 pub struct Calibration {
     /// The camera's centre, metres, world space.
     pub eye: [Estimate; 3],
-    /// Where it looks, degrees from world -z about +y: positive towards +x.
+    /// Heading, degrees from world -z about +y: positive towards +x.
     pub heading_deg: Estimate,
-    /// By how much it looks up, degrees from the horizontal.
+    /// Pitch, degrees upwards from the horizontal.
     pub pitch_deg: Estimate,
-    /// By how much its right side is raised, degrees.
+    /// Roll, degrees: positive if the right side is raised.
     pub roll_deg: Estimate,
     /// Focal length in pixels.
     pub focal_px: Estimate,
     /// Full vertical field of view of the centred pinhole, degrees.
     pub fov_y_deg: Estimate,
-    /// Where the optical axis meets the picture, pixels from its top left corner.
+    /// Principal point, pixels from the top left corner.
     pub principal_point_px: [Estimate; 2],
     /// Radial distortion.
     pub k1: Estimate,
     /// Radial distortion.
     pub k2: Estimate,
-    /// The root of the mean squared distance between the believed pairs' points as seen and as the
-    /// camera shows them, pixels.
+    /// The root mean square reprojection error of the inliers, pixels.
     pub rms_px: f64,
-    /// The standard deviation of one coordinate of the measured pixels, by the believed pairs.
+    /// The standard deviation of one image coordinate, estimated from the inliers.
     pub sigma_px: f64,
-    /// The pairs that were thrown out, the farthest out last.
+    /// The outliers, the largest error last.
     pub rejected: Vec<Rejected>,
-    /// A point in front of the camera, amid those that it sees, world space.
+    /// A point on the optical axis, at the depth of the points, world space.
     pub target: [f64; 3],
     /// Upwards in the picture, world space.
     pub up: [f64; 3],
-    /// What is doubtful about it.
+    /// Warnings.
     pub warnings: Warnings,
     /// The photograph's width and height, pixels.
     pub size: (usize, usize),
@@ -94,19 +93,19 @@ impl Calibration {
     }
 }
 
-/// What the search found.
+/// The result of the estimation.
 pub(super) struct Found {
     pub(super) model: Model,
     pub(super) certainty: Certainty,
-    /// For each pair whether it is believed.
-    pub(super) believed: Vec<bool>,
+    /// For each pair whether it is an inlier.
+    pub(super) inlier: Vec<bool>,
     /// Another camera that fits nearly as well.
     pub(super) other: Option<Model>,
-    /// What should not have been held, and the residual that it would leave.
+    /// A parameter that should not be held fixed, and the residual after freeing it.
     pub(super) missed: Vec<(&'static str, f64)>,
 }
 
-/// The numbers of what was found; `sights` are the `pairs` in the picture's own frame.
+/// Converts the result; `sights` are the `pairs` in the picture's own frame.
 pub(super) fn answer(
     pairs: &[Pair],
     sights: &[Sight],
@@ -114,10 +113,10 @@ pub(super) fn answer(
     free: Free,
     found: &Found,
 ) -> Calibration {
-    let Found { model, certainty, believed, .. } = found;
+    let Found { model, certainty, inlier, .. } = found;
     let (width, height) = (size.0 as f64, size.1 as f64);
     let centre = Vector2::new(0.5 * width, 0.5 * height);
-    let good = super::robust::select(sights, believed);
+    let good = super::robust::select(sights, inlier);
     let deviations = Deviations { certainty, free };
     let focal = model.ln_focal.exp();
     let half = 0.5 * height / focal;
@@ -156,7 +155,7 @@ pub(super) fn answer(
         k2: Estimate { value: model.k[1], std: deviations.of(bend_column + 1, free.distortion) },
         rms_px: (model.cost(&good) / good.len().max(1) as f64).sqrt(),
         sigma_px: certainty.sigma,
-        rejected: rejected(pairs, sights, believed, model),
+        rejected: rejected(pairs, sights, inlier, model),
         target: (model.eye + depth * forward).into(),
         up: up.into(),
         warnings: Warnings::default(),
@@ -166,8 +165,8 @@ pub(super) fn answer(
     calibration
 }
 
-fn rejected(pairs: &[Pair], sights: &[Sight], believed: &[bool], model: &Model) -> Vec<Rejected> {
-    let out = (0..pairs.len()).filter(|index| !believed[*index]);
+fn rejected(pairs: &[Pair], sights: &[Sight], inlier: &[bool], model: &Model) -> Vec<Rejected> {
+    let out = (0..pairs.len()).filter(|index| !inlier[*index]);
     let mut out: Vec<Rejected> = out
         .map(|index| Rejected {
             index,
@@ -215,8 +214,8 @@ fn doubts(calibration: &mut Calibration, found: &Found, good: &[Sight]) {
     }
 }
 
-/// Mirrored measurements of points in a plane fit as well as good ones, but the camera sees the
-/// plane from its other side: what is odd about that.
+/// Mirrored measurements of points in a plane fit as well as correct ones, but the camera sees the plane
+/// from its other side: a warning if that is implausible.
 fn wrong_side(model: &Model, good: &[Sight]) -> Option<&'static str> {
     /// How level a floor or a ceiling is, the cosine of its slope.
     const LEVEL: f64 = 0.8;

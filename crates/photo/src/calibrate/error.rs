@@ -1,9 +1,9 @@
-//! Why pairs of points give no camera, and what to do.
+//! Errors of calibration, with remedies.
 
-/// The end of a calibration without a camera.
+/// Why calibration failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CalibrateError {
-    /// Fewer pairs than the numbers that are asked for need.
+    /// Fewer pairs than the parameters need.
     #[error(
         "{there} pairs are too few for {numbers} (with {unknowns} unknowns), which need {needed}; \
          measure more{hint}"
@@ -31,7 +31,7 @@ pub enum CalibrateError {
         /// The spread across it, metres.
         width: f64,
     },
-    /// One plane does not tell focal length and principal point at once.
+    /// Points in one plane do not determine focal length and principal point at once.
     #[error(
         "the points lie in one plane, which cannot tell the principal point and the focal length at \
          once; measure points off the plane, or leave one of the two out"
@@ -45,12 +45,12 @@ pub enum CalibrateError {
          towards you"
     )]
     Mirrored {
-        /// The misfit of most pairs with the world mirrored, pixels.
+        /// The residual of most pairs with the world mirrored, pixels.
         mirrored_px: f64,
-        /// The misfit of most pairs as they are, pixels.
+        /// The residual of most pairs as they are, pixels.
         plain_px: f64,
     },
-    /// There is no camera that most pairs agree on.
+    /// No camera agrees with most pairs.
     #[error(
         "no camera fits most of the pairs: the best one fits {agreeing} of {there} (to {scale_px:.1} \
          px), and at least {needed} are needed; check which point is which, and that the points \
@@ -63,13 +63,13 @@ pub enum CalibrateError {
         there: usize,
         /// How many would have to agree.
         needed: usize,
-        /// The misfit of the best 60 % of the pairs, pixels.
+        /// The residual of the best 60 % of the pairs, pixels.
         scale_px: f64,
     },
-    /// A number that any value would fit.
+    /// A parameter that the pairs do not determine.
     #[error("the pairs do not determine {what}; {remedy}")]
     Undetermined {
-        /// The number.
+        /// The parameter.
         what: String,
         /// What to do.
         remedy: String,

@@ -1,4 +1,4 @@
-//! How the measured points lie in space: on a line, in a plane, or neither.
+//! The spatial configuration of the measured points: collinear, coplanar, or general.
 
 use super::model::Sight;
 use nalgebra::{Matrix3, Vector3};

@@ -1,17 +1,18 @@
-//! Pose, focal length and lens of a camera from points of the scene and where they are seen.
+//! Camera calibration: pose, focal length and lens from points of the scene and their image points.
 //!
-//! The paper does it by the method of DeMenthon and Davis and a downhill simplex (section 3.1); so
-//! does this module, one file a step, and then polishes and says how sure each number is:
+//! The paper uses the method of DeMenthon and Davis and a downhill simplex [Boivin and Gagalowicz 2002,
+//! section 3.1]. So does this module, one file per step; then it refines the estimate and computes the
+//! standard deviation of each parameter:
 //!
 //! 1. `posit`: pose from few points by iterated scaled orthography, also for points in one plane;
 //!    `start` does so for one focal length after the other, where that is unknown;
-//! 2. `robust`: random subsets find the camera that most pairs agree on, whatever the others say;
-//! 3. `simplex`: downhill on the reprojection error of the believed pairs;
-//! 4. `refine`: least squares by Levenberg and Marquardt, whose curvature gives the standard
-//!    deviations; `answer` turns both into numbers that people use.
+//! 2. `robust`: least trimmed squares over random subsets finds the inliers;
+//! 3. `simplex`: downhill simplex on the reprojection error of the inliers;
+//! 4. `refine`: least squares by Levenberg-Marquardt, and the covariance of the estimate; `answer`
+//!    converts both to angles, pixels and metres.
 //!
-//! [`calibrate`] is all of it. Points behind a wrong sign somewhere (left-handed axes, y counted
-//! from the bottom) do fit, but only in a mirror; that is tried, and said.
+//! [`calibrate`] runs all steps. Input with a wrong sign (left-handed axes, y counted from the bottom)
+//! fits a mirrored world only; that is tested and reported.
 
 mod answer;
 mod error;
@@ -38,35 +39,35 @@ const MIRRORED_BETTER: f64 = 4.0;
 const DOUBTFUL: f64 = 1e-3;
 /// No camera fits pairs that are farther off than this share of the picture's diagonal.
 const SENSELESS: f64 = 0.02;
-/// Another pose fits nearly as well with up to so many times the squared residuals.
+/// Another pose fits nearly as well with up to so many times the sum of squared residuals.
 const NEARLY: f64 = 4.0;
-/// So many equations must be left over before a number that was held is doubted.
+/// Degrees of freedom needed before a parameter that was held fixed is tested.
 const LEAST_FREEDOM: usize = 6;
 /// A focal length whose relative standard deviation is above this is not determined.
 const VAGUE: f64 = 0.5;
 
-/// What is known of the focal length.
+/// Prior knowledge of the focal length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Focal {
-    /// Nothing.
+    /// None.
     #[default]
     Unknown,
     /// About this many pixels, as the photograph's EXIF data say.
     Near(f64),
-    /// Exactly this many pixels; it is held.
+    /// Exactly this many pixels; it is held fixed.
     Known(f64),
 }
 
-/// What to find.
+/// The parameters to estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Request {
-    /// The focal length, or what is known of it.
+    /// The focal length.
     pub focal: Focal,
-    /// Whether to find the principal point, else it is the picture's centre.
+    /// Whether to estimate the principal point, else it is the picture's centre.
     pub principal_point: bool,
-    /// Whether to find the radial distortion k1 and k2, else there is none.
+    /// Whether to estimate the radial distortion k1 and k2, else there is none.
     pub distortion: bool,
-    /// Chooses the subsets of pairs that are tried; the same seed gives the same numbers.
+    /// The seed of the random subsets; the same seed gives the same bits.
     pub seed: u64,
 }
 
@@ -106,7 +107,7 @@ pub fn calibrate(
     let focals = start::focals(known, guess, width.max(height));
     let agreed = agree(&sights, &focals, free, request.seed);
     let agreed = check_agreement(agreed, &sights, &focals, request, width.hypot(height))?;
-    let chosen = select(&sights, &agreed.believed);
+    let chosen = select(&sights, &agreed.inlier);
     check_layout(&chosen, free)?;
     let near = simplex::downhill(&agreed.model, &chosen, free);
     let mut model = refine::refine(&near, &chosen, free, refine::FINAL);
@@ -114,7 +115,7 @@ pub fn calibrate(
     if let Some(better) = other.as_mut().filter(|o| o.cost(&chosen) < model.cost(&chosen)) {
         std::mem::swap(better, &mut model);
     }
-    // Errors of a hundredth of a pixel tell no pose from another.
+    // Residuals of a hundredth of a pixel do not distinguish poses.
     let floor = 1e-4 * chosen.len() as f64;
     let alike = |other: &Model| other.cost(&chosen) < NEARLY * model.cost(&chosen).max(floor);
     let other = other.filter(alike);
@@ -124,7 +125,7 @@ pub fn calibrate(
         return Err(undetermined(6, free));
     }
     let missed = missed(&model, &chosen, free);
-    let found = answer::Found { model, certainty, believed: agreed.believed, other, missed };
+    let found = answer::Found { model, certainty, inlier: agreed.inlier, other, missed };
     Ok(answer::answer(pairs, &sights, size, free, &found))
 }
 
@@ -169,7 +170,7 @@ fn in_words(free: Free) -> String {
     }
 }
 
-/// Whether most pairs agree, and do so unmirrored.
+/// Checks that most pairs agree, without mirroring.
 fn check_agreement(
     agreed: Option<Agreement>,
     sights: &[Sight],
@@ -179,7 +180,7 @@ fn check_agreement(
 ) -> Result<Agreement, CalibrateError> {
     let free = request.free();
     let (agreeing, scale) = agreed.as_ref().map_or((0, f64::INFINITY), |agreed| {
-        (agreed.believed.iter().filter(|b| **b).count(), agreed.scale)
+        (agreed.inlier.iter().filter(|b| **b).count(), agreed.scale)
     });
     let needed = (sights.len() / 2 + 1).max(free.fewest_pairs());
     let all_well = agreeing == sights.len() && scale < DOUBTFUL * diagonal;
@@ -191,7 +192,7 @@ fn check_agreement(
         let mirrored: Vec<Sight> = sights.iter().map(mirror).collect();
         let other = agree(&mirrored, focals, free, request.seed);
         let mirrored_px = other.map_or(f64::INFINITY, |other| other.scale);
-        // No photograph is measured so well that a smaller misfit says anything.
+        // No photograph is measured so accurately that a smaller residual is significant.
         if MIRRORED_BETTER * mirrored_px.max(0.01) < scale && scale > DOUBTFUL * diagonal {
             return Err(CalibrateError::Mirrored { mirrored_px, plain_px: scale });
         }
@@ -231,9 +232,8 @@ fn undetermined(number: usize, free: Free) -> CalibrateError {
     CalibrateError::Undetermined { what, remedy: remedy.into() }
 }
 
-/// What was held although the pairs tell that it is something else, with the root of the mean
-/// squared residual that it would leave, pixels. The fall of the squares by two numbers more is
-/// held against chance as a wrong pair is.
+/// A parameter that was held fixed although the pairs contradict it, with the root mean square residual
+/// after freeing it, pixels: an F test of the decrease of the squares by two more parameters.
 fn missed(model: &Model, sights: &[Sight], free: Free) -> Vec<(&'static str, f64)> {
     let with_bend = Free { distortion: true, ..free };
     let with_shift = Free { principal_point: true, ..free };
@@ -254,8 +254,8 @@ fn missed(model: &Model, sights: &[Sight], free: Free) -> Vec<(&'static str, f64
     missed
 }
 
-/// The other pose of points that lie nearly in a plane: turned about the line of sight as the cube
-/// that Necker drew. Seen from afar it shows them nearly alike. Refined; none if it is the same.
+/// The second pose of nearly planar points (Necker reversal), whose projection from a distance is nearly
+/// the same. Refined; none if it converges to the first.
 fn other_pose(model: &Model, sights: &[Sight], free: Free) -> Option<Model> {
     let (centre, normal) = Layout::plane(sights)?;
     let in_camera = model.in_camera(&centre);

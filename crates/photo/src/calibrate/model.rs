@@ -1,5 +1,4 @@
-//! The camera as calibration sees it: a handful of numbers, where it shows a point, and how that
-//! changes with each number.
+//! The camera model of calibration: parameters, projection, and derivatives.
 //!
 //! In here a camera looks along its own +z, with +x to the right and +y *downwards*, so that its
 //! axes are those of the picture; image points are in pixels from the picture's centre. With
@@ -24,7 +23,7 @@ pub(super) struct Sight {
     pub(super) point: Vector3<f64>,
 }
 
-/// Which numbers are searched for, beside the pose.
+/// The free parameters beside the pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Free {
     pub(super) focal: bool,

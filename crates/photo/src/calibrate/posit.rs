@@ -1,4 +1,4 @@
-//! POSIT: pose from orthography and scaling, iterated.
+//! POSIT: pose from orthography and scaling with iterations [DeMenthon and Davis 1995].
 //!
 //! With image points on the plane at distance one, `x_i = X_i / Z_i`, a reference point `M_0` at
 //! depth `Z_0`, and the camera's axes `i`, `j`, `k` in the world:
@@ -9,18 +9,16 @@
 //! ```
 //!
 //! Were the `e_i` known, this would be linear. They are zero for a scaled orthographic camera;
-//! solve, take the pose, compute them anew, and so on (DeMenthon and Davis, Model-based object pose
-//! in 25 lines of code, IJCV 1995).
+//! solve, take the pose, compute them again, and iterate.
 //!
 //! Points in one plane with unit normal `u` leave `I = I_0 + a u`, `J = J_0 + b u` open; that `I`
 //! and `J` are perpendicular and equally long gives `(a + ib)^2 = J_0^2 - I_0^2 - 2i I_0 . J_0`, two
-//! poses. The first turn follows both, later ones the better of their two (Oberkampf, DeMenthon and
-//! Davis, Iterative pose estimation using coplanar feature points, CVIU 1996).
+//! poses. The first iteration follows both, later ones the better of the two [Oberkampf et al. 1996].
 
 use super::model::{Model, Sight};
 use nalgebra::{Complex, Matrix3, Vector2, Vector3};
 
-const TURNS: usize = 60;
+const ITERATIONS: usize = 60;
 /// The iteration ends where no e_i changes by more than this.
 const SETTLED: f64 = 1e-7;
 /// Depths that an iteration may give a point, in depths of the reference point: what lies behind
@@ -72,7 +70,7 @@ impl<'a> Posit<'a> {
     fn iterate(&self, image: &[Vector2<f64>], focal: f64, branch: usize) -> Option<Model> {
         let mut depths = vec![1.0; image.len()];
         let mut best = *self.solve(image, &depths, focal).get(branch)?;
-        for _ in 0..TURNS {
+        for _ in 0..ITERATIONS {
             let reference_depth = best.in_camera(&self.sights[self.reference].point).z;
             let axis = best.camera_from_world.row(2).transpose();
             let mut change: f64 = 0.0;

@@ -1,4 +1,4 @@
-//! The last word: least squares by Levenberg and Marquardt, and how sure each number is.
+//! Refinement: least squares by Levenberg-Marquardt, and the covariance of the estimate.
 //!
 //! For independent errors of one standard deviation sigma in all image coordinates this is the
 //! maximum-likelihood estimate; its covariance is, to first order, the Cramer-Rao bound
@@ -12,20 +12,21 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn, Vector3};
 
-/// When the search ends.
+/// Termination criteria.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Care {
-    /// Relative changes of cost and numbers that are taken to be none.
+    /// Relative changes of cost and parameters below which the search ends.
     tolerance: f64,
-    /// Evaluations of the residuals: this many times the count of numbers.
+    /// Most evaluations of the residuals, per parameter.
     patience: usize,
 }
 
-/// Good enough to compare cameras.
+/// Sufficient to compare cameras.
 pub(super) const ROUGH: Care = Care { tolerance: 1e-4, patience: 2 };
-/// As well as the machine can.
+/// To machine precision.
 pub(super) const FINAL: Care = Care { tolerance: 1e-13, patience: 60 };
-/// Numbers that differ only by this, each scaled to change the picture alike, cannot be told apart.
+/// Singular values below this share of the largest (of the Jacobian with normalised columns) mean that
+/// the parameters are not determined.
 const SINGULAR: f64 = 1e-7;
 
 struct Problem<'a> {
@@ -75,21 +76,21 @@ pub(super) fn refine(start: &Model, sights: &[Sight], free: Free, care: Care) ->
     if found.cost(sights) <= start.cost(sights) { found } else { *start }
 }
 
-/// What the pairs say about the numbers.
+/// The uncertainty of the estimate.
 #[derive(Clone, Debug)]
 pub(super) struct Certainty {
     /// The standard deviation of one image coordinate, pixels.
     pub(super) sigma: f64,
-    /// How many equations there are beyond the numbers.
+    /// Degrees of freedom.
     pub(super) freedom: usize,
     /// The inverse of J^T J; times sigma^2 the covariance of the steps of [`Model::moved`].
     pub(super) inverse: DMatrix<f64>,
 }
 
-/// The certainty of `model`, which fits `sights`.
+/// The uncertainty of `model`, fitted to `sights`.
 ///
 /// # Errors
-/// If the sights do not determine the numbers: the index of the number that is the least certain.
+/// If the sights do not determine the parameters: the index of the least certain one.
 pub(super) fn certainty(model: &Model, sights: &[Sight], free: Free) -> Result<Certainty, usize> {
     let jacobian = jacobian(model, sights, free, &Vector3::zeros());
     let norms: Vec<f64> = jacobian.column_iter().map(|column| column.norm()).collect();

@@ -1,16 +1,15 @@
-//! Which pairs to believe.
+//! Robust estimation: inliers and outliers.
 //!
-//! Least trimmed squares finds a camera that most pairs agree on: many small subsets drawn at
-//! random each give a start; the pairs that fit it best give the next camera, and so on (Rousseeuw
-//! and Van Driessen, Computing LTS regression for large data sets, 2006). From there every pair is
-//! held against the camera that the *other* believed pairs give. For a good pair
+//! Least trimmed squares [Rousseeuw and Van Driessen 2006]: many small random subsets each give an
+//! initial camera; concentration steps refit it to the pairs with the smallest residuals. Then each pair
+//! is tested against the camera of the *other* inliers. For an inlier
 //!
 //! ```text
 //! T = e^T (I + J (J^T J)^-1 J^T)^-1 e / (2 sigma^2)      follows F(2, freedom)
 //! ```
 //!
-//! where `e` is how far the pair is from the others' prediction; pairs too far out to be chance go,
-//! and such as turn out to fit come back.
+//! where `e` is the residual of the pair against the prediction of the others. Pairs above the quantile
+//! become outliers, those below it inliers again.
 
 use super::model::{Free, Model, Sight, jacobian};
 use super::refine::{Certainty, FINAL, ROUGH, certainty, refine};
@@ -19,31 +18,31 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 
 /// Subsets to draw: with 40 % wrong pairs and 6 to a subset, all have a wrong one once in 10^3.
 const SUBSETS: usize = 150;
-/// The share of the pairs that may be wrong.
+/// The largest fraction of outliers.
 const WRONG: f64 = 0.4;
 /// So many of the cameras from subsets are followed to their end.
 const FOLLOWED: usize = 6;
-const TURNS: usize = 20;
-/// The chance that a good pair is thrown out.
+const ITERATIONS: usize = 20;
+/// The probability that an inlier is rejected.
 const CHANCE: f64 = 1e-5;
-/// No pair is wrong for differences that small, whatever the others do, pixels.
+/// Residuals below this never make an outlier, pixels.
 pub(super) const LEAST_SIGMA: f64 = 0.2;
 /// Squared residuals of the best 60 % of pairs times this are those of all, for normal errors.
 const TRIMMED: f64 = 2.57;
-/// The first guess of who is right: residuals up to so many standard deviations.
+/// The initial inliers: residuals up to so many standard deviations.
 const FIRST_SIGMAS: f64 = 3.0;
 
 /// A camera and the pairs that it was fitted to.
 #[derive(Clone, Debug)]
 pub(super) struct Agreement {
     pub(super) model: Model,
-    /// For each pair whether it is believed.
-    pub(super) believed: Vec<bool>,
-    /// The root of the mean squared residual of the best pairs, pixels.
+    /// For each pair whether it is an inlier.
+    pub(super) inlier: Vec<bool>,
+    /// The root mean square residual of the best pairs, pixels.
     pub(super) scale: f64,
 }
 
-/// The camera that most of `sights` agree on, and which they are; none if no camera was found.
+/// The camera that most of `sights` agree with, and the inliers; none if no camera was found.
 pub(super) fn agree(sights: &[Sight], focals: &[f64], free: Free, seed: u64) -> Option<Agreement> {
     let trimmed = trimmed_fit(sights, focals, free, seed)?;
     let kept = kept_count(sights.len(), free);
@@ -55,29 +54,29 @@ pub(super) fn agree(sights: &[Sight], focals: &[f64], free: Free, seed: u64) -> 
     let sigma = (stretch * mean * kept as f64 / freedom).sqrt().max(LEAST_SIGMA);
     let distances: Vec<f64> = sights.iter().map(|s| distance(&trimmed, s)).collect();
     let first = distances.iter().map(|d| *d <= FIRST_SIGMAS * sigma).collect();
-    let mut now = Agreement { model: trimmed, believed: first, scale };
+    let mut now = Agreement { model: trimmed, inlier: first, scale };
     let best = best_pairs(&trimmed, sights, free.fewest_pairs());
-    best.iter().for_each(|index| now.believed[*index] = true);
-    for _ in 0..TURNS {
-        let chosen = select(sights, &now.believed);
+    best.iter().for_each(|index| now.inlier[*index] = true);
+    for _ in 0..ITERATIONS {
+        let chosen = select(sights, &now.inlier);
         now.model = refine(&now.model, &chosen, free, FINAL);
         let Ok(certainty) = certainty(&now.model, &chosen, free) else { break };
         let next = judge(&now, sights, free, &certainty);
         let enough = next.iter().filter(|b| **b).count() >= free.fewest_pairs();
-        if next == now.believed || !enough {
+        if next == now.inlier || !enough {
             break;
         }
-        now.believed = next;
+        now.inlier = next;
     }
     Some(now)
 }
 
-/// The sights that are believed.
-pub(super) fn select(sights: &[Sight], believed: &[bool]) -> Vec<Sight> {
-    sights.iter().zip(believed).filter(|(_, b)| **b).map(|(sight, _)| *sight).collect()
+/// The inliers.
+pub(super) fn select(sights: &[Sight], inlier: &[bool]) -> Vec<Sight> {
+    sights.iter().zip(inlier).filter(|(_, b)| **b).map(|(sight, _)| *sight).collect()
 }
 
-/// The distance of a pair from where the camera shows its point, pixels; infinite behind.
+/// The reprojection error of a pair, pixels; infinite behind the camera.
 pub(super) fn distance(model: &Model, sight: &Sight) -> f64 {
     if model.sees(sight) { model.residual(sight).norm() } else { f64::INFINITY }
 }
@@ -126,7 +125,7 @@ fn trimmed_fit(sights: &[Sight], focals: &[f64], free: Free, seed: u64) -> Optio
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.truncate(FOLLOWED);
     for (cost, model) in &mut found {
-        for _ in 0..TURNS {
+        for _ in 0..ITERATIONS {
             let next = concentrate(model, sights, kept, free);
             let next_cost = trimmed_cost(&next, sights, kept);
             let better = next_cost < 0.999 * *cost;
@@ -142,13 +141,13 @@ fn trimmed_fit(sights: &[Sight], focals: &[f64], free: Free, seed: u64) -> Optio
     best.0.is_finite().then_some(best.1)
 }
 
-/// Which pairs are no further from what the other believed ones predict than chance explains.
+/// The pairs whose residual against the prediction of the other inliers is not significant.
 fn judge(now: &Agreement, sights: &[Sight], free: Free, certainty: &Certainty) -> Vec<bool> {
-    let pairs = sights.iter().zip(&now.believed);
-    pairs.map(|(sight, believed)| fits(&now.model, sight, *believed, free, certainty)).collect()
+    let pairs = sights.iter().zip(&now.inlier);
+    pairs.map(|(sight, inlier)| fits(&now.model, sight, *inlier, free, certainty)).collect()
 }
 
-fn fits(model: &Model, sight: &Sight, believed: bool, free: Free, certainty: &Certainty) -> bool {
+fn fits(model: &Model, sight: &Sight, inlier: bool, free: Free, certainty: &Certainty) -> bool {
     if !model.sees(sight) {
         return false;
     }
@@ -156,17 +155,17 @@ fn fits(model: &Model, sight: &Sight, believed: bool, free: Free, certainty: &Ce
     let derivatives = jacobian(model, &[*sight], free, &Vector3::zeros());
     let spread = &derivatives * &certainty.inverse * derivatives.transpose();
     let spread: Matrix2<f64> = spread.fixed_view::<2, 2>(0, 0).into_owned();
-    // A believed pair had its part in the camera: what it would be off without that is more.
-    let (matrix, freedom) = if believed {
+    // An inlier influenced the camera; its residual without that influence is larger.
+    let (matrix, freedom) = if inlier {
         (Matrix2::identity() - spread, certainty.freedom.saturating_sub(2))
     } else {
         (Matrix2::identity() + spread, certainty.freedom)
     };
-    // A pair without which nothing is determined cannot be held against the others.
-    let Some(inverse) = matrix.try_inverse().filter(|_| freedom > 0) else { return believed };
+    // A pair without which the camera is not determined cannot be tested.
+    let Some(inverse) = matrix.try_inverse().filter(|_| freedom > 0) else { return inlier };
     let squared = residual.dot(&(inverse * residual));
     let all = certainty.sigma.powi(2) * certainty.freedom as f64;
-    let others = if believed { (all - squared).max(0.0) } else { all };
+    let others = if inlier { (all - squared).max(0.0) } else { all };
     let variance = (others / freedom as f64).max(LEAST_SIGMA.powi(2));
     squared / (2.0 * variance) <= greatest_chance(freedom)
 }
@@ -178,7 +177,7 @@ pub(super) fn greatest_chance(freedom: usize) -> f64 {
     half * (CHANCE.powf(-1.0 / half) - 1.0)
 }
 
-/// Sebastiano Vigna's splitmix64: the same subsets for the same seed, on every machine.
+/// splitmix64 [Steele et al. 2014]: the same subsets for the same seed, on every machine.
 struct Random(u64);
 
 impl Random {

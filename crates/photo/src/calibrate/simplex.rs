@@ -1,5 +1,5 @@
-//! The downhill simplex of Nelder and Mead on the reprojection error, as the paper has it after
-//! DeMenthon and Davis (section 3.1).
+//! The downhill simplex [Nelder and Mead 1965] on the reprojection error, as in [Boivin and Gagalowicz
+//! 2002, section 3.1].
 
 use super::model::{Free, Model, Sight};
 use argmin::core::{CostFunction, Error, Executor, State};
@@ -7,14 +7,14 @@ use argmin::solver::neldermead::NelderMead;
 
 /// The first simplex: radians, share of the distance, logarithm of the focal length, share of the
 /// focal length, distortion.
-const TURN: f64 = 0.02;
-const WAY: f64 = 0.02;
+const ROTATION: f64 = 0.02;
+const TRANSLATION: f64 = 0.02;
 const LN_FOCAL: f64 = 0.05;
 const SHIFT: f64 = 0.01;
 const BEND: f64 = 0.01;
 /// The search ends where the mean squared residuals at the corners differ by this, pixels^2.
 const TOLERANCE: f64 = 1e-6;
-const TURNS: u64 = 2000;
+const ITERATIONS: u64 = 2000;
 
 struct Cost<F>(F);
 
@@ -32,7 +32,14 @@ impl<F: Fn(&[f64]) -> f64> CostFunction for Cost<F> {
 pub(super) fn downhill(start: &Model, sights: &[Sight], free: Free) -> Model {
     let distances = sights.iter().map(|sight| (sight.point - start.eye).norm());
     let distance = distances.sum::<f64>() / sights.len().max(1) as f64;
-    let mut steps = vec![TURN, TURN, TURN, WAY * distance, WAY * distance, WAY * distance];
+    let mut steps = vec![
+        ROTATION,
+        ROTATION,
+        ROTATION,
+        TRANSLATION * distance,
+        TRANSLATION * distance,
+        TRANSLATION * distance,
+    ];
     if free.focal {
         steps.push(LN_FOCAL);
     }
@@ -50,7 +57,7 @@ pub(super) fn downhill(start: &Model, sights: &[Sight], free: Free) -> Model {
     }
     let cost = |step: &[f64]| start.moved(step, free).cost(sights) / sights.len().max(1) as f64;
     let run = NelderMead::new(corners).with_sd_tolerance(TOLERANCE).and_then(|solver| {
-        Executor::new(Cost(cost), solver).configure(|state| state.max_iters(TURNS)).run()
+        Executor::new(Cost(cost), solver).configure(|state| state.max_iters(ITERATIONS)).run()
     });
     let best = run.ok().and_then(|result| result.state().get_best_param().cloned());
     let found = best.map_or(*start, |step| start.moved(&step, free));

@@ -1,4 +1,4 @@
-//! Where the search begins: POSIT for one focal length after the other.
+//! Initial cameras: POSIT over a range of focal lengths.
 
 use super::layout::Layout;
 use super::model::{Free, Model, Sight};

@@ -17,7 +17,7 @@ use crate::hypothesis::{self, Fit, Hypothesis};
 use crate::observation::Observation;
 use crate::problem::{ExposureRule, Problem, RecoverError, Role};
 use crate::record::{Deviations, GroupTurn, LightResult, Status, Trial, TurnRecord};
-use unrender_render::{Appearance, SeenRadiance};
+use unrender_render::{Appearance, RadianceCache};
 use unrender_scene::{Image, Material, Rgb, RgbImage};
 
 /// Where a recovery stands.
@@ -37,7 +37,7 @@ pub(crate) struct State<'a> {
     pub(crate) corrected: Corrected,
     pub(crate) turns: Vec<TurnRecord>,
     /// The photograph's radiance where it shows diffuse surfaces.
-    pub(crate) seen: Option<SeenRadiance>,
+    pub(crate) seen: Option<RadianceCache>,
 }
 
 /// Where one group stands.
@@ -172,7 +172,7 @@ impl<'a> State<'a> {
         let exposure = self.exposure;
         let radiance = (0..width * height).map(|pixel| exposure * self.value(pixel)).collect();
         let radiance = RgbImage::new(width, height, radiance);
-        self.seen = Some(SeenRadiance { radiance, known });
+        self.seen = Some(RadianceCache { radiance, valid: known });
     }
 
     /// The groups to be recovered that the photograph shows.

@@ -174,8 +174,12 @@ impl PaperTurn<'_> {
     }
 
     fn rerender(&self, s: &State<'_>, materials: &[Material], px: &[u32], seed: u64) -> Vec<Rgb> {
-        let settings =
-            Settings { spp: SPP, seed, max_bounces: self.options.max_bounces, shared: false };
+        let settings = Settings {
+            spp: SPP,
+            seed,
+            max_bounces: self.options.max_bounces,
+            integrator: unrender_render::Integrator::Path,
+        };
         let appearance = Appearance { materials, lights: &s.lights };
         s.problem.renderer.rerender(appearance, px, &settings)
     }

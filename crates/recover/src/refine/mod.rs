@@ -95,7 +95,12 @@ fn adjust_nuisances(state: &mut State<'_>, options: &Options) {
     }
     let spp = vec![COARSE.1; state.materials.len()];
     let seed = mix(options.seed ^ 0x11687);
-    let settings = Settings { spp: 0, seed, max_bounces: options.max_bounces, shared: false };
+    let settings = Settings {
+        spp: 0,
+        seed,
+        max_bounces: options.max_bounces,
+        integrator: unrender_render::Integrator::Path,
+    };
     let means = means::gather(state, &unknowns, &cells, &spp, &settings);
     let normal = Normal::of(&means, unknowns.len(), state.materials.len());
     let system = System::new(&unknowns, &normal, &DVector::zeros(unknowns.len()));

@@ -206,7 +206,7 @@ impl<'o> Passes<'o> {
             spp: 0,
             seed: self.seed(),
             max_bounces: self.options.max_bounces,
-            shared: false,
+            integrator: unrender_render::Integrator::Path,
         };
         means::gather(state, unknowns, cells, spp, &settings)
     }

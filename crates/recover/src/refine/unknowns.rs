@@ -312,6 +312,6 @@ fn derivative_of(u: &Unknown) -> [Parameter; 2] {
         Quantity::AlphaY => [Parameter::AlphaY(of); 2],
         Quantity::Theta => [Parameter::Theta(of); 2],
         Quantity::Light => [Parameter::Light(of); 2],
-        Quantity::Exposure | Quantity::Camera => [Parameter::Seen; 2],
+        Quantity::Exposure | Quantity::Camera => [Parameter::Cache; 2],
     }
 }

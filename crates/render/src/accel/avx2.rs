@@ -1,17 +1,19 @@
-//! Eight boxes at a time by AVX2.
+//! The test of eight boxes at once by AVX2.
 //!
-//! What follows a distance is done in integers, which takes a quarter of the time: the bits of numbers
-//! that are not negative are ordered as the numbers are, and a negative one is less than those either
-//! way; which of two negative ones is less makes no difference to whether a box is entered. (Minus
-//! zero is one of those: a box that is left where the ray starts holds nothing that lies before it.)
+//! After the distances are known, minima, maxima and comparisons are done on their bits as integers,
+//! which takes a quarter of the time: for numbers of at least zero, bits are ordered as the numbers
+//! are. The bits of a negative number, read as a signed integer, are less than those of any number of
+//! at least zero; which of two negative numbers is less does not matter, since the entry distance is
+//! raised to zero. (Minus zero counts as negative: a box whose far side lies at the origin of the ray
+//! holds nothing in front of it.)
 //!
-//! Intrinsics may only run on a processor that has them: all of this is reached through [`walk`],
-//! which carries the feature, and which is called after [`is_there`] has said so. What it calls is
-//! inlined into it.
-#![expect(unsafe_code, reason = "AVX2 is reached through intrinsics and functions that carry it")]
+//! The intrinsics are undefined on a processor without AVX2. A value of [`Avx2`] is the proof that
+//! the processor has it: only [`Avx2::detect`] makes one, and every function here that uses the
+//! intrinsics takes one, by itself or inside [`Slabs8`].
+#![expect(unsafe_code, reason = "AVX2 intrinsics, behind the proof that the processor has AVX2")]
 
-use super::tree::{Link, Node, Tree, WIDTH};
-use super::walk::{self, Boxes, Lanes, three};
+use super::tree::{ChildRef, Node, Tree, WIDTH};
+use super::walk::{self, Boxes, Lanes, RaySlabs, three};
 use super::woop::Triangles4;
 use super::{Hit, Ray};
 use std::arch::x86_64::{
@@ -20,39 +22,57 @@ use std::arch::x86_64::{
     _mm256_mul_ps, _mm256_set1_ps, _mm256_setzero_si256, _mm256_storeu_si256, _mm256_sub_ps,
 };
 
-/// Whether this processor has what [`walk`] needs.
-pub(super) fn is_there() -> bool {
-    is_x86_feature_detected!("avx2") && is_x86_feature_detected!("bmi1")
+/// Proof that this processor has AVX2 and BMI1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Avx2(());
+
+impl Avx2 {
+    /// Asks the processor.
+    pub(super) fn detect() -> Option<Self> {
+        (is_x86_feature_detected!("avx2") && is_x86_feature_detected!("bmi1")).then_some(Self(()))
+    }
 }
 
 /// The nearest triangle along the ray, or with `ANY` only whether there is one.
-///
-/// # Safety
-/// The processor must have the features: [`is_there`].
-#[target_feature(enable = "avx2,bmi1")]
-pub(super) unsafe fn walk<const ANY: bool>(tree: &Tree, ray: &Ray) -> Option<Hit> {
-    walk::walk::<Slabs8, ANY>(tree, ray)
+#[inline]
+pub(super) fn walk<const ANY: bool>(proof: Avx2, tree: &Tree, ray: &Ray) -> Option<Hit> {
+    // SAFETY: `proof` was made by `Avx2::detect`, so the processor has both features.
+    unsafe { walk_with_features::<ANY>(proof, tree, ray) }
 }
 
+/// [`walk`], compiled for AVX2; all that it calls is inlined into it.
+///
+/// # Safety
+/// The processor must have AVX2 and BMI1.
+#[target_feature(enable = "avx2,bmi1")]
+unsafe fn walk_with_features<const ANY: bool>(proof: Avx2, tree: &Tree, ray: &Ray) -> Option<Hit> {
+    walk::walk::<Slabs8, ANY>(proof, tree, ray)
+}
+
+/// A ray for the test of eight boxes.
 struct Slabs8 {
     origin: [__m256; 3],
     inverse: [[__m256; 3]; 2],
     near: [usize; 3],
+    /// That this value exists means that the processor has AVX2.
+    _proof: Avx2,
 }
 
 impl Boxes for Slabs8 {
+    type Proof = Avx2;
+
     #[inline(always)]
-    fn new(origin: [f32; 3], inverse: [[f32; 3]; 2], near: [usize; 3]) -> Self {
-        // SAFETY: inlined into `walk`, which runs only where AVX2 is.
+    fn new(proof: Avx2, RaySlabs { origin, inverse, near }: RaySlabs) -> Self {
+        // SAFETY: `proof` says that the processor has AVX2.
         let splat = |x| unsafe { _mm256_set1_ps(x) };
         let inverse = [three(inverse[0], splat), three(inverse[1], splat)];
-        Self { origin: three(origin, splat), inverse, near }
+        Self { origin: three(origin, splat), inverse, near, _proof: proof }
     }
 
     #[inline(always)]
     fn enter(&self, node: &Node, t_max: f32) -> (Lanes, u32) {
-        // SAFETY: inlined into `walk`, which runs only where AVX2 is; eight floats are read from
-        // arrays of eight, and written to one.
+        // SAFETY: `_proof` says that the processor has AVX2. The loads read eight floats from arrays
+        // of eight, the store writes eight floats to an array of eight; neither needs alignment.
         unsafe {
             let side = |axis: usize, far: usize| {
                 let bounds = &node.bounds[axis][self.near[axis] ^ far];
@@ -78,16 +98,16 @@ impl Boxes for Slabs8 {
     }
 
     #[inline(always)]
-    fn fetch(tree: &Tree, link: Link) {
-        let (start, bytes) = if link.is_leaf() {
-            let first = link.blocks().start;
+    fn prefetch(tree: &Tree, child: ChildRef) {
+        let (start, bytes) = if child.is_leaf() {
+            let first = child.blocks().start;
             (tree.blocks.as_ptr().wrapping_add(first).cast::<i8>(), size_of::<Triangles4>())
         } else {
-            let index = link.0 as usize;
+            let index = child.0 as usize;
             (tree.nodes.as_ptr().wrapping_add(index).cast(), size_of::<Node>())
         };
         for line in (0..bytes).step_by(64) {
-            // SAFETY: a prefetch is a hint, which is allowed at any address.
+            // SAFETY: a prefetch is a hint, which is allowed at any address; x86-64 has SSE.
             unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(line)) };
         }
     }

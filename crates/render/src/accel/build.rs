@@ -1,115 +1,155 @@
-//! The tree: a binary one by `obvhs` (PLOC and reinsertion), collapsed to eight children a node.
+//! Building the hierarchy: a binary tree by `obvhs` (PLOC [Meister and Bittner 2018a] and parallel
+//! reinsertion [Meister and Bittner 2018b]), collapsed to eight children per node.
 //!
-//! Which nodes of the binary tree become nodes of the wide one, and which leaves, is the choice that
-//! makes `sum over nodes of area * COST_NODE + sum over leaves of area * blocks` smallest, found by
-//! dynamic programming from the leaves up [Ylitie, Karras and Laine, "Efficient Incoherent Ray
-//! Traversal on GPUs Through Compressed Wide BVHs", HPG 2017, section 3.1].
+//! The collapse decides which binary nodes become nodes of the wide tree and which become leaves. It
+//! minimises the surface-area cost
+//!
+//! ```text
+//! sum over nodes of area * COST_NODE  +  sum over leaves of area * blocks
+//! ```
+//!
+//! by dynamic programming from the leaves to the root [Ylitie et al. 2017, section 3.1].
 
-use super::tree::{LEAF_MAX, Link, Node, Tree, WIDTH};
+use super::primitives::Primitives;
+use super::tree::{ChildRef, LEAF_MAX, Node, Tree, WIDTH};
 use super::woop::Triangles4;
 use glam::{Vec3, Vec3A};
+use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ploc::PlocSearchDistance;
-use obvhs::{Boundable, BvhBuildParams};
 use std::time::Duration;
 
-/// What a node costs, in tests of a block of four triangles.
+/// The cost of visiting a node (eight box tests and the ordering of the hits), in tests of a block of
+/// four triangles. Half of it gives deeper trees with smaller leaves, double of it shallower trees
+/// whose leaves hold triangles that most rays miss.
 const COST_NODE: f32 = 3.0;
-/// Below this depth nodes are split in equal parts, whatever they cost: no tree is deeper than the
-/// stack of the walk can bear, not even one over triangles that all lie in one place.
+/// Below this depth nodes are split into equal parts by index, whatever the cost. This bounds the
+/// depth of the tree, and so the traversal stack (`walk`), even where nearly all triangles lie in one
+/// place. Half of it would cut unbalanced trees of real scenes, double of it would double the stack.
 pub(super) const DEPTH_MAX: usize = 26;
 
-/// How good the binary tree is: much reinsertion, since a tree is built once for millions of rays.
+/// Parameters of the binary builder. Reinsertion is thorough, since one tree serves millions of rays.
 const QUALITY: BvhBuildParams = BvhBuildParams {
     reinsertion_batch_ratio: 0.4,
     post_collapse_reinsertion_batch_ratio_multiplier: 0.0,
     ploc_search_distance: PlocSearchDistance::VeryHigh,
     search_depth_threshold: 1,
-    // Leaves are made by the collapse.
+    // The collapse below forms the leaves.
     max_prims_per_leaf: 1,
     ..BvhBuildParams::medium_build()
 };
 
-struct Boxed<'a>(&'a [Vec3; 3]);
-
-impl Boundable for Boxed<'_> {
-    fn aabb(&self) -> Aabb {
-        Aabb::from_points(&self.0.map(Vec3A::from))
-    }
-}
-
-/// The tree over `triangles`, one at least, and the box around everything.
+/// The tree over `triangles`, at least one, and the lower and upper corner of their bounding box.
 pub(super) fn build(triangles: &[[Vec3; 3]]) -> (Tree, [Vec3; 2]) {
-    let boxed: Vec<Boxed<'_>> = triangles.iter().map(Boxed).collect();
-    let binary = build_bvh2(&boxed, QUALITY, &mut Duration::default());
-    let bounds = binary.nodes[0].aabb;
-    let mut collapse =
-        Collapse { costs: Costs::of(&binary), binary: &binary, triangles, tree: Tree::default() };
-    collapse.node(&Part::Below(0), 0);
-    (collapse.tree, [bounds.min.into(), bounds.max.into()])
+    let primitives = Primitives::new(triangles);
+    let binary = build_bvh2(&primitives.bounded(), QUALITY, &mut Duration::default());
+    let bounds = primitives.unscaled(binary.nodes[0].aabb);
+    let mut collapse = Collapse {
+        costs: Costs::of(&binary, &primitives),
+        binary: &binary,
+        primitives: &primitives,
+        triangles,
+        tree: Tree::default(),
+    };
+    collapse.node(&Subtree::Below(0), 0);
+    (collapse.tree, bounds)
 }
 
-/// What becomes a node or a leaf.
-enum Part {
-    /// Everything below a binary node.
+/// A set of triangles that becomes a node or a leaf.
+enum Subtree {
+    /// All triangles below a node of the binary tree.
     Below(usize),
     /// These triangles.
     Triangles(Vec<u32>),
 }
 
-/// For each binary node: its triangles, and the least cost of what is below it as `1..WIDTH` parts.
+/// The costs of the dynamic programme, one entry per binary node.
 struct Costs {
+    /// Number of triangles below the node.
     triangles: Vec<u32>,
-    parts: Vec<[f32; WIDTH]>,
+    /// `forests[k - 1]`: the least cost of the node's triangles as at most `k` subtrees.
+    forests: Vec<[f32; WIDTH]>,
 }
 
 impl Costs {
-    fn of(binary: &Bvh2) -> Self {
+    fn of(binary: &Bvh2, primitives: &Primitives) -> Self {
         let count = binary.nodes.len();
-        let mut costs = Self { triangles: vec![0; count], parts: vec![[0.0; WIDTH]; count] };
+        let mut costs = Self { triangles: vec![0; count], forests: vec![[0.0; WIDTH]; count] };
         for index in children_first(binary) {
             let node = &binary.nodes[index];
             let area = node.aabb.half_area();
             if node.is_leaf() {
-                costs.triangles[index] = node.prim_count;
-                costs.parts[index] = [area * leaf_cost(node.prim_count); WIDTH];
+                let triangles = triangles_of_leaf(binary, primitives, index).count() as u32;
+                costs.triangles[index] = triangles;
+                costs.forests[index] = [area * blocks(triangles); WIDTH];
                 continue;
             }
             let [left, right] = children(binary, index);
             costs.triangles[index] = costs.triangles[left] + costs.triangles[right];
-            let mut parts = [f32::INFINITY; WIDTH];
+            let mut forests = [f32::INFINITY; WIDTH];
             for wanted in (1..WIDTH).rev() {
-                parts[wanted] = costs.shared([left, right], wanted + 1).0;
+                forests[wanted] = costs.distributed([left, right], wanted + 1).cost;
             }
-            let as_node = parts[WIDTH - 1] + area * COST_NODE;
-            parts[0] = as_node.min(area * leaf_cost(costs.triangles[index]));
+            let as_node = forests[WIDTH - 1] + area * COST_NODE;
+            forests[0] = as_node.min(costs.as_leaf(binary, index));
             for more in 1..WIDTH {
-                parts[more] = parts[more].min(parts[more - 1]);
+                forests[more] = forests[more].min(forests[more - 1]);
             }
-            costs.parts[index] = parts;
+            costs.forests[index] = forests;
         }
         costs
     }
 
-    /// The least cost of two binary nodes as `wanted` parts, and how many of them the first has.
-    fn shared(&self, [left, right]: [usize; 2], wanted: usize) -> (f32, usize) {
+    /// The cost of a binary node as one leaf; infinite if it has too many triangles.
+    fn as_leaf(&self, binary: &Bvh2, index: usize) -> f32 {
+        let triangles = self.triangles[index];
+        if triangles as usize > LEAF_MAX {
+            return f32::INFINITY;
+        }
+        binary.nodes[index].aabb.half_area() * blocks(triangles)
+    }
+
+    /// The cheapest way to divide `wanted` subtrees between two binary nodes.
+    fn distributed(&self, [left, right]: [usize; 2], wanted: usize) -> Distribution {
         (1..wanted)
-            .map(|k| (self.parts[left][k - 1] + self.parts[right][wanted - k - 1], k))
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .unwrap_or((f32::INFINITY, 1))
+            .map(|first| Distribution {
+                cost: self.forests[left][first - 1] + self.forests[right][wanted - first - 1],
+                first,
+            })
+            .min_by(|a, b| a.cost.total_cmp(&b.cost))
+            .unwrap_or(Distribution { cost: f32::INFINITY, first: 1 })
     }
 }
 
-/// What a leaf costs per area; infinite if it would be too large.
-fn leaf_cost(triangles: u32) -> f32 {
-    if triangles as usize > LEAF_MAX { f32::INFINITY } else { triangles.div_ceil(4) as f32 }
+/// Subtrees divided between two binary nodes.
+struct Distribution {
+    cost: f32,
+    /// How many of them the first node gets.
+    first: usize,
+}
+
+/// The number of blocks of four that hold so many triangles.
+fn blocks(triangles: u32) -> f32 {
+    triangles.div_ceil(4) as f32
 }
 
 fn children(binary: &Bvh2, index: usize) -> [usize; 2] {
     let first = binary.nodes[index].first_index as usize;
     [first, first + 1]
+}
+
+/// The triangles of a leaf of the binary tree.
+fn triangles_of_leaf<'a>(
+    binary: &'a Bvh2,
+    primitives: &'a Primitives,
+    index: usize,
+) -> impl Iterator<Item = u32> + 'a {
+    let node = &binary.nodes[index];
+    let first = node.first_index as usize;
+    let own = &binary.primitive_indices[first..first + node.prim_count as usize];
+    own.iter().flat_map(|&primitive| primitives.triangles(primitive)).copied()
 }
 
 /// All binary nodes, each after its children.
@@ -126,26 +166,28 @@ fn children_first(binary: &Bvh2) -> Vec<usize> {
     order
 }
 
+/// The wide tree while it is built.
 struct Collapse<'a> {
     binary: &'a Bvh2,
+    primitives: &'a Primitives,
     costs: Costs,
     triangles: &'a [[Vec3; 3]],
     tree: Tree,
 }
 
 impl Collapse<'_> {
-    /// Makes a node of a part, and all that is below it.
-    fn node(&mut self, part: &Part, depth: usize) -> Link {
-        let parts = match part {
-            Part::Below(index) if depth < DEPTH_MAX => {
+    /// Adds the node of a subtree and all nodes and leaves below it.
+    fn node(&mut self, subtree: &Subtree, depth: usize) -> ChildRef {
+        let parts = match subtree {
+            Subtree::Below(index) if depth < DEPTH_MAX && !self.is_stack(*index) => {
                 let mut parts = Vec::with_capacity(WIDTH);
                 self.open(*index, &mut parts);
                 parts
             }
             _ => {
-                let ids = self.ids(part);
+                let ids = self.ids(subtree);
                 let size = ids.len().div_ceil(WIDTH);
-                ids.chunks(size).map(|ids| Part::Triangles(ids.to_vec())).collect()
+                ids.chunks(size).map(|ids| Subtree::Triangles(ids.to_vec())).collect()
             }
         };
         let index = self.tree.nodes.len();
@@ -153,75 +195,78 @@ impl Collapse<'_> {
         for (lane, part) in parts.iter().enumerate() {
             let child =
                 if self.is_leaf(part) { self.leaf(part) } else { self.node(part, depth + 1) };
-            let bounds = self.bounds(part);
+            let [low, high] = self.bounds(part);
             let node = &mut self.tree.nodes[index];
             node.children[lane] = child;
             for axis in 0..3 {
-                node.bounds[axis][0][lane] = bounds.min[axis];
-                node.bounds[axis][1][lane] = bounds.max[axis];
+                node.bounds[axis][0][lane] = low[axis];
+                node.bounds[axis][1][lane] = high[axis];
             }
         }
-        Link::node(index)
+        ChildRef::node(index)
     }
 
-    /// The parts that the binary node `index` is best opened into.
-    fn open(&self, index: usize, parts: &mut Vec<Part>) {
+    /// Appends the cheapest [`WIDTH`] subtrees, or fewer, of the binary node `index`.
+    fn open(&self, index: usize, parts: &mut Vec<Subtree>) {
         if self.binary.nodes[index].is_leaf() {
-            return parts.push(Part::Below(index));
+            return parts.push(Subtree::Below(index));
         }
         let children = children(self.binary, index);
-        let (_, first) = self.costs.shared(children, WIDTH);
+        let first = self.costs.distributed(children, WIDTH).first;
         self.divide(children[0], first, parts);
         self.divide(children[1], WIDTH - first, parts);
     }
 
-    /// The binary node `index` as `wanted` parts or fewer.
-    fn divide(&self, index: usize, wanted: usize, parts: &mut Vec<Part>) {
-        let costs = &self.costs.parts[index];
+    /// Appends the binary node `index` as `wanted` subtrees or fewer.
+    fn divide(&self, index: usize, wanted: usize, parts: &mut Vec<Subtree>) {
+        let costs = &self.costs.forests[index];
         let fewest = (0..wanted).find(|&k| costs[k] <= costs[wanted - 1]).unwrap_or(0) + 1;
         if fewest == 1 || self.binary.nodes[index].is_leaf() {
-            return parts.push(Part::Below(index));
+            return parts.push(Subtree::Below(index));
         }
         let children = children(self.binary, index);
-        let (_, first) = self.costs.shared(children, fewest);
+        let first = self.costs.distributed(children, fewest).first;
         self.divide(children[0], first, parts);
         self.divide(children[1], fewest - first, parts);
     }
 
-    fn is_leaf(&self, part: &Part) -> bool {
-        match part {
-            Part::Triangles(ids) => ids.len() <= LEAF_MAX,
-            Part::Below(index) => {
-                let as_leaf = self.binary.nodes[*index].aabb.half_area()
-                    * leaf_cost(self.costs.triangles[*index]);
-                self.binary.nodes[*index].is_leaf() || as_leaf <= self.costs.parts[*index][0]
+    /// Whether a binary node is a stack of boxes too large for a leaf, to be split by index.
+    fn is_stack(&self, index: usize) -> bool {
+        self.binary.nodes[index].is_leaf() && self.costs.triangles[index] as usize > LEAF_MAX
+    }
+
+    fn is_leaf(&self, subtree: &Subtree) -> bool {
+        match subtree {
+            Subtree::Triangles(ids) => ids.len() <= LEAF_MAX,
+            Subtree::Below(index) => {
+                let as_leaf = self.costs.as_leaf(self.binary, *index);
+                self.costs.triangles[*index] as usize <= LEAF_MAX
+                    && (self.binary.nodes[*index].is_leaf()
+                        || as_leaf <= self.costs.forests[*index][0])
             }
         }
     }
 
-    /// Stores the triangles of a part in blocks of four.
-    fn leaf(&mut self, part: &Part) -> Link {
+    /// Stores the triangles of a subtree in blocks of four.
+    fn leaf(&mut self, subtree: &Subtree) -> ChildRef {
         let first = self.tree.blocks.len();
-        for four in self.ids(part).chunks(4) {
+        for four in self.ids(subtree).chunks(4) {
             let block: Vec<_> = four.iter().map(|&id| (id, self.triangles[id as usize])).collect();
             self.tree.blocks.push(Triangles4::new(&block));
         }
-        Link::leaf(first, self.tree.blocks.len() - first)
+        ChildRef::leaf(first, self.tree.blocks.len() - first)
     }
 
-    /// The triangles of a part.
-    fn ids(&self, part: &Part) -> Vec<u32> {
-        let top = match part {
-            Part::Triangles(ids) => return ids.clone(),
-            Part::Below(index) => *index,
+    /// The triangles of a subtree.
+    fn ids(&self, subtree: &Subtree) -> Vec<u32> {
+        let top = match subtree {
+            Subtree::Triangles(ids) => return ids.clone(),
+            Subtree::Below(index) => *index,
         };
         let (mut ids, mut open) = (Vec::new(), vec![top]);
         while let Some(index) = open.pop() {
-            let node = &self.binary.nodes[index];
-            if node.is_leaf() {
-                let first = node.first_index as usize;
-                let own = first..first + node.prim_count as usize;
-                ids.extend_from_slice(&self.binary.primitive_indices[own]);
+            if self.binary.nodes[index].is_leaf() {
+                ids.extend(triangles_of_leaf(self.binary, self.primitives, index));
             } else {
                 open.extend(children(self.binary, index).iter().rev());
             }
@@ -229,12 +274,14 @@ impl Collapse<'_> {
         ids
     }
 
-    fn bounds(&self, part: &Part) -> Aabb {
-        match part {
-            Part::Below(index) => self.binary.nodes[*index].aabb,
-            Part::Triangles(ids) => {
+    /// The lower and upper corner of a subtree's bounding box.
+    fn bounds(&self, subtree: &Subtree) -> [Vec3; 2] {
+        match subtree {
+            Subtree::Below(index) => self.primitives.unscaled(self.binary.nodes[*index].aabb),
+            Subtree::Triangles(ids) => {
                 let corners = ids.iter().flat_map(|&id| self.triangles[id as usize]);
-                Aabb::from_points(&corners.map(Vec3A::from).collect::<Vec<_>>())
+                let bounds = Aabb::from_points(&corners.map(Vec3A::from).collect::<Vec<_>>());
+                [bounds.min.into(), bounds.max.into()]
             }
         }
     }

@@ -1,35 +1,39 @@
-//! How rays find triangles: a small interface, and one tree behind it.
+//! Ray intersection: a bounding volume hierarchy behind a small interface.
 //!
-//! The interface is [`Accel::closest`] and [`Accel::occluded`], and for what stands between one point
-//! and many `Accel::between` (`shaft`); nobody outside this module knows what stands behind them. The
-//! binary tree of `obvhs` is collapsed to eight boxes a node (`build`) and walked with a watertight
-//! triangle test (`woop`): a ray that meets an edge or a vertex of a closed mesh never slips through.
-//! The walk (`walk`) is written once; eight boxes are tested by AVX2 where the processor has it
-//! (`avx2`) and four at a time by glam's vectors, SSE2 or NEON, elsewhere. Both find the same bits.
+//! The interface is [`Accel::closest`], [`Accel::occluded`], and `Accel::occluders` (`shaft`), which
+//! bounds what may occlude the segments from one point to many. The structure behind it is private
+//! to this module:
+//!  - `primitives` and `build`: the binary tree of `obvhs`, collapsed to eight children per node;
+//!  - `tree`: its memory layout;
+//!  - `walk`: the traversal, written once, with two box tests: AVX2 (`avx2`), or glam's vectors of four
+//!    (SSE2, NEON). Both give the same bits;
+//!  - `woop`: the watertight triangle test [Woop et al. 2013]: no ray slips through an edge or a vertex
+//!    of a closed mesh.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod build;
+mod primitives;
 mod shaft;
 mod tree;
 mod walk;
 mod woop;
 
-pub(crate) use shaft::{Between, Bundle};
+pub(crate) use shaft::{Bundle, Occluders};
 pub(crate) use woop::front_normal;
 pub use woop::offset;
 
 use glam::Vec3;
 use tree::Tree;
 
-/// A half line from `origin` along the unit vector `direction`, up to the distance `t_max`.
+/// A ray from `origin` along the unit vector `direction`, up to the distance `t_max`.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
     /// Where it starts.
     pub origin: Vec3,
     /// Unit vector along it.
     pub direction: Vec3,
-    /// Only what is nearer than this is met; may be infinite.
+    /// Hits at this distance or beyond do not count; may be infinite.
     pub t_max: f32,
 }
 
@@ -40,18 +44,18 @@ impl Ray {
     }
 }
 
-/// Where a ray meets a triangle.
+/// The intersection of a ray with a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Distance along the ray.
     pub t: f32,
-    /// The triangle, counted over the whole scene.
+    /// The triangle's index in the scene.
     pub triangle: u32,
     /// Barycentric weights of the triangle's second and third corner.
     pub barycentric: [f32; 2],
 }
 
-/// Finds the triangles that rays meet.
+/// The acceleration structure over all triangles of a scene.
 #[derive(Debug)]
 pub struct Accel {
     tree: Tree,
@@ -59,44 +63,43 @@ pub struct Accel {
     kernel: Kernel,
 }
 
-/// What tests the boxes.
+/// The box test in use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kernel {
     Portable,
-    /// Chosen only where the processor has AVX2.
     #[cfg(target_arch = "x86_64")]
-    Avx2,
+    Avx2(avx2::Avx2),
 }
 
 impl Kernel {
-    /// The fastest that this processor has.
+    /// The fastest one on this processor.
     fn best() -> Self {
         #[cfg(target_arch = "x86_64")]
-        if avx2::is_there() {
-            return Self::Avx2;
+        if let Some(proof) = avx2::Avx2::detect() {
+            return Self::Avx2(proof);
         }
         Self::Portable
     }
 }
 
 impl Accel {
-    /// Builds the tree over all triangles of a scene; there must be one at least.
+    /// Builds the hierarchy over `triangles`, at least one.
     pub fn build(triangles: &[[Vec3; 3]]) -> Self {
         let (tree, bounds) = build::build(triangles);
         Self { tree, bounds, kernel: Kernel::best() }
     }
 
-    /// The lower and upper corner of the box around everything.
+    /// The lower and upper corner of the bounding box of all triangles.
     pub fn bounds(&self) -> [Vec3; 2] {
         self.bounds
     }
 
-    /// The nearest triangle along the ray, from either side.
+    /// The nearest intersection along the ray, from either side of triangles.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         self.walk::<false>(ray)
     }
 
-    /// Whether anything stands on the ray before its end.
+    /// Whether any triangle intersects the ray before its end.
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.walk::<true>(ray).is_some()
     }
@@ -107,9 +110,7 @@ impl Accel {
         match self.kernel {
             Kernel::Portable => walk::portable::<ANY>(&self.tree, ray),
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: this kernel is chosen only where `avx2::is_there`.
-            #[expect(unsafe_code, reason = "AVX2 is used after it was looked for")]
-            Kernel::Avx2 => unsafe { avx2::walk::<ANY>(&self.tree, ray) },
+            Kernel::Avx2(proof) => avx2::walk::<ANY>(proof, &self.tree, ray),
         }
     }
 }

@@ -1,54 +1,56 @@
-//! What may stand between one point and many: their segments asked at once.
+//! Shaft culling: the triangles that may occlude the segments from one point, the apex, to a bundle
+//! of points [Haines and Wallace 1991].
 //!
-//! The segments from an apex to the points of a bundle lie in a shaft [Haines and Wallace, "Shaft
-//! Culling for Efficient Ray-Cast Radiosity", 1991]. A box that no segment enters is left out with
-//! all that it holds, by slabs with intervals for the directions [Boulos et al., "Geometric and
-//! Arithmetic Culling Methods for Entire Ray Packets", 2006]. A triangle `a b c`, seen from the apex,
-//! meets the segment to `q` if
+//! All segments lie in a shaft. A box that no segment enters is culled with all that it holds, by a
+//! slab test on the intervals of the segments' directions [Boulos et al. 2006]. With the apex as
+//! origin, a triangle `a b c` intersects the segment to `q` if
 //!
 //! ```text
 //! s (n . q) >= |v|  and  s (a x b . q), s (b x c . q), s (c x a . q) >= 0,
 //! n = a x b + b x c + c x a,  v = a . (b x c),  s = sign v,
 //! ```
 //!
-//! so it is left out if the greatest value of one of these over the bundle's box is too small. Most
-//! shafts of a room hold nothing then, and none of their segments needs a ray; in others a few
-//! triangles are left to ask.
+//! so it is culled if the maximum of one of these over the bundle's box is too small. In a room most
+//! shafts are empty, and none of their segments needs a shadow ray; others hold a few triangles.
 
-use super::tree::{Link, Node, WIDTH};
+use super::tree::{ChildRef, Node, WIDTH};
 use super::woop::{ShearedRay, Triangles4};
 use super::{Accel, Ray};
 use crate::lanes::{Vec3x4, cross, dot, dot_one};
 use glam::{BVec4A, Vec3, Vec4};
 
-/// More blocks of triangles than this are not worth asking one by one.
+/// Most blocks of triangles that are tested one by one. With more a ray through the tree costs less:
+/// it tests about as many blocks. Half of it sends more segments through the tree, double of it tests
+/// long lists.
 const FEW: usize = 8;
-/// Nodes that wait to be visited; a shaft that has more of them in its way holds too much.
+/// Entries of the traversal stack. A shaft that enters more nodes at once holds too many triangles
+/// and is not refined.
 const STACK: usize = 64;
-/// What rounding may do, relative.
+/// Bound of the relative rounding error of the triangle test: about eight roundings of 6e-8 each,
+/// doubled. Half of it might cull a triangle that a ray would find; double of it culls hardly less.
 const ROUNDING: f32 = 1e-6;
 
-/// Points in a box that need not be upright.
+/// Oriented bounding box of a set of points, with their axis-aligned one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bundle {
     low: Vec3,
     high: Vec3,
     centre: Vec3,
-    /// From the centre to three sides.
+    /// The half axes of the oriented box.
     half: [Vec3; 3],
 }
 
-/// The triangles that may stand between a point and a bundle.
+/// The triangles that may occlude the segments between a point and a bundle.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Between {
-    /// These blocks of triangles, maybe none.
+pub(crate) enum Occluders {
+    /// The first so many of these blocks of triangles; none if the count is zero.
     Blocks([u32; FEW], usize),
-    /// Too many to say.
+    /// Too many to list: ask the tree.
     Many,
 }
 
 impl Bundle {
-    /// The box around `points`, flat along the unit vector `normal` if they are.
+    /// The bounds of `points`, with one axis along the unit vector `normal`.
     pub(crate) fn new(points: impl Iterator<Item = Vec3> + Clone, normal: Vec3) -> Self {
         let (x, y) = normal.any_orthonormal_pair();
         let axes = [x, y, normal];
@@ -64,19 +66,19 @@ impl Bundle {
 }
 
 impl Accel {
-    /// What may stand between `apex` and the points of `bundle`.
-    pub(crate) fn between(&self, apex: Vec3, bundle: &Bundle) -> Between {
+    /// What may occlude the segments between `apex` and the points of `bundle`.
+    pub(crate) fn occluders(&self, apex: Vec3, bundle: &Bundle) -> Occluders {
         let shaft = Shaft::new(apex, bundle);
         let (mut blocks, mut count) = ([0; FEW], 0);
-        let (mut stack, mut depth) = ([Link::ROOT; STACK], 1);
+        let (mut stack, mut depth) = ([ChildRef::ROOT; STACK], 1);
         while depth > 0 {
             depth -= 1;
-            let link = stack[depth];
-            if link.is_leaf() {
-                for block in link.blocks() {
+            let child = stack[depth];
+            if child.is_leaf() {
+                for block in child.blocks() {
                     if shaft.may_meet(&self.tree.blocks[block]) {
                         if count == FEW {
-                            return Between::Many;
+                            return Occluders::Many;
                         }
                         blocks[count] = block as u32;
                         count += 1;
@@ -84,10 +86,10 @@ impl Accel {
                 }
                 continue;
             }
-            let node = &self.tree.nodes[link.0 as usize];
+            let node = &self.tree.nodes[child.0 as usize];
             let mut entered = shaft.enters(node);
             if depth + entered.count_ones() as usize > STACK {
-                return Between::Many;
+                return Occluders::Many;
             }
             while entered != 0 {
                 stack[depth] = node.children[entered.trailing_zeros() as usize % WIDTH];
@@ -95,15 +97,15 @@ impl Accel {
                 depth += 1;
             }
         }
-        Between::Blocks(blocks, count)
+        Occluders::Blocks(blocks, count)
     }
 
-    /// Whether one of the triangles that stand `between` stands on the ray before its end.
-    pub(crate) fn occluded_among(&self, between: &Between, ray: &Ray) -> bool {
-        match between {
-            Between::Many => self.occluded(ray),
-            Between::Blocks(_, 0) => false,
-            Between::Blocks(blocks, count) => {
+    /// Whether one of `occluders` intersects the ray before its end.
+    pub(crate) fn occluded_among(&self, occluders: &Occluders, ray: &Ray) -> bool {
+        match occluders {
+            Occluders::Many => self.occluded(ray),
+            Occluders::Blocks(_, 0) => false,
+            Occluders::Blocks(blocks, count) => {
                 let sheared = ShearedRay::new(ray);
                 let mut blocks = blocks[..*count].iter();
                 let block = |index: &u32| &self.tree.blocks[*index as usize];
@@ -113,32 +115,33 @@ impl Accel {
     }
 }
 
-/// The segments from an apex to a bundle.
+/// The set of segments from an apex to a bundle.
 struct Shaft {
     apex: Vec3,
-    /// The box around them.
+    /// Its bounding box.
     low: Vec3,
     high: Vec3,
-    /// For each axis: on which side boxes are entered, and what turns the distance of that side and
-    /// of the other into the first and the last place that a segment can be in the box.
+    /// The slab test of each axis.
     slabs: [Slab; 3],
-    /// The bundle's centre and half sides, seen from the apex.
+    /// Centre, relative to the apex, and half axes of the bundle's box.
     centre: Vec3,
     half: [Vec3; 3],
 }
 
-/// Along one axis.
+/// The slab test of one axis: factors that turn the distances of a box's near and far side from the
+/// apex into bounds of the segment parameter, 0 at the apex and 1 at the bundle.
 #[derive(Clone, Copy)]
 struct Slab {
+    /// The side of boxes that segments meet first.
     near: usize,
     enter: f32,
     leave: f32,
-    /// One where segments go both ways, so that the axis says nothing.
+    /// One where directions have both signs, so that the axis bounds nothing; else zero.
     always: f32,
 }
 
 impl Slab {
-    /// For segments whose extents along the axis are from `low` to `high`.
+    /// For segments whose extents along the axis lie between `low` and `high`.
     fn new(low: f32, high: f32) -> Self {
         const LEAST: f32 = 1e-18;
         if low > LEAST {
@@ -164,7 +167,7 @@ impl Shaft {
         }
     }
 
-    /// A bit for each child of a node that segments may enter.
+    /// A bit for each child of a node that a segment may enter.
     fn enters(&self, node: &Node) -> u32 {
         let mut bits = 0;
         for part in [0, 4] {
@@ -186,7 +189,7 @@ impl Shaft {
         bits
     }
 
-    /// Whether a segment may meet one of the four triangles.
+    /// Whether a segment may intersect one of the four triangles.
     fn may_meet(&self, block: &Triangles4) -> bool {
         let corner = |corner: usize| {
             let [x, y, z] = block.corner(corner);
@@ -197,17 +200,17 @@ impl Shaft {
         let normal = [0, 1, 2].map(|i| edges[0][i] + edges[1][i] + edges[2][i]);
         let volume = dot(a, edges[1]);
         let sign = Vec4::ONE.copysign(volume);
-        // The greatest value over the bundle of its product with a vector, and what rounding may add.
-        let greatest = |vector: Vec3x4| {
+        // The maximum over the bundle of the product with a vector, plus the rounding error.
+        let maximum = |vector: Vec3x4| {
             let centre = dot_one(vector, self.centre) * sign;
             let reach = |half: Vec3| dot_one(vector, half).abs();
             let reach = reach(self.half[0]) + reach(self.half[1]) + reach(self.half[2]);
             (centre + reach) + (centre.abs() + reach) * ROUNDING
         };
-        let mut meets = greatest(normal).cmpge(volume.abs());
+        let mut hits = maximum(normal).cmpge(volume.abs());
         for edge in edges {
-            meets &= greatest(edge).cmpge(Vec4::ZERO);
+            hits &= maximum(edge).cmpge(Vec4::ZERO);
         }
-        meets.any()
+        hits.any()
     }
 }

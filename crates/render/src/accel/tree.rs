@@ -1,53 +1,58 @@
-//! The tree as it lies in memory: nodes of eight boxes, and blocks of four triangles.
+//! Memory layout of the 8-wide bounding volume hierarchy: nodes of eight boxes, leaves of blocks of
+//! four triangles.
 
 use super::woop::Triangles4;
 
-/// Children of a node.
+/// Children per node.
 pub(super) const WIDTH: usize = 8;
-/// Marks a link to a leaf.
+/// The bit of a [`ChildRef`] that marks a leaf.
 const LEAF: u32 = 1 << 31;
-/// The bits of a leaf's link that say how many blocks it has, less one.
+/// Bits of a leaf's [`ChildRef`] that hold its number of blocks minus one.
 const COUNT_BITS: u32 = 3;
-/// Triangles in a leaf at most.
-pub(super) const LEAF_MAX: usize = 4 << COUNT_BITS;
+/// Most blocks of triangles in one leaf: as many as [`COUNT_BITS`] can count.
+const BLOCKS_MAX: usize = 1 << COUNT_BITS;
+/// Most triangles in one leaf.
+pub(super) const LEAF_MAX: usize = 4 * BLOCKS_MAX;
 
-/// Nodes and leaves of a scene; the root is node 0.
+/// The nodes and leaves of a scene; the root is node 0.
 #[derive(Debug, Default)]
 pub(super) struct Tree {
     pub(super) nodes: Vec<Node>,
     pub(super) blocks: Vec<Triangles4>,
 }
 
-/// Eight children; those that are not there have boxes that no ray enters.
+/// Eight children. Unused lanes hold the empty box, which no ray enters.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {
-    /// `bounds[axis][side]`, side 0 the lower one, one lane a child.
+    /// `bounds[axis][side]`: side 0 the lower bound, side 1 the upper one; one lane per child.
     pub(super) bounds: [[[f32; WIDTH]; 2]; 3],
-    pub(super) children: [Link; WIDTH],
+    pub(super) children: [ChildRef; WIDTH],
 }
 
-/// Where a child lies: a node, or the blocks of a leaf.
+/// A child of a node: the index of a node, or the range of blocks of a leaf, packed into 32 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Link(pub(super) u32);
+pub(super) struct ChildRef(pub(super) u32);
 
 impl Node {
     pub(super) const EMPTY: Self = Self {
         bounds: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
-        children: [Link(0); WIDTH],
+        children: [ChildRef(0); WIDTH],
     };
 }
 
-impl Link {
+impl ChildRef {
     pub(super) const ROOT: Self = Self(0);
 
     pub(super) fn node(index: usize) -> Self {
+        assert!(index < LEAF as usize, "a tree of {index} nodes is too large for its indices");
         Self(index as u32)
     }
 
-    /// A leaf of `count` blocks from the block `first` on.
+    /// The leaf of `count` blocks that starts at the block `first`.
     pub(super) fn leaf(first: usize, count: usize) -> Self {
-        debug_assert!((1..=1 << COUNT_BITS).contains(&count) && first < 1 << (31 - COUNT_BITS));
+        assert!((1..=BLOCKS_MAX).contains(&count), "a leaf of {count} blocks");
+        assert!(first < 1 << (31 - COUNT_BITS), "{first} blocks are too many for their indices");
         Self(LEAF | (first as u32) << COUNT_BITS | (count as u32 - 1))
     }
 

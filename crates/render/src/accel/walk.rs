@@ -1,63 +1,83 @@
-//! The way of a ray through the tree, near boxes first.
+//! Traversal of the 8-wide tree, nearest box first, with a stack of children still to visit.
 //!
-//! Written once for all processors: what tests the boxes of a node is a parameter, `Boxes`, and
-//! everything is inlined into the function that chooses it.
+//! The traversal is written once. The box test is a parameter, [`Boxes`]; everything is inlined into
+//! the function that chooses it. The slab test is that of [Kay and Kajiya 1986], with the far side
+//! widened by its rounding error [Ize 2013].
 
-use super::tree::{Link, Node, Tree, WIDTH};
+use super::tree::{ChildRef, Node, Tree, WIDTH};
 use super::woop::ShearedRay;
 use super::{Hit, Ray, build};
 use glam::Vec4;
 use std::mem::MaybeUninit;
 
-/// Widens the far side of the slab test by more than its rounding error (Ize 2013).
+/// Widens the far side of the slab test by twice its rounding error, `1 + 2 gamma(3)` of [Ize 2013].
+/// With a quarter of the margin rays may miss boxes; double of it visits a few more boxes.
 const ROUNDING: f32 = 1.0 + 2.0 * 3.0 * f32::EPSILON;
-/// Each level leaves at most seven children behind; below `DEPTH_MAX` levels each divides the
-/// triangles by eight, of which there are fewer than 2^31.
+/// Entries of the stack. Each level leaves at most seven children behind. Below `DEPTH_MAX` each
+/// level divides the triangles by eight, of which there are fewer than 2^31: eleven levels.
 const STACK: usize = (WIDTH - 1) * (build::DEPTH_MAX + 11);
 
-/// Tests the eight boxes of a node against one ray.
-pub(super) trait Boxes {
-    /// A ray made ready, from its origin, the inverse of its direction for near and for far sides of
-    /// boxes, and for each axis which side it meets first.
-    fn new(origin: [f32; 3], inverse: [[f32; 3]; 2], near: [usize; 3]) -> Self;
-
-    /// Where the ray enters each box, and a bit for each box that it does enter before `t_max`.
-    fn enter(&self, node: &Node, t_max: f32) -> (Lanes, u32);
-
-    /// Tells the processor that what is behind `link` will be wanted soon.
-    fn fetch(tree: &Tree, link: Link);
+/// What the slab test needs of a ray.
+pub(super) struct RaySlabs {
+    pub(super) origin: [f32; 3],
+    /// The inverse of the direction, for the near and for the far sides of boxes.
+    pub(super) inverse: [[f32; 3]; 2],
+    /// For each axis the side of boxes that the ray meets first.
+    pub(super) near: [usize; 3],
 }
 
-/// One number a child. Where this crossed a line of the cache, as it may wherever the system happens
-/// to put the stack, a ray would take half as long again.
+/// The test of the eight boxes of a node against one ray.
+pub(super) trait Boxes {
+    /// Proof that the processor has the instructions of this test.
+    type Proof: Copy;
+
+    /// Prepares a ray.
+    fn new(proof: Self::Proof, ray: RaySlabs) -> Self;
+
+    /// Where the ray enters each box, and a bit for each box that it enters before `t_max`.
+    fn enter(&self, node: &Node, t_max: f32) -> (Lanes, u32);
+
+    /// Loads `child` into the cache, since the traversal visits it soon.
+    fn prefetch(tree: &Tree, child: ChildRef);
+}
+
+/// One number per child, aligned so that it never crosses a cache line: with the alignment of `f32` a
+/// ray took half as long again where the stack frame happened to make it cross one.
 #[derive(Clone, Copy)]
 #[repr(align(32))]
 pub(super) struct Lanes(pub(super) [f32; WIDTH]);
 
-/// The walk for any processor.
+/// The traversal for any processor.
 pub(super) fn portable<const ANY: bool>(tree: &Tree, ray: &Ray) -> Option<Hit> {
-    walk::<Slabs, ANY>(tree, ray)
+    walk::<Slabs, ANY>((), tree, ray)
 }
 
-/// What is said of a triangle of which was only asked whether there is one.
-const SOMETHING: Hit = Hit { t: 0.0, triangle: 0, barycentric: [0.0; 2] };
+/// The hit that a query for any hit returns: callers only ask whether there is one.
+const ANY_HIT: Hit = Hit { t: 0.0, triangle: 0, barycentric: [0.0; 2] };
 
 /// The nearest triangle along the ray, or with `ANY` only whether there is one.
 #[inline(always)]
-pub(super) fn walk<B: Boxes, const ANY: bool>(tree: &Tree, ray: &Ray) -> Option<Hit> {
-    let boxes = boxes::<B>(ray);
+#[expect(unsafe_code, reason = "the stack is not initialised beyond its depth")]
+pub(super) fn walk<B: Boxes, const ANY: bool>(
+    proof: B::Proof,
+    tree: &Tree,
+    ray: &Ray,
+) -> Option<Hit> {
+    let boxes = boxes::<B>(proof, ray);
     let sheared = ShearedRay::new(ray);
     let mut t_max = ray.t_max;
     let mut best = None;
     let mut stack = Stack::new();
+    // The number of entries of `stack` that were written: it changes only by what `push_but_nearest`
+    // and `pop` return.
     let mut depth = 0;
-    let mut link = Link::ROOT;
+    let mut child = ChildRef::ROOT;
     loop {
-        if link.is_leaf() {
-            for block in &tree.blocks[link.blocks()] {
+        if child.is_leaf() {
+            for block in &tree.blocks[child.blocks()] {
                 if ANY {
                     if block.is_met(&sheared, t_max) {
-                        return Some(SOMETHING);
+                        return Some(ANY_HIT);
                     }
                 } else if let Some(hit) = block.nearest(&sheared, t_max) {
                     t_max = hit.t;
@@ -65,27 +85,29 @@ pub(super) fn walk<B: Boxes, const ANY: bool>(tree: &Tree, ray: &Ray) -> Option<
                 }
             }
         } else {
-            let node = &tree.nodes[link.0 as usize];
+            let node = &tree.nodes[child.0 as usize];
             let (enter, entered) = boxes.enter(node, t_max);
             if entered != 0 {
-                (depth, link) =
-                    stack.push_but_nearest(depth, &node.children, (&enter, entered), |link| {
-                        B::fetch(tree, link);
-                    });
+                let prefetch = |child| B::prefetch(tree, child);
+                let entered = (&enter, entered);
+                // SAFETY: the entries below `depth` were written.
+                (depth, child) =
+                    unsafe { stack.push_but_nearest(depth, &node.children, entered, prefetch) };
                 continue;
             }
         }
-        match stack.pop(depth, t_max) {
-            Some(next) => (depth, link) = next,
+        // SAFETY: the entries below `depth` were written.
+        match unsafe { stack.pop(depth, t_max) } {
+            Some(next) => (depth, child) = next,
             None => return best,
         }
     }
 }
 
-/// The ray as the box test wants it.
+/// Prepares the ray for the box test.
 #[inline(always)]
-fn boxes<B: Boxes>(ray: &Ray) -> B {
-    // A direction of zero would make 0 * infinity; a huge finite slope does not.
+fn boxes<B: Boxes>(proof: B::Proof, ray: &Ray) -> B {
+    // A direction of zero would give 0 * infinity, which is no number; a huge finite slope does not.
     let direction = ray.direction.extend(1.0);
     let usable = direction.abs().cmpgt(Vec4::splat(1e-18));
     let steep = Vec4::splat(1e18).copysign(direction);
@@ -94,47 +116,56 @@ fn boxes<B: Boxes>(ray: &Ray) -> B {
     let [x, y, z, _] = inverse.to_array();
     let far = [x * ROUNDING, y * ROUNDING, z * ROUNDING];
     let near = [negative & 1, negative >> 1 & 1, negative >> 2 & 1];
-    B::new(ray.origin.to_array(), [[x, y, z], far], near)
+    let origin = ray.origin.to_array();
+    B::new(proof, RaySlabs { origin, inverse: [[x, y, z], far], near })
 }
 
-/// `array::map`, which the compiler leaves out of line: at this place that costs as much as a box.
+/// `array::map` that is always inlined: the compiler leaves the library's out of line here, which
+/// costs as much as a box test.
 #[inline(always)]
 pub(super) fn three<T: Copy, U>([x, y, z]: [T; 3], f: impl Fn(T) -> U) -> [U; 3] {
     [f(x), f(y), f(z)]
 }
 
-/// What the ray has still to visit. An entry holds where the ray enters, a distance not below zero
-/// whose bits are ordered as it is, over the link: one number to sort by.
+/// The children that the ray has still to visit. An entry holds the entry distance, which is not
+/// negative, in its upper 32 bits and the child in its lower ones; entries compare as distances do.
+///
+/// The caller keeps the depth, in a register. Entries at and beyond it may be uninitialised.
 struct Stack([MaybeUninit<u64>; STACK]);
 
 impl Stack {
+    /// An empty stack. It is left uninitialised: clearing 2 kB takes as long as a short ray.
     #[inline(always)]
     fn new() -> Self {
-        // Setting 2 kB to zero would take as long as a short ray.
         Self([const { MaybeUninit::uninit() }; STACK])
     }
 
-    /// Entry number `index`, which must have been written.
+    /// Entry number `index`.
+    ///
+    /// # Safety
+    /// The entry must have been written.
     #[inline(always)]
-    fn get(&self, index: usize) -> u64 {
-        // SAFETY: callers ask below the depth, and all entries below it have been written.
-        #[expect(unsafe_code, reason = "entries below the depth are written")]
-        unsafe {
-            self.0[index].assume_init()
-        }
+    #[expect(unsafe_code, reason = "the stack is not initialised beyond its depth")]
+    unsafe fn get(&self, index: usize) -> u64 {
+        // SAFETY: the caller promises that the entry was written.
+        unsafe { self.0[index].assume_init() }
     }
 
-    /// Puts all `children` that `entered` has a bit of, at least one, but the nearest onto the
-    /// `depth` entries that are there, nearer ones higher up, and has them fetched. The new depth, and the
-    /// nearest.
+    /// Pushes the `children` whose bit is set in `entered`, at least one, except the nearest, sorted
+    /// so that nearer ones are popped first, and prefetches them. Returns the new depth, below which
+    /// all entries are written, and the nearest child.
+    ///
+    /// # Safety
+    /// All entries below `depth` must have been written.
     #[inline(always)]
-    fn push_but_nearest(
+    #[expect(unsafe_code, reason = "the stack is not initialised beyond its depth")]
+    unsafe fn push_but_nearest(
         &mut self,
         mut depth: usize,
-        children: &[Link; WIDTH],
+        children: &[ChildRef; WIDTH],
         (Lanes(enter), mut entered): (&Lanes, u32),
-        fetch: impl Fn(Link),
-    ) -> (usize, Link) {
+        prefetch: impl Fn(ChildRef),
+    ) -> (usize, ChildRef) {
         let next = |entered: &mut u32| {
             let lane = entered.trailing_zeros() as usize % WIDTH;
             *entered &= *entered - 1;
@@ -146,33 +177,40 @@ impl Stack {
             let other = next(&mut entered);
             let far = nearest.max(other);
             nearest = nearest.min(other);
-            fetch(Link(far as u32));
+            prefetch(ChildRef(far as u32));
             let mut at = depth;
             depth += 1;
-            while at > base && self.get(at - 1) < far {
+            // SAFETY: `base <= at - 1 < at`, and this loop has written the entries from `base` up to
+            // the old depth, which `at` starts from.
+            while at > base && unsafe { self.get(at - 1) } < far {
                 self.0[at] = self.0[at - 1];
                 at -= 1;
             }
             self.0[at].write(far);
         }
-        (depth, Link(nearest as u32))
+        (depth, ChildRef(nearest as u32))
     }
 
-    /// The nearest of the `depth` entries that the ray reaches, and the depth below it.
+    /// The topmost of the `depth` entries that the ray enters before `t_max`, and the depth below it.
+    ///
+    /// # Safety
+    /// All entries below `depth` must have been written.
     #[inline(always)]
-    fn pop(&self, mut depth: usize, t_max: f32) -> Option<(usize, Link)> {
+    #[expect(unsafe_code, reason = "the stack is not initialised beyond its depth")]
+    unsafe fn pop(&self, mut depth: usize, t_max: f32) -> Option<(usize, ChildRef)> {
         while depth > 0 {
             depth -= 1;
-            let top = self.get(depth);
+            // SAFETY: the index is below the depth that the caller gave.
+            let top = unsafe { self.get(depth) };
             if f32::from_bits((top >> 32) as u32) <= t_max {
-                return Some((depth, Link(top as u32)));
+                return Some((depth, ChildRef(top as u32)));
             }
         }
         None
     }
 }
 
-/// Four boxes at a time by glam's vectors.
+/// Four boxes at a time by glam's vectors: SSE2 on x86-64, NEON on ARM.
 struct Slabs {
     origin: [Vec4; 3],
     inverse: [[Vec4; 3]; 2],
@@ -180,8 +218,10 @@ struct Slabs {
 }
 
 impl Boxes for Slabs {
+    type Proof = ();
+
     #[inline(always)]
-    fn new(origin: [f32; 3], inverse: [[f32; 3]; 2], near: [usize; 3]) -> Self {
+    fn new((): (), RaySlabs { origin, inverse, near }: RaySlabs) -> Self {
         let inverse = [three(inverse[0], Vec4::splat), three(inverse[1], Vec4::splat)];
         Self { origin: three(origin, Vec4::splat), inverse, near }
     }
@@ -205,5 +245,5 @@ impl Boxes for Slabs {
     }
 
     #[inline(always)]
-    fn fetch(_: &Tree, _: Link) {}
+    fn prefetch(_: &Tree, _: ChildRef) {}
 }

@@ -1,19 +1,18 @@
-//! The watertight ray/triangle test of Woop, Benthin and Wald, "Watertight Ray/Triangle
-//! Intersection" (JCGT 2013), on four triangles at once.
+//! The watertight ray/triangle test of [Woop et al. 2013], on four triangles at once.
 //!
-//! The ray is sheared onto the z axis; what is left is a 2D test by three edge functions. Two
-//! triangles that share an edge compute its edge function from the same numbers with opposite sign,
-//! so one of them always claims the ray. Where an edge function is exactly zero it is computed
-//! again in double precision.
+//! A shear takes the ray to the z axis; the rest is a 2D test by three edge functions. Two triangles
+//! that share an edge compute its edge function from the same numbers with opposite sign, so the ray
+//! hits at least one of them. An edge function that is exactly zero is computed again in double
+//! precision.
 
 use super::walk::three;
 use super::{Hit, Ray};
 use glam::{BVec4A, DVec3, Vec3, Vec4};
 
-/// A ray with its shear, prepared once for all triangles.
+/// A ray with its shear, computed once for all triangles.
 #[derive(Clone, Copy)]
 pub(super) struct ShearedRay {
-    /// The axis in which the direction is largest is last.
+    /// Permutation of the axes: the one in which the direction is largest is last.
     axes: [usize; 3],
     origin: [f32; 3],
     shear: [f32; 3],
@@ -26,7 +25,7 @@ impl ShearedRay {
         let size = ray.direction.abs().to_array();
         let z = (0..3).fold(0, |best, axis| if size[axis] > size[best] { axis } else { best });
         let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
-        // Keeps the winding, so that the sign of the determinant means front or back.
+        // Preserves the winding, so that the sign of the determinant tells front from back.
         if direction[z] < 0.0 {
             (x, y) = (y, x);
         }
@@ -45,25 +44,25 @@ impl ShearedRay {
 pub(super) struct Triangles4 {
     /// `corners[corner][axis]`, one lane a triangle.
     corners: [[Vec4; 3]; 3],
-    /// The triangles' numbers in the scene; unused lanes repeat the first.
+    /// The triangles' indices in the scene; unused lanes repeat the first.
     pub(super) ids: [u32; 4],
 }
 
-/// What a ray and four triangles have in common.
-struct Meeting {
-    /// Those that it meets.
+/// Intersections of a ray with four triangles.
+struct Intersections {
+    /// The triangles that it hits.
     hit: BVec4A,
     /// Distances along it.
     t: Vec4,
-    /// Weights of the second and the third corner, not normalised.
+    /// Barycentric weights of the second and the third corner, not normalised.
     v: Vec4,
     w: Vec4,
-    /// What normalises them.
+    /// The factor that normalises them.
     inverse: Vec4,
 }
 
 impl Triangles4 {
-    /// One to four triangles with their numbers.
+    /// One to four triangles with their indices.
     pub(super) fn new(triangles: &[(u32, [Vec3; 3])]) -> Self {
         let lane = |i: usize| triangles.get(i).unwrap_or(&triangles[0]);
         let corners = std::array::from_fn(|corner| {
@@ -74,11 +73,11 @@ impl Triangles4 {
         Self { corners, ids: std::array::from_fn(|i| lane(i).0) }
     }
 
-    /// The nearest of the four triangles that the ray meets, from either side, at a distance in
+    /// The nearest intersection with the four triangles, from either side, at a distance in
     /// (0, `t_max`).
     #[inline(always)]
     pub(super) fn nearest(&self, ray: &ShearedRay, t_max: f32) -> Option<Hit> {
-        let Meeting { hit, t, v, w, inverse } = self.meet(ray, t_max)?;
+        let Intersections { hit, t, v, w, inverse } = self.intersect(ray, t_max)?;
         let distances = Vec4::select(hit, t, Vec4::INFINITY);
         let t = distances.min_element();
         let lane = distances.cmpeq(Vec4::splat(t)).bitmask().trailing_zeros() as usize % 4;
@@ -86,15 +85,15 @@ impl Triangles4 {
         Some(Hit { t, triangle: self.ids[lane], barycentric })
     }
 
-    /// Whether the ray meets one of them, as [`Triangles4::nearest`] has it.
+    /// Whether [`Triangles4::nearest`] finds an intersection.
     #[inline(always)]
     pub(super) fn is_met(&self, ray: &ShearedRay, t_max: f32) -> bool {
-        self.meet(ray, t_max).is_some()
+        self.intersect(ray, t_max).is_some()
     }
 
-    /// Which of the four triangles the ray meets, at least one.
+    /// The intersections; none if the ray hits none of the four triangles.
     #[inline(always)]
-    fn meet(&self, ray: &ShearedRay, t_max: f32) -> Option<Meeting> {
+    fn intersect(&self, ray: &ShearedRay, t_max: f32) -> Option<Intersections> {
         let [kx, ky, kz] = ray.axes;
         let [sx, sy, sz] = three(ray.shear, Vec4::splat);
         let [ox, oy, oz] = three(ray.origin, Vec4::splat);
@@ -107,7 +106,7 @@ impl Triangles4 {
         let mut u = cx * by - cy * bx;
         let mut v = ax * cy - ay * cx;
         let mut w = bx * ay - by * ax;
-        // A zero agrees with either side, so whoever fails here fails whatever the zero really is.
+        // A zero agrees with both signs, so a triangle that fails here fails for any value of the zero.
         if !same_side(u, v, w).any() {
             return None;
         }
@@ -124,10 +123,10 @@ impl Triangles4 {
         if !hit.any() {
             return None;
         }
-        Some(Meeting { hit, t, v, w, inverse })
+        Some(Intersections { hit, t, v, w, inverse })
     }
 
-    /// One corner of all four triangles, an axis a vector.
+    /// One corner of all four triangles, one vector per axis.
     #[inline(always)]
     pub(super) fn corner(&self, corner: usize) -> [Vec4; 3] {
         self.corners[corner]
@@ -140,7 +139,7 @@ impl Triangles4 {
     }
 }
 
-/// Where no edge function has another sign than the others.
+/// The lanes in which all three edge functions have the same sign or are zero.
 #[inline(always)]
 fn same_side(u: Vec4, v: Vec4, w: Vec4) -> BVec4A {
     u.min(v).min(w).cmpge(Vec4::ZERO) | u.max(v).max(w).cmple(Vec4::ZERO)
@@ -159,15 +158,15 @@ fn edge_again(single: Vec4, p: Vec4, q: Vec4, r: Vec4, s: Vec4) -> Vec4 {
     }))
 }
 
-/// Moves `point` on a surface off it along the unit `normal`, just far enough that rays that start
-/// there do not meet the surface again: by some hundred steps of the numbers' precision [Waechter and
-/// Binder, Ray Tracing Gems 2019, chapter 6].
+/// Moves `point` off its surface along the unit `normal`, just far enough that rays from there do not
+/// hit the same surface: by 256 units in the last place [Waechter and Binder 2019, chapter 6].
 #[inline]
 pub fn offset(point: Vec3, normal: Vec3) -> Vec3 {
-    /// Nearer to zero than this, the precision of where rays met the surface is that of larger numbers.
+    /// Coordinates below this (metres) are offset by [`NEAR_ORIGIN`]: their error is that of the larger
+    /// numbers that they were computed from.
     const ORIGIN: f32 = 1.0 / 32.0;
     const NEAR_ORIGIN: f32 = 1.0 / 65536.0;
-    /// 256 steps.
+    /// Units in the last place, relative to the coordinate; the value of the source.
     const RELATIVE: f32 = 256.0 * f32::EPSILON;
     let size = point.abs();
     let steps =
@@ -175,7 +174,7 @@ pub fn offset(point: Vec3, normal: Vec3) -> Vec3 {
     point + normal * steps
 }
 
-/// The unit normal of the front of a triangle, in double precision inside.
+/// The unit normal of the front of a triangle, computed in double precision.
 pub(crate) fn front_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
     let [a, b, c]: [DVec3; 3] = [a, b, c].map(|p| p.as_dvec3());
     (b - a).cross(c - a).normalize_or(DVec3::Y).as_vec3()

@@ -1,6 +1,6 @@
-//! Trowbridge and Reitz's microfacets (GGX) with one reflectance for all angles.
+//! The microfacet lobe of [Trowbridge and Reitz 1975] (GGX) with constant reflectance.
 //!
-//! With `h` the unit half vector, x and y along and across the brushed direction:
+//! With `h` the unit half vector, x and y along and across the anisotropy direction:
 //!
 //! ```text
 //! w  = D(h) G(wo, wi) / (4 cos_o cos_i)
@@ -8,18 +8,15 @@
 //! G  = 1 / (1 + L(wo) + L(wi)),   L(v) = (sqrt(1 + (alpha_x^2 v_x^2 + alpha_y^2 v_y^2)/v_z^2) - 1)/2
 //! ```
 //!
-//! [Walter et al. 2007, "Microfacet models for refraction", eq. 33; Heitz 2014, "Understanding the
-//! masking-shadowing function", eqs. 85, 86, 99 (the height-correlated form)]. There is no Fresnel
-//! term: `rho_s w` reflects the share `rho_s`, less what would be reflected more than once.
-//! Sampled by the normals that `wo` sees [Heitz 2018, "Sampling the GGX distribution of visible
-//! normals"].
+//! [Walter et al. 2007, eq. 33; Heitz 2014, eqs. 85, 86, 99: the height-correlated form]. There is no
+//! Fresnel term; the albedo of `rho_s w` is `rho_s` less the light that microfacets scatter more than
+//! once. Sampled by the distribution of visible normals [Heitz 2018].
 
 use super::ward::{ALPHA_MIN, LobeDerivatives};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
-/// The lobe for one pair of roughnesses; reflects the share one, less multiple scattering, before
-/// `rho_s`.
+/// The lobe for one pair of roughnesses, for `rho_s = 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GgxLobe {
     alpha_x: f32,
@@ -27,7 +24,7 @@ pub struct GgxLobe {
 }
 
 impl GgxLobe {
-    /// A lobe with roughness `alpha_x` along and `alpha_y` across the brushed direction; both are
+    /// A lobe with roughness `alpha_x` along and `alpha_y` across the anisotropy direction; both are
     /// raised to [`ALPHA_MIN`].
     pub fn new(alpha_x: f32, alpha_y: f32) -> Self {
         Self { alpha_x: alpha_x.max(ALPHA_MIN), alpha_y: alpha_y.max(ALPHA_MIN) }
@@ -47,12 +44,11 @@ impl GgxLobe {
         (normals / (wi.z * (seen + self.lambda(wi))), normals / seen)
     }
 
-    /// [`GgxLobe::value`] with its derivatives. Of roughnesses raised to [`ALPHA_MIN`], they are
-    /// those at [`ALPHA_MIN`].
+    /// [`GgxLobe::value`] with its derivatives; below [`ALPHA_MIN`] those at [`ALPHA_MIN`].
     ///
     /// With `q` the sum in `D` and `s` the root in `L`: `d ln D/d alpha_x = 4 (h_x/alpha_x)^2/(q
     /// alpha_x) - 1/alpha_x`, `dL/d alpha_x = alpha_x v_x^2/(2 s v_z^2)`. The angle moves directions
-    /// in the brushed frame, `dv_x = v_y dtheta` and `dv_y = -v_x dtheta`.
+    /// in the anisotropy frame, `dv_x = v_y dtheta` and `dv_y = -v_x dtheta`.
     #[inline]
     pub fn derivatives(&self, wo: Vec3, wi: Vec3) -> LobeDerivatives {
         let value = self.value(wo, wi);
@@ -81,7 +77,7 @@ impl GgxLobe {
         self.value_and_pdf(wo, wi).1
     }
 
-    /// Draws `wi` for `wo` from two numbers in [0, 1); it may fall below the surface.
+    /// Draws `wi` for `wo` from two numbers in [0, 1); it may lie below the surface.
     pub fn sample(&self, wo: Vec3, u: [f32; 2]) -> Vec3 {
         let stretched = Vec3::new(self.alpha_x * wo.x, self.alpha_y * wo.y, wo.z).normalize();
         let across = Vec3::Z.cross(stretched).try_normalize().unwrap_or(Vec3::X);
@@ -89,7 +85,7 @@ impl GgxLobe {
         let (sin, cos) = (TAU * u[1]).sin_cos();
         let radius = u[0].sqrt();
         let (x, y) = (radius * cos, radius * sin);
-        // The half disk below is foreshortened.
+        // The lower half disk is foreshortened.
         let share = 0.5 * (1.0 + stretched.z);
         let y = (1.0 - share) * (1.0 - x * x).max(0.0).sqrt() + share * y;
         let z = (1.0 - x * x - y * y).max(0.0).sqrt();

@@ -1,4 +1,5 @@
-//! Lambert's surface: `f = rho_d / pi`, sampled by the cosine.
+//! The Lambertian term `f = rho_d / pi`, with cosine-weighted sampling [Pharr et al. 2023, section
+//! A.5.3].
 
 use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, TAU};

@@ -1,21 +1,21 @@
-//! The glossy lobe of a scene: Ward's or that of GGX, by the scene's [`BrdfModel`].
+//! The glossy lobe of a scene: Ward's or GGX, by the scene's [`BrdfModel`].
 
 use super::ggx::GgxLobe;
 use super::ward::{LobeDerivatives, WardLobe};
 use glam::Vec3;
 use unrender_scene::BrdfModel;
 
-/// A lobe with a roughness, of `rho_s = 1`.
+/// A rough lobe, for `rho_s = 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GlossyLobe {
     /// Ward's.
     Ward(WardLobe),
-    /// That of GGX.
+    /// GGX.
     Ggx(GgxLobe),
 }
 
 impl GlossyLobe {
-    /// A lobe with roughness `alpha_x` along and `alpha_y` across the brushed direction; both are
+    /// A lobe with roughness `alpha_x` along and `alpha_y` across the anisotropy direction; both are
     /// raised to [`ALPHA_MIN`](super::ward::ALPHA_MIN).
     pub fn new(model: impl Into<BrdfModel>, alpha_x: f32, alpha_y: f32) -> Self {
         match model.into() {
@@ -51,7 +51,7 @@ impl GlossyLobe {
         }
     }
 
-    /// [`GlossyLobe::value`] and [`GlossyLobe::pdf`] at once.
+    /// [`GlossyLobe::value`] and [`GlossyLobe::pdf`], which share most of the work.
     #[inline]
     pub fn value_and_pdf(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
         match self {
@@ -60,7 +60,7 @@ impl GlossyLobe {
         }
     }
 
-    /// Draws `wi` for `wo` from two numbers in [0, 1); it may fall below the surface.
+    /// Draws `wi` for `wo` from two numbers in [0, 1); it may lie below the surface.
     #[inline]
     pub fn sample(&self, wo: Vec3, u: [f32; 2]) -> Vec3 {
         match self {
@@ -70,8 +70,8 @@ impl GlossyLobe {
     }
 }
 
-/// The albedo of the lobe for `wo` (light reflected over light received) by quadrature over the
-/// half vector with `n` x `n` points; used by tests and by nobody on a hot path.
+/// The directional albedo of the lobe, `integral w(wo, wi) cos_i dwi`, by quadrature over the half
+/// vector with `n` x `n` points. Slow: for tests and tables.
 pub fn albedo(lobe: &GlossyLobe, wo: Vec3, n: usize) -> f64 {
     let mut sum = 0.0;
     for i in 0..n {

@@ -1,8 +1,8 @@
-//! The perfect mirror: all light leaves in one direction, with the share `rho_s`.
+//! The perfect mirror: a delta distribution in the mirror direction, with the reflectance `rho_s`.
 
 use glam::Vec3;
 
-/// The direction that a perfect mirror sends to `wo`.
+/// The mirror direction of `wo`.
 pub fn reflect(wo: Vec3) -> Vec3 {
     Vec3::new(-wo.x, -wo.y, wo.z)
 }

@@ -1,11 +1,12 @@
-//! How a surface reflects: `f = rho_d/pi + rho_s w` [Boivin & Gagalowicz 2002, section 4.2].
+//! Reflectance: `f = rho_d/pi + rho_s w` [Boivin and Gagalowicz 2002, section 4.2].
 //!
-//! One BRDF is one file. To add another: give it `value`, `pdf`, `sample` and the derivatives of its
-//! shape in a file of its own, let [`Bsdf`] choose it, and run it through `tests/bsdf_laws.rs`.
+//! One BRDF is one file. To add another: give it `value`, `pdf`, `sample` and the derivatives by its
+//! shape parameters in a file of its own, let [`Bsdf`] choose it, and run it through
+//! `tests/bsdf_laws.rs`.
 //!
-//! All directions here are unit vectors in the *brushed frame*: x along the brushed direction, z
-//! the shading normal on the viewer's side. Both point away from the surface. `wo` is where the
-//! light goes (towards the camera), `wi` where it comes from.
+//! All directions are unit vectors in the *anisotropy frame*: x along the anisotropy direction (the
+//! direction of brushing), z the shading normal on the viewer's side. Both `wo`, towards the camera,
+//! and `wi`, towards the light, point away from the surface.
 
 pub mod ggx;
 pub mod lambert;
@@ -13,45 +14,45 @@ pub mod lobe;
 pub mod mirror;
 pub mod ward;
 
-use crate::caustic::Images;
+use crate::guiding::VmfMixture;
 use glam::Vec3;
 use lobe::GlossyLobe;
 use unrender_scene::color::luminance;
 use unrender_scene::{BrdfModel, Material, Rgb};
 use ward::LobeDerivatives;
 
-/// The specular part of a reflectance.
+/// The specular term of a BRDF.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Specular {
-    /// There is none.
+    /// None.
     None,
     /// A perfect mirror.
     Mirror,
-    /// A lobe with a roughness.
+    /// A rough lobe.
     Glossy(GlossyLobe),
 }
 
-/// What `f` is made of in one pair of directions: `f = rho_d diffuse + rho_s specular.value`. So
+/// The terms of `f` for one pair of directions: `f = rho_d diffuse + rho_s specular.value`. So
 /// `diffuse` is `df/d rho_d`, `specular.value` is `df/d rho_s`, and `rho_s` times the other members
-/// of `specular` are the derivatives of `f` by the shape.
+/// of `specular` are the derivatives of `f` by the shape parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Terms {
-    /// Of the diffuse reflectance, sr^-1.
+    /// The factor of `rho_d`, sr^-1.
     pub diffuse: f32,
-    /// Of the specular reflectance, sr^-1.
+    /// The factor of `rho_s` and its derivatives, sr^-1.
     pub specular: LobeDerivatives,
 }
 
 impl Terms {
-    /// The reflectance that they make, sr^-1.
+    /// `f`, sr^-1.
     pub fn value(&self, rho_d: Rgb, rho_s: Rgb) -> Rgb {
         rho_d * self.diffuse + rho_s * self.specular.value
     }
 }
 
 impl Specular {
-    /// The terms of `f` without the cosine, for two directions above a surface with this specular
-    /// part. A perfect mirror counts nothing here.
+    /// The terms of `f` without the cosine, for two directions above the surface. A perfect mirror, a
+    /// delta distribution, has the value zero.
     #[inline]
     pub fn terms(&self, wo: Vec3, wi: Vec3) -> Terms {
         let specular = match self {
@@ -62,25 +63,25 @@ impl Specular {
     }
 }
 
-/// A reflectance at one point, ready to be evaluated and sampled.
+/// The BRDF at one point, prepared for evaluation and sampling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bsdf<'a> {
     /// Diffuse reflectance.
     pub rho_d: Rgb,
     /// Specular reflectance.
     pub rho_s: Rgb,
-    /// The shape of the specular part.
+    /// The specular term.
     pub specular: Specular,
-    /// The probability with which sampling takes the specular part.
+    /// The probability with which sampling chooses the specular term.
     specular_share: f32,
-    /// Where the diffuse part looks for light beside the cosine.
-    images: &'a Images,
+    /// Guides the sampling of the diffuse term, beside the cosine.
+    guide: &'a VmfMixture,
 }
 
 /// A direction drawn from a [`Bsdf`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BsdfSample {
-    /// Where the light comes from.
+    /// Unit vector towards the light.
     pub wi: Vec3,
     /// `f cos_i / pdf`.
     pub weight: Rgb,
@@ -89,7 +90,7 @@ pub struct BsdfSample {
 }
 
 impl<'a> Bsdf<'a> {
-    /// The reflectance of `material` with the given diffuse part.
+    /// The BRDF of `material` with the diffuse reflectance `rho_d`.
     pub fn new(material: &Material, rho_d: Rgb, model: impl Into<BrdfModel>) -> Self {
         let specular = if material.is_delta() {
             Specular::Mirror
@@ -101,7 +102,7 @@ impl<'a> Bsdf<'a> {
         Self::with(rho_d, material.rho_s, specular)
     }
 
-    /// The reflectance of these two parts.
+    /// The BRDF of a diffuse and a specular term.
     pub fn with(rho_d: Rgb, rho_s: Rgb, specular: Specular) -> Self {
         let (diffuse_power, specular_power) = (luminance(rho_d), luminance(rho_s));
         let specular_share = match specular {
@@ -109,12 +110,12 @@ impl<'a> Bsdf<'a> {
             _ if diffuse_power <= 0.0 => 1.0,
             _ => (specular_power / (diffuse_power + specular_power)).clamp(0.1, 0.9),
         };
-        Self { rho_d, rho_s, specular, specular_share, images: &Images::NONE }
+        Self { rho_d, rho_s, specular, specular_share, guide: &VmfMixture::NONE }
     }
 
-    /// The same reflectance, sampled towards `images` too, which are given in its frame.
-    pub fn looking_at(self, images: &'a Images) -> Self {
-        Self { images, ..self }
+    /// The same BRDF, with the sampling of its diffuse term guided by `guide`, given in its frame.
+    pub fn guided_by(self, guide: &'a VmfMixture) -> Self {
+        Self { guide, ..self }
     }
 
     /// True if the surface reflects nothing.
@@ -122,22 +123,22 @@ impl<'a> Bsdf<'a> {
         self.rho_d.max_element() <= 0.0 && self.specular == Specular::None
     }
 
-    /// True if nothing but a perfect mirror is there, which no light sample can meet.
+    /// True if the surface is a perfect mirror without diffuse term, for which light samples are useless.
     pub fn is_pure_mirror(&self) -> bool {
         self.specular == Specular::Mirror && self.specular_share >= 1.0
     }
 
-    /// The probability with which sampling takes the specular part.
+    /// The probability with which sampling chooses the specular term.
     pub fn specular_share(&self) -> f32 {
         self.specular_share
     }
 
-    /// `f` without the cosine, sr^-1. A perfect mirror counts nothing here.
+    /// `f` without the cosine, sr^-1. A perfect mirror has the value zero.
     pub fn value(&self, wo: Vec3, wi: Vec3) -> Rgb {
         self.value_and_pdf(wo, wi).0
     }
 
-    /// The density over solid angle with which [`Bsdf::sample`] draws `wi`, mirrors aside.
+    /// The density over solid angle with which [`Bsdf::sample`] draws `wi`, without perfect mirrors.
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         self.value_and_pdf(wo, wi).1
     }
@@ -147,10 +148,10 @@ impl<'a> Bsdf<'a> {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return (Rgb::ZERO, 0.0);
         }
-        let share = self.images.share();
+        let share = self.guide.share();
         let mut diffuse = (1.0 - share) * lambert::pdf(wi);
         if share > 0.0 {
-            diffuse += share * self.images.pdf(wi);
+            diffuse += share * self.guide.pdf(wi);
         }
         let value = self.rho_d * lambert::VALUE;
         let pdf = (1.0 - self.specular_share) * diffuse;
@@ -164,7 +165,7 @@ impl<'a> Bsdf<'a> {
     }
 
     /// Draws `wi` from three numbers in [0, 1); none if the direction falls below the surface.
-    // Out of line, as the compiler would have it with several callers, pictures take 2 % longer.
+    // Not inlined, as the compiler decides where there are several callers, pictures take 2 % longer.
     #[inline(always)]
     pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
         if wo.z <= 0.0 {
@@ -186,12 +187,12 @@ impl<'a> Bsdf<'a> {
         Some(BsdfSample { wi, weight: value * (wi.z / pdf), pdf })
     }
 
-    /// A direction for the diffuse part, given that `u[0]` chose it.
+    /// A direction for the diffuse term, given that `u[0]` chose it.
     fn sample_diffuse(&self, u: [f32; 3]) -> Vec3 {
-        let share = self.images.share();
+        let share = self.guide.share();
         let pick = (u[0] - self.specular_share) / (1.0 - self.specular_share);
         if pick < share {
-            return self.images.sample(pick / share, [u[1], u[2]]);
+            return self.guide.sample(pick / share, [u[1], u[2]]);
         }
         lambert::sample([u[1], u[2]])
     }

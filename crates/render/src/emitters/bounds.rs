@@ -1,55 +1,73 @@
-//! Lights that are near each other and shine the same way, drawn by what they may bring to a point.
+//! Clusters of lights with similar position and orientation, and an upper bound of their irradiance at
+//! a point, after [Conty Estevez and Kulla 2018].
 //!
-//! A cluster has a ball around its lights and a cone around their axes. What it may bring is bounded
-//! by `strength cos_out / d^2`, with the least angle that any of its lights may shine at the point
-//! under; where that is more than they shine at all it brings nothing [after Conty Estevez and Kulla,
-//! "Importance Sampling of Many Lights with Adaptive Tree Splitting", HPG 2018]. There are a few
-//! clusters and no tree of them: all are asked.
+//! A cluster has a bounding sphere and a bounding cone of the emission axes. Its importance at a point
+//! is
+//!
+//! ```text
+//! strength * cos(theta') / d^2,     theta' = the least angle between any axis and the point
+//! ```
+//!
+//! and zero where `theta'` exceeds the angle within which the lights emit. There are at most
+//! [`CLUSTERS_MAX`] clusters instead of a tree of them; all are evaluated, several at a time.
 
+use super::Emitter;
 use glam::Vec3;
 use std::f32::consts::PI;
 use unrender_scene::LightKind;
 use unrender_scene::color::luminance;
 
-/// Clusters at most. What stands before a point is not known, so more would not be much better.
+/// Most clusters. Bounds ignore visibility, so that more clusters would hardly reduce the variance;
+/// with half of them lamps of one ceiling share a cluster, with double of them each sample evaluates
+/// twice as many bounds.
 pub(super) const CLUSTERS_MAX: usize = 16;
-/// Clusters that extend less than this are not split: in units of the scene, and of unit normals.
+/// Clusters of a smaller extent are not split. Positions count in radii of the scene, orientations in
+/// components of the unit axis, so 0.3 is a third of the radius or about 17 degrees. Half of it makes
+/// clusters whose bounds differ little, double of it joins lamps of opposite walls.
 const EXTENT_MIN: f32 = 0.3;
 
-/// A light with a place.
+/// Bounds of one light at a finite distance.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Beacon {
-    /// Its index among all emitting triangles and lights.
-    pub(super) index: usize,
+pub(super) struct LightBounds {
+    pub(super) light: Emitter,
+    /// The bounding sphere.
     pub(super) centre: Vec3,
-    /// No point of it is further from the centre.
     pub(super) radius: f32,
-    /// Where it shines, a unit vector; zero if to all sides.
+    /// The axis of emission, a unit vector; zero if the light emits in all directions.
     pub(super) axis: Vec3,
-    /// The angle from the axis within which it shines.
+    /// The angle from the axis within which it emits.
     pub(super) reach_rad: f32,
-    /// Radiance times area, or intensity; the luminance.
+    /// Luminance of the radiance times area, or of the intensity.
     pub(super) strength: f32,
 }
 
-/// Some lights that are drawn together.
+/// Lights with common bounds.
 #[derive(Clone, Debug)]
-pub(super) struct Cluster {
-    pub(super) members: Vec<Beacon>,
+pub(super) struct LightCluster {
+    pub(super) members: Vec<LightBounds>,
     centre: Vec3,
     radius: f32,
     axis: Vec3,
-    /// The angle from `axis` within which the axes of its lights lie, and how far those shine beyond.
+    /// The angle from `axis` within which the axes of the lights lie, and the largest angle from its
+    /// own axis within which a light emits.
     spread_rad: f32,
     reach_rad: f32,
     pub(super) strength: f32,
-    /// The coordinate in which the lights differ most, by how much, and the middle.
-    extent: (usize, f32, f32),
+    extent: Extent,
 }
 
-impl Beacon {
-    /// A light without a surface, if it stands somewhere.
-    pub(super) fn at_point(index: usize, kind: &LightKind) -> Option<Self> {
+/// The largest extent of a cluster among the three coordinates of position and of axis.
+#[derive(Clone, Copy, Debug, Default)]
+struct Extent {
+    /// Which of the six coordinates.
+    coordinate: usize,
+    size: f32,
+    middle: f32,
+}
+
+impl LightBounds {
+    /// The bounds of a point or spot light; none for a directional one.
+    pub(super) fn of_punctual(light: Emitter, kind: &LightKind) -> Option<Self> {
         let (centre, intensity, axis, reach_rad) = match *kind {
             LightKind::Point { position, intensity } => (position, intensity, Vec3::ZERO, PI),
             LightKind::Spot { position, direction, intensity, outer_rad, .. } => {
@@ -58,29 +76,29 @@ impl Beacon {
             LightKind::Directional { .. } => return None,
         };
         let strength = luminance(intensity);
-        Some(Self { index, centre, radius: 0.0, axis, reach_rad, strength })
+        Some(Self { light, centre, radius: 0.0, axis, reach_rad, strength })
     }
 
-    /// The place and the axis as one vector, with places in units of `scale`.
-    fn place(&self, scale: f32) -> [f32; 6] {
+    /// Position, in units of `scale`, and axis as one vector.
+    fn coordinates(&self, scale: f32) -> [f32; 6] {
         let (p, n) = (self.centre / scale, self.axis);
         [p.x, p.y, p.z, n.x, n.y, n.z]
     }
 }
 
-impl Cluster {
-    /// All of `beacons` in few clusters; `scale` is the scene's radius.
-    pub(super) fn all(beacons: Vec<Beacon>, scale: f32) -> Vec<Self> {
-        if beacons.is_empty() {
+impl LightCluster {
+    /// Splits `lights` into few clusters; `scale` is the scene's radius.
+    pub(super) fn all(lights: Vec<LightBounds>, scale: f32) -> Vec<Self> {
+        if lights.is_empty() {
             return Vec::new();
         }
-        let mut clusters = vec![Self::new(beacons, scale)];
+        let mut clusters = vec![Self::new(lights, scale)];
         while clusters.len() < CLUSTERS_MAX {
-            let value = |cluster: &Self| cluster.strength * cluster.extent.1;
+            let value = |cluster: &Self| cluster.strength * cluster.extent.size;
             let widest = clusters
                 .iter()
                 .enumerate()
-                .filter(|(_, cluster)| cluster.extent.1 > EXTENT_MIN)
+                .filter(|(_, cluster)| cluster.extent.size > EXTENT_MIN)
                 .max_by(|a, b| value(a.1).total_cmp(&value(b.1)))
                 .map(|(index, _)| index);
             let Some(index) = widest else { break };
@@ -90,58 +108,61 @@ impl Cluster {
         clusters
     }
 
-    fn new(members: Vec<Beacon>, scale: f32) -> Self {
+    fn new(members: Vec<LightBounds>, scale: f32) -> Self {
         let count = members.len() as f32;
         let centre = members.iter().map(|m| m.centre).sum::<Vec3>() / count;
-        let radius = |m: &Beacon| m.centre.distance(centre) + m.radius;
+        let radius = |m: &LightBounds| m.centre.distance(centre) + m.radius;
         let radius = members.iter().map(radius).fold(0.0, f32::max);
         let axis = members.iter().map(|m| m.axis).sum::<Vec3>().normalize_or_zero();
-        let off = |m: &Beacon| if m.axis == Vec3::ZERO { PI } else { axis.angle_between(m.axis) };
+        let off =
+            |m: &LightBounds| if m.axis == Vec3::ZERO { PI } else { axis.angle_between(m.axis) };
         let spread_rad =
             if axis == Vec3::ZERO { PI } else { members.iter().map(off).fold(0.0, f32::max) };
         let reach_rad = members.iter().map(|m| m.reach_rad).fold(0.0, f32::max);
         let strength = members.iter().map(|m| m.strength).sum();
-        let extent = extent(&members, scale);
+        let extent = Extent::of(&members, scale);
         Self { members, centre, radius, axis, spread_rad, reach_rad, strength, extent }
     }
 
-    /// The lights before the middle and those after it; neither is empty if they extend at all.
+    /// Splits at the middle of the largest extent; neither part is empty if that is positive.
     fn split(self, scale: f32) -> (Self, Self) {
-        let (axis, _, middle) = self.extent;
+        let Extent { coordinate, middle, .. } = self.extent;
         let (one, other) =
-            self.members.into_iter().partition(|member| member.place(scale)[axis] <= middle);
+            self.members.into_iter().partition(|m| m.coordinates(scale)[coordinate] <= middle);
         (Self::new(one, scale), Self::new(other, scale))
     }
 }
 
-/// The coordinate in which lights differ most, by how much, and the middle.
-fn extent(members: &[Beacon], scale: f32) -> (usize, f32, f32) {
-    let along = |axis: usize| {
-        let values = members.iter().map(|m| m.place(scale)[axis]);
-        let (low, high) = values
-            .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
-        (axis, high - low, 0.5 * (low + high))
-    };
-    (0..6).map(along).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0, 0.0))
+impl Extent {
+    fn of(members: &[LightBounds], scale: f32) -> Self {
+        let along = |coordinate: usize| {
+            let values = members.iter().map(|m| m.coordinates(scale)[coordinate]);
+            let [low, high] = values.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], v| {
+                [low.min(v), high.max(v)]
+            });
+            Self { coordinate, size: high - low, middle: 0.5 * (low + high) }
+        };
+        (0..6).map(along).max_by(|a, b| a.size.total_cmp(&b.size)).unwrap_or_default()
+    }
 }
 
-/// The bounds of all clusters, side by side, so that several are worked out at a time.
+/// The bounds of all clusters as a structure of arrays, so that the compiler vectorises over them.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Bounds {
+pub(super) struct ClusterBounds {
     centre: [Lanes; 3],
     axis: [Lanes; 3],
     radius: Lanes,
-    /// Cosine and sine of the angle that the axes spread to.
+    /// Cosine and sine of the half angle of the cone of axes.
     spread: [Lanes; 2],
     cos_reach: Lanes,
     strength: Lanes,
 }
 
-/// A number for each cluster.
+/// One number per cluster.
 pub(super) type Lanes = [f32; CLUSTERS_MAX];
 
-impl Bounds {
-    pub(super) fn new(clusters: &[Cluster]) -> Self {
+impl ClusterBounds {
+    pub(super) fn new(clusters: &[LightCluster]) -> Self {
         let mut bounds = Self::default();
         for (lane, cluster) in clusters.iter().enumerate() {
             for (axis, all) in bounds.centre.iter_mut().enumerate() {
@@ -150,9 +171,9 @@ impl Bounds {
             for (axis, all) in bounds.axis.iter_mut().enumerate() {
                 all[lane] = cluster.axis[axis];
             }
-            let to_all_sides = cluster.spread_rad + cluster.reach_rad >= PI;
-            let spread = if to_all_sides { PI } else { cluster.spread_rad };
-            bounds.spread[0][lane] = if to_all_sides { -2.0 } else { spread.cos() };
+            let everywhere = cluster.spread_rad + cluster.reach_rad >= PI;
+            let spread = if everywhere { PI } else { cluster.spread_rad };
+            bounds.spread[0][lane] = if everywhere { -2.0 } else { spread.cos() };
             bounds.spread[1][lane] = spread.sin();
             bounds.cos_reach[lane] = cluster.reach_rad.cos();
             bounds.radius[lane] = cluster.radius;
@@ -161,7 +182,7 @@ impl Bounds {
         bounds
     }
 
-    /// What each cluster may bring to `point`, W m^-2, by bounds; zero only if it brings nothing.
+    /// The importance of each cluster at `point`, W m^-2; zero only if no light of it arrives.
     #[inline]
     pub(super) fn importances(&self, point: Vec3) -> Lanes {
         let mut importances = [0.0; CLUSTERS_MAX];
@@ -169,19 +190,19 @@ impl Bounds {
             let x = point.x - self.centre[0][lane];
             let y = point.y - self.centre[1][lane];
             let z = point.z - self.centre[2][lane];
-            // As for points at a light: what it brings stays finite.
+            // Keeps the importance finite at a light.
             let distance2 = (x * x + y * y + z * z).max(1e-12);
             let distance = distance2.sqrt();
-            // How far before the ball's centre the point lies along any of the axes, at most: with
-            // the angle between it and the mean axis made smaller by the spread.
+            // The largest distance of the point from the sphere's centre along any of the axes: by
+            // the difference of the angle to the mean axis and the half angle of the cone.
             let along = x * self.axis[0][lane] + y * self.axis[1][lane] + z * self.axis[2][lane];
             let across = (distance2 - along * along).max(0.0).sqrt();
             let [cos, sin] = [self.spread[0][lane], self.spread[1][lane]];
             let turned = along * cos + across * sin;
             let along = if along >= distance * cos { distance } else { turned };
-            // Before any point of the ball.
+            // The same from any point of the sphere.
             let (before, radius) = (along + self.radius[lane], self.radius[lane]);
-            // Rounding may put the edge to either side.
+            // The margin covers rounding at the edge of the cone of emission.
             let edge = (distance - radius) * self.cos_reach[lane] - 1e-4 * distance;
             let share = (before / distance).clamp(1e-3, 1.0);
             let bound = self.strength[lane] * share / distance2.max(radius * radius);
@@ -196,29 +217,30 @@ mod tests {
     use super::*;
     use std::f32::consts::FRAC_PI_2;
 
-    fn lamp(index: usize, centre: Vec3, axis: Vec3) -> Beacon {
-        Beacon { index, centre, radius: 0.1, axis, reach_rad: FRAC_PI_2, strength: 2.0 }
+    fn lamp(index: u32, centre: Vec3, axis: Vec3) -> LightBounds {
+        let light = Emitter::Triangle(index);
+        LightBounds { light, centre, radius: 0.1, axis, reach_rad: FRAC_PI_2, strength: 2.0 }
     }
 
     #[test]
-    fn lamps_far_apart_or_turned_apart_are_clusters_of_their_own() {
+    fn lamps_at_other_places_or_with_other_axes_are_other_clusters() {
         let close = [lamp(0, Vec3::ZERO, Vec3::Y), lamp(1, 0.1 * Vec3::X, Vec3::Y)];
-        assert_eq!(Cluster::all(close.to_vec(), 1.0).len(), 1);
+        assert_eq!(LightCluster::all(close.to_vec(), 1.0).len(), 1);
         let apart = [close[0], lamp(1, Vec3::X, Vec3::Y), lamp(2, Vec3::ZERO, Vec3::NEG_Y)];
-        let clusters = Cluster::all(apart.to_vec(), 1.0);
+        let clusters = LightCluster::all(apart.to_vec(), 1.0);
         assert_eq!(clusters.len(), 3);
         let many = (0..1000).map(|i| lamp(i, i as f32 * Vec3::X, Vec3::Y)).collect();
-        let clusters = Cluster::all(many, 1000.0);
+        let clusters = LightCluster::all(many, 1000.0);
         assert_eq!(clusters.iter().map(|c| c.members.len()).sum::<usize>(), 1000);
         assert!(clusters.len() <= CLUSTERS_MAX);
         let alike = (0..1000).map(|i| lamp(i, Vec3::ZERO, Vec3::Y)).collect();
-        assert_eq!(Cluster::all(alike, 1.0).len(), 1);
+        assert_eq!(LightCluster::all(alike, 1.0).len(), 1);
     }
 
     #[test]
-    fn nothing_comes_from_behind_and_more_from_near() {
-        let cluster = Cluster::new(vec![lamp(0, Vec3::ZERO, Vec3::Y)], 1.0);
-        let bounds = Bounds::new(&[cluster]);
+    fn importance_is_zero_behind_a_lamp_and_falls_with_the_distance() {
+        let cluster = LightCluster::new(vec![lamp(0, Vec3::ZERO, Vec3::Y)], 1.0);
+        let bounds = ClusterBounds::new(&[cluster]);
         let at = |point: Vec3| bounds.importances(point)[0];
         assert_eq!(at(-Vec3::Y), 0.0);
         assert!((at(Vec3::Y) - 2.0).abs() < 1e-6);
@@ -230,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn spots_bring_nothing_beyond_their_cone() {
+    fn the_importance_of_a_spot_is_zero_outside_of_its_cone() {
         let kind = LightKind::Spot {
             position: Vec3::ZERO,
             direction: Vec3::NEG_Y,
@@ -238,8 +260,9 @@ mod tests {
             inner_rad: 0.1,
             outer_rad: 0.3,
         };
-        let spot = Beacon::at_point(0, &kind).map(|beacon| Cluster::new(vec![beacon], 1.0));
-        let bounds = Bounds::new(&[spot.expect("it stands somewhere")]);
+        let spot = LightBounds::of_punctual(Emitter::Punctual(0), &kind);
+        let spot = spot.map(|bounds| LightCluster::new(vec![bounds], 1.0));
+        let bounds = ClusterBounds::new(&[spot.expect("a spot has bounds")]);
         let at = |angle: f32| bounds.importances(Vec3::new(angle.sin(), -angle.cos(), 0.0))[0];
         assert!(at(0.29) > 0.0 && at(0.31) == 0.0);
     }

@@ -1,203 +1,239 @@
-//! Where light comes from: emitting triangles, lights without a surface and the environment, drawn
-//! by what they may bring to the point that asks.
+//! Light sampling: emitting triangles, punctual lights and the environment, drawn by an estimate of
+//! what they contribute at the shaded point.
 //!
-//! First a cluster of lights is drawn (`cluster`), or a light that is far away, then a light of it by
-//! its strength, and on a triangle a point uniformly, which gives over solid angle the density
-//! `p d^2 / (A cos)`. Directions to the environment are drawn by [`crate::environment`].
+//! The first step draws a *pool* of lights: a cluster of lights at finite distance (`bounds`), all
+//! directional lights, or the environment. Its probability is a mixture of the bound of the pool's
+//! irradiance at the point and of its power. The second step draws a light of the pool by its
+//! strength, and on a triangle a point uniformly over the area `A`, which over solid angle has the
+//! density `p d^2 / (A cos)`. Directions to the environment are drawn by [`crate::environment`].
 
-mod cluster;
+mod bounds;
 
 use crate::accel;
+use crate::appearance::{LightSource, SourceLayout};
 use crate::environment::EnvironmentSampler;
-use cluster::{Beacon, Bounds, CLUSTERS_MAX, Cluster};
+use bounds::{CLUSTERS_MAX, ClusterBounds, LightBounds, LightCluster};
 use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
+use std::num::NonZeroU32;
 use unrender_scene::color::luminance;
 use unrender_scene::{Environment, Light, LightKind, Rgb};
 
-/// Bounds know nothing of what stands in between; so this share of the probability goes to all
-/// lights that may bring something, by their power.
+/// The share of the probability that pools get by power instead of by their bounds. Bounds ignore
+/// visibility: without this share a nearby lamp behind a wall would take nearly all samples. With half
+/// of it such samples are twice as noisy, with double of it those by bounds are.
 const BY_POWER: f32 = 0.2;
-/// The choice that the lights infinitely far away are, after all clusters.
-const FAR: usize = CLUSTERS_MAX;
-/// The choice that the environment is.
-const SKY: usize = FAR + 1;
-const CHOICES: usize = SKY + 1;
+/// The pool of the directional lights, after all clusters.
+const DIRECTIONAL: usize = CLUSTERS_MAX;
+/// The pool of the environment.
+const ENVIRONMENT: usize = DIRECTIONAL + 1;
+const POOLS: usize = ENVIRONMENT + 1;
 
 /// All lights of a scene.
 #[derive(Debug)]
 pub struct Emitters {
     triangles: Vec<EmittingTriangle>,
     punctual: Vec<LightKind>,
-    /// The source of the first punctual light; the others follow.
-    first_punctual: u32,
     environment: Option<EnvironmentSampler>,
-    /// What is drawn first: a cluster, the lights at [`FAR`] or at [`SKY`]. Some are empty.
-    choices: [Choice; CHOICES],
-    /// The only choice there is, if so.
+    layout: SourceLayout,
+    /// The pools: clusters, [`DIRECTIONAL`], [`ENVIRONMENT`]. Some are empty.
+    pools: [Pool; POOLS],
+    /// The only pool that is not empty, if so.
     sole: Option<usize>,
-    /// What clusters may bring.
-    bounds: Bounds,
-    /// Luminance of the irradiance that the other choices bring, W m^-2.
-    irradiances: [f32; CHOICES],
-    /// What each choice brings to the scene, W.
-    powers: [f32; CHOICES],
-    /// For each triangle of the scene: its index in `triangles`, or `NONE`. Empty without any.
-    index_of: Vec<u32>,
+    /// Bounds of the irradiance from clusters.
+    bounds: ClusterBounds,
+    /// Luminance of the irradiance from the other pools, W m^-2.
+    irradiances: [f32; POOLS],
+    /// The power of each pool, W.
+    powers: [f32; POOLS],
+    /// For each triangle of the scene: its place in `triangles`, if it emits.
+    emitting: Vec<Option<EmittingIndex>>,
 }
 
-const NONE: u32 = u32::MAX;
+/// One light that can be drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Emitter {
+    /// By its index among the emitting triangles.
+    Triangle(u32),
+    /// By its index among the scene's lights.
+    Punctual(u32),
+    Environment,
+}
+
+/// An index into [`Emitters::triangles`], stored plus one so that an option of it has four bytes.
+#[derive(Clone, Copy, Debug)]
+struct EmittingIndex(NonZeroU32);
+
+impl EmittingIndex {
+    fn new(index: usize) -> Option<Self> {
+        NonZeroU32::new(index as u32 + 1).map(Self)
+    }
+
+    #[inline]
+    fn get(self) -> usize {
+        self.0.get() as usize - 1
+    }
+}
 
 #[derive(Debug)]
 struct EmittingTriangle {
-    source: u32,
+    group: u32,
     corners: [Vec3; 3],
     normal: Vec3,
     radiance: Rgb,
-    /// Its choice.
-    choice: usize,
-    /// Probability of the triangle, given its choice, over its area, m^-2.
+    pool: usize,
+    /// Probability of the triangle, given its pool, over its area, m^-2.
     density: f32,
 }
 
-/// Lights that are drawn together.
+/// Lights of which one is drawn by its strength.
 #[derive(Debug, Default)]
-struct Choice {
-    /// The lights: indices among the triangles, the punctual lights and the environment, in this
-    /// order.
-    lights: Vec<usize>,
-    /// Running sums of their probabilities, given the choice; ends with one.
+struct Pool {
+    lights: Vec<Emitter>,
+    /// The cumulative distribution of the lights; ends with one.
     cumulative: Vec<f32>,
 }
 
-/// Light that would arrive at a point if nothing stood between.
+/// A pool that was drawn.
+struct DrawnPool<'a> {
+    pool: &'a Pool,
+    probability: f32,
+    /// A number in [0, 1), uniform given the pool.
+    rest: f32,
+}
+
+/// Light that arrives at a point unless it is occluded.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
-    /// Which source it is: the group that emits, or the number of groups plus the light's index,
-    /// or plus the number of lights for the environment.
-    pub source: u32,
+    /// What emits it.
+    pub source: LightSource,
     /// Unit vector towards the light.
     pub wi: Vec3,
-    /// How far a shadow ray must be free.
+    /// Length of the shadow ray.
     pub distance: f32,
-    /// Radiance over `pdf` for a triangle or the environment, irradiance at a surface that faces the light over the
-    /// probability for the others.
+    /// Of a triangle or the environment: radiance over `pdf`. Of a punctual light: irradiance at a
+    /// surface that faces it, over the light's probability.
     pub weight: Rgb,
-    /// Density over solid angle; none for lights that no other ray can meet.
+    /// Density over solid angle; none for punctual lights, which no other ray can hit.
     pub pdf: Option<f32>,
 }
 
+/// What a triangle emits.
+#[derive(Clone, Copy, Debug)]
+pub struct TriangleEmission {
+    /// The triangle's group.
+    pub group: u32,
+    /// Radiance from the front, W sr^-1 m^-2 per channel.
+    pub radiance: Rgb,
+}
+
 impl Emitters {
-    /// The emitters among `triangles`, whose source and radiance `emission` knows, and `lights`
-    /// with the source of the first; `bounds` is the box around the scene, which `environment`
-    /// surrounds.
+    /// The lights of a scene of `groups` groups: those of `triangles` that `emission` says to emit,
+    /// `lights`, and `environment`. `bounds` is the bounding box of the scene.
     pub fn new(
         triangles: &[[Vec3; 3]],
-        emission: impl Fn(usize) -> (u32, Rgb),
-        (lights, first_punctual): (&[Light], u32),
+        emission: impl Fn(usize) -> TriangleEmission,
+        groups: u32,
+        lights: &[Light],
         bounds: [Vec3; 2],
         environment: Option<&Environment>,
     ) -> Self {
+        let mut of_triangle = vec![None; triangles.len()];
         let mut emitting = Vec::new();
-        let mut index_of = vec![NONE; triangles.len()];
         for (index, corners) in triangles.iter().enumerate() {
-            let (source, radiance) = emission(index);
-            if area(corners) * luminance(radiance) > 0.0 {
-                index_of[index] = emitting.len() as u32;
-                emitting.push(EmittingTriangle::new(source, *corners, radiance));
+            let emission = emission(index);
+            if area(corners) * luminance(emission.radiance) > 0.0 {
+                of_triangle[index] = EmittingIndex::new(emitting.len());
+                emitting.push(EmittingTriangle::new(emission, *corners));
             }
         }
         let mut emitters = Self {
             triangles: emitting,
             punctual: lights.iter().map(|l| l.kind).collect(),
-            first_punctual,
             environment: environment.and_then(EnvironmentSampler::new),
-            choices: Default::default(),
+            layout: SourceLayout { groups, punctual: lights.len() as u32 },
+            pools: Default::default(),
             sole: None,
-            bounds: Bounds::default(),
-            irradiances: [0.0; CHOICES],
-            powers: [0.0; CHOICES],
-            index_of,
+            bounds: ClusterBounds::default(),
+            irradiances: [0.0; POOLS],
+            powers: [0.0; POOLS],
+            emitting: of_triangle,
         };
-        emitters.choose(0.5 * (bounds[1] - bounds[0]).length());
-        for (index, choice) in emitters.choices.iter().enumerate() {
-            for (place, &light) in choice.lights.iter().enumerate() {
-                if let Some(triangle) = emitters.triangles.get_mut(light) {
-                    triangle.choice = index;
-                    triangle.density = choice.probability(place) / area(&triangle.corners);
+        emitters.fill_pools(0.5 * (bounds[1] - bounds[0]).length());
+        for (index, pool) in emitters.pools.iter().enumerate() {
+            for (place, &light) in pool.lights.iter().enumerate() {
+                if let Emitter::Triangle(triangle) = light {
+                    let triangle = &mut emitters.triangles[triangle as usize];
+                    triangle.pool = index;
+                    triangle.density = pool.probability(place) / area(&triangle.corners);
                 }
             }
         }
         emitters
     }
 
-    /// Makes out what is to be drawn first; `radius` is that of the scene.
-    fn choose(&mut self, radius: f32) {
-        let first = self.triangles.len();
-        let triangles = self.triangles.iter().enumerate();
-        let mut beacons: Vec<_> = triangles.map(|(index, t)| t.beacon(index)).collect();
-        let mut far = Vec::new();
-        for (index, kind) in self.punctual.iter().enumerate() {
-            let strength = luminance(kind.strength());
-            match Beacon::at_point(first + index, kind) {
+    /// Distributes the lights over the pools; `radius` is that of the scene.
+    fn fill_pools(&mut self, radius: f32) {
+        let triangles = self.triangles.iter().zip(0..);
+        let mut near: Vec<_> = triangles.map(|(t, i)| t.bounds(Emitter::Triangle(i))).collect();
+        let mut directional = Vec::new();
+        for (kind, index) in self.punctual.iter().zip(0..) {
+            let (light, strength) = (Emitter::Punctual(index), luminance(kind.strength()));
+            match LightBounds::of_punctual(light, kind) {
                 _ if strength <= 0.0 => {}
-                Some(beacon) => beacons.push(beacon),
-                None => far.push((first + index, strength)),
+                Some(bounds) => near.push(bounds),
+                None => directional.push((light, strength)),
             }
         }
-        let clusters = Cluster::all(beacons, radius);
-        self.bounds = Bounds::new(&clusters);
-        let near = clusters.iter().map(|cluster| {
-            cluster.members.iter().map(|m| (m.index, m.strength)).collect::<Vec<_>>()
-        });
-        let sky = self.environment.as_ref().map(|_| (first + self.punctual.len(), 1.0));
-        let mut choices: Vec<_> = near.collect();
-        choices.resize(FAR, Vec::new());
-        choices.extend([far, sky.into_iter().collect()]);
-        for (index, lights) in choices.into_iter().enumerate() {
-            let power = |light: &(usize, f32)| self.power(light.0, radius * radius);
+        let clusters = LightCluster::all(near, radius);
+        self.bounds = ClusterBounds::new(&clusters);
+        let members = |cluster: &LightCluster| -> Vec<_> {
+            cluster.members.iter().map(|m| (m.light, m.strength)).collect()
+        };
+        let mut pools: Vec<_> = clusters.iter().map(members).collect();
+        pools.resize(DIRECTIONAL, Vec::new());
+        let environment = self.environment.iter().map(|_| (Emitter::Environment, 1.0));
+        pools.extend([directional, environment.collect()]);
+        for (index, lights) in pools.into_iter().enumerate() {
+            let power = |light: &(Emitter, f32)| self.power(light.0, radius * radius);
             self.powers[index] = lights.iter().map(power).sum();
             self.irradiances[index] = match &self.environment {
-                Some(environment) if index == SKY => 0.5 * environment.flux(),
-                _ if index == FAR => lights.iter().map(|light| light.1).sum(),
+                Some(environment) if index == ENVIRONMENT => 0.5 * environment.flux(),
+                _ if index == DIRECTIONAL => lights.iter().map(|light| light.1).sum(),
                 _ => 0.0,
             };
-            self.choices[index] = Choice::new(&lights);
+            self.pools[index] = Pool::new(&lights);
         }
-        let mut filled = (0..CHOICES).filter(|&i| !self.choices[i].lights.is_empty());
+        let mut filled = (0..POOLS).filter(|&i| !self.pools[i].lights.is_empty());
         self.sole = filled.next().filter(|_| filled.next().is_none());
     }
 
-    /// The power of a triangle or of a light without a surface, W.
-    fn power(&self, light: usize, scene_radius2: f32) -> f32 {
-        if let Some(triangle) = self.triangles.get(light) {
-            return PI * area(&triangle.corners) * luminance(triangle.radiance);
-        }
-        match self.punctual.get(light - self.triangles.len()) {
-            Some(kind) => power(kind, scene_radius2),
-            // As with directional lights.
-            None => self.environment.as_ref().map_or(0.0, |e| PI * scene_radius2 * e.flux()),
+    /// The power of a light, W; of one at infinity, the power that enters the scene.
+    fn power(&self, light: Emitter, scene_radius2: f32) -> f32 {
+        match light {
+            Emitter::Triangle(index) => {
+                let triangle = &self.triangles[index as usize];
+                PI * area(&triangle.corners) * luminance(triangle.radiance)
+            }
+            Emitter::Punctual(index) => power(&self.punctual[index as usize], scene_radius2),
+            Emitter::Environment => {
+                self.environment.as_ref().map_or(0.0, |e| PI * scene_radius2 * e.flux())
+            }
         }
     }
 
-    /// Whether there is more than one cluster of lights.
+    /// Whether lights are in more than one pool.
     pub fn are_several(&self) -> bool {
-        self.sole.is_none() && !self.choices.iter().all(|choice| choice.lights.is_empty())
+        self.sole.is_none() && !self.pools.iter().all(|pool| pool.lights.is_empty())
     }
 
-    /// The number of sources: all groups, whether they emit or not, the lights without a surface,
-    /// and the environment, whether there is one or not.
-    pub fn source_count(&self) -> usize {
-        self.environment_source() as usize + 1
+    /// The order of the light sources.
+    #[inline]
+    pub fn layout(&self) -> SourceLayout {
+        self.layout
     }
 
-    /// The source that the environment is: the last one.
-    pub fn environment_source(&self) -> u32 {
-        self.first_punctual + self.punctual.len() as u32
-    }
-
-    /// The radiance that comes from the environment along the unit vector `wi`; zero if there is
-    /// none.
+    /// The radiance of the environment along the unit vector `wi`; zero without an environment.
     #[inline]
     pub fn environment(&self, wi: Vec3) -> Rgb {
         self.environment.as_ref().map_or(Rgb::ZERO, |environment| environment.radiance(wi))
@@ -207,71 +243,70 @@ impl Emitters {
     /// environment.
     pub fn environment_pdf(&self, point: Vec3, wi: Vec3) -> f32 {
         let Some(environment) = &self.environment else { return 0.0 };
-        self.odds_of(SKY, point) * environment.pdf(wi)
+        self.probability(ENVIRONMENT, point) * environment.pdf(wi)
     }
 
     /// The radiance that a triangle emits from its front.
     pub fn radiance(&self, triangle: u32) -> Rgb {
-        match self.index_of[triangle as usize] {
-            NONE => Rgb::ZERO,
-            index => self.triangles[index as usize].radiance,
+        match self.emitting[triangle as usize] {
+            None => Rgb::ZERO,
+            Some(index) => self.triangles[index.get()].radiance,
         }
     }
 
-    /// The density over solid angle with which [`Emitters::sample`] at `point` draws a ray that
-    /// meets the front of `triangle` at `distance` under the cosine `cos` to its normal.
+    /// The density over solid angle with which [`Emitters::sample`] at `point` draws the direction in
+    /// which the front of `triangle` lies at `distance`, under the cosine `cos` to its normal.
     pub fn pdf(&self, point: Vec3, triangle: u32, distance: f32, cos: f32) -> f32 {
-        match self.index_of[triangle as usize] {
-            NONE => 0.0,
-            index => {
-                let triangle = &self.triangles[index as usize];
-                let odds = self.odds_of(triangle.choice, point);
-                odds * triangle.density * distance * distance / cos.max(1e-6)
+        match self.emitting[triangle as usize] {
+            None => 0.0,
+            Some(index) => {
+                let triangle = &self.triangles[index.get()];
+                let probability = self.probability(triangle.pool, point);
+                probability * triangle.density * distance * distance / cos.max(1e-6)
             }
         }
     }
 
-    /// The probability of one choice at `point`.
+    /// The probability of one pool at `point`.
     #[inline]
-    fn odds_of(&self, choice: usize, point: Vec3) -> f32 {
+    fn probability(&self, pool: usize, point: Vec3) -> f32 {
         match self.sole {
-            Some(sole) => f32::from(u8::from(sole == choice)),
-            None => self.odds(point)[choice],
+            Some(sole) => f32::from(u8::from(sole == pool)),
+            None => self.probabilities(point)[pool],
         }
     }
 
-    /// The probability of each choice at `point`, where there are several; all zero where no light
-    /// comes.
-    fn odds(&self, point: Vec3) -> [f32; CHOICES] {
-        let mut odds = self.irradiances;
-        odds[..CLUSTERS_MAX].copy_from_slice(&self.bounds.importances(point));
+    /// The probabilities of all pools at `point`, where there are several; all zero where no light
+    /// arrives.
+    fn probabilities(&self, point: Vec3) -> [f32; POOLS] {
+        let mut result = self.irradiances;
+        result[..CLUSTERS_MAX].copy_from_slice(&self.bounds.importances(point));
         let (mut sum, mut power) = (0.0, 0.0);
-        for (importance, of_choice) in odds.iter().zip(&self.powers) {
+        for (importance, of_pool) in result.iter().zip(&self.powers) {
             sum += importance;
-            power += if *importance > 0.0 { *of_choice } else { 0.0 };
+            power += if *importance > 0.0 { *of_pool } else { 0.0 };
         }
         let by_bound = (1.0 - BY_POWER) / sum.max(f32::MIN_POSITIVE);
         let by_power = BY_POWER / power.max(f32::MIN_POSITIVE);
-        for (importance, of_choice) in odds.iter_mut().zip(&self.powers) {
-            let probability = *importance * by_bound + of_choice * by_power;
+        for (importance, of_pool) in result.iter_mut().zip(&self.powers) {
+            let probability = *importance * by_bound + of_pool * by_power;
             *importance = if *importance > 0.0 { probability } else { 0.0 };
         }
-        odds
+        result
     }
 
-    /// Draws a choice for `point` by a number in [0, 1): its probability, and a number for what is drawn
-    /// next.
+    /// Draws a pool for `point` by a number in [0, 1).
     #[inline]
-    fn draw(&self, point: Vec3, u: f32) -> Option<(&Choice, f32, f32)> {
+    fn draw(&self, point: Vec3, u: f32) -> Option<DrawnPool<'_>> {
         if let Some(sole) = self.sole {
-            return Some((&self.choices[sole], 1.0, u));
+            return Some(DrawnPool { pool: &self.pools[sole], probability: 1.0, rest: u });
         }
-        // The last one that is possible, should the rounded sum of all be less than one.
+        // Where rounding leaves the sum of all below one, the last possible pool is drawn.
         let mut drawn = None;
         let mut before = 0.0;
-        for (choice, probability) in self.choices.iter().zip(self.odds(point)) {
+        for (pool, probability) in self.pools.iter().zip(self.probabilities(point)) {
             if probability > 0.0 {
-                drawn = Some((choice, probability, (u - before) / probability));
+                drawn = Some(DrawnPool { pool, probability, rest: (u - before) / probability });
                 before += probability;
                 if u < before {
                     break;
@@ -283,24 +318,24 @@ impl Emitters {
 
     /// Draws light for the surface point `point` from three numbers in [0, 1).
     pub fn sample(&self, point: Vec3, u: [f32; 3]) -> Option<LightSample> {
-        let (choice, probability, within) = self.draw(point, u[0])?;
-        let place = choice.cumulative.partition_point(|&c| c <= within);
-        let place = place.min(choice.lights.len() - 1);
-        let light = choice.lights[place];
-        if let Some(triangle) = self.triangles.get(light) {
-            return triangle.sample(point, probability, [u[1], u[2]]);
+        let DrawnPool { pool, probability, rest } = self.draw(point, u[0])?;
+        let place = pool.cumulative.partition_point(|&c| c <= rest);
+        let place = place.min(pool.lights.len() - 1);
+        match pool.lights[place] {
+            Emitter::Triangle(index) => {
+                self.triangles[index as usize].sample(point, probability, [u[1], u[2]])
+            }
+            Emitter::Punctual(index) => {
+                let (wi, distance, irradiance) = self.punctual[index as usize].illuminate(point);
+                if irradiance.max_element() <= 0.0 {
+                    return None;
+                }
+                let source = LightSource::Punctual(index);
+                let weight = irradiance / (probability * pool.probability(place));
+                Some(LightSample { source, wi, distance, weight, pdf: None })
+            }
+            Emitter::Environment => self.sample_environment(probability, [u[1], u[2]]),
         }
-        let index = light - self.triangles.len();
-        let Some(kind) = self.punctual.get(index) else {
-            return self.sample_environment(probability, [u[1], u[2]]);
-        };
-        let (wi, distance, irradiance) = kind.illuminate(point);
-        if irradiance.max_element() <= 0.0 {
-            return None;
-        }
-        let source = self.first_punctual + index as u32;
-        let weight = irradiance / (probability * choice.probability(place));
-        Some(LightSample { source, wi, distance, weight, pdf: None })
     }
 
     fn sample_environment(&self, probability: f32, u: [f32; 2]) -> Option<LightSample> {
@@ -311,14 +346,14 @@ impl Emitters {
         if pdf <= 0.0 || radiance.max_element() <= 0.0 {
             return None;
         }
-        let (source, distance) = (self.environment_source(), f32::INFINITY);
+        let (source, distance) = (LightSource::Environment, f32::INFINITY);
         Some(LightSample { source, wi, distance, weight: radiance / pdf, pdf: Some(pdf) })
     }
 }
 
-impl Choice {
-    /// Of some lights, each with its strength.
-    fn new(lights: &[(usize, f32)]) -> Self {
+impl Pool {
+    /// Of `lights`, each with its strength.
+    fn new(lights: &[(Emitter, f32)]) -> Self {
         let total: f64 = lights.iter().map(|light| f64::from(light.1)).sum();
         let running = lights.iter().scan(0.0, |sum, light| {
             *sum += f64::from(light.1) / total;
@@ -327,7 +362,7 @@ impl Choice {
         Self { cumulative: running.collect(), lights: lights.iter().map(|light| light.0).collect() }
     }
 
-    /// The probability of the light at a place among these, given that they were chosen.
+    /// The probability of the light at `place`, given the pool.
     fn probability(&self, place: usize) -> f32 {
         let before = if place == 0 { 0.0 } else { self.cumulative[place - 1] };
         self.cumulative[place] - before
@@ -335,20 +370,20 @@ impl Choice {
 }
 
 impl EmittingTriangle {
-    /// Before its probability is known.
-    fn new(source: u32, corners: [Vec3; 3], radiance: Rgb) -> Self {
+    /// Its pool and density are set once all lights are known.
+    fn new(TriangleEmission { group, radiance }: TriangleEmission, corners: [Vec3; 3]) -> Self {
         let normal = accel::front_normal(corners);
-        Self { source, corners, normal, radiance, choice: 0, density: 0.0 }
+        Self { group, corners, normal, radiance, pool: 0, density: 0.0 }
     }
 
-    fn beacon(&self, index: usize) -> Beacon {
+    fn bounds(&self, light: Emitter) -> LightBounds {
         let centre = self.corners.iter().sum::<Vec3>() / 3.0;
         let radius = self.corners.iter().map(|c| c.distance(centre)).fold(0.0, f32::max);
         let strength = area(&self.corners) * luminance(self.radiance);
-        Beacon { index, centre, radius, axis: self.normal, reach_rad: FRAC_PI_2, strength }
+        LightBounds { light, centre, radius, axis: self.normal, reach_rad: FRAC_PI_2, strength }
     }
 
-    /// A point of it, given the probability of its choice.
+    /// A point of it, given the probability of its pool.
     fn sample(&self, point: Vec3, probability: f32, u: [f32; 2]) -> Option<LightSample> {
         let root = u[0].sqrt();
         let (b, c) = (root * (1.0 - u[1]), root * u[1]);
@@ -361,8 +396,8 @@ impl EmittingTriangle {
             return None;
         }
         let pdf = probability * self.density * distance * distance / cos.max(1e-6);
-        let weight = self.radiance / pdf;
-        Some(LightSample { source: self.source, wi, distance, weight, pdf: Some(pdf) })
+        let (source, weight) = (LightSource::Group(self.group), self.radiance / pdf);
+        Some(LightSample { source, wi, distance, weight, pdf: Some(pdf) })
     }
 }
 
@@ -370,7 +405,7 @@ fn area([a, b, c]: &[Vec3; 3]) -> f32 {
     0.5 * (*b - *a).cross(*c - *a).length()
 }
 
-/// The power of a light without a surface, W; what a directional one brings to the scene.
+/// The power of a punctual light, W; of a directional one, the power that enters the scene.
 pub(crate) fn power(kind: &LightKind, scene_radius2: f32) -> f32 {
     match kind {
         LightKind::Point { intensity, .. } => 4.0 * PI * luminance(*intensity),

@@ -1,4 +1,4 @@
-//! Light samples against sums and solid angles that are known.
+//! Light samples against analytic sums and solid angles.
 
 use super::*;
 use crate::sampler::mix;
@@ -40,7 +40,7 @@ fn punctual() -> Vec<Light> {
     lights
 }
 
-/// A hundred triangles about the point, turned anyhow.
+/// A hundred triangles around the point, of random orientation.
 fn triangles() -> Vec<[Vec3; 3]> {
     let triangle = |i: u64| {
         let centre = POINT + unit(i) * (0.6 + 2.0 * uniform(i + 100));
@@ -49,8 +49,9 @@ fn triangles() -> Vec<[Vec3; 3]> {
     (0..100).map(triangle).collect()
 }
 
-fn emission(triangle: usize) -> (u32, Rgb) {
-    (triangle as u32 / 10, Rgb::splat(0.1 + uniform(triangle as u64 + 50)))
+fn emission(triangle: usize) -> TriangleEmission {
+    let radiance = Rgb::splat(0.1 + uniform(triangle as u64 + 50));
+    TriangleEmission { group: triangle as u32 / 10, radiance }
 }
 
 /// Fails unless the mean of what `of` makes of light samples is `expected`.
@@ -69,23 +70,27 @@ fn assert_mean(emitters: &Emitters, of: impl Fn(&LightSample) -> Rgb, expected: 
 }
 
 #[test]
-fn lights_without_a_surface_bring_the_sum_of_all() {
+fn punctual_lights_contribute_the_sum_of_all() {
     let lights = punctual();
-    let emitters = Emitters::new(&[], |_| (0, Rgb::ZERO), (&lights, 0), BOUNDS, None);
+    let emitters = Emitters::new(&[], emission, 0, &lights, BOUNDS, None);
     let expected = lights.iter().map(|light| light.kind.illuminate(POINT).2.as_dvec3()).sum();
     assert_mean(&emitters, |light| light.weight, expected);
 }
 
 #[test]
-fn emitting_triangles_bring_radiance_times_solid_angle() {
+fn emitting_triangles_contribute_radiance_times_solid_angle() {
     let triangles = triangles();
-    let emitters = Emitters::new(&triangles, emission, (&[], 10), BOUNDS, None);
-    let bring = |(index, corners): (usize, &[Vec3; 3])| {
+    let emitters = Emitters::new(&triangles, emission, 10, &[], BOUNDS, None);
+    let contribution = |(index, corners): (usize, &[Vec3; 3])| {
         let faces = (POINT - corners[0]).dot(accel::front_normal(*corners)) > 0.0;
-        let radiance = emission(index).1.as_dvec3();
+        let radiance = emission(index).radiance.as_dvec3();
         if faces { radiance * solid_angle(corners) } else { DVec3::ZERO }
     };
-    assert_mean(&emitters, |light| light.weight, triangles.iter().enumerate().map(bring).sum());
+    assert_mean(
+        &emitters,
+        |light| light.weight,
+        triangles.iter().enumerate().map(contribution).sum(),
+    );
 }
 
 /// The solid angle of a triangle from [`POINT`] [Van Oosterom and Strackee 1983].
@@ -95,18 +100,17 @@ fn solid_angle(corners: &[Vec3; 3]) -> f64 {
 }
 
 #[test]
-fn densities_are_those_that_samples_say() {
+fn densities_agree_with_those_of_the_samples() {
     let (triangles, lights) = (triangles(), punctual());
-    let emitters = Emitters::new(&triangles, emission, (&lights, 10), BOUNDS, None);
-    let mut met = 0;
+    let emitters = Emitters::new(&triangles, emission, 10, &lights, BOUNDS, None);
+    let mut compared = 0;
     for i in 0..20_000 {
         let u = [0, 1, 2].map(|k| uniform(3 * i + k));
-        let Some(light) = emitters.sample(POINT, u).filter(|light| light.source < 10) else {
-            continue;
-        };
-        // Which of the source's triangles it is: the one that a ray there meets at that distance.
+        let Some(light) = emitters.sample(POINT, u) else { continue };
+        let LightSource::Group(group) = light.source else { continue };
+        // Which of the group's triangles it is: the one that the ray hits at that distance.
         let on_light = POINT + light.distance * light.wi;
-        let first = light.source as usize * 10;
+        let first = group as usize * 10;
         let is_on = |t: &usize| {
             let normal = accel::front_normal(triangles[*t]);
             let inside = (0..3).all(|k| {
@@ -119,7 +123,7 @@ fn densities_are_those_that_samples_say() {
         let cos = -light.wi.dot(accel::front_normal(triangles[triangle]));
         let pdf = emitters.pdf(POINT, triangle as u32, light.distance, cos);
         assert!((light.pdf.unwrap_or(0.0) / pdf - 1.0).abs() < 1e-3, "{light:?} {pdf}");
-        met += 1;
+        compared += 1;
     }
-    assert!(met > 500, "{met} samples were compared");
+    assert!(compared > 500, "{compared} samples");
 }

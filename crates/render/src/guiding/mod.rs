@@ -1,56 +1,64 @@
-//! Where a diffuse surface should look for the light that a shiny plane throws at it.
+//! Specular guiding: diffuse surfaces sample towards the mirror images of lamps in glossy planes.
 //!
-//! A floor with a gloss throws a patch of light at the wall. Directions drawn by the cosine find the
-//! few square metres of floor where lamp and wall see each other in it once in a hundred times, and
-//! then it is bright: most of the noise of a picture, and of all that is fitted to it. For a plane
-//! the place is known: it lies towards the lamp's mirror image. A share of the directions of a
-//! diffuse surface is drawn about that, by a spherical Gaussian as wide as the gloss and the lamp
-//! make the patch. It is one more strategy in the mixture that directions are drawn from, so it
-//! biases nothing.
+//! A glossy floor casts a caustic on the wall. Cosine sampling at the wall rarely hits the region of
+//! the floor that reflects the lamp, and such samples are bright: they dominate the variance of
+//! pictures and of parameters fitted to them. For a plane the region is known in closed form: it lies
+//! towards the mirror image of the lamp. A share of the directions of a diffuse surface is therefore
+//! drawn from a von Mises-Fisher lobe about that direction. The lobe is one more density in the
+//! mixture that directions are drawn from, so the estimator stays unbiased [Veach and Guibas 1995].
+//! The idea is that of path guiding by vMF mixtures [Vorba et al. 2014], with the mixture known
+//! instead of learned.
 //!
-//! The directions that are left to the cosine weigh more, at surface after surface; so the share is
-//! small, and only the first surfaces of a path look for images. Every pair of a plane and a lamp is
-//! asked at each of them; so only the strongest pairs are.
+//! Width of the lobe: when the direction is off by `epsilon`, the half vector tilts by
+//! `epsilon (1 + a/b) / 2`, with `a` the distance to the plane and `b` that from there to the lamp.
+//! Ward's slopes have the standard deviation `alpha / sqrt 2`, so the caustic has
+//! `sqrt 2 alpha / (1 + a/b)`; the angular radius of the lamp is added in quadrature.
 //!
-//! Width: with the half vector tilted by `epsilon (1 + a/b) / 2` when the direction is off by
-//! `epsilon` (`a` from here to the plane, `b` on to the lamp) and Ward's slopes of the deviation
-//! `alpha/sqrt 2`, the patch has the deviation `sqrt 2 alpha / (1 + a/b)`, and the lamp's own.
+//! Cost: each of the first diffuse vertices of a path tests up to [`PAIRS_MAX`] pairs of a plane and a
+//! lamp.
 
-mod images;
+mod vmf;
 
-pub use images::Images;
-pub(crate) use images::Images4;
+pub use vmf::VmfMixture;
+pub(crate) use vmf::VmfMixture4;
 
+use crate::appearance::{Appearance, LightSource, SourceLayout};
 use crate::emitters;
 use crate::surface::{Frame, Surface};
-use crate::tracer::Appearance;
 use glam::Vec3;
 use std::f32::consts::{PI, SQRT_2};
 use unrender_scene::color::luminance;
 use unrender_scene::{LightKind, Mesh, Rgb, Scene};
 
-/// The share of the directions that is drawn towards mirror images at a path's first diffuse
-/// surface, the second and so on; those after look for none. The other directions weigh
-/// `1/(1 - share)` as much, at every surface of a path anew: large shares make rare bright paths.
+/// The share of directions drawn from the lobes at the first diffuse vertex of a path, the second, and
+/// so on; later vertices have none. Samples by the cosine weigh `1 / (1 - share)` as much at every
+/// vertex, so the weights multiply along a path: with double of these shares rare bright paths add
+/// more noise than the lobes remove, with half of them caustics are sampled half as often.
 const SHARES: [f32; 4] = [0.2, 0.2, 0.1, 0.1];
-/// Only the first so many surfaces of a path look for images.
+/// The number of vertices of a path that are guided.
 pub(crate) const BOUNCES: u32 = SHARES.len() as u32;
-/// Pairs of a plane and a lamp that a picture looks for at most: the strongest.
+/// Most pairs of a plane and a lamp in a scene: the strongest by power and reflectance. Each guided
+/// vertex tests all of them; with half of them rooms of several lamps lose caustics.
 const PAIRS_MAX: usize = 16;
-/// Patches narrower than this (radians) are left to chance, as are those of a mirror and a point.
+/// Caustics narrower than this (radians) are not guided, nor are those of a mirror and a point light:
+/// single precision does not resolve the lobe.
 const DEVIATION_MIN: f32 = 2e-3;
-/// Wider ones are found by the cosine well enough.
+/// Caustics wider than this (radians) are not guided: cosine sampling finds them.
 const DEVIATION_MAX: f32 = 0.5;
-/// A patch reaches this many deviations beyond its centre.
+/// A caustic extends this many standard deviations beyond its centre; 1 % of a Gaussian in the plane
+/// lies outside. With half of it caustics at the edge of a plane are missed, double of it adds lobes
+/// that no light takes.
 const REACH: f32 = 3.0;
-/// Vectors whose angle has at least this cosine are taken for parallel.
+/// Unit vectors with at least this cosine between them count as parallel: 0.8 degrees. With double of
+/// the angle gently curved meshes count as planes.
 const PARALLEL: f32 = 0.9999;
 
 /// The planes and lamps of a scene.
 #[derive(Debug, Default)]
-pub(crate) struct Caustics {
+pub(crate) struct SpecularGuide {
     planes: Vec<Plane>,
     lamps: Vec<Lamp>,
+    layout: SourceLayout,
 }
 
 /// A flat object.
@@ -64,27 +72,42 @@ struct Plane {
     area: f32,
 }
 
-/// An area light as a ball, or a light at a point. Directional lights are not among them.
+/// The bounding sphere of an area light, or a point or spot light.
 #[derive(Clone, Copy, Debug)]
 struct Lamp {
-    source: u32,
+    source: LightSource,
     centre: Vec3,
     radius: f32,
     power: f32,
-    /// The axis of the cone that it shines into, and the cosine of the cone's half angle.
-    cone: (Vec3, f32),
+    /// The cone of emission.
+    cone: Cone,
 }
 
-/// A plane that shines under one appearance, and a lamp that it may throw about.
+/// A cone of directions.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Shiny {
+struct Cone {
+    /// Unit vector; zero for all directions.
+    axis: Vec3,
+    /// The cosine of its half angle.
+    cos: f32,
+}
+
+impl Cone {
+    /// All directions.
+    const SPHERE: Self = Self { axis: Vec3::ZERO, cos: 0.0 };
+}
+
+/// A glossy plane and a lamp that it reflects.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GlossyPair {
     plane: Plane,
     alpha: f32,
     lamp: Lamp,
 }
 
-impl Caustics {
-    pub(crate) fn new(scene: &Scene) -> Self {
+impl SpecularGuide {
+    /// Finds the planes and lamps of `scene`, whose light sources have the order `layout`.
+    pub(crate) fn new(scene: &Scene, layout: SourceLayout) -> Self {
         let planes = scene.objects.iter().zip(0..).filter_map(|(object, index)| {
             let mut plane = Plane::of(&object.mesh)?;
             (plane.object, plane.group) = (index, object.group as u32);
@@ -93,31 +116,32 @@ impl Caustics {
         let emitting = scene.objects.iter().filter(|o| scene.groups[o.group].is_emitter());
         let area = emitting.map(|object| {
             let emission = scene.groups[object.group].emission;
-            Lamp::of_area(&object.mesh, emission, object.group as u32)
+            Lamp::of_area(&object.mesh, emission, LightSource::Group(object.group as u32))
         });
-        let sources = scene.groups.len() as u32..;
-        let points = scene.lights.iter().zip(sources);
-        let points = points.filter_map(|(light, source)| Lamp::at_point(&light.kind, source));
-        Self { planes: planes.collect(), lamps: area.chain(points).collect() }
+        let points = scene.lights.iter().zip(0..);
+        let points = points
+            .filter_map(|(light, index)| Lamp::at_point(&light.kind, LightSource::Punctual(index)));
+        Self { planes: planes.collect(), lamps: area.chain(points).collect(), layout }
     }
 
-    /// What shines under `appearance`: the strongest pairs of a plane and a lamp, by the power of
-    /// the lamp, and the plane's area and reflectance.
-    pub(crate) fn shiny(&self, appearance: &Appearance<'_>) -> Vec<Shiny> {
-        let shines = |plane: &Plane| {
+    /// The strongest pairs of a glossy plane and a lamp under `appearance`, by the product of the
+    /// lamp's power, the plane's area and its specular reflectance.
+    pub(crate) fn pairs(&self, appearance: &Appearance<'_>) -> Vec<GlossyPair> {
+        let glossy = |plane: &Plane| {
             let material = appearance.materials.get(plane.group as usize)?;
             let alpha = (material.alpha_x * material.alpha_y).sqrt();
             Some((plane.area * luminance(material.rho_s), (*plane, alpha)))
         };
-        let planes = strongest(self.planes.iter().filter_map(shines));
+        let planes = strongest(self.planes.iter().filter_map(glossy));
         if planes.is_empty() {
             return Vec::new();
         }
-        let brightness = |lamp: &Lamp| lamp.power * luminance(appearance.light(lamp.source));
+        let brightness =
+            |lamp: &Lamp| lamp.power * luminance(appearance.light(self.layout.index(lamp.source)));
         let lamps = strongest(self.lamps.iter().map(|lamp| (brightness(lamp), *lamp)));
         let pairs = planes.iter().flat_map(|&(reflectance, (plane, alpha))| {
             let pair = move |&(power, lamp): &(f32, Lamp)| {
-                (reflectance * power, Shiny { plane, alpha, lamp })
+                (reflectance * power, GlossyPair { plane, alpha, lamp })
             };
             lamps.iter().map(pair).filter(|(_, pair)| pair.lamp.lights(&pair.plane))
         });
@@ -125,7 +149,7 @@ impl Caustics {
     }
 }
 
-/// Those of a positive strength, the strongest first, and not too many.
+/// The [`PAIRS_MAX`] strongest items of positive strength, the strongest first.
 fn strongest<T>(items: impl Iterator<Item = (f32, T)>) -> Vec<(f32, T)> {
     let mut items: Vec<_> = items.filter(|(strength, _)| *strength > 0.0).collect();
     items.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -134,7 +158,7 @@ fn strongest<T>(items: impl Iterator<Item = (f32, T)>) -> Vec<(f32, T)> {
 }
 
 impl Plane {
-    /// The plane of a mesh that is flat, and shaded so.
+    /// The plane of a mesh whose triangles and shading normals are flat.
     fn of(mesh: &Mesh) -> Option<Self> {
         let cross = |i: usize| {
             let [a, b, c] = mesh.corners(i);
@@ -144,7 +168,7 @@ impl Plane {
         let largest =
             all.clone().max_by(|&i, &j| cross(i).length().total_cmp(&cross(j).length()))?;
         let (size, normal) = (cross(largest).length(), cross(largest).try_normalize()?);
-        // Triangles without an area have no normal, and no ray meets them.
+        // Triangles without area have no normal, and no ray hits them.
         let flat = |i: usize| {
             let (cross, length) = (cross(i), cross(i).length());
             let along = |n: Vec3| n.dot(normal).abs() >= PARALLEL;
@@ -163,52 +187,53 @@ impl Plane {
 }
 
 impl Lamp {
-    /// A group's mesh that emits `radiance`.
-    fn of_area(mesh: &Mesh, radiance: Rgb, source: u32) -> Self {
+    /// A mesh that emits `radiance`.
+    fn of_area(mesh: &Mesh, radiance: Rgb, source: LightSource) -> Self {
         let (mut facing, mut area) = (Vec3::ZERO, 0.0);
         for [a, b, c] in (0..mesh.triangles.len()).map(|i| mesh.corners(i)) {
             let half = 0.5 * (b - a).cross(c - a);
             facing += half;
             area += half.length();
         }
-        // A flat lamp shines to its front, others may shine everywhere.
+        // A flat lamp emits to its front, others in all directions.
         let flat = facing.length() >= PARALLEL * area;
-        let cone = if flat { (facing.normalize_or_zero(), 0.0) } else { (Vec3::ZERO, 0.0) };
+        let front = Cone { axis: facing.normalize_or_zero(), cos: 0.0 };
+        let cone = if flat { front } else { Cone::SPHERE };
         let [low, high] =
             bounds(mesh.triangles.iter().flatten().map(|&v| mesh.positions[v as usize]));
         let (centre, radius) = (0.5 * (low + high), 0.5 * (high - low).length());
         Self { source, centre, radius, power: PI * area * luminance(radiance), cone }
     }
 
-    /// A light without a surface that stands somewhere.
-    fn at_point(kind: &LightKind, source: u32) -> Option<Self> {
+    /// A point or spot light; none for a directional one.
+    fn at_point(kind: &LightKind, source: LightSource) -> Option<Self> {
         let (centre, cone) = match *kind {
-            LightKind::Point { position, .. } => (position, (Vec3::ZERO, 0.0)),
+            LightKind::Point { position, .. } => (position, Cone::SPHERE),
             LightKind::Spot { position, direction, outer_rad, .. } => {
-                (position, (direction, outer_rad.cos()))
+                (position, Cone { axis: direction, cos: outer_rad.cos() })
             }
             LightKind::Directional { .. } => return None,
         };
         Some(Self { source, centre, radius: 0.0, power: emitters::power(kind, 0.0), cone })
     }
 
-    /// Whether it shines towards `point`, by its centre.
-    fn shines_at(&self, point: Vec3) -> bool {
-        let (axis, cos) = self.cone;
+    /// Whether its centre emits towards `point`.
+    fn emits_towards(&self, point: Vec3) -> bool {
+        let Cone { axis, cos } = self.cone;
         let to_point = point - self.centre;
         to_point.dot(axis) >= cos * to_point.length()
     }
 
-    /// Whether it stands before or behind `plane` and can shine at its box.
+    /// Whether it lies off `plane` and emits towards its bounding box.
     fn lights(&self, plane: &Plane) -> bool {
         let height = (self.centre - plane.point).dot(plane.normal);
         let [low, high] = plane.bounds;
         let far = self.centre.distance(low).max(self.centre.distance(high));
-        // The corner of the box that is furthest along the axis of the cone.
-        let axis = self.cone.0;
+        // The corner of the box farthest along the axis of the cone.
+        let axis = self.cone.axis;
         let corner = Vec3::select(axis.cmpge(Vec3::ZERO), high, low);
-        let before = (corner - self.centre).dot(axis) >= 0.0;
-        height.abs() > 1e-4 * far && before
+        let towards = (corner - self.centre).dot(axis) >= 0.0;
+        height.abs() > 1e-4 * far && towards
     }
 }
 
@@ -217,14 +242,13 @@ fn bounds(points: impl Iterator<Item = Vec3>) -> [Vec3; 2] {
     points.fold(nothing, |[low, high], p| [low.min(p), high.max(p)])
 }
 
-impl Shiny {
-    /// The direction to the lamp's mirror image in the plane and the deviation of the patch about
-    /// it, radians; none if no light can come to `surface` that way.
-    fn image(&self, surface: &Surface) -> Option<(Vec3, f32)> {
+impl GlossyPair {
+    /// The lobe at `surface`; none if no light of the lamp can arrive there by way of the plane.
+    fn lobe(&self, surface: &Surface) -> Option<ImageLobe> {
         let Plane { object, point, normal, bounds, .. } = self.plane;
         let here = (surface.point - point).dot(normal);
         let there = (self.lamp.centre - point).dot(normal);
-        // Both on one side, and neither in the plane.
+        // Surface and lamp must lie on one side, and neither in the plane.
         if surface.object == object || here * there <= 0.0 || here.abs() < 1e-4 * there.abs() {
             return None;
         }
@@ -241,31 +265,38 @@ impl Shiny {
         if !(DEVIATION_MIN..DEVIATION_MAX).contains(&deviation) {
             return None;
         }
-        let met = surface.point + share * to_image;
-        let outside = met - met.clamp(bounds[0], bounds[1]);
+        let hit = surface.point + share * to_image;
+        let outside = hit - hit.clamp(bounds[0], bounds[1]);
         let reach = REACH * deviation * share * distance;
-        let useful = outside.length() <= reach && self.lamp.shines_at(met);
-        useful.then_some((direction, deviation))
+        let useful = outside.length() <= reach && self.lamp.emits_towards(hit);
+        useful.then_some(ImageLobe { direction, deviation })
     }
 }
 
-impl Images {
-    /// The mirror images that light may reach `surface` from, in `frame`; it is the surface of the
-    /// reflection number `bounce`, less than [`BOUNCES`].
-    pub(crate) fn seen_from(
-        surface: &Surface,
-        frame: &Frame,
-        shiny: &[Shiny],
-        bounce: u32,
-    ) -> Self {
-        let mut images = Self::with_share(SHARES[bounce as usize]);
-        for (direction, deviation) in shiny.iter().filter_map(|pair| pair.image(surface)) {
-            if !images.push(frame.local_from_world(direction), deviation) {
-                break;
-            }
+/// A lobe about the direction to the mirror image of a lamp.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct ImageLobe {
+    /// Unit vector in world space.
+    direction: Vec3,
+    /// Standard deviation, radians.
+    deviation: f32,
+}
+
+/// The mixture of lobes for `surface`, given in `frame`: those of the first `pairs` whose light can
+/// arrive there. The surface is the vertex number `bounce` of its path, less than [`BOUNCES`].
+pub(crate) fn mixture(
+    surface: &Surface,
+    frame: &Frame,
+    pairs: &[GlossyPair],
+    bounce: u32,
+) -> VmfMixture {
+    let mut mixture = VmfMixture::with_share(SHARES[bounce as usize]);
+    for lobe in pairs.iter().filter_map(|pair| pair.lobe(surface)) {
+        if !mixture.push(frame.local_from_world(lobe.direction), lobe.deviation) {
+            break;
         }
-        images
     }
+    mixture
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Planes, lamps, and where images lie.
+//! Planes, lamps, pairs of them, and the lobes towards mirror images.
 
 use super::*;
 use unrender_scene::{Group, Light, Material, Object};
@@ -31,7 +31,7 @@ fn cuboid(half: Vec3) -> Mesh {
     merged((0..3).flat_map(face))
 }
 
-/// Every mesh an object of a group of its own, shiny or emitting as told.
+/// A group per mesh, with the given specular reflectance and emission.
 fn scene(parts: Vec<(Mesh, f32, f32)>) -> Scene {
     let mut scene = Scene::default();
     for (group, (mesh, rho_s, emission)) in parts.into_iter().enumerate() {
@@ -43,12 +43,17 @@ fn scene(parts: Vec<(Mesh, f32, f32)>) -> Scene {
     scene
 }
 
-fn shiny(scene: &Scene) -> Vec<Shiny> {
-    Caustics::new(scene).shiny(&(&scene.materials()).into())
+fn guide(scene: &Scene) -> SpecularGuide {
+    let (groups, punctual) = (scene.groups.len() as u32, scene.lights.len() as u32);
+    SpecularGuide::new(scene, SourceLayout { groups, punctual })
+}
+
+fn pairs(scene: &Scene) -> Vec<GlossyPair> {
+    guide(scene).pairs(&(&scene.materials()).into())
 }
 
 #[test]
-fn what_is_flat_is_a_plane_and_nothing_else() {
+fn flat_meshes_are_planes_and_no_others() {
     let floor = || quad(Vec3::ZERO, UP);
     let mut double_sided = floor();
     double_sided.triangles.extend([[2, 1, 0], [5, 4, 3]]);
@@ -98,7 +103,7 @@ fn without_area() -> Mesh {
 }
 
 #[test]
-fn pairs_are_planes_that_shine_with_lamps_that_shine_at_them() {
+fn pairs_are_glossy_planes_with_lamps_that_emit_towards_them() {
     let floor = |rho_s| (quad(Vec3::ZERO, UP), rho_s, 0.0);
     let lamp = |height: f32, facing| (quad(height * Vec3::Y, facing), 0.0, 5.0);
     for (count, parts) in [
@@ -111,16 +116,16 @@ fn pairs_are_planes_that_shine_with_lamps_that_shine_at_them() {
         (0, vec![floor(0.5), (quad(Vec3::Y, DOWN), 0.0, 0.0)]),
         (0, vec![floor(0.5), (without_area(), 0.0, 5.0)]),
         (0, vec![floor(0.5), (Mesh::default(), 0.0, 5.0)]),
-        // A lamp that shines itself is no image of its own, but shows others.
+        // A glossy lamp does not reflect itself, but other lamps.
         (0, vec![(quad(Vec3::ZERO, UP), 0.5, 5.0)]),
         (1, vec![(quad(Vec3::ZERO, UP), 0.5, 5.0), lamp(1.0, DOWN)]),
     ] {
-        assert_eq!(shiny(&scene(parts)).len(), count);
+        assert_eq!(pairs(&scene(parts)).len(), count);
     }
 }
 
 #[test]
-fn lights_at_a_point_are_lamps_and_spots_shine_where_they_point() {
+fn point_lights_are_lamps_and_spots_within_their_cone() {
     let (position, intensity) = (Vec3::Y, Rgb::ONE);
     let spot = |direction| LightKind::Spot {
         position,
@@ -138,12 +143,12 @@ fn lights_at_a_point_are_lamps_and_spots_shine_where_they_point() {
     ] {
         let mut scene = scene(vec![(quad(Vec3::ZERO, UP), 0.5, 0.0)]);
         scene.lights.push(Light { name: String::new(), kind });
-        assert_eq!(shiny(&scene).len(), count, "{kind:?}");
+        assert_eq!(pairs(&scene).len(), count, "{kind:?}");
     }
 }
 
 #[test]
-fn of_many_pairs_the_strongest_are_kept_and_lamps_that_are_off_are_none() {
+fn the_strongest_pairs_are_kept_and_dark_lamps_make_none() {
     let mut parts = Vec::new();
     for i in 0..40 {
         let aside = 5.0 * i as f32 * Vec3::X;
@@ -151,16 +156,17 @@ fn of_many_pairs_the_strongest_are_kept_and_lamps_that_are_off_are_none() {
         parts.push((quad(aside + Vec3::Y, DOWN), 0.0, (i + 1) as f32));
     }
     let scene = scene(parts);
-    let pairs = shiny(&scene);
-    assert_eq!(pairs.len(), PAIRS_MAX);
-    assert_eq!((pairs[0].plane.group, pairs[0].lamp.source), (78, 79));
+    let found = pairs(&scene);
+    assert_eq!(found.len(), PAIRS_MAX);
+    let strongest = (found[0].plane.group, found[0].lamp.source);
+    assert_eq!(strongest, (78, LightSource::Group(79)));
     let materials = scene.materials();
     let lights = vec![Rgb::ZERO; scene.groups.len()];
     let appearance = Appearance { materials: &materials, lights: &lights };
-    assert!(Caustics::new(&scene).shiny(&appearance).is_empty());
+    assert!(guide(&scene).pairs(&appearance).is_empty());
 }
 
-/// A point of a wall that looks along +z.
+/// A point of a wall that faces +z.
 fn wall(point: Vec3) -> Surface {
     let frame = Frame::new(Vec3::Z, Vec3::X, true);
     let (geometric_normal, uv) = (Vec3::Z, glam::Vec2::ZERO);
@@ -169,24 +175,26 @@ fn wall(point: Vec3) -> Surface {
 }
 
 #[test]
-fn images_lie_where_the_mirror_shows_the_lamp() {
+fn lobes_point_to_the_mirror_image_of_the_lamp() {
     let lamp = (quad(Vec3::Y, [0.1 * Vec3::X, 0.1 * Vec3::Z]), 0.0, 5.0);
-    let pairs = shiny(&scene(vec![(quad(Vec3::ZERO, UP), 0.5, 0.0), lamp]));
-    let at = |point: Vec3| pairs[0].image(&wall(point));
-    let (direction, deviation) = at(Vec3::new(0.0, 1.0, -0.9)).expect("the floor shows it");
+    let found = pairs(&scene(vec![(quad(Vec3::ZERO, UP), 0.5, 0.0), lamp]));
+    let at = |point: Vec3| found[0].lobe(&wall(point));
+    let lobe = at(Vec3::new(0.0, 1.0, -0.9)).expect("the floor reflects the lamp");
+    let ImageLobe { direction, deviation } = lobe;
     assert!((direction - Vec3::new(0.0, -2.0, 0.9).normalize()).length() < 1e-6);
-    // sqrt 2 alpha / 2, and a little for the lamp.
+    // sqrt 2 alpha / 2, and the radius of the lamp in quadrature.
     assert!(deviation > 0.0707 && deviation < 0.09, "{deviation}");
     // Below the floor, on it, too far for it, and with the back to it.
     assert_eq!(at(Vec3::new(0.0, -1.0, -0.9)), None);
     assert_eq!(at(Vec3::new(0.0, 0.0, -0.9)), None);
     assert_eq!(at(Vec3::new(0.0, 1.0, -9.0)), None);
     assert_eq!(at(Vec3::new(0.0, 1.0, 0.9)), None);
-    // No number that is none comes out of numbers that are.
+    // Extreme positions give finite lobes or none.
     for odd in [f32::NAN, f32::INFINITY, f32::MAX, 1e30, f32::MIN_POSITIVE] {
         for point in Vec3::AXES.map(|axis| odd * axis - 0.9 * Vec3::Z) {
-            let image = at(point);
-            assert!(image.is_none_or(|(d, s)| d.is_finite() && s.is_finite()), "{image:?}");
+            let lobe = at(point);
+            let finite = |l: ImageLobe| l.direction.is_finite() && l.deviation.is_finite();
+            assert!(lobe.is_none_or(finite), "{lobe:?}");
         }
     }
 }

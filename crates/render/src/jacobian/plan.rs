@@ -1,42 +1,47 @@
-//! What is asked, looked up once: which sum the derivative by each parameter of each group and
-//! source goes to, and how each group is evaluated.
+//! The plan of a Jacobian: the sum of each parameter of each group and light source, and how each group
+//! is evaluated.
 
 use super::Parameter;
+use crate::appearance::{Appearance, LightSource, SourceLayout};
 use crate::bsdf::{Bsdf, Specular};
 use crate::path::Vertex;
-use crate::tracer::{Appearance, Tracer};
+use crate::tracer::Tracer;
 use glam::Vec3;
 use unrender_scene::{BrdfModel, Material, Rgb};
 
-/// The slot of what nobody asked for.
-pub(super) const NONE: u32 = u32::MAX;
+/// The index of a sum; none for parameters that are not asked for.
+pub(super) type Slot = Option<u32>;
 
-/// Reflectances below this, if asked for, are sampled as if they were this.
+/// Reflectances among the parameters are sampled as if they were at least this. With half of it the
+/// derivative at reflectance zero is twice as noisy; with double of it paths of dark materials differ
+/// from those of a picture.
 const DRAWN_MIN: f32 = 0.05;
 
-/// Where everything goes.
+/// The sums of a Jacobian.
 pub(super) struct Plan<'a> {
     pub(super) appearance: Appearance<'a>,
-    /// For each parameter asked for: its slot among the sums.
-    pub(super) slots: Vec<u32>,
-    /// The number of slots.
+    /// The slot of each parameter asked for; none if its group or light source is missing.
+    pub(super) slots: Vec<Slot>,
+    /// The number of sums.
     pub(super) count: usize,
     pub(super) groups: Vec<GroupPlan<'a>>,
-    lights: Vec<u32>,
-    /// The slot of the cache's factor.
-    pub(super) seen: u32,
+    layout: SourceLayout,
+    /// By place in `layout`.
+    lights: Vec<Slot>,
+    /// The slot of the factor on the cache.
+    pub(super) cache: Slot,
 }
 
-/// One group, ready to be evaluated.
+/// One group, prepared for evaluation.
 pub(super) struct GroupPlan<'a> {
     pub(super) material: &'a Material,
-    /// Its specular part, also where `rho_s` is zero but asked for.
+    /// Its specular term, also where `rho_s` is zero but among the parameters.
     pub(super) specular: Specular,
-    /// Sine and cosine of the angle from the brushed direction that paths are drawn by to its own.
-    turn: Option<(f32, f32)>,
+    /// Sine and cosine of the angle from the anisotropy direction that paths are drawn with to its own.
+    rotation: Option<(f32, f32)>,
     /// The slots of rho_d, rho_s, alpha_x, alpha_y and theta.
-    pub(super) slots: [u32; 5],
-    /// Whether any of them is asked for.
+    pub(super) slots: [Slot; 5],
+    /// Whether any of them is some.
     pub(super) asked: bool,
 }
 
@@ -52,13 +57,15 @@ impl<'a> Plan<'a> {
             let asked = parameters.contains(&Parameter::RhoS(index as u32));
             GroupPlan::new(tracer.model, material, asked, material.theta_rad - drawn.theta_rad)
         };
+        let layout = tracer.emitters.layout();
         let mut plan = Self {
             appearance,
             slots: Vec::with_capacity(parameters.len()),
             count: 0,
             groups: pairs.map(group).collect(),
-            lights: vec![NONE; tracer.emitters.source_count()],
-            seen: NONE,
+            layout,
+            lights: vec![None; layout.count()],
+            cache: None,
         };
         for parameter in parameters {
             let slot = plan.slot(*parameter);
@@ -67,21 +74,18 @@ impl<'a> Plan<'a> {
         plan
     }
 
-    /// The slot of a parameter, which is asked for; the same one if it is asked for twice.
-    fn slot(&mut self, parameter: Parameter) -> u32 {
+    /// Assigns a slot to a parameter; the same one if it is asked for twice.
+    fn slot(&mut self, parameter: Parameter) -> Slot {
         let next = self.count as u32;
-        let mut of_nothing = NONE;
-        let entry = self.entry(parameter).unwrap_or(&mut of_nothing);
-        if *entry != NONE {
-            return *entry;
-        }
-        *entry = next;
-        self.count += 1;
-        next
+        let entry = self.entry(parameter)?;
+        let is_new = entry.is_none();
+        let slot = *entry.get_or_insert(next);
+        self.count += usize::from(is_new);
+        Some(slot)
     }
 
-    /// Where the slot of a parameter is kept; nowhere if its group does not exist.
-    fn entry(&mut self, parameter: Parameter) -> Option<&mut u32> {
+    /// The entry of a parameter's slot; none if its group or light source is missing.
+    fn entry(&mut self, parameter: Parameter) -> Option<&mut Slot> {
         let (group, kind) = match parameter {
             Parameter::RhoD(group) => (group, 0),
             Parameter::RhoS(group) => (group, 1),
@@ -89,17 +93,23 @@ impl<'a> Plan<'a> {
             Parameter::AlphaY(group) => (group, 3),
             Parameter::Theta(group) => (group, 4),
             Parameter::Light(source) => return self.lights.get_mut(source as usize),
-            Parameter::Seen => return Some(&mut self.seen),
+            Parameter::Cache => return Some(&mut self.cache),
         };
         let group = self.groups.get_mut(group as usize)?;
         group.asked = true;
         Some(&mut group.slots[kind])
     }
 
-    /// The slot of a source's brightness.
+    /// The slot of a light source's brightness.
     #[inline]
-    pub(super) fn light(&self, source: u32) -> u32 {
-        self.lights.get(source as usize).copied().unwrap_or(NONE)
+    pub(super) fn light(&self, source: LightSource) -> Slot {
+        self.lights[self.layout.index(source) as usize]
+    }
+
+    /// The factor of the appearance on a light source's emission.
+    #[inline]
+    pub(super) fn brightness(&self, source: LightSource) -> Rgb {
+        self.appearance.light(self.layout.index(source))
     }
 }
 
@@ -110,8 +120,8 @@ impl<'a> GroupPlan<'a> {
         Self {
             material,
             specular: Bsdf::new(&shape, Rgb::ZERO, model).specular,
-            turn: (angle != 0.0).then(|| angle.sin_cos()),
-            slots: [NONE; 5],
+            rotation: (angle != 0.0).then(|| angle.sin_cos()),
+            slots: [None; 5],
             asked: false,
         }
     }
@@ -122,18 +132,18 @@ impl<'a> GroupPlan<'a> {
         self.material.rho_d_at(at.surface.uv)
     }
 
-    /// A direction of the brushed frame that paths are drawn in, in the group's own.
+    /// A direction of the anisotropy frame that paths are drawn in, in the group's own frame.
     #[inline]
-    pub(super) fn turned(&self, v: Vec3) -> Vec3 {
-        match self.turn {
+    pub(super) fn rotated(&self, v: Vec3) -> Vec3 {
+        match self.rotation {
             None => v,
             Some((sin, cos)) => Vec3::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z),
         }
     }
 }
 
-/// The materials that paths are drawn by: those given, but where a reflectance is asked for and
-/// nearly zero, one that sends some of the paths where it would reflect.
+/// The materials that paths are drawn with: those given, with reflectances among the parameters raised
+/// to [`DRAWN_MIN`], so that paths sample their lobes.
 pub(super) fn drawn(materials: &[Material], parameters: &[Parameter]) -> Vec<Material> {
     let mut drawn = materials.to_vec();
     for parameter in parameters {

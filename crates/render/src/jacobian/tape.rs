@@ -1,44 +1,42 @@
-//! One path, forwards and back: what it brought, and what the parameters of its vertices did to
-//! that.
+//! The tape: records one path forwards and differentiates it backwards.
 
-use super::plan::{NONE, Plan};
+use super::plan::{Plan, Slot};
 use crate::bsdf::ward::LobeDerivatives;
 use crate::bsdf::{BsdfSample, Specular, Terms};
-use crate::emitters::LightSample;
-use crate::path::{Ledger, Vertex};
-use glam::{DVec3, Vec3};
+use crate::path::{DirectLight, Emission, PathObserver, Vertex};
+use glam::DVec3;
 use unrender_scene::Rgb;
 
 /// A vertex of the path.
 struct Entry {
     group: u32,
-    /// `T`: what is left of the light from here on its way to the camera.
+    /// `T`: the throughput from here to the camera.
     throughput: Rgb,
     /// The diffuse reflectance.
     rho_d: Rgb,
-    /// What its reflectance is made of in the direction that the path took; zero if it took none.
+    /// The terms of the BRDF in the direction of the path; zero if it ends here.
     terms: Terms,
-    /// `cos/pdf` over the probability that the path went on.
+    /// `cos/pdf` over the probability of surviving Russian roulette.
     scale: f32,
-    /// `w`: the reflectance times `scale`.
+    /// `w`: the BRDF times `scale`.
     weight: Rgb,
-    /// What the vertex reflects of the light sample.
+    /// The reflected light of the light sample.
     direct: Rgb,
-    /// What the surface emits that the path met next.
+    /// The emission that the path hits next.
     emitted: Rgb,
 }
 
-/// The path that is being traced, and the sums over the paths of a pixel.
+/// The tape of one path, and the sums over the paths of a pixel.
 pub(super) struct Tape<'a> {
     plan: &'a Plan<'a>,
     entries: Vec<Entry>,
-    /// `T` at the path's end.
+    /// `T` at the end of the path.
     throughput: Rgb,
-    /// What the path has brought so far.
+    /// The radiance of the path so far.
     radiance: Rgb,
-    /// What the surface reflects at which the path ends, if that is known.
-    known: Rgb,
-    /// The derivative by each slot's parameter, summed over the paths.
+    /// The cached radiance of the surface at which the path ends; zero without a cache hit.
+    cached: Rgb,
+    /// The derivative by the parameter of each slot, summed over the paths.
     pub(super) sums: Vec<DVec3>,
 }
 
@@ -49,43 +47,43 @@ impl<'a> Tape<'a> {
             entries: Vec::new(),
             throughput: Rgb::ONE,
             radiance: Rgb::ZERO,
-            known: Rgb::ZERO,
+            cached: Rgb::ZERO,
             sums: vec![DVec3::ZERO; plan.count],
         }
     }
 
-    /// Starts a path at a surface of the group `source` that emits `emission`.
-    pub(super) fn start(&mut self, source: u32, emission: Rgb) {
+    /// Starts a path whose camera ray hits `emission`.
+    pub(super) fn start(&mut self, emission: &Emission) {
         self.entries.clear();
         self.throughput = Rgb::ONE;
         self.radiance = Rgb::ZERO;
-        self.known = Rgb::ZERO;
-        if emission != Rgb::ZERO {
-            self.emission(Rgb::ONE, source, emission, 1.0);
+        self.cached = Rgb::ZERO;
+        if emission.radiance != Rgb::ZERO {
+            self.record_emission(Rgb::ONE, emission, 1.0);
         }
     }
 
-    /// Goes back along the path and adds what it says to the sums; returns its radiance.
+    /// The reverse pass: adds the derivatives of the path to the sums. Returns its radiance.
     pub(super) fn finish(&mut self) -> Rgb {
         if self.plan.count == 0 {
             return self.radiance;
         }
-        let mut reflected = self.known;
+        let mut reflected = self.cached;
         for index in (0..self.entries.len()).rev() {
             let entry = &self.entries[index];
             let arriving = entry.emitted + reflected;
             let (group, rho_d, terms) = (entry.group, entry.rho_d, entry.terms);
             let light = entry.throughput * arriving * entry.scale;
             reflected = entry.direct + entry.weight * arriving;
-            self.deposit(group, rho_d, &terms, light);
+            self.add_derivatives(group, rho_d, &terms, light);
         }
         self.radiance
     }
 
-    /// Adds `light`, which reached the camera through a vertex of `group` but for its reflectance,
-    /// to the derivatives by that reflectance.
+    /// Adds the derivatives by the BRDF parameters of a vertex of `group`, where `light` is the
+    /// contribution of the path through the vertex divided by its BRDF.
     #[inline]
-    fn deposit(&mut self, group: u32, rho_d: Rgb, terms: &Terms, light: Rgb) {
+    fn add_derivatives(&mut self, group: u32, rho_d: Rgb, terms: &Terms, light: Rgb) {
         let group = &self.plan.groups[group as usize];
         if !group.asked || light == Rgb::ZERO {
             return;
@@ -108,15 +106,15 @@ impl<'a> Tape<'a> {
 }
 
 #[inline]
-fn add(sums: &mut [DVec3], slot: u32, value: Rgb) {
-    if slot != NONE {
+fn add(sums: &mut [DVec3], slot: Slot, value: Rgb) {
+    if let Some(slot) = slot {
         sums[slot as usize] += value.as_dvec3();
     }
 }
 
-impl Ledger for Tape<'_> {
+impl PathObserver for Tape<'_> {
     #[inline]
-    fn arrive(&mut self, at: &Vertex<'_>) {
+    fn record_vertex(&mut self, at: &Vertex<'_>) {
         let group = at.surface.group;
         self.entries.push(Entry {
             group,
@@ -131,39 +129,33 @@ impl Ledger for Tape<'_> {
     }
 
     #[inline]
-    fn direct(
-        &mut self,
-        _: Rgb,
-        at: &Vertex<'_>,
-        wi: Vec3,
-        _: Rgb,
-        light: &LightSample,
-        share: f32,
-    ) {
+    fn record_direct(&mut self, _: Rgb, at: &Vertex<'_>, light: &DirectLight<'_>) {
+        let DirectLight { wi, sample, mis, .. } = *light;
         let Some(entry) = self.entries.last_mut() else { return };
         let group = &self.plan.groups[entry.group as usize];
-        let terms = group.specular.terms(group.turned(at.wo), group.turned(wi));
+        let terms = group.specular.terms(group.rotated(at.wo), group.rotated(wi));
         let f_cos = terms.value(entry.rho_d, group.material.rho_s) * wi.z;
-        let factor = self.plan.appearance.light(light.source);
-        entry.direct = f_cos * light.weight * factor * share;
+        let factor = self.plan.brightness(sample.source);
+        entry.direct = f_cos * sample.weight * factor * mis;
         self.radiance += self.throughput * entry.direct;
         if self.plan.count > 0 {
             let rho_d = entry.rho_d;
-            let unit = self.throughput * light.weight * share;
-            add(&mut self.sums, self.plan.light(light.source), unit * f_cos);
-            self.deposit(at.surface.group, rho_d, &terms, unit * factor * wi.z);
+            let unit = self.throughput * sample.weight * mis;
+            add(&mut self.sums, self.plan.light(sample.source), unit * f_cos);
+            self.add_derivatives(at.surface.group, rho_d, &terms, unit * factor * wi.z);
         }
     }
 
     #[inline]
-    fn bounce(&mut self, at: &Vertex<'_>, sample: &BsdfSample, survival: f32) {
+    fn record_bounce(&mut self, at: &Vertex<'_>, sample: &BsdfSample, survival: f32) {
         let Some(entry) = self.entries.last_mut() else { return };
         let group = &self.plan.groups[entry.group as usize];
         if sample.pdf.is_finite() {
-            entry.terms = group.specular.terms(group.turned(at.wo), group.turned(sample.wi));
+            entry.terms = group.specular.terms(group.rotated(at.wo), group.rotated(sample.wi));
             entry.scale = sample.wi.z / sample.pdf;
         } else {
-            // A perfect mirror's f cos is rho_s times a peak, of which the density takes a share.
+            // f cos of a perfect mirror is rho_s times the delta distribution that the density is the
+            // specular share of.
             let value = f32::from(group.specular == Specular::Mirror);
             entry.terms.specular.value = value;
             entry.scale = 1.0 / at.bsdf.specular_share();
@@ -175,24 +167,25 @@ impl Ledger for Tape<'_> {
     }
 
     #[inline]
-    fn emission(&mut self, _: Rgb, source: u32, radiance: Rgb, share: f32) {
-        let emitted = radiance * self.plan.appearance.light(source);
-        self.radiance += self.throughput * emitted * share;
+    fn record_emission(&mut self, _: Rgb, emission: &Emission, mis: f32) {
+        let Emission { source, radiance } = *emission;
+        let emitted = radiance * self.plan.brightness(source);
+        self.radiance += self.throughput * emitted * mis;
         if let Some(entry) = self.entries.last_mut() {
-            entry.emitted = emitted * share;
+            entry.emitted = emitted * mis;
         }
-        add(&mut self.sums, self.plan.light(source), self.throughput * radiance * share);
+        add(&mut self.sums, self.plan.light(source), self.throughput * radiance * mis);
     }
 
     #[inline]
-    fn known(&mut self, _: Rgb, radiance: Rgb) {
-        self.known = radiance;
+    fn record_cache_hit(&mut self, _: Rgb, radiance: Rgb) {
+        self.cached = radiance;
         self.radiance += self.throughput * radiance;
-        add(&mut self.sums, self.plan.seen, self.throughput * radiance);
+        add(&mut self.sums, self.plan.cache, self.throughput * radiance);
     }
 }
 
-/// The reflectance in the direction that the path took, times the entry's scale.
+/// The BRDF in the direction of the path times the scale of the entry.
 fn terms_weight(entry: &Entry, rho_s: Rgb) -> Rgb {
     entry.terms.value(entry.rho_d, rho_s) * entry.scale
 }

@@ -1,124 +1,132 @@
-//! Pictures whose neighbouring pixels share what their paths find.
+//! Path reuse: the paths of neighbouring pixels contribute to each other [Bekaert et al. 2002].
 //!
-//! A path from the camera looks at a surface, `x`, and goes on to a second one, `y`. The light that
-//! was found there goes to the surfaces that neighbouring pixels look at as well, at the price of a
-//! ray that asks whether they see it [Bekaert, Sbert and Halton, "Accelerating Path Tracing by
-//! Re-Using Paths", EGWR 2002]. With N pixels and their `x_1..x_N`, each of which found a `y_j` that
-//! reflects the radiance `L` to all sides, pixel i gets
+//! The path of a pixel hits a first vertex `x`, the *receiver*, and a second vertex `y`. The light
+//! reflected at `y` also goes to the receivers of neighbouring pixels, at the cost of a visibility test
+//! each. With the N pixels of a tile, receivers `x_1..x_N`, and vertices `y_j` that reflect the radiance
+//! `L` diffusely, pixel i receives
 //!
 //! ```text
 //! sum over j of  f_i(y_j) cos_i G(x_i, y_j) L(y_j) / sum over k of p_k(y_j)
 //! ```
 //!
-//! where `G = V cos_y / r^2` and `p_k = pdf_k G(x_k, y_j)` is the density over area with which `x_k`
-//! would have found `y_j`: the balance heuristic over N strategies [Veach 1997], which biases
-//! nothing. Where `y` has a lobe, `L` is `f(y) cos` times the light that arrives from a direction `w`,
-//! and the density of having found both is `p_k(y) p(w | y, x_k)`. One path a pixel brings the noise
-//! of up to N there. Whether anything stands between `y` and the N surfaces is asked for all of them at
-//! once ([`crate::accel`]'s shafts); mostly nothing does, and else a ray is much cheaper than a path.
-//! What lies behind a perfect mirror is not shared.
+//! with `G = V cos_y / r^2` and `p_k = pdf_k G(x_k, y_j)`, the density over area with which `x_k`
+//! samples `y_j`. This is the balance heuristic over N strategies [Veach and Guibas 1995], so the
+//! estimator is unbiased. Where the BRDF at `y` is glossy, `L` is `f(y) cos` times the light incident
+//! from a direction `w`, and the density is that of sampling both, `p_k(y) p(w | y, x_k)`. One path per
+//! pixel has the variance of up to N paths. Paths behind perfect mirrors are not reused.
 //!
-//! A path that shares takes the time of about three. Where most of the noise is not in what can be
-//! shared but in what stands in a pixel, leaves or grass say, that is not worth it; a few squares of
-//! the picture tell beforehand.
+//! Cost: a sample takes the time of about three independent ones ([`COST`]). The visibility of `y` from
+//! all receivers is found at once by shaft culling ([`crate::accel`]); most shafts are empty, and
+//! otherwise a shadow ray is much cheaper than a path. Where most of the variance lies within pixels
+//! (leaves, grass) reuse does not pay; a pilot of a few tiles decides.
 //!
-//! The noise of pixels that share is alike. So that the squares do not show, they lie elsewhere for
-//! each sample; noise is then softer than that of independent pixels, and what is fitted to pictures
-//! or measured in them over many pixels should be without sharing.
+//! Reuse correlates the noise of the pixels of a tile. Tilings have another random offset for each
+//! sample number, so that tiles do not show; the noise is still correlated over a few pixels. Fits to
+//! pictures and measurements of noise over many pixels should use independent paths.
 
-mod first;
-mod grid;
-mod second;
-mod viewers;
+mod connection;
+mod receiver;
+mod reused;
+mod tiles;
 
-use crate::adaptive::{Samples, TILE};
-use crate::film::{camera_ray, picture_sampler};
+use crate::adaptive::{SampleAllocation, TILE};
+use crate::camera_sample::{camera_ray, pixel_sampler};
+use crate::film::Accumulator;
 use crate::path::Transport;
 use crate::sampler::mix;
-use crate::tally::Tally;
-use first::First;
+use connection::{Connection, ReceiverSet};
 use glam::DVec3;
-use grid::Grid;
 use rayon::prelude::*;
-use second::{Lobe, Reflection, Second};
+use receiver::{CameraHit, Contribution, Receiver};
+use reused::{GlossyReflection, Reflection, ReusableVertex};
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use tiles::Tiling;
 use unrender_scene::{Camera, Rgb};
-use viewers::{Link, Viewers};
 
-/// The side of the squares whose pixels share, pixels; with a number of samples that depends on the
-/// noise those of a square have the same.
+/// The side of the tiles, pixels: that of the tiles of adaptive sampling, whose pixels have the same
+/// number of samples. Connections grow with its square: half of it reuses a quarter of the paths, with
+/// double of it the receivers differ so much that most connections contribute nothing.
 const SIDE: usize = TILE;
-/// Squares that are rendered at once, at least: enough for many threads.
+/// Tiles that are rendered in one batch, at least: enough for many threads, few enough to fit in memory.
 const BATCH: usize = 1024;
-/// The time of a path that shares, in paths that do not: measured, 2.8.
-const PRICE: f64 = 3.0;
-/// Squares, drawn anywhere, and paths a pixel in each half, that tell whether that is well spent.
-const PILOT: (usize, u32) = (16, 2);
-/// Keeps the numbers of those apart from the picture's under the same seed.
+/// The time of a sample with reuse, in independent samples: measured, 2.8.
+const COST: f64 = 3.0;
+/// The pilot: the number of tiles, drawn at random. With half of them its decision depends on the
+/// seed, with double of them it takes as long as small pictures.
+const PILOT_TILES: usize = 16;
+/// Samples per pixel in each half of the pilot.
+const PILOT_SPP: u32 = 2;
+/// Separates the random numbers of the pilot from those of the picture under the same seed.
 const STREAM: u64 = 0x50A4_0000_0000_0000;
 
-/// What the samples of a square need; kept from one to the next.
+/// The buffers of a tile, kept from one tile to the next.
 #[derive(Default)]
 pub(crate) struct Workspace {
-    firsts: Vec<First>,
-    /// The same, four by four.
-    viewers: Viewers,
-    /// With the index of the first surface that found it.
-    seconds: Vec<(usize, Second)>,
-    links: Vec<Link>,
-    /// What a lobe reflects of some light towards each of the links.
-    reflected: Vec<Rgb>,
+    receivers: Vec<Receiver>,
+    receiver_set: ReceiverSet,
+    vertices: Vec<Found>,
+    connections: Vec<Connection>,
+    /// The BRDF of a glossy vertex towards each of `connections`.
+    f_cos: Vec<Rgb>,
     radiance: Vec<Rgb>,
 }
 
-/// What the squares of a picture share.
+/// A reusable vertex and the index of the receiver that found it.
+struct Found {
+    finder: usize,
+    vertex: ReusableVertex,
+}
+
+/// The integrator of one picture.
 #[derive(Clone, Copy)]
-pub(crate) struct Sharing<'a> {
+pub(crate) struct PathReuse<'a> {
     pub(crate) transport: &'a Transport<'a>,
     pub(crate) camera: &'a Camera,
     pub(crate) size: (usize, usize),
     pub(crate) seed: u64,
 }
 
-impl Sharing<'_> {
-    /// How many paths that share nothing a path that shares is worth, by the noise of a few squares;
-    /// none where that is less than its price, since most of the noise is what stands in the pixel.
-    /// Depends on all that the picture does but on its samples.
-    pub(crate) fn worth(&self) -> Option<f64> {
-        let grid = Grid::new(self.size, (0, 0));
-        if grid.squares() == 0 {
+impl PathReuse<'_> {
+    /// The number of independent samples that have the variance of one sample with reuse, estimated
+    /// from a pilot; none where that is less than [`COST`]. Does not depend on the samples of the
+    /// picture.
+    pub(crate) fn efficiency(&self) -> Option<f64> {
+        let tiling = Tiling::new(self.size, (0, 0));
+        if tiling.count() == 0 {
             return None;
         }
-        let noise: Vec<[f64; 2]> = (0..PILOT.0 as u64)
+        let errors: Vec<[f64; 2]> = (0..PILOT_TILES as u64)
             .into_par_iter()
             .map_init(Workspace::default, |space, i| {
-                // Anywhere: a fixed step might stay in one column.
-                let pixels = grid.pixels(mix(i) as usize % grid.squares());
-                [false, true].map(|shared| self.noise(pixels.clone(), shared, space))
+                // At random: with a constant step all tiles might lie in one column.
+                let pixels = tiling.pixels(mix(i) as usize % tiling.count());
+                [false, true].map(|reuse| self.squared_error(pixels.clone(), reuse, space))
             })
             .collect();
-        let sum = |way: usize| noise.iter().map(|noise| noise[way]).sum::<f64>();
-        (sum(0) > PRICE * sum(1)).then(|| sum(0) / sum(1))
+        let sum = |way: usize| errors.iter().map(|errors| errors[way]).sum::<f64>();
+        (sum(0) > COST * sum(1)).then(|| sum(0) / sum(1))
     }
 
-    /// The squared difference of two pictures of some pixels, under numbers of their own.
-    fn noise(
+    /// The squared difference of two independent pictures of some pixels, which is proportional to the
+    /// variance.
+    fn squared_error(
         &self,
         pixels: impl Iterator<Item = u32> + Clone,
-        shared: bool,
+        reuse: bool,
         space: &mut Workspace,
     ) -> f64 {
         let mut difference: Vec<DVec3> = pixels.clone().map(|_| DVec3::ZERO).collect();
         for (half, sign) in [(0, 1.0), (1, -1.0)] {
             let seed = mix(self.seed ^ STREAM).wrapping_add(half);
             let pilot = Self { seed, ..*self };
-            for index in 0..PILOT.1 {
-                if shared {
-                    pilot.sample(pixels.clone(), index, space);
+            for index in 0..PILOT_SPP {
+                if reuse {
+                    pilot.sample_tile(pixels.clone(), index, space);
                 } else {
+                    let sample = |pixel| pilot.sample_pixel(pixel, index);
                     space.radiance.clear();
-                    space.radiance.extend(pixels.clone().map(|pixel| pilot.alone(pixel, index)));
+                    space.radiance.extend(pixels.clone().map(sample));
                 }
                 for (difference, radiance) in difference.iter_mut().zip(&space.radiance) {
                     *difference += sign * radiance.as_dvec3();
@@ -128,152 +136,165 @@ impl Sharing<'_> {
         difference.iter().map(|d| d.length_squared()).sum()
     }
 
-    /// What the path number `index` brings a pixel that shares nothing.
-    fn alone(&self, pixel: u32, index: u32) -> Rgb {
-        let mut sampler = picture_sampler(self.seed, pixel, index);
+    /// The independent sample number `index` of a pixel.
+    fn sample_pixel(&self, pixel: u32, index: u32) -> Rgb {
+        let mut sampler = pixel_sampler(self.seed, pixel, index);
         let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
         self.transport.radiance(&ray, &mut sampler, 0)
     }
 
-    /// Adds the paths that `samples` asks for to `tally`. `progress` hears the share done, 0 to 1.
+    /// Adds the samples of the allocation to `accumulator`. `progress` is called with the completed
+    /// fraction, 0 to 1.
     pub(crate) fn accumulate(
         &self,
-        samples: &Samples<'_>,
-        tally: &mut Tally,
+        samples: &SampleAllocation<'_>,
+        accumulator: &mut Accumulator,
         progress: &(dyn Fn(f64) + Sync),
     ) {
         let ranges: Vec<Range<u32>> =
             (0..self.size.0 * self.size.1).map(|i| samples.of(i)).collect();
         let start = ranges.iter().map(|range| range.start).min().unwrap_or(0);
         let end = ranges.iter().map(|range| range.end).max().unwrap_or(0);
-        let drifts = matches!(samples, Samples::Even(_));
-        let at_once = BATCH.div_ceil(Grid::new(self.size, (0, 0)).squares().max(1)) as u32;
+        let shifts = matches!(samples, SampleAllocation::Uniform(_));
+        let at_once = BATCH.div_ceil(Tiling::new(self.size, (0, 0)).count().max(1)) as u32;
         let mut next = start;
         while next < end {
             let batch = next..end.min(next.saturating_add(at_once));
-            let share = |index: u32| f64::from(index - start) / f64::from(end - start);
-            let (from, to) = (share(batch.start), share(batch.end));
+            let fraction = |index: u32| f64::from(index - start) / f64::from(end - start);
+            let (from, to) = (fraction(batch.start), fraction(batch.end));
             next = batch.end;
-            let layers: Vec<Layer> =
-                batch.map(|index| Layer::new(self.size, index, drifts)).collect();
-            self.add(&layers, &ranges, tally, &|done| progress(from + (to - from) * done));
+            let passes: Vec<Pass> =
+                batch.map(|index| Pass::new(self.size, index, shifts)).collect();
+            let progress = |done| progress(from + (to - from) * done);
+            self.add(&passes, &ranges, accumulator, &progress);
         }
     }
 
-    /// Adds the paths of some numbers to those pixels that they are for.
+    /// Adds the samples of some passes to the pixels whose range has their number.
     fn add(
         &self,
-        layers: &[Layer],
+        passes: &[Pass],
         ranges: &[Range<u32>],
-        tally: &mut Tally,
+        accumulator: &mut Accumulator,
         progress: &(dyn Fn(f64) + Sync),
     ) {
-        let squares =
-            layers.iter().flat_map(|layer| (0..layer.grid.squares()).map(move |s| (layer, s)));
-        let squares: Vec<_> = squares.collect();
-        let (done, all) = (AtomicUsize::new(0), squares.len());
-        let radiance: Vec<Vec<Rgb>> = squares
+        let tiles = passes.iter().flat_map(|pass| (0..pass.tiling.count()).map(move |t| (pass, t)));
+        let tiles: Vec<_> = tiles.collect();
+        let (done, all) = (AtomicUsize::new(0), tiles.len());
+        let radiance: Vec<Vec<Rgb>> = tiles
             .into_par_iter()
-            .map_init(Workspace::default, |space, (layer, square)| {
-                let pixels = layer.grid.pixels(square);
-                let is_asked = |pixel: &u32| ranges[*pixel as usize].contains(&layer.index);
-                if !pixels.clone().any(|pixel| is_asked(&pixel)) {
+            .map_init(Workspace::default, |space, (pass, tile)| {
+                let pixels = pass.tiling.pixels(tile);
+                let is_wanted = |pixel: &u32| ranges[*pixel as usize].contains(&pass.index);
+                if !pixels.clone().any(|pixel| is_wanted(&pixel)) {
                     return Vec::new();
                 }
-                self.sample(pixels, layer.index, space);
+                self.sample_tile(pixels, pass.index, space);
                 progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / all as f64);
                 space.radiance.clone()
             })
             .collect();
-        let rows = tally.moments.pixels_mut().par_chunks_mut(self.size.0.max(1));
+        let rows = accumulator.image_mut().pixels_mut().par_chunks_mut(self.size.0.max(1));
         rows.enumerate().for_each(|(y, row)| {
             let mut first = 0;
-            for layer in layers {
-                for (x, moments) in row.iter_mut().enumerate() {
-                    if ranges[y * self.size.0 + x].contains(&layer.index) {
-                        let (square, place) = layer.grid.place(x, y);
-                        moments.push(radiance[first + square][place]);
+            for pass in passes {
+                for (x, pixel) in row.iter_mut().enumerate() {
+                    if ranges[y * self.size.0 + x].contains(&pass.index) {
+                        let (tile, place) = pass.tiling.place(x, y);
+                        pixel.push(radiance[first + tile][place]);
                     }
                 }
-                first += layer.grid.squares();
+                first += pass.tiling.count();
             }
         });
     }
 
-    /// The radiance that the paths number `index` bring the pixels of a square, into `space`.
-    fn sample(&self, pixels: impl Iterator<Item = u32>, index: u32, space: &mut Workspace) {
-        space.firsts.clear();
-        space.seconds.clear();
+    /// Writes the sample number `index` of the pixels of a tile to `space.radiance`.
+    fn sample_tile(&self, pixels: impl Iterator<Item = u32>, index: u32, space: &mut Workspace) {
+        space.receivers.clear();
+        space.vertices.clear();
         space.radiance.clear();
         for pixel in pixels {
-            let mut sampler = picture_sampler(self.seed, pixel, index);
+            let mut sampler = pixel_sampler(self.seed, pixel, index);
             let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
-            let radiance =
-                match First::met(self.transport, &ray, space.radiance.len(), &mut sampler) {
-                    Ok(first) => {
-                        let (radiance, second) = first.radiance(self.transport, &mut sampler);
-                        let finder = space.firsts.len();
-                        space.seconds.extend(second.map(|second| (finder, second)));
-                        space.firsts.push(first);
-                        radiance
-                    }
-                    Err(radiance) => radiance,
-                };
+            let place = space.radiance.len();
+            let radiance = match Receiver::trace(self.transport, &ray, place, &mut sampler) {
+                CameraHit::Receiver(receiver) => {
+                    let Contribution { radiance, reusable } =
+                        receiver.contribution(self.transport, &mut sampler);
+                    let finder = space.receivers.len();
+                    space.vertices.extend(reusable.map(|vertex| Found { finder, vertex }));
+                    space.receivers.push(receiver);
+                    radiance
+                }
+                CameraHit::Radiance(radiance) => radiance,
+            };
             space.radiance.push(radiance);
         }
-        space.viewers.gather(&space.firsts);
-        for (finder, second) in &space.seconds {
-            space.viewers.links(self.transport, &space.firsts, (*finder, second), &mut space.links);
-            share(second, &space.links, &mut space.reflected, &mut space.radiance);
+        let Workspace { receivers, receiver_set, vertices, connections, f_cos, radiance } = space;
+        receiver_set.assign(receivers);
+        for Found { finder, vertex } in vertices {
+            receiver_set.connect(self.transport, receivers, (*finder, vertex), connections);
+            distribute(&vertex.reflection, connections, f_cos, radiance);
         }
     }
 }
 
-/// The paths of one number through all pixels.
-struct Layer {
+/// The samples of one number of all pixels.
+struct Pass {
     index: u32,
-    grid: Grid,
+    tiling: Tiling,
 }
 
-impl Layer {
-    /// With squares that drift from one number to the next, or stand in their tiles.
-    fn new(size: (usize, usize), index: u32, drifts: bool) -> Self {
+impl Pass {
+    /// If `shifts`, the tiling has a random offset that depends on the number; else it is that of
+    /// adaptive sampling.
+    fn new(size: (usize, usize), index: u32, shifts: bool) -> Self {
         let random = mix(u64::from(index));
-        let shift = |bits: u64| if drifts { bits as usize % SIDE } else { 0 };
-        Self { index, grid: Grid::new(size, (shift(random), shift(random >> 32))) }
+        let shift = |bits: u64| if shifts { bits as usize % SIDE } else { 0 };
+        Self { index, tiling: Tiling::new(size, (shift(random), shift(random >> 32))) }
     }
 }
 
-/// Adds to the pixels' radiance what `second` reflects towards those that see it.
-fn share(second: &Second, links: &[Link], reflected: &mut Vec<Rgb>, radiance: &mut [Rgb]) {
-    match &second.reflection {
-        Reflection::Even(leaving) => {
-            let density: f32 = links.iter().map(|link| link.view.pdf * link.geometry).sum();
+/// Adds the light that a vertex reflects to the pixels of its connections.
+fn distribute(
+    reflection: &Reflection,
+    connections: &[Connection],
+    f_cos: &mut Vec<Rgb>,
+    radiance: &mut [Rgb],
+) {
+    match reflection {
+        Reflection::Diffuse(leaving) => {
+            let density: f32 = connections.iter().map(|c| c.receiver.pdf * c.geometry).sum();
             if density > 0.0 {
-                for link in links {
-                    radiance[link.pixel] += link.view.f_cos * (leaving * (link.geometry / density));
+                for c in connections {
+                    radiance[c.pixel] += c.receiver.f_cos * (leaving * (c.geometry / density));
                 }
             }
         }
-        Reflection::Lobe(lobe) => share_by_lobe(lobe, links, reflected, radiance),
+        Reflection::Glossy(glossy) => distribute_glossy(glossy, connections, f_cos, radiance),
     }
 }
 
-/// The same for a lobe, by which the light goes to each in another measure, and would have been
-/// found from each with another density.
-fn share_by_lobe(lobe: &Lobe, links: &[Link], reflected: &mut Vec<Rgb>, radiance: &mut [Rgb]) {
-    for arrival in lobe.arrivals.iter().flatten() {
-        reflected.clear();
+/// [`distribute`] for a glossy vertex, whose BRDF and densities differ from connection to connection.
+fn distribute_glossy(
+    glossy: &GlossyReflection,
+    connections: &[Connection],
+    at_vertex: &mut Vec<Rgb>,
+    radiance: &mut [Rgb],
+) {
+    for incident in glossy.incident.iter().flatten() {
+        at_vertex.clear();
         let mut density = 0.0;
-        for link in links {
-            let (f_cos, pdf) = lobe.f_cos_and_pdf(arrival, lobe.towards(link.view.wi));
-            density += link.view.pdf * link.geometry * pdf;
-            reflected.push(f_cos);
+        for c in connections {
+            let (f_cos, pdf) = glossy.f_cos_and_pdf(incident, glossy.towards(c.receiver.wi));
+            density += c.receiver.pdf * c.geometry * pdf;
+            at_vertex.push(f_cos);
         }
         if density > 0.0 && density.is_finite() {
-            for (link, f_cos) in links.iter().zip(reflected.iter()) {
-                let f_cos = link.view.f_cos * f_cos;
-                radiance[link.pixel] += f_cos * (arrival.radiance * (link.geometry / density));
+            for (c, f_cos) in connections.iter().zip(at_vertex.iter()) {
+                let f_cos = c.receiver.f_cos * f_cos;
+                radiance[c.pixel] += f_cos * (incident.radiance * (c.geometry / density));
             }
         }
     }

@@ -1,131 +1,152 @@
-//! A surface that the camera sees, and the light that it reflects without its neighbours' help.
+//! Receivers: the first vertices of the paths of a tile, and the light that they reflect on their own.
 
 use crate::accel::{self, Ray};
 use crate::bsdf::{Bsdf, Specular, lambert};
-use crate::caustic::Images;
-use crate::path::{Sum, Transport, Vertex};
+use crate::guiding::VmfMixture;
+use crate::path::{LocalBsdf, RadianceSum, Transport, Vertex};
+use crate::path_reuse::reused::ReusableVertex;
 use crate::sampler::Sampler;
-use crate::sharing::second::Second;
 use crate::surface::{Frame, Surface};
 use glam::Vec3;
 use unrender_scene::Rgb;
 
-/// Light samples at the first surface, where there is one place that light comes from and where there
-/// are several. Paths that share bring so much together that the light of a single sample would be
-/// most of the noise.
+/// Light samples at a receiver, with one pool of lights and with several. Reuse reduces the variance of
+/// indirect light by up to the number of pixels of a tile; with a single light sample direct light
+/// would be most of the variance. Half of these are noisier at equal time, double of them slower.
 const LIGHTS: [u32; 2] = [4, 16];
 
 /// A surface that the camera sees.
-pub(super) struct First {
-    /// The index in its set of the pixel that looks at it.
+pub(super) struct Receiver {
+    /// The place of its pixel in the tile.
     pub(super) pixel: usize,
     surface: Surface,
-    /// Where rays leave it.
+    /// The origin of rays that leave it.
     origin: Vec3,
-    bsdf: Bsdf<'static>,
-    images: Images,
-    frame: Frame,
-    /// Unit vector back to the camera, in `frame`.
+    local: LocalBsdf,
+    guide: VmfMixture,
+    /// Unit vector back to the camera, in the frame of `local`.
     wo: Vec3,
 }
 
-/// How a first surface looks in a direction.
+/// The first step of a sample: a receiver, or the radiance of a sample that takes no part in reuse.
+pub(super) enum CameraHit {
+    Receiver(Receiver),
+    Radiance(Rgb),
+}
+
+/// What a receiver contributes without reuse, and the vertex that others may reuse.
+pub(super) struct Contribution {
+    pub(super) radiance: Rgb,
+    pub(super) reusable: Option<ReusableVertex>,
+}
+
+/// The BRDF of a receiver in one direction.
 #[derive(Clone, Copy)]
-pub(super) struct View {
-    /// Unit vector there.
+pub(super) struct ReceiverBsdf {
+    /// Unit vector in that direction, world space.
     pub(super) wi: Vec3,
-    /// The reflectance towards the camera times the cosine here, sr^-1.
+    /// The BRDF towards the camera times the cosine, sr^-1.
     pub(super) f_cos: Rgb,
-    /// The density over solid angle with which the first surface looks there.
+    /// The density over solid angle with which the receiver draws that direction.
     pub(super) pdf: f32,
 }
 
-impl First {
-    /// What a camera's ray meets; else the radiance that arrives along it from what does not share.
-    pub(super) fn met(
+impl Receiver {
+    /// The receiver of a camera ray. Black surfaces, perfect mirrors and the environment are none.
+    pub(super) fn trace(
         transport: &Transport<'_>,
         ray: &Ray,
         pixel: usize,
         sampler: &mut Sampler,
-    ) -> Result<Self, Rgb> {
+    ) -> CameraHit {
         let Some(surface) = transport.surface(ray) else {
-            return Err(transport.environment(ray.direction));
+            return CameraHit::Radiance(transport.environment(ray.direction));
         };
-        let (bsdf, frame) = transport.bsdf(&surface);
+        let local = transport.bsdf(&surface);
+        let LocalBsdf { bsdf, frame } = &local;
         if !transport.reflects(0) || bsdf.is_black() || bsdf.is_pure_mirror() {
             let reflected = transport.reflected(surface, -ray.direction, sampler, 0);
-            return Err(transport.emitted(&surface) + reflected);
+            return CameraHit::Radiance(transport.emitted(&surface) + reflected);
         }
-        Ok(Self {
+        CameraHit::Receiver(Self {
             pixel,
             origin: accel::offset(surface.point, surface.geometric_normal),
-            images: transport.images(&bsdf, &surface, &frame, 0),
+            guide: transport.guide(&local, &surface, 0),
             wo: frame.local_from_world(-ray.direction),
             surface,
-            bsdf,
-            frame,
+            local,
         })
     }
 
     fn bsdf(&self) -> Bsdf<'_> {
-        self.bsdf.looking_at(&self.images)
+        self.local.bsdf.guided_by(&self.guide)
     }
 
-    /// The radiance that goes to the camera, but for what comes by way of a second surface that is
-    /// to be shared: that one is handed back.
-    pub(super) fn radiance(
+    /// The radiance towards the camera by emission, light samples, and paths that cannot be reused.
+    pub(super) fn contribution(
         &self,
         transport: &Transport<'_>,
         sampler: &mut Sampler,
-    ) -> (Rgb, Option<Second>) {
+    ) -> Contribution {
         let bsdf = self.bsdf();
-        let at = Vertex { surface: &self.surface, bsdf: &bsdf, frame: &self.frame, wo: self.wo };
+        let frame = &self.local.frame;
+        let at = Vertex { surface: &self.surface, bsdf: &bsdf, frame, wo: self.wo };
         let lights = LIGHTS[usize::from(transport.has_several_lights())];
-        let mut sum = Sum::new(transport.appearance());
+        let mut sum = RadianceSum::new(transport);
         sum.radiance = transport.emitted(&self.surface);
         for [pick, u, v, _] in sampler.next4_each(lights) {
-            transport.direct(Rgb::ONE, &at, [pick, u, v], lights, &mut sum);
+            transport.sample_light(Rgb::ONE, &at, [pick, u, v], lights, &mut sum);
         }
         let [lobe, u, v, _] = sampler.next4();
         let sample = bsdf.sample(self.wo, [lobe, u, v]);
-        let sample = sample.map(|sample| (sample, self.frame.world_from_local(sample.wi)));
+        let sample = sample.map(|sample| (sample, frame.world_from_local(sample.wi)));
         let Some((sample, wi)) = sample.filter(|(_, wi)| self.surface.is_above(*wi)) else {
-            return (sum.radiance, None);
+            return Contribution { radiance: sum.radiance, reusable: None };
         };
-        let met = transport.meet(&self.surface, wi);
-        met.tell(sample.weight, sample.pdf, lights, &mut sum);
-        let Some(surface) = met.surface else { return (sum.radiance, None) };
-        if sample.pdf.is_finite() && transport.is_smooth(&surface) {
-            return (sum.radiance, Second::new(transport, surface, -wi, sampler));
+        let hit = transport.hit(&self.surface, wi);
+        hit.record_emission(sample.weight, sample.pdf, lights, &mut sum);
+        let radiance = sum.radiance;
+        let Some(surface) = hit.surface else {
+            return Contribution { radiance, reusable: None };
+        };
+        if sample.pdf.is_finite() && transport.is_not_specular(&surface) {
+            let reusable = ReusableVertex::new(transport, surface, -wi, sampler);
+            return Contribution { radiance, reusable };
         }
         let reflected = transport.reflected(surface, -wi, sampler, 1);
-        (sum.radiance + sample.weight * reflected, None)
+        Contribution { radiance: radiance + sample.weight * reflected, reusable: None }
     }
 
-    /// Where rays leave it.
+    /// The origin of rays that leave it.
     pub(super) fn origin(&self) -> Vec3 {
         self.origin
     }
 
-    /// The unit normals of the triangle and of the shading.
+    /// The geometric and the shading normal, unit vectors.
     pub(super) fn normals(&self) -> [Vec3; 2] {
         [self.surface.geometric_normal, self.surface.frame.normal]
     }
 
-    /// The images that the diffuse part looks for, and the frame that they are given in.
-    pub(super) fn images(&self) -> (&Images, &Frame) {
-        (&self.images, &self.frame)
+    /// The mixture that guides its diffuse term, and the frame that it is given in.
+    pub(super) fn guide(&self) -> (&VmfMixture, &Frame) {
+        (&self.guide, &self.local.frame)
     }
 
-    /// How this surface looks along the unit vector `wi` (world space), of the cosine `cosine`; if it
-    /// has no lobe, it would do so with the density `diffuse_pdf`. None if it could not have.
+    /// The BRDF along the unit vector `wi` (world space) of the cosine `cosine`; `diffuse_pdf` is the
+    /// density with which a diffuse receiver draws `wi`. None where the density is zero.
     #[inline]
-    pub(super) fn view(&self, wi: Vec3, cosine: f32, diffuse_pdf: f32) -> Option<View> {
-        let (f, pdf) = if self.bsdf.specular == Specular::None {
-            (self.bsdf.rho_d * lambert::VALUE, diffuse_pdf)
+    pub(super) fn evaluated(
+        &self,
+        wi: Vec3,
+        cosine: f32,
+        diffuse_pdf: f32,
+    ) -> Option<ReceiverBsdf> {
+        let LocalBsdf { bsdf, frame } = &self.local;
+        let (f, pdf) = if bsdf.specular == Specular::None {
+            (bsdf.rho_d * lambert::VALUE, diffuse_pdf)
         } else {
-            self.bsdf().value_and_pdf(self.wo, self.frame.local_from_world(wi))
+            self.bsdf().value_and_pdf(self.wo, frame.local_from_world(wi))
         };
-        (pdf > 0.0 && pdf.is_finite()).then_some(View { wi, f_cos: f * cosine, pdf })
+        (pdf > 0.0 && pdf.is_finite()).then_some(ReceiverBsdf { wi, f_cos: f * cosine, pdf })
     }
 }

@@ -1,93 +1,94 @@
-//! A surface that a path finds from what the camera sees, and the light that arrives there.
+//! Reusable vertices: the second vertices of paths, with the light that they reflect.
 
 use crate::accel;
-use crate::bsdf::{Bsdf, Specular};
-use crate::caustic::Images;
-use crate::path::Transport;
+use crate::bsdf::Specular;
+use crate::guiding::VmfMixture;
+use crate::path::{LocalBsdf, Transport, VisibleLight};
 use crate::sampler::Sampler;
-use crate::surface::{Frame, Surface};
+use crate::surface::Surface;
 use glam::Vec3;
 use unrender_scene::Rgb;
 
-/// Paths that go on from a diffuse surface, where light comes from one place and where from several:
-/// there the most noise is which light is seen. One costs as much as thirty pixels' view of it.
+/// Paths that continue from a diffuse reusable vertex, with one pool of lights and with several; with
+/// several the choice of the light dominates the variance, and light samples at the receiver are more
+/// useful. A path costs as much as thirty connections.
 const PATHS: [u32; 2] = [2, 1];
 
-/// A surface that a path found.
-pub(super) struct Second {
+/// The second vertex of a path.
+pub(super) struct ReusableVertex {
     surface: Surface,
-    /// Where rays meet it.
+    /// Its point, off the surface, where connections end.
     pub(super) point: Vec3,
     pub(super) reflection: Reflection,
 }
 
-/// What it does with the light that arrives.
-#[expect(clippy::large_enum_variant, reason = "a box for each would be an allocation a path")]
+/// The light that a reusable vertex reflects.
+#[expect(clippy::large_enum_variant, reason = "boxing would allocate per path")]
 pub(super) enum Reflection {
-    /// Reflects this radiance to all sides.
-    Even(Rgb),
-    /// Reflects it by a lobe.
-    Lobe(Lobe),
+    /// The same radiance in all directions.
+    Diffuse(Rgb),
+    /// By a glossy BRDF.
+    Glossy(GlossyReflection),
 }
 
-/// A surface with a lobe, and the light that arrives there in up to three ways.
-pub(super) struct Lobe {
-    bsdf: Bsdf<'static>,
-    images: Images,
-    frame: Frame,
-    pub(super) arrivals: [Option<Arrival>; 3],
+/// A glossy BRDF, and the light that arrives there: from a light sample, and along one direction by
+/// emission and by reflection.
+pub(super) struct GlossyReflection {
+    local: LocalBsdf,
+    guide: VmfMixture,
+    pub(super) incident: [Option<IncidentLight>; 3],
 }
 
-/// Light that arrives at a second surface.
+/// Light that arrives at a glossy reusable vertex.
 #[derive(Clone, Copy)]
-pub(super) struct Arrival {
-    /// Unit vector towards where it comes from, in the surface's frame.
+pub(super) struct IncidentLight {
+    /// Unit vector towards its origin, in the frame of the BRDF.
     wi: Vec3,
-    /// Its radiance; for a light without a surface irradiance over probability.
+    /// Its radiance; of a punctual light irradiance over probability.
     pub(super) radiance: Rgb,
-    /// The density over solid angle with which light samples would find it; one for a light without
-    /// a surface, zero for light that comes from no light.
+    /// The density over solid angle with which light samples find it; one for a punctual light, zero
+    /// for reflected light.
     light_pdf: f32,
-    /// Whether directions drawn from the reflectance would find it, too.
-    by_direction: bool,
+    /// Whether directions drawn from the BRDF find it, too.
+    by_bsdf: bool,
 }
 
-impl Second {
-    /// What reflects at `surface` towards `wo` (both in world space) and others; none if that is
-    /// nothing. The surface is no mirror, and of the reflection number one.
+impl ReusableVertex {
+    /// The vertex at `surface`, found from the direction `wo` (world space); none if it reflects
+    /// nothing. The surface has no mirror term; its bounce is the number one.
     pub(super) fn new(
         transport: &Transport<'_>,
         surface: Surface,
         wo: Vec3,
         sampler: &mut Sampler,
     ) -> Option<Self> {
-        let (bsdf, frame) = transport.bsdf(&surface);
+        let local = transport.bsdf(&surface);
         let point = accel::offset(surface.point, surface.geometric_normal);
-        if !surface.is_above(wo) || bsdf.is_black() {
+        if !surface.is_above(wo) || local.bsdf.is_black() {
             return None;
         }
-        let reflection = if bsdf.specular == Specular::None {
+        let reflection = if local.bsdf.specular == Specular::None {
             let paths = PATHS[usize::from(transport.has_several_lights())];
             let each = (0..paths).map(|_| transport.reflected(surface, wo, sampler, 1));
             let radiance = each.sum::<Rgb>() / paths as f32;
-            (radiance != Rgb::ZERO).then_some(Reflection::Even(radiance))
+            (radiance != Rgb::ZERO).then_some(Reflection::Diffuse(radiance))
         } else {
-            let images = transport.images(&bsdf, &surface, &frame, 1);
-            let mut lobe = Lobe { bsdf, images, frame, arrivals: [None; 3] };
-            lobe.gather(transport, &surface, wo, sampler);
-            lobe.arrivals.iter().any(Option::is_some).then_some(Reflection::Lobe(lobe))
+            let guide = transport.guide(&local, &surface, 1);
+            let mut glossy = GlossyReflection { local, guide, incident: [None; 3] };
+            glossy.gather(transport, &surface, wo, sampler);
+            glossy.incident.iter().any(Option::is_some).then_some(Reflection::Glossy(glossy))
         };
         Some(Self { surface, point, reflection: reflection? })
     }
 
-    /// The unit normals of the triangle and of the shading.
+    /// The geometric and the shading normal, unit vectors.
     pub(super) fn normals(&self) -> [Vec3; 2] {
         [self.surface.geometric_normal, self.surface.frame.normal]
     }
 }
 
-impl Lobe {
-    /// One light sample and one direction.
+impl GlossyReflection {
+    /// Takes one light sample and traces one direction.
     fn gather(
         &mut self,
         transport: &Transport<'_>,
@@ -99,46 +100,46 @@ impl Lobe {
             return;
         }
         let [pick, u, v, _] = sampler.next4();
-        if let Some((wi, weight, pdf)) = transport.visible_light(surface, [pick, u, v]) {
-            self.arrivals[0] = Some(Arrival {
-                wi: self.frame.local_from_world(wi),
+        if let Some(light) = transport.visible_light(surface, [pick, u, v]) {
+            let VisibleLight { wi, weight, pdf } = light;
+            self.incident[0] = Some(IncidentLight {
+                wi: self.local.frame.local_from_world(wi),
                 radiance: weight * pdf.unwrap_or(1.0),
                 light_pdf: pdf.unwrap_or(1.0),
-                by_direction: pdf.is_some(),
+                by_bsdf: pdf.is_some(),
             });
         }
         let [lobe, u, v, _] = sampler.next4();
-        let bsdf = self.bsdf.looking_at(&self.images);
-        let Some(sample) = bsdf.sample(self.frame.local_from_world(wo), [lobe, u, v]) else {
+        let bsdf = self.local.bsdf.guided_by(&self.guide);
+        let Some(sample) = bsdf.sample(self.local.frame.local_from_world(wo), [lobe, u, v]) else {
             return;
         };
-        let wi = self.frame.world_from_local(sample.wi);
+        let wi = self.local.frame.world_from_local(sample.wi);
         if !surface.is_above(wi) {
             return;
         }
-        let met = transport.meet(surface, wi);
-        let arrival = |radiance: Rgb, light_pdf: f32| {
-            let arrival = Arrival { wi: sample.wi, radiance, light_pdf, by_direction: true };
-            (radiance != Rgb::ZERO).then_some(arrival)
+        let hit = transport.hit(surface, wi);
+        let incident = |radiance: Rgb, light_pdf: f32| {
+            let light = IncidentLight { wi: sample.wi, radiance, light_pdf, by_bsdf: true };
+            (radiance != Rgb::ZERO).then_some(light)
         };
-        self.arrivals[1] =
-            arrival(met.emission * transport.appearance().light(met.source), met.light_pdf);
-        if let Some(next) = met.surface {
-            self.arrivals[2] = arrival(transport.reflected(next, -wi, sampler, 2), 0.0);
+        self.incident[1] = incident(transport.scaled(&hit.emission), hit.light_pdf);
+        if let Some(next) = hit.surface {
+            self.incident[2] = incident(transport.reflected(next, -wi, sampler, 2), 0.0);
         }
     }
 
-    /// The direction towards a viewer who looks along `wi` (world space).
+    /// The direction towards a receiver that connects along `wi` (world space).
     pub(super) fn towards(&self, wi: Vec3) -> Vec3 {
-        self.frame.local_from_world(-wi)
+        self.local.frame.local_from_world(-wi)
     }
 
-    /// The reflectance from `arrival` towards `wo` times the cosine of its direction, and the
-    /// density with which it would be found on a path from there.
-    pub(super) fn f_cos_and_pdf(&self, arrival: &Arrival, wo: Vec3) -> (Rgb, f32) {
-        let bsdf = self.bsdf.looking_at(&self.images);
-        let (f, pdf) = bsdf.value_and_pdf(wo, arrival.wi);
-        let by_direction = if arrival.by_direction { pdf } else { 0.0 };
-        (f * arrival.wi.z, arrival.light_pdf + by_direction)
+    /// The BRDF from `incident` towards `wo` times the cosine of the incident direction, and the
+    /// density with which a path from `wo` finds that light.
+    pub(super) fn f_cos_and_pdf(&self, incident: &IncidentLight, wo: Vec3) -> (Rgb, f32) {
+        let bsdf = self.local.bsdf.guided_by(&self.guide);
+        let (f, pdf) = bsdf.value_and_pdf(wo, incident.wi);
+        let by_bsdf = if incident.by_bsdf { pdf } else { 0.0 };
+        (f * incident.wi.z, incident.light_pdf + by_bsdf)
     }
 }

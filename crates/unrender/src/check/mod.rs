@@ -25,7 +25,7 @@ use glam::Vec3;
 use unrender_recover::evidence::Stage;
 use unrender_recover::prospect::{Prospect, prospect};
 use unrender_recover::{GroupSpec, Observation, Role, Trust, View};
-use unrender_render::{GeometryBuffers, SeenRadiance, Tracer};
+use unrender_render::{GeometryBuffers, RadianceCache, Tracer};
 use unrender_scene::color::luminance;
 use unrender_scene::{Material, Rgb, Warnings};
 
@@ -125,9 +125,9 @@ fn prospects(
     if photo <= 0.0 {
         return in_grey;
     }
-    let seen = SeenRadiance {
+    let seen = RadianceCache {
         radiance: observation.picture.values.map(|value| *value * (grey / photo)),
-        known: observation.trust.map(|trust| *trust == Trust::Believed),
+        valid: observation.trust.map(|trust| *trust == Trust::Believed),
     };
     let in_colour = prospects_among(view, observation, specs, Some(&seen));
     let merged = in_grey.into_iter().zip(in_colour).map(|(grey, colour)| {
@@ -140,7 +140,7 @@ fn prospects_among(
     view: &View<'_>,
     observation: &Observation,
     specs: &[GroupSpec],
-    seen: Option<&SeenRadiance>,
+    seen: Option<&RadianceCache>,
 ) -> Vec<Option<Prospect>> {
     let material = |spec: &GroupSpec| match spec.role {
         Role::Unknown => Material::diffuse(GREY),

@@ -54,7 +54,12 @@ pub struct Effort {
 impl Effort {
     pub(crate) fn settings(&self) -> Settings {
         let max_bounces = self.bounces.unwrap_or(MAX_BOUNCES);
-        Settings { seed: self.seed, max_bounces, shared: !self.independent, ..Settings::default() }
+        Settings {
+            seed: self.seed,
+            max_bounces,
+            integrator: unrender_render::Integrator::with_path_reuse(!self.independent),
+            ..Settings::default()
+        }
     }
 
     /// Whether clock or noise say when the picture is done.

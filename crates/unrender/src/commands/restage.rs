@@ -14,7 +14,7 @@ use std::fmt::Debug;
 use std::ops::{ControlFlow, Range};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use unrender_render::Tally;
+use unrender_render::Accumulator;
 use unrender_restage::composite::Gain;
 use unrender_restage::pair::{self, Pairing};
 use unrender_scene::{Camera, Warnings};
@@ -227,7 +227,7 @@ fn samples(
     args: &Args,
     global: &Global,
     job: &Job<'_>,
-) -> Result<ControlFlow<ExitCode, Vec<Tally>>, Error> {
+) -> Result<ControlFlow<ExitCode, Vec<Accumulator>>, Error> {
     if !args.parts.is_empty() {
         let (part, warnings) = part::join(&args.parts, false)?;
         warn(&warnings);

@@ -34,7 +34,7 @@ impl Composite {
         let scene = &restaging.start.scene;
         let (width, height) = photograph.size();
         let geometry = Tracer::new(scene).geometry(&photograph.camera, width, height);
-        let changes = touched::touched(&paired, &geometry, &photograph.photo.quantum);
+        let changes = touched::touched(&paired, &geometry, &photograph.photo.quantisation_step);
         let mut clipped = geometry.map(|_| false);
         let response = &photograph.transfer.response;
         for index in clipping::clipped_pixels(&photograph.picture, response) {
@@ -71,8 +71,8 @@ fn shot(photograph: &Photograph, geometry: &GeometryBuffers, groups: usize) -> R
     let photo = &photograph.photo;
     let picture = Picture {
         values: photo.radiance.clone(),
-        trusted: photo.trusted.clone(),
-        quantum: photo.quantum.clone(),
+        trusted: photo.valid.clone(),
+        quantum: photo.quantisation_step.clone(),
     };
     let shots = Observation::new(picture, geometry, groups).shot_of_group;
     let median = |channel: usize| {

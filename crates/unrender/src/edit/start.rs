@@ -115,7 +115,7 @@ impl Start {
             let found = found.ok_or_else(|| {
                 FileError::new(path, "exposure is \"auto\"; name the recovery that found it")
             })?;
-            for values in [&mut photo.radiance, &mut photo.quantum] {
+            for values in [&mut photo.radiance, &mut photo.quantisation_step] {
                 values.pixels_mut().iter_mut().for_each(|value| *value *= found);
             }
             transfer.exposure = found;

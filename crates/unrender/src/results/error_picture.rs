@@ -85,13 +85,13 @@ impl Difference {
         let (width, height) = (photo.width(), photo.height());
         // The sum of differences, that of their variances, and the number of pixels.
         let sums = Image::from_fn(width, height, |x, y| {
-            if !job.photo.trusted.at(x, y) {
+            if !job.photo.valid.at(x, y) {
                 return (0.0, 0.0, 0.0);
             }
             let (mut sum, mut variance, mut count) = (0.0, 0.0, 0.0);
             for row in y.saturating_sub(REACH)..(y + REACH + 1).min(height) {
                 for column in x.saturating_sub(REACH)..(x + REACH + 1).min(width) {
-                    if *job.photo.trusted.at(column, row) {
+                    if *job.photo.valid.at(column, row) {
                         let shown = luminance(*recovery.rerendered.at(column, row));
                         sum += shown - photo.at(column, row);
                         variance += recovery.noise.at(column, row).powi(2);
