@@ -10,6 +10,7 @@
 //!
 //! by dynamic programming from the leaves to the root [Ylitie et al. 2017, section 3.1].
 
+use super::degenerate;
 use super::primitives::Primitives;
 use super::tree::{ChildRef, LEAF_MAX, Node, Tree, WIDTH};
 use super::woop::Triangles4;
@@ -44,7 +45,12 @@ const QUALITY: BvhBuildParams = BvhBuildParams {
 /// The tree over `triangles`, at least one, and the lower and upper corner of their bounding box.
 pub(super) fn build(triangles: &[[Vec3; 3]]) -> (Tree, [Vec3; 2]) {
     let primitives = Primitives::new(triangles);
-    let binary = build_bvh2(&primitives.bounded(), QUALITY, &mut Duration::default());
+    let bounded = primitives.bounded();
+    let binary = if degenerate::is_degenerate(&bounded) {
+        degenerate::median_split(&bounded)
+    } else {
+        build_bvh2(&bounded, QUALITY, &mut Duration::default())
+    };
     let bounds = primitives.unscaled(binary.nodes[0].aabb);
     let mut collapse = Collapse {
         costs: Costs::of(&binary, &primitives),

@@ -3,7 +3,8 @@
 //! The interface is [`Accel::closest`], [`Accel::occluded`], and `Accel::occluders` (`shaft`), which
 //! bounds what may occlude the segments from one point to many. The structure behind it is private
 //! to this module:
-//!  - `primitives` and `build`: the binary tree of `obvhs`, collapsed to eight children per node;
+//!  - `primitives`, `degenerate` and `build`: the binary tree of `obvhs`, or of median splits where that
+//!    would take quadratic time, collapsed to eight children per node;
 //!  - `tree`: its memory layout;
 //!  - `walk`: the traversal, written once, with two box tests: AVX2 (`avx2`), or glam's vectors of four
 //!    (SSE2, NEON). Both give the same bits;
@@ -13,6 +14,7 @@
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod build;
+mod degenerate;
 mod primitives;
 mod shaft;
 mod tree;

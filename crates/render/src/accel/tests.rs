@@ -93,6 +93,7 @@ fn assert_sound(accel: &Accel, triangles: &[[Vec3; 3]]) {
             assert!(4 * child.blocks().len() <= LEAF_MAX);
             for block in &accel.tree.blocks[child.blocks()] {
                 let mut ids = block.ids.to_vec();
+                ids.sort_unstable();
                 ids.dedup();
                 for id in ids {
                     found[id as usize] += 1;
