@@ -29,6 +29,7 @@ pub(super) struct Receiver {
 }
 
 /// The first step of a sample: a receiver, or the radiance of a sample that takes no part in reuse.
+#[expect(clippy::large_enum_variant, reason = "boxing would allocate per path")]
 pub(super) enum CameraHit {
     Receiver(Receiver),
     Radiance(Rgb),
