@@ -4,8 +4,8 @@ use crate::Response;
 use unrender_formats::picture::Picture;
 use unrender_scene::{Image, Rgb};
 
-/// The indices of the pixels with a channel at the largest pixel value, or beyond the last value that
-/// `response` was measured for; floating-point files have no largest value.
+/// The indices of the pixels with a channel at the largest pixel value, or beyond the last value
+/// that `response` was measured for; floating-point files have no largest value.
 pub fn clipped_pixels(picture: &Picture, response: &Response) -> Vec<usize> {
     // Half a value below the top: pixel values are exact, their quotients are rounded.
     let top = picture.depth.max_code().map_or(f32::INFINITY, |max| (max - 0.5) / max);

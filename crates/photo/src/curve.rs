@@ -1,8 +1,8 @@
 //! A measured response curve, interpolated so that it stays monotone.
 //!
-//! Between two rows the curve is a cubic Hermite polynomial. Its slope at a row is the weighted harmonic
-//! mean of the slopes of the adjacent chords, so that the curve is monotone [Fritsch and Butland 1984;
-//! PCHIP in MATLAB and SciPy].
+//! Between two rows the curve is a cubic Hermite polynomial. Its slope at a row is the weighted
+//! harmonic mean of the slopes of the adjacent chords, so that the curve is monotone [Fritsch and
+//! Butland 1984; PCHIP in MATLAB and SciPy].
 
 /// A strictly increasing curve from codes to linear values.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,8 +13,8 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// The curve through (`codes`, `values`). Without a row for the code zero one of linear value zero is
-    /// added, unless the first row has a value of zero itself.
+    /// The curve through (`codes`, `values`). Without a row for the code zero one of linear value
+    /// zero is added, unless the first row has a value of zero itself.
     ///
     /// # Panics
     /// If there are fewer than two rows, or either list is not strictly increasing.
@@ -87,7 +87,8 @@ fn slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
     std::iter::once(start).chain(inner).chain([end]).collect()
 }
 
-/// The slope of the parabola through the three rows at an end, clamped so that the curve is monotone.
+/// The slope of the parabola through the three rows at an end, clamped so that the curve is
+/// monotone.
 fn end_slope([width, next_width]: [f64; 2], [chord, next_chord]: [f64; 2]) -> f64 {
     let slope = ((2.0 * width + next_width) * chord - width * next_chord) / (width + next_width);
     slope.clamp(0.0, 3.0 * chord)

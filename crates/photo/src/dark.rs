@@ -1,10 +1,10 @@
 //! Pixels so close to black that their noise is clipped from below.
 //!
-//! Where noise extends below the black level, the file has black instead, and the mean of a region is
-//! biased upwards. Excluding the black pixels alone would increase the bias, since the brighter half of
-//! the noise would remain. So a pixel is tested by its neighbours, independently of its own value: it
-//! is excluded if some of them are clipped among others that clearly are not. Regions that are black,
-//! and black pixels beside an edge, are kept.
+//! Where noise extends below the black level, the file has black instead, and the mean of a region
+//! is biased upwards. Excluding the black pixels alone would increase the bias, since the brighter
+//! half of the noise would remain. So a pixel is tested by its neighbours, independently of its own
+//! value: it is excluded if some of them are clipped among others that clearly are not. Regions
+//! that are black, and black pixels beside an edge, are kept.
 
 use unrender_formats::picture::Picture;
 use unrender_scene::Rgb;
@@ -12,14 +12,15 @@ use unrender_scene::Rgb;
 /// Values this far above black (of 1) are clearly not clipped: two steps of 8 bits. At one step
 /// rounding would count as noise, at four steps weak noise is missed.
 const CLEARLY: f32 = 1.5 / 255.0;
-/// Neighbours this far above black (of 1) are an edge and not noise: a dozen steps of 8 bits. Half of it
-/// keeps regions of strong noise, double of it excludes black beside dim objects.
+/// Neighbours this far above black (of 1) are an edge and not noise: a dozen steps of 8 bits. Half
+/// of it keeps regions of strong noise, double of it excludes black beside dim objects.
 const EDGE: f32 = 12.5 / 255.0;
 /// Below this share of the picture the bias is negligible and no pixel is excluded.
 const HARMLESS: f32 = 5e-4;
 
-/// The indices of the pixels with a channel in the noise near black; none where they are few, and none
-/// for floating-point files. `floor` is the pixel value at and below which a channel is clipped.
+/// The indices of the pixels with a channel in the noise near black; none where they are few, and
+/// none for floating-point files. `floor` is the pixel value at and below which a channel is
+/// clipped.
 pub fn dark_pixels(picture: &Picture, floor: Rgb) -> Vec<usize> {
     if picture.depth.max_code().is_none() {
         return Vec::new();

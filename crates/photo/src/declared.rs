@@ -5,11 +5,11 @@ use unrender_formats::picture::{Depth, Profile};
 use unrender_scene::Warnings;
 use unrender_scene::color::linear_from_srgb;
 
-/// Curves are the same if no linear value differs by more than this: about one step of 8 bits. Half of
-/// it separates roundings of the sRGB curve, double of it joins gammas of 2.2 and sRGB.
+/// Curves are the same if no linear value differs by more than this: about one step of 8 bits. Half
+/// of it separates roundings of the sRGB curve, double of it joins gammas of 2.2 and sRGB.
 const SAME: f32 = 5e-3;
-/// A stated response contradicts a declared one if a linear value differs by more than this: sRGB and a
-/// gamma of 2.2 do not, sRGB and a gamma of 1.8 do.
+/// A stated response contradicts a declared one if a linear value differs by more than this: sRGB
+/// and a gamma of 2.2 do not, sRGB and a gamma of 1.8 do.
 const CONTRADICTS: f32 = 0.02;
 
 /// The response that `profile` declares; none without a curve, or with one that is not increasing.

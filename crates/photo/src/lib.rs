@@ -1,11 +1,12 @@
 //! Photographs to linear radiance, with a valid mask, and camera calibration.
 //!
 //! The camera maps radiance to pixel values (digital numbers) by a transfer function. [`develop`]
-//! inverts it ([`Transfer`]): black level, [`Response`], exposure, [vignetting]. The valid mask excludes
-//! clipped pixels, which are a lower bound only, with their neighbours, to which charge may have
-//! spread; and pixels in the noise near black, whose mean is biased ([`dark`]).
+//! inverts it ([`Transfer`]): black level, [`Response`], exposure, [vignetting]. The valid mask
+//! excludes clipped pixels, which are a lower bound only, with their neighbours, to which charge
+//! may have spread; and pixels in the noise near black, whose mean is biased ([`dark`]).
 //!
-//! [`calibrate`](mod@calibrate) finds pose, focal length and lens of the camera from measured points.
+//! [`calibrate`](mod@calibrate) finds pose, focal length and lens of the camera from measured
+//! points.
 //!
 //! Sources are cited by the keys of `docs/bibliography.md`.
 
@@ -51,15 +52,15 @@ impl Exposure {
 pub struct Photo {
     /// Radiance, W sr^-1 m^-2 per channel.
     pub radiance: RgbImage,
-    /// The valid mask: false where a channel is clipped, beside such a pixel, in the noise near black,
-    /// and where the file has no finite value.
+    /// The valid mask: false where a channel is clipped, beside such a pixel, in the noise near
+    /// black, and where the file has no finite value.
     pub valid: Image<bool>,
     /// The number of pixels with a clipped channel, without their neighbours.
     pub clipped: usize,
     /// The number of pixels in the noise near black.
     pub dark: usize,
-    /// The quantisation step: the radiance between adjacent pixel values; zero for floating-point files.
-    /// Quantisation has the variance step^2 / 12.
+    /// The quantisation step: the radiance between adjacent pixel values; zero for floating-point
+    /// files. Quantisation has the variance step^2 / 12.
     pub quantisation_step: RgbImage,
 }
 

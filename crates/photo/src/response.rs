@@ -23,9 +23,9 @@ impl Response {
         Self::Measured(Arc::new(curves))
     }
 
-    /// The linear value of a code in `channel`. The code one has the linear value one, except in measured
-    /// responses, which may have another unit. Negative codes, which only floating-point files have,
-    /// stay negative for [`Response::Linear`] and become zero otherwise.
+    /// The linear value of a code in `channel`. The code one has the linear value one, except in
+    /// measured responses, which may have another unit. Negative codes, which only floating-point
+    /// files have, stay negative for [`Response::Linear`] and become zero otherwise.
     pub fn linear_from_code(&self, channel: usize, code: f32) -> f32 {
         match self {
             Self::Srgb => linear_from_srgb(code.max(0.0)),
@@ -35,8 +35,8 @@ impl Response {
         }
     }
 
-    /// The code of a linear value in `channel`, clamped to 0 to 1 for sRGB and to the measured range for
-    /// measured responses.
+    /// The code of a linear value in `channel`, clamped to 0 to 1 for sRGB and to the measured
+    /// range for measured responses.
     pub fn code_from_linear(&self, channel: usize, linear: f32) -> f32 {
         match self {
             Self::Srgb => srgb_from_linear(linear),
@@ -46,8 +46,8 @@ impl Response {
         }
     }
 
-    /// The linear difference between `code` and the adjacent codes, `step` away: the mean of both sides,
-    /// one-sided at the ends.
+    /// The linear difference between `code` and the adjacent codes, `step` away: the mean of both
+    /// sides, one-sided at the ends.
     pub fn step(&self, channel: usize, code: f32, step: f32) -> f32 {
         let below = (code - step).max(0.0);
         let above = (code + step).min(1.0);

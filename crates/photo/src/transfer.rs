@@ -1,4 +1,5 @@
-//! The transfer function of the camera, T of [Boivin and Gagalowicz 2002, section 4.1], and its inverse.
+//! The transfer function of the camera, T of [Boivin and Gagalowicz 2002, section 4.1], and its
+//! inverse.
 //!
 //! From radiance to pixel values (codes), per channel, with the vignetting factor `v`:
 //!
@@ -40,7 +41,8 @@ impl Transfer {
         self.vignetting.as_ref().map_or(1.0, |vignetting| vignetting.share(x, y))
     }
 
-    /// The radiance of a code, W sr^-1 m^-2 per channel, at a pixel with the vignetting factor `share`.
+    /// The radiance of a code, W sr^-1 m^-2 per channel, at a pixel with the vignetting factor
+    /// `share`.
     pub fn radiance(&self, code: Rgb, share: f32) -> Rgb {
         let code = (code - self.black_level) / (Rgb::ONE - self.black_level);
         let linear = |channel| self.response.linear_from_code(channel, code[channel]);
@@ -67,8 +69,8 @@ impl Transfer {
         })
     }
 
-    /// The radiance between `code` and the adjacent code, `step` away; see [`Response::step`]. Where
-    /// primaries are converted, the root of the sum of squares over the channels of the file.
+    /// The radiance between `code` and the adjacent code, `step` away; see [`Response::step`].
+    /// Where primaries are converted, the root of the sum of squares over the channels of the file.
     pub fn step(&self, code: Rgb, step: f32, share: f32) -> Rgb {
         let range = Rgb::ONE - self.black_level;
         let (code, step) = ((code - self.black_level) / range, Rgb::splat(step) / range);

@@ -30,8 +30,8 @@ pub struct Vignetting {
     pub size: (usize, usize),
 }
 
-/// Factors below this are refused: a signal of 2 % is mostly noise. At 1 % eight-bit files have two steps
-/// left, at 4 % some real wide-angle lenses would be refused.
+/// Factors below this are refused: a signal of 2 % is mostly noise. At 1 % eight-bit files have two
+/// steps left, at 4 % some real wide-angle lenses would be refused.
 pub const DARKEST: f32 = 0.02;
 
 impl Vignetting {

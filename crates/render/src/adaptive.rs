@@ -1,16 +1,17 @@
 //! Adaptive sampling: more samples where the variance is high.
 //!
-//! With `sigma^2` the variance of one sample and `n` the number of samples of a tile of the picture,
-//! the mean squared error of the picture is the mean of `sigma^2 / n`. For a given total it is least
-//! where `n` is proportional to `sigma` [Neyman 1934]. A pilot rendering of [`PILOT`] samples per pixel
-//! estimates `sigma` of every tile of [`TILE`] x [`TILE`] pixels. The share [`UNIFORM_SHARE`] of all
-//! samples is allocated uniformly, since a short pilot misses rare bright paths.
+//! With `sigma^2` the variance of one sample and `n` the number of samples of a tile of the
+//! picture, the mean squared error of the picture is the mean of `sigma^2 / n`. For a given total
+//! it is least where `n` is proportional to `sigma` [Neyman 1934]. A pilot rendering of [`PILOT`]
+//! samples per pixel estimates `sigma` of every tile of [`TILE`] x [`TILE`] pixels. The share
+//! [`UNIFORM_SHARE`] of all samples is allocated uniformly, since a short pilot misses rare bright
+//! paths.
 //!
-//! The pilot has random numbers of its own and its samples are not part of the picture. So the number
-//! of samples of a pixel is independent of their values, and the estimate is unbiased; it would not be
-//! if a pixel stopped once its own samples look converged [Kirk and Arvo 1991]. One dependence remains
-//! where a whole picture is rendered until its noise is below a limit: the values of its pixels
-//! influence when that is, the less the more pixels there are.
+//! The pilot has random numbers of its own and its samples are not part of the picture. So the
+//! number of samples of a pixel is independent of their values, and the estimate is unbiased; it
+//! would not be if a pixel stopped once its own samples look converged [Kirk and Arvo 1991]. One
+//! dependence remains where a whole picture is rendered until its noise is below a limit: the
+//! values of its pixels influence when that is, the less the more pixels there are.
 
 use crate::film::Accumulator;
 use std::ops::Range;
@@ -19,11 +20,11 @@ use std::ops::Range;
 /// itself noisy, with double of it the pilot takes a large part of short renderings.
 pub const PILOT: u32 = 16;
 /// The side of a tile, pixels. Not derived from the resolution: it sets how many samples (64 pixels
-/// times [`PILOT`]) estimate a variance. Half of it has a quarter of the samples, double of it blurs
-/// edges of shadows.
+/// times [`PILOT`]) estimate a variance. Half of it has a quarter of the samples, double of it
+/// blurs edges of shadows.
 pub const TILE: usize = 8;
-/// The share of the samples that is allocated uniformly. Half of it starves tiles whose bright paths
-/// the pilot missed, double of it loses half of the gain.
+/// The share of the samples that is allocated uniformly. Half of it starves tiles whose bright
+/// paths the pilot missed, double of it loses half of the gain.
 pub const UNIFORM_SHARE: f64 = 0.25;
 
 /// Separates the random numbers of the pilot from those of the picture under the same seed.
@@ -122,7 +123,8 @@ mod tests {
         picture
     }
 
-    /// Mean and its standard deviation over many pictures, whose pilots have the streams `pilot_of`.
+    /// Mean and its standard deviation over many pictures, whose pilots have the streams
+    /// `pilot_of`.
     fn mean_of_many(pilot_of: impl Fn(u64) -> u64) -> (f64, f64) {
         let means: Vec<f64> = (0..10_000)
             .map(|seed| {

@@ -1,5 +1,5 @@
-//! The parameters of a scene that renderings vary on fixed geometry: the materials of its groups and
-//! the brightness of its light sources.
+//! The parameters of a scene that renderings vary on fixed geometry: the materials of its groups
+//! and the brightness of its light sources.
 
 use unrender_scene::{Material, Rgb};
 

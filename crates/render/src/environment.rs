@@ -1,11 +1,11 @@
 //! Importance sampling of the environment map.
 //!
 //! The panorama is bilinear within the cells between the centres of its pixels; at the poles half a
-//! row is left. A cell is drawn with a probability proportional to the mean luminance of its corners
-//! times its solid angle, which is exactly proportional to the difference of the cosines of the polar
-//! angle. A direction is then drawn uniformly over the cell's solid angle, after [Pharr et al. 2023,
-//! section 12.5]. The density is the cell's luminance over the integral of luminance; it is bounded at
-//! the poles and positive wherever the radiance is.
+//! row is left. A cell is drawn with a probability proportional to the mean luminance of its
+//! corners times its solid angle, which is exactly proportional to the difference of the cosines of
+//! the polar angle. A direction is then drawn uniformly over the cell's solid angle, after [Pharr
+//! et al. 2023, section 12.5]. The density is the cell's luminance over the integral of luminance;
+//! it is bounded at the poles and positive wherever the radiance is.
 
 use glam::Vec3;
 use std::f64::consts::{PI, TAU};
@@ -83,7 +83,8 @@ impl EnvironmentSampler {
         self.densities[row * self.columns + column.min(self.columns - 1)]
     }
 
-    /// Draws a direction from two numbers in [0, 1): the unit vector and its density over solid angle.
+    /// Draws a direction from two numbers in [0, 1): the unit vector and its density over solid
+    /// angle.
     pub fn sample(&self, u: [f32; 2]) -> (Vec3, f32) {
         let (row, down) = draw(&self.rows, u[1]);
         let first = row * self.columns;

@@ -11,9 +11,9 @@
 //! The sums here are integers, multiples of [`QUANTUM`]: integer addition is associative, so the
 //! accumulator of the samples A..B plus that of B..C equals that of A..C to the bit.
 //!
-//! Each sample is truncated to a multiple of the quantum: 1e-10 keeps all digits of single precision,
-//! smaller values lose digits, and the error of a sum is at most one quantum per sample. Sums saturate
-//! at [`PixelAccumulator::MAX`].
+//! Each sample is truncated to a multiple of the quantum: 1e-10 keeps all digits of single
+//! precision, smaller values lose digits, and the error of a sum is at most one quantum per sample.
+//! Sums saturate at [`PixelAccumulator::MAX`].
 
 use glam::{DVec3, Vec3};
 use unrender_scene::{Image, Rgb, RgbImage};
@@ -28,8 +28,8 @@ pub const QUANTUM: f64 = 1.0 / (1u128 << 64) as f64;
 pub struct Film {
     /// Radiance, W sr^-1 m^-2 per channel.
     pub mean: RgbImage,
-    /// Variance of `mean`, estimated from the sample variance. The samples of a pixel are stratified,
-    /// so the true variance is at most this. Zero with a single sample.
+    /// Variance of `mean`, estimated from the sample variance. The samples of a pixel are
+    /// stratified, so the true variance is at most this. Zero with a single sample.
     pub variance: RgbImage,
 }
 
@@ -165,9 +165,9 @@ impl Accumulator {
         self.pixels.pixels().iter().map(|m| u64::from(m.faulty)).sum()
     }
 
-    /// The relative standard error of the picture: the root mean square of the pixels' standard errors
-    /// ([`Film::variance`]) over their mean radiance, both over all pixels and channels. Zero for a
-    /// black picture, infinite if a pixel has fewer than two samples.
+    /// The relative standard error of the picture: the root mean square of the pixels' standard
+    /// errors ([`Film::variance`]) over their mean radiance, both over all pixels and channels.
+    /// Zero for a black picture, infinite if a pixel has fewer than two samples.
     pub fn noise(&self) -> f64 {
         let pixels = self.pixels.pixels();
         if pixels.iter().any(|m| m.count < 2) {

@@ -1,10 +1,10 @@
 //! Rendering pictures: which samples every pixel takes, by which integrator.
 //!
-//! [`Tracer::render`] takes the same number of samples in all pixels. [`Tracer::accumulate`] adds any
-//! [`SampleAllocation`] to an accumulator, so that pictures can be rendered in shards or adaptively
-//! ([`crate::adaptive`]). Two integrators estimate the samples: [`Integrator::Path`] traces independent
-//! paths ([`crate::path`]), [`Integrator::PathReuse`] reuses the paths of neighbouring pixels
-//! ([`crate::path_reuse`]).
+//! [`Tracer::render`] takes the same number of samples in all pixels. [`Tracer::accumulate`] adds
+//! any [`SampleAllocation`] to an accumulator, so that pictures can be rendered in shards or
+//! adaptively ([`crate::adaptive`]). Two integrators estimate the samples: [`Integrator::Path`]
+//! traces independent paths ([`crate::path`]), [`Integrator::PathReuse`] reuses the paths of
+//! neighbouring pixels ([`crate::path_reuse`]).
 
 use crate::adaptive::{self, AdaptiveSampling, SampleAllocation};
 use crate::appearance::Appearance;
@@ -25,8 +25,8 @@ pub enum Integrator {
     #[default]
     Path,
     /// Path reuse among neighbouring pixels [Bekaert et al. 2002] where a pilot finds it efficient,
-    /// else path tracing. It reduces the variance and correlates the noise of neighbouring pixels. It
-    /// renders whole pictures only.
+    /// else path tracing. It reduces the variance and correlates the noise of neighbouring pixels.
+    /// It renders whole pictures only.
     PathReuse,
 }
 
@@ -90,9 +90,9 @@ impl Tracer {
         pixels.par_chunks(CHUNK).flat_map_iter(|chunk| tracing.estimates(chunk)).collect()
     }
 
-    /// The efficiency of path reuse in the picture of `size`: the number of independent samples that
-    /// have the variance of one sample with reuse; may be infinite. None where reuse costs more than it
-    /// saves, and [`Integrator::PathReuse`] traces independent paths.
+    /// The efficiency of path reuse in the picture of `size`: the number of independent samples
+    /// that have the variance of one sample with reuse; may be infinite. None where reuse costs
+    /// more than it saves, and [`Integrator::PathReuse`] traces independent paths.
     pub fn path_reuse_efficiency<'a>(
         &self,
         appearance: impl Into<Appearance<'a>>,
@@ -105,8 +105,8 @@ impl Tracer {
 
     /// Adds the samples of the allocation to `accumulator`, which has the size of the picture;
     /// `settings.spp` has no effect. [`Tracer::render`] takes the samples 0..spp of all pixels: an
-    /// accumulator of those, in however many calls, gives the same bits. `progress` is called with the
-    /// completed fraction, 0 to 1, from any thread.
+    /// accumulator of those, in however many calls, gives the same bits. `progress` is called with
+    /// the completed fraction, 0 to 1, from any thread.
     pub fn accumulate<'a>(
         &self,
         appearance: impl Into<Appearance<'a>>,
@@ -127,8 +127,8 @@ impl Tracer {
         tracing.accumulate(samples, accumulator, progress);
     }
 
-    /// The adaptive sampling of a picture of `size`, from a pilot rendering. Depends on the seed and
-    /// not on `settings.spp`.
+    /// The adaptive sampling of a picture of `size`, from a pilot rendering. Depends on the seed
+    /// and not on `settings.spp`.
     pub fn adaptive_sampling<'a>(
         &self,
         appearance: impl Into<Appearance<'a>>,

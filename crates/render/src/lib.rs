@@ -1,25 +1,26 @@
-//! Scene to radiance: global illumination by path tracing, its derivatives, and the incident light that
-//! recovery needs.
+//! Scene to radiance: global illumination by path tracing, its derivatives, and the incident light
+//! that recovery needs.
 //!
-//! A [`Tracer`] is built once for a scene's geometry and lights. For any [`Appearance`] (materials and
-//! brightness of lights) it computes
-//!  - [`Tracer::render`]: the picture that a camera sees (module [`integrator`]); in shards that add up
-//!    to the same bits, by [`Tracer::accumulate`] into an [`Accumulator`] (module [`film`]); with more
-//!    samples where the variance is high, by [`Tracer::adaptive_sampling`] (module [`adaptive`]); with
-//!    path reuse among neighbouring pixels ([`Integrator::PathReuse`], module `path_reuse`);
+//! A [`Tracer`] is built once for a scene's geometry and lights. For any [`Appearance`] (materials
+//! and brightness of lights) it computes
+//!  - [`Tracer::render`]: the picture that a camera sees (module [`integrator`]); in shards that
+//!    add up to the same bits, by [`Tracer::accumulate`] into an [`Accumulator`] (module [`film`]);
+//!    with more samples where the variance is high, by [`Tracer::adaptive_sampling`] (module
+//!    [`adaptive`]); with path reuse among neighbouring pixels ([`Integrator::PathReuse`], module
+//!    `path_reuse`);
 //!  - [`Tracer::geometry`]: object, group, depth and normal of each pixel (module [`geometry`]);
-//!  - [`Tracer::probe`]: the light incident at the surfaces behind given pixels, so that any reflectance
-//!    can be evaluated there without tracing again (module [`probe`]);
+//!  - [`Tracer::probe`]: the light incident at the surfaces behind given pixels, so that any
+//!    reflectance can be evaluated there without tracing again (module [`probe`]);
 //!  - [`Tracer::jacobian`]: the derivative of the picture by every parameter (module [`jacobian`]).
 //!
 //! Reading order: [`path`] is the light transport; [`surface`] and [`bsdf`] are what a ray hits,
-//! [`emitters`] and [`environment`] the lights, [`guiding`] directs samples to them by way of glossy
-//! planes, [`sampler`] draws the random numbers, [`accel`] intersects rays with triangles.
+//! [`emitters`] and [`environment`] the lights, [`guiding`] directs samples to them by way of
+//! glossy planes, [`sampler`] draws the random numbers, [`accel`] intersects rays with triangles.
 //!
 //! Sources are cited by the keys of `docs/bibliography.md`.
 //!
-//! Results depend on the input and the seed alone, never on the number of threads: every pixel has its
-//! own random numbers, and sums are exact or in a fixed order.
+//! Results depend on the input and the seed alone, never on the number of threads: every pixel has
+//! its own random numbers, and sums are exact or in a fixed order.
 
 pub mod accel;
 pub mod adaptive;

@@ -1,5 +1,5 @@
-//! Light transport: unidirectional path tracing with next-event estimation [Kajiya 1986] and multiple
-//! importance sampling by the balance heuristic [Veach and Guibas 1995].
+//! Light transport: unidirectional path tracing with next-event estimation [Kajiya 1986] and
+//! multiple importance sampling by the balance heuristic [Veach and Guibas 1995].
 //!
 //! At every surface the outgoing radiance obeys the rendering equation
 //!
@@ -9,8 +9,8 @@
 //!
 //! The integral is estimated by one light sample and one direction drawn from the BRDF, along which
 //! the path continues. Light that both strategies can find is weighted by their densities. Perfect
-//! mirrors take no light samples. Paths end by Russian roulette, at [`MAX_BOUNCES`], or at a surface
-//! whose radiance the image-based cache knows ([`crate::radiance_cache`]).
+//! mirrors take no light samples. Paths end by Russian roulette, at [`MAX_BOUNCES`], or at a
+//! surface whose radiance the image-based cache knows ([`crate::radiance_cache`]).
 //!
 //! One function traces all paths, `Transport::trace`. It reports the events of a path to a
 //! `PathObserver`: `RadianceSum` adds up the radiance, and the tape of [`crate::jacobian`]
@@ -28,21 +28,23 @@ use crate::tracer::Tracer;
 use glam::Vec3;
 use unrender_scene::Rgb;
 
-/// The longest path. In a closed room of reflectance 0.95 the light beyond is e^-25 of the total, below
-/// single precision; with half of it e^-13, with double of it a bug would take twice as long to end.
+/// The longest path. In a closed room of reflectance 0.95 the light beyond is e^-25 of the total,
+/// below single precision; with half of it e^-13, with double of it a bug would take twice as long
+/// to end.
 pub const MAX_BOUNCES: u32 = 500;
-/// Russian roulette starts at this bounce. Earlier it ends paths that carry most of the light; later
-/// dim paths cost time.
+/// Russian roulette starts at this bounce. Earlier it ends paths that carry most of the light;
+/// later dim paths cost time.
 const ROULETTE_FROM: u32 = 3;
-/// Russian roulette ends paths whose throughput is below this, so that survivors are no brighter than
-/// most paths. In a closed room, at equal time, the variance is 0.7 of that with the threshold 1.
+/// Russian roulette ends paths whose throughput is below this, so that survivors are no brighter
+/// than most paths. In a closed room, at equal time, the variance is 0.7 of that with the threshold
+/// 1.
 const ROULETTE_THROUGHPUT: f32 = 0.2;
 /// The largest probability of surviving a bounce. It bounds the mean length of paths at reflectance
 /// one, 50 bounces; at 0.96 it would end bright paths, at 0.99 they would be twice as long.
 const SURVIVAL_MAX: f32 = 0.98;
 /// Shadow rays end at this share of the distance to the light, so that they do not hit the light
-/// itself: about 170 units in the last place. With half of it large lamps may occlude themselves, with
-/// double of it thin objects directly before a lamp are missed.
+/// itself: about 170 units in the last place. With half of it large lamps may occlude themselves,
+/// with double of it thin objects directly before a lamp are missed.
 const SHADOW_LENGTH: f32 = 1.0 - 1e-5;
 
 /// The BRDF at a surface and its frame.
@@ -82,9 +84,9 @@ pub(crate) struct Emission {
     pub(crate) radiance: Rgb,
 }
 
-/// Receives the events of a path, in the order of the path. `throughput` is the product of BRDFs and
-/// cosines over densities from the camera up to the event, under the appearance that directions are
-/// drawn from.
+/// Receives the events of a path, in the order of the path. `throughput` is the product of BRDFs
+/// and cosines over densities from the camera up to the event, under the appearance that directions
+/// are drawn from.
 pub(crate) trait PathObserver {
     /// The path arrives at a vertex that reflects.
     fn record_vertex(&mut self, at: &Vertex<'_>);
@@ -96,7 +98,8 @@ pub(crate) trait PathObserver {
     /// probability `survival`.
     fn record_bounce(&mut self, at: &Vertex<'_>, sample: &BsdfSample, survival: f32);
 
-    /// The path's ray hits something that emits. `mis` is the weight of multiple importance sampling.
+    /// The path's ray hits something that emits. `mis` is the weight of multiple importance
+    /// sampling.
     fn record_emission(&mut self, throughput: Rgb, emission: &Emission, mis: f32);
 
     /// The path ends at a surface whose reflected radiance is in the cache.
@@ -206,8 +209,8 @@ impl<'a> Transport<'a> {
         Self { tracer, appearance, max_bounces, cache: None, glossy_pairs }
     }
 
-    /// The same transport with paths that end at surfaces whose radiance is in `cache`, except at the
-    /// first vertex, which the camera itself sees.
+    /// The same transport with paths that end at surfaces whose radiance is in `cache`, except at
+    /// the first vertex, which the camera itself sees.
     pub fn with_cache(self, cache: Option<CacheLookup<'a>>) -> Self {
         Self { cache, ..self }
     }
@@ -222,7 +225,8 @@ impl<'a> Transport<'a> {
         Ray::new(accel::offset(surface.point, surface.geometric_normal), wi)
     }
 
-    /// The radiance that `surface` emits towards the side from which it was hit: from its front only.
+    /// The radiance that `surface` emits towards the side from which it was hit: from its front
+    /// only.
     pub fn emitted(&self, surface: &Surface) -> Rgb {
         self.scaled(&self.emission(surface))
     }
@@ -257,7 +261,8 @@ impl<'a> Transport<'a> {
     }
 
     /// The BRDF at `surface`.
-    // Not inlined, as the compiler decides where there are several callers, pictures take 2 % longer.
+    // Not inlined, as the compiler decides where there are several callers, pictures take 2 %
+    // longer.
     #[inline(always)]
     pub fn bsdf(&self, surface: &Surface) -> LocalBsdf {
         let material = &self.appearance.materials[surface.group as usize];
@@ -279,8 +284,8 @@ impl<'a> Transport<'a> {
         sum.radiance
     }
 
-    /// Traces a path that starts at `surface` and leaves it into `wo` (world space), and reports its
-    /// events to `observer`.
+    /// Traces a path that starts at `surface` and leaves it into `wo` (world space), and reports
+    /// its events to `observer`.
     #[inline]
     pub(crate) fn trace(
         &self,
@@ -416,8 +421,8 @@ impl<'a> Transport<'a> {
         self.tracer.emitters.environment_pdf(origin, wi)
     }
 
-    /// Takes one of `count` light samples at a vertex, weighted by the balance heuristic against one
-    /// sample of the BRDF, and reports it to `observer` if it contributes.
+    /// Takes one of `count` light samples at a vertex, weighted by the balance heuristic against
+    /// one sample of the BRDF, and reports it to `observer` if it contributes.
     #[inline]
     pub(crate) fn sample_light(
         &self,

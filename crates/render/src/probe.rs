@@ -1,4 +1,5 @@
-//! Probes: the incident light at the surfaces behind given pixels, traced once, for any reflectance.
+//! Probes: the incident light at the surfaces behind given pixels, traced once, for any
+//! reflectance.
 //!
 //! At a surface point the radiance towards `wo` is linear in the reflectances,
 //!
@@ -7,14 +8,14 @@
 //! D = 1/pi integral L(wi) cos_i dwi,     S = integral w(wo, wi) L(wi) cos_i dwi
 //! ```
 //!
-//! and for a perfect mirror `S = M`, the radiance from the mirror direction. A probe holds `E`, `D`,
-//! `M` and a set of incident samples `(wi, L cos_i / density)`; `S` for any roughness and anisotropy
+//! and for a perfect mirror `S = M`, the radiance from the mirror direction. A probe holds `E`,
+//! `D`, `M` and a set of incident samples `(wi, L cos_i / density)`; `S` for any roughness and anisotropy
 //! direction is a sum over them.
 //!
 //! The samples come from a mixture: the cosine, half-vector lobes of given roughnesses, and light
-//! samples. Each is weighted by one over the sum of all densities times their numbers, the multi-sample
-//! balance heuristic [Veach 1997, section 9.2]. So the sum is unbiased for every lobe, and its variance
-//! is low for lobes like those of the mixture.
+//! samples. Each is weighted by one over the sum of all densities times their numbers, the
+//! multi-sample balance heuristic [Veach 1997, section 9.2]. So the sum is unbiased for every lobe,
+//! and its variance is low for lobes like those of the mixture.
 
 use crate::accel::Ray;
 use crate::appearance::Appearance;
@@ -46,7 +47,8 @@ pub struct ProbeSettings {
     pub mirror: bool,
     /// Whether to keep the incident samples, or only their sum `D`.
     pub keep_incident: bool,
-    /// Whether camera rays continue at perfect mirrors, so that the probe lies on the reflected surface.
+    /// Whether camera rays continue at perfect mirrors, so that the probe lies on the reflected
+    /// surface.
     pub through_mirrors: bool,
     /// The seed of the random numbers; the same seed gives the same bits.
     pub seed: u64,
@@ -142,7 +144,8 @@ impl Probes {
     }
 }
 
-/// Pixels per parallel task. A probe traces hundreds of rays, so tasks are smaller than in pictures.
+/// Pixels per parallel task. A probe traces hundreds of rays, so tasks are smaller than in
+/// pictures.
 const CHUNK: usize = 64;
 
 impl Tracer {
@@ -195,8 +198,8 @@ const LIGHT: u64 = 2;
 const COSINE: u64 = 3;
 const FIRST_LOBE: u64 = 4;
 const STREAMS: u64 = 16;
-/// One path in the mirror direction per so many directions by the cosine. Half of it spends twice the
-/// time on mirrors, double of it makes `M` noisier than `D`.
+/// One path in the mirror direction per so many directions by the cosine. Half of it spends twice
+/// the time on mirrors, double of it makes `M` noisier than `D`.
 const MIRROR_SHARE: u32 = 4;
 /// Most mirrors in a row that a camera ray follows; beyond, their product of reflectances is small.
 const MIRRORS_MAX: usize = 16;
@@ -300,8 +303,8 @@ impl<'a> Gatherer<'a> {
         });
     }
 
-    /// The first surface along a camera ray, or with [`ProbeSettings::through_mirrors`] the first that
-    /// is no perfect mirror.
+    /// The first surface along a camera ray, or with [`ProbeSettings::through_mirrors`] the first
+    /// that is no perfect mirror.
     fn first_surface(&self, mut ray: Ray) -> Option<FirstSurface> {
         let mut throughput = Rgb::ONE;
         for bounces in 0..MIRRORS_MAX {
@@ -418,7 +421,8 @@ impl Gathering<'_, '_> {
         }
     }
 
-    /// Traces the mirror direction; none if not asked for, or if the direction lies below the surface.
+    /// Traces the mirror direction; none if not asked for, or if the direction lies below the
+    /// surface.
     fn mirror(&self, pixel: u32, index: u32) -> Option<MirrorView> {
         let wi = self.surface.frame.world_from_local(mirror::reflect(self.wo));
         if !self.gatherer.settings.mirror || !self.surface.is_above(wi) {

@@ -1,10 +1,10 @@
 //! The image-based radiance cache: the photograph as known radiance of diffuse surfaces.
 //!
 //! A diffuse surface reflects the same radiance in all directions. Where the camera sees one, the
-//! photograph is a measurement of that radiance, under all of the light transport. A path that reaches
-//! such a point ends there with the measured value, as in final gathering from a cache
-//! [Ward et al. 1988]. This removes the variance of everything beyond (caustics of a glossy floor on a
-//! wall, say) and, in a recovery, most of the influence of one group's error on the others.
+//! photograph is a measurement of that radiance, under all of the light transport. A path that
+//! reaches such a point ends there with the measured value, as in final gathering from a cache
+//! [Ward et al. 1988]. This removes the variance of everything beyond (caustics of a glossy floor
+//! on a wall, say) and, in a recovery, most of the influence of one group's error on the others.
 
 use crate::geometry::GeometryBuffers;
 use crate::surface::Surface;
@@ -31,11 +31,12 @@ pub struct CacheLookup<'a> {
 }
 
 /// A point matches the geometry of its pixel if the cosine between the normals is above this, 18
-/// degrees. At 9 degrees curved surfaces miss the cache, at 36 degrees faces at an edge are mixed up.
+/// degrees. At 9 degrees curved surfaces miss the cache, at 36 degrees faces at an edge are mixed
+/// up.
 const SAME_NORMAL: f32 = 0.95;
 /// A point matches if its distance from the tangent plane of its pixel is below this share of the
-/// depth, which is about the size of a pixel. Half of it misses curved surfaces, double of it mixes up
-/// thin layers.
+/// depth, which is about the size of a pixel. Half of it misses curved surfaces, double of it mixes
+/// up thin layers.
 const SAME_PLANE: f32 = 2e-3;
 
 impl CacheLookup<'_> {

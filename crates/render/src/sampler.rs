@@ -1,13 +1,13 @@
 //! Random numbers: Owen-scrambled Sobol' points, four dimensions at a time [Burley 2020].
 //!
 //! A path takes its numbers in sets of four. All sets of one sample share the sample's index and
-//! differ in their scramble, so each set is stratified over the samples of a pixel (padding). Far along
-//! a path stratification no longer reduces the variance; those sets are independent hashed numbers,
-//! which cost less [Jarzynski and Olano 2020: pcg4d].
+//! differ in their scramble, so each set is stratified over the samples of a pixel (padding). Far
+//! along a path stratification no longer reduces the variance; those sets are independent hashed
+//! numbers, which cost less [Jarzynski and Olano 2020: pcg4d].
 
 /// Number of stratified sets: the position in the pixel, and light and direction at the first two
-/// vertices. With three sets the second vertex loses its stratification, with ten each path costs more
-/// and is hardly less noisy.
+/// vertices. With three sets the second vertex loses its stratification, with ten each path costs
+/// more and is hardly less noisy.
 const STRATIFIED: u32 = 5;
 
 /// The random numbers of one sample.
@@ -101,7 +101,8 @@ mod tests {
 
     #[test]
     fn the_numbers_that_are_not_stratified_are_uniform_and_independent() {
-        // Means of products of the 4 numbers of a set, and of those of the next: 1/4 if independent.
+        // Means of products of the 4 numbers of a set, and of those of the next: 1/4 if
+        // independent.
         let n = 1 << 15;
         let mut sums = [[0.0f64; 8]; 8];
         for index in 0..n {

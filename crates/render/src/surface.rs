@@ -24,8 +24,8 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// True if `wi`, in world space, lies in the upper hemisphere of both the geometric and the shading
-    /// normal.
+    /// True if `wi`, in world space, lies in the upper hemisphere of both the geometric and the
+    /// shading normal.
     pub fn is_above(&self, wi: Vec3) -> bool {
         wi.dot(self.geometric_normal) > 0.0 && wi.dot(self.frame.normal) > 0.0
     }

@@ -1,5 +1,5 @@
-//! A scene prepared for ray tracing: flat vertex and triangle arrays, the acceleration structure, the
-//! light samplers.
+//! A scene prepared for ray tracing: flat vertex and triangle arrays, the acceleration structure,
+//! the light samplers.
 
 use crate::accel::{self, Accel, Hit, Ray};
 use crate::emitters::{Emitters, TriangleEmission};
@@ -182,8 +182,8 @@ impl Face {
     }
 }
 
-/// The direction of `dp/du` of a triangle [Pharr et al. 2023, section 6.5]; zero where the texture coordinates
-/// span no area.
+/// The direction of `dp/du` of a triangle [Pharr et al. 2023, section 6.5]; zero where the texture
+/// coordinates span no area.
 fn dp_du(mesh: &Mesh, [a, b, c]: [usize; 3]) -> Vec3 {
     let (e1, e2) = (mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
     let (d1, d2) = (mesh.uvs[b] - mesh.uvs[a], mesh.uvs[c] - mesh.uvs[a]);

@@ -1,4 +1,5 @@
-//! Adaptive sampling: it puts samples where the variance is high, reduces the noise, and is unbiased.
+//! Adaptive sampling: it puts samples where the variance is high, reduces the noise, and is
+//! unbiased.
 
 mod common;
 
@@ -8,8 +9,8 @@ use unrender_render::adaptive::{AdaptiveSampling, SampleAllocation};
 use unrender_render::{Accumulator, Settings};
 use unrender_scene::{Camera, Material, Rgb};
 
-/// A closed room whose walls all have the same emission and reflectance. The radiance of the walls is
-/// the emission over one minus the reflectance.
+/// A closed room whose walls all have the same emission and reflectance. The radiance of the walls
+/// is the emission over one minus the reflectance.
 fn room() -> Stage {
     let mut stage = Stage::default();
     let wall = stage.group(Material::diffuse(RHO), EMISSION);

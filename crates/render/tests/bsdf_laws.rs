@@ -1,5 +1,5 @@
-//! Every BRDF: reciprocity, bounded albedo, and agreement of sampling and density (chi-squared test on
-//! a grid of directions, with the samples below the surface as one more cell).
+//! Every BRDF: reciprocity, bounded albedo, and agreement of sampling and density (chi-squared test
+//! on a grid of directions, with the samples below the surface as one more cell).
 
 mod common;
 

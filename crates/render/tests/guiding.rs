@@ -1,6 +1,6 @@
-//! Specular guiding changes the variance of a picture, not its mean: against Lambert's formula where
-//! the floor is a mirror, and against the same floor with a small bump that keeps it from being taken
-//! for a plane.
+//! Specular guiding changes the variance of a picture, not its mean: against Lambert's formula
+//! where the floor is a mirror, and against the same floor with a small bump that keeps it from
+//! being taken for a plane.
 
 mod common;
 

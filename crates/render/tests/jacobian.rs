@@ -202,8 +202,8 @@ fn step(parameter: Parameter) -> f32 {
     }
 }
 
-/// Measured: 2.0e-3 at the worst pixel and channel, by rho_d of the lamp (the rounding of its radiance);
-/// most are below 1e-3.
+/// Measured: 2.0e-3 at the worst pixel and channel, by rho_d of the lamp (the rounding of its
+/// radiance); most are below 1e-3.
 const ERROR_MAX: f64 = 4e-3;
 
 /// Asserts that all derivatives are the differences on the same paths.

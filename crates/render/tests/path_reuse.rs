@@ -1,5 +1,5 @@
-//! Path reuse: the estimate is unbiased, its variance is lower, and its bits do not depend on threads
-//! or shards.
+//! Path reuse: the estimate is unbiased, its variance is lower, and its bits do not depend on
+//! threads or shards.
 
 mod common;
 
@@ -15,8 +15,8 @@ fn view() -> Camera {
     camera(Vec3::new(0.0, 0.0, 0.95), Vec3::new(0.0, -0.2, 0.0), 1.2)
 }
 
-/// A room with a lamp, a spot light, an anisotropic floor, a glossy ball, a mirror, and a plate with a
-/// mirror and a diffuse term.
+/// A room with a lamp, a spot light, an anisotropic floor, a glossy ball, a mirror, and a plate
+/// with a mirror and a diffuse term.
 fn room() -> Stage {
     let mut stage = Stage::default();
     let wall = stage.group(Material::diffuse(Rgb::new(0.7, 0.5, 0.3)), Rgb::ZERO);
@@ -84,8 +84,8 @@ fn where_path_reuse_does_not_pay_paths_are_independent() {
     assert!(is_alike(&chequers()) && !is_alike(&room()));
 }
 
-/// A wall of many small squares of two colours in the sun: all of the variance lies in which of them a
-/// sample hits.
+/// A wall of many small squares of two colours in the sun: all of the variance lies in which of
+/// them a sample hits.
 fn chequers() -> Stage {
     let mut stage = Stage::default();
     let colours = [0.1, 0.8].map(|rho| stage.group(Material::diffuse(Rgb::splat(rho)), Rgb::ZERO));

@@ -1,8 +1,8 @@
 //! Camera paths: Catmull-Rom splines through key poses [Catmull and Rom 1974].
 //!
-//! Between two keys every parameter follows the cubic Hermite curve in time whose slopes at the keys
-//! are those of the line from the key before to the key after. At a key the pose is the key's to the
-//! bit.
+//! Between two keys every parameter follows the cubic Hermite curve in time whose slopes at the
+//! keys are those of the line from the key before to the key after. At a key the pose is the key's
+//! to the bit.
 
 use glam::Vec3;
 use unrender_scene::{Camera, Lens};

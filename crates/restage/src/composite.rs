@@ -1,30 +1,31 @@
 //! Compositing: the rendered change added to the photograph.
 //!
-//! With `P` the radiance of the photograph, `B` and `A` the renderings before and after the edits, `r`
-//! the fraction of the pixel that shows another surface than before, `K` the part of `A - B` of paths
-//! that show the same surface, and `D` the significant change (module [`crate::touched`]: `K`, or its
-//! local mean), a touched pixel becomes
+//! With `P` the radiance of the photograph, `B` and `A` the renderings before and after the edits,
+//! `r` the fraction of the pixel that shows another surface than before, `K` the part of `A - B` of paths
+//! that show the same surface, and `D` the significant change (module [`crate::touched`]: `K`, or
+//! its local mean), a touched pixel becomes
 //!
 //! ```text
 //! C = (A - K) + (1 - r) (P - B) + g D
 //! ```
 //!
-//! Where the same surface is visible, `r = 0`, `A - K = B`, and `C = P + g D`. With the gain `g = 1`
-//! this is differential rendering [Fournier et al. 1993; Debevec 1998]: the residual `P - B` is kept.
-//! With `g = P/B` and `D = A - B` it is the ratio image, `C = P A/B`: the residual is attributed to
-//! reflectance and shaded like it. Where another surface is visible, `r = 1` and `C = A`.
+//! Where the same surface is visible, `r = 0`, `A - K = B`, and `C = P + g D`. With the gain `g =
+//! 1` this is differential rendering [Fournier et al. 1993; Debevec 1998]: the residual `P - B` is
+//! kept. With `g = P/B` and `D = A - B` it is the ratio image, `C = P A/B`: the residual is
+//! attributed to reflectance and shaded like it. Where another surface is visible, `r = 1` and `C =
+//! A`.
 //!
-//! The gain is `P/B` where the residual is plausibly reflectance: on surfaces without specular term,
-//! where the photograph is not clipped, `P/B` lies within [`GAIN_MAX`] of one and `B` exceeds
+//! The gain is `P/B` where the residual is plausibly reflectance: on surfaces without specular
+//! term, where the photograph is not clipped, `P/B` lies within [`GAIN_MAX`] of one and `B` exceeds
 //! [`SIGMAS`] standard deviations of its noise. Elsewhere it is one.
 
 use crate::pair::Paired;
 use unrender_render::{GeometryBuffers, NOTHING};
 use unrender_scene::{Image, Material, Rgb, RgbImage};
 
-/// Gains beyond this or its inverse are not plausible as errors of a reflectance. With half of it (no
-/// gain at all) textures that the model lacks are not shaded; with double of it shadows that the model
-/// lacks are taken for reflectance.
+/// Gains beyond this or its inverse are not plausible as errors of a reflectance. With half of it
+/// (no gain at all) textures that the model lacks are not shaded; with double of it shadows that
+/// the model lacks are taken for reflectance.
 pub const GAIN_MAX: f32 = 2.0;
 /// `B` below this many standard deviations gives no gain: the relative error of `P/B` is then above
 /// 1/8. With half of it noise shows in dark parts, with double of it dark parts have no gain.
@@ -55,7 +56,8 @@ pub struct Photograph<'a> {
     pub materials: &'a [Material],
 }
 
-/// The composite; pixels without a change in `touched` keep the radiance of the photograph to the bit.
+/// The composite; pixels without a change in `touched` keep the radiance of the photograph to the
+/// bit.
 pub fn composite(
     photograph: &Photograph<'_>,
     paired: &Image<Paired>,

@@ -154,8 +154,8 @@ fn transform_mesh(mesh: &mut Mesh, transform: &Affine3A) {
     mesh.tangents.iter_mut().for_each(|t| *t = turn(t.truncate()).extend(t.w));
 }
 
-/// Transforms a light by a similarity of the given scale. Radiance is invariant, so radiant intensity
-/// is proportional to the area.
+/// Transforms a light by a similarity of the given scale. Radiance is invariant, so radiant
+/// intensity is proportional to the area.
 fn transform_light(light: &mut Light, transform: &Affine3A, scale: f32) {
     let turn = |v: Vec3| transform.transform_vector3(v).normalize_or(v);
     match &mut light.kind {

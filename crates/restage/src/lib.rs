@@ -1,10 +1,11 @@
 //! Edits of a scene: new pictures of it, and composites with the photograph.
 //!
-//! Edits are plain data ([`Edit`]), one kind per module. [`apply`] applies them to a scene and returns
-//! a [`Change`], which maps the objects of the edited scene to those of the original one. Then
+//! Edits are plain data ([`Edit`]), one kind per module. [`apply`] applies them to a scene and
+//! returns a [`Change`], which maps the objects of the edited scene to those of the original one.
+//! Then
 //!  - the edited scene is rendered like any other, from the cameras of a [`camera::Path`];
-//!  - or [`pair::render`] renders the scene before and after the edits with the same random numbers,
-//!    and [`composite::composite`] adds the difference to the photograph.
+//!  - or [`pair::render`] renders the scene before and after the edits with the same random
+//!    numbers, and [`composite::composite`] adds the difference to the photograph.
 //!
 //! To add a kind of edit, write a file beside [`remove`], name it in [`Edit`] and call it from
 //! [`apply`]. Sources are cited by the keys of `docs/bibliography.md`.

@@ -1,11 +1,11 @@
 //! A scene before and after its edits, rendered with common random numbers.
 //!
 //! Each sample is traced in both scenes with the same random numbers. Paths that the edits do not
-//! affect agree to the bit, and their difference is zero. So the noise of the difference is that of the
-//! change and not that of the picture; its variance is the sample variance of the differences.
+//! affect agree to the bit, and their difference is zero. So the noise of the difference is that of
+//! the change and not that of the picture; its variance is the sample variance of the differences.
 //!
-//! Each sample also identifies the visible surface, through perfect mirrors. Where it is another one
-//! after the edits, or has another material, the content of the photograph is replaced.
+//! Each sample also identifies the visible surface, through perfect mirrors. Where it is another
+//! one after the edits, or has another material, the content of the photograph is replaced.
 
 use crate::stage::Change;
 use glam::Vec3;
@@ -54,9 +54,9 @@ pub struct Scenes<'a> {
     pub change: &'a Change,
 }
 
-/// The accumulators of a pairing: the radiance after and before; the positive and the negative part of
-/// the change of samples that show the same surface; and counts, in the first channel of samples that
-/// show another surface, in the second of those that show an uncovered one.
+/// The accumulators of a pairing: the radiance after and before; the positive and the negative part
+/// of the change of samples that show the same surface; and counts, in the first channel of samples
+/// that show another surface, in the second of those that show an uncovered one.
 pub const LAYERS: [&str; 5] = ["after", "before", "lighter", "darker", "shown"];
 
 /// Pixels per parallel task, after which it reports progress.
@@ -82,9 +82,9 @@ impl<'a> Pairing<'a> {
         Self { scenes, before, after, camera, settings }
     }
 
-    /// Adds the samples of the allocation to `layers`, which have the size of the picture. The sums have
-    /// the same bits in however many calls. `progress` is called with the completed fraction, 0 to 1,
-    /// from any thread.
+    /// Adds the samples of the allocation to `layers`, which have the size of the picture. The sums
+    /// have the same bits in however many calls. `progress` is called with the completed fraction,
+    /// 0 to 1, from any thread.
     ///
     /// # Panics
     /// If there is not one accumulator for each of [`LAYERS`].
@@ -120,8 +120,8 @@ impl<'a> Pairing<'a> {
             });
     }
 
-    /// The adaptive sampling of a picture of `size`, from a pilot, by the variance of what a composite
-    /// shows: of the change, or where another surface is visible of the radiance.
+    /// The adaptive sampling of a picture of `size`, from a pilot, by the variance of what a
+    /// composite shows: of the change, or where another surface is visible of the radiance.
     pub fn adaptive_sampling(&self, (width, height): (usize, usize)) -> AdaptiveSampling {
         let settings = Settings { seed: adaptive::pilot_seed(self.settings.seed), ..self.settings };
         let pilot = Self::new(self.scenes, self.camera, settings);
@@ -184,8 +184,8 @@ pub fn paired(layers: &[Accumulator]) -> Image<Paired> {
     Image::new(width, height, (0..width * height).map(of_pixel).collect())
 }
 
-/// Renders both scenes as `camera` sees them in `width` x `height` pixels. `progress` is called with the
-/// completed fraction, 0 to 1, from any thread.
+/// Renders both scenes as `camera` sees them in `width` x `height` pixels. `progress` is called
+/// with the completed fraction, 0 to 1, from any thread.
 pub fn render(
     scenes: &Scenes<'_>,
     camera: &Camera,
@@ -252,8 +252,8 @@ impl<'a> Side<'a> {
         Self { transport, materials }
     }
 
-    /// The surface visible at `surface` along `direction`: itself, or the reflected one of a perfect
-    /// mirror.
+    /// The surface visible at `surface` along `direction`: itself, or the reflected one of a
+    /// perfect mirror.
     fn visible(&self, mut surface: Surface, mut direction: Vec3) -> Option<VisibleSurface> {
         for _ in 0..MIRRORS_MAX {
             if !self.materials[surface.group as usize].is_pure_mirror() {

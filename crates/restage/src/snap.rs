@@ -7,8 +7,8 @@ use unrender_render::path::Transport;
 use unrender_render::{Tracer, surface::Surface};
 use unrender_scene::Scene;
 
-/// Surfaces whose unit normal has at least this y component face upwards: slopes up to 60 degrees. At
-/// 0.25 steep roofs count as ground, at 1 nothing but level floors.
+/// Surfaces whose unit normal has at least this y component face upwards: slopes up to 60 degrees.
+/// At 0.25 steep roofs count as ground, at 1 nothing but level floors.
 const LEVEL: f32 = 0.5;
 
 /// The highest upward-facing point of `group` at `x` and `z`.

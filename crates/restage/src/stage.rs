@@ -7,7 +7,8 @@ use unrender_scene::{Scene, Warnings};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Change {
     /// For each object of the edited scene the index of the same object, at the same place, in the
-    /// original one; none for new and for moved objects. Groups keep their index; new ones are appended.
+    /// original one; none for new and for moved objects. Groups keep their index; new ones are
+    /// appended.
     pub origin: Vec<Option<usize>>,
     /// What is doubtful.
     pub warnings: Warnings,

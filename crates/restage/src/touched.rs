@@ -1,12 +1,12 @@
 //! The pixels of the photograph that an edit changes significantly, and by how much.
 //!
-//! A new object changes the light everywhere, if only by a ten-thousandth, and the rendered change has
-//! noise. A change is *significant* if in some channel it exceeds half a quantisation step of the
-//! photograph and [`SIGMAS`] standard deviations of its noise. A pixel is touched if
+//! A new object changes the light everywhere, if only by a ten-thousandth, and the rendered change
+//! has noise. A change is *significant* if in some channel it exceeds half a quantisation step of
+//! the photograph and [`SIGMAS`] standard deviations of its noise. A pixel is touched if
 //!  - it shows another surface than before;
 //!  - its own change is significant (the edge of a shadow, a reflection): the change is its own;
-//!  - or the local mean change is significant, over nearby pixels of the same face whose own change is
-//!    not (a faint wide shadow): the change is that mean.
+//!  - or the local mean change is significant, over nearby pixels of the same face whose own change
+//!    is not (a faint wide shadow): the change is that mean.
 //!
 //! A change of less than half a step rounds to the same pixel value. With more samples fewer pixels
 //! need the local mean.
@@ -16,19 +16,20 @@ use glam::Vec3;
 use unrender_render::GeometryBuffers;
 use unrender_scene::{Image, Rgb, RgbImage};
 
-/// The significance threshold, standard deviations: 6e-5 of noise exceeds it, a few dozen pixels of a
-/// megapixel. With 2 every twentieth pixel would be touched by noise, with 8 faint shadows are lost.
+/// The significance threshold, standard deviations: 6e-5 of noise exceeds it, a few dozen pixels of
+/// a megapixel. With 2 every twentieth pixel would be touched by noise, with 8 faint shadows are
+/// lost.
 pub const SIGMAS: f32 = 4.0;
-/// Half the side of the window of the local mean, pixels: 81 pixels reduce the noise to a ninth. Not
-/// derived from the resolution: it sets the reduction of noise, which is per pixel. Half of it reduces
-/// the noise to a fifth only, double of it blurs the edges of faint shadows.
+/// Half the side of the window of the local mean, pixels: 81 pixels reduce the noise to a ninth.
+/// Not derived from the resolution: it sets the reduction of noise, which is per pixel. Half of it
+/// reduces the noise to a fifth only, double of it blurs the edges of faint shadows.
 pub const REACH: usize = 4;
-/// Normals belong to one face if the cosine between them is above this, 18 degrees. At 9 degrees curved
-/// surfaces fall apart, at 36 degrees edges are blurred.
+/// Normals belong to one face if the cosine between them is above this, 18 degrees. At 9 degrees
+/// curved surfaces fall apart, at 36 degrees edges are blurred.
 const SAME_NORMAL: f32 = 0.95;
 
-/// For each touched pixel the change of the radiance of the surface that was visible before. `geometry`
-/// is that before the edits, `step` the quantisation step in radiance, zero for floating-point files.
+/// For each touched pixel the change of the radiance of the surface that was visible before.
+/// `geometry` is that before the edits, `step` the quantisation step in radiance, zero for floating-point files.
 pub fn touched(
     paired: &Image<Paired>,
     geometry: &GeometryBuffers,
@@ -55,8 +56,8 @@ fn is_significant(change: Rgb, variance: Rgb, half_step: Rgb) -> bool {
     change.abs().cmpgt(half_step.max(noise)).any()
 }
 
-/// The mean change and its variance over the pixels near (`x`, `y`) that show the same face and whose
-/// own change is not significant.
+/// The mean change and its variance over the pixels near (`x`, `y`) that show the same face and
+/// whose own change is not significant.
 fn local_mean(
     paired: &Image<Paired>,
     geometry: &GeometryBuffers,
@@ -112,7 +113,8 @@ mod tests {
 
     #[test]
     fn a_faint_change_is_significant_as_a_local_mean_and_noise_is_not() {
-        // With a standard deviation of 1 a change of 1 is noise, as a mean of 25 to 81 pixels it is not.
+        // With a standard deviation of 1 a change of 1 is noise, as a mean of 25 to 81 pixels it is
+        // not.
         let faint = changes(|x, y| if (x + y) % 2 == 0 { 2.0 } else { 0.0 }, 1.0, 0.0);
         let mean = faint.at(12, 12).unwrap().x;
         assert!((mean - 1.0).abs() < 0.02, "{mean}");

@@ -1,7 +1,7 @@
 //! The change of an edit in the photograph, against the photograph of the changed room.
 //!
-//! Photographs are renderings of the true room; the model has no textures and wrong reflectances, as
-//! a recovery may leave it.
+//! Photographs are renderings of the true room; the model has no textures and wrong reflectances,
+//! as a recovery may leave it.
 
 mod common;
 

@@ -1,5 +1,5 @@
-//! Perspective cameras: glTF's pinhole, which looks along its own -z with +y up and +x to the right,
-//! with the distortion of a lens.
+//! Perspective cameras: glTF's pinhole, which looks along its own -z with +y up and +x to the
+//! right, with the distortion of a lens.
 
 use crate::Lens;
 use glam::{Affine3A, Mat3, Vec3};
@@ -36,8 +36,8 @@ impl Camera {
         self.world_from_camera.translation.into()
     }
 
-    /// The projection of a world point into a picture of `width` x `height` pixels, in pixels from the
-    /// top left; none if it lies outside of the picture or behind the camera.
+    /// The projection of a world point into a picture of `width` x `height` pixels, in pixels from
+    /// the top left; none if it lies outside of the picture or behind the camera.
     pub fn project(&self, point: Vec3, width: usize, height: usize) -> Option<(f32, f32)> {
         let to_point = point - self.origin();
         let axes = self.world_from_camera.matrix3;
@@ -68,8 +68,8 @@ impl Camera {
         self.world_from_camera.transform_vector3(in_camera).normalize()
     }
 
-    /// Whether the lens model is invertible over all of a picture of `width` x `height` pixels; too strong
-    /// a distortion folds over before the corners.
+    /// Whether the lens model is invertible over all of a picture of `width` x `height` pixels; too
+    /// strong a distortion folds over before the corners.
     pub fn covers(&self, width: usize, height: usize) -> bool {
         let pixel = 2.0 * (0.5 * self.fov_y_rad).tan() / height as f32;
         let (x, y) = self.principal_point(width, height);

@@ -71,24 +71,24 @@ impl Environment {
         self.radiance.pixels().iter().any(|rgb| luminance(*rgb) > 0.0)
     }
 
-    /// The position of the unit vector `direction` in the panorama: from its left edge and from its top,
-    /// in widths and heights of it, 0 to 1.
+    /// The position of the unit vector `direction` in the panorama: from its left edge and from its
+    /// top, in widths and heights of it, 0 to 1.
     pub fn place(&self, direction: Vec3) -> (f32, f32) {
         let heading = direction.x.atan2(-direction.z);
         let u = 0.5 + (heading + self.rotation_rad) / TAU;
         (u - u.floor(), direction.y.clamp(-1.0, 1.0).acos() * FRAC_1_PI)
     }
 
-    /// The unit vector at `u` widths from the panorama's left edge and the cosine `cos_polar` of the polar
-    /// angle.
+    /// The unit vector at `u` widths from the panorama's left edge and the cosine `cos_polar` of
+    /// the polar angle.
     pub fn direction(&self, u: f32, cos_polar: f32) -> Vec3 {
         let (sin, cos) = ((u - 0.5) * TAU - self.rotation_rad).sin_cos();
         let ring = ((1.0 - cos_polar) * (1.0 + cos_polar)).max(0.0).sqrt();
         Vec3::new(ring * sin, cos_polar, -ring * cos)
     }
 
-    /// The radiance from the direction of the unit vector `direction`, bilinear between the pixels' centres;
-    /// columns wrap around, rows end at the poles.
+    /// The radiance from the direction of the unit vector `direction`, bilinear between the pixels'
+    /// centres; columns wrap around, rows end at the poles.
     pub fn radiance(&self, direction: Vec3) -> Rgb {
         let (u, v) = self.place(direction);
         let (width, height) = (self.radiance.width(), self.radiance.height());

@@ -6,7 +6,8 @@
 //! (x_d, y_d) = (1 + k1 r2 + k2 r2^2) (x, y),      pixel = f (x_d, y_d) + principal point
 //! ```
 //!
-//! the first two radial terms of [Brown 1966], with the signs of OpenCV: barrel distortion has `k1 < 0`.
+//! the first two radial terms of [Brown 1966], with the signs of OpenCV: barrel distortion has `k1
+//! < 0`.
 
 /// A lens; the default is the pinhole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,8 +21,8 @@ pub struct Lens {
     pub k2: f32,
 }
 
-/// Iterations of Newton's method, each of which bisects the interval if the step leaves it: enough for
-/// all bits of single precision by bisection alone.
+/// Iterations of Newton's method, each of which bisects the interval if the step leaves it: enough
+/// for all bits of single precision by bisection alone.
 const ITERATIONS: usize = 60;
 
 impl Lens {
@@ -30,14 +31,14 @@ impl Lens {
         self.k1 != 0.0 || self.k2 != 0.0
     }
 
-    /// The radial factor `1 + k1 r2 + k2 r2^2` of a point at the squared distance `r2` from the axis;
-    /// none where the model folds over.
+    /// The radial factor `1 + k1 r2 + k2 r2^2` of a point at the squared distance `r2` from the
+    /// axis; none where the model folds over.
     pub fn factor(&self, r2: f32) -> Option<f32> {
         (f64::from(r2) < self.reach_r2()).then(|| self.polynomial(f64::from(r2)) as f32)
     }
 
-    /// The undistorted position of a point on the image plane at distance one. Beyond the range of the
-    /// model it is clamped to the end of the range.
+    /// The undistorted position of a point on the image plane at distance one. Beyond the range of
+    /// the model it is clamped to the end of the range.
     #[inline]
     pub fn undistorted(&self, x: f32, y: f32) -> (f32, f32) {
         if !self.distorts() {
@@ -51,8 +52,8 @@ impl Lens {
         ((f64::from(x) * scale) as f32, (f64::from(y) * scale) as f32)
     }
 
-    /// Whether `distance` from the axis in the distorted picture, on the image plane at distance one, is in
-    /// the range of the model.
+    /// Whether `distance` from the axis in the distorted picture, on the image plane at distance
+    /// one, is in the range of the model.
     pub fn reaches(&self, distance: f32) -> bool {
         let reach = self.reach_r2().sqrt();
         reach.is_infinite() || f64::from(distance) < reach * self.polynomial(reach * reach)
@@ -62,7 +63,8 @@ impl Lens {
         1.0 + r2 * (f64::from(self.k1) + r2 * f64::from(self.k2))
     }
 
-    /// The squared distance up to which the distorted distance increases: the root of `1 + 3 k1 r2 + 5 k2 r2^2`.
+    /// The squared distance up to which the distorted distance increases: the root of `1 + 3 k1 r2
+    /// + 5 k2 r2^2`.
     fn reach_r2(&self) -> f64 {
         let (a, b) = (5.0 * f64::from(self.k2), 3.0 * f64::from(self.k1));
         let discriminant = b * b - 4.0 * a;

@@ -1,11 +1,11 @@
 //! The scene as plain data: geometry, materials, lights and cameras.
 //!
-//! A [`Scene`] has meshes in world space, in [`Group`]s that share one material, lights, an environment
-//! and cameras. This crate reads no files; readers and writers are in `unrender-formats`, light transport
-//! is in `unrender-render`.
+//! A [`Scene`] has meshes in world space, in [`Group`]s that share one material, lights, an
+//! environment and cameras. This crate reads no files; readers and writers are in
+//! `unrender-formats`, light transport is in `unrender-render`.
 //!
-//! Frames, units and colour spaces of all crates are defined in `docs/conventions.md`: metres, y up,
-//! counter-clockwise front faces, linear RGB, radiance in W sr^-1 m^-2 per channel, radians.
+//! Frames, units and colour spaces of all crates are defined in `docs/conventions.md`: metres, y
+//! up, counter-clockwise front faces, linear RGB, radiance in W sr^-1 m^-2 per channel, radians.
 
 pub mod camera;
 pub mod color;

@@ -31,7 +31,8 @@ impl WardModel {
 pub enum BrdfModel {
     /// Ward's.
     Ward(WardModel),
-    /// GGX microfacets [Trowbridge and Reitz 1975] with height-correlated Smith masking [Heitz 2014].
+    /// GGX microfacets [Trowbridge and Reitz 1975] with height-correlated Smith masking [Heitz
+    /// 2014].
     Ggx,
 }
 
@@ -121,8 +122,8 @@ pub struct Material {
     pub alpha_x: f32,
     /// Roughness across the anisotropy direction.
     pub alpha_y: f32,
-    /// Anisotropy direction (of brushing): angle from the surface's tangent, counter-clockwise seen from
-    /// the front, radians. theta and theta + pi are the same direction.
+    /// Anisotropy direction (of brushing): angle from the surface's tangent, counter-clockwise seen
+    /// from the front, radians. theta and theta + pi are the same direction.
     pub theta_rad: f32,
     /// Diffuse reflectance over the surface; replaces `rho_d`.
     pub texture: Option<Arc<Texture>>,

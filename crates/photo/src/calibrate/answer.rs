@@ -214,8 +214,8 @@ fn doubts(calibration: &mut Calibration, found: &Found, good: &[Sight]) {
     }
 }
 
-/// Mirrored measurements of points in a plane fit as well as correct ones, but the camera sees the plane
-/// from its other side: a warning if that is implausible.
+/// Mirrored measurements of points in a plane fit as well as correct ones, but the camera sees the
+/// plane from its other side: a warning if that is implausible.
 fn wrong_side(model: &Model, good: &[Sight]) -> Option<&'static str> {
     /// How level a floor or a ceiling is, the cosine of its slope.
     const LEVEL: f64 = 0.8;

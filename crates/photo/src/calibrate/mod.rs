@@ -1,8 +1,8 @@
 //! Camera calibration: pose, focal length and lens from points of the scene and their image points.
 //!
-//! The paper uses the method of DeMenthon and Davis and a downhill simplex [Boivin and Gagalowicz 2002,
-//! section 3.1]. So does this module, one file per step; then it refines the estimate and computes the
-//! standard deviation of each parameter:
+//! The paper uses the method of DeMenthon and Davis and a downhill simplex [Boivin and Gagalowicz
+//! 2002, section 3.1]. So does this module, one file per step; then it refines the estimate and
+//! computes the standard deviation of each parameter:
 //!
 //! 1. `posit`: pose from few points by iterated scaled orthography, also for points in one plane;
 //!    `start` does so for one focal length after the other, where that is unknown;
@@ -11,8 +11,8 @@
 //! 4. `refine`: least squares by Levenberg-Marquardt, and the covariance of the estimate; `answer`
 //!    converts both to angles, pixels and metres.
 //!
-//! [`calibrate`] runs all steps. Input with a wrong sign (left-handed axes, y counted from the bottom)
-//! fits a mirrored world only; that is tested and reported.
+//! [`calibrate`] runs all steps. Input with a wrong sign (left-handed axes, y counted from the
+//! bottom) fits a mirrored world only; that is tested and reported.
 
 mod answer;
 mod error;
@@ -232,8 +232,9 @@ fn undetermined(number: usize, free: Free) -> CalibrateError {
     CalibrateError::Undetermined { what, remedy: remedy.into() }
 }
 
-/// A parameter that was held fixed although the pairs contradict it, with the root mean square residual
-/// after freeing it, pixels: an F test of the decrease of the squares by two more parameters.
+/// A parameter that was held fixed although the pairs contradict it, with the root mean square
+/// residual after freeing it, pixels: an F test of the decrease of the squares by two more
+/// parameters.
 fn missed(model: &Model, sights: &[Sight], free: Free) -> Vec<(&'static str, f64)> {
     let with_bend = Free { distortion: true, ..free };
     let with_shift = Free { principal_point: true, ..free };
@@ -254,8 +255,8 @@ fn missed(model: &Model, sights: &[Sight], free: Free) -> Vec<(&'static str, f64
     missed
 }
 
-/// The second pose of nearly planar points (Necker reversal), whose projection from a distance is nearly
-/// the same. Refined; none if it converges to the first.
+/// The second pose of nearly planar points (Necker reversal), whose projection from a distance is
+/// nearly the same. Refined; none if it converges to the first.
 fn other_pose(model: &Model, sights: &[Sight], free: Free) -> Option<Model> {
     let (centre, normal) = Layout::plane(sights)?;
     let in_camera = model.in_camera(&centre);

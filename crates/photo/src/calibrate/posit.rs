@@ -12,8 +12,9 @@
 //! solve, take the pose, compute them again, and iterate.
 //!
 //! Points in one plane with unit normal `u` leave `I = I_0 + a u`, `J = J_0 + b u` open; that `I`
-//! and `J` are perpendicular and equally long gives `(a + ib)^2 = J_0^2 - I_0^2 - 2i I_0 . J_0`, two
-//! poses. The first iteration follows both, later ones the better of the two [Oberkampf et al. 1996].
+//! and `J` are perpendicular and equally long gives `(a + ib)^2 = J_0^2 - I_0^2 - 2i I_0 . J_0`,
+//! two poses. The first iteration follows both, later ones the better of the two [Oberkampf et al.
+//! 1996].
 
 use super::model::{Model, Sight};
 use nalgebra::{Complex, Matrix3, Vector2, Vector3};

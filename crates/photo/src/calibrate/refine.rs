@@ -25,8 +25,8 @@ pub(super) struct Care {
 pub(super) const ROUGH: Care = Care { tolerance: 1e-4, patience: 2 };
 /// To machine precision.
 pub(super) const FINAL: Care = Care { tolerance: 1e-13, patience: 60 };
-/// Singular values below this share of the largest (of the Jacobian with normalised columns) mean that
-/// the parameters are not determined.
+/// Singular values below this share of the largest (of the Jacobian with normalised columns) mean
+/// that the parameters are not determined.
 const SINGULAR: f64 = 1e-7;
 
 struct Problem<'a> {

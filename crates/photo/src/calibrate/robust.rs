@@ -1,15 +1,15 @@
 //! Robust estimation: inliers and outliers.
 //!
 //! Least trimmed squares [Rousseeuw and Van Driessen 2006]: many small random subsets each give an
-//! initial camera; concentration steps refit it to the pairs with the smallest residuals. Then each pair
-//! is tested against the camera of the *other* inliers. For an inlier
+//! initial camera; concentration steps refit it to the pairs with the smallest residuals. Then each
+//! pair is tested against the camera of the *other* inliers. For an inlier
 //!
 //! ```text
 //! T = e^T (I + J (J^T J)^-1 J^T)^-1 e / (2 sigma^2)      follows F(2, freedom)
 //! ```
 //!
-//! where `e` is the residual of the pair against the prediction of the others. Pairs above the quantile
-//! become outliers, those below it inliers again.
+//! where `e` is the residual of the pair against the prediction of the others. Pairs above the
+//! quantile become outliers, those below it inliers again.
 
 use super::model::{Free, Model, Sight, jacobian};
 use super::refine::{Certainty, FINAL, ROUGH, certainty, refine};

@@ -1,5 +1,5 @@
-//! The downhill simplex [Nelder and Mead 1965] on the reprojection error, as in [Boivin and Gagalowicz
-//! 2002, section 3.1].
+//! The downhill simplex [Nelder and Mead 1965] on the reprojection error, as in [Boivin and
+//! Gagalowicz 2002, section 3.1].
 
 use super::model::{Free, Model, Sight};
 use argmin::core::{CostFunction, Error, Executor, State};

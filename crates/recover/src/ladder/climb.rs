@@ -2,7 +2,7 @@
 //!
 //! In every turn each group's current hypothesis is fitted to the light that arrives at it. Where
 //! that light comes from diffuse surfaces that the camera sees, the photograph itself says how much
-//! it is (`unrender_render::seen`); only the rest hangs on what is believed of the other groups, and
+//! it is (`unrender_render::radiance_cache`); only the rest hangs on what is believed of the other groups, and
 //! the reflectances move most of the way to their fits (`DAMPING`). When nothing moves any more, the
 //! groups that their hypothesis explains worst get a trial: all uniform rungs are fitted to one
 //! cache of incident light and the simplest good one is taken ([`super::choice`]). Only the worst

@@ -1,11 +1,11 @@
 //! The test of eight boxes at once by AVX2.
 //!
-//! After the distances are known, minima, maxima and comparisons are done on their bits as integers,
-//! which takes a quarter of the time: for numbers of at least zero, bits are ordered as the numbers
-//! are. The bits of a negative number, read as a signed integer, are less than those of any number of
-//! at least zero; which of two negative numbers is less does not matter, since the entry distance is
-//! raised to zero. (Minus zero counts as negative: a box whose far side lies at the origin of the ray
-//! holds nothing in front of it.)
+//! After the distances are known, minima, maxima and comparisons are done on their bits as
+//! integers, which takes a quarter of the time: for numbers of at least zero, bits are ordered as
+//! the numbers are. The bits of a negative number, read as a signed integer, are less than those of
+//! any number of at least zero; which of two negative numbers is less does not matter, since the
+//! entry distance is raised to zero. (Minus zero counts as negative: a box whose far side lies at
+//! the origin of the ray holds nothing in front of it.)
 //!
 //! The intrinsics are undefined on a processor without AVX2. A value of [`Avx2`] is the proof that
 //! the processor has it: only [`Avx2::detect`] makes one, and every function here that uses the
@@ -71,8 +71,9 @@ impl Boxes for Slabs8 {
 
     #[inline(always)]
     fn enter(&self, node: &Node, t_max: f32) -> (Lanes, u32) {
-        // SAFETY: `_proof` says that the processor has AVX2. The loads read eight floats from arrays
-        // of eight, the store writes eight floats to an array of eight; neither needs alignment.
+        // SAFETY: `_proof` says that the processor has AVX2. The loads read eight floats from
+        // arrays of eight, the store writes eight floats to an array of eight; neither needs
+        // alignment.
         unsafe {
             let side = |axis: usize, far: usize| {
                 let bounds = &node.bounds[axis][self.near[axis] ^ far];

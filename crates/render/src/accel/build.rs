@@ -1,8 +1,8 @@
 //! Building the hierarchy: a binary tree by `obvhs` (PLOC [Meister and Bittner 2018a] and parallel
 //! reinsertion [Meister and Bittner 2018b]), collapsed to eight children per node.
 //!
-//! The collapse decides which binary nodes become nodes of the wide tree and which become leaves. It
-//! minimises the surface-area cost
+//! The collapse decides which binary nodes become nodes of the wide tree and which become leaves.
+//! It minimises the surface-area cost
 //!
 //! ```text
 //! sum over nodes of area * COST_NODE  +  sum over leaves of area * blocks
@@ -22,16 +22,18 @@ use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ploc::PlocSearchDistance;
 use std::time::Duration;
 
-/// The cost of visiting a node (eight box tests and the ordering of the hits), in tests of a block of
-/// four triangles. Half of it gives deeper trees with smaller leaves, double of it shallower trees
-/// whose leaves hold triangles that most rays miss.
+/// The cost of visiting a node (eight box tests and the ordering of the hits), in tests of a block
+/// of four triangles. Half of it gives deeper trees with smaller leaves, double of it shallower
+/// trees whose leaves hold triangles that most rays miss.
 const COST_NODE: f32 = 3.0;
 /// Below this depth nodes are split into equal parts by index, whatever the cost. This bounds the
-/// depth of the tree, and so the traversal stack (`walk`), even where nearly all triangles lie in one
-/// place. Half of it would cut unbalanced trees of real scenes, double of it would double the stack.
+/// depth of the tree, and so the traversal stack (`walk`), even where nearly all triangles lie in
+/// one place. Half of it would cut unbalanced trees of real scenes, double of it would double the
+/// stack.
 pub(super) const DEPTH_MAX: usize = 26;
 
-/// Parameters of the binary builder. Reinsertion is thorough, since one tree serves millions of rays.
+/// Parameters of the binary builder. Reinsertion is thorough, since one tree serves millions of
+/// rays.
 const QUALITY: BvhBuildParams = BvhBuildParams {
     reinsertion_batch_ratio: 0.4,
     post_collapse_reinsertion_batch_ratio_multiplier: 0.0,

@@ -1,13 +1,14 @@
 //! Inputs that take quadratic time in the binary builder, and a builder of bounded time for them.
 //!
-//! PLOC merges two clusters only where each is the other's best partner. A row of equal boxes at equal
-//! distances has ties everywhere, and each pass merges one pair. Reinsertion searches the nodes that a
-//! node could join at little cost: where all triangles lie in one place it visits the whole tree for
-//! each node.
+//! PLOC merges two clusters only where each is the other's best partner. A row of equal boxes at
+//! equal distances has ties everywhere, and each pass merges one pair. Reinsertion searches the
+//! nodes that a node could join at little cost: where all triangles lie in one place it visits the
+//! whole tree for each node.
 //!
-//! [`is_degenerate`] counts both on samples of the input: the passes of PLOC on windows of the Morton
-//! order, and the partners that some boxes could join at little cost. Such inputs are split at the median of the
-//! widest axis, which takes `O(n log^2 n)` steps and gives a tree of the least depth.
+//! [`is_degenerate`] counts both on samples of the input: the passes of PLOC on windows of the
+//! Morton order, and the partners that some boxes could join at little cost. Such inputs are split
+//! at the median of the widest axis, which takes `O(n log^2 n)` steps and gives a tree of the least
+//! depth.
 
 use super::primitives::Bounded;
 use obvhs::Boundable;
@@ -30,8 +31,8 @@ const SAMPLES: usize = 128;
 /// Two boxes are cheap partners if their union has at most this times the larger one's area.
 const CHEAP: f32 = 1.1;
 /// Most cheap partners of a box on average. In a mesh there are few; where there are so many,
-/// reinsertion visits hundreds of nodes for each. Half of it would reject dense foliage, double of it
-/// takes twice as long.
+/// reinsertion visits hundreds of nodes for each. Half of it would reject dense foliage, double of
+/// it takes twice as long.
 const PARTNERS_MAX: usize = 512;
 
 /// Whether the binary builder would take quadratic time.
@@ -82,8 +83,8 @@ fn passes(boxes: &[Bounded]) -> usize {
 fn passes_of(mut clusters: Vec<Aabb>) -> usize {
     let mut count = 0;
     while clusters.len() > 1 && count <= PASSES_MAX {
-        // As in the builder, the first pass compares direct neighbours only, and the last of equally
-        // good partners wins.
+        // As in the builder, the first pass compares direct neighbours only, and the last of
+        // equally good partners wins.
         let reach = if count == 0 { 1 } else { SEARCH };
         let best = |index: usize| {
             let near = index.saturating_sub(reach)..(index + reach + 1).min(clusters.len());

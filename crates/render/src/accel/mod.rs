@@ -1,15 +1,15 @@
 //! Ray intersection: a bounding volume hierarchy behind a small interface.
 //!
-//! The interface is [`Accel::closest`], [`Accel::occluded`], and `Accel::occluders` (`shaft`), which
-//! bounds what may occlude the segments from one point to many. The structure behind it is private
-//! to this module:
-//!  - `primitives`, `degenerate` and `build`: the binary tree of `obvhs`, or of median splits where that
-//!    would take quadratic time, collapsed to eight children per node;
+//! The interface is [`Accel::closest`], [`Accel::occluded`], and `Accel::occluders` (`shaft`),
+//! which bounds what may occlude the segments from one point to many. The structure behind it is
+//! private to this module:
+//!  - `primitives`, `degenerate` and `build`: the binary tree of `obvhs`, or of median splits where
+//!    that would take quadratic time, collapsed to eight children per node;
 //!  - `tree`: its memory layout;
-//!  - `walk`: the traversal, written once, with two box tests: AVX2 (`avx2`), or glam's vectors of four
-//!    (SSE2, NEON). Both give the same bits;
-//!  - `woop`: the watertight triangle test [Woop et al. 2013]: no ray slips through an edge or a vertex
-//!    of a closed mesh.
+//!  - `walk`: the traversal, written once, with two box tests: AVX2 (`avx2`), or glam's vectors of
+//!    four (SSE2, NEON). Both give the same bits;
+//!  - `woop`: the watertight triangle test [Woop et al. 2013]: no ray slips through an edge or a
+//!    vertex of a closed mesh.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

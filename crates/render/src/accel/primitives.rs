@@ -1,17 +1,17 @@
 //! The boxes that the binary builder clusters: one per triangle, but one for each large stack of
 //! triangles with equal boxes, and all scaled so that areas are finite.
 //!
-//! *Coincident boxes.* PLOC merges two neighbours only where each is the other's best partner. Among
-//! `n` equal boxes all costs are equal, a pass merges one pair, and the build takes `O(n^2)` steps.
-//! A stack of more than [`LEAF_MAX`] equal boxes therefore becomes one primitive; the collapse splits
-//! it by index. No stack that PLOC sees is larger than a leaf, so passes merge at least one of
-//! [`LEAF_MAX`] boxes of a stack. Smaller stacks, such as the two halves of an upright quad, stay
-//! apart: their trees are those of PLOC.
+//! *Coincident boxes.* PLOC merges two neighbours only where each is the other's best partner.
+//! Among `n` equal boxes all costs are equal, a pass merges one pair, and the build takes `O(n^2)`
+//! steps. A stack of more than [`LEAF_MAX`] equal boxes therefore becomes one primitive; the
+//! collapse splits it by index. No stack that PLOC sees is larger than a leaf, so passes merge at
+//! least one of [`LEAF_MAX`] boxes of a stack. Smaller stacks, such as the two halves of an upright
+//! quad, stay apart: their trees are those of PLOC.
 //!
 //! *Huge boxes.* The surface area of a box of side 2e19 exceeds the largest number of single
-//! precision, and the builder compares infinite costs. Boxes of scenes larger than [`EXTENT_MAX`] are
-//! scaled by a power of two, which is exact. Other scenes are not scaled. Boxes whose areas underflow
-//! to zero beside a huge one have equal costs, too, and become one primitive.
+//! precision, and the builder compares infinite costs. Boxes of scenes larger than [`EXTENT_MAX`]
+//! are scaled by a power of two, which is exact. Other scenes are not scaled. Boxes whose areas
+//! underflow to zero beside a huge one have equal costs, too, and become one primitive.
 
 use super::tree::LEAF_MAX;
 use glam::{Vec3, Vec3A};

@@ -10,8 +10,9 @@
 //! n = a x b + b x c + c x a,  v = a . (b x c),  s = sign v,
 //! ```
 //!
-//! so it is culled if the maximum of one of these over the bundle's box is too small. In a room most
-//! shafts are empty, and none of their segments needs a shadow ray; others hold a few triangles.
+//! so it is culled if the maximum of one of these over the bundle's box is too small. In a room
+//! most shafts are empty, and none of their segments needs a shadow ray; others hold a few
+//! triangles.
 
 use super::tree::{ChildRef, Node, WIDTH};
 use super::woop::{ShearedRay, Triangles4};
@@ -19,9 +20,9 @@ use super::{Accel, Ray};
 use crate::lanes::{Vec3x4, cross, dot, dot_one};
 use glam::{BVec4A, Vec3, Vec4};
 
-/// Most blocks of triangles that are tested one by one. With more a ray through the tree costs less:
-/// it tests about as many blocks. Half of it sends more segments through the tree, double of it tests
-/// long lists.
+/// Most blocks of triangles that are tested one by one. With more a ray through the tree costs
+/// less: it tests about as many blocks. Half of it sends more segments through the tree, double of
+/// it tests long lists.
 const FEW: usize = 8;
 /// Entries of the traversal stack. A shaft that enters more nodes at once holds too many triangles
 /// and is not refined.

@@ -1,8 +1,8 @@
 //! Traversal of the 8-wide tree, nearest box first, with a stack of children still to visit.
 //!
-//! The traversal is written once. The box test is a parameter, [`Boxes`]; everything is inlined into
-//! the function that chooses it. The slab test is that of [Kay and Kajiya 1986], with the far side
-//! widened by its rounding error [Ize 2013].
+//! The traversal is written once. The box test is a parameter, [`Boxes`]; everything is inlined
+//! into the function that chooses it. The slab test is that of [Kay and Kajiya 1986], with the far
+//! side widened by its rounding error [Ize 2013].
 
 use super::tree::{ChildRef, Node, Tree, WIDTH};
 use super::woop::ShearedRay;
@@ -10,8 +10,8 @@ use super::{Hit, Ray, build};
 use glam::Vec4;
 use std::mem::MaybeUninit;
 
-/// Widens the far side of the slab test by twice its rounding error, `1 + 2 gamma(3)` of [Ize 2013].
-/// With a quarter of the margin rays may miss boxes; double of it visits a few more boxes.
+/// Widens the far side of the slab test by twice its rounding error, `1 + 2 gamma(3)` of [Ize
+/// 2013]. With a quarter of the margin rays may miss boxes; double of it visits a few more boxes.
 const ROUNDING: f32 = 1.0 + 2.0 * 3.0 * f32::EPSILON;
 /// Entries of the stack. Each level leaves at most seven children behind. Below `DEPTH_MAX` each
 /// level divides the triangles by eight, of which there are fewer than 2^31: eleven levels.
@@ -41,8 +41,8 @@ pub(super) trait Boxes {
     fn prefetch(tree: &Tree, child: ChildRef);
 }
 
-/// One number per child, aligned so that it never crosses a cache line: with the alignment of `f32` a
-/// ray took half as long again where the stack frame happened to make it cross one.
+/// One number per child, aligned so that it never crosses a cache line: with the alignment of `f32`
+/// a ray took half as long again where the stack frame happened to make it cross one.
 #[derive(Clone, Copy)]
 #[repr(align(32))]
 pub(super) struct Lanes(pub(super) [f32; WIDTH]);
@@ -68,8 +68,8 @@ pub(super) fn walk<B: Boxes, const ANY: bool>(
     let mut t_max = ray.t_max;
     let mut best = None;
     let mut stack = Stack::new();
-    // The number of entries of `stack` that were written: it changes only by what `push_but_nearest`
-    // and `pop` return.
+    // The number of entries of `stack` that were written: it changes only by what
+    // `push_but_nearest` and `pop` return.
     let mut depth = 0;
     let mut child = ChildRef::ROOT;
     loop {
@@ -107,7 +107,8 @@ pub(super) fn walk<B: Boxes, const ANY: bool>(
 /// Prepares the ray for the box test.
 #[inline(always)]
 fn boxes<B: Boxes>(proof: B::Proof, ray: &Ray) -> B {
-    // A direction of zero would give 0 * infinity, which is no number; a huge finite slope does not.
+    // A direction of zero would give 0 * infinity, which is no number; a huge finite slope does
+    // not.
     let direction = ray.direction.extend(1.0);
     let usable = direction.abs().cmpgt(Vec4::splat(1e-18));
     let steep = Vec4::splat(1e18).copysign(direction);
@@ -151,9 +152,9 @@ impl Stack {
         unsafe { self.0[index].assume_init() }
     }
 
-    /// Pushes the `children` whose bit is set in `entered`, at least one, except the nearest, sorted
-    /// so that nearer ones are popped first, and prefetches them. Returns the new depth, below which
-    /// all entries are written, and the nearest child.
+    /// Pushes the `children` whose bit is set in `entered`, at least one, except the nearest,
+    /// sorted so that nearer ones are popped first, and prefetches them. Returns the new depth,
+    /// below which all entries are written, and the nearest child.
     ///
     /// # Safety
     /// All entries below `depth` must have been written.
@@ -180,8 +181,8 @@ impl Stack {
             prefetch(ChildRef(far as u32));
             let mut at = depth;
             depth += 1;
-            // SAFETY: `base <= at - 1 < at`, and this loop has written the entries from `base` up to
-            // the old depth, which `at` starts from.
+            // SAFETY: `base <= at - 1 < at`, and this loop has written the entries from `base` up
+            // to the old depth, which `at` starts from.
             while at > base && unsafe { self.get(at - 1) } < far {
                 self.0[at] = self.0[at - 1];
                 at -= 1;
@@ -191,7 +192,8 @@ impl Stack {
         (depth, ChildRef(nearest as u32))
     }
 
-    /// The topmost of the `depth` entries that the ray enters before `t_max`, and the depth below it.
+    /// The topmost of the `depth` entries that the ray enters before `t_max`, and the depth below
+    /// it.
     ///
     /// # Safety
     /// All entries below `depth` must have been written.

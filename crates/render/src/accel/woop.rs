@@ -1,9 +1,9 @@
 //! The watertight ray/triangle test of [Woop et al. 2013], on four triangles at once.
 //!
-//! A shear takes the ray to the z axis; the rest is a 2D test by three edge functions. Two triangles
-//! that share an edge compute its edge function from the same numbers with opposite sign, so the ray
-//! hits at least one of them. An edge function that is exactly zero is computed again in double
-//! precision.
+//! A shear takes the ray to the z axis; the rest is a 2D test by three edge functions. Two
+//! triangles that share an edge compute its edge function from the same numbers with opposite sign,
+//! so the ray hits at least one of them. An edge function that is exactly zero is computed again in
+//! double precision.
 
 use super::walk::three;
 use super::{Hit, Ray};
@@ -106,7 +106,8 @@ impl Triangles4 {
         let mut u = cx * by - cy * bx;
         let mut v = ax * cy - ay * cx;
         let mut w = bx * ay - by * ax;
-        // A zero agrees with both signs, so a triangle that fails here fails for any value of the zero.
+        // A zero agrees with both signs, so a triangle that fails here fails for any value of the
+        // zero.
         if !same_side(u, v, w).any() {
             return None;
         }
@@ -158,12 +159,12 @@ fn edge_again(single: Vec4, p: Vec4, q: Vec4, r: Vec4, s: Vec4) -> Vec4 {
     }))
 }
 
-/// Moves `point` off its surface along the unit `normal`, just far enough that rays from there do not
-/// hit the same surface: by 256 units in the last place [Waechter and Binder 2019, chapter 6].
+/// Moves `point` off its surface along the unit `normal`, just far enough that rays from there do
+/// not hit the same surface: by 256 units in the last place [Waechter and Binder 2019, chapter 6].
 #[inline]
 pub fn offset(point: Vec3, normal: Vec3) -> Vec3 {
-    /// Coordinates below this (metres) are offset by [`NEAR_ORIGIN`]: their error is that of the larger
-    /// numbers that they were computed from.
+    /// Coordinates below this (metres) are offset by [`NEAR_ORIGIN`]: their error is that of the
+    /// larger numbers that they were computed from.
     const ORIGIN: f32 = 1.0 / 32.0;
     const NEAR_ORIGIN: f32 = 1.0 / 65536.0;
     /// Units in the last place, relative to the coordinate; the value of the source.

@@ -5,12 +5,13 @@
 //! ```text
 //! w  = D(h) G(wo, wi) / (4 cos_o cos_i)
 //! D  = 1 / (pi alpha_x alpha_y ((h_x/alpha_x)^2 + (h_y/alpha_y)^2 + h_z^2)^2)
-//! G  = 1 / (1 + L(wo) + L(wi)),   L(v) = (sqrt(1 + (alpha_x^2 v_x^2 + alpha_y^2 v_y^2)/v_z^2) - 1)/2
+//! G  = 1 / (1 + L(wo) + L(wi)),   L(v) = (sqrt(1 + (alpha_x^2 v_x^2 + alpha_y^2 v_y^2)/v_z^2) -
+//! 1)/2
 //! ```
 //!
-//! [Walter et al. 2007, eq. 33; Heitz 2014, eqs. 85, 86, 99: the height-correlated form]. There is no
-//! Fresnel term; the albedo of `rho_s w` is `rho_s` less the light that microfacets scatter more than
-//! once. Sampled by the distribution of visible normals [Heitz 2018].
+//! [Walter et al. 2007, eq. 33; Heitz 2014, eqs. 85, 86, 99: the height-correlated form]. There is
+//! no Fresnel term; the albedo of `rho_s w` is `rho_s` less the light that microfacets scatter more
+//! than once. Sampled by the distribution of visible normals [Heitz 2018].
 
 use super::ward::{ALPHA_MIN, LobeDerivatives};
 use glam::Vec3;
@@ -24,8 +25,8 @@ pub struct GgxLobe {
 }
 
 impl GgxLobe {
-    /// A lobe with roughness `alpha_x` along and `alpha_y` across the anisotropy direction; both are
-    /// raised to [`ALPHA_MIN`].
+    /// A lobe with roughness `alpha_x` along and `alpha_y` across the anisotropy direction; both
+    /// are raised to [`ALPHA_MIN`].
     pub fn new(alpha_x: f32, alpha_y: f32) -> Self {
         Self { alpha_x: alpha_x.max(ALPHA_MIN), alpha_y: alpha_y.max(ALPHA_MIN) }
     }
@@ -47,8 +48,8 @@ impl GgxLobe {
     /// [`GgxLobe::value`] with its derivatives; below [`ALPHA_MIN`] those at [`ALPHA_MIN`].
     ///
     /// With `q` the sum in `D` and `s` the root in `L`: `d ln D/d alpha_x = 4 (h_x/alpha_x)^2/(q
-    /// alpha_x) - 1/alpha_x`, `dL/d alpha_x = alpha_x v_x^2/(2 s v_z^2)`. The angle moves directions
-    /// in the anisotropy frame, `dv_x = v_y dtheta` and `dv_y = -v_x dtheta`.
+    /// alpha_x) - 1/alpha_x`, `dL/d alpha_x = alpha_x v_x^2/(2 s v_z^2)`. The angle moves
+    /// directions in the anisotropy frame, `dv_x = v_y dtheta` and `dv_y = -v_x dtheta`.
     #[inline]
     pub fn derivatives(&self, wo: Vec3, wi: Vec3) -> LobeDerivatives {
         let value = self.value(wo, wi);

@@ -15,8 +15,8 @@ pub enum GlossyLobe {
 }
 
 impl GlossyLobe {
-    /// A lobe with roughness `alpha_x` along and `alpha_y` across the anisotropy direction; both are
-    /// raised to [`ALPHA_MIN`](super::ward::ALPHA_MIN).
+    /// A lobe with roughness `alpha_x` along and `alpha_y` across the anisotropy direction; both
+    /// are raised to [`ALPHA_MIN`](super::ward::ALPHA_MIN).
     pub fn new(model: impl Into<BrdfModel>, alpha_x: f32, alpha_y: f32) -> Self {
         match model.into() {
             BrdfModel::Ward(form) => Self::Ward(WardLobe::new(form, alpha_x, alpha_y)),

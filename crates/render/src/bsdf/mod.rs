@@ -1,12 +1,12 @@
 //! Reflectance: `f = rho_d/pi + rho_s w` [Boivin and Gagalowicz 2002, section 4.2].
 //!
-//! One BRDF is one file. To add another: give it `value`, `pdf`, `sample` and the derivatives by its
-//! shape parameters in a file of its own, let [`Bsdf`] choose it, and run it through
+//! One BRDF is one file. To add another: give it `value`, `pdf`, `sample` and the derivatives by
+//! its shape parameters in a file of its own, let [`Bsdf`] choose it, and run it through
 //! `tests/bsdf_laws.rs`.
 //!
 //! All directions are unit vectors in the *anisotropy frame*: x along the anisotropy direction (the
-//! direction of brushing), z the shading normal on the viewer's side. Both `wo`, towards the camera,
-//! and `wi`, towards the light, point away from the surface.
+//! direction of brushing), z the shading normal on the viewer's side. Both `wo`, towards the
+//! camera, and `wi`, towards the light, point away from the surface.
 
 pub mod ggx;
 pub mod lambert;
@@ -51,8 +51,8 @@ impl Terms {
 }
 
 impl Specular {
-    /// The terms of `f` without the cosine, for two directions above the surface. A perfect mirror, a
-    /// delta distribution, has the value zero.
+    /// The terms of `f` without the cosine, for two directions above the surface. A perfect mirror,
+    /// a delta distribution, has the value zero.
     #[inline]
     pub fn terms(&self, wo: Vec3, wi: Vec3) -> Terms {
         let specular = match self {
@@ -123,7 +123,8 @@ impl<'a> Bsdf<'a> {
         self.rho_d.max_element() <= 0.0 && self.specular == Specular::None
     }
 
-    /// True if the surface is a perfect mirror without diffuse term, for which light samples are useless.
+    /// True if the surface is a perfect mirror without diffuse term, for which light samples are
+    /// useless.
     pub fn is_pure_mirror(&self) -> bool {
         self.specular == Specular::Mirror && self.specular_share >= 1.0
     }
@@ -138,7 +139,8 @@ impl<'a> Bsdf<'a> {
         self.value_and_pdf(wo, wi).0
     }
 
-    /// The density over solid angle with which [`Bsdf::sample`] draws `wi`, without perfect mirrors.
+    /// The density over solid angle with which [`Bsdf::sample`] draws `wi`, without perfect
+    /// mirrors.
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         self.value_and_pdf(wo, wi).1
     }
@@ -165,7 +167,8 @@ impl<'a> Bsdf<'a> {
     }
 
     /// Draws `wi` from three numbers in [0, 1); none if the direction falls below the surface.
-    // Not inlined, as the compiler decides where there are several callers, pictures take 2 % longer.
+    // Not inlined, as the compiler decides where there are several callers, pictures take 2 %
+    // longer.
     #[inline(always)]
     pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
         if wo.z <= 0.0 {

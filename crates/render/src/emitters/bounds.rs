@@ -1,8 +1,8 @@
-//! Clusters of lights with similar position and orientation, and an upper bound of their irradiance at
-//! a point, after [Conty Estevez and Kulla 2018].
+//! Clusters of lights with similar position and orientation, and an upper bound of their irradiance
+//! at a point, after [Conty Estevez and Kulla 2018].
 //!
-//! A cluster has a bounding sphere and a bounding cone of the emission axes. Its importance at a point
-//! is
+//! A cluster has a bounding sphere and a bounding cone of the emission axes. Its importance at a
+//! point is
 //!
 //! ```text
 //! strength * cos(theta') / d^2,     theta' = the least angle between any axis and the point
@@ -18,12 +18,12 @@ use unrender_scene::LightKind;
 use unrender_scene::color::luminance;
 
 /// Most clusters. Bounds ignore visibility, so that more clusters would hardly reduce the variance;
-/// with half of them lamps of one ceiling share a cluster, with double of them each sample evaluates
-/// twice as many bounds.
+/// with half of them lamps of one ceiling share a cluster, with double of them each sample
+/// evaluates twice as many bounds.
 pub(super) const CLUSTERS_MAX: usize = 16;
-/// Clusters of a smaller extent are not split. Positions count in radii of the scene, orientations in
-/// components of the unit axis, so 0.3 is a third of the radius or about 17 degrees. Half of it makes
-/// clusters whose bounds differ little, double of it joins lamps of opposite walls.
+/// Clusters of a smaller extent are not split. Positions count in radii of the scene, orientations
+/// in components of the unit axis, so 0.3 is a third of the radius or about 17 degrees. Half of it
+/// makes clusters whose bounds differ little, double of it joins lamps of opposite walls.
 const EXTENT_MIN: f32 = 0.3;
 
 /// Bounds of one light at a finite distance.
@@ -48,8 +48,8 @@ pub(super) struct LightCluster {
     centre: Vec3,
     radius: f32,
     axis: Vec3,
-    /// The angle from `axis` within which the axes of the lights lie, and the largest angle from its
-    /// own axis within which a light emits.
+    /// The angle from `axis` within which the axes of the lights lie, and the largest angle from
+    /// its own axis within which a light emits.
     spread_rad: f32,
     reach_rad: f32,
     pub(super) strength: f32,

@@ -20,8 +20,8 @@ use unrender_scene::color::luminance;
 use unrender_scene::{Environment, Light, LightKind, Rgb};
 
 /// The share of the probability that pools get by power instead of by their bounds. Bounds ignore
-/// visibility: without this share a nearby lamp behind a wall would take nearly all samples. With half
-/// of it such samples are twice as noisy, with double of it those by bounds are.
+/// visibility: without this share a nearby lamp behind a wall would take nearly all samples. With
+/// half of it such samples are twice as noisy, with double of it those by bounds are.
 const BY_POWER: f32 = 0.2;
 /// The pool of the directional lights, after all clusters.
 const DIRECTIONAL: usize = CLUSTERS_MAX;
@@ -254,8 +254,8 @@ impl Emitters {
         }
     }
 
-    /// The density over solid angle with which [`Emitters::sample`] at `point` draws the direction in
-    /// which the front of `triangle` lies at `distance`, under the cosine `cos` to its normal.
+    /// The density over solid angle with which [`Emitters::sample`] at `point` draws the direction
+    /// in which the front of `triangle` lies at `distance`, under the cosine `cos` to its normal.
     pub fn pdf(&self, point: Vec3, triangle: u32, distance: f32, cos: f32) -> f32 {
         match self.emitting[triangle as usize] {
             None => 0.0,

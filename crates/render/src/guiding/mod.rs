@@ -1,21 +1,21 @@
 //! Specular guiding: diffuse surfaces sample towards the mirror images of lamps in glossy planes.
 //!
-//! A glossy floor casts a caustic on the wall. Cosine sampling at the wall rarely hits the region of
-//! the floor that reflects the lamp, and such samples are bright: they dominate the variance of
-//! pictures and of parameters fitted to them. For a plane the region is known in closed form: it lies
-//! towards the mirror image of the lamp. A share of the directions of a diffuse surface is therefore
-//! drawn from a von Mises-Fisher lobe about that direction. The lobe is one more density in the
-//! mixture that directions are drawn from, so the estimator stays unbiased [Veach and Guibas 1995].
-//! The idea is that of path guiding by vMF mixtures [Vorba et al. 2014], with the mixture known
-//! instead of learned.
+//! A glossy floor casts a caustic on the wall. Cosine sampling at the wall rarely hits the region
+//! of the floor that reflects the lamp, and such samples are bright: they dominate the variance of
+//! pictures and of parameters fitted to them. For a plane the region is known in closed form: it
+//! lies towards the mirror image of the lamp. A share of the directions of a diffuse surface is
+//! therefore drawn from a von Mises-Fisher lobe about that direction. The lobe is one more density
+//! in the mixture that directions are drawn from, so the estimator stays unbiased [Veach and Guibas
+//! 1995]. The idea is that of path guiding by vMF mixtures [Vorba et al. 2014], with the mixture
+//! known instead of learned.
 //!
 //! Width of the lobe: when the direction is off by `epsilon`, the half vector tilts by
 //! `epsilon (1 + a/b) / 2`, with `a` the distance to the plane and `b` that from there to the lamp.
 //! Ward's slopes have the standard deviation `alpha / sqrt 2`, so the caustic has
 //! `sqrt 2 alpha / (1 + a/b)`; the angular radius of the lamp is added in quadrature.
 //!
-//! Cost: each of the first diffuse vertices of a path tests up to [`PAIRS_MAX`] pairs of a plane and a
-//! lamp.
+//! Cost: each of the first diffuse vertices of a path tests up to [`PAIRS_MAX`] pairs of a plane
+//! and a lamp.
 
 mod vmf;
 
@@ -30,27 +30,28 @@ use std::f32::consts::{PI, SQRT_2};
 use unrender_scene::color::luminance;
 use unrender_scene::{LightKind, Mesh, Rgb, Scene};
 
-/// The share of directions drawn from the lobes at the first diffuse vertex of a path, the second, and
-/// so on; later vertices have none. Samples by the cosine weigh `1 / (1 - share)` as much at every
-/// vertex, so the weights multiply along a path: with double of these shares rare bright paths add
-/// more noise than the lobes remove, with half of them caustics are sampled half as often.
+/// The share of directions drawn from the lobes at the first diffuse vertex of a path, the second,
+/// and so on; later vertices have none. Samples by the cosine weigh `1 / (1 - share)` as much at
+/// every vertex, so the weights multiply along a path: with double of these shares rare bright
+/// paths add more noise than the lobes remove, with half of them caustics are sampled half as
+/// often.
 const SHARES: [f32; 4] = [0.2, 0.2, 0.1, 0.1];
 /// The number of vertices of a path that are guided.
 pub(crate) const BOUNCES: u32 = SHARES.len() as u32;
 /// Most pairs of a plane and a lamp in a scene: the strongest by power and reflectance. Each guided
 /// vertex tests all of them; with half of them rooms of several lamps lose caustics.
 const PAIRS_MAX: usize = 16;
-/// Caustics narrower than this (radians) are not guided, nor are those of a mirror and a point light:
-/// single precision does not resolve the lobe.
+/// Caustics narrower than this (radians) are not guided, nor are those of a mirror and a point
+/// light: single precision does not resolve the lobe.
 const DEVIATION_MIN: f32 = 2e-3;
 /// Caustics wider than this (radians) are not guided: cosine sampling finds them.
 const DEVIATION_MAX: f32 = 0.5;
-/// A caustic extends this many standard deviations beyond its centre; 1 % of a Gaussian in the plane
-/// lies outside. With half of it caustics at the edge of a plane are missed, double of it adds lobes
-/// that no light takes.
+/// A caustic extends this many standard deviations beyond its centre; 1 % of a Gaussian in the
+/// plane lies outside. With half of it caustics at the edge of a plane are missed, double of it
+/// adds lobes that no light takes.
 const REACH: f32 = 3.0;
-/// Unit vectors with at least this cosine between them count as parallel: 0.8 degrees. With double of
-/// the angle gently curved meshes count as planes.
+/// Unit vectors with at least this cosine between them count as parallel: 0.8 degrees. With double
+/// of the angle gently curved meshes count as planes.
 const PARALLEL: f32 = 0.9999;
 
 /// The planes and lamps of a scene.

@@ -4,7 +4,8 @@
 //! pdf(w) = kappa exp(kappa (w . axis - 1)) / (2 pi (1 - exp(-2 kappa)))      [Fisher 1953]
 //! ```
 //!
-//! with `kappa = 1 / deviation^2`, sampled by inverting the distribution of `w . axis` [Jakob 2012].
+//! with `kappa = 1 / deviation^2`, sampled by inverting the distribution of `w . axis` [Jakob
+//! 2012].
 
 use crate::lanes::{Vec3x4, dot, set_lane};
 use crate::surface::Frame;
@@ -18,8 +19,8 @@ pub(crate) const LOBES_MAX: usize = 4;
 /// samples beyond that is below the rounding error of single precision. Half of it would cut the
 /// density at 2e-4 of the peak and bias estimates; double of it evaluates exponentials in vain.
 const EXPONENT_MAX: f32 = 17.3;
-/// Bounds of a lobe's standard deviation, radians: narrower ones exceed single precision, wider ones
-/// are hardly lobes.
+/// Bounds of a lobe's standard deviation, radians: narrower ones exceed single precision, wider
+/// ones are hardly lobes.
 const DEVIATION: [f32; 2] = [2e-3, 0.5];
 
 /// One lobe.
@@ -70,8 +71,8 @@ impl VmfMixture {
         share: 0.2,
     };
 
-    /// Lobes about the first [`LOBES_MAX`] of the `axes`, each with its standard deviation in radians
-    /// in the tangent plane of the sphere, clamped to 0.002 to 0.5.
+    /// Lobes about the first [`LOBES_MAX`] of the `axes`, each with its standard deviation in
+    /// radians in the tangent plane of the sphere, clamped to 0.002 to 0.5.
     pub fn towards(axes: &[(Vec3, f32)]) -> Self {
         let mut mixture = Self::NONE;
         for (axis, deviation) in axes {
@@ -153,8 +154,8 @@ impl VmfMixture4 {
         four
     }
 
-    /// For each surface the density over solid angle of the unit vector `wi` (world space) under the
-    /// mixture and under cosine sampling, which has the density `cosine_pdf`, together.
+    /// For each surface the density over solid angle of the unit vector `wi` (world space) under
+    /// the mixture and under cosine sampling, which has the density `cosine_pdf`, together.
     #[inline]
     pub(crate) fn pdf(&self, wi: Vec3x4, cosine_pdf: Vec4) -> Vec4 {
         let mut pdf = Vec4::ZERO;

@@ -2,8 +2,8 @@
 //!
 //! Forward mode would carry `dC/dp = C sum over the vertices of (df/dp)/f` along each path. Reverse
 //! mode gives the same sum with the work of one path and without the division. With `T_i` the
-//! throughput from vertex `i` to the camera, `f_i` the BRDF there, `w_i = f_i cos/pdf`, and `L_i` the
-//! radiance that arrives at vertex `i` along the path,
+//! throughput from vertex `i` to the camera, `f_i` the BRDF there, `w_i = f_i cos/pdf`, and `L_i`
+//! the radiance that arrives at vertex `i` along the path,
 //!
 //! ```text
 //! L_(i-1) = emitted_i + direct_i + w_i L_i
@@ -14,11 +14,11 @@
 //! (detached): they decide which paths are taken, not how much light they carry. The same sum with
 //! adjoint radiance as `T_i` is radiative backpropagation [Nimier-David et al. 2020].
 //!
-//! The brightness `p` of a light source multiplies its emission, so the derivative is the light from
-//! the source without that factor.
+//! The brightness `p` of a light source multiplies its emission, so the derivative is the light
+//! from the source without that factor.
 //!
-//! The events of a path are recorded on a tape (module `tape`); a plan maps groups and light sources to
-//! the sums that they contribute to (module `plan`).
+//! The events of a path are recorded on a tape (module `tape`); a plan maps groups and light
+//! sources to the sums that they contribute to (module `plan`).
 
 mod plan;
 mod tape;
@@ -43,7 +43,8 @@ pub enum Parameter {
     RhoD(u32),
     /// The specular reflectance of a group.
     RhoS(u32),
-    /// The roughness along a group's anisotropy direction; the derivative of a perfect mirror is zero.
+    /// The roughness along a group's anisotropy direction; the derivative of a perfect mirror is
+    /// zero.
     AlphaX(u32),
     /// The roughness across it.
     AlphaY(u32),
@@ -70,12 +71,12 @@ pub struct Jacobian {
 
 impl Tracer {
     /// Radiance of `pixels` (indices into a picture of `size`) and its derivatives by `parameters`;
-    /// paths end at surfaces whose radiance is in `cache`, except at the first vertex. Derivatives by
-    /// parameters of missing groups and light sources are zero.
+    /// paths end at surfaces whose radiance is in `cache`, except at the first vertex. Derivatives
+    /// by parameters of missing groups and light sources are zero.
     ///
-    /// The paths are those of [`Tracer::render_pixels`] under the same seed, and so is the radiance;
-    /// except where a reflectance among the parameters is so close to zero that those paths would
-    /// hardly sample its lobe. There directions are drawn as if it were larger.
+    /// The paths are those of [`Tracer::render_pixels`] under the same seed, and so is the
+    /// radiance; except where a reflectance among the parameters is so close to zero that those
+    /// paths would hardly sample its lobe. There directions are drawn as if it were larger.
     ///
     /// # Panics
     /// If the appearance has fewer materials than the scene has groups.
@@ -122,12 +123,12 @@ impl Tracer {
         Jacobian { radiance, derivatives }
     }
 
-    /// The radiance of `pixels` under `appearance`, estimated on the paths of `sampled_as` (those of
-    /// [`Tracer::render_pixels`] under the same seed) by importance weights. On common paths the noise
-    /// of two appearances is correlated and mostly cancels in their difference.
+    /// The radiance of `pixels` under `appearance`, estimated on the paths of `sampled_as` (those
+    /// of [`Tracer::render_pixels`] under the same seed) by importance weights. On common paths the
+    /// noise of two appearances is correlated and mostly cancels in their difference.
     ///
-    /// The estimate is unbiased if `sampled_as` reflects wherever `appearance` does: a group that is
-    /// diffuse, glossy or a perfect mirror in one must be so in the other, and not black.
+    /// The estimate is unbiased if `sampled_as` reflects wherever `appearance` does: a group that
+    /// is diffuse, glossy or a perfect mirror in one must be so in the other, and not black.
     ///
     /// # Panics
     /// If an appearance has fewer materials than the scene has groups.

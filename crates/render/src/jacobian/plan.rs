@@ -1,5 +1,5 @@
-//! The plan of a Jacobian: the sum of each parameter of each group and light source, and how each group
-//! is evaluated.
+//! The plan of a Jacobian: the sum of each parameter of each group and light source, and how each
+//! group is evaluated.
 
 use super::Parameter;
 use crate::appearance::{Appearance, LightSource, SourceLayout};
@@ -13,8 +13,8 @@ use unrender_scene::{BrdfModel, Material, Rgb};
 pub(super) type Slot = Option<u32>;
 
 /// Reflectances among the parameters are sampled as if they were at least this. With half of it the
-/// derivative at reflectance zero is twice as noisy; with double of it paths of dark materials differ
-/// from those of a picture.
+/// derivative at reflectance zero is twice as noisy; with double of it paths of dark materials
+/// differ from those of a picture.
 const DRAWN_MIN: f32 = 0.05;
 
 /// The sums of a Jacobian.
@@ -37,7 +37,8 @@ pub(super) struct GroupPlan<'a> {
     pub(super) material: &'a Material,
     /// Its specular term, also where `rho_s` is zero but among the parameters.
     pub(super) specular: Specular,
-    /// Sine and cosine of the angle from the anisotropy direction that paths are drawn with to its own.
+    /// Sine and cosine of the angle from the anisotropy direction that paths are drawn with to its
+    /// own.
     rotation: Option<(f32, f32)>,
     /// The slots of rho_d, rho_s, alpha_x, alpha_y and theta.
     pub(super) slots: [Slot; 5],
@@ -142,8 +143,8 @@ impl<'a> GroupPlan<'a> {
     }
 }
 
-/// The materials that paths are drawn with: those given, with reflectances among the parameters raised
-/// to [`DRAWN_MIN`], so that paths sample their lobes.
+/// The materials that paths are drawn with: those given, with reflectances among the parameters
+/// raised to [`DRAWN_MIN`], so that paths sample their lobes.
 pub(super) fn drawn(materials: &[Material], parameters: &[Parameter]) -> Vec<Material> {
     let mut drawn = materials.to_vec();
     for parameter in parameters {

@@ -154,8 +154,8 @@ impl PathObserver for Tape<'_> {
             entry.terms = group.specular.terms(group.rotated(at.wo), group.rotated(sample.wi));
             entry.scale = sample.wi.z / sample.pdf;
         } else {
-            // f cos of a perfect mirror is rho_s times the delta distribution that the density is the
-            // specular share of.
+            // f cos of a perfect mirror is rho_s times the delta distribution that the density is
+            // the specular share of.
             let value = f32::from(group.specular == Specular::Mirror);
             entry.terms.specular.value = value;
             entry.scale = 1.0 / at.bsdf.specular_share();

@@ -1,9 +1,9 @@
 //! Path reuse: the paths of neighbouring pixels contribute to each other [Bekaert et al. 2002].
 //!
 //! The path of a pixel hits a first vertex `x`, the *receiver*, and a second vertex `y`. The light
-//! reflected at `y` also goes to the receivers of neighbouring pixels, at the cost of a visibility test
-//! each. With the N pixels of a tile, receivers `x_1..x_N`, and vertices `y_j` that reflect the radiance
-//! `L` diffusely, pixel i receives
+//! reflected at `y` also goes to the receivers of neighbouring pixels, at the cost of a visibility
+//! test each. With the N pixels of a tile, receivers `x_1..x_N`, and vertices `y_j` that reflect
+//! the radiance `L` diffusely, pixel i receives
 //!
 //! ```text
 //! sum over j of  f_i(y_j) cos_i G(x_i, y_j) L(y_j) / sum over k of p_k(y_j)
@@ -11,18 +11,19 @@
 //!
 //! with `G = V cos_y / r^2` and `p_k = pdf_k G(x_k, y_j)`, the density over area with which `x_k`
 //! samples `y_j`. This is the balance heuristic over N strategies [Veach and Guibas 1995], so the
-//! estimator is unbiased. Where the BRDF at `y` is glossy, `L` is `f(y) cos` times the light incident
-//! from a direction `w`, and the density is that of sampling both, `p_k(y) p(w | y, x_k)`. One path per
-//! pixel has the variance of up to N paths. Paths behind perfect mirrors are not reused.
+//! estimator is unbiased. Where the BRDF at `y` is glossy, `L` is `f(y) cos` times the light
+//! incident from a direction `w`, and the density is that of sampling both, `p_k(y) p(w | y, x_k)`.
+//! One path per pixel has the variance of up to N paths. Paths behind perfect mirrors are not
+//! reused.
 //!
-//! Cost: a sample takes the time of about three independent ones ([`COST`]). The visibility of `y` from
-//! all receivers is found at once by shaft culling ([`crate::accel`]); most shafts are empty, and
-//! otherwise a shadow ray is much cheaper than a path. Where most of the variance lies within pixels
-//! (leaves, grass) reuse does not pay; a pilot of a few tiles decides.
+//! Cost: a sample takes the time of about three independent ones ([`COST`]). The visibility of `y`
+//! from all receivers is found at once by shaft culling ([`crate::accel`]); most shafts are empty,
+//! and otherwise a shadow ray is much cheaper than a path. Where most of the variance lies within
+//! pixels (leaves, grass) reuse does not pay; a pilot of a few tiles decides.
 //!
 //! Reuse correlates the noise of the pixels of a tile. Tilings have another random offset for each
-//! sample number, so that tiles do not show; the noise is still correlated over a few pixels. Fits to
-//! pictures and measurements of noise over many pixels should use independent paths.
+//! sample number, so that tiles do not show; the noise is still correlated over a few pixels. Fits
+//! to pictures and measurements of noise over many pixels should use independent paths.
 
 mod connection;
 mod receiver;
@@ -44,11 +45,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use tiles::Tiling;
 use unrender_scene::{Camera, Rgb};
 
-/// The side of the tiles, pixels: that of the tiles of adaptive sampling, whose pixels have the same
-/// number of samples. Connections grow with its square: half of it reuses a quarter of the paths, with
-/// double of it the receivers differ so much that most connections contribute nothing.
+/// The side of the tiles, pixels: that of the tiles of adaptive sampling, whose pixels have the
+/// same number of samples. Connections grow with its square: half of it reuses a quarter of the
+/// paths, with double of it the receivers differ so much that most connections contribute nothing.
 const SIDE: usize = TILE;
-/// Tiles that are rendered in one batch, at least: enough for many threads, few enough to fit in memory.
+/// Tiles that are rendered in one batch, at least: enough for many threads, few enough to fit in
+/// memory.
 const BATCH: usize = 1024;
 /// The time of a sample with reuse, in independent samples: measured, 2.8.
 const COST: f64 = 3.0;
@@ -108,8 +110,8 @@ impl PathReuse<'_> {
         (sum(0) > COST * sum(1)).then(|| sum(0) / sum(1))
     }
 
-    /// The squared difference of two independent pictures of some pixels, which is proportional to the
-    /// variance.
+    /// The squared difference of two independent pictures of some pixels, which is proportional to
+    /// the variance.
     fn squared_error(
         &self,
         pixels: impl Iterator<Item = u32> + Clone,
@@ -276,7 +278,8 @@ fn distribute(
     }
 }
 
-/// [`distribute`] for a glossy vertex, whose BRDF and densities differ from connection to connection.
+/// [`distribute`] for a glossy vertex, whose BRDF and densities differ from connection to
+/// connection.
 fn distribute_glossy(
     glossy: &GlossyReflection,
     connections: &[Connection],

@@ -1,4 +1,5 @@
-//! Receivers: the first vertices of the paths of a tile, and the light that they reflect on their own.
+//! Receivers: the first vertices of the paths of a tile, and the light that they reflect on their
+//! own.
 
 use crate::accel::{self, Ray};
 use crate::bsdf::{Bsdf, Specular, lambert};
@@ -10,9 +11,10 @@ use crate::surface::{Frame, Surface};
 use glam::Vec3;
 use unrender_scene::Rgb;
 
-/// Light samples at a receiver, with one pool of lights and with several. Reuse reduces the variance of
-/// indirect light by up to the number of pixels of a tile; with a single light sample direct light
-/// would be most of the variance. Half of these are noisier at equal time, double of them slower.
+/// Light samples at a receiver, with one pool of lights and with several. Reuse reduces the
+/// variance of indirect light by up to the number of pixels of a tile; with a single light sample
+/// direct light would be most of the variance. Half of these are noisier at equal time, double of
+/// them slower.
 const LIGHTS: [u32; 2] = [4, 16];
 
 /// A surface that the camera sees.
@@ -133,8 +135,8 @@ impl Receiver {
         (&self.guide, &self.local.frame)
     }
 
-    /// The BRDF along the unit vector `wi` (world space) of the cosine `cosine`; `diffuse_pdf` is the
-    /// density with which a diffuse receiver draws `wi`. None where the density is zero.
+    /// The BRDF along the unit vector `wi` (world space) of the cosine `cosine`; `diffuse_pdf` is
+    /// the density with which a diffuse receiver draws `wi`. None where the density is zero.
     #[inline]
     pub(super) fn evaluated(
         &self,

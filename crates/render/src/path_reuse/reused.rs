@@ -9,9 +9,9 @@ use crate::surface::Surface;
 use glam::Vec3;
 use unrender_scene::Rgb;
 
-/// Paths that continue from a diffuse reusable vertex, with one pool of lights and with several; with
-/// several the choice of the light dominates the variance, and light samples at the receiver are more
-/// useful. A path costs as much as thirty connections.
+/// Paths that continue from a diffuse reusable vertex, with one pool of lights and with several;
+/// with several the choice of the light dominates the variance, and light samples at the receiver
+/// are more useful. A path costs as much as thirty connections.
 const PATHS: [u32; 2] = [2, 1];
 
 /// The second vertex of a path.
@@ -46,8 +46,8 @@ pub(super) struct IncidentLight {
     wi: Vec3,
     /// Its radiance; of a punctual light irradiance over probability.
     pub(super) radiance: Rgb,
-    /// The density over solid angle with which light samples find it; one for a punctual light, zero
-    /// for reflected light.
+    /// The density over solid angle with which light samples find it; one for a punctual light,
+    /// zero for reflected light.
     light_pdf: f32,
     /// Whether directions drawn from the BRDF find it, too.
     by_bsdf: bool,
