@@ -22,8 +22,9 @@ pub(crate) struct Source {
 /// The ball of the DiLiGenT benchmark.
 pub(crate) const BALL: Source = Source {
     name: "the glossy ball of DiLiGenT (Shi et al. 2016)",
-    place: "https://github.com/yqueau/robust_ps at commit 86a1fbe (later commits lack it)",
-    licence: "no licence is stated for the photographs; they are not to be passed on",
+    place: "https://github.com/yqueau/robust_ps at commit 86a1fbe",
+    licence: "none is stated; later commits removed the photographs for copyright reasons, so \
+              do not pass them on",
     folder: "Datasets/Ball_DiliGenT",
     mark: "light_directions.txt",
     given_by: ["--ball", "UNRENDER_BALL"],
@@ -33,7 +34,7 @@ pub(crate) const BALL: Source = Source {
 pub(crate) const GRAY: Source = Source {
     name: "the gray sphere (University of Washington, CSE 455)",
     place: "https://github.com/NewProggie/Photometric-Stereo at commit b7b837a",
-    licence: "the repository's licence is MIT, but its author does not own the photographs",
+    licence: "MIT for the repository, whose author states that the photographs are not his",
     folder: "images",
     mark: "gray/gray.mask.png",
     given_by: ["--gray", "UNRENDER_GRAY"],
@@ -42,8 +43,8 @@ pub(crate) const GRAY: Source = Source {
 /// The box with measured walls.
 pub(crate) const ISET: Source = Source {
     name: "the measured box of Stanford ISET (arXiv 2201.07411)",
-    place: "the ISET project's repositories, with a scene fitted to each photograph",
-    licence: "no licence is stated for the photographs; they are not to be passed on",
+    place: "the photographs of that article and fit a scene to each; fitted scenes are not published",
+    licence: "none is stated for the photographs, so do not pass them on",
     folder: "iset (photo0, photo1, photo2 and truth.json)",
     mark: "truth.json",
     given_by: ["--iset", "UNRENDER_ISET"],

@@ -26,15 +26,14 @@ const CHROME_LEFT: usize = 134;
 const CHROME_TOP: usize = 28;
 const CHROME_SIDE: usize = 240;
 const PHOTOGRAPHS: usize = 12;
-/// A pixel of the highlight: a code of 250 of 255 or more. The lamp's image is at 255 and all else
-/// that is reflected below 128, so the centre is the same at 200 and moves by less than 0.3 pixels
-/// (0.3 degrees of the direction) at 254.
+/// A pixel of the highlight: a code of 250 of 255 or more in every channel. At half of that, as at
+/// 200 or 254, no direction changes by more than 0.5 degrees. Double is no code.
 const HIGHLIGHT: f32 = 250.0 / 255.0;
 /// The irradiance of every lamp. The true one is unknown; this makes a white diffuse surface that
 /// faces the lamp have radiance one, so that albedos are codes over cosines. Another value scales all
 /// albedos alike, and leaves their spread.
 const IRRADIANCE: f32 = PI;
-/// What is asked for: the relative standard deviation of the albedos.
+/// What is asked for: twelve albedos within 1 % of each other, as their relative standard deviation.
 const ASKED: f64 = 0.01;
 
 const INTRODUCTION: &str = "## A gray sphere: twelve lamps, one albedo
@@ -43,7 +42,8 @@ A sphere of one gray paint was photographed under 12 lamps. From each photograph
 reflectance is recovered; all twelve should agree. Directions to the lamps come from their highlights
 on a chrome sphere; their brightness is unknown and taken to be equal, so the unit of the reflectance is
 arbitrary. `least squares` is the equal-weight fit of Lambert's law without a renderer: its spread is
-that of the photographs, of the directions and of the lamps.
+that of the photographs, of the directions and of the lamps. The spread is the standard deviation of
+the twelve over their mean; `range` is the greatest less the least over it.
 ";
 
 /// Writes the projects, recovers and scores.

@@ -15,9 +15,9 @@ photographs belong to others: they are fetched by whoever runs this, and are no 
 
 | case | where | licence | option |
 |---|---|---|---|
-| `ball` | <https://github.com/yqueau/robust_ps> at commit 86a1fbe, folder `Datasets/Ball_DiliGenT` | none stated | `--ball DIR` or `UNRENDER_BALL` |
-| `gray` | <https://github.com/NewProggie/Photometric-Stereo> at commit b7b837a, folder `images` | MIT for the code; its author does not own the photographs | `--gray DIR` or `UNRENDER_GRAY` |
-| `iset` | photographs of Stanford ISET's box (arXiv 2201.07411), with a scene fitted to each and the measured ratios in `truth.json` | none stated | `--iset DIR` or `UNRENDER_ISET` |
+| `ball` | <https://github.com/yqueau/robust_ps> at commit 86a1fbe, folder `Datasets/Ball_DiliGenT` (DiLiGenT, Shi et al. 2016) | none stated; later commits removed the photographs for copyright reasons | `--ball DIR` or `UNRENDER_BALL` |
+| `gray` | <https://github.com/NewProggie/Photometric-Stereo> at commit b7b837a, folder `images` | MIT for the repository, whose author states that the photographs are not his | `--gray DIR` or `UNRENDER_GRAY` |
+| `iset` | photographs of Stanford ISET's box (arXiv 2201.07411), with a scene fitted to each (not published) and the measured ratios in `truth.json` | none stated | `--iset DIR` or `UNRENDER_ISET` |
 | `wall` | made by the command | | |
 
 ```console

@@ -12,8 +12,10 @@ use std::path::Path;
 use unrender::formats::{atomic, gltf, picture};
 use unrender::scene::{Camera, Group, Image, Light, LightKind, Material, Mesh, Object, Rgb, Scene};
 
+/// The photograph, pixels.
 const WIDTH: usize = 200;
 const HEIGHT: usize = 150;
+/// The wall's reflectance.
 const RHO: f64 = 0.8;
 /// The rectangles' reflectances go from the first to the last in equal steps; their mean is 0.2.
 const DARKEST: f64 = 0.05;
