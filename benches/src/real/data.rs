@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn absent_data_is_said_to_be_with_what_to_do() {
         let said = BALL.find(None).unwrap_err().to_string();
-        for word in ["yqueau/robust_ps", "86a1fbe", "Datasets/Ball_DiliGenT", "licence", "--ball"] {
+        for word in ["yqueau/robust_ps", "86a1fbe", "Datasets/Ball_DiliGenT", "Licence", "--ball"] {
             assert!(said.contains(word), "{said}");
         }
         let said = GRAY.find(Some(Path::new("/nowhere"))).unwrap_err().to_string();
