@@ -24,6 +24,15 @@ impl Unrender {
         Ok(Self(peers::target_folder().join("release/unrender")))
     }
 
+    /// The one at `path`, already built.
+    ///
+    /// # Errors
+    /// If nothing is there.
+    pub(crate) fn at(path: &Path) -> Result<Self, Failure> {
+        let path = path.canonicalize().map_err(|error| format!("{}: {error}", path.display()))?;
+        Ok(Self(path))
+    }
+
     /// Runs it to its good end; the seconds that it took.
     ///
     /// # Errors

@@ -12,6 +12,7 @@ mod machine;
 mod page;
 mod peers;
 mod plot;
+mod real;
 mod recovery;
 mod rendering;
 mod scaling;
@@ -20,7 +21,7 @@ mod statistics;
 mod table;
 mod traversal;
 
-use clap::{Parser, ValueEnum};
+use clap::{Parser, Subcommand, ValueEnum};
 use page::Section;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -30,7 +31,10 @@ type Failure = Box<dyn std::error::Error>;
 
 /// Measures what unrender claims of its speed, and writes the page.
 #[derive(Parser)]
+#[command(args_conflicts_with_subcommands = true)]
 struct Request {
+    #[command(subcommand)]
+    other: Option<Other>,
     /// The claims to measure [default: all].
     #[arg(value_enum)]
     claims: Vec<Claim>,
@@ -40,6 +44,13 @@ struct Request {
     /// The folder of the page and of its plots [default: docs, or with --quick target/performance].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+}
+
+/// What else can be asked for.
+#[derive(Subcommand)]
+enum Other {
+    /// Recovers materials from real photographs and scores them.
+    Real(real::RealRequest),
 }
 
 /// How much is measured.
@@ -96,6 +107,9 @@ fn main() -> ExitCode {
 }
 
 fn run(request: &Request) -> Result<(), Failure> {
+    if let Some(Other::Real(real)) = &request.other {
+        return real::run(real);
+    }
     let effort = if request.quick { Effort::Quick } else { Effort::Full };
     let folder = match &request.out {
         Some(folder) => folder.clone(),

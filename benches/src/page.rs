@@ -43,12 +43,13 @@ pub(crate) fn write(folder: &Path, name: &str, section: &Section) -> Result<(), 
     let path = folder.join(FILE);
     let before = std::fs::read_to_string(&path).unwrap_or_default();
     let names: Vec<String> = Claim::value_variants().iter().map(|claim| claim.name()).collect();
-    Ok(atomic::write(&path, replace(&before, &names, name, &section.text).as_bytes())?)
+    Ok(atomic::write(&path, replace(HEAD, &before, &names, name, &section.text).as_bytes())?)
 }
 
-/// The page with `text` as the section called `name`; the other sections of `names` stay.
-fn replace(page: &str, names: &[String], name: &str, text: &str) -> String {
-    let mut sections = String::from(HEAD);
+/// The page with this `head` and with `text` as the section called `name`; the other sections of
+/// `names` stay.
+pub(crate) fn replace(head: &str, page: &str, names: &[String], name: &str, text: &str) -> String {
+    let mut sections = String::from(head);
     for other in names {
         let (begin, end) = (format!("<!-- {other} -->\n"), format!("<!-- end of {other} -->\n"));
         let old = page.split_once(&begin).and_then(|(_, rest)| rest.split_once(&end));
@@ -67,9 +68,9 @@ mod tests {
     #[test]
     fn a_section_is_replaced_and_the_others_stay_in_their_order() {
         let names = ["first".to_owned(), "second".to_owned()];
-        let page = replace("", &names, "second", "## Two\n");
-        let page = replace(&page, &names, "first", "## One\n");
-        let page = replace(&page, &names, "second", "## Two, again\n\nMore.\n");
+        let page = replace(HEAD, "", &names, "second", "## Two\n");
+        let page = replace(HEAD, &page, &names, "first", "## One\n");
+        let page = replace(HEAD, &page, &names, "second", "## Two, again\n\nMore.\n");
         let body = page.strip_prefix(HEAD).unwrap();
         assert_eq!(
             body,
