@@ -8,6 +8,7 @@
 //! [`traversal`] and name it in [`Claim`].
 
 mod command;
+mod corpus;
 mod machine;
 mod page;
 mod peers;
@@ -20,7 +21,7 @@ mod statistics;
 mod table;
 mod traversal;
 
-use clap::{Parser, ValueEnum};
+use clap::{Parser, Subcommand, ValueEnum};
 use page::Section;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -30,7 +31,10 @@ type Failure = Box<dyn std::error::Error>;
 
 /// Measures what unrender claims of its speed, and writes the page.
 #[derive(Parser)]
+#[command(args_conflicts_with_subcommands = true)]
 struct Request {
+    #[command(subcommand)]
+    other: Option<Other>,
     /// The claims to measure [default: all].
     #[arg(value_enum)]
     claims: Vec<Claim>,
@@ -40,6 +44,13 @@ struct Request {
     /// The folder of the page and of its plots [default: docs, or with --quick target/performance].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+}
+
+/// What else can be asked for.
+#[derive(Subcommand)]
+enum Other {
+    /// Recovers random scenes that other renderers photographed, and scores the results.
+    Corpus(corpus::CorpusRequest),
 }
 
 /// How much is measured.
@@ -96,6 +107,9 @@ fn main() -> ExitCode {
 }
 
 fn run(request: &Request) -> Result<(), Failure> {
+    if let Some(Other::Corpus(corpus)) = &request.other {
+        return corpus::run(corpus);
+    }
     let effort = if request.quick { Effort::Quick } else { Effort::Full };
     let folder = match &request.out {
         Some(folder) => folder.clone(),
