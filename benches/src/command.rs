@@ -24,6 +24,11 @@ impl Unrender {
         Ok(Self(peers::target_folder().join("release/unrender")))
     }
 
+    /// Where it is.
+    pub(crate) fn path(&self) -> &Path {
+        &self.0
+    }
+
     /// Runs it to its good end; the seconds that it took.
     ///
     /// # Errors

@@ -8,6 +8,8 @@ use unrender::scene::{Rgb, RgbImage};
 
 /// Paths of a pixel of our own rendering: at 43 200 pixels three seconds on two cores.
 const SPP: u32 = 256;
+/// Paths of a pixel of the command's last picture.
+const RERENDERED_SPP: u32 = 64;
 /// Groups of fewer inner pixels are not compared.
 const LEAST: usize = 40;
 /// The difference of a group's mean that two renderers may have, besides noise. Meshes, lobes and
@@ -45,6 +47,15 @@ pub(crate) fn ours(plan: &Plan, spp: u32) -> Photograph {
         tracer.render(&scene.materials(), &plan.cameras[0], plan.size, &settings, &|_| {}).mean
     };
     Photograph { halves: [half(7001), half(7002)], spp }
+}
+
+/// Our rendering of the plan with its true materials by as many paths as the command's last picture
+/// has by default.
+pub(crate) fn once(plan: &Plan) -> RgbImage {
+    let scene = plan.scene();
+    let settings = Settings { spp: RERENDERED_SPP, seed: 7003, ..Settings::default() };
+    let camera = &plan.cameras[0];
+    Tracer::new(&scene).render(&scene.materials(), camera, plan.size, &settings, &|_| {}).mean
 }
 
 /// A row for each group that the picture shows enough of.
