@@ -4,7 +4,7 @@ use super::super::dice::Dice;
 use super::super::family::{Family, Renderer, Style};
 use super::materials::{self, Kind, Rules};
 use super::things::{self, Spot, Thing};
-use super::{Plan, PlannedGroup, lights, room, shapes};
+use super::{Plan, PlannedGroup, foreign, lights, room, shapes};
 use glam::{Affine3A, Vec3};
 use unrender::render::Tracer;
 use unrender::scene::Camera;
@@ -189,14 +189,18 @@ fn add_shell(plan: &mut Plan, paint: &mut Dice, rules: Rules) {
             ])
         };
         let mut material = materials::material(paint, kind, rules);
-        if kind == Kind::Diffuse {
+        let mut foreign = None;
+        if plan.style.family == Family::Foreign && material.is_glossy() {
+            let renderer = plan.style.renderer;
+            (material, foreign) = foreign::reflectance(paint, renderer, rules, part.has_uvs);
+        } else if kind == Kind::Diffuse {
             // Walls are brighter than things.
             material.rho_d = materials::color(paint, 0.25, 0.85);
         }
         plan.groups.push(PlannedGroup {
             name: part.group.to_owned(),
             material,
-            has_uvs: part.has_uvs,
+            foreign,
             is_shell: true,
         });
     }
@@ -205,10 +209,15 @@ fn add_shell(plan: &mut Plan, paint: &mut Dice, rules: Rules) {
 /// A new group of `things`.
 fn add_group(plan: &mut Plan, paint: &mut Dice, rules: Rules, name: &str, things: Vec<Thing>) {
     let has_uvs = things.iter().all(|thing| thing.has_uvs);
-    let kind = materials::kind(paint, rules, has_uvs);
-    let material = materials::material(paint, kind, rules);
+    let (material, foreign) = match plan.style.family {
+        Family::InModel => {
+            let kind = materials::kind(paint, rules, has_uvs);
+            (materials::material(paint, kind, rules), None)
+        }
+        Family::Foreign => foreign::reflectance(paint, plan.style.renderer, rules, has_uvs),
+    };
     let group = plan.groups.len();
-    plan.groups.push(PlannedGroup { name: name.to_owned(), material, has_uvs, is_shell: false });
+    plan.groups.push(PlannedGroup { name: name.to_owned(), material, foreign, is_shell: false });
     plan.things.extend(things.into_iter().map(|thing| Thing { group, ..thing }));
 }
 

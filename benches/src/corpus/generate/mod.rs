@@ -4,6 +4,7 @@
 //! of it, with the lights of the photograph or with others. What a plan leaves to chance is drawn from streams of
 //! its own, so that a change of one kind of choice leaves the others as they are.
 
+mod foreign;
 mod furnish;
 pub(crate) mod lights;
 pub(crate) mod materials;
@@ -12,6 +13,7 @@ pub(crate) mod shapes;
 mod textures;
 mod things;
 
+pub(crate) use foreign::Foreign;
 pub(crate) use furnish::plan;
 
 use super::family::Style;
@@ -28,8 +30,8 @@ pub(crate) struct PlannedGroup {
     pub(crate) name: String,
     /// Its reflectance; of the foreign family, the one of ours that is most like it.
     pub(crate) material: Material,
-    /// Whether its coordinates suit a texture.
-    pub(crate) has_uvs: bool,
+    /// The reflectance of another model that the photograph shows instead, if it does.
+    pub(crate) foreign: Option<Foreign>,
     /// Whether it is of the shell.
     pub(crate) is_shell: bool,
 }

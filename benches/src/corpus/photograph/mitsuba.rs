@@ -29,6 +29,7 @@ pub(super) fn take(
     let shot = Shot { scene, camera, size: plan.size };
     let path = mitsuba::write(&shot, work, mitsuba::Lobe::Ward, "multijitter")?;
     let text = with_balls(&std::fs::read_to_string(&path)?, plan);
+    let text = with_foreign(&text, plan);
     std::fs::write(&path, text)?;
     let mut program = mitsuba::Mitsuba::load(&python, VARIANT, &path)?;
     let mut halves = Halves::new(plan.size);
@@ -65,6 +66,33 @@ fn with_balls(text: &str, plan: &Plan) -> String {
         }
         out.push_str(line);
         out.push('\n');
+    }
+    out
+}
+
+/// The scene with the foreign reflectances in place of those of ours that are most like them.
+fn with_foreign(text: &str, plan: &Plan) -> String {
+    let mut out = String::new();
+    for line in text.lines() {
+        let group = plan.groups.iter().find_map(|group| {
+            let id = format!("id=\"m_{}\"", group.name);
+            let starts = line.trim_start().starts_with("<bsdf ") && line.contains(&id);
+            group.foreign.as_ref().filter(|_| starts).map(|foreign| (id, foreign))
+        });
+        match group {
+            Some((id, foreign)) => {
+                let texture = line.find("<texture ").and_then(|start| {
+                    let end = line[start..].find("</texture>")?;
+                    Some(&line[start..start + end + "</texture>".len()])
+                });
+                let inside = foreign.mitsuba(texture);
+                let _ = writeln!(out, "<bsdf type=\"twosided\" {id}>{inside}</bsdf>");
+            }
+            None => {
+                out.push_str(line);
+                out.push('\n');
+            }
+        }
     }
     out
 }

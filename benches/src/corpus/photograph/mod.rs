@@ -1,5 +1,6 @@
 //! Photographs by other renderers: two independent halves of one rendering, so that its noise is known.
 
+mod cycles;
 mod mitsuba;
 
 use super::family::Renderer;
@@ -67,7 +68,8 @@ pub(crate) fn take(
 ) -> Result<Photograph, Failure> {
     match renderer {
         Renderer::Mitsuba => mitsuba::take(plan, scene, camera, effort, work),
-        Renderer::Cycles | Renderer::Radiance => Err("not yet".into()),
+        Renderer::Cycles => cycles::take(plan, scene, camera, effort, work),
+        Renderer::Radiance => Err("not yet".into()),
     }
 }
 
