@@ -10,9 +10,9 @@ import os
 import sys
 import time
 
-# Blender speaks on standard output; what it says goes to standard error.
+# Blender speaks on standard output, some lines for each sample; nobody needs them.
 answers = os.fdopen(os.dup(1), "w")
-os.dup2(2, 1)
+os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 
 import bpy
 

@@ -94,7 +94,7 @@ pub(crate) fn kept(folder: &Folder, meta: &Meta) -> Result<Photograph, Failure> 
 }
 
 /// The exposure under which few pixels are clipped besides lamps.
-fn exposure(plan: &Plan, picture: &RgbImage) -> f32 {
+pub(crate) fn exposure(plan: &Plan, picture: &RgbImage) -> f32 {
     let scene = plan.scene();
     let geometry = Tracer::new(&scene).geometry(&plan.cameras[0], plan.size.0, plan.size.1);
     let shows_lamp = |group: u32| scene.groups.get(group as usize).is_none_or(|g| g.is_emitter());
@@ -118,9 +118,16 @@ fn write_pictures(folder: &Folder, meta: &Meta, radiance: &RgbImage) -> Result<(
     picture::write_exr(&folder.path(Format::Exr.file()), &noisy)?;
     let linear = noisy.map(|value| *value / meta.exposure);
     picture::write_png_srgb(&folder.path(Format::Png.file()), &linear)?;
-    let codes = linear.map(|v| Rgb::from_array(v.to_array().map(srgb_from_linear)));
-    let jpeg = picture::jpeg_bytes(&codes, JPEG_QUALITY)?;
-    Ok(atomic::write(&folder.path(Format::Jpeg.file()), &jpeg)?)
+    Ok(atomic::write(&folder.path(Format::Jpeg.file()), &jpeg(&noisy, meta.exposure)?)?)
+}
+
+/// The JPEG of a picture.
+///
+/// # Errors
+/// If it cannot be encoded.
+pub(crate) fn jpeg(radiance: &RgbImage, exposure: f32) -> Result<Vec<u8>, Failure> {
+    let code = |v: &Rgb| Rgb::from_array((*v / exposure).to_array().map(srgb_from_linear));
+    Ok(picture::jpeg_bytes(&radiance.map(code), JPEG_QUALITY)?)
 }
 
 /// Truth, models and projects of all dials that the scene has.
@@ -146,19 +153,7 @@ fn write_models(plan: &Plan, folder: &Folder, meta: &Meta) -> Result<(), Failure
 pub(crate) fn verify(plan: &Plan, folder: &Folder) -> Result<bool, Failure> {
     let Some(meta) = folder.meta() else { return Err("there is no photograph".into()) };
     let rows = verify::compare(plan, &kept(folder, &meta)?);
-    for row in &rows {
-        println!(
-            "{:4} {:14} {:6} {:9.4} {:9.4} {:7.2} % +- {:.2} %{}",
-            plan.seed,
-            row.group,
-            row.pixels,
-            row.ours,
-            row.theirs,
-            100.0 * row.difference,
-            100.0 * row.deviation,
-            if row.is_off() { "  OFF" } else { "" }
-        );
-    }
+    rows.iter().for_each(|row| println!("{:4} {}", plan.seed, row.text()));
     let is_sound = plan.style.family == Family::Foreign || !rows.iter().any(verify::Row::is_off);
     atomic::write(&folder.path(SOUND), serde_json::to_string(&is_sound)?.as_bytes())?;
     Ok(is_sound)

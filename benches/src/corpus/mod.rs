@@ -21,6 +21,7 @@ mod score;
 mod spoil;
 mod store;
 mod summary;
+mod tiny;
 mod verify;
 
 pub(crate) use request::CorpusRequest;
@@ -38,6 +39,9 @@ use store::{Folder, Meta};
 /// # Errors
 /// If a scene fails, unless it is to go on.
 pub(crate) fn run(request: &CorpusRequest) -> Result<(), Failure> {
+    if request.tiny {
+        return tiny::make(&request.out);
+    }
     if request.verify {
         return each(request, |plan, folder, _| make::verify(plan, folder).map(|_| ()));
     }

@@ -41,6 +41,9 @@ pub(crate) struct CorpusRequest {
     /// Make the photographs and recover nothing.
     #[arg(long)]
     pub(super) photographs: bool,
+    /// Make the tiny scenes of examples/corpus in the folder, and nothing else.
+    #[arg(long)]
+    pub(super) tiny: bool,
     /// Compare the photographs with our own renderings of the truth, and recover nothing.
     #[arg(long)]
     pub(super) verify: bool,

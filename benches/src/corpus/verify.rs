@@ -32,6 +32,20 @@ pub(crate) struct Row {
 }
 
 impl Row {
+    /// The row as text.
+    pub(crate) fn text(&self) -> String {
+        format!(
+            "{:14} {:6} {:9.4} {:9.4} {:7.2} % +- {:.2} %{}",
+            self.group,
+            self.pixels,
+            self.ours,
+            self.theirs,
+            100.0 * self.difference,
+            100.0 * self.deviation,
+            if self.is_off() { "  OFF" } else { "" }
+        )
+    }
+
     /// Whether noise does not explain the difference.
     pub(crate) fn is_off(&self) -> bool {
         self.difference.abs() > ALIKE && self.difference.abs() > SIGMAS * self.deviation

@@ -2,6 +2,7 @@
 
 mod cycles;
 mod mitsuba;
+mod radiance;
 
 use super::family::Renderer;
 use super::generate::Plan;
@@ -69,7 +70,7 @@ pub(crate) fn take(
     match renderer {
         Renderer::Mitsuba => mitsuba::take(plan, scene, camera, effort, work),
         Renderer::Cycles => cycles::take(plan, scene, camera, effort, work),
-        Renderer::Radiance => Err("not yet".into()),
+        Renderer::Radiance => radiance::take(plan, scene, camera, effort, work),
     }
 }
 
