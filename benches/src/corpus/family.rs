@@ -46,6 +46,17 @@ impl Renderer {
             Self::Radiance => "radiance",
         }
     }
+
+    /// The difference of a group's mean radiance that its picture and ours of one scene may have,
+    /// besides noise. Meshes, lobes and lights are the same; what is left is how each treats shading
+    /// normals at the edge of light and shadow. Radiance's sampling of glossy surfaces is less exact
+    /// (docs/exports.md).
+    pub(crate) fn alike(self) -> f64 {
+        match self {
+            Self::Mitsuba | Self::Cycles => 0.01,
+            Self::Radiance => 0.03,
+        }
+    }
 }
 
 /// Who photographs a scene, and which lobe is recovered.

@@ -40,8 +40,24 @@ pub(crate) fn plan(
 /// # Errors
 /// If the renderer fails or a file cannot be written.
 pub(crate) fn photographs(plan: &Plan, folder: &Folder, quick: bool) -> Result<Meta, Failure> {
-    if let Some(meta) = folder.meta().filter(|meta| meta.size == plan.size) {
-        return Ok(meta);
+    let fingerprint = store::fingerprint(plan)?;
+    if let Some(mut meta) = folder.meta() {
+        if meta.fingerprint.is_empty() && folder.path("neutral.tmp").parent().is_some() {
+            let before = std::fs::read(folder.path("scene.glb"))?;
+            store::write_neutral(&folder.path("now.glb"), &plan.scene())?;
+            if std::fs::read(folder.path("now.glb"))? == before {
+                meta.fingerprint = fingerprint.clone();
+                folder.write_meta(&meta)?;
+            }
+            std::fs::remove_file(folder.path("now.glb"))?;
+        }
+        if meta.fingerprint == fingerprint {
+            return Ok(meta);
+        }
+    }
+    if folder.0.exists() {
+        // Of a run that was broken off, or of another scene.
+        std::fs::remove_dir_all(&folder.0)?;
     }
     std::fs::create_dir_all(&folder.0)?;
     let started = Instant::now();
@@ -59,6 +75,7 @@ pub(crate) fn photographs(plan: &Plan, folder: &Folder, quick: bool) -> Result<M
         renderer,
         brdf: plan.style.brdf.name().to_owned(),
         size: plan.size,
+        fingerprint,
         exposure: exposure(plan, &taken.mean()),
         rendering_noise: taken.noise(),
         camera_noise: CAMERA_NOISE[plan.seed as usize % CAMERA_NOISE.len()],

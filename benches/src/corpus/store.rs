@@ -9,6 +9,7 @@ use super::generate::Plan;
 use super::spoil::Dial;
 use crate::Failure;
 use serde::{Deserialize, Serialize};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use unrender::formats::materials::{self, GroupEntry, MaterialsFile, Status, VERSION};
 use unrender::formats::{atomic, gltf, picture};
@@ -69,6 +70,9 @@ pub(crate) struct Meta {
     pub(crate) renderer: Renderer,
     pub(crate) brdf: String,
     pub(crate) size: (usize, usize),
+    /// Of the scene with its true materials: what the photograph shows.
+    #[serde(default)]
+    pub(crate) fingerprint: String,
     /// Scene radiance of a linear pixel value of one, for PNG and JPEG.
     pub(crate) exposure: f32,
     /// The noise of the rendering, relative to a pixel, and that of the camera at middle grey.
@@ -120,6 +124,17 @@ impl Folder {
         let text = serde_json::to_string_pretty(meta)? + "\n";
         Ok(atomic::write(&self.path("meta.json"), text.as_bytes())?)
     }
+}
+
+/// The fingerprint of a plan: another one if anything that is photographed changes.
+///
+/// # Errors
+/// If the scene is too large for glTF.
+pub(crate) fn fingerprint(plan: &Plan) -> Result<String, Failure> {
+    let foreign: Vec<_> = plan.groups.iter().map(|group| &group.foreign).collect();
+    let mut hasher = DefaultHasher::new();
+    (gltf::to_glb(&plan.scene())?, format!("{foreign:?}")).hash(&mut hasher);
+    Ok(format!("{:016x}", hasher.finish()))
 }
 
 /// Writes a scene as it is recovered from: all that is asked for is grey.

@@ -12,9 +12,6 @@ const SPP: u32 = 256;
 const RERENDERED_SPP: u32 = 64;
 /// Groups of fewer inner pixels are not compared.
 const LEAST: usize = 40;
-/// The difference of a group's mean that two renderers may have, besides noise. Meshes, lobes and
-/// lights are the same; what is left is how each treats shading normals at the edge of light and shadow.
-const ALIKE: f64 = 0.01;
 /// Differences up to this many of their standard deviations are noise.
 const SIGMAS: f64 = 4.0;
 
@@ -29,6 +26,8 @@ pub(crate) struct Row {
     pub(crate) difference: f64,
     /// Its standard deviation by noise alone.
     pub(crate) deviation: f64,
+    /// The difference that is allowed besides noise.
+    alike: f64,
 }
 
 impl Row {
@@ -48,7 +47,7 @@ impl Row {
 
     /// Whether noise does not explain the difference.
     pub(crate) fn is_off(&self) -> bool {
-        self.difference.abs() > ALIKE && self.difference.abs() > SIGMAS * self.deviation
+        self.difference.abs() > self.alike && self.difference.abs() > SIGMAS * self.deviation
     }
 }
 
@@ -112,6 +111,7 @@ pub(crate) fn compare(plan: &Plan, photograph: &Photograph) -> Vec<Row> {
             theirs: their_mean.element_sum() / 3.0,
             difference: off[channel],
             deviation: noise(&ours).hypot(noise(photograph)) / level,
+            alike: plan.style.renderer.alike(),
         });
     }
     rows

@@ -69,10 +69,8 @@ pub(crate) fn plan(seed: u64, style: Style, size: (usize, usize), segments: u32)
     }
     let hangings = if wanted >= 8 { dice.index(4) } else { 0 };
     for _ in 0..hangings {
-        let hanging = hanging(&mut dice, &stage, plan.things.len());
-        if let Some(hanging) =
-            hanging.filter(|new| !plan.things.iter().any(|old| touches(old, new)))
-        {
+        let hanging = hanging(&mut dice, &stage);
+        if !plan.things.iter().any(|old| touches(old, &hanging)) {
             let name = format!("picture_{}", plan.groups.len());
             add_group(&mut plan, &mut paint, rules, &name, vec![hanging]);
         }
@@ -222,7 +220,7 @@ fn add_group(plan: &mut Plan, paint: &mut Dice, rules: Rules, name: &str, things
 }
 
 /// A picture on the rear or a side wall.
-fn hanging(dice: &mut Dice, stage: &Stage, _count: usize) -> Option<Thing> {
+fn hanging(dice: &mut Dice, stage: &Stage) -> Thing {
     let half = 0.5 * stage.room;
     let height = dice.range(1.15, 1.7);
     let along = dice.range(-0.35, 0.35);
@@ -231,9 +229,11 @@ fn hanging(dice: &mut Dice, stage: &Stage, _count: usize) -> Option<Thing> {
     let (centre, out) = if dice.chance(0.65) {
         (Vec3::new(along * stage.room.x, height, -half.z), Vec3::Z)
     } else {
-        (Vec3::new(-half.x, height, (along - 0.15) * stage.room.z), Vec3::X)
+        let end = half.z - 0.5 * size - 0.05;
+        let z = ((along - 0.15) * stage.room.z).clamp(-end, end);
+        (Vec3::new(-half.x, height, z), Vec3::X)
     };
-    Some(things::hanging(dice, centre, out, size))
+    things::hanging(dice, centre, out, size)
 }
 
 /// Whether the boxes about two things meet.
