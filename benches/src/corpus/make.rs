@@ -41,16 +41,7 @@ pub(crate) fn plan(
 /// If the renderer fails or a file cannot be written.
 pub(crate) fn photographs(plan: &Plan, folder: &Folder, quick: bool) -> Result<Meta, Failure> {
     let fingerprint = store::fingerprint(plan)?;
-    if let Some(mut meta) = folder.meta() {
-        if meta.fingerprint.is_empty() && folder.path("neutral.tmp").parent().is_some() {
-            let before = std::fs::read(folder.path("scene.glb"))?;
-            store::write_neutral(&folder.path("now.glb"), &plan.scene())?;
-            if std::fs::read(folder.path("now.glb"))? == before {
-                meta.fingerprint = fingerprint.clone();
-                folder.write_meta(&meta)?;
-            }
-            std::fs::remove_file(folder.path("now.glb"))?;
-        }
+    if let Some(meta) = folder.meta() {
         if meta.fingerprint == fingerprint {
             return Ok(meta);
         }

@@ -131,7 +131,10 @@ pub(crate) fn reflectance(
         }
         Choice::Plastic => {
             let base_color = color(dice, 0.04, 0.75);
-            let like = Material::isotropic(base_color, Rgb::splat(DIELECTRIC), alpha);
+            // What leaves the base through the coat: 0.386 = (1 - F)^2 / 1.49^2 at medium angles,
+            // 0.596 of what comes from below is reflected back.
+            let rho_d = 0.386 * base_color / (Rgb::ONE - 0.596 * base_color);
+            let like = Material::isotropic(rho_d, Rgb::splat(DIELECTRIC), alpha);
             (like, Some(Foreign::Plastic { base_color, alpha }))
         }
         Choice::Conductor => {
