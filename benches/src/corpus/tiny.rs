@@ -103,10 +103,9 @@ fn find(wanted: &Wanted) -> Result<Plan, Failure> {
             let shown = named.clone().any(|(i, group)| (wanted.shows)(group) && inner[i] >= SHOWN);
             let seen = named.filter(|(i, _)| inner[*i] >= SEEN).count();
             let small = gltf::to_glb(&plan.scene()).is_ok_and(|bytes| bytes.len() < BYTES);
-            // A panel alone makes Cycles' quietest pictures: of a round lamp it draws the far side too.
+            // Of a round lamp's triangles, Cycles draws many on the far side, which is noise.
             let quiet = renderer != Renderer::Cycles
-                || (plan.lights.others.is_empty()
-                    && plan.lights.lamps.iter().all(|lamp| lamp.ball.is_none()));
+                || plan.lights.lamps.iter().all(|lamp| lamp.ball.is_none());
             quiet && shown && seen + 1 >= plan.groups.len() && small
         }
     };
