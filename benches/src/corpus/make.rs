@@ -41,10 +41,8 @@ pub(crate) fn plan(
 /// If the renderer fails or a file cannot be written.
 pub(crate) fn photographs(plan: &Plan, folder: &Folder, quick: bool) -> Result<Meta, Failure> {
     let fingerprint = store::fingerprint(plan)?;
-    if let Some(meta) = folder.meta() {
-        if meta.fingerprint == fingerprint {
-            return Ok(meta);
-        }
+    if let Some(meta) = folder.meta().filter(|meta| meta.fingerprint == fingerprint) {
+        return Ok(meta);
     }
     if folder.0.exists() {
         // Of a run that was broken off, or of another scene.

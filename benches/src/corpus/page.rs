@@ -74,7 +74,7 @@ pub(crate) fn section(family: Family, runs: &[Scored], command: &str) -> String 
     text += &parameters(runs);
     text += &errors(runs);
     text += &relit(runs);
-    let _ = write!(text, "`{}`\n", summary::line(family, runs));
+    let _ = writeln!(text, "`{}`", summary::line(family, runs));
     text
 }
 

@@ -38,6 +38,9 @@ enum Shape {
     Vase,
 }
 
+/// Almost a full turn, radians; another number would make other scenes of all seeds.
+const TURN: f32 = 628.0 / 100.0;
+
 /// A random thing that fits.
 pub(crate) fn thing(dice: &mut Dice, spot: Spot, segments: u32) -> Thing {
     let shape = dice.weighted(&[
@@ -50,7 +53,7 @@ pub(crate) fn thing(dice: &mut Dice, spot: Spot, segments: u32) -> Thing {
     ]);
     let radius = spot.radius * dice.range(0.7, 1.0);
     let height = spot.height * dice.range(0.45, 1.0);
-    let turn = Quat::from_rotation_y(dice.range(0.0, 6.28));
+    let turn = Quat::from_rotation_y(dice.range(0.0, TURN));
     let motion = Affine3A::from_rotation_translation(turn, spot.foot);
     let mut sharp = None;
     let (name, mesh, has_uvs) = match shape {

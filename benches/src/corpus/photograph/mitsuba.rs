@@ -55,10 +55,10 @@ fn with_balls(text: &str, plan: &Plan) -> String {
         let is = |name: &str| mesh.contains(&format!("\"mesh/o_{name}.ply\""));
         let ball = balls.iter().find(|(name, _)| is(name));
         if let (true, Some((_, (centre, radius)))) = (line.contains("type=\"ply\""), ball) {
-            let _ = write!(
+            let _ = writeln!(
                 out,
                 "<shape type=\"sphere\"><point name=\"center\" x=\"{}\" y=\"{}\" z=\"{}\"/>\
-                 <float name=\"radius\" value=\"{radius}\"/>\n",
+                 <float name=\"radius\" value=\"{radius}\"/>",
                 centre.x, centre.y, centre.z
             );
             lines.next();
