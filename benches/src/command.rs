@@ -33,6 +33,11 @@ impl Unrender {
         Ok(Self(path))
     }
 
+    /// Where it is.
+    pub(crate) fn path(&self) -> &Path {
+        &self.0
+    }
+
     /// Runs it to its good end; the seconds that it took.
     ///
     /// # Errors

@@ -8,6 +8,7 @@
 //! [`traversal`] and name it in [`Claim`].
 
 mod command;
+mod corpus;
 mod machine;
 mod page;
 mod peers;
@@ -51,6 +52,8 @@ struct Request {
 enum Other {
     /// Recovers materials from real photographs and scores them.
     Real(real::RealRequest),
+    /// Recovers random scenes that other renderers photographed, and scores the results.
+    Corpus(corpus::CorpusRequest),
 }
 
 /// How much is measured.
@@ -109,6 +112,9 @@ fn main() -> ExitCode {
 fn run(request: &Request) -> Result<(), Failure> {
     if let Some(Other::Real(real)) = &request.other {
         return real::run(real);
+    }
+    if let Some(Other::Corpus(corpus)) = &request.other {
+        return corpus::run(corpus);
     }
     let effort = if request.quick { Effort::Quick } else { Effort::Full };
     let folder = match &request.out {

@@ -8,7 +8,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use unrender::formats::export::Target;
 use unrender::formats::picture;
-use unrender::scene::{RgbImage, Scene, WardModel};
+use unrender::scene::{BrdfModel, RgbImage, Scene, WardModel};
 
 /// A Python that has Mitsuba.
 ///
@@ -69,10 +69,12 @@ fn with_ward(text: &str, scene: &Scene) -> String {
         let _ = writeln!(
             lines,
             "<bsdf type=\"ward\" id=\"m_{}\"><boolean name=\"gmd\" value=\"{}\"/>\
+             <boolean name=\"ggx\" value=\"{}\"/>\
              <rgb name=\"rho_d\" value=\"{}\"/><rgb name=\"rho_s\" value=\"{}\"/>\
              <float name=\"alpha_x\" value=\"{}\"/><float name=\"alpha_y\" value=\"{}\"/></bsdf>",
             group.name,
             scene.brdf == WardModel::WardGmd.into(),
+            scene.brdf == BrdfModel::Ggx,
             color(m.rho_d),
             color(m.rho_s),
             m.alpha_x,

@@ -1,11 +1,12 @@
 //! The other programs, from PyPI, each in a folder of its own beside the build's outputs.
 
+pub(crate) mod cycles;
 #[path = "../../../crates/unrender/tests/programs/install.rs"]
 #[allow(dead_code)]
 mod install;
 pub(crate) mod mitsuba;
 pub(crate) mod radiance;
-mod shot;
+pub(crate) mod shot;
 mod worker;
 
 use std::path::{Path, PathBuf};

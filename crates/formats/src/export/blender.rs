@@ -7,6 +7,7 @@
 //! `alpha_y = alpha/(1 - a)`. [Blender manual, Principled BSDF and Glossy BSDF]
 
 use super::identifiers::identifiers;
+use super::tiling::V;
 use super::{Files, Shot, ply, tiling};
 use crate::numbers::{number, triple};
 use crate::texels;
@@ -37,7 +38,12 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
             objects.push(json!({ "name": object.name, "group": object.group, "mesh": path }));
             files.push((
                 path,
-                ply::bytes(&tiling::mesh(shot, object, smoother(&shot.materials[object.group]))),
+                ply::bytes(&tiling::mesh(
+                    shot,
+                    object,
+                    smoother(&shot.materials[object.group]),
+                    V::FromBottom,
+                )),
             ));
         }
     }

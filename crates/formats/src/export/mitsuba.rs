@@ -10,6 +10,7 @@ mod materials;
 mod sensor;
 
 use super::identifiers::{identifiers, quoted};
+use super::tiling::V;
 use super::{Files, Shot, ply, tiling};
 use glam::{Affine3A, Mat4, Vec3};
 use std::fmt::Write;
@@ -42,7 +43,12 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
             let path = format!("mesh/{id}.ply");
             files.push((
                 path.clone(),
-                ply::bytes(&tiling::mesh(shot, object, shot.materials[object.group].theta_rad)),
+                ply::bytes(&tiling::mesh(
+                    shot,
+                    object,
+                    shot.materials[object.group].theta_rad,
+                    V::FromTop,
+                )),
             ));
             xml.push_str(&shape(shot, object, &path, &groups[object.group]));
         }

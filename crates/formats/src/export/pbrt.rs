@@ -7,6 +7,7 @@
 //! tangents. [Pharr, Jakob, Humphreys: pbrt-v4 input file format]
 
 use super::identifiers::{identifiers, quoted};
+use super::tiling::V;
 use super::{Files, Shot, ply, tiling};
 use crate::texels;
 use glam::{Mat4, Vec3, Vec4};
@@ -45,7 +46,12 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
             text.push_str(&shape(shot, object, &path, &groups[object.group]));
             files.push((
                 path,
-                ply::bytes(&tiling::mesh(shot, object, shot.materials[object.group].theta_rad)),
+                ply::bytes(&tiling::mesh(
+                    shot,
+                    object,
+                    shot.materials[object.group].theta_rad,
+                    V::FromBottom,
+                )),
             ));
         }
     }

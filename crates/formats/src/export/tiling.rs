@@ -42,15 +42,27 @@ pub(super) fn is_brushed(material: &Material) -> bool {
     material.is_glossy() && material.alpha_x != material.alpha_y
 }
 
-/// The mesh of `object` for programs that count v from the bottom of a [`tile`] and angles from
+/// From which edge of a picture a program counts v.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum V {
+    /// As glTF does.
+    FromTop,
+    /// As most others do.
+    FromBottom,
+}
+
+/// The mesh of `object` for programs that count `v` from that edge of a [`tile`] and angles from
 /// growing u: where there is no texture, u grows along the angle `theta_rad` of a brushed group.
-pub(super) fn mesh(shot: &Shot, object: &Object, theta_rad: f32) -> Mesh {
+pub(super) fn mesh(shot: &Shot, object: &Object, theta_rad: f32, v: V) -> Mesh {
     let material = &shot.materials[object.group];
     match &material.texture {
         Some(texture) => {
             let scale = tile(texture).scale;
-            let flip = |uv: &Vec2| Vec2::new(uv.x * scale.x, 1.0 - uv.y * scale.y);
-            Mesh { uvs: object.mesh.uvs.iter().map(flip).collect(), ..object.mesh.clone() }
+            let in_tile = |uv: &Vec2| match v {
+                V::FromTop => *uv * scale,
+                V::FromBottom => Vec2::new(uv.x * scale.x, 1.0 - uv.y * scale.y),
+            };
+            Mesh { uvs: object.mesh.uvs.iter().map(in_tile).collect(), ..object.mesh.clone() }
         }
         None if is_brushed(material) => brushed::along_u(&object.mesh, theta_rad),
         None => object.mesh.clone(),

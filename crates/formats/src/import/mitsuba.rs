@@ -220,8 +220,10 @@ impl Reader<'_> {
         let bytes =
             std::fs::read(&path).map_err(|error| format!("\"{name}\" cannot be read: {error}"))?;
         let mut mesh = ply::mesh(&bytes).map_err(|problem| format!("\"{name}\" {problem}"))?;
-        // Mitsuba counts v from the bottom of a picture.
-        mesh.uvs.iter_mut().for_each(|uv| *uv = Vec2::new(uv.x, 1.0 - uv.y));
+        // Mitsuba counts v from the top of a picture, as glTF does, unless it is told otherwise.
+        if element.value("flip_tex_coords").as_deref() == Some("true") {
+            mesh.uvs.iter_mut().for_each(|uv| *uv = Vec2::new(uv.x, 1.0 - uv.y));
+        }
         Ok(mesh)
     }
 

@@ -117,7 +117,8 @@ fn tiles() -> Texture {
         let red = if dark { 0.1 } else { 0.8 };
         Rgb::new(red, 0.1 + 0.6 * x as f32 / 23.0, 0.1 + 0.6 * y as f32 / 15.0)
     });
-    Texture { image, wrap_u: Wrap::Repeat, wrap_v: Wrap::MirroredRepeat }
+    // A texture that repeats mirrored looks alike from both edges: v must not.
+    Texture { image, wrap_u: Wrap::MirroredRepeat, wrap_v: Wrap::Repeat }
 }
 
 fn add(
