@@ -37,7 +37,12 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
             objects.push(json!({ "name": object.name, "group": object.group, "mesh": path }));
             files.push((
                 path,
-                ply::bytes(&tiling::mesh(shot, object, smoother(&shot.materials[object.group]))),
+                ply::bytes(&tiling::mesh(
+                    shot,
+                    object,
+                    smoother(&shot.materials[object.group]),
+                    tiling::From::Bottom,
+                )),
             ));
         }
     }

@@ -42,7 +42,12 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
             let path = format!("mesh/{id}.ply");
             files.push((
                 path.clone(),
-                ply::bytes(&tiling::mesh(shot, object, shot.materials[object.group].theta_rad)),
+                ply::bytes(&tiling::mesh(
+                    shot,
+                    object,
+                    shot.materials[object.group].theta_rad,
+                    tiling::From::Top,
+                )),
             ));
             xml.push_str(&shape(shot, object, &path, &groups[object.group]));
         }

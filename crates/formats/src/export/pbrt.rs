@@ -45,7 +45,12 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
             text.push_str(&shape(shot, object, &path, &groups[object.group]));
             files.push((
                 path,
-                ply::bytes(&tiling::mesh(shot, object, shot.materials[object.group].theta_rad)),
+                ply::bytes(&tiling::mesh(
+                    shot,
+                    object,
+                    shot.materials[object.group].theta_rad,
+                    tiling::From::Bottom,
+                )),
             ));
         }
     }
