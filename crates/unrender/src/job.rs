@@ -3,6 +3,7 @@
 use crate::project::{CameraChoice, Project};
 use crate::{Error, photograph};
 use std::path::Path;
+use unrender_formats::Input;
 use unrender_formats::picture::{self, Picture};
 use unrender_photo::{Photo, Transfer, develop};
 use unrender_scene::{Camera, Scene, Warnings};
@@ -39,9 +40,10 @@ impl Job {
     /// If the photograph or the scene cannot be read, if they do not fit the project, or if nothing
     /// fixes the scale of unknown lights.
     pub fn load(mut project: Project, mut warnings: Warnings) -> Result<Self, Error> {
-        let (picture, told) = picture::read(&project.photo)?;
+        let limits = project.limits;
+        let (picture, told) = picture::read(Input::new(&project.photo, limits))?;
         warnings.extend(told);
-        let (mut scene, told) = unrender_formats::load_scene(&project.scene)?;
+        let (mut scene, told) = unrender_formats::load_scene(Input::new(&project.scene, limits))?;
         warnings.extend(told);
         project.check_against(&scene)?;
         warnings.extend(project.settle_scale(&scene)?);

@@ -35,7 +35,7 @@ pub(super) fn check_folder(path: &Path) -> Result<(), FileError> {
                 "is a folder with something in it; name one that is not there yet",
             )),
         },
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => atomic::check(path),
         Err(_) => Err(FileError::new(path, "is no folder; name one that is not there yet")),
     }
 }

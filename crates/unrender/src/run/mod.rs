@@ -154,8 +154,8 @@ impl Run {
     /// If there is no run.json, or it is not one, or of a later version.
     pub fn read(folder: &Path) -> Result<Self, Error> {
         let path = folder.join(Self::FILE);
-        let text = std::fs::read_to_string(&path).map_err(|error| {
-            let problem = format!("cannot be read: {error}; name a folder that recover wrote");
+        let text = unrender_formats::input::text(&path).map_err(|problem| {
+            let problem = format!("{problem}; name a folder that recover wrote");
             FileError::new(&path, problem)
         })?;
         let run: Self =
