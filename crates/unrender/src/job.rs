@@ -5,7 +5,7 @@ use crate::{Error, photograph};
 use std::path::Path;
 use unrender_formats::Input;
 use unrender_formats::picture::{self, Picture};
-use unrender_photo::{Photo, Transfer, develop};
+use unrender_photo::{Photo, Transfer, clipping, develop};
 use unrender_scene::{Camera, Scene, Warnings};
 
 /// Two aspects (width over height) are alike up to this share.
@@ -43,6 +43,15 @@ impl Job {
         let limits = project.limits;
         let (picture, told) = picture::read(Input::new(&project.photo, limits))?;
         warnings.extend(told);
+        if let (Some(max), [r, g, b]) = (picture.depth.max_code(), clipping::full_codes(&picture)) {
+            let codes = [("red", r), ("green", g), ("blue", b)];
+            for (channel, code) in codes.iter().filter_map(|(c, code)| code.map(|code| (c, code))) {
+                warnings.push(format!(
+                    "the {channel} of the photo is full at the code {code} of {max}: pixels of that \
+                     code are taken for clipped"
+                ));
+            }
+        }
         let (mut scene, told) = unrender_formats::load_scene(Input::new(&project.scene, limits))?;
         warnings.extend(told);
         project.check_against(&scene)?;

@@ -15,6 +15,7 @@ mod trust_picture;
 pub(crate) use calibration::calibration;
 pub(crate) use summary::{summary, table};
 
+use crate::check::uvs;
 use crate::engine::Recovered;
 use crate::run::{Pictures, Run};
 use crate::{Error, Job, report};
@@ -52,6 +53,14 @@ pub(crate) fn write(job: &Job, recovered: &Recovered, folder: &Path) -> Result<R
     atomic::write(&folder.join("scene.glb"), &glb)?;
     let mut warnings = job.warnings.clone();
     warnings.extend(recovered.laid.warnings.clone());
+    let mut doubts = Warnings::default();
+    for (index, group) in recovery.groups.iter().enumerate() {
+        if group.material.texture.is_some() {
+            uvs::doubt(&job.scene, index).into_iter().for_each(|doubt| doubts.push(doubt));
+        }
+    }
+    crate::cli::warn(&doubts);
+    warnings.extend(doubts);
     if bad > 0 {
         let told = format!("{bad} value(s) were not finite numbers and were written as zero");
         let mut late = Warnings::default();

@@ -81,10 +81,13 @@ pub struct Program {
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Input {
     /// The project file, as it was named.
+    #[serde(serialize_with = "as_text")]
     pub project: PathBuf,
     /// The scene file.
+    #[serde(serialize_with = "as_text")]
     pub scene: PathBuf,
     /// The photograph.
+    #[serde(serialize_with = "as_text")]
     pub photo: PathBuf,
     /// The photograph's width, pixels.
     pub width: usize,
@@ -142,6 +145,11 @@ pub struct RegistrationEntry {
     pub deviation_pixels: Option<f32>,
     /// Points of edges that the photograph shows.
     pub confirmed_edge_points: Option<usize>,
+}
+
+/// A path as text; what in it is no text is shown as a replacement character.
+fn as_text<S: serde::Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&path.to_string_lossy())
 }
 
 impl Run {
