@@ -44,6 +44,9 @@ impl ResultFolder {
     ) -> Result<Self, Error> {
         let mut folder = Self::open_shared(path, command, writes, inputs)?;
         folder.lock = lock(path)?;
+        if folder.lock.is_some() {
+            sweep(path);
+        }
         Ok(folder)
     }
 
@@ -180,6 +183,18 @@ fn lock(path: &Path) -> Result<Option<File>, Error> {
             Err(FileError::new(path, problem).into())
         }
         Err(TryLockError::Error(_)) => Ok(None),
+    }
+}
+
+/// Removes what killed processes have left in the folder at `path`, which is locked.
+fn sweep(path: &Path) {
+    for entry in fs::read_dir(path).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if name.starts_with(atomic::PREFIX) && name.ends_with(".tmp") {
+            // What cannot be removed does no harm.
+            let _ = fs::remove_dir_all(entry.path()).or_else(|_| fs::remove_file(entry.path()));
+        }
     }
 }
 

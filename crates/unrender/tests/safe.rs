@@ -307,3 +307,44 @@ fn sigterm_keeps_the_checkpoint() {
     assert_eq!(status.code(), Some(143), "{status}");
     assert!(room.path("c.exr").exists() && !room.path("a.exr").exists());
 }
+
+/// Faults at random moments. What is on the disk afterwards is one whole result, or is refused; inputs
+/// are untouched; the next run sets it right.
+#[test]
+#[ignore = "takes minutes"]
+fn what_faults_leave_is_whole_or_refused() {
+    const FAULTS: u32 = 60;
+    let room = Room::new();
+    let inputs = room.files(".");
+    let started = Instant::now();
+    assert_good(&room.recover("out"));
+    let length = started.elapsed();
+    let (mut whole, mut refused) = (0, 0);
+    for fault in 0..FAULTS {
+        let arguments =
+            ["recover", "p.toml", "--no-refine", "--spp", "1", "--out", "out", "--seed"];
+        let mut command = room.command(&[&arguments[..], &[&fault.to_string()]].concat());
+        let mut running = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        // More of them at the end, where results are written.
+        std::thread::sleep(length.mul_f64(1.1 - f64::from(fault * 37 % FAULTS).sqrt() / 20.0));
+        let signal = if fault % 4 == 0 { "-TERM" } else { "-KILL" };
+        // It may have ended by itself.
+        let pid = running.id().to_string();
+        let _ = Command::new("kill").args([signal, &pid]).stderr(Stdio::null()).status();
+        running.wait().unwrap();
+        let report = room.run(&["report", "out", "--quiet"]);
+        let said = String::from_utf8_lossy(&report.stderr).into_owned();
+        match report.status.code() {
+            Some(0) => whole += 1,
+            Some(1) if said.contains("two runs") => refused += 1,
+            _ => panic!("fault {fault}: {said}"),
+        }
+    }
+    println!("{FAULTS} faults: {whole} whole results, {refused} refused");
+    assert_good(&room.recover("out"));
+    assert_good(&room.run(&["report", "out"]));
+    let hidden = |(path, _): &&(PathBuf, Vec<u8>)| path.to_string_lossy().contains(".unrender-");
+    assert_eq!(room.files("out").iter().filter(hidden).count(), 0);
+    fs::remove_dir_all(room.path("out")).unwrap();
+    assert!(room.files(".") == inputs, "inputs were changed");
+}

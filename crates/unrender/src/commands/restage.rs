@@ -104,9 +104,9 @@ pub struct Args {
 /// If the input cannot be used, an edit does not fit the scene, or the pictures cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let sheets = sheets(args, global)?;
-    let folder = folder(args, &sheets)?;
     let restaging = Restaging::load(&sheets)?;
     let photograph = photograph(args, &restaging)?;
+    let folder = folder(args, &sheets)?;
     warn(&restaging.warnings);
     match photograph {
         Some(photograph) => composite(args, global, &restaging, photograph, &folder),
