@@ -13,7 +13,7 @@
 //! Which of fSpy's axes points upwards is up to whoever labelled the vanishing points; see [`Up`].
 //! Sources: fSpy's `project_file_format.md`, and what its own importer for Blender makes of it.
 
-use crate::FileError;
+use crate::{FileError, input};
 use glam::{Affine3A, DMat3, DVec3, Mat3};
 use serde::Deserialize;
 use std::path::Path;
@@ -86,8 +86,7 @@ struct Settings {
 /// # Errors
 /// If the file cannot be read, is no fSpy project of version 1, or has no valid camera.
 pub fn read(path: &Path, up: Option<Up>) -> Result<(Matched, Warnings), FileError> {
-    let bytes = std::fs::read(path)
-        .map_err(|error| FileError::new(path, format!("cannot be read: {error}")))?;
+    let bytes = input::read(path).map_err(|problem| FileError::new(path, problem))?;
     parse(&bytes, up).map_err(|problem| FileError::new(path, problem))
 }
 

@@ -1,6 +1,6 @@
 //! Names for groups, each given once.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use unrender_scene::Warnings;
 
 /// The group of triangles that have no material.
@@ -8,14 +8,19 @@ pub(crate) const DEFAULT: &str = "default";
 
 /// `wanted` with " (2)", " (3)" and so on behind the second and later uses of a name.
 pub(crate) fn unique(wanted: &[String], warnings: &mut Warnings) -> Vec<String> {
+    let all: BTreeSet<&String> = wanted.iter().collect();
     let mut taken: BTreeSet<String> = BTreeSet::new();
+    // The next number to try for a name; from one each time, many of a name would take for ever.
+    let mut next: BTreeMap<&String, usize> = BTreeMap::new();
     let mut names = Vec::with_capacity(wanted.len());
     for name in wanted {
         let mut candidate = name.clone();
-        let mut number = 2;
-        while taken.contains(&candidate) || (number > 2 && wanted.contains(&candidate)) {
+        let number = next.entry(name).or_insert(2);
+        let mut is_new = true;
+        while taken.contains(&candidate) || (!is_new && all.contains(&candidate)) {
             candidate = format!("{name} ({number})");
-            number += 1;
+            *number += 1;
+            is_new = false;
         }
         if candidate != *name && name != DEFAULT {
             warnings.push(format!(

@@ -5,17 +5,20 @@
 //! the width of the Blinn-Phong lobe of that exponent. `Ke` is the emitted radiance.
 //! There is no camera and no unit of length; metres are assumed.
 
+use crate::input::{Input, Scope};
 use crate::names::{DEFAULT, unique};
-use crate::{FileError, texels};
+use crate::{FileError, polygon, texels};
 use glam::{Vec2, Vec3};
 use std::cell::RefCell;
 use std::collections::HashMap;
-use std::fs;
-use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Arc;
 use tobj::{LoadError, LoadOptions};
 use unrender_scene::{Group, Material, Mesh, Object, Rgb, Scene, Texture, Warnings, Wrap};
+
+/// What an OBJ becomes takes at most so many times the memory of its text: four bytes, a corner of a
+/// face and its separator, become a vertex of 32 bytes, here and in the parser.
+const TEXT_TO_MESH: u64 = 16;
 
 /// Reads the OBJ at `path` with the MTL files and pictures that it names.
 ///
@@ -23,11 +26,17 @@ use unrender_scene::{Group, Material, Mesh, Object, Rgb, Scene, Texture, Warning
 ///
 /// # Errors
 /// If a file is missing or not what it should be.
-pub fn read(path: &Path) -> Result<(Scene, Warnings), FileError> {
+pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileError> {
+    let input = input.into();
+    read_in(&Scope::new(input), input.path)
+}
+
+/// As [`read`], as a file that the input of `scope` is or names.
+pub(crate) fn read_in(scope: &Scope, path: &Path) -> Result<(Scene, Warnings), FileError> {
     let fail = |problem: String| FileError::new(path, problem);
-    let text = read_file(path).map_err(fail)?;
-    let (models, materials) = parse(path, &text).map_err(fail)?;
-    let folder = path.parent().unwrap_or(Path::new(""));
+    let text = scope.read(path).map_err(fail)?;
+    scope.charge(TEXT_TO_MESH * text.len() as u64).map_err(fail)?;
+    let (models, materials) = parse(scope, path, &text).map_err(fail)?;
     let mut warnings = Warnings::default();
     let mut wanted: Vec<String> = materials.iter().map(|m| m.name.clone()).collect();
     wanted.push(DEFAULT.into());
@@ -47,7 +56,8 @@ pub fn read(path: &Path) -> Result<(Scene, Warnings), FileError> {
             Some(group) => group,
             None => {
                 let json = materials.get(slot);
-                let group = group(&names[slot], json, folder, &mut warnings).map_err(fail)?;
+                let place = (scope, path.parent().unwrap_or(Path::new("")));
+                let group = group(&names[slot], json, place, &mut warnings).map_err(fail)?;
                 scene.groups.push(group);
                 *group_of[slot].insert(scene.groups.len() - 1)
             }
@@ -63,7 +73,7 @@ type Parsed = (Vec<tobj::Model>, Vec<tobj::Material>);
 type MtlFile = (Vec<tobj::Material>, HashMap<String, usize>);
 
 /// The models and the materials of the OBJ text that stands at `path`.
-fn parse(path: &Path, text: &[u8]) -> Result<Parsed, String> {
+fn parse(scope: &Scope, path: &Path, text: &[u8]) -> Result<Parsed, String> {
     let fault = || "is not an OBJ: it is not text; export the scene again".to_owned();
     let text = std::str::from_utf8(text).map_err(|_| fault())?;
     if text.contains('\0') {
@@ -72,13 +82,14 @@ fn parse(path: &Path, text: &[u8]) -> Result<Parsed, String> {
     check_faces(text)?;
     let options = LoadOptions {
         single_index: true,
-        triangulate: true,
+        // Polygons need not be convex: see `polygon`.
+        triangulate: false,
         ignore_points: true,
         ignore_lines: true,
     };
     let problem = RefCell::new(None);
     let load_materials = |name: &Path| {
-        load_mtl(path, name).map_err(|text| {
+        load_mtl(scope, path, name).map_err(|text| {
             problem.borrow_mut().get_or_insert(text);
             LoadError::GenericFailure
         })
@@ -127,17 +138,27 @@ fn check_faces(text: &str) -> Result<(), String> {
     Ok(())
 }
 
-fn load_mtl(obj: &Path, name: &Path) -> Result<MtlFile, String> {
-    let path = obj.with_file_name(name);
+fn load_mtl(scope: &Scope, obj: &Path, name: &Path) -> Result<MtlFile, String> {
+    let folder = obj.parent().unwrap_or(Path::new(""));
     let shown = name.display();
-    let text = read_file(&path).map_err(|problem| {
+    let read = scope.beside(folder, &name.to_string_lossy()).and_then(|path| scope.read(&path));
+    let text = read.map_err(|problem| {
         format!("needs the material file \"{shown}\", which {problem}; put it beside the scene")
     })?;
     let text = whole_colors(&text)?;
     let mut bytes = text.as_bytes();
-    tobj::load_mtl_buf(&mut bytes).map_err(|error| {
+    let (mut materials, by_name) = tobj::load_mtl_buf(&mut bytes).map_err(|error| {
         format!("the material file \"{shown}\" is not valid ({error}); export the scene again")
-    })
+    })?;
+    // Seen from the folder of the MTL file; programs that write it from the OBJ's are believed, too.
+    let within = name.parent().unwrap_or(Path::new(""));
+    for texture in materials.iter_mut().filter_map(|m| m.diffuse_texture.as_mut()) {
+        let there = within.join(texture.replace('\\', "/"));
+        if !texture.starts_with('-') && folder.join(&there).is_file() {
+            *texture = there.to_string_lossy().into_owned();
+        }
+    }
+    Ok((materials, by_name))
 }
 
 /// The MTL text with colours of one number written out as three: MTL allows the short form, and
@@ -164,7 +185,7 @@ fn whole_colors(text: &[u8]) -> Result<String, String> {
 fn group(
     name: &str,
     mtl: Option<&tobj::Material>,
-    folder: &Path,
+    (scope, folder): (&Scope, &Path),
     warnings: &mut Warnings,
 ) -> Result<Group, String> {
     let Some(mtl) = mtl else {
@@ -193,7 +214,7 @@ fn group(
         Material::diffuse(kd)
     };
     if let Some(file) = &mtl.diffuse_texture {
-        let image = texture_file(folder, file)
+        let image = texture_file(scope, folder, file)
             .map_err(|problem| format!("material \"{name}\": its map_Kd \"{file}\" {problem}"))?;
         let image = image.map(|texel| *texel * kd);
         material.rho_d = texels::mean(&image);
@@ -203,12 +224,16 @@ fn group(
     Ok(Group { name: name.into(), material, emission: rgb(mtl.emissive, "Ke")? })
 }
 
-fn texture_file(folder: &Path, file: &str) -> Result<unrender_scene::RgbImage, String> {
+fn texture_file(
+    scope: &Scope,
+    folder: &Path,
+    file: &str,
+) -> Result<unrender_scene::RgbImage, String> {
     if file.starts_with('-') {
         return Err("has options, which are not supported; remove them".into());
     }
-    let bytes = read_file(&folder.join(file.replace('\\', "/")))?;
-    Ok(texels::linear(&texels::decode(&bytes)?))
+    let bytes = scope.read(&scope.beside(folder, &file.replace('\\', "/"))?)?;
+    Ok(texels::linear(&texels::decode(scope, &bytes)?))
 }
 
 fn mesh(mesh: &tobj::Mesh) -> Result<Mesh, String> {
@@ -217,8 +242,7 @@ fn mesh(mesh: &tobj::Mesh) -> Result<Mesh, String> {
     if let Some(index) = mesh.indices.iter().find(|&&i| i as usize >= count) {
         return Err(format!("uses vertex {index} of {count}; export the scene again"));
     }
-    let triangles: Vec<[u32; 3]> =
-        mesh.indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect();
+    let triangles = triangles(mesh, &positions)?;
     // OBJ counts v from the bottom, glTF from the top.
     let uvs = mesh.texcoords.chunks_exact(2).map(|uv| Vec2::new(uv[0], 1.0 - uv[1]));
     let mut uvs: Vec<Vec2> = uvs.collect();
@@ -234,9 +258,14 @@ fn mesh(mesh: &tobj::Mesh) -> Result<Mesh, String> {
     Ok(Mesh { positions, normals, uvs, tangents: Vec::new(), triangles })
 }
 
-fn read_file(path: &Path) -> Result<Vec<u8>, String> {
-    fs::read(path).map_err(|error| match error.kind() {
-        ErrorKind::NotFound => "does not exist".into(),
-        _ => format!("cannot be read: {error}"),
-    })
+fn triangles(mesh: &tobj::Mesh, positions: &[Vec3]) -> Result<Vec<[u32; 3]>, String> {
+    let mut triangles = Vec::new();
+    let mut rest = mesh.indices.as_slice();
+    let of_three = vec![3; if mesh.face_arities.is_empty() { rest.len() / 3 } else { 0 }];
+    for arity in mesh.face_arities.iter().chain(&of_three) {
+        let (corners, others) = rest.split_at((*arity as usize).min(rest.len()));
+        rest = others;
+        polygon::split(corners, |&i| positions[i as usize], &mut triangles)?;
+    }
+    Ok(triangles)
 }

@@ -4,6 +4,7 @@
 //! hold a picture for the eye; they are not read back. What else there is to say about the numbers
 //! is a text in the header's attribute `unrender`.
 
+use crate::input::{Input, Scope};
 use crate::{FileError, atomic};
 use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
@@ -74,11 +75,14 @@ pub fn write(
 ///
 /// # Errors
 /// If the file is missing, cut short, corrupt or of another kind.
-pub fn read(path: &Path) -> std::result::Result<Planes, FileError> {
+pub fn read<'a>(input: impl Into<Input<'a>>) -> std::result::Result<Planes, FileError> {
+    let input = input.into();
+    let path = input.path;
     let fault = |problem: String| FileError::new(path, problem);
     let corrupt =
         |error: Error| fault(format!("is no EXR file, or cut short or corrupt ({error})"));
-    let bytes = std::fs::read(path).map_err(|error| fault(format!("cannot be read: {error}")))?;
+    let scope = Scope::new(input);
+    let bytes = scope.read(path).map_err(fault)?;
     let meta = MetaData::read_from_buffered(Cursor::new(&bytes), true).map_err(corrupt)?;
     let foreign = || fault("is an EXR file without the sums that unrender writes".into());
     let header = meta.headers.first().ok_or_else(foreign)?;
@@ -93,6 +97,7 @@ pub fn read(path: &Path) -> std::result::Result<Planes, FileError> {
     if width.saturating_mul(height) > MAX_PIXELS || unpacked > believed {
         return Err(fault(format!("claims {width} x {height} pixels, which it cannot hold")));
     }
+    scope.charge(unpacked as u64).map_err(fault)?;
     let image = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()

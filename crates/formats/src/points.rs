@@ -12,7 +12,7 @@
 //! its first pixel (0.5, 0.5). `x_m`, `y_m`, `z_m` are metres, right-handed with y up. Lines that
 //! begin with `#` do not count.
 
-use crate::FileError;
+use crate::{FileError, input};
 use std::path::Path;
 
 /// A point and where it is seen.
@@ -34,8 +34,7 @@ const NAME: &str = "name";
 /// # Errors
 /// If the file is missing, lacks a column, has an unknown one, or a value is no finite number.
 pub fn read(path: &Path) -> Result<Vec<Pair>, FileError> {
-    let bytes = std::fs::read(path)
-        .map_err(|error| FileError::new(path, format!("cannot be read: {error}")))?;
+    let bytes = input::read(path).map_err(|problem| FileError::new(path, problem))?;
     parse(&bytes).map_err(|problem| FileError::new(path, problem))
 }
 

@@ -14,7 +14,7 @@
 //! linear value is proportional to radiance, in any unit: `exposure` is radiance per that unit. Both
 //! grow from row to row. Lines that begin with `#` do not count.
 
-use crate::FileError;
+use crate::{FileError, input};
 use std::path::Path;
 
 /// The rows of a response file; at least two, codes and values strictly increasing.
@@ -32,8 +32,7 @@ pub struct ResponseRows {
 /// If the file is missing, has other columns than those above or fewer than two rows, or if a value
 /// is no number, out of its range, or not above that of the row before.
 pub fn read(path: &Path) -> Result<ResponseRows, FileError> {
-    let bytes = std::fs::read(path)
-        .map_err(|error| FileError::new(path, format!("cannot be read: {error}")))?;
+    let bytes = input::read(path).map_err(|problem| FileError::new(path, problem))?;
     parse(&bytes).map_err(|problem| FileError::new(path, problem))
 }
 

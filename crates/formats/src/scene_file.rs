@@ -1,7 +1,7 @@
 //! Scenes by file extension: the one place that knows which formats there are.
 
 use crate::import::{mitsuba, radiance};
-use crate::{FileError, gltf, obj};
+use crate::{FileError, Input, gltf, obj};
 use std::path::Path;
 use unrender_scene::{Camera, Scene, SceneError, Warnings};
 
@@ -13,12 +13,12 @@ enum Format {
 }
 
 impl Format {
-    fn read(&self, path: &Path) -> Result<(Scene, Warnings), FileError> {
+    fn read(&self, input: Input<'_>) -> Result<(Scene, Warnings), FileError> {
         match self {
-            Self::Gltf => gltf::read(path),
-            Self::Obj => obj::read(path),
-            Self::Mitsuba => mitsuba::read(path),
-            Self::Radiance => radiance::read(path),
+            Self::Gltf => gltf::read(input),
+            Self::Obj => obj::read(input),
+            Self::Mitsuba => mitsuba::read(input),
+            Self::Radiance => radiance::read(input),
         }
     }
 }
@@ -29,27 +29,28 @@ impl Format {
 ///
 /// # Errors
 /// If the file is missing, of no known format, damaged, or its scene unusable.
-pub fn load_scene(path: &Path) -> Result<(Scene, Warnings), FileError> {
-    load(path, Scene::validate)
+pub fn load_scene<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileError> {
+    load(input.into(), Scene::validate)
 }
 
 /// Reads the model at `path`, which is to be put into a scene and needs no light of its own.
 ///
 /// # Errors
 /// If the file is missing, of no known format, damaged, or its meshes unusable.
-pub fn load_model(path: &Path) -> Result<(Scene, Warnings), FileError> {
-    load(path, Scene::validate_meshes)
+pub fn load_model<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileError> {
+    load(input.into(), Scene::validate_meshes)
 }
 
 fn load(
-    path: &Path,
+    input: Input<'_>,
     validate: fn(&mut Scene) -> Result<Warnings, SceneError>,
 ) -> Result<(Scene, Warnings), FileError> {
+    let path = input.path;
     let format = format_of(path)?;
     if !path.exists() {
         return Err(FileError::new(path, "does not exist"));
     }
-    let (mut scene, mut warnings) = format.read(path)?;
+    let (mut scene, mut warnings) = format.read(input)?;
     let doubts = validate(&mut scene).map_err(|error| FileError::new(path, error))?;
     warnings.extend(doubts);
     Ok((scene, warnings))
@@ -62,10 +63,11 @@ fn load(
 ///
 /// # Errors
 /// If `source` cannot be read or the scene cannot be written.
-pub fn wear(source: &Path, scene: &Scene) -> Result<Vec<u8>, FileError> {
-    match format_of(source)? {
+pub fn wear<'a>(source: impl Into<Input<'a>>, scene: &Scene) -> Result<Vec<u8>, FileError> {
+    let source = source.into();
+    match format_of(source.path)? {
         Format::Gltf => gltf::dress(source, scene),
-        _ => gltf::to_glb(scene).map_err(|error| FileError::new(source, error)),
+        _ => gltf::to_glb(scene).map_err(|error| FileError::new(source.path, error)),
     }
 }
 
@@ -74,13 +76,14 @@ pub fn wear(source: &Path, scene: &Scene) -> Result<Vec<u8>, FileError> {
 ///
 /// # Errors
 /// If `source` cannot be read or the scene cannot be written.
-pub fn place(source: &Path, camera: &Camera) -> Result<Vec<u8>, FileError> {
-    match format_of(source)? {
+pub fn place<'a>(source: impl Into<Input<'a>>, camera: &Camera) -> Result<Vec<u8>, FileError> {
+    let source = source.into();
+    match format_of(source.path)? {
         Format::Gltf => gltf::place(source, camera),
         format => {
             let (mut scene, _) = format.read(source)?;
             scene.cameras.push(camera.clone());
-            gltf::to_glb(&scene).map_err(|error| FileError::new(source, error))
+            gltf::to_glb(&scene).map_err(|error| FileError::new(source.path, error))
         }
     }
 }

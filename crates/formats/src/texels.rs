@@ -1,6 +1,8 @@
 //! Pictures of reflectance: PNG and JPEG to texels, and texels to sRGB PNG.
 
-use image::{DynamicImage, ImageFormat, ImageReader};
+use crate::input::Scope;
+use crate::picture;
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 use std::io::Cursor;
 use unrender_scene::color::{linear_from_srgb, srgb_from_linear};
 use unrender_scene::{Image, Rgb};
@@ -9,7 +11,7 @@ use unrender_scene::{Image, Rgb};
 const MAX_SIDE: u32 = 32768;
 
 /// The pixels of an encoded picture, 0 to 1, transfer curve and all.
-pub(crate) fn decode(bytes: &[u8]) -> Result<Image<Rgb>, String> {
+pub(crate) fn decode(scope: &Scope, bytes: &[u8]) -> Result<Image<Rgb>, String> {
     let undecodable = |error: &dyn std::fmt::Display| {
         format!("cannot be decoded ({error}); save it as PNG or JPEG again")
     };
@@ -18,12 +20,19 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Image<Rgb>, String> {
     if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
         return Err("is neither PNG nor JPEG; convert it".into());
     }
+    picture::check_budget(bytes, reader.format())?;
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
     reader.limits(limits);
-    let picture = reader.decode().map_err(|e| undecodable(&e))?;
-    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    let decoder = reader.into_decoder().map_err(|e| undecodable(&e))?;
+    let (width, height) = decoder.dimensions();
+    // As they are in the file, and as three floats.
+    let each = u64::from(decoder.color_type().bytes_per_pixel()) + 12;
+    let charged = scope.charge(u64::from(width) * u64::from(height) * each);
+    charged.map_err(|problem| format!("has {width} x {height} pixels and {problem}"))?;
+    let picture = DynamicImage::from_decoder(decoder).map_err(|e| undecodable(&e))?;
+    let (width, height) = (width as usize, height as usize);
     let has_16_bits = picture.color().bytes_per_pixel() / picture.color().channel_count() > 1;
     let pixels: Vec<Rgb> = if has_16_bits {
         let pixels = picture.into_rgb16();

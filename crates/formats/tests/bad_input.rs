@@ -31,9 +31,9 @@ fn files_that_are_no_scenes() {
     refused("a.blend", "BLENDER", &[".glb", ".gltf", ".obj"]);
     refused("a.obj", [0xFF, 0xFE, 0x00], &["is not an OBJ"]);
     refused("a.obj", "", &["no triangles"]);
-    let missing = load_scene("nowhere/a.glb".as_ref()).unwrap_err().to_string();
+    let missing = load_scene("nowhere/a.glb").unwrap_err().to_string();
     assert_eq!(missing, "nowhere/a.glb: does not exist");
-    assert!(wear("nowhere/a.glb".as_ref(), &unrender_scene::Scene::default()).is_err());
+    assert!(wear("nowhere/a.glb", &unrender_scene::Scene::default()).is_err());
 }
 
 #[test]

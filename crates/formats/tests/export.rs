@@ -134,3 +134,26 @@ fn a_texture_reaches_every_format() {
         assert!(has_picture, "{target}");
     }
 }
+
+/// The first v in the PLY files of an export.
+fn first_v(files: &[(String, Vec<u8>)]) -> f32 {
+    let has_uvs = |bytes: &[u8]| bytes.windows(7).any(|w| w == b"float u");
+    let (_, bytes) =
+        files.iter().find(|(name, bytes)| name.ends_with(".ply") && has_uvs(bytes)).unwrap();
+    let start = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
+    // Position, normal, u, v.
+    let place = start + 7 * 4;
+    f32::from_le_bytes(bytes[place..place + 4].try_into().unwrap())
+}
+
+#[test]
+fn textures_stand_upright_in_other_programs() {
+    let mut scene = scene(&["lamp", "wall"]);
+    let image = Image::from_fn(1, 2, |_, y| Rgb::new(1.0 - y as f32, 0.0, y as f32));
+    let (wrap_u, wrap_v) = (Wrap::Repeat, Wrap::Repeat);
+    scene.groups[1].material.texture = Some(Arc::new(Texture { image, wrap_u, wrap_v }));
+    scene.objects[1].mesh.uvs = vec![Vec2::ZERO, Vec2::X, Vec2::Y];
+    // v = 0 is the top of the picture here and in Mitsuba, and the bottom in PBRT and Blender.
+    assert_eq!(first_v(&export(&scene, Target::Mitsuba)), 0.0);
+    assert_eq!(first_v(&export(&scene, Target::Pbrt)), 1.0);
+}

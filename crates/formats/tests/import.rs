@@ -254,11 +254,87 @@ fn faults_in_radiance_scenes_are_named() {
         ("void plastic a 0 0 5 1 1 x 0 0", "no number"),
         ("a polygon p 0 0 9 0 0 0 1 0 0 0 1 0", "\"a\", which is not there"),
         ("void light a 0 0 3 1 1 1\na polygon p 0 0 6 0 0 0 1 0 0", "three corners"),
-        ("!xform missing.rad", "missing.rad cannot be read"),
+        ("!xform missing.rad", "includes \"missing.rad\", which cannot be read: it does not exist"),
         ("!xform scene.rad", "including itself"),
     ];
     for (text, said) in cases {
         let told = problem(&folder.write("scene.rad", text));
         assert!(told.contains("scene.rad: ") && told.contains(said), "{told}");
     }
+}
+
+/// The area of all triangles.
+fn area(scene: &Scene) -> f32 {
+    let mesh = &scene.objects[0].mesh;
+    let area = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
+        0.5 * (b - a).cross(c - a).length()
+    };
+    mesh.triangles.iter().map(area).sum()
+}
+
+/// An L of area 3, whose first corner is the one across from the notch.
+const L: [[f32; 2]; 6] = [[2., 0.], [2., 1.], [1., 1.], [1., 2.], [0., 2.], [0., 0.]];
+
+#[test]
+fn polygons_that_are_not_convex_keep_their_shape() {
+    let folder = Folder::new("concave");
+    let corners: String = L.map(|[x, y]| format!("{x} {y} 0 ")).concat();
+    let rad = format!("void light l 0 0 3 1 1 1\nl polygon p 0 0 18 {corners}\n");
+    let corners: String = L.map(|[x, y]| format!("v {x} {y} 0\n")).concat();
+    let obj = format!("{corners}f 1 2 3 4 5 6\n");
+    let corners: String = L.map(|[x, y]| format!("{x} {y} 0\n")).concat();
+    let ply = format!(
+        "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\n\
+         property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+         {corners}6 0 1 2 3 4 5\n"
+    );
+    folder.write("l.ply", &ply);
+    let shape = "<shape type=\"ply\"><string name=\"filename\" value=\"l.ply\"/></shape>";
+    let xml = format!("<scene version=\"3.0.0\">{shape}</scene>");
+    for (name, text) in [("l.rad", rad), ("l.obj", obj), ("l.xml", xml)] {
+        let scene = unrender_formats::load_model(&folder.write(name, &text)).unwrap().0;
+        assert!((area(&scene) - 3.0).abs() < 1e-5, "{name}: {} instead of 3", area(&scene));
+    }
+}
+
+/// In Mitsuba v grows downwards from the top of a picture: PLY says it so, OBJ the other way round
+/// (rendered with Mitsuba 3.9.1 to see: a red-over-blue picture on a PLY quad with v = 0 at the top).
+#[test]
+fn mitsuba_counts_v_from_the_top() {
+    let folder = Folder::new("upright");
+    let vertices = "0 1 0 0 0\n1 1 0 1 0\n0 0 0 0 1\n";
+    folder.write(
+        "t.ply",
+        &format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+             property float z\nproperty float u\nproperty float v\nelement face 1\n\
+             property list uchar int vertex_indices\nend_header\n{vertices}3 0 2 1\n"
+        ),
+    );
+    folder.write("t.obj", "v 0 1 0\nv 1 1 0\nv 0 0 0\nvt 0 1\nvt 1 1\nvt 0 0\nf 1/1 3/3 2/2\n");
+    let at_top = |kind: &str, more: &str| {
+        let file = format!("<string name=\"filename\" value=\"t.{kind}\"/>");
+        let shape = format!("<shape type=\"{kind}\">{file}{more}</shape>");
+        let xml = format!("<scene version=\"3.0.0\">{shape}</scene>");
+        let path = folder.write("scene.xml", &xml);
+        let mesh = unrender_formats::load_model(&path).unwrap().0.objects[0].mesh.clone();
+        let top = mesh.positions.iter().position(|p| p.y > 0.5).unwrap();
+        mesh.uvs[top].y
+    };
+    let flip = |flip: bool| format!("<boolean name=\"flip_tex_coords\" value=\"{flip}\"/>");
+    assert_eq!((at_top("ply", ""), at_top("ply", &flip(true))), (0.0, 1.0));
+    assert_eq!((at_top("obj", ""), at_top("obj", &flip(false))), (0.0, 1.0));
+}
+
+#[test]
+fn pictures_of_materials_lie_beside_the_material_file() {
+    let folder = Folder::new("mtl");
+    std::fs::create_dir_all(folder.0.join("mats")).unwrap();
+    let tex = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/hostile/tex a.png");
+    std::fs::copy(&tex, folder.0.join("mats/wood.png")).unwrap();
+    std::fs::write(folder.0.join("mats/a.mtl"), "newmtl wood\nmap_Kd wood.png\n").unwrap();
+    let text = "mtllib mats/a.mtl\nusemtl wood\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let (scene, _) = unrender_formats::load_model(&folder.write("a.obj", text)).unwrap();
+    assert!(scene.groups[0].material.texture.is_some());
 }

@@ -1,17 +1,77 @@
-//! Clipped pixels: at the top of the range of an integer file, or beyond a measured response.
+//! Which pixels are cut off at the top: of an integer file's range, of the sensor's, or of a measured
+//! response.
+//!
+//! Sensors and raw converters may be full below the greatest code of their file: 14 bits in a file of
+//! 16, or the white of a JPEG that is 254. All that was brighter lies at that code, a spike at the upper
+//! end of the histogram, with pixels just below it that were not quite so bright.
 
 use crate::Response;
-use unrender_formats::picture::Picture;
+use unrender_formats::picture::{Depth, Picture};
 use unrender_scene::{Image, Rgb};
 
-/// The indices of the pixels with a channel at the largest pixel value, or beyond the last value
-/// that `response` was measured for; floating-point files have no largest value.
+/// A channel is full at its largest code if that has at least so many pixels, ...
+const SPIKE_PIXELS: usize = 64;
+/// ... so many times as many as the codes below have on average. Smooth surfaces have at most twice as
+/// many at their brightest point; at 4, posterised pictures are taken for full, at 16, noisy ones are
+/// missed.
+const SPIKE: usize = 8;
+/// Codes below that the spike is compared with, and the share of the range in which there must be
+/// pixels at all: a lamp of one brightness, rendered without noise, has next to none there.
+const BELOW: f32 = 0.05;
+/// So many times as few pixels as in the spike are enough there. Windows with sharp frames have fewer
+/// and are missed; at 40, the smoothed edge of a rendered lamp would do.
+const POPULATED: usize = 20;
+/// Sensors are full at so much of a power of two; white levels of 14-bit cameras are from 15 300 on.
+const FULL: f32 = 0.93;
+/// The least bits of a sensor.
+const LEAST_BITS: u32 = 10;
+
+/// The indices of the pixels that have in some channel a code at which it is full (see
+/// [`full_codes`]), or one beyond the last that `response` was measured for; floating-point files have
+/// no greatest code.
 pub fn clipped_pixels(picture: &Picture, response: &Response) -> Vec<usize> {
-    // Half a value below the top: pixel values are exact, their quotients are rounded.
-    let top = picture.depth.max_code().map_or(f32::INFINITY, |max| (max - 0.5) / max);
-    let beyond = |value: &Rgb| (0..3).any(|c| value[c] >= top || value[c] > response.last_code(c));
+    // Half a code below the top: codes are exact, their quotients are rounded.
+    let max = picture.depth.max_code();
+    let full = full_codes(picture);
+    let tops = [0, 1, 2].map(|c| match (max, full[c]) {
+        (Some(max), Some(code)) => (f32::from(code) - 0.5) / max,
+        (Some(max), None) => (max - 0.5) / max,
+        (None, _) => f32::INFINITY,
+    });
+    let beyond =
+        |value: &Rgb| (0..3).any(|c| value[c] >= tops[c] || value[c] > response.last_code(c));
     let pixels = picture.values.pixels().iter().enumerate();
     pixels.filter(|(_, value)| beyond(value)).map(|(index, _)| index).collect()
+}
+
+/// For each channel the code below the greatest one of the file at which it is full, if there is one.
+pub fn full_codes(picture: &Picture) -> [Option<u16>; 3] {
+    let Some(max) = picture.depth.max_code() else { return [None; 3] };
+    [0, 1, 2].map(|channel| {
+        let mut histogram = vec![0usize; max as usize + 1];
+        for value in picture.values.pixels() {
+            histogram[(value[channel] * max).round().clamp(0.0, max) as usize] += 1;
+        }
+        let code = histogram.iter().rposition(|count| *count > 0)?;
+        (code < max as usize && is_full(&histogram, code, picture.depth)).then_some(code as u16)
+    })
+}
+
+/// Whether the largest code that occurs, `code`, is that of a full channel.
+fn is_full(histogram: &[usize], code: usize, depth: Depth) -> bool {
+    let near = |range: usize| code as f32 >= FULL * range as f32 && code <= range;
+    let plausible = match depth {
+        Depth::Sixteen => (LEAST_BITS..=16).any(|bits| near((1 << bits) - 1)),
+        _ => near(255),
+    };
+    let spike = histogram[code];
+    if !plausible || spike < SPIKE_PIXELS {
+        return false;
+    }
+    let first = code - ((BELOW * code as f32) as usize).max(1);
+    let below: usize = histogram[first..code].iter().sum();
+    let mean_is_low = spike * (code - first) >= SPIKE * below;
+    mean_is_low && below * POPULATED >= spike
 }
 
 /// The mask, of the size of `like`, of pixels that are not in `pixels` nor adjacent to one of them.
@@ -39,6 +99,37 @@ mod tests {
             let picture = Picture::new(values, depth);
             assert_eq!(clipped_pixels(&picture, &Response::Srgb), [1]);
         }
+    }
+
+    /// A ramp of 10 000 pixels up to `top` times `max`, cut off at the code `full`.
+    fn ramp(max: f32, full: f32, top: f32, depth: Depth) -> Picture {
+        let value = |x: usize| (top * max * x as f32 / 9999.0).round().min(full) / max;
+        Picture::new(Image::from_fn(10_000, 1, |x, _| Rgb::splat(value(x))), depth)
+    }
+
+    #[test]
+    fn a_spike_below_the_greatest_code_is_where_the_sensor_is_full() {
+        let full = |max, code, top, depth| full_codes(&ramp(max, code, top, depth))[1];
+        for code in [16_383.0, 15_400.0, 4095.0, 64_000.0] {
+            let found = full(65_535.0, code, 1.2 * code / 65_535.0, Depth::Sixteen);
+            assert_eq!(found, Some(code as u16));
+        }
+        assert_eq!(full(255.0, 254.0, 1.5, Depth::Eight), Some(254));
+        let picture = ramp(255.0, 250.0, 1.5, Depth::Eight);
+        let clipped = clipped_pixels(&picture, &Response::Srgb);
+        assert!((3470..3490).contains(&clipped.len()), "{}", clipped.len());
+        // Not bright enough to be full, and full at the greatest code, as ever.
+        assert_eq!(full(65_535.0, 65_535.0, 0.22, Depth::Sixteen), None);
+        assert_eq!(full(255.0, 255.0, 1.5, Depth::Eight), None);
+        assert_eq!(full(255.0, 120.0, 1.0, Depth::Eight), None);
+    }
+
+    #[test]
+    fn a_lamp_of_one_brightness_is_not_full() {
+        let lamp = |x: usize, y: usize| if x < 20 && y < 20 { 0.98 } else { 0.3 };
+        let image =
+            Image::from_fn(64, 64, |x, y| Rgb::splat((lamp(x, y) * 255.0f32).round() / 255.0));
+        assert_eq!(full_codes(&Picture::new(image, Depth::Eight)), [None; 3]);
     }
 
     #[test]

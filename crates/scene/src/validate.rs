@@ -7,10 +7,21 @@ use glam::Vec3;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Warnings(pub Vec<String>);
 
+/// Nobody reads more; each new one is compared with all before. With half of it, real scenes with a
+/// doubt a group could lose some; with double, nothing changes.
+const MAX_WARNINGS: usize = 1000;
+
 impl Warnings {
     /// Adds `warning`, a whole sentence without a final line break; each only once.
     pub fn push(&mut self, warning: impl Into<String>) {
-        let warning = warning.into();
+        if self.0.len() > MAX_WARNINGS {
+            return;
+        }
+        let warning = if self.0.len() == MAX_WARNINGS {
+            "There are more warnings, which are not shown.".into()
+        } else {
+            warning.into()
+        };
         if !self.0.contains(&warning) {
             self.0.push(warning);
         }

@@ -108,10 +108,14 @@ pub(crate) fn corrections(job: &Job, numbers: &[Number]) -> Vec<Correction> {
 /// Develops the photograph of `job` anew with `numbers` moved by `steps`. Returns by what share that
 /// changed it.
 pub(crate) fn apply(job: &mut Job, numbers: &[Number], steps: &[f64]) -> f64 {
+    // A fit that has broken down says nothing; halves of what is no number are none for ever.
+    if steps.iter().any(|step| !(*step as f32).is_finite()) {
+        return 0.0;
+    }
     let before = job.photo.radiance.clone();
     let mut share = 1.0;
     // A step too far would put a part of the picture into the dark: half of it is one in the same
-    // direction.
+    // direction. After 150 halves the step is zero in single precision.
     let transfer = loop {
         let mut moved = job.transfer.clone();
         for (number, step) in numbers.iter().zip(steps) {
@@ -119,6 +123,9 @@ pub(crate) fn apply(job: &mut Job, numbers: &[Number], steps: &[f64]) -> f64 {
         }
         if moved.vignetting.as_ref().is_none_or(|v| v.darkest() >= DARKEST) {
             break moved;
+        }
+        if share == 0.0 {
+            return 0.0;
         }
         share *= 0.5;
     };

@@ -1,35 +1,56 @@
-//! Ctrl-C: the program ends at once with exit code 130, but never in the middle of writing, and
-//! without losing work that it knows how to keep.
+//! Ctrl-C and SIGTERM: the program ends at once with exit code 130 or 143, but never in the middle of
+//! writing, and without losing work that it knows how to keep.
 //!
-//! The signal is handled on a thread of its own. It waits for results that are just being written,
+//! A signal is handled on a thread of its own. It waits for results that are just being written,
 //! so that a folder of results is complete or was not begun, and then ends the process. Work that
 //! holds a [`Pausable`] is only told the first time: it stops by itself at the next good place,
 //! saves what there is and returns [`code`].
 
-use crate::Error;
+use crate::{Error, output};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What shells expect of a program that SIGINT ended: 128 + 2.
-const EXIT_CODE: u8 = 130;
+const INTERRUPTED: u8 = 130;
+/// The same for SIGTERM: 128 + 15.
+#[cfg(unix)]
+const TERMINATED: u8 = 143;
 
 static WRITING: Mutex<()> = Mutex::new(());
 static PAUSABLE: AtomicBool = AtomicBool::new(false);
-static ASKED: AtomicBool = AtomicBool::new(false);
+/// The exit code of the signal that asked for an end; zero before.
+static ASKED: AtomicU8 = AtomicU8::new(0);
 
-/// From here on Ctrl-C ends the program as described above.
+/// From here on Ctrl-C and SIGTERM end the program as described above, and a file that may not grow
+/// further is an error like a full disk.
 pub(crate) fn install() -> Result<(), Error> {
-    ctrlc::set_handler(|| {
-        if PAUSABLE.load(Ordering::SeqCst) && !ASKED.swap(true, Ordering::SeqCst) {
-            eprintln!("\nstopping after this pass; Ctrl-C again stops at once");
-            return;
-        }
-        let _no_more_writing = writing();
-        eprintln!("\ninterrupted");
-        std::process::exit(i32::from(EXIT_CODE));
-    })
-    .map_err(|error| Error::Request(format!("Ctrl-C cannot be handled: {error}")))
+    let failed = |error: &dyn std::fmt::Display| {
+        Error::Request(format!("signals cannot be handled: {error}"))
+    };
+    ctrlc::set_handler(|| asked(INTERRUPTED)).map_err(|error| failed(&error))?;
+    #[cfg(unix)]
+    {
+        use signal_hook::consts::{SIGTERM, SIGXFSZ};
+        // Handled by nothing: then the write fails, and its temporary file is removed.
+        let flag = std::sync::Arc::new(AtomicBool::new(false));
+        signal_hook::flag::register(SIGXFSZ, flag).map_err(|error| failed(&error))?;
+        let mut signals =
+            signal_hook::iterator::Signals::new([SIGTERM]).map_err(|error| failed(&error))?;
+        std::thread::spawn(move || signals.forever().for_each(|_| asked(TERMINATED)));
+    }
+    Ok(())
+}
+
+/// Asks for an end that has the exit code `code`; the second time, ends at once.
+fn asked(code: u8) {
+    if PAUSABLE.load(Ordering::SeqCst) && ASKED.swap(code, Ordering::SeqCst) == 0 {
+        output::tell("\nstopping after this pass; Ctrl-C again stops at once");
+        return;
+    }
+    let _no_more_writing = writing();
+    output::tell("\ninterrupted");
+    std::process::exit(i32::from(code));
 }
 
 /// Holds Ctrl-C back until the guard is dropped; taken around the writing of results.
@@ -50,7 +71,7 @@ impl Pausable {
 
     /// Whether Ctrl-C was pressed.
     pub(crate) fn is_asked(&self) -> bool {
-        ASKED.load(Ordering::SeqCst)
+        ASKED.load(Ordering::SeqCst) != 0
     }
 }
 
@@ -62,5 +83,8 @@ impl Drop for Pausable {
 
 /// The exit code of work that has stopped because it was asked to.
 pub(crate) fn code() -> ExitCode {
-    ExitCode::from(EXIT_CODE)
+    match ASKED.load(Ordering::SeqCst) {
+        0 => ExitCode::from(INTERRUPTED),
+        code => ExitCode::from(code),
+    }
 }

@@ -3,8 +3,9 @@
 use crate::project::{CameraChoice, Project};
 use crate::{Error, photograph};
 use std::path::Path;
+use unrender_formats::Input;
 use unrender_formats::picture::{self, Picture};
-use unrender_photo::{Photo, Transfer, develop};
+use unrender_photo::{Photo, Transfer, clipping, develop};
 use unrender_scene::{Camera, Scene, Warnings};
 
 /// Two aspects (width over height) are alike up to this share.
@@ -39,9 +40,19 @@ impl Job {
     /// If the photograph or the scene cannot be read, if they do not fit the project, or if nothing
     /// fixes the scale of unknown lights.
     pub fn load(mut project: Project, mut warnings: Warnings) -> Result<Self, Error> {
-        let (picture, told) = picture::read(&project.photo)?;
+        let limits = project.limits;
+        let (picture, told) = picture::read(Input::new(&project.photo, limits))?;
         warnings.extend(told);
-        let (mut scene, told) = unrender_formats::load_scene(&project.scene)?;
+        if let (Some(max), [r, g, b]) = (picture.depth.max_code(), clipping::full_codes(&picture)) {
+            let codes = [("red", r), ("green", g), ("blue", b)];
+            for (channel, code) in codes.iter().filter_map(|(c, code)| code.map(|code| (c, code))) {
+                warnings.push(format!(
+                    "the {channel} of the photo is full at the code {code} of {max}: pixels of that \
+                     code are taken for clipped"
+                ));
+            }
+        }
+        let (mut scene, told) = unrender_formats::load_scene(Input::new(&project.scene, limits))?;
         warnings.extend(told);
         project.check_against(&scene)?;
         warnings.extend(project.settle_scale(&scene)?);

@@ -96,6 +96,8 @@
 //! reads what it names, and `unrender recover` writes what came out. [`score`] compares two such
 //! results.
 
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 mod camera_numbers;
 pub mod check;
 pub mod cli;
@@ -115,6 +117,7 @@ mod progress;
 pub mod project;
 mod registration;
 pub mod report;
+mod result_folder;
 mod results;
 pub mod run;
 pub mod score;

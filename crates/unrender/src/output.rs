@@ -1,18 +1,46 @@
-//! Whether results can be written, asked before the work and not after it; and the one way in which
-//! commands write a picture.
+//! Whether results can be written, asked before the work and not after it; the one way in which
+//! commands write a picture; and the one place that writes to stdout and stderr.
+//!
+//! Nobody may be listening there, and the disk behind them may be full. That is no reason to lose
+//! work: what cannot be told is not told.
 
+use crate::Error;
 use crate::cli::warn;
 use std::fs;
+use std::io::{ErrorKind, Write};
 use std::path::Path;
-use unrender_formats::{FileError, picture};
+use unrender_formats::{FileError, atomic, picture};
 use unrender_render::Accumulator;
 use unrender_scene::Warnings;
 
 /// Makes the folder for results where it is missing and checks that files can be made in it.
 pub(crate) fn prepare_folder(folder: &Path) -> Result<(), FileError> {
-    fs::create_dir_all(folder).and_then(|()| try_file(folder)).map_err(|error| {
+    let tried = fs::create_dir_all(folder).and_then(|()| atomic::staging(folder)?.close());
+    tried.map_err(|error| {
         FileError::new(folder, format!("results cannot be written there: {error}"))
     })
+}
+
+/// Checks that a result at `out` would replace none of `inputs`.
+pub(crate) fn check_inputs<'a>(
+    out: &Path,
+    inputs: impl IntoIterator<Item = &'a Path>,
+) -> Result<(), Error> {
+    let same = |input: &&Path| is_same_file(out, input);
+    match inputs.into_iter().find(same) {
+        None => Ok(()),
+        Some(_) => {
+            let problem =
+                "is an input of this run and would be replaced; name another file by --out";
+            Err(FileError::new(out, problem).into())
+        }
+    }
+}
+
+/// Whether both paths lead to one file that is there.
+pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
+    let real = |path: &Path| path.canonicalize().ok();
+    real(a).is_some_and(|a| real(b) == Some(a))
 }
 
 /// Checks that a picture can be written to `path`: its extension and its folder.
@@ -43,8 +71,7 @@ pub(crate) fn check_file(path: &Path, extensions: &[&str], remedy: &str) -> Resu
     if path.is_dir() {
         return Err(FileError::new(path, "is a folder; name a file"));
     }
-    try_file(folder(path))
-        .map_err(|error| FileError::new(path, format!("cannot be written: {error}")))
+    atomic::check(path)
 }
 
 /// The extension in small letters.
@@ -57,14 +84,19 @@ pub(crate) fn folder(path: &Path) -> &Path {
     path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Prints to stdout; a reader that has gone away is no fault of ours.
+/// Prints `text` to stdout. A reader that has gone away is no fault of ours; a full disk is told.
 pub(crate) fn print(text: &str) {
-    use std::io::Write;
-    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            tell(&format!("warning: standard output cannot be written: {error}"));
+        }
+        _ => {}
+    }
 }
 
-fn try_file(folder: &Path) -> std::io::Result<()> {
-    let name = folder.join(format!(".unrender.{}.tmp", std::process::id()));
-    fs::write(&name, [])?;
-    fs::remove_file(&name)
+/// Prints the line `text` to stderr, if anybody listens.
+pub(crate) fn tell(text: &str) {
+    // One write, so that lines of several threads do not mix.
+    let _ = std::io::stderr().lock().write_all(format!("{text}\n").as_bytes());
 }

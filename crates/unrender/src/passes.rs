@@ -9,7 +9,7 @@ use crate::interrupt::Pausable;
 use crate::part::{self, Head, Identity, Part};
 use crate::progress::Progress;
 use crate::subject::Subject;
-use crate::{Error, interrupt};
+use crate::{Error, interrupt, output};
 use std::ops::Range;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -61,7 +61,7 @@ impl Rendered {
     /// Says that the rendering was interrupted; the exit code for that.
     pub(crate) fn goodbye(&self) -> ExitCode {
         let end = self.samples.end;
-        eprintln!("stopped after sample {end}; the same command goes on from there");
+        output::tell(&format!("stopped after sample {end}; the same command goes on from there"));
         interrupt::code()
     }
 

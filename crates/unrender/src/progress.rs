@@ -1,5 +1,6 @@
 //! How far a command has come, on stderr: a bar on a terminal, now and then a line elsewhere.
 
+use crate::output;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::{Mutex, PoisonError};
@@ -43,7 +44,7 @@ impl Progress {
             Sink::Bar(bar) => bar.set_message(what),
             Sink::Lines(last) => {
                 *last.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
-                eprintln!("{}", line(&what, self.started.elapsed(), done.clamp(0.0, 1.0)));
+                output::tell(&line(&what, self.started.elapsed(), done.clamp(0.0, 1.0)));
             }
         }
         self.set(done);
@@ -59,7 +60,7 @@ impl Progress {
                 let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
                 if last.elapsed() >= BETWEEN_LINES {
                     *last = Instant::now();
-                    eprintln!("{}", line(&self.what, self.started.elapsed(), done));
+                    output::tell(&line(&self.what, self.started.elapsed(), done));
                 }
             }
         }

@@ -3,7 +3,10 @@
 
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
+
+/// Beginning and ending take less than a second on a quiet machine.
+const PATIENCE: Duration = Duration::from_secs(60);
 
 #[test]
 fn an_interrupted_recovery_leaves_nothing_behind() {
@@ -18,13 +21,29 @@ fn an_interrupted_recovery_leaves_nothing_behind() {
         .spawn()
         .unwrap();
     // With so many paths the work takes minutes; long before, the folder is there.
+    let started = Instant::now();
     while !out.is_dir() {
+        if running.try_wait().unwrap().is_some() || started.elapsed() > PATIENCE {
+            // It may have ended by itself.
+            let _ = running.kill();
+            panic!("the recovery did not begin: {:?}", running.wait());
+        }
         std::thread::sleep(Duration::from_millis(20));
     }
     std::thread::sleep(Duration::from_secs(1));
     let pid = running.id().to_string();
     assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
-    let status = running.wait().unwrap();
+    let started = Instant::now();
+    let status = loop {
+        if let Some(status) = running.try_wait().unwrap() {
+            break status;
+        }
+        if started.elapsed() > PATIENCE {
+            running.kill().unwrap();
+            panic!("the signal did not end it");
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    };
     assert_eq!(status.code(), Some(130), "{status}");
     let left: Vec<_> = std::fs::read_dir(&out).unwrap().collect();
     assert!(left.is_empty(), "left behind: {left:?}");

@@ -7,7 +7,6 @@
 //! `alpha_y = alpha/(1 - a)`. [Blender manual, Principled BSDF and Glossy BSDF]
 
 use super::identifiers::identifiers;
-use super::tiling::V;
 use super::{Files, Shot, ply, tiling};
 use crate::numbers::{number, triple};
 use crate::texels;
@@ -42,7 +41,7 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
                     shot,
                     object,
                     smoother(&shot.materials[object.group]),
-                    V::FromBottom,
+                    tiling::From::Bottom,
                 )),
             ));
         }

@@ -13,17 +13,13 @@ use std::path::Path;
 /// left behind then.
 pub(super) fn write_folder(path: &Path, files: &Files) -> Result<(), FileError> {
     check_folder(path)?;
-    let temporary = atomic::temporary_beside(path);
-    let written = fill(&temporary, files).and_then(|()| {
+    let written = atomic::staging(atomic::folder_of(path)).and_then(|temporary| {
+        fill(temporary.path(), files)?;
         // An empty folder of that name may be there; not all systems rename onto one.
         let _ = fs::remove_dir(path);
-        atomic::rename(&temporary, path)
+        atomic::rename(&temporary.keep(), path)
     });
-    written.map_err(|error| {
-        // It may not have been made; there is nothing more to clean up then.
-        let _ = fs::remove_dir_all(&temporary);
-        FileError::new(path, format!("cannot be written: {error}"))
-    })
+    written.map_err(|error| FileError::new(path, format!("cannot be written: {error}")))
 }
 
 /// Checks that a folder of results could be called `path`.
@@ -39,13 +35,12 @@ pub(super) fn check_folder(path: &Path) -> Result<(), FileError> {
                 "is a folder with something in it; name one that is not there yet",
             )),
         },
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => atomic::check(path),
         Err(_) => Err(FileError::new(path, "is no folder; name one that is not there yet")),
     }
 }
 
 fn fill(folder: &Path, files: &Files) -> io::Result<()> {
-    fs::create_dir(folder)?;
     for (name, bytes) in files {
         let path = folder.join(name);
         if let Some(parent) = path.parent() {

@@ -10,7 +10,6 @@ mod materials;
 mod sensor;
 
 use super::identifiers::{identifiers, quoted};
-use super::tiling::V;
 use super::{Files, Shot, ply, tiling};
 use glam::{Affine3A, Mat4, Vec3};
 use std::fmt::Write;
@@ -47,7 +46,7 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
                     shot,
                     object,
                     shot.materials[object.group].theta_rad,
-                    V::FromTop,
+                    tiling::From::Top,
                 )),
             ));
             xml.push_str(&shape(shot, object, &path, &groups[object.group]));

@@ -165,7 +165,7 @@ pub fn check_path(path: &Path, target: Target) -> Result<(), FileError> {
     }
     let Some(wanted) = target.file_extension() else { return folder::check_folder(path) };
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted)) {
-        return Ok(());
+        return atomic::check(path);
     }
     Err(FileError::new(path, format!("is not called .{wanted}, as files for {target} are")))
 }

@@ -7,7 +7,6 @@
 //! tangents. [Pharr, Jakob, Humphreys: pbrt-v4 input file format]
 
 use super::identifiers::{identifiers, quoted};
-use super::tiling::V;
 use super::{Files, Shot, ply, tiling};
 use crate::texels;
 use glam::{Mat4, Vec3, Vec4};
@@ -50,7 +49,7 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
                     shot,
                     object,
                     shot.materials[object.group].theta_rad,
-                    V::FromBottom,
+                    tiling::From::Bottom,
                 )),
             ));
         }

@@ -42,27 +42,27 @@ pub(super) fn is_brushed(material: &Material) -> bool {
     material.is_glossy() && material.alpha_x != material.alpha_y
 }
 
-/// From which edge of a picture a program counts v.
+/// Which edge of a picture a program counts v from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum V {
-    /// As glTF does.
-    FromTop,
-    /// As most others do.
-    FromBottom,
+pub(super) enum From {
+    /// As we do: Mitsuba.
+    Top,
+    /// Blender, PBRT, Radiance.
+    Bottom,
 }
 
-/// The mesh of `object` for programs that count `v` from that edge of a [`tile`] and angles from
+/// The mesh of `object` for programs that count v from the edge `from` of a [`tile`] and angles from
 /// growing u: where there is no texture, u grows along the angle `theta_rad` of a brushed group.
-pub(super) fn mesh(shot: &Shot, object: &Object, theta_rad: f32, v: V) -> Mesh {
+pub(super) fn mesh(shot: &Shot, object: &Object, theta_rad: f32, from: From) -> Mesh {
     let material = &shot.materials[object.group];
     match &material.texture {
         Some(texture) => {
             let scale = tile(texture).scale;
-            let in_tile = |uv: &Vec2| match v {
-                V::FromTop => *uv * scale,
-                V::FromBottom => Vec2::new(uv.x * scale.x, 1.0 - uv.y * scale.y),
+            let placed = |uv: &Vec2| match from {
+                From::Top => *uv * scale,
+                From::Bottom => Vec2::new(uv.x * scale.x, 1.0 - uv.y * scale.y),
             };
-            Mesh { uvs: object.mesh.uvs.iter().map(in_tile).collect(), ..object.mesh.clone() }
+            Mesh { uvs: object.mesh.uvs.iter().map(placed).collect(), ..object.mesh.clone() }
         }
         None if is_brushed(material) => brushed::along_u(&object.mesh, theta_rad),
         None => object.mesh.clone(),

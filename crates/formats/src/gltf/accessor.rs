@@ -12,6 +12,12 @@ const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
 const FLOAT: u32 = 5126;
 
+/// What an index costs: itself, its part of a triangle, and where normals are missing a vertex of 32
+/// bytes of its own.
+pub(super) const BYTES_A_INDEX: u64 = 48;
+/// What a number costs: itself, and as part of a vector.
+const BYTES_A_NUMBER: u64 = 8;
+
 /// The elements of accessor `index`, pairs.
 pub(super) fn vec2s(source: &Source, index: usize) -> Result<Vec<Vec2>, Problem> {
     Ok(floats(source, index, "VEC2")?.chunks_exact(2).map(Vec2::from_slice).collect())
@@ -34,6 +40,7 @@ pub(super) fn indices(source: &Source, index: usize) -> Result<Vec<u32>, Problem
     if accessor.sparse.is_some() {
         return Err(named(index, "is a sparse list of indices, which is not supported"));
     }
+    source.scope().charge(elements.count as u64 * BYTES_A_INDEX).map_err(|p| named(index, &p))?;
     let mut values = Vec::with_capacity(elements.count);
     for element in elements.iter() {
         let value = unsigned(element, accessor.component_type);
@@ -47,6 +54,8 @@ fn floats(source: &Source, index: usize, kind: &str) -> Result<Vec<f32>, Problem
     let accessor = get(&source.document.accessors, index, "accessor")?;
     let elements = open(source, accessor, kind).map_err(|problem| named(index, &problem))?;
     let width = component_size(accessor.component_type).unwrap_or(1);
+    let total = elements.count as u64 * components(kind) as u64;
+    source.scope().charge(total * BYTES_A_NUMBER).map_err(|p| named(index, &p))?;
     let mut values = Vec::with_capacity(elements.count * components(kind));
     let decode = |bytes| float(bytes, accessor.component_type, accessor.normalized);
     for element in elements.iter() {

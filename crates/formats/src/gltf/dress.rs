@@ -7,9 +7,8 @@ use super::source::Source;
 use super::ward::{self, object};
 use super::write::Glb;
 use super::{lights, material};
-use crate::FileError;
+use crate::{FileError, Input};
 use serde_json::{Value, json};
-use std::path::Path;
 use unrender_scene::{Rgb, Scene, Warnings};
 
 /// The bytes of a `.glb` with everything that is in the glTF file `source` (hierarchy, names,
@@ -19,8 +18,9 @@ use unrender_scene::{Rgb, Scene, Warnings};
 ///
 /// # Errors
 /// If `source` cannot be read, or if the result would be larger than 4 GiB.
-pub fn dress(source: &Path, scene: &Scene) -> Result<Vec<u8>, FileError> {
-    let fail = |problem| FileError::new(source, problem);
+pub fn dress<'a>(source: impl Into<Input<'a>>, scene: &Scene) -> Result<Vec<u8>, FileError> {
+    let source = source.into();
+    let fail = |problem| FileError::new(source.path, problem);
     let opened = Source::open(source).map_err(fail)?;
     dressed(&opened, scene).map_err(fail)
 }

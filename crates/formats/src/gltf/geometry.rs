@@ -83,7 +83,10 @@ fn local_mesh(source: &Source, primitive: &Primitive) -> Result<Option<Mesh>, Pr
     }
     let indices = match primitive.indices {
         Some(index) => accessor::indices(source, index)?,
-        None => (0..u32::try_from(count).map_err(|_| too_large())?).collect(),
+        None => {
+            source.scope().charge(count as u64 * accessor::BYTES_A_INDEX)?;
+            (0..u32::try_from(count).map_err(|_| too_large())?).collect()
+        }
     };
     if let Some(index) = indices.iter().find(|&&i| i as usize >= count) {
         return Err(format!(

@@ -3,9 +3,8 @@
 use super::Problem;
 use super::source::Source;
 use super::write::Glb;
-use crate::FileError;
+use crate::{FileError, Input};
 use serde_json::json;
-use std::path::Path;
 use unrender_scene::Camera;
 
 /// The bytes of a `.glb` with everything that is in the glTF file `source`, and `camera` in its
@@ -13,8 +12,9 @@ use unrender_scene::Camera;
 ///
 /// # Errors
 /// If `source` cannot be read, or if the result would be larger than 4 GiB.
-pub fn place(source: &Path, camera: &Camera) -> Result<Vec<u8>, FileError> {
-    let fail = |problem| FileError::new(source, problem);
+pub fn place<'a>(source: impl Into<Input<'a>>, camera: &Camera) -> Result<Vec<u8>, FileError> {
+    let source = source.into();
+    let fail = |problem| FileError::new(source.path, problem);
     let opened = Source::open(source).map_err(fail)?;
     placed(&opened, camera).map_err(fail)
 }

@@ -5,9 +5,9 @@ use super::graph::{Placed, placed_nodes};
 use super::names::{given, group_names};
 use super::source::{Source, get};
 use super::{Problem, geometry, lights, material};
-use crate::FileError;
-use std::path::Path;
-use unrender_scene::{BrdfModel, Mesh, Object, Scene, Warnings};
+use crate::{FileError, Input};
+use std::collections::BTreeMap;
+use unrender_scene::{BrdfModel, Object, Scene, Warnings};
 
 /// Reads the default scene of the `.glb` or `.gltf` at `path` into world space.
 ///
@@ -18,9 +18,10 @@ use unrender_scene::{BrdfModel, Mesh, Object, Scene, Warnings};
 /// # Errors
 /// If the file or a file it needs is missing, damaged, or requires an extension that is not
 /// understood.
-pub fn read(path: &Path) -> Result<(Scene, Warnings), FileError> {
-    let fail = |problem| FileError::new(path, problem);
-    let source = Source::open(path).map_err(fail)?;
+pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileError> {
+    let input = input.into();
+    let fail = |problem| FileError::new(input.path, problem);
+    let source = Source::open(input).map_err(fail)?;
     scene(&source).map_err(fail)
 }
 
@@ -83,6 +84,8 @@ fn objects(
     let name = given(node.name.as_ref()).or_else(|| given(json.name.as_ref()));
     let name = name.map_or_else(|| format!("object {}", placed.node), str::to_owned);
     let mut objects: Vec<Object> = Vec::new();
+    // The object of a material, with uvs and tangents or without.
+    let mut places: BTreeMap<(usize, bool, bool), usize> = BTreeMap::new();
     for primitive in &json.primitives {
         if !primitive.targets.is_empty() {
             warnings.push("Morph targets were ignored; their meshes stand as they were modelled.");
@@ -97,17 +100,18 @@ fn objects(
             .map_err(in_node)?;
         let Some(mut mesh) = mesh.filter(|mesh| !mesh.triangles.is_empty()) else { continue };
         geometry::repair_handedness(&mut mesh.tangents, warnings);
-        match objects.iter_mut().find(|o| o.group == group && alike(&o.mesh, &mesh)) {
-            Some(object) => geometry::append(&mut object.mesh, mesh).map_err(in_node)?,
-            None => objects.push(Object { name: name.clone(), group, mesh }),
+        let kind = (group, mesh.uvs.is_empty(), mesh.tangents.is_empty());
+        match places.get(&kind) {
+            Some(&place) => {
+                geometry::append(&mut objects[place].mesh, mesh).map_err(in_node)?;
+            }
+            None => {
+                places.insert(kind, objects.len());
+                objects.push(Object { name: name.clone(), group, mesh });
+            }
         }
     }
     Ok(objects)
-}
-
-/// Whether both have uvs and tangents, or both have not, so that they can be one mesh.
-fn alike(a: &Mesh, b: &Mesh) -> bool {
-    a.uvs.is_empty() == b.uvs.is_empty() && a.tangents.is_empty() == b.tangents.is_empty()
 }
 
 /// Makes groups of the materials that objects wear; returns the lobe that they were written for.

@@ -2,13 +2,12 @@
 
 use super::document::{Document, UNDERSTOOD};
 use super::{Problem, container};
+use crate::input::{Input, Scope};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Deserialize;
 use serde_json::Value;
 use std::borrow::Cow;
-use std::fs;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// A glTF file with everything that it refers to at hand.
@@ -20,20 +19,27 @@ pub(super) struct Source {
     /// One entry a buffer, exactly `byteLength` long.
     pub(super) buffers: Vec<Vec<u8>>,
     folder: PathBuf,
+    scope: Scope,
 }
 
 impl Source {
-    /// Opens `path` and the buffers beside it.
-    pub(super) fn open(path: &Path) -> Result<Self, Problem> {
-        let bytes = read_file(path)?;
+    /// Opens the file and the buffers beside it.
+    pub(super) fn open(input: Input<'_>) -> Result<Self, Problem> {
+        let scope = Scope::new(input);
+        let bytes = scope.read(input.path)?;
         let parts = container::split(&bytes)?;
         let invalid = |error| format!("is not valid glTF 2.0: {error}; export the scene again");
         let json: Value = serde_json::from_slice(parts.json).map_err(invalid)?;
         let document = Document::deserialize(&json).map_err(invalid)?;
         check_version(&document)?;
-        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        let buffers = load_buffers(&document, parts.bin, &folder)?;
-        Ok(Self { json, document, buffers, folder })
+        let folder = input.path.parent().unwrap_or(Path::new("")).to_owned();
+        let buffers = load_buffers(&document, parts.bin, &folder, &scope)?;
+        Ok(Self { json, document, buffers, folder, scope })
+    }
+
+    /// What bounds the reading of this file.
+    pub(super) fn scope(&self) -> &Scope {
+        &self.scope
     }
 
     /// The bytes of buffer view `index`.
@@ -56,7 +62,8 @@ impl Source {
         match (&image.uri, image.buffer_view) {
             (_, Some(view)) => Ok(Cow::Borrowed(self.view(view)?)),
             (Some(uri), None) => {
-                Ok(Cow::Owned(fetch(uri, &self.folder, &format!("image {index}"))?))
+                let what = format!("image {index}");
+                Ok(Cow::Owned(fetch(uri, &self.folder, &self.scope, &what)?))
             }
             (None, None) => {
                 Err(format!("image {index} has neither uri nor bufferView; export the scene again"))
@@ -91,11 +98,12 @@ fn load_buffers(
     document: &Document,
     bin: Option<&[u8]>,
     folder: &Path,
+    scope: &Scope,
 ) -> Result<Vec<Vec<u8>>, Problem> {
     let mut buffers = Vec::new();
     for (index, buffer) in document.buffers.iter().enumerate() {
         let mut bytes = match (&buffer.uri, bin) {
-            (Some(uri), _) => fetch(uri, folder, &format!("buffer {index}"))?,
+            (Some(uri), _) => fetch(uri, folder, scope, &format!("buffer {index}"))?,
             (None, Some(bin)) if index == 0 => bin.to_owned(),
             _ => return Err(format!("buffer {index} has no data; export the scene again")),
         };
@@ -113,7 +121,7 @@ fn load_buffers(
 }
 
 /// What stands at `uri`: a data URI, or a file in or below `folder`.
-fn fetch(uri: &str, folder: &Path, what: &str) -> Result<Vec<u8>, Problem> {
+fn fetch(uri: &str, folder: &Path, scope: &Scope, what: &str) -> Result<Vec<u8>, Problem> {
     if let Some(data) = uri.strip_prefix("data:") {
         return decode_data(data).ok_or_else(|| {
             format!("{what} is a data URI that is not valid base64; export the scene again")
@@ -126,8 +134,8 @@ fn fetch(uri: &str, folder: &Path, what: &str) -> Result<Vec<u8>, Problem> {
         ));
     }
     let decoded = percent_encoding::percent_decode_str(uri).decode_utf8_lossy();
-    let path = folder.join(decoded.as_ref());
-    read_file(&path).map_err(|problem| {
+    let bytes = scope.beside(folder, &decoded).and_then(|path| scope.read(&path));
+    bytes.map_err(|problem| {
         format!("{what} needs the file \"{decoded}\", which {problem}; put it beside the scene")
     })
 }
@@ -139,11 +147,4 @@ fn decode_data(data: &str) -> Option<Vec<u8>> {
     } else {
         Some(percent_encoding::percent_decode_str(body).collect())
     }
-}
-
-fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
-    fs::read(path).map_err(|error| match error.kind() {
-        ErrorKind::NotFound => "does not exist".into(),
-        _ => format!("cannot be read: {error}"),
-    })
 }

@@ -14,7 +14,8 @@ pub(super) fn encoded(
     let texture = get(&source.document.textures, index, "texture")?;
     let Some(image) = texture.source else { return Ok(None) };
     let bytes = source.image(image)?;
-    let texels = decode(&bytes).map_err(|error| format!("image {image} {error}"))?;
+    let texels =
+        decode(source.scope(), &bytes).map_err(|error| format!("image {image} {error}"))?;
     let (u, v) = match texture.sampler {
         Some(sampler) => {
             let sampler = get(&source.document.samplers, sampler, "sampler")?;

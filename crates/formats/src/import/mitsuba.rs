@@ -9,30 +9,55 @@ mod properties;
 mod reflectance;
 
 use super::{ply, shapes};
+use crate::input::{Input, Scope};
 use crate::names::unique;
 use crate::record::Note;
 use crate::{FileError, obj};
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 use properties::Element;
-use reflectance::Reflectance;
+use reflectance::{Place, Reflectance};
 use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
 use std::path::Path;
 use unrender_scene::{BrdfModel, Camera, Group, Lens, Mesh, Object, Rgb, Scene, Warnings};
+
+/// The tree of an XML text takes at most so many times its memory: `<a/>` becomes a node of 80 bytes.
+const TEXT_TO_TREE: u64 = 32;
+
+/// Elements lie in one another at most so deep. Scenes have up to ten; each level takes a kilobyte of
+/// the stack, which has 2 MiB in threads.
+const DEPTH: u32 = 100;
+
+/// Refuses elements that lie too deep, as they are read by recursion.
+fn check_depth(document: &Document) -> Result<(), String> {
+    let mut depths: Vec<u32> = Vec::new();
+    for node in document.descendants() {
+        let parent = node.parent().and_then(|parent| depths.get(parent.id().get_usize()));
+        let depth = parent.map_or(0, |depth| depth + 1);
+        if depth > DEPTH {
+            return Err(format!("has elements within elements, {DEPTH} deep and deeper"));
+        }
+        depths.push(depth);
+    }
+    Ok(())
+}
 
 /// Reads the scene at `path` with the files that it names; it is not yet validated: see
 /// [`load_scene`](crate::load_scene).
 ///
 /// # Errors
 /// If a file is missing or damaged, or if something refers to what is not there.
-pub fn read(path: &Path) -> Result<(Scene, Warnings), FileError> {
-    let fail = |problem: String| FileError::new(path, problem);
-    let text =
-        std::fs::read_to_string(path).map_err(|error| fail(format!("cannot be read: {error}")))?;
+pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileError> {
+    let input = input.into();
+    let fail = |problem: String| FileError::new(input.path, problem);
+    let scope = Scope::new(input);
+    let text = scope.text(input.path).map_err(fail)?;
+    scope.charge(TEXT_TO_TREE * text.len() as u64).map_err(fail)?;
     let document = Document::parse(&text).map_err(|error| fail(format!("is no XML: {error}")))?;
-    let folder = path.parent().unwrap_or(Path::new(""));
+    check_depth(&document).map_err(fail)?;
+    let folder = input.path.parent().unwrap_or(Path::new(""));
     let mut reader = Reader {
-        folder,
+        place: (&scope, folder),
         surfaces: Vec::new(),
         scene: Scene::default(),
         warnings: Warnings::default(),
@@ -54,7 +79,7 @@ struct Surface {
 }
 
 struct Reader<'a> {
-    folder: &'a Path,
+    place: Place<'a>,
     surfaces: Vec<Surface>,
     scene: Scene,
     warnings: Warnings,
@@ -111,7 +136,7 @@ impl Reader<'_> {
             "" => format!("material {number}"),
             id => id.to_owned(),
         });
-        let mut reflectance = reflectance::read(element, self.folder, &name, &mut self.warnings)?;
+        let mut reflectance = reflectance::read(element, self.place, &name, &mut self.warnings)?;
         if let Some((material, brdf)) = &note.material {
             // Our export lets u grow along the brushed direction.
             let theta_rad =
@@ -205,6 +230,7 @@ impl Reader<'_> {
             }
             _ => return Ok(None),
         };
+        self.place.0.charge(shapes::bytes_of(&mesh))?;
         let mesh = shapes::moved(mesh, element.to_world()?);
         let flips = element.value("flip_normals").as_deref() == Some("true");
         Ok(Some(if flips { shapes::turned_over(mesh) } else { mesh }))
@@ -212,16 +238,21 @@ impl Reader<'_> {
 
     fn file(&mut self, element: &Element, kind: &str) -> Result<Mesh, String> {
         let name = element.value("filename").ok_or("a shape has no filename")?;
-        let path = self.folder.join(&name);
-        if kind == "obj" {
-            let (scene, _) = obj::read(&path).map_err(|error| error.to_string())?;
-            return Ok(shapes::joined(scene.objects.into_iter().map(|o| o.mesh)));
-        }
-        let bytes =
-            std::fs::read(&path).map_err(|error| format!("\"{name}\" cannot be read: {error}"))?;
-        let mut mesh = ply::mesh(&bytes).map_err(|problem| format!("\"{name}\" {problem}"))?;
-        // Mitsuba counts v from the top of a picture, as glTF does, unless it is told otherwise.
-        if element.value("flip_tex_coords").as_deref() == Some("true") {
+        let (scope, folder) = self.place;
+        let within = |problem: String| format!("\"{name}\" {problem}");
+        let path = scope.beside(folder, &name).map_err(within)?;
+        // Mitsuba counts v from the top of a picture, as we do; OBJ counts from the bottom, so that
+        // its reader there (and ours) turns v over, if it is not told otherwise.
+        let flip = element.value("flip_tex_coords");
+        let (mut mesh, flips) = if kind == "obj" {
+            let (scene, _) = obj::read_in(scope, &path).map_err(|error| error.to_string())?;
+            let mesh = shapes::joined(scene.objects.into_iter().map(|o| o.mesh));
+            (mesh, flip.as_deref() == Some("false"))
+        } else {
+            let bytes = scope.read(&path).map_err(within)?;
+            (ply::mesh(scope, &bytes).map_err(within)?, flip.as_deref() == Some("true"))
+        };
+        if flips {
             mesh.uvs.iter_mut().for_each(|uv| *uv = Vec2::new(uv.x, 1.0 - uv.y));
         }
         Ok(mesh)

@@ -1,40 +1,49 @@
 //! Meshes from PLY files: positions, and where there are any, normals and texture coordinates.
 
+use crate::input::Scope;
+use crate::polygon;
 use glam::{Vec2, Vec3};
-use ply_rs_bw::parser::Parser;
-use ply_rs_bw::ply::{DefaultElement, Property};
+use ply_rs_bw::parser::{Parser, Reader};
+use ply_rs_bw::ply::{
+    ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType,
+    ScalarType,
+};
 use unrender_scene::Mesh;
 
-/// The mesh in `bytes`; polygons become fans of triangles. Without normals it is flat.
+/// A corner of a face in the file becomes a triangle with three vertices of 32 bytes and indices.
+const BYTES_A_CORNER: u64 = 128;
+
+/// The mesh in `bytes`; polygons become triangles. Without normals it is flat.
 ///
 /// # Errors
-/// If it is not PLY, or if a face names a vertex that is not there.
-pub(super) fn mesh(bytes: &[u8]) -> Result<Mesh, String> {
-    let mut reader = bytes;
-    let ply = Parser::<DefaultElement>::new()
-        .read_ply(&mut reader)
-        .map_err(|error| format!("is no valid PLY: {error}"))?;
-    let vertices = ply.payload.get("vertex").ok_or("has no vertices")?;
-    let numbers = |names: [&str; 2]| -> Option<Vec<f32>> {
-        vertices.iter().map(|v| names.iter().find_map(|name| number(v.get(*name)?))).collect()
+/// If it is not PLY, if a face names a vertex that is not there, or if it takes too much memory.
+pub(super) fn mesh(scope: &Scope, bytes: &[u8]) -> Result<Mesh, String> {
+    let invalid = |error| format!("is no valid PLY: {error}");
+    let mut reader = Reader::new(bytes);
+    let parser = Parser::<Element>::new();
+    let header = parser.read_header(&mut reader).map_err(invalid)?;
+    check_counts(scope, &header, bytes.len())?;
+    let payload = parser.read_payload(&mut reader, &header).map_err(invalid)?;
+    let vertices = payload.get("vertex").ok_or("has no vertices")?;
+    let column =
+        |index: usize| -> Option<Vec<f32>> { vertices.iter().map(|v| v.numbers[index]).collect() };
+    let vectors = |first: usize| -> Option<Vec<Vec3>> {
+        let [x, y, z] = [column(first)?, column(first + 1)?, column(first + 2)?];
+        Some(x.into_iter().zip(y).zip(z).map(|((x, y), z)| Vec3::new(x, y, z)).collect())
     };
-    let vectors = |names: [&str; 3]| -> Option<Vec<Vec3>> {
-        let [x, y, z] = names.map(|name| numbers([name, name]));
-        Some(x?.into_iter().zip(y?).zip(z?).map(|((x, y), z)| Vec3::new(x, y, z)).collect())
-    };
-    let positions = vectors(["x", "y", "z"]).ok_or("has vertices without x, y and z")?;
-    let normals = vectors(["nx", "ny", "nz"]);
-    let uvs = numbers(["u", "s"]).zip(numbers(["v", "t"]));
+    let positions = vectors(0).ok_or("has vertices without x, y and z")?;
+    let normals = vectors(3);
+    let uvs = column(6).zip(column(7));
     let uvs: Vec<Vec2> =
         uvs.map_or(Vec::new(), |(u, v)| u.into_iter().zip(v).map(Vec2::from).collect());
     let mut triangles = Vec::new();
-    for face in ply.payload.get("face").into_iter().flatten() {
-        let list = face.get("vertex_indices").or_else(|| face.get("vertex_index"));
-        let corners = list.and_then(indices).ok_or("has faces without vertex_indices")?;
+    for face in payload.get("face").into_iter().flatten() {
+        let corners = face.corners.as_ref().ok_or("has faces without vertex_indices")?;
         if corners.iter().any(|&i| i as usize >= positions.len()) {
             return Err("has a face with a vertex that is not there".into());
         }
-        triangles.extend((2..corners.len()).map(|k| [corners[0], corners[k - 1], corners[k]]));
+        scope.charge(BYTES_A_CORNER * corners.len() as u64)?;
+        polygon::split(corners, |&i| positions[i as usize], &mut triangles)?;
     }
     Ok(match normals {
         Some(normals) => {
@@ -45,6 +54,77 @@ pub(super) fn mesh(bytes: &[u8]) -> Result<Mesh, String> {
     })
 }
 
+/// Refuses counts that the `length` bytes of the file cannot hold, and what takes too much memory.
+fn check_counts(scope: &Scope, header: &Header, length: usize) -> Result<(), String> {
+    let mut least = 0u64;
+    for element in header.elements.values() {
+        let (name, count) = (&element.name, element.count as u64);
+        let each = least_size(element, header.encoding == Encoding::Ascii);
+        least = least.saturating_add(count.saturating_mul(each));
+        // The last number of a text needs no end of line.
+        if (each == 0 && count > 0) || least > length as u64 + 1 {
+            return Err(format!(
+                "announces {count} elements \"{name}\", which its {length} bytes cannot hold"
+            ));
+        }
+        scope.charge(count * size_of::<Element>() as u64)?;
+    }
+    Ok(())
+}
+
+/// The bytes that an element takes at least.
+fn least_size(element: &ElementDef, is_text: bool) -> u64 {
+    let least = |kind: &PropertyType| match kind {
+        _ if is_text => 2,
+        PropertyType::Scalar(scalar) | PropertyType::List(scalar, _) => size(scalar),
+    };
+    element.properties.values().map(|property| least(&property.data_type)).sum()
+}
+
+fn size(scalar: &ScalarType) -> u64 {
+    match scalar {
+        ScalarType::Char | ScalarType::UChar => 1,
+        ScalarType::Short | ScalarType::UShort => 2,
+        ScalarType::Int | ScalarType::UInt | ScalarType::Float => 4,
+        ScalarType::Double => 8,
+    }
+}
+
+/// What of a vertex or a face is used.
+#[derive(Default)]
+struct Element {
+    /// Position, normal and texture coordinates of a vertex.
+    numbers: [Option<f32>; 8],
+    /// The vertices of a face.
+    corners: Option<Vec<u32>>,
+}
+
+impl PropertyAccess for Element {
+    fn new() -> Self {
+        Self::default()
+    }
+
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        let slot = match name {
+            "x" => 0,
+            "y" => 1,
+            "z" => 2,
+            "nx" => 3,
+            "ny" => 4,
+            "nz" => 5,
+            "u" | "s" => 6,
+            "v" | "t" => 7,
+            "vertex_indices" | "vertex_index" => {
+                self.corners = self.corners.take().or_else(|| indices(property));
+                return PropertyAccessResult::Set;
+            }
+            _ => return PropertyAccessResult::Ignored,
+        };
+        self.numbers[slot] = self.numbers[slot].or(number(&property));
+        PropertyAccessResult::Set
+    }
+}
+
 fn number(property: &Property) -> Option<f32> {
     match *property {
         Property::Float(v) => Some(v),
@@ -53,15 +133,17 @@ fn number(property: &Property) -> Option<f32> {
     }
 }
 
-fn indices(property: &Property) -> Option<Vec<u32>> {
-    let signed = |list: &[i32]| list.iter().map(|&i| u32::try_from(i).ok()).collect();
+fn indices(property: Property) -> Option<Vec<u32>> {
+    fn signed<T: TryInto<u32>>(list: Vec<T>) -> Option<Vec<u32>> {
+        list.into_iter().map(|i| i.try_into().ok()).collect()
+    }
     match property {
         Property::ListInt(list) => signed(list),
-        Property::ListUInt(list) => Some(list.clone()),
-        Property::ListShort(list) => list.iter().map(|&i| u32::try_from(i).ok()).collect(),
-        Property::ListUShort(list) => Some(list.iter().map(|&i| u32::from(i)).collect()),
-        Property::ListChar(list) => list.iter().map(|&i| u32::try_from(i).ok()).collect(),
-        Property::ListUChar(list) => Some(list.iter().map(|&i| u32::from(i)).collect()),
+        Property::ListUInt(list) => Some(list),
+        Property::ListShort(list) => signed(list),
+        Property::ListUShort(list) => signed(list),
+        Property::ListChar(list) => signed(list),
+        Property::ListUChar(list) => signed(list),
         _ => None,
     }
 }

@@ -12,9 +12,10 @@ mod primitives;
 mod view;
 
 use super::shapes;
+use crate::input::{Input, Scope};
 use crate::names::unique;
 use crate::record::Note;
-use crate::{FileError, obj};
+use crate::{FileError, obj, polygon};
 use glam::Vec3;
 use materials::Materials;
 use primitives::Primitive;
@@ -27,13 +28,16 @@ use unrender_scene::{Group, Light, LightKind, Mesh, Object, Scene, Warnings};
 ///
 /// # Errors
 /// If a file is missing or damaged, or if something is made of what is not there.
-pub fn read(path: &Path) -> Result<(Scene, Warnings), FileError> {
+pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileError> {
+    let input = input.into();
+    let path = input.path;
     let fail = |problem: String| FileError::new(path, problem);
+    let scope = Scope::new(input);
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut warnings = Warnings::default();
-    let primitives = primitives::read(path, &mut warnings).map_err(fail)?;
+    let primitives = primitives::read(&scope, path, &mut warnings).map_err(fail)?;
     let mut reader = Reader {
-        folder,
+        place: (&scope, folder),
         materials: Materials::default(),
         objects: Vec::new(),
         lights: Vec::new(),
@@ -44,7 +48,7 @@ pub fn read(path: &Path) -> Result<(Scene, Warnings), FileError> {
         reader.primitive(primitive, note.as_ref()).map_err(placed)?;
     }
     let mut scene = reader.finished();
-    scene.cameras.extend(view::beside(path).map_err(fail)?);
+    scene.cameras.extend(view::beside(&scope, path).map_err(fail)?);
     Ok((scene, reader.warnings))
 }
 
@@ -56,7 +60,8 @@ struct Part {
 }
 
 struct Reader<'a> {
-    folder: &'a Path,
+    /// What bounds the reading of the scene, and its folder.
+    place: (&'a Scope, &'a Path),
     materials: Materials,
     objects: Vec<Part>,
     lights: Vec<Light>,
@@ -88,12 +93,13 @@ impl Reader<'_> {
                 let id = &primitive.id;
                 self.warnings.push(format!("the instance \"{id}\" was left out"));
             }
-            _ => self.materials.add(primitive, note, self.folder, &mut self.warnings)?,
+            _ => self.materials.add(primitive, note, self.place, &mut self.warnings)?,
         }
         Ok(())
     }
 
     fn surface(&mut self, p: &Primitive, note: Option<&Note>, mesh: Mesh) -> Result<(), String> {
+        self.place.0.charge(shapes::bytes_of(&mesh))?;
         let material = self.materials.find(&p.modifier)?;
         let name = note.and_then(|note| note.name.clone()).unwrap_or_else(|| p.id.clone());
         let starts = note.is_none_or(|note| note.is_first);
@@ -111,24 +117,26 @@ impl Reader<'_> {
     /// A compiled mesh, by the OBJ that it comes from.
     fn mesh(&mut self, primitive: &Primitive, note: Option<&Note>) -> Result<(), String> {
         let compiled = primitive.strings.first().ok_or("a mesh names no file")?;
-        let source = self.folder.join(compiled).with_extension("obj");
-        if !source.exists() {
+        let (scope, folder) = self.place;
+        let source = Path::new(compiled).with_extension("obj");
+        if !folder.join(&source).exists() {
             let id = &primitive.id;
             self.warnings.push(format!(
                 "the mesh \"{id}\" was left out: there is no {} beside it",
-                source.display()
+                folder.join(source).display()
             ));
             return Ok(());
         }
-        let text = std::fs::read_to_string(&source)
-            .map_err(|error| format!("{} cannot be read: {error}", source.display()))?;
+        let named = |problem: String| format!("{} {problem}", source.display());
+        let source = scope.beside(folder, &source.to_string_lossy()).map_err(named)?;
+        let text = scope.text(&source).map_err(named)?;
         // Of several materials the first: ours differ in the brushed direction only.
         let named = text.lines().find_map(|line| line.strip_prefix("usemtl "));
         let modifier = match (primitive.modifier.as_str(), named) {
             ("void", Some(name)) => name.trim().to_owned(),
             (modifier, _) => modifier.to_owned(),
         };
-        let (scene, _) = obj::read(&source).map_err(|error| error.to_string())?;
+        let (scene, _) = obj::read_in(scope, &source).map_err(|error| error.to_string())?;
         let mesh = shapes::joined(scene.objects.into_iter().map(|object| object.mesh));
         self.surface(&Primitive { modifier, ..primitive.clone() }, note, mesh)
     }
@@ -199,12 +207,15 @@ fn round(primitive: &Primitive) -> Result<Mesh, String> {
     Ok(if is_inside_out { shapes::turned_over(mesh) } else { mesh })
 }
 
-/// A fan of triangles.
+/// A polygon, convex or not, as triangles.
 fn polygon(primitive: &Primitive) -> Result<Mesh, String> {
     let corners: Vec<Vec3> = primitive.reals.chunks_exact(3).map(Vec3::from_slice).collect();
     if corners.len() < 3 || !primitive.reals.len().is_multiple_of(3) {
         return Err(format!("the polygon \"{}\" has no three corners", primitive.id));
     }
-    let fan = (2..corners.len() as u32).map(|k| [0, k - 1, k]);
-    Ok(Mesh::flat(&corners, &[], &fan.collect::<Vec<_>>()))
+    let all: Vec<u32> = (0..corners.len() as u32).collect();
+    let mut triangles = Vec::new();
+    polygon::split(&all, |&i| corners[i as usize], &mut triangles)
+        .map_err(|problem| format!("\"{}\" {problem}", primitive.id))?;
+    Ok(Mesh::flat(&corners, &[], &triangles))
 }

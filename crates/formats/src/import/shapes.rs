@@ -36,6 +36,14 @@ pub(super) fn cube() -> Mesh {
     cube
 }
 
+/// The memory that `mesh` takes.
+pub(super) fn bytes_of(mesh: &Mesh) -> u64 {
+    let vertices = mesh.positions.len() * size_of::<Vec3>()
+        + mesh.normals.len() * size_of::<Vec3>()
+        + mesh.uvs.len() * size_of::<Vec2>();
+    (vertices + mesh.triangles.len() * size_of::<[u32; 3]>()) as u64
+}
+
 /// A sphere, smooth, its front outside.
 pub(super) fn sphere(centre: Vec3, radius: f32) -> Mesh {
     let mut mesh = Mesh::default();

@@ -1,8 +1,9 @@
 //! Puts the numbers of a `materials.json` onto the groups and lights of a scene.
 
 use super::{GroupEntry, Hypothesis, MaterialsFile};
-use crate::{FileError, picture};
-use std::path::{Path, PathBuf};
+use crate::input::Scope;
+use crate::{FileError, Input, Limits, picture};
+use std::path::Path;
 use std::sync::Arc;
 use unrender_scene::{Image, Material, Rgb, Scene, Texture, Warnings, Wrap};
 
@@ -20,23 +21,28 @@ pub fn apply(
     folder: &Path,
     scene: &mut Scene,
 ) -> Result<Warnings, FileError> {
-    apply_named(file, folder, folder, scene)
+    let own = folder.join("materials.json");
+    apply_named(file, folder, (folder, &Scope::new(Input::from(&own))), scene)
 }
 
 /// Reads the file at `path` and puts it onto `scene` as [`apply`] does.
 ///
 /// # Errors
 /// As those of [`super::read`] and [`apply`].
-pub fn apply_from(path: &Path, scene: &mut Scene) -> Result<Warnings, FileError> {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    apply_named(&super::read(path)?, folder, path, scene)
+pub fn apply_from<'a>(
+    input: impl Into<Input<'a>>,
+    scene: &mut Scene,
+) -> Result<Warnings, FileError> {
+    let input = input.into();
+    let folder = input.path.parent().unwrap_or(Path::new(""));
+    apply_named(&super::read(input)?, folder, (input.path, &Scope::new(input)), scene)
 }
 
-/// As [`apply`]; `origin` is what errors name as the place of the numbers.
+/// As [`apply`]; `origin` is what errors name as the place of the numbers, and what bounds its reading.
 fn apply_named(
     file: &MaterialsFile,
     folder: &Path,
-    origin: &Path,
+    (origin, scope): (&Path, &Scope),
     scene: &mut Scene,
 ) -> Result<Warnings, FileError> {
     let mut warnings = Warnings::default();
@@ -52,7 +58,7 @@ fn apply_named(
         check_ranges(entry).and_then(|()| apply_numbers(entry, material)).map_err(|problem| {
             FileError::new(origin, format!("the materials' group \"{name}\": {problem}"))
         })?;
-        warnings.extend(apply_texture(name, entry, folder, material)?);
+        warnings.extend(apply_texture(name, entry, (folder, scope), material)?);
         if entry.direction.is_some() && entry.theta_deg.is_none() && is_anisotropic(material) {
             warnings.push(format!(
                 "group \"{name}\": a direction without theta_deg was not used; give theta_deg"
@@ -106,12 +112,12 @@ fn apply_numbers(entry: &GroupEntry, material: &mut Material) -> Result<(), Stri
 fn apply_texture(
     group: &str,
     entry: &GroupEntry,
-    folder: &Path,
+    (folder, scope): (&Path, &Scope),
     material: &mut Material,
 ) -> Result<Warnings, FileError> {
     let mut warnings = Warnings::default();
     if let Some(relative) = &entry.texture {
-        let (image, told) = read_texture(&folder.join(relative))?;
+        let (image, told) = texture_in(scope, folder, relative)?;
         warnings.extend(told);
         if entry.rho_d.is_none() {
             material.rho_d = mean_of(&image);
@@ -136,10 +142,38 @@ fn apply_texture(
 ///
 /// # Errors
 /// If neither can be read.
-pub fn read_texture(path: &Path) -> Result<(Image<Rgb>, Warnings), FileError> {
-    let exr = path.with_extension("exr");
-    let chosen: PathBuf = if exr.is_file() { exr } else { path.to_owned() };
-    let (picture, warnings) = picture::read(&chosen)?;
+pub fn read_texture<'a>(input: impl Into<Input<'a>>) -> Result<(Image<Rgb>, Warnings), FileError> {
+    let Input { path, limits } = input.into();
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let folder = path.parent().unwrap_or(Path::new(""));
+    // Whoever names it may name what is elsewhere.
+    let limits = Limits { outside: true, ..limits };
+    texture_in(&Scope::new(Input::new(path, limits)), folder, &name)
+}
+
+/// As [`read_texture`], the file that a `materials.json` in `folder` calls `name`.
+///
+/// # Errors
+/// As those of [`read_texture`], and if the file lies outside the folder.
+pub fn read_texture_beside(
+    folder: &Path,
+    name: &str,
+    limits: Limits,
+) -> Result<(Image<Rgb>, Warnings), FileError> {
+    let own = folder.join("materials.json");
+    texture_in(&Scope::new(Input::new(&own, limits)), folder, name)
+}
+
+fn texture_in(
+    scope: &Scope,
+    folder: &Path,
+    name: &str,
+) -> Result<(Image<Rgb>, Warnings), FileError> {
+    let exr = Path::new(name).with_extension("exr");
+    let chosen = scope.beside(folder, &exr.to_string_lossy()).ok().filter(|path| path.is_file());
+    let found = chosen.map_or_else(|| scope.beside(folder, name), Ok);
+    let path = found.map_err(|problem| FileError::new(&folder.join(name), problem))?;
+    let (picture, warnings) = picture::read_in(scope, &path)?;
     Ok((picture.to_linear().map(|rho| rho.clamp(Rgb::ZERO, Rgb::ONE)), warnings))
 }
 

@@ -10,12 +10,12 @@ mod photograph_entry;
 mod std_entry;
 
 pub use alternative::AlternativeEntry;
-pub use apply::{apply, apply_from, mean_of, read_texture};
+pub use apply::{apply, apply_from, mean_of, read_texture, read_texture_beside};
 pub use light_entry::LightEntry;
 pub use photograph_entry::{PhotographEntry, PhotographStd};
 pub use std_entry::StdEntry;
 
-use crate::{FileError, atomic};
+use crate::{FileError, Input, atomic};
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -92,9 +92,10 @@ pub struct GroupEntry {
 ///
 /// # Errors
 /// If the file is missing, is not JSON, has no groups, or a key has a value of the wrong kind.
-pub fn read(path: &Path) -> Result<MaterialsFile, FileError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| FileError::new(path, format!("cannot be read: {error}")))?;
+pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<MaterialsFile, FileError> {
+    let input = input.into();
+    let path = input.path;
+    let text = crate::input::text(input).map_err(|problem| FileError::new(path, problem))?;
     let file: MaterialsFile =
         serde_json::from_str(&text).map_err(|error| FileError::new(path, error))?;
     if file.version.is_some_and(|version| version > VERSION) {

@@ -3,6 +3,7 @@
 //! [`read`] hands out the code values of the file, not yet radiance: `unrender-photo` knows what
 //! the camera did to them. The writers take linear values.
 
+mod budget;
 mod embed;
 mod exif;
 mod jpeg_end;
@@ -11,10 +12,12 @@ mod profile;
 mod read;
 mod write;
 
+pub(crate) use budget::check as check_budget;
 pub use embed::{jpeg_bytes, png_bytes};
 pub use exif::exif_focal_px;
 pub use panorama::read_environment;
 pub use profile::Profile;
+pub(crate) use read::read_in;
 pub use read::{decode, read};
 pub use write::{write, write_exr, write_hdr, write_png_codes, write_png_srgb};
 

@@ -1,8 +1,7 @@
 //! Panoramas that light a scene.
 
 use super::Depth;
-use crate::FileError;
-use std::path::Path;
+use crate::{FileError, Input};
 use unrender_scene::{Environment, Rgb, Warnings};
 
 /// Panoramas of the whole sphere are twice as wide as high; others are told beyond this share.
@@ -13,12 +12,14 @@ const ASPECT_TOLERANCE: f64 = 0.02;
 ///
 /// # Errors
 /// If the picture cannot be read, or if `scale` makes no finite radiance of it.
-pub fn read_environment(
-    path: &Path,
+pub fn read_environment<'a>(
+    input: impl Into<Input<'a>>,
     rotation_rad: f32,
     scale: f32,
 ) -> Result<(Environment, Warnings), FileError> {
-    let (picture, mut warnings) = super::read(path)?;
+    let input = input.into();
+    let path = input.path;
+    let (picture, mut warnings) = super::read(input)?;
     if picture.depth != Depth::Float {
         warnings.push(format!(
             "{}: was taken for an sRGB picture; whatever was brighter than its white, lamps and sun \

@@ -1,7 +1,8 @@
 //! Reads a picture file into code values.
 
-use super::{Depth, Picture, jpeg_end, profile};
+use super::{Depth, Picture, budget, jpeg_end, profile};
 use crate::FileError;
+use crate::input::{Input, Scope};
 use image::codecs::hdr::HdrDecoder;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
@@ -12,10 +13,10 @@ use unrender_scene::{Image, Rgb, Warnings};
 const MAX_PIXELS: u64 = 1 << 28;
 
 /// No decoder here unpacks a byte of a file to more bytes than this.
-const MAX_UNPACKING: u64 = 4096;
+pub(super) const MAX_UNPACKING: u64 = 4096;
 
 /// Files that claim less than this are believed whatever their size.
-const ALWAYS_BELIEVED_BYTES: u64 = 64 << 20;
+pub(super) const ALWAYS_BELIEVED_BYTES: u64 = 64 << 20;
 
 /// Reads the picture at `path` and turns it upright as its EXIF orientation says.
 ///
@@ -23,10 +24,15 @@ const ALWAYS_BELIEVED_BYTES: u64 = 64 << 20;
 ///
 /// # Errors
 /// If the file is missing, cut short, corrupt, or of a kind that is not read.
-pub fn read(path: &Path) -> Result<(Picture, Warnings), FileError> {
-    let bytes = std::fs::read(path)
-        .map_err(|error| FileError::new(path, format!("cannot be read: {error}")))?;
-    decode(&bytes, path)
+pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Picture, Warnings), FileError> {
+    let input = input.into();
+    read_in(&Scope::new(input), input.path)
+}
+
+/// As [`read`], as a file that the input of `scope` is or names.
+pub(crate) fn read_in(scope: &Scope, path: &Path) -> Result<(Picture, Warnings), FileError> {
+    let bytes = scope.read(path).map_err(|problem| FileError::new(path, problem))?;
+    decode_in(scope, &bytes, path)
 }
 
 /// As [`read`], from the bytes of a file; `path` only names it in messages.
@@ -34,13 +40,17 @@ pub fn read(path: &Path) -> Result<(Picture, Warnings), FileError> {
 /// # Errors
 /// If the bytes are cut short, corrupt, or of a kind that is not read.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<(Picture, Warnings), FileError> {
+    decode_in(&Scope::new(Input::from(path)), bytes, path)
+}
+
+fn decode_in(scope: &Scope, bytes: &[u8], path: &Path) -> Result<(Picture, Warnings), FileError> {
     let format = format_of(bytes)
         .ok_or_else(|| FileError::new(path, "is not a PNG, JPEG, TIFF, EXR or HDR file"))?;
     if format == ImageFormat::Jpeg && !jpeg_end::has_end(bytes) {
         return Err(FileError::new(path, "is cut short: the end of the JPEG data is missing"));
     }
     let (decoded, icc) =
-        pixels_of(bytes, format).map_err(|problem| FileError::new(path, problem))?;
+        pixels_of(scope, bytes, format).map_err(|problem| FileError::new(path, problem))?;
     let mut warnings = Warnings::default();
     if decoded.color().has_alpha() && has_transparency(&decoded) {
         warnings.push(format!("{}: the alpha channel was ignored", path.display()));
@@ -70,7 +80,11 @@ fn format_of(bytes: &[u8]) -> Option<ImageFormat> {
 }
 
 /// The decoded and upright pixels and the ICC profile, or what is wrong with the file.
-fn pixels_of(bytes: &[u8], format: ImageFormat) -> Result<(DynamicImage, Option<Vec<u8>>), String> {
+fn pixels_of(
+    scope: &Scope,
+    bytes: &[u8],
+    format: ImageFormat,
+) -> Result<(DynamicImage, Option<Vec<u8>>), String> {
     let name = format!("{format:?}");
     let faulty = |error: image::ImageError| fault(&name, &error);
     let mut scale = 1.0;
@@ -79,10 +93,19 @@ fn pixels_of(bytes: &[u8], format: ImageFormat) -> Result<(DynamicImage, Option<
         // Radiance's header tells by how much the picture was multiplied after the fact.
         scale = decoder.metadata().exposure.filter(|e| e.is_finite() && *e > 0.0).unwrap_or(1.0);
     }
+    budget::check(bytes, Some(format))?;
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    reader.limits(Limits::no_limits());
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(budget::BESIDE_PIXELS);
+    reader.limits(if format == ImageFormat::Png { limits } else { Limits::no_limits() });
     let mut decoder = reader.into_decoder().map_err(faulty)?;
     check_size(&decoder, bytes.len() as u64)?;
+    let (width, height) = decoder.dimensions();
+    // As they are in the file, and as three floats.
+    let each = u64::from(decoder.color_type().bytes_per_pixel()) + 12;
+    scope.charge(u64::from(width) * u64::from(height) * each).map_err(|problem| {
+        format!("has {width} x {height} pixels and {problem}; or make the picture smaller")
+    })?;
     let orientation = decoder.orientation().map_err(faulty)?;
     let icc = decoder.icc_profile().ok().flatten();
     let mut decoded = DynamicImage::from_decoder(decoder).map_err(faulty)?;
@@ -100,6 +123,9 @@ fn fault(format: &str, error: &image::ImageError) -> String {
         image::ImageError::Unsupported(_) => {
             format!("is a kind of {format} file that is not read ({error}); save it as RGB")
         }
+        image::ImageError::Limits(_) => {
+            "has a colour profile or texts that are too large; save it again without them".into()
+        }
         _ => format!("is cut short or corrupt ({error})"),
     }
 }
@@ -114,9 +140,7 @@ fn check_size(decoder: &impl ImageDecoder, file_bytes: u64) -> Result<(), String
     let unpacked = pixels.saturating_mul(u64::from(decoder.color_type().bytes_per_pixel()));
     let believed = ALWAYS_BELIEVED_BYTES.max(file_bytes.saturating_mul(MAX_UNPACKING));
     if pixels > MAX_PIXELS || unpacked > believed {
-        return Err(format!(
-            "claims {width} x {height} pixels, which its {file_bytes} bytes cannot hold"
-        ));
+        return Err(budget::unbelievable(width.into(), height.into(), file_bytes));
     }
     Ok(())
 }

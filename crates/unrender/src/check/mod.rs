@@ -12,6 +12,7 @@ mod photograph;
 mod picture;
 mod sides;
 mod table;
+pub(crate) mod uvs;
 
 pub use edges::{Edge, EdgeKind, Edges};
 pub use groups::GroupCheck;

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use unrender_formats::points::{self, Pair};
-use unrender_formats::{FileError, atomic, fspy, picture};
+use unrender_formats::{FileError, Input, Limits, atomic, fspy, input, picture};
 use unrender_photo::calibrate::{Calibration, Focal, Request, calibrate};
 use unrender_scene::{Lens, Scene, Warnings};
 
@@ -96,20 +96,23 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     if !is_project && (args.principal_point || args.distortion) {
         return Err(lens_in_gltf(&args.out));
     }
+    // A project or a scene that is there already gets the camera; nothing else of it changes.
+    let inputs = [&args.points, &args.fspy, &args.photo];
+    output::check_inputs(&args.out, inputs.into_iter().flatten().map(PathBuf::as_path))?;
     let target = target(args)?;
     let (table, origin, summary) = match (&args.fspy, &args.points) {
-        (Some(path), _) => from_fspy(args, path)?,
-        (None, Some(path)) => from_points(args, path, &target)?,
+        (Some(path), _) => from_fspy(args, path, global.limits())?,
+        (None, Some(path)) => from_points(args, path, &target, global.limits())?,
         (None, None) => return Err(Error::Request("give --points or --fspy".into())),
     };
     let _until_written = interrupt::writing();
     if is_project {
         write_project(args, &target, &table, &origin)?;
     } else {
-        write_scene(args, &target, &table)?;
+        write_scene(args, &target, &table, global.limits())?;
     }
     if !global.quiet {
-        print!("{summary}");
+        output::print(&summary);
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -125,8 +128,7 @@ fn target(args: &Args) -> Result<Target, Error> {
         }
         return Ok(target);
     }
-    let text = std::fs::read_to_string(&args.out)
-        .map_err(|error| FileError::new(&args.out, format!("cannot be read: {error}")))?;
+    let text = input::text(&args.out).map_err(|problem| FileError::new(&args.out, problem))?;
     let (project, _) = Project::parse(&args.out, &text)?;
     let mut warnings = Warnings::default();
     for (given, stated, key) in
@@ -149,7 +151,7 @@ fn target(args: &Args) -> Result<Target, Error> {
 
 type Found = (CameraTable, String, String);
 
-fn from_fspy(args: &Args, path: &Path) -> Result<Found, Error> {
+fn from_fspy(args: &Args, path: &Path, limits: Limits) -> Result<Found, Error> {
     let up = args.fspy_up.map(|up| match up {
         UpAxis::Y => fspy::Up::Y,
         UpAxis::Z => fspy::Up::Z,
@@ -157,7 +159,7 @@ fn from_fspy(args: &Args, path: &Path) -> Result<Found, Error> {
     let (matched, mut warnings) = fspy::read(path, up)?;
     let (width, height) = matched.size;
     if let Some(photo) = &args.photo {
-        let (picture, _) = picture::read(photo)?;
+        let (picture, _) = picture::read(Input::new(photo, limits))?;
         let size = (picture.values.width(), picture.values.height());
         if size.0 * height != size.1 * width {
             warnings.push(format!(
@@ -186,16 +188,17 @@ fn from_fspy(args: &Args, path: &Path) -> Result<Found, Error> {
     Ok((table, format!("by fSpy: {}.", file_name(path)), summary))
 }
 
-fn from_points(args: &Args, path: &Path, target: &Target) -> Result<Found, Error> {
+fn from_points(args: &Args, path: &Path, target: &Target, limits: Limits) -> Result<Found, Error> {
     let Some(photo) = &target.photo else {
         return Err(Error::Request("give the photo whose pixels the points are in".into()));
     };
-    let bytes = std::fs::read(photo)
-        .map_err(|error| FileError::new(photo, format!("cannot be read: {error}")))?;
-    let (picture, _) = picture::decode(&bytes, photo)?;
+    let bytes =
+        input::read(Input::new(photo, limits)).map_err(|problem| FileError::new(photo, problem))?;
+    let (picture, _) = picture::read(Input::new(photo, limits))?;
     let size = (picture.values.width(), picture.values.height());
     let pairs = points::read(path)?;
-    let mut warnings = doubtful_points(&pairs, size, target.scene.as_deref())?;
+    let mut warnings =
+        doubtful_points(&pairs, size, target.scene.as_deref().map(|s| Input::new(s, limits)))?;
     let exif = picture::exif_focal_px(&bytes, size.0, size.1);
     let request = Request {
         focal: focal(args.fov_y_deg, exif, size.1)?,
@@ -251,7 +254,7 @@ fn doubtful_exif(found: &Calibration, exif: Option<f64>) -> Warnings {
 fn doubtful_points(
     pairs: &[Pair],
     (width, height): (usize, usize),
-    scene: Option<&Path>,
+    scene: Option<Input<'_>>,
 ) -> Result<Warnings, Error> {
     let mut warnings = Warnings::default();
     let mut tell = |is_doubtful: &dyn Fn(&Pair) -> bool, what: &str| {
@@ -267,12 +270,12 @@ fn doubtful_points(
         &|pair| (0..2).any(|n| !(0.0..=sides[n]).contains(&pair.pixel[n])),
         &format!("points that are not in the photo of {width} x {height} pixels"),
     );
-    let Some(path) = scene else { return Ok(warnings) };
-    if !path.is_file() {
-        return Err(FileError::new(path, "there is no such scene file").into());
+    let Some(scene) = scene else { return Ok(warnings) };
+    if !scene.path.is_file() {
+        return Err(FileError::new(scene.path, "there is no such scene file").into());
     }
     // A scene that lacks its lights yet is no reason not to calibrate.
-    match unrender_formats::load_scene(path) {
+    match unrender_formats::load_scene(scene) {
         Ok((scene, _)) => {
             let (low, high) = bounds(&scene);
             let margin = OUTSIDE * (high - low).max_element();
@@ -321,7 +324,12 @@ fn write_project(
     Ok(())
 }
 
-fn write_scene(args: &Args, target: &Target, table: &CameraTable) -> Result<(), Error> {
+fn write_scene(
+    args: &Args,
+    target: &Target,
+    table: &CameraTable,
+    limits: Limits,
+) -> Result<(), Error> {
     let Some(scene) = &target.scene else {
         return Err(Error::Request("give the scene (--scene)".into()));
     };
@@ -329,7 +337,7 @@ fn write_scene(args: &Args, target: &Target, table: &CameraTable) -> Result<(), 
         return Err(lens_in_gltf(&args.out));
     }
     let camera = table.camera(&args.name);
-    atomic::write(&args.out, &unrender_formats::place(scene, &camera)?)?;
+    atomic::write(&args.out, &unrender_formats::place(Input::new(scene, limits), &camera)?)?;
     Ok(())
 }
 

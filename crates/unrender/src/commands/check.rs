@@ -1,6 +1,7 @@
 //! `unrender check`: what of a project would spoil its recovery.
 
 use crate::check::{check, edge_picture, json, table};
+use crate::cli::Global;
 use crate::{Error, Job, Project, interrupt, output};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -36,8 +37,10 @@ pub struct Args {
 ///
 /// # Errors
 /// If the input cannot be used or the picture cannot be written.
-pub fn run(args: &Args) -> Result<ExitCode, Error> {
-    let (project, warnings) = Project::read(&args.project)?;
+pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
+    let (mut project, warnings) = Project::read(&args.project)?;
+    project.limits = global.limits();
+    output::check_inputs(&args.out, project.inputs())?;
     output::check_file(&args.out, &["png"], "end the name of the picture in .png")?;
     let job = Job::load(project, warnings)?;
     let checkup = check(&job);

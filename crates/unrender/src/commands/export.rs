@@ -4,11 +4,11 @@ use crate::cli::{Global, warn};
 use crate::commands::render;
 use crate::converted::converted;
 use crate::run::{self, Run};
-use crate::{Error, interrupt, job};
+use crate::{Error, interrupt, job, output, result_folder};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_formats::export::{self, Shot, Target};
-use unrender_formats::materials;
+use unrender_formats::{Input, Limits, materials};
 use unrender_recover::convert::Conversion;
 use unrender_scene::{Camera, Group, Material, Scene, WardModel, Warnings};
 
@@ -56,7 +56,8 @@ pub struct Args {
 /// If the input cannot be used or the export cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     export::check_path(&args.out, args.to)?;
-    let (scene, camera, size, warnings) = input(args)?;
+    check_inputs(args)?;
+    let (scene, camera, size, warnings) = input(args, global.limits())?;
     warn(&warnings);
     let conversions = converted(&scene, &camera, size, args.to.lobe(scene.brdf));
     if !global.quiet {
@@ -81,9 +82,16 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let _until_written = interrupt::writing();
     export::write(&args.out, args.to, &files)?;
     if !global.quiet {
-        println!("{}", args.to.next_step(&args.out));
+        output::print(&(args.to.next_step(&args.out) + "\n"));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Asks, before the work, that no input is replaced.
+fn check_inputs(args: &Args) -> Result<(), Error> {
+    let of_results = |name: &str| args.results.as_ref().map(|folder| folder.join(name));
+    let inputs = [args.scene.clone(), args.materials.clone(), of_results("scene.glb")];
+    output::check_inputs(&args.out, inputs.iter().flatten().map(PathBuf::as_path))
 }
 
 /// Prints on stderr what became of the lobes that the target does not know.
@@ -94,7 +102,7 @@ fn tell(scene: &Scene, conversions: &[Conversion]) {
             continue;
         }
         let alphas = |m: &Material| format!("alpha {:.4} {:.4}", m.alpha_x, m.alpha_y);
-        eprintln!(
+        output::tell(&format!(
             "{}: {} of {} became {}, rho_s {:.4} times; over the lobe the reflected radiance is \
              {:.1} % off, and {:.1} % of it is there",
             group.name,
@@ -104,19 +112,22 @@ fn tell(scene: &Scene, conversions: &[Conversion]) {
             to.rho_s.max_element() / from.rho_s.max_element(),
             100.0 * conversion.difference,
             100.0 * conversion.albedo
-        );
+        ));
     }
 }
 
 /// The scene with its materials, the camera, and the size of its picture.
-fn input(args: &Args) -> Result<(Scene, Camera, (usize, usize), Warnings), Error> {
+fn input(args: &Args, limits: Limits) -> Result<(Scene, Camera, (usize, usize), Warnings), Error> {
+    if let Some(folder) = &args.results {
+        result_folder::check(folder)?;
+    }
     let (path, materials) = match (&args.results, &args.scene) {
         (Some(folder), _) => (folder.join("scene.glb"), Some(folder.join("materials.json"))),
         (None, scene) => (scene.clone().unwrap_or_default(), args.materials.clone()),
     };
-    let (mut scene, mut warnings) = unrender_formats::load_scene(&path)?;
+    let (mut scene, mut warnings) = unrender_formats::load_scene(Input::new(&path, limits))?;
     if let Some(materials) = materials {
-        warnings.extend(materials::apply_from(&materials, &mut scene)?);
+        warnings.extend(materials::apply_from(Input::new(&materials, limits), &mut scene)?);
     }
     warnings.extend(job::validate(&mut scene, &path)?);
     let run = args.results.as_ref().map(|folder| folder.join(Run::FILE));

@@ -33,6 +33,7 @@ pub struct Args {
 /// picture cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     output::check_picture(&args.out)?;
+    output::check_inputs(&args.out, args.parts.iter().map(PathBuf::as_path))?;
     let (sum, warnings) = part::join(&args.parts, args.allow_gaps)?;
     let [tally] = &sum.layers[..] else {
         return Err(FileError::new(
@@ -44,7 +45,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     };
     warn(&warnings);
     if !global.quiet {
-        eprintln!("{}", passes::in_words(sum.head.samples.end, tally));
+        output::tell(&passes::in_words(sum.head.samples.end, tally));
     }
     let _until_written = interrupt::writing();
     output::write_picture(&args.out, tally)?;

@@ -4,6 +4,7 @@ use crate::cli::{Global, warn};
 use crate::engine;
 use crate::progress::Progress;
 use crate::registration::Alignment;
+use crate::result_folder::ResultFolder;
 use crate::{Error, Job, Project, output, results};
 use clap::ValueEnum;
 use std::path::PathBuf;
@@ -64,19 +65,20 @@ pub enum Ladder {
 /// # Errors
 /// If the input cannot be used or the results cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
-    let (project, warnings) = Project::read(&args.project)?;
-    output::prepare_folder(&args.out)?;
+    let (mut project, warnings) = Project::read(&args.project)?;
+    project.limits = global.limits();
+    let folder = ResultFolder::open(&args.out, "recover", &results::writes, &project.inputs())?;
     let mut job = Job::load(project, warnings)?;
     warn(&job.warnings);
     let options = options(args, &job.project);
     let progress = Progress::new("recover", global.quiet);
     let recovered = engine::recover(&mut job, &options, alignment(args), &progress)?;
     drop(progress);
-    let run = results::write(&job, &recovered, &args.out)?;
+    let run = folder.write(false, |place| results::write(&job, &recovered, place))?;
     if args.json {
-        print!("{}", run.to_text()?);
+        output::print(&run.to_text()?);
     } else if !global.quiet {
-        print!("{}", results::summary(&job, &recovered));
+        output::print(&results::summary(&job, &recovered));
     }
     Ok(ExitCode::SUCCESS)
 }

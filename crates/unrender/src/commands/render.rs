@@ -9,7 +9,7 @@ use crate::subject::Picture;
 use crate::{Error, interrupt, job, output};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use unrender_formats::{materials, picture};
+use unrender_formats::{Input, Limits, materials, picture};
 use unrender_scene::{Camera, Scene, Warnings};
 
 const DEFAULT_HEIGHT: usize = 512;
@@ -65,7 +65,7 @@ pub struct Args {
 /// If the input cannot be used or the picture cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     check_outputs(args)?;
-    let (scene, camera, warnings) = load(args)?;
+    let (scene, camera, warnings) = load(args, global.limits())?;
     let size = size(args.width, args.height, &camera)?;
     warn(&warnings);
     let subject = Picture::new(&scene, &camera, args.effort.settings());
@@ -85,7 +85,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     }
     let tally = &rendered.layers[0];
     if args.effort.is_open() && !global.quiet {
-        eprintln!("{}", passes::in_words(rendered.samples.end, tally));
+        output::tell(&passes::in_words(rendered.samples.end, tally));
     }
     output::write_picture(&args.out, tally)?;
     Ok(ExitCode::SUCCESS)
@@ -93,6 +93,10 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
 
 /// Asks, before the work, whether its results can be written.
 fn check_outputs(args: &Args) -> Result<(), Error> {
+    let inputs = [Some(&args.scene), args.materials.as_ref(), args.environment.as_ref()];
+    for out in std::iter::once(&args.out).chain(&args.effort.checkpoint) {
+        output::check_inputs(out, inputs.into_iter().flatten().map(PathBuf::as_path))?;
+    }
     let parts = args.effort.samples.as_ref().map(|_| &args.out).into_iter();
     let parts = parts.chain(&args.effort.checkpoint);
     for part in parts {
@@ -105,13 +109,15 @@ fn check_outputs(args: &Args) -> Result<(), Error> {
 }
 
 /// The scene with the materials and the environment asked for, and the camera.
-fn load(args: &Args) -> Result<(Scene, Camera, Warnings), Error> {
-    let (mut scene, mut warnings) = unrender_formats::load_scene(&args.scene)?;
+fn load(args: &Args, limits: Limits) -> Result<(Scene, Camera, Warnings), Error> {
+    let scene = Input::new(&args.scene, limits);
+    let (mut scene, mut warnings) = unrender_formats::load_scene(scene)?;
     if let Some(path) = &args.materials {
-        warnings.extend(materials::apply_from(path, &mut scene)?);
+        warnings.extend(materials::apply_from(Input::new(path, limits), &mut scene)?);
     }
     if let Some(path) = &args.environment {
         let rotation_rad = args.environment_rotation.to_radians();
+        let path = Input::new(path, limits);
         let (environment, told) =
             picture::read_environment(path, rotation_rad, args.environment_scale)?;
         scene.environment = Some(environment);

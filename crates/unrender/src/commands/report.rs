@@ -1,7 +1,7 @@
 //! `unrender report`: the pages of recoveries that have been, made of the files that they left.
 
 use crate::cli::Global;
-use crate::{Error, output, report};
+use crate::{Error, interrupt, output, report, result_folder};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_formats::atomic;
@@ -34,13 +34,20 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         }
     };
     output::check_file(&out, &["html", "htm"], "end the name of the page in .html")?;
+    for run in &args.runs {
+        result_folder::check(run)?;
+    }
     let page = match &args.runs[..] {
         [run] => report::page(run)?,
         runs => report::comparison(runs)?,
     };
+    let _until_written = interrupt::writing();
     atomic::write(&out, page.as_bytes())?;
+    if let (None, [run]) = (&args.out, &args.runs[..]) {
+        result_folder::note(run, report::FILE, "recover")?;
+    }
     if !global.quiet {
-        eprintln!("{} is written", out.display());
+        output::tell(&format!("{} is written", out.display()));
     }
     Ok(ExitCode::SUCCESS)
 }

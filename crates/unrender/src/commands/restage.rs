@@ -7,12 +7,13 @@ use crate::edit::{Composite, Flag, Photograph, Restaging, Sheet, View};
 use crate::part::{self, Identity};
 use crate::passes::{self, Job};
 use crate::progress::Progress;
+use crate::result_folder::ResultFolder;
 use crate::results::restaged;
 use crate::subject::Picture;
-use crate::{Error, interrupt, output};
+use crate::{Error, output};
 use std::fmt::Debug;
 use std::ops::{ControlFlow, Range};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use unrender_render::Accumulator;
 use unrender_restage::composite::Gain;
@@ -102,18 +103,41 @@ pub struct Args {
 /// # Errors
 /// If the input cannot be used, an edit does not fit the scene, or the pictures cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
-    let restaging = Restaging::load(&sheets(args)?)?;
+    let sheets = sheets(args, global)?;
+    let restaging = Restaging::load(&sheets)?;
     let photograph = photograph(args, &restaging)?;
-    output::prepare_folder(&args.out)?;
+    let folder = folder(args, &sheets)?;
     warn(&restaging.warnings);
     match photograph {
-        Some(photograph) => composite(args, global, &restaging, photograph),
-        None => synthetic(args, global, &restaging),
+        Some(photograph) => composite(args, global, &restaging, photograph, &folder),
+        None => synthetic(args, global, &restaging, &folder),
     }
 }
 
+/// The folder of the results, in which nothing else will be replaced.
+fn folder(args: &Args, sheets: &[Sheet]) -> Result<ResultFolder, Error> {
+    let part = args.effort.samples.as_ref().map(part_name);
+    let writes = |name: &str| match &part {
+        Some(part) => name == part,
+        None if args.composite => restaged::writes_composite(name),
+        None => restaged::writes_synthetic(name, args.frames.as_ref()),
+    };
+    let inputs: Vec<PathBuf> = sheets.iter().flat_map(Sheet::inputs).collect();
+    let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+    // Parts and pictures of a sequence are made by several processes for one folder.
+    if args.frames.is_some() || part.is_some() {
+        ResultFolder::open_shared(&args.out, "restage", &writes, &inputs)
+    } else {
+        ResultFolder::open(&args.out, "restage", &writes, &inputs)
+    }
+}
+
+fn part_name(samples: &Range<u32>) -> String {
+    format!("part_{}_{}.exr", samples.start, samples.end)
+}
+
 /// The edit file, and behind it the flags.
-fn sheets(args: &Args) -> Result<Vec<Sheet>, Error> {
+fn sheets(args: &Args, global: &Global) -> Result<Vec<Sheet>, Error> {
     let file = args.edits.iter().map(|path| Ok(Sheet::read(path)?));
     let flags = [
         (Flag::Recovered, args.recovered.as_slice()),
@@ -130,7 +154,7 @@ fn sheets(args: &Args) -> Result<Vec<Sheet>, Error> {
     let flags = flags
         .into_iter()
         .flat_map(|(flag, values)| values.iter().map(move |value| Sheet::of_flag(flag, value)));
-    file.chain(flags).collect()
+    file.chain(flags).map(|sheet| sheet.map(|sheet| sheet.within(global.limits()))).collect()
 }
 
 /// The photograph that the change goes into, if that is asked for.
@@ -156,25 +180,31 @@ fn composite(
     global: &Global,
     restaging: &Restaging,
     photograph: &Photograph,
+    folder: &ResultFolder,
 ) -> Result<ExitCode, Error> {
     let (camera, size) = (&photograph.camera, photograph.size());
     let scenes = restaging.scenes();
     let pairing = Pairing::new(scenes, camera, args.effort.settings());
     let identity = identity(args, &scenes, camera, size);
     let job = Job { subject: &pairing, identity };
-    let layers = match samples(args, global, &job)? {
+    let layers = match samples(args, global, &job, folder)? {
         ControlFlow::Continue(layers) => layers,
         ControlFlow::Break(code) => return Ok(code),
     };
     let grain = args.grain.then_some(args.effort.seed);
     let paired = pair::paired(&layers);
     let composite = Composite::new(restaging, photograph, paired, Gain::Auto, grain);
-    let _until_written = interrupt::writing();
-    tell(restaged::write_composite(&composite, photograph, &args.out)?);
+    let write = |place: &Path| restaged::write_composite(&composite, photograph, place);
+    tell(folder.write(true, write)?);
     Ok(ExitCode::SUCCESS)
 }
 
-fn synthetic(args: &Args, global: &Global, restaging: &Restaging) -> Result<ExitCode, Error> {
+fn synthetic(
+    args: &Args,
+    global: &Global,
+    restaging: &Restaging,
+    folder: &ResultFolder,
+) -> Result<ExitCode, Error> {
     let photograph = restaging.start.photograph.as_ref();
     let cameras = restaging.view.cameras();
     let is_sequence = cameras.len() > 1;
@@ -201,17 +231,18 @@ fn synthetic(args: &Args, global: &Global, restaging: &Restaging) -> Result<Exit
         };
         let subject = Picture::new(&restaging.after, camera, args.effort.settings());
         let identity = identity(args, &restaging.after, camera, size);
-        let layers = match samples(args, global, &Job { subject: &subject, identity })? {
+        let layers = match samples(args, global, &Job { subject: &subject, identity }, folder)? {
             ControlFlow::Continue(layers) => layers,
             ControlFlow::Break(code) => return Ok(code),
         };
         let number = is_sequence.then_some(frame as usize);
-        let _until_written = interrupt::writing();
-        tell(restaged::write_synthetic(&layers[0].mean(), photograph, &args.out, number)?);
+        let radiance = layers[0].mean();
+        tell(folder.write(true, |place| {
+            Ok(restaged::write_synthetic(&radiance, photograph, place, number)?)
+        })?);
         written.push(number);
     }
-    let _until_written = interrupt::writing();
-    restaged::write_gallery(&args.out, &written)?;
+    folder.write(true, |place| restaged::write_gallery(&args.out, place, &written))?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -227,6 +258,7 @@ fn samples(
     args: &Args,
     global: &Global,
     job: &Job<'_>,
+    folder: &ResultFolder,
 ) -> Result<ControlFlow<ExitCode, Vec<Accumulator>>, Error> {
     if !args.parts.is_empty() {
         let (part, warnings) = part::join(&args.parts, false)?;
@@ -246,13 +278,13 @@ fn samples(
         return Ok(ControlFlow::Break(rendered.goodbye()));
     }
     if let Some(samples) = &args.effort.samples {
-        let name = format!("part_{}_{}.exr", samples.start, samples.end);
-        let _until_written = interrupt::writing();
-        part::write(&args.out.join(name), &rendered.head(job), &rendered.layers)?;
+        folder.write(true, |place| {
+            part::write(&place.join(part_name(samples)), &rendered.head(job), &rendered.layers)
+        })?;
         return Ok(ControlFlow::Break(ExitCode::SUCCESS));
     }
     if args.effort.is_open() && !global.quiet {
-        eprintln!("{}", passes::in_words(rendered.samples.end, &rendered.layers[0]));
+        output::tell(&passes::in_words(rendered.samples.end, &rendered.layers[0]));
     }
     Ok(ControlFlow::Continue(rendered.layers))
 }

@@ -1,14 +1,15 @@
 //! `unrender score`: recovered materials against the truth.
 
 use crate::Error;
-use crate::output::print;
+use crate::cli::Global;
+use crate::output::{print, tell};
 use crate::score::{
     Certainty, GroupScore, LightScore, Limits, Worst, certainty, score, score_lights, table, worst,
 };
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use unrender_formats::materials;
+use unrender_formats::{Input, materials};
 
 /// Compares the materials of a recovery with known ones.
 ///
@@ -51,14 +52,17 @@ struct Json<'a> {
 ///
 /// # Errors
 /// If a file cannot be read.
-pub fn run(args: &Args) -> Result<ExitCode, Error> {
+pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let path = if args.results.is_dir() {
         args.results.join("materials.json")
     } else {
         args.results.clone()
     };
     let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
-    let (results, truth) = (materials::read(&path)?, materials::read(&args.truth)?);
+    let (results, truth) = (
+        materials::read(Input::new(&path, global.limits()))?,
+        materials::read(Input::new(&args.truth, global.limits()))?,
+    );
     let scores = score(&results, &folder(&path), &truth, &folder(&args.truth))?;
     let lights = score_lights(&results, &truth);
     let (worst, certainty) = (worst(&scores), certainty(&scores, &lights));
@@ -82,6 +86,6 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
         ];
         print(&tables.into_iter().flatten().collect::<Vec<_>>().join("\n"));
     }
-    exceeded.iter().for_each(|fault| eprintln!("error: {fault}"));
+    exceeded.iter().for_each(|fault| tell(&format!("error: {fault}")));
     Ok(if exceeded.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

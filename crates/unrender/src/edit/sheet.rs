@@ -4,7 +4,7 @@ use super::raw::RawEdits;
 use crate::Error;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use unrender_formats::FileError;
+use unrender_formats::{FileError, Limits, input};
 
 /// Edits as they are written, with what messages call their place.
 #[derive(Debug)]
@@ -16,6 +16,7 @@ pub struct Sheet {
     /// Where its paths start.
     folder: PathBuf,
     pub(super) raw: RawEdits,
+    limits: Limits,
 }
 
 /// The flags that stand for one edit.
@@ -72,13 +73,13 @@ impl Sheet {
     /// # Errors
     /// If it is missing, is not TOML, has an unknown key or a value that cannot be meant.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| FileError::new(path, format!("cannot be read: {error}")))?;
+        let text = input::text(path).map_err(|problem| FileError::new(path, problem))?;
         let raw = toml::from_str(&text).map_err(|error| {
             FileError::new(path, with_line(&text, error.span(), error.message()))
         })?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        Ok(Self { name: path.display().to_string(), text: Some(text), folder, raw })
+        let (name, limits) = (path.display().to_string(), Limits::default());
+        Ok(Self { name, text: Some(text), folder, raw, limits })
     }
 
     /// The edit that a flag with this value stands for.
@@ -95,7 +96,30 @@ impl Sheet {
         let name = format!("{written} '{value}'");
         let raw = toml::from_str(&text)
             .map_err(|error| Error::Request(format!("{name}: {}", error.message())))?;
-        Ok(Self { name, text: None, folder: PathBuf::new(), raw })
+        Ok(Self { name, text: None, folder: PathBuf::new(), raw, limits: Limits::default() })
+    }
+
+    /// The same, the reading of whose files may go so far.
+    pub fn within(self, limits: Limits) -> Self {
+        Self { limits, ..self }
+    }
+
+    /// How far the reading of its files may go.
+    pub(super) fn limits(&self) -> Limits {
+        self.limits
+    }
+
+    /// The files that it names, and itself.
+    pub(crate) fn inputs(&self) -> Vec<PathBuf> {
+        let raw = &self.raw;
+        let stated = [&raw.recovered, &raw.project, &raw.scene, &raw.materials];
+        let stated = stated.into_iter().flatten().map(|path| path.get_ref());
+        let inserted = raw.insert.iter().map(|insert| &insert.get_ref().file);
+        let around = raw.environment.iter().filter_map(|e| e.get_ref().file.as_ref());
+        let painted = raw.repaint.iter().filter_map(|r| r.get_ref().texture.as_ref());
+        let named = stated.chain(inserted).chain(around).chain(painted);
+        let own = self.text.as_ref().map(|_| PathBuf::from(&self.name));
+        named.map(|path| self.path(path)).chain(own).collect()
     }
 
     /// What messages call the place of `span`.

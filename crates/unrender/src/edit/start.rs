@@ -2,11 +2,11 @@
 
 use super::sheet::Sheet;
 use crate::project::CameraTable;
-use crate::{Error, Job, Project, job, run};
+use crate::{Error, Job, Project, job, result_folder, run};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 use unrender_formats::picture::{self, Picture};
-use unrender_formats::{FileError, materials};
+use unrender_formats::{FileError, Input, Limits, materials};
 use unrender_photo::{Exposure, Photo, Transfer};
 use unrender_scene::{Camera, Rgb, Scene, Warnings};
 
@@ -64,6 +64,10 @@ impl Start {
         let project = stated(sheets, |s| s.raw.project.as_ref());
         let scene = stated(sheets, |s| s.raw.scene.as_ref());
         let own = stated(sheets, |s| s.raw.materials.as_ref()).map(|m| m.0);
+        let limits = sheets.first().map_or_else(Limits::default, Sheet::limits);
+        if let Some((folder, ..)) = &recovered {
+            result_folder::check(folder)?;
+        }
         let of_recovery = recovered.as_ref().map(|(folder, ..)| folder.join("materials.json"));
         let materials = own.or(of_recovery);
         if let (Some(_), Some((.., place))) = (&project, &scene) {
@@ -76,6 +80,7 @@ impl Start {
                 &path,
                 materials.as_deref(),
                 recovered.as_ref().map(|r| &*r.0),
+                limits,
             );
         }
         let scene = scene.map(|s| s.0).or(recovered.map(|(folder, ..)| folder.join("scene.glb")));
@@ -86,12 +91,17 @@ impl Start {
                     .into(),
             )
         })?;
-        Self::of_scene(&scene, materials.as_deref())
+        Self::of_scene(&scene, materials.as_deref(), limits)
     }
 
-    fn of_scene(path: &Path, materials: Option<&Path>) -> Result<(Self, Warnings), Error> {
-        let (mut scene, mut warnings) = unrender_formats::load_scene(path)?;
+    fn of_scene(
+        path: &Path,
+        materials: Option<&Path>,
+        limits: Limits,
+    ) -> Result<(Self, Warnings), Error> {
+        let (mut scene, mut warnings) = unrender_formats::load_scene(Input::new(path, limits))?;
         if let Some(materials) = materials {
+            let materials = Input::new(materials, limits);
             warnings.extend(materials::apply_from(materials, &mut scene)?);
         }
         warnings.extend(job::validate(&mut scene, path)?);
@@ -102,14 +112,17 @@ impl Start {
         path: &Path,
         materials: Option<&Path>,
         recovered: Option<&Path>,
+        limits: Limits,
     ) -> Result<(Self, Warnings), Error> {
-        let (project, warnings) = Project::read(path)?;
+        let (mut project, warnings) = Project::read(path)?;
+        project.limits = limits;
         let Job { mut scene, mut camera, mut photo, mut transfer, project, mut warnings, .. } =
             Job::load(project, warnings)?;
         let mut found = None;
         if let Some(materials) = materials {
-            warnings.extend(materials::apply_from(materials, &mut scene)?);
-            found = materials::read(materials)?.exposure.map(Rgb::from_array);
+            let input = Input::new(materials, limits);
+            warnings.extend(materials::apply_from(input, &mut scene)?);
+            found = materials::read(input)?.exposure.map(Rgb::from_array);
         }
         if project.exposure == Exposure::Auto {
             let found = found.ok_or_else(|| {
@@ -127,7 +140,7 @@ impl Start {
         {
             camera = Camera { aspect: camera.aspect, ..used.camera(&camera.name) };
         }
-        let (picture, _) = picture::read(&project.photo)?;
+        let (picture, _) = picture::read(Input::new(&project.photo, limits))?;
         let photograph = Photograph { picture, photo, transfer, camera };
         Ok((Self { scene, path: project.scene, photograph: Some(photograph) }, warnings))
     }

@@ -8,7 +8,7 @@ use super::start::Start;
 use crate::Error;
 use glam::{EulerRot, Quat, Vec3};
 use std::sync::Arc;
-use unrender_formats::{materials, picture};
+use unrender_formats::{Input, materials, picture};
 use unrender_restage::Edit;
 use unrender_restage::environment::Surround;
 use unrender_restage::insert::{Insert, Place};
@@ -92,7 +92,7 @@ fn paint(raw: &RawMaterial, sheet: &Sheet, told: &mut Warnings) -> Result<Paint,
     }
     let texture = match &raw.texture {
         Some(path) => {
-            let read = materials::read_texture(&sheet.path(path));
+            let read = materials::read_texture(Input::new(&sheet.path(path), sheet.limits()));
             let (image, warnings) = read.map_err(|error| error.to_string())?;
             told.extend(warnings);
             let (wrap_u, wrap_v) = (Wrap::Repeat, Wrap::Repeat);
@@ -183,7 +183,10 @@ fn surround(raw: &RawEnvironment, sheet: &Sheet, told: &mut Warnings) -> Result<
         (Some(file), false) => {
             let rotation_rad = raw.rotation_deg.map_or(0.0, |angle| angle.0.to_radians());
             let scale = raw.scale.map_or(1.0, |scale| scale.0);
-            let read = picture::read_environment(&sheet.path(file), rotation_rad, scale);
+            let read = {
+                let path = sheet.path(file);
+                picture::read_environment(Input::new(&path, sheet.limits()), rotation_rad, scale)
+            };
             let (environment, warnings) = read.map_err(|error| error.to_string())?;
             told.extend(warnings);
             Some(environment)
@@ -200,8 +203,8 @@ fn insert(
     told: &mut Warnings,
 ) -> Result<Edit, String> {
     let path = sheet.path(&raw.file);
-    let (model, warnings) =
-        unrender_formats::load_model(&path).map_err(|error| error.to_string())?;
+    let (model, warnings) = unrender_formats::load_model(Input::new(&path, sheet.limits()))
+        .map_err(|error| error.to_string())?;
     told.extend(warnings);
     let stem = || raw.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let name = raw.name.clone().unwrap_or_else(stem);

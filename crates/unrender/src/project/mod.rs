@@ -14,7 +14,7 @@ pub use photograph::{ResponseChoice, VignettingChoice};
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use unrender_formats::FileError;
+use unrender_formats::{FileError, Limits, input};
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
 use unrender_scene::{BrdfModel, Camera, Material, Rgb, Scene, Warnings};
@@ -51,6 +51,8 @@ pub struct Project {
     pub thresholds: Thresholds,
     /// The camera of the photograph.
     pub camera: CameraChoice,
+    /// How far the reading of the files that it names may go; no key of the file.
+    pub limits: Limits,
 }
 
 /// A group whose diffuse reflectance fixes the scale of exposure and lights.
@@ -103,8 +105,7 @@ impl Project {
     /// If the file is missing, is not TOML, has an unknown key or a value that cannot be meant, or
     /// names a file that does not exist.
     pub fn read(path: &Path) -> Result<(Self, Warnings), FileError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| FileError::new(path, format!("cannot be read: {error}")))?;
+        let text = input::text(path).map_err(|problem| FileError::new(path, problem))?;
         let (project, warnings) = Self::parse(path, &text)?;
         let response = match &project.response {
             Some(ResponseChoice::Measured(file)) => Some(("response", file)),
@@ -126,6 +127,15 @@ impl Project {
     /// If the text is not TOML, has an unknown key or a value that cannot be meant.
     pub fn parse(path: &Path, text: &str) -> Result<(Self, Warnings), FileError> {
         parse::parse(path, text).map_err(|problem| FileError::new(path, problem))
+    }
+
+    /// The files that a recovery of it reads, as far as it names them itself.
+    pub fn inputs(&self) -> Vec<&Path> {
+        let response = match &self.response {
+            Some(ResponseChoice::Measured(file)) => Some(file.as_path()),
+            _ => None,
+        };
+        [self.path.as_path(), &self.scene, &self.photo].into_iter().chain(response).collect()
     }
 
     /// Checks that the names in the project are names in `scene`.

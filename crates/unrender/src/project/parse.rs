@@ -6,6 +6,7 @@ use glam::Vec3;
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Value;
+use unrender_formats::Limits;
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
 use unrender_scene::{BrdfModel, Lens, Rgb, Warnings};
@@ -45,6 +46,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         known_lights: lights(false),
         brdf: brdf.map_err(|problem| format!("recover.brdf: {problem}"))?.unwrap_or_default(),
         thresholds: thresholds(&raw.recover.thresholds)?,
+        limits: Limits::default(),
         camera: raw.camera.map_or(Ok(CameraChoice::First), camera)?,
     };
     Ok((project, warnings))

@@ -15,21 +15,30 @@ mod trust_picture;
 pub(crate) use calibration::calibration;
 pub(crate) use summary::{summary, table};
 
+use crate::check::uvs;
 use crate::engine::Recovered;
 use crate::run::{Pictures, Run};
-use crate::{Error, Job, interrupt, report};
+use crate::{Error, Job, report};
 use std::path::Path;
-use unrender_formats::{atomic, materials, picture};
+use unrender_formats::{Input, atomic, materials, picture};
 use unrender_scene::color::srgb_from_linear;
 use unrender_scene::{Rgb, Scene, Warnings};
 
 /// The folder of the pictures that only the report shows.
 const REPORT_FOLDER: &str = "report";
 
+/// Whether [`write`] may write a file of this name, relative to its folder.
+pub(crate) fn writes(name: &str) -> bool {
+    let numbered = |rest: &str| rest.starts_with(|c: char| c.is_ascii_digit());
+    ["materials.json", "run.json", "report.html", "scene.glb", "manifest.json"].contains(&name)
+        || ["photo.png", "rerendered.png", "rerendered.exr", "trust.png"].contains(&name)
+        || ["error", "group"].iter().any(|stem| name.starts_with(stem) && name.ends_with(".png"))
+        || name.strip_prefix("texture_").is_some_and(numbered)
+        || name.starts_with("report/")
+}
+
 /// Writes all files of a recovery into `folder`, which exists, and returns what it said of itself.
-/// Ctrl-C waits until they are whole.
 pub(crate) fn write(job: &Job, recovered: &Recovered, folder: &Path) -> Result<Run, Error> {
-    let _until_written = interrupt::writing();
     crate::output::prepare_folder(&folder.join(REPORT_FOLDER))?;
     let recovery = &recovered.recovery;
     let mut bad = 0;
@@ -37,10 +46,21 @@ pub(crate) fn write(job: &Job, recovered: &Recovered, folder: &Path) -> Result<R
     bad += picture::write_exr(&folder.join("rerendered.exr"), &recovery.rerendered)?;
     let pictures = write_pictures(job, recovered, folder, &mut bad)?;
     let balls = ball::write(job, recovery, folder)?;
-    let glb = unrender_formats::wear(&job.project.scene, &dressed(job, recovered))?;
+    let glb = {
+        let source = Input::new(&job.project.scene, job.project.limits);
+        unrender_formats::wear(source, &dressed(job, recovered))?
+    };
     atomic::write(&folder.join("scene.glb"), &glb)?;
     let mut warnings = job.warnings.clone();
     warnings.extend(recovered.laid.warnings.clone());
+    let mut doubts = Warnings::default();
+    for (index, group) in recovery.groups.iter().enumerate() {
+        if group.material.texture.is_some() {
+            uvs::doubt(&job.scene, index).into_iter().for_each(|doubt| doubts.push(doubt));
+        }
+    }
+    crate::cli::warn(&doubts);
+    warnings.extend(doubts);
     if bad > 0 {
         let told = format!("{bad} value(s) were not finite numbers and were written as zero");
         let mut late = Warnings::default();

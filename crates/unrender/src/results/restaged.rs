@@ -3,6 +3,7 @@
 use crate::Error;
 use crate::edit::{Composite, Photograph};
 use crate::report::{self, Exhibit};
+use std::ops::Range;
 use std::path::Path;
 use unrender_formats::picture::{self, Depth};
 use unrender_formats::{FileError, atomic};
@@ -51,27 +52,49 @@ pub(crate) fn write_composite(
         exhibit("touched.png", "Touched", "White: pixels of the photograph that were changed."),
         exhibit("invented.png", "Invented", "White: what the photograph does not show at all."),
     ];
-    write_page(folder, Some(&pair), &others)?;
+    write_page(folder, folder, Some(&pair), &others)?;
     Ok(bad)
 }
 
-/// Writes the gallery of the synthetic pictures with the numbers `numbers`, or of the only one.
-pub(crate) fn write_gallery(folder: &Path, numbers: &[Option<usize>]) -> Result<(), Error> {
+/// Whether [`write_composite`] writes a file of this name.
+pub(crate) fn writes_composite(name: &str) -> bool {
+    let own = ["touched.png", "invented.png", "photo.png", "gallery.html", "manifest.json"];
+    let pictures = ["composite.exr", "composite.png", "synthetic.exr", "synthetic.png"];
+    own.contains(&name) || pictures.contains(&name)
+}
+
+/// Whether the pictures `frames` of a sequence, or all of it, have a file of this name.
+pub(crate) fn writes_synthetic(name: &str, frames: Option<&Range<u32>>) -> bool {
+    let stem = name.strip_suffix(".exr").or(name.strip_suffix(".png"));
+    let number = stem.and_then(|stem| stem.strip_prefix("synthetic_"));
+    let is_one = number.and_then(|number| number.parse().ok());
+    let is_one = is_one.is_some_and(|n: u32| frames.is_none_or(|frames| frames.contains(&n)));
+    stem == Some("synthetic") || is_one || ["gallery.html", "manifest.json"].contains(&name)
+}
+
+/// Writes the gallery of the synthetic pictures with the numbers `numbers`, or of the only one, which
+/// lie in the folder `pictures`.
+pub(crate) fn write_gallery(
+    pictures: &Path,
+    folder: &Path,
+    numbers: &[Option<usize>],
+) -> Result<(), Error> {
     let step = numbers.len().div_ceil(SHOWN_MAX).max(1);
     let shown = numbers.iter().step_by(step).map(|number| {
         let title = number.map_or("Picture".to_owned(), |n| format!("Picture {n}"));
         exhibit(&format!("{}.png", synthetic(*number)), &title, "The scene after the edits.")
     });
-    write_page(folder, None, &shown.collect::<Vec<_>>())
+    write_page(pictures, folder, None, &shown.collect::<Vec<_>>())
 }
 
 fn write_page(
+    pictures: &Path,
     folder: &Path,
     pair: Option<&[Exhibit; 2]>,
     exhibits: &[Exhibit],
 ) -> Result<(), Error> {
     let lead = "What unrender restage made.";
-    let page = report::gallery("Restaged", lead, folder, pair, exhibits)?;
+    let page = report::gallery("Restaged", lead, pictures, pair, exhibits)?;
     Ok(atomic::write(&folder.join("gallery.html"), page.as_bytes())?)
 }
 

@@ -5,7 +5,7 @@ use crate::project::CameraTable;
 use glam::Vec3;
 use serde_json::Value;
 use std::path::Path;
-use unrender_formats::FileError;
+use unrender_formats::{FileError, input};
 use unrender_scene::Lens;
 
 /// The camera that the recovery with the run file at `path` used; none if the file does not say.
@@ -43,7 +43,10 @@ pub(crate) fn recovered_size(path: &Path) -> Result<Option<(usize, usize)>, File
 }
 
 fn value(path: &Path) -> Result<Option<Value>, FileError> {
-    let Ok(text) = std::fs::read_to_string(path) else { return Ok(None) };
+    if !path.exists() {
+        return Ok(None);
+    }
+    let text = input::text(path).map_err(|problem| FileError::new(path, problem))?;
     let run = serde_json::from_str(&text)
         .map_err(|error| FileError::new(path, format!("is not JSON: {error}")))?;
     Ok(Some(run))

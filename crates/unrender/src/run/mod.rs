@@ -81,10 +81,13 @@ pub struct Program {
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Input {
     /// The project file, as it was named.
+    #[serde(serialize_with = "as_text")]
     pub project: PathBuf,
     /// The scene file.
+    #[serde(serialize_with = "as_text")]
     pub scene: PathBuf,
     /// The photograph.
+    #[serde(serialize_with = "as_text")]
     pub photo: PathBuf,
     /// The photograph's width, pixels.
     pub width: usize,
@@ -144,6 +147,11 @@ pub struct RegistrationEntry {
     pub confirmed_edge_points: Option<usize>,
 }
 
+/// A path as text; what in it is no text is shown as a replacement character.
+fn as_text<S: serde::Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&path.to_string_lossy())
+}
+
 impl Run {
     /// The name of the file in a folder of results.
     pub const FILE: &str = "run.json";
@@ -154,8 +162,8 @@ impl Run {
     /// If there is no run.json, or it is not one, or of a later version.
     pub fn read(folder: &Path) -> Result<Self, Error> {
         let path = folder.join(Self::FILE);
-        let text = std::fs::read_to_string(&path).map_err(|error| {
-            let problem = format!("cannot be read: {error}; name a folder that recover wrote");
+        let text = unrender_formats::input::text(&path).map_err(|problem| {
+            let problem = format!("{problem}; name a folder that recover wrote");
             FileError::new(&path, problem)
         })?;
         let run: Self =

@@ -5,8 +5,8 @@ use super::certainty::{ParameterScore, largest};
 use super::lobe::Lobe;
 use glam::Vec2;
 use std::path::Path;
-use unrender_formats::FileError;
-use unrender_formats::materials::{GroupEntry, Status, mean_of, read_texture};
+use unrender_formats::materials::{GroupEntry, Status, mean_of, read_texture_beside};
+use unrender_formats::{FileError, Limits};
 use unrender_scene::{Image, Rgb, Texture, Wrap};
 
 /// True if a group of this status is compared with the truth.
@@ -30,7 +30,7 @@ pub(super) fn group(
     };
     match &wanted.texture {
         Some(texture) => {
-            let (truth, _) = read_texture(&wanted_folder.join(texture))?;
+            let (truth, _) = read_texture_beside(wanted_folder, texture, Limits::default())?;
             match found_texture(found, found_folder)? {
                 Some(texture) => {
                     let error = texture_error(&texture, &truth);
@@ -136,7 +136,7 @@ fn largest_of(errors: &[f64; 3]) -> f64 {
 /// The group's texture; its mean rho_d where it has none, or nothing.
 fn found_texture(found: &GroupEntry, folder: &Path) -> Result<Option<Texture>, FileError> {
     let image = match (&found.texture, found.rho_d) {
-        (Some(path), _) => read_texture(&folder.join(path))?.0,
+        (Some(path), _) => read_texture_beside(folder, path, Limits::default())?.0,
         (None, Some(rho_d)) => Image::new(1, 1, vec![Rgb::from_array(rho_d)]),
         (None, None) => return Ok(None),
     };

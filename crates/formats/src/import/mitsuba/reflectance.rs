@@ -6,6 +6,7 @@
 //! `plastic` and `roughplastic` reflect what they do at normal incidence.
 
 use super::Element;
+use crate::input::Scope;
 use crate::{picture, texels};
 use std::path::Path;
 use std::sync::Arc;
@@ -37,32 +38,35 @@ impl Reflectance {
     }
 }
 
+/// What bounds the reading of the scene, and the folder that its pictures are in.
+pub(super) type Place<'a> = (&'a Scope, &'a Path);
+
 /// The reflectance of the group `name`.
 pub(super) fn read(
     bsdf: &Element,
-    folder: &Path,
+    place: Place,
     name: &str,
     warnings: &mut Warnings,
 ) -> Result<Reflectance, String> {
     let within = |problem: String| format!("material \"{name}\": {problem}");
-    of(bsdf, folder, warnings).map_err(within)
+    of(bsdf, place, warnings).map_err(within)
 }
 
-fn of(bsdf: &Element, folder: &Path, warnings: &mut Warnings) -> Result<Reflectance, String> {
+fn of(bsdf: &Element, place: Place, warnings: &mut Warnings) -> Result<Reflectance, String> {
     let kind = bsdf.attribute("type");
     match kind.as_str() {
-        "diffuse" => diffuse(bsdf, "reflectance", folder),
+        "diffuse" => diffuse(bsdf, "reflectance", place),
         "twosided" | "bumpmap" | "normalmap" | "mask" => {
             let inside = bsdf.child("bsdf").ok_or_else(|| format!("{kind} has nothing inside"))?;
-            let mut inside = of(&inside, folder, warnings)?;
+            let mut inside = of(&inside, place, warnings)?;
             if kind != "twosided" {
                 inside.doubts.push(format!("its {kind} was left out"));
             }
             Ok(inside)
         }
         "conductor" | "roughconductor" => conductor(bsdf, kind == "roughconductor"),
-        "plastic" | "roughplastic" => plastic(bsdf, kind == "roughplastic", folder),
-        "blendbsdf" => blend(bsdf, folder, warnings),
+        "plastic" | "roughplastic" => plastic(bsdf, kind == "roughplastic", place),
+        "blendbsdf" => blend(bsdf, place, warnings),
         _ => Ok(Reflectance::doubted(
             Material::diffuse(Rgb::splat(0.5)),
             &format!("{kind} is not known; it was taken as diffuse with rho_d = 0.5"),
@@ -70,7 +74,7 @@ fn of(bsdf: &Element, folder: &Path, warnings: &mut Warnings) -> Result<Reflecta
     }
 }
 
-fn diffuse(bsdf: &Element, name: &str, folder: &Path) -> Result<Reflectance, String> {
+fn diffuse(bsdf: &Element, name: &str, (scope, folder): Place) -> Result<Reflectance, String> {
     let Some(bitmap) = bsdf.property(name).filter(|p| p.is("texture")) else {
         return Ok(Reflectance::diffuse(bsdf.rgb(name, Rgb::splat(0.5))?));
     };
@@ -79,7 +83,8 @@ fn diffuse(bsdf: &Element, name: &str, folder: &Path) -> Result<Reflectance, Str
         return Ok(Reflectance::doubted(Material::diffuse(Rgb::splat(0.5)), doubt));
     }
     let file = bitmap.value("filename").ok_or("a bitmap has no filename")?;
-    let (read, _) = picture::read(&folder.join(file)).map_err(|error| error.to_string())?;
+    let path = scope.beside(folder, &file).map_err(|problem| format!("\"{file}\" {problem}"))?;
+    let (read, _) = picture::read_in(scope, &path).map_err(|error| error.to_string())?;
     let is_raw = bitmap.value("raw").as_deref() == Some("true");
     let image = if is_raw { read.values.clone() } else { read.to_linear() };
     let wrap = match bitmap.value("wrap_mode").as_deref() {
@@ -119,8 +124,8 @@ fn conductor(bsdf: &Element, rough: bool) -> Result<Reflectance, String> {
     Ok(Reflectance { material, is_ggx: is_ggx(bsdf), doubts })
 }
 
-fn plastic(bsdf: &Element, rough: bool, folder: &Path) -> Result<Reflectance, String> {
-    let mut reflectance = diffuse(bsdf, "diffuse_reflectance", folder)?;
+fn plastic(bsdf: &Element, rough: bool, place: Place) -> Result<Reflectance, String> {
+    let mut reflectance = diffuse(bsdf, "diffuse_reflectance", place)?;
     let ior = bsdf.float("int_ior", 1.49)? / bsdf.float("ext_ior", 1.000_277)?;
     let f0 = ((ior - 1.0) / (ior + 1.0)).powi(2);
     let material = &mut reflectance.material;
@@ -141,11 +146,11 @@ fn plastic(bsdf: &Element, rough: bool, folder: &Path) -> Result<Reflectance, St
     Ok(reflectance)
 }
 
-fn blend(bsdf: &Element, folder: &Path, warnings: &mut Warnings) -> Result<Reflectance, String> {
+fn blend(bsdf: &Element, place: Place, warnings: &mut Warnings) -> Result<Reflectance, String> {
     let weight = bsdf.float("weight", 0.5)?.clamp(0.0, 1.0);
     let parts: Vec<Element> = bsdf.children("bsdf").collect();
     let [one, other] = &parts[..] else { return Err("a blendbsdf has two parts".into()) };
-    let (one, other) = (of(one, folder, warnings)?, of(other, folder, warnings)?);
+    let (one, other) = (of(one, place, warnings)?, of(other, place, warnings)?);
     let (mut material, two) = (scaled(one.material, 1.0 - weight), scaled(other.material, weight));
     let is_ggx = one.is_ggx || other.is_ggx;
     let mut doubts = [one.doubts, other.doubts].concat();

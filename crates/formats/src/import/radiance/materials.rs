@@ -6,6 +6,7 @@
 //! apart. The brushed direction of what we did not write is not understood.
 
 use super::Primitive;
+use crate::input::Scope;
 use crate::record::Note;
 use crate::{picture, texels};
 use std::collections::BTreeMap;
@@ -55,7 +56,7 @@ impl Materials {
         &mut self,
         primitive: &Primitive,
         note: Option<&Note>,
-        folder: &Path,
+        (scope, folder): (&Scope, &Path),
         warnings: &mut Warnings,
     ) -> Result<(), String> {
         let id = primitive.id.clone();
@@ -72,7 +73,8 @@ impl Materials {
             }
             "colorpict" => {
                 let name = primitive.strings.get(3).ok_or("a colorpict names no picture")?;
-                self.pictures.insert(id, texture(&folder.join(name), primitive)?);
+                let path = scope.beside(folder, name).map_err(|p| format!("\"{name}\" {p}"))?;
+                self.pictures.insert(id, texture(scope, &path, primitive)?);
                 return Ok(());
             }
             kind if kind.ends_with("func") && kind != "WGMDfunc" || kind.ends_with("text") => {
@@ -165,8 +167,8 @@ fn colored(kind: &str, color: Rgb, share: f32, [alpha_x, alpha_y]: [f32; 2]) -> 
 
 /// The picture of a `colorpict`. In ours the texels around it are there too, and how it goes on is
 /// told by the expression of its place.
-fn texture(path: &Path, primitive: &Primitive) -> Result<Arc<Texture>, String> {
-    let (read, _) = picture::read(path).map_err(|error| error.to_string())?;
+fn texture(scope: &Scope, path: &Path, primitive: &Primitive) -> Result<Arc<Texture>, String> {
+    let (read, _) = picture::read_in(scope, path).map_err(|error| error.to_string())?;
     let mut image = read.to_linear().map(|texel| middle_of_step(*texel));
     let is_ours = primitive.id.ends_with(".texture") && image.width() > 2 && image.height() > 2;
     if is_ours {

@@ -1,11 +1,20 @@
 //! The words of a `.rad` file, in primitives.
 
+use crate::input::Scope;
 use crate::record::Note;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use unrender_scene::Warnings;
 
 /// How many files may include one another.
 const DEPTH: usize = 16;
+
+/// How many files a scene may include, each counted as often as it is included. Buildings have some
+/// hundreds; each costs an opened file, so that ten times as many are still read in a second.
+const FILES: usize = 1000;
+
+/// What is kept of a text takes at most so many times its memory: `a b c 0 0 0` is a primitive of 200
+/// bytes.
+const TEXT_TO_PRIMITIVES: u64 = 32;
 
 /// A primitive: `modifier kind id`, and its arguments.
 #[derive(Clone, Debug, Default)]
@@ -32,51 +41,73 @@ impl Primitive {
 /// All primitives of the file at `path` and of those that it includes by `!xform`, each with the
 /// comment of ours that it stands under.
 pub(super) fn read(
+    scope: &Scope,
     path: &Path,
     warnings: &mut Warnings,
-) -> Result<Vec<(Primitive, Option<Note>)>, String> {
-    let mut found = Vec::new();
-    file(path, "", &mut found, warnings, DEPTH)?;
-    Ok(found)
+) -> Result<Vec<Noted>, String> {
+    let mut reading = Reading { scope, found: Vec::new(), warnings, files: 0 };
+    let text = scope.text(path)?;
+    reading.file(path, &text, "", DEPTH)?;
+    Ok(reading.found)
 }
 
-fn file(
-    path: &Path,
-    shown: &str,
-    found: &mut Vec<(Primitive, Option<Note>)>,
-    warnings: &mut Warnings,
-    depth: usize,
-) -> Result<(), String> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| format!("{} cannot be read: {error}", path.display()))?;
-    let mut words: Vec<Word> = Vec::new();
-    let mut note: Option<Note> = None;
-    for (index, line) in text.lines().enumerate() {
-        let place = format!("{shown}line {}", index + 1);
-        if let Some(comment) = line.strip_prefix('#') {
-            flush(&mut words, &mut note, found)?;
-            note = Note::parse(comment);
-        } else if let Some(command) = line.strip_prefix('!') {
-            flush(&mut words, &mut note, found)?;
-            match command.split_whitespace().collect::<Vec<_>>()[..] {
-                ["xform", name] if depth == 0 => {
-                    return Err(format!("includes \"{name}\", perhaps including itself"));
-                }
-                ["xform", name] => {
-                    let included = path.parent().unwrap_or(Path::new("")).join(name);
-                    file(&included, &format!("{name}, "), found, warnings, depth - 1)?;
-                }
-                _ => warnings.push(format!(
-                    "{place}: the command \"{command}\" was left out; write what it prints into a \
-                     file, and !xform that file"
-                )),
-            }
-        } else {
-            let before = line.split('#').next().unwrap_or("").split_whitespace();
-            words.extend(before.map(|text| Word { text, shown, line: index + 1 }));
+/// A primitive, and the comment of ours that it stands under.
+type Noted = (Primitive, Option<Note>);
+
+/// The reading of a scene.
+struct Reading<'a> {
+    scope: &'a Scope,
+    found: Vec<Noted>,
+    warnings: &'a mut Warnings,
+    /// Files that were included so far.
+    files: usize,
+}
+
+impl Reading<'_> {
+    /// The text of the file that the one at `path` includes as `name`, and where it lies.
+    fn included(&mut self, path: &Path, name: &str) -> Result<(PathBuf, String), String> {
+        self.files += 1;
+        if self.files > FILES {
+            return Err(format!("includes more than {FILES} files, counting repetitions"));
         }
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let path = self.scope.beside(folder, name);
+        path.and_then(|path| self.scope.text(&path).map(|text| (path, text)))
+            .map_err(|problem| format!("includes \"{name}\", which {problem}"))
     }
-    flush(&mut words, &mut note, found)
+
+    fn file(&mut self, path: &Path, text: &str, shown: &str, depth: usize) -> Result<(), String> {
+        self.scope.charge(TEXT_TO_PRIMITIVES * text.len() as u64)?;
+        let mut words: Vec<Word> = Vec::new();
+        let mut note: Option<Note> = None;
+        for (index, line) in text.lines().enumerate() {
+            let place = format!("{shown}line {}", index + 1);
+            if let Some(comment) = line.strip_prefix('#') {
+                flush(&mut words, &mut note, &mut self.found)?;
+                note = Note::parse(comment);
+            } else if let Some(command) = line.strip_prefix('!') {
+                flush(&mut words, &mut note, &mut self.found)?;
+                match command.split_whitespace().collect::<Vec<_>>()[..] {
+                    ["xform", name] if depth == 0 => {
+                        return Err(format!("includes \"{name}\", perhaps including itself"));
+                    }
+                    ["xform", name] => {
+                        let (included, text) =
+                            self.included(path, name).map_err(|p| format!("{place}: {p}"))?;
+                        self.file(&included, &text, &format!("{name}, "), depth - 1)?;
+                    }
+                    _ => self.warnings.push(format!(
+                        "{place}: the command \"{command}\" was left out; write what it prints \
+                         into a file, and !xform that file"
+                    )),
+                }
+            } else {
+                let before = line.split('#').next().unwrap_or("").split_whitespace();
+                words.extend(before.map(|text| Word { text, shown, line: index + 1 }));
+            }
+        }
+        flush(&mut words, &mut note, &mut self.found)
+    }
 }
 
 /// A word and where it stands.
@@ -91,7 +122,7 @@ struct Word<'a> {
 fn flush(
     words: &mut Vec<Word>,
     note: &mut Option<Note>,
-    found: &mut Vec<(Primitive, Option<Note>)>,
+    found: &mut Vec<Noted>,
 ) -> Result<(), String> {
     let texts: Vec<&str> = words.iter().map(|word| word.text).collect();
     let mut rest = texts.as_slice();

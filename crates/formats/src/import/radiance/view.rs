@@ -1,18 +1,21 @@
 //! View files: `-vp` where from, `-vd` where to, `-vu` upwards, `-vh` and `-vv` how wide.
 
+use crate::input::Scope;
 use glam::Vec3;
 use std::path::Path;
 use unrender_scene::{Camera, Lens};
 
 /// The camera of the view file that belongs to the scene at `path`, if there is one.
-pub(super) fn beside(path: &Path) -> Result<Option<Camera>, String> {
+pub(super) fn beside(scope: &Scope, path: &Path) -> Result<Option<Camera>, String> {
     let candidates = [path.with_extension("vf"), path.with_file_name("view.vf")];
     let Some(found) = candidates.iter().find(|candidate| candidate.is_file()) else {
         return Ok(None);
     };
     let name = found.display();
-    let text = std::fs::read_to_string(found)
-        .map_err(|error| format!("{name} cannot be read: {error}"))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let file = found.file_name().unwrap_or_default().to_string_lossy();
+    let text = scope.beside(folder, &file).and_then(|path| scope.text(&path));
+    let text = text.map_err(|problem| format!("{name} {problem}"))?;
     camera(&text).map(Some).map_err(|problem| format!("{name}: {problem}"))
 }
 

@@ -1,0 +1,215 @@
+//! Reading what may come from anyone: which files an input may name, and how much memory it may take.
+//!
+//! An input is a file that the user names, with all files that it names in turn: buffers, pictures,
+//! materials, other scenes. Those are read only where they lie in or below the folder of the input,
+//! symbolic links resolved, unless [`Limits::outside`] allows more. Only regular files are read: no
+//! devices, pipes or folders. What a reader is about to allocate is first counted against
+//! [`Limits::memory`]; the count is never lowered, so it is a bound from above.
+
+use std::cell::Cell;
+use std::fs::{self, File};
+use std::io::{ErrorKind, Read};
+use std::path::{Path, PathBuf};
+
+/// How far the reading of one input may go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Whether an input may name files outside its folder.
+    pub outside: bool,
+    /// The memory that what is read may take, bytes.
+    pub memory: u64,
+}
+
+/// 2 GiB: 140 million pixels of 8 bits, or 10 million triangles. With half of it, the photographs of
+/// some cameras would be refused; with double, machines of 4 GiB would run out of memory.
+const DEFAULT_MEMORY: u64 = 2 << 30;
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { outside: false, memory: DEFAULT_MEMORY }
+    }
+}
+
+/// A file to read, and how far that may go. Of a path alone: the default limits.
+#[derive(Clone, Copy, Debug)]
+pub struct Input<'a> {
+    /// The file.
+    pub path: &'a Path,
+    /// How far to go.
+    pub limits: Limits,
+}
+
+impl<'a> Input<'a> {
+    /// The file at `path` within `limits`.
+    pub fn new(path: &'a Path, limits: Limits) -> Self {
+        Self { path, limits }
+    }
+}
+
+impl<'a, P: AsRef<Path> + ?Sized> From<&'a P> for Input<'a> {
+    fn from(path: &'a P) -> Self {
+        Self::new(path.as_ref(), Limits::default())
+    }
+}
+
+/// An input that is being read: its folder, and what is left of its memory.
+#[derive(Debug)]
+pub(crate) struct Scope {
+    /// The folder as the user names it.
+    folder: PathBuf,
+    limits: Limits,
+    used: Cell<u64>,
+}
+
+impl Scope {
+    pub(crate) fn new(input: Input<'_>) -> Self {
+        let folder = input.path.parent().filter(|f| !f.as_os_str().is_empty());
+        Self {
+            folder: folder.unwrap_or(Path::new(".")).to_owned(),
+            limits: input.limits,
+            used: Cell::new(0),
+        }
+    }
+
+    /// The bytes of the file at `path`, which the user or [`Scope::beside`] names; or what is wrong,
+    /// as the end of a sentence about the file.
+    pub(crate) fn read(&self, path: &Path) -> Result<Vec<u8>, String> {
+        let left = self.limits.memory.saturating_sub(self.used.get());
+        let bytes = read_at_most(path, left)?;
+        self.charge(bytes.len() as u64)?;
+        Ok(bytes)
+    }
+
+    /// As [`Scope::read`], as text.
+    pub(crate) fn text(&self, path: &Path) -> Result<String, String> {
+        String::from_utf8(self.read(path)?).map_err(|_| NO_TEXT.into())
+    }
+
+    /// The path of the file that the input calls `name`, seen from `folder`; or why it is not read,
+    /// as the end of a sentence about the file.
+    pub(crate) fn beside(&self, folder: &Path, name: &str) -> Result<PathBuf, String> {
+        let path = folder.join(name);
+        if self.limits.outside {
+            return Ok(path);
+        }
+        let real = fs::canonicalize(&path).map_err(|error| unreadable(&error))?;
+        let root = fs::canonicalize(&self.folder).map_err(|error| unreadable(&error))?;
+        if real.starts_with(&root) {
+            // The path as it was resolved: no link that changes in between leads elsewhere.
+            return Ok(real);
+        }
+        Err(format!(
+            "lies outside the folder {} of the file that was named; copy it there, or allow it by \
+             --allow-outside",
+            self.folder.display()
+        ))
+    }
+
+    /// Counts `bytes` that are about to be allocated; an error if that is too much.
+    pub(crate) fn charge(&self, bytes: u64) -> Result<(), String> {
+        let used = self.used.get().saturating_add(bytes);
+        if used > self.limits.memory {
+            return Err(too_large(used, self.limits.memory));
+        }
+        self.used.set(used);
+        Ok(())
+    }
+}
+
+/// The bytes of the file that the user has named.
+///
+/// # Errors
+/// If it is no regular file, is larger than [`Limits::memory`] or cannot be read; as the end of a
+/// sentence about the file.
+pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<Vec<u8>, String> {
+    let input = input.into();
+    read_at_most(input.path, input.limits.memory)
+}
+
+/// As [`read()`], as text.
+///
+/// # Errors
+/// As [`read()`], and if the file is not UTF-8.
+pub fn text<'a>(input: impl Into<Input<'a>>) -> Result<String, String> {
+    String::from_utf8(read(input)?).map_err(|_| NO_TEXT.into())
+}
+
+const NO_TEXT: &str = "is no text (UTF-8)";
+
+fn read_at_most(path: &Path, limit: u64) -> Result<Vec<u8>, String> {
+    // Asked before opening: whoever opens a pipe waits for its writer.
+    let meta = fs::metadata(path).map_err(|error| unreadable(&error))?;
+    if !meta.is_file() {
+        return Err("is no regular file, but a folder, a device or a pipe".into());
+    }
+    if meta.len() > limit {
+        return Err(too_large(meta.len(), limit));
+    }
+    let file = File::open(path).map_err(|error| unreadable(&error))?;
+    // Files of /proc say that they are empty, and others may grow.
+    let mut bytes = Vec::with_capacity(meta.len() as usize);
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(|error| unreadable(&error))?;
+    if bytes.len() as u64 > limit {
+        return Err(too_large(bytes.len() as u64, limit));
+    }
+    Ok(bytes)
+}
+
+fn unreadable(error: &std::io::Error) -> String {
+    match error.kind() {
+        ErrorKind::NotFound => "cannot be read: it does not exist".into(),
+        _ => format!("cannot be read: {error}"),
+    }
+}
+
+fn too_large(needed: u64, limit: u64) -> String {
+    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    format!(
+        "needs more memory than inputs may take ({:.2} of {:.2} GiB); if that is meant, raise the \
+         limit by --input-memory",
+        gib(needed),
+        gib(limit)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_lies_below_the_folder_is_beside() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path().join("scene");
+        fs::create_dir_all(root.join("textures")).unwrap();
+        fs::write(folder.path().join("secret"), "x").unwrap();
+        fs::write(root.join("textures/a.png"), "x").unwrap();
+        let path = root.join("scene.gltf");
+        let scope = Scope::new(Input::from(&path));
+        assert!(scope.beside(&root, "textures/../textures/a.png").is_ok());
+        for name in ["../secret", "/etc/passwd", "textures/../../secret"] {
+            let problem = scope.beside(&root, name).unwrap_err();
+            assert!(problem.contains("--allow-outside"), "{name}: {problem}");
+        }
+        assert_eq!(scope.beside(&root, "none").unwrap_err(), "cannot be read: it does not exist");
+        let limits = Limits { outside: true, ..Limits::default() };
+        assert!(Scope::new(Input::new(&path, limits)).beside(&root, "../secret").is_ok());
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(folder.path().join("secret"), root.join("link")).unwrap();
+            assert!(scope.beside(&root, "link").is_err());
+        }
+    }
+
+    #[test]
+    fn devices_folders_and_large_files_are_not_read() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(read(folder.path()).unwrap_err().contains("regular"));
+        #[cfg(unix)]
+        assert!(read("/dev/zero").unwrap_err().contains("regular"));
+        let path = folder.path().join("large");
+        File::create(&path).unwrap().set_len(3 << 30).unwrap();
+        assert!(read(&path).unwrap_err().contains("--input-memory"));
+        let scope = Scope::new(Input::new(&path, Limits { memory: 100, ..Limits::default() }));
+        assert!(scope.charge(60).is_ok() && scope.charge(60).is_err() && scope.charge(40).is_ok());
+    }
+}

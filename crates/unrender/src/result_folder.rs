@@ -1,0 +1,204 @@
+//! A folder of results as one unit: whole or not at all, of one run, by one process at a time, and
+//! nothing in it replaced that is not ours.
+//!
+//! Files are written into a new folder inside, and get their names when all are there. `manifest.json`
+//! has the SHA-256 of every file. It is written before the files get their names, with the hashes from
+//! before, so that whoever finds it after an interruption can tell: [`check`]. A file belongs to us
+//! if its hash is one of those in the manifest.
+
+mod manifest;
+
+pub(crate) use manifest::{check, note};
+
+use crate::{Error, interrupt, output};
+use manifest::{Entry, Manifest};
+use std::collections::BTreeMap;
+use std::fs::{self, File, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+use unrender_formats::{FileError, atomic};
+
+/// A folder that a command writes its results into.
+pub(crate) struct ResultFolder {
+    path: PathBuf,
+    /// What the manifest calls the command.
+    command: &'static str,
+    /// Held until the command ends, so that another process is told; none where the system has no
+    /// locks on folders, or where several processes may share the folder.
+    lock: Option<File>,
+}
+
+impl ResultFolder {
+    /// Makes the folder at `path` where it is missing, and asks before the work whether results can
+    /// be written there: files of which `writes` says so by their names, relative to the folder, with
+    /// forward slashes. `inputs` are the files that the command reads.
+    ///
+    /// # Errors
+    /// If another process is writing there, if files cannot be made, or if results would replace an
+    /// input or a file that is not ours.
+    pub(crate) fn open(
+        path: &Path,
+        command: &'static str,
+        writes: &dyn Fn(&str) -> bool,
+        inputs: &[&Path],
+    ) -> Result<Self, Error> {
+        let mut folder = Self::open_shared(path, command, writes, inputs)?;
+        folder.lock = lock(path)?;
+        if folder.lock.is_some() {
+            sweep(path);
+        }
+        Ok(folder)
+    }
+
+    /// As [`ResultFolder::open`], for commands of which several may work for one folder at a time.
+    pub(crate) fn open_shared(
+        path: &Path,
+        command: &'static str,
+        writes: &dyn Fn(&str) -> bool,
+        inputs: &[&Path],
+    ) -> Result<Self, Error> {
+        output::prepare_folder(path)?;
+        let folder = Self { path: path.to_owned(), command, lock: None };
+        let there = manifest::files(path).map_err(|error| folder.unreadable(&error))?;
+        let at_risk: Vec<&String> = there.iter().filter(|name| writes(name)).collect();
+        let is_input = |name: &&&String| {
+            inputs.iter().any(|input| output::is_same_file(&path.join(name.as_str()), input))
+        };
+        let replaced: Vec<&String> = at_risk.iter().filter(is_input).copied().collect();
+        folder.refuse(&replaced, "which are inputs of this run; name another folder by --out")?;
+        folder.check_foreign(at_risk.into_iter().cloned().collect(), &Manifest::read(path)?)?;
+        Ok(folder)
+    }
+
+    /// Lets `make` write into a new folder, and then gives the files there their names. Files of
+    /// earlier runs stay only if `keeps` says so. Ctrl-C waits until all is done.
+    ///
+    /// # Errors
+    /// Those of `make`; or if files cannot be written; the folder is as it was then.
+    pub(crate) fn write<T>(
+        &self,
+        keeps: bool,
+        make: impl FnOnce(&Path) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let _until_written = interrupt::writing();
+        // Where several processes share the folder, each has it for the time of writing.
+        let _shared = if self.lock.is_some() { None } else { wait_for_lock(&self.path) };
+        let staging = atomic::staging(&self.path).map_err(|error| self.unwritable(&error))?;
+        let made = make(staging.path())?;
+        let names = manifest::files(staging.path()).map_err(|error| self.unwritable(&error))?;
+        let before = Manifest::read(&self.path)?;
+        if let Err(error) = self.check_foreign(names.clone(), &before) {
+            let kept = staging.keep();
+            let problem = format!("{error}. What was to be written lies in {}", kept.display());
+            return Err(Error::Request(problem));
+        }
+        self.swap(&before, staging.path(), &names, keeps)?;
+        Ok(made)
+    }
+
+    fn swap(
+        &self,
+        before: &Manifest,
+        staging: &Path,
+        names: &[String],
+        keeps: bool,
+    ) -> Result<(), Error> {
+        let mut files: BTreeMap<String, Entry> = before.files.clone();
+        let is_stale = |name: &String, entry: &Entry| {
+            !keeps && entry.by == self.command && !names.contains(name)
+        };
+        let stale: Vec<String> =
+            files.iter().filter(|(n, e)| is_stale(n, e)).map(|(n, _)| n.clone()).collect();
+        stale.iter().for_each(|name| {
+            files.remove(name);
+        });
+        for name in names {
+            let sha256 = manifest::hash(&staging.join(name)).map_err(|e| self.unwritable(&e))?;
+            files.insert(name.clone(), Entry { sha256, by: self.command.to_owned() });
+        }
+        let mut after = Manifest { files, before: Some(before.known()), ..Manifest::default() };
+        after.write(&self.path)?;
+        for name in &stale {
+            // It is ours, and if it cannot be removed, it does no harm.
+            let _ = fs::remove_file(self.path.join(name));
+        }
+        for name in names {
+            let to = self.path.join(name);
+            if let Some(parent) = to.parent() {
+                fs::create_dir_all(parent).map_err(|error| self.unwritable(&error))?;
+            }
+            atomic::move_file(&staging.join(name), &to)?;
+        }
+        after.before = None;
+        Ok(after.write(&self.path)?)
+    }
+
+    /// An error if one of the files `names` is there and not ours.
+    fn check_foreign(&self, names: Vec<String>, manifest: &Manifest) -> Result<(), Error> {
+        let is_foreign = |name: &&String| {
+            let path = self.path.join(name.as_str());
+            name.as_str() != Manifest::FILE
+                && path.exists()
+                && !manifest.owns(&path, name, self.command)
+        };
+        let foreign: Vec<&String> = names.iter().filter(is_foreign).collect();
+        let remedy = format!(
+            "which no run of `unrender {}` has left as they are; name another folder by --out, or move \
+             them away",
+            self.command
+        );
+        self.refuse(&foreign, &remedy)
+    }
+
+    fn refuse(&self, names: &[&String], why: &str) -> Result<(), Error> {
+        const SHOWN: usize = 8;
+        if names.is_empty() {
+            return Ok(());
+        }
+        let mut list: Vec<&str> = names.iter().take(SHOWN).map(|name| name.as_str()).collect();
+        if names.len() > SHOWN {
+            list.push("others");
+        }
+        let problem = format!("results would replace {}, {why}", list.join(", "));
+        Err(FileError::new(&self.path, problem).into())
+    }
+
+    fn unwritable(&self, error: &io::Error) -> Error {
+        FileError::new(&self.path, format!("results cannot be written there: {error}")).into()
+    }
+
+    fn unreadable(&self, error: &io::Error) -> Error {
+        FileError::new(&self.path, format!("cannot be read: {error}")).into()
+    }
+}
+
+/// The lock on the folder at `path`; none where the system has none.
+fn lock(path: &Path) -> Result<Option<File>, Error> {
+    let Ok(folder) = File::open(path) else { return Ok(None) };
+    match folder.try_lock() {
+        Ok(()) => Ok(Some(folder)),
+        Err(TryLockError::WouldBlock) => {
+            let problem = "another unrender is at work for this folder; wait for it, or name another \
+                           folder by --out";
+            Err(FileError::new(path, problem).into())
+        }
+        Err(TryLockError::Error(_)) => Ok(None),
+    }
+}
+
+/// Removes what killed processes have left in the folder at `path`, which is locked.
+fn sweep(path: &Path) {
+    for entry in fs::read_dir(path).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if name.starts_with(atomic::PREFIX) && name.ends_with(".tmp") {
+            // What cannot be removed does no harm.
+            let _ = fs::remove_dir_all(entry.path()).or_else(|_| fs::remove_file(entry.path()));
+        }
+    }
+}
+
+fn wait_for_lock(path: &Path) -> Option<File> {
+    let folder = File::open(path).ok()?;
+    folder.lock().ok().map(|()| folder)
+}

@@ -1,0 +1,185 @@
+//! `manifest.json`: which files are the results in a folder, and what was in them.
+
+use crate::Error;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::io;
+use std::path::Path;
+use unrender_formats::{FileError, atomic, input};
+
+/// The version of the file that is written; later ones are not understood.
+const VERSION: u32 = 1;
+/// Folders of results have one level of folders below; deeper ones are no results of ours.
+const DEPTH: usize = 2;
+
+/// The file.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub(super) struct Manifest {
+    pub(super) version: u32,
+    /// The results, by their paths relative to the folder, with forward slashes.
+    pub(super) files: BTreeMap<String, Entry>,
+    /// Only while they are being replaced: the hashes of what was there before.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) before: Option<BTreeMap<String, BTreeSet<String>>>,
+}
+
+/// One result.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub(super) struct Entry {
+    /// SHA-256 of its bytes, in hexadecimal digits.
+    pub(super) sha256: String,
+    /// The command that wrote it.
+    pub(super) by: String,
+}
+
+impl Default for Manifest {
+    fn default() -> Self {
+        Self { version: VERSION, files: BTreeMap::new(), before: None }
+    }
+}
+
+impl Manifest {
+    pub(super) const FILE: &str = "manifest.json";
+
+    /// The manifest of `folder`; an empty one if there is none.
+    pub(super) fn read(folder: &Path) -> Result<Self, FileError> {
+        let path = folder.join(Self::FILE);
+        if !path.exists() {
+            return Ok(Self::default());
+        }
+        let fault = |problem: String| FileError::new(&path, problem);
+        let text = input::text(&path).map_err(fault)?;
+        let read: Self = serde_json::from_str(&text).map_err(|error| {
+            fault(format!("is no list of results of unrender ({error}); name another folder"))
+        })?;
+        if read.version > VERSION {
+            return Err(fault(format!(
+                "is of a later version than {VERSION}; use a newer unrender"
+            )));
+        }
+        Ok(read)
+    }
+
+    pub(super) fn write(&self, folder: &Path) -> Result<(), FileError> {
+        let path = folder.join(Self::FILE);
+        let text = serde_json::to_string_pretty(self)
+            .map_err(|error| FileError::new(&path, format!("cannot be written: {error}")))?;
+        atomic::write(&path, (text + "\n").as_bytes())
+    }
+
+    /// The hashes of every file that a run has written, those of an interrupted replacement with
+    /// those from before it.
+    pub(super) fn known(&self) -> BTreeMap<String, BTreeSet<String>> {
+        let mut known = self.before.clone().unwrap_or_default();
+        for (name, entry) in &self.files {
+            known.entry(name.clone()).or_default().insert(entry.sha256.clone());
+        }
+        known
+    }
+
+    /// Whether the file at `path`, called `name` here, is as a run of `command` has left it.
+    pub(super) fn owns(&self, path: &Path, name: &str, command: &str) -> bool {
+        if self.files.get(name).is_some_and(|entry| entry.by != command) {
+            return false;
+        }
+        let known = self.known();
+        let Some(hashes) = known.get(name) else { return false };
+        hash(path).is_ok_and(|hash| hashes.contains(&hash))
+    }
+}
+
+/// Checks that the results in `folder` are those of one run, as far as a manifest tells: folders
+/// of versions that wrote none are taken as they are.
+pub(crate) fn check(folder: &Path) -> Result<(), Error> {
+    let manifest = Manifest::read(folder)?;
+    let is_half = manifest.before.is_some();
+    let is_other = |name: &&String| {
+        let path = folder.join(name.as_str());
+        match hash(&path) {
+            Ok(hash) => hash != manifest.files[name.as_str()].sha256,
+            // Whoever has removed a file knows it.
+            Err(_) => is_half || path.exists(),
+        }
+    };
+    let others: Vec<&str> = manifest.files.keys().filter(is_other).map(String::as_str).collect();
+    if others.is_empty() {
+        return Ok(());
+    }
+    let problem = if is_half {
+        "the writing of its results was interrupted, and files of two runs are mixed in it; run the \
+         command again that wrote it"
+            .to_owned()
+    } else {
+        format!(
+            "{} changed since they were written, and do not belong to the other results; run the \
+             command again that wrote them, or, if the change is meant, remove {}",
+            others.join(", "),
+            Manifest::FILE
+        )
+    };
+    Err(FileError::new(folder, problem).into())
+}
+
+/// Takes a new content of the result `name` in `folder` into the manifest, if there is one.
+pub(crate) fn note(folder: &Path, name: &str, by: &str) -> Result<(), Error> {
+    let mut manifest = Manifest::read(folder)?;
+    if manifest.files.is_empty() {
+        return Ok(());
+    }
+    let path = folder.join(name);
+    let sha256 = hash(&path).map_err(|error| FileError::new(&path, error))?;
+    manifest.files.insert(name.to_owned(), Entry { sha256, by: by.to_owned() });
+    Ok(manifest.write(folder)?)
+}
+
+/// SHA-256 of the file at `path`.
+pub(super) fn hash(path: &Path) -> io::Result<String> {
+    if !fs::metadata(path)?.is_file() {
+        return Err(io::Error::other("is no regular file"));
+    }
+    let mut digest = Sha256::new();
+    io::copy(&mut fs::File::open(path)?, &mut Writing(&mut digest))?;
+    Ok(digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+struct Writing<'a>(&'a mut Sha256);
+
+impl io::Write for Writing<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// The files in `folder` and the folders in it, relative to it, with forward slashes, in order.
+/// Temporary ones are left out.
+pub(super) fn files(folder: &Path) -> io::Result<Vec<String>> {
+    let mut found = Vec::new();
+    collect(folder, "", DEPTH, &mut found)?;
+    found.sort();
+    Ok(found)
+}
+
+fn collect(folder: &Path, prefix: &str, depth: usize, found: &mut Vec<String>) -> io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name.starts_with(atomic::PREFIX) {
+            continue;
+        }
+        let name = format!("{prefix}{name}");
+        // Links to folders are not walked: what they lead to is not ours.
+        if !entry.file_type()?.is_dir() {
+            found.push(name);
+        } else if depth > 1 {
+            collect(&entry.path(), &format!("{name}/"), depth - 1, found)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,129 @@
+//! The readers, each with how its files are changed.
+
+use crate::mutate::Kind;
+use std::fs;
+use std::path::Path;
+use unrender::Project;
+use unrender::edit::Sheet;
+use unrender::formats::{
+    Input, Limits, fspy, load_model, load_scene, materials, picture, planes, points,
+    response_curve, wear,
+};
+use unrender::run::Run;
+use unrender::scene::Scene;
+
+/// What inputs may take of memory here, bytes; [`crate::worker`] allows the process more for itself.
+pub(crate) const MEMORY: u64 = 256 << 20;
+
+/// A reader.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Target {
+    /// What it is called on the command line; the extension of its files.
+    pub(crate) name: &'static str,
+    /// How its files are changed.
+    pub(crate) kind: Kind,
+    /// Reads the file.
+    pub(crate) read: fn(&Path),
+}
+
+/// All of them.
+pub(crate) const ALL: [Target; 19] = [
+    Target { name: "gltf", kind: Kind::Json, read: scene },
+    Target { name: "glb", kind: Kind::Glb, read: scene },
+    Target { name: "obj", kind: Kind::Words, read: scene },
+    Target { name: "mtl", kind: Kind::Words, read: mtl },
+    Target { name: "xml", kind: Kind::Words, read: scene },
+    Target { name: "ply", kind: Kind::Words, read: ply },
+    Target { name: "rad", kind: Kind::Words, read: scene },
+    Target { name: "png", kind: Kind::Bytes, read: image },
+    Target { name: "jpg", kind: Kind::Bytes, read: image },
+    Target { name: "tif", kind: Kind::Bytes, read: image },
+    Target { name: "exr", kind: Kind::Bytes, read: image },
+    Target { name: "hdr", kind: Kind::Bytes, read: image },
+    Target { name: "part", kind: Kind::Bytes, read: part },
+    Target { name: "materials", kind: Kind::Json, read: material_file },
+    Target { name: "run", kind: Kind::Json, read: run },
+    Target { name: "project", kind: Kind::Toml, read: project },
+    Target { name: "edit", kind: Kind::Toml, read: edit },
+    Target { name: "csv", kind: Kind::Words, read: tables },
+    Target { name: "fspy", kind: Kind::Bytes, read: fspy_project },
+];
+
+fn input(path: &Path) -> Input<'_> {
+    Input::new(path, Limits { memory: MEMORY, ..Limits::default() })
+}
+
+fn scene(path: &Path) {
+    // Nothing of what is said matters here: only that it is said.
+    if let Ok((scene, _)) = load_scene(input(path)) {
+        let _ = wear(input(path), &scene);
+    } else {
+        let _ = load_model(input(path));
+    }
+}
+
+fn mtl(path: &Path) {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let obj = path.with_extension("obj");
+    let text = format!("mtllib {name}\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let _ = fs::write(&obj, text);
+    let _ = load_model(input(&obj));
+}
+
+fn ply(path: &Path) {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let xml = path.with_extension("xml");
+    let shape = format!("<shape type=\"ply\"><string name=\"filename\" value=\"{name}\"/></shape>");
+    let _ = fs::write(&xml, format!("<scene version=\"3.0.0\">{shape}</scene>"));
+    let _ = load_model(input(&xml));
+}
+
+fn image(path: &Path) {
+    let _ = picture::read(input(path));
+    let _ = picture::read_environment(input(path), 0.5, 1.0);
+    if let Ok(bytes) = fs::read(path) {
+        let _ = picture::exif_focal_px(&bytes, 640, 480);
+    }
+}
+
+fn part(path: &Path) {
+    let _ = planes::read(input(path));
+}
+
+fn material_file(path: &Path) {
+    let _ = materials::apply_from(input(path), &mut Scene::default());
+}
+
+fn run(path: &Path) {
+    let folder = path.with_extension("folder");
+    let _ = fs::create_dir_all(&folder);
+    if fs::copy(path, folder.join(Run::FILE)).is_ok() {
+        let _ = Run::read(&folder);
+        let _ = unrender::report::page(&folder);
+    }
+}
+
+fn project(path: &Path) {
+    if let Ok(text) = fs::read_to_string(path) {
+        let _ = Project::parse(path, &text);
+    }
+}
+
+fn edit(path: &Path) {
+    if let Ok(sheet) = Sheet::read(path) {
+        let _ = unrender::edit::Restaging::load(&[sheet]);
+    }
+}
+
+fn tables(path: &Path) {
+    if let Ok(bytes) = fs::read(path) {
+        let _ = points::parse(&bytes);
+        let _ = response_curve::parse(&bytes);
+    }
+}
+
+fn fspy_project(path: &Path) {
+    if let Ok(bytes) = fs::read(path) {
+        let _ = fspy::parse(&bytes, None);
+    }
+}

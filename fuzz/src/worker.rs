@@ -1,0 +1,54 @@
+//! The process that reads mutated files, one after the other. It says the number of each before it
+//! begins, so that whoever watches knows which one it did not survive.
+
+use crate::mutate::mutated;
+use crate::random::Random;
+use crate::seeds;
+use crate::targets::Target;
+use std::fs;
+use std::io::Write;
+use std::time::{Duration, Instant};
+
+/// What the process may take of memory, bytes: what inputs may, as often as a reader keeps it in
+/// another form, and what the program itself takes of addresses.
+#[cfg(unix)]
+const MEMORY: u64 = 4 * crate::targets::MEMORY + (1 << 30);
+
+/// The file of case `index`; the first ones are the seeds themselves.
+pub(crate) fn case(target: &Target, seeds: &[Vec<u8>], seed: u64, index: u64) -> Vec<u8> {
+    if let Some(file) = seeds.get(index as usize).filter(|_| seed == 0) {
+        return file.clone();
+    }
+    let mut random = Random::new(seed, index);
+    let one = random.one(seeds).clone();
+    let other = random.one(seeds).clone();
+    mutated(&one, &other, target.kind, &mut random)
+}
+
+/// Reads cases from `first` on for `time`.
+///
+/// # Errors
+/// If its folder cannot be written or nobody listens.
+pub(crate) fn run(target: &Target, seed: u64, first: u64, time: Duration) -> std::io::Result<()> {
+    #[cfg(unix)]
+    nix::sys::resource::setrlimit(nix::sys::resource::Resource::RLIMIT_AS, MEMORY, MEMORY)?;
+    let seeds = seeds::of(target.name);
+    let folder = tempfile::tempdir()?;
+    // What some seeds refer to.
+    for (name, of) in [("seed.png", "png"), ("seed.glb", "glb")] {
+        fs::write(folder.path().join(name), &seeds::of(of)[0])?;
+    }
+    let extension = if target.name == "part" { "exr" } else { target.name };
+    let path = folder.path().join(format!("case.{extension}"));
+    let started = Instant::now();
+    let mut stdout = std::io::stdout().lock();
+    let mut index = first;
+    while started.elapsed() < time {
+        fs::write(&path, case(target, &seeds, seed, index))?;
+        writeln!(stdout, "{index}")?;
+        stdout.flush()?;
+        (target.read)(&path);
+        index += 1;
+    }
+    Ok(())
+}
