@@ -56,7 +56,12 @@ pub(crate) fn ours(plan: &Plan, spp: u32) -> Photograph {
     let scene = plan.scene();
     let tracer = Tracer::new(&scene);
     let half = |seed: u64| {
-        let settings = Settings { spp: spp / 2, seed, integrator: unrender_render::Integrator::Path, ..Settings::default() };
+        let settings = Settings {
+            spp: spp / 2,
+            seed,
+            integrator: unrender::render::Integrator::Path,
+            ..Settings::default()
+        };
         tracer.render(&scene.materials(), &plan.cameras[0], plan.size, &settings, &|_| {}).mean
     };
     Photograph { halves: [half(7001), half(7002)], spp }

@@ -19,10 +19,10 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
         .map_err(|error| FileError::new(path, format!("cannot be written: {error}")))
 }
 
-/// Checks that [`write`] could write to `path` now, by writing an empty file beside it.
+/// Checks that [`write()`] could write to `path` now, by writing an empty file beside it.
 ///
 /// # Errors
-/// As those of [`write`].
+/// As those of [`write()`].
 pub fn check(path: &Path) -> Result<(), FileError> {
     let target = target(path);
     target
@@ -41,10 +41,10 @@ fn try_write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
-/// Moves the whole file `from` to `to`, as [`write`] does with bytes.
+/// Moves the whole file `from` to `to`, as [`write()`] does with bytes.
 ///
 /// # Errors
-/// As those of [`write`].
+/// As those of [`write()`].
 pub fn move_file(from: &Path, to: &Path) -> Result<(), FileError> {
     let moved = target(to).and_then(|(path, _)| {
         File::open(from)?.sync_all()?;

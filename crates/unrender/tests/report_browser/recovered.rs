@@ -14,18 +14,19 @@ const PROJECT: &str =
 
 /// Recovers a floor and a wall under a lamp into `folder`; returns what `--json` printed.
 pub(crate) fn make(folder: &Path) -> Value {
-    std::fs::create_dir_all(folder).unwrap();
+    let inputs = folder.with_extension("inputs");
+    std::fs::create_dir_all(&inputs).unwrap();
     let mut scene = scene();
     scene.validate().unwrap();
     let settings = Settings { spp: 64, ..Settings::default() };
     let tracer = Tracer::new(&scene);
     let film = tracer.render(&scene.materials(), &scene.cameras[0], SIZE, &settings, &|_| ());
-    picture::write_exr(&folder.join("photo.exr"), &film.mean).unwrap();
-    std::fs::write(folder.join("scene.glb"), gltf::to_glb(&scene).unwrap()).unwrap();
-    std::fs::write(folder.join("project.toml"), PROJECT).unwrap();
+    picture::write_exr(&inputs.join("photo.exr"), &film.mean).unwrap();
+    std::fs::write(inputs.join("scene.glb"), gltf::to_glb(&scene).unwrap()).unwrap();
+    std::fs::write(inputs.join("project.toml"), PROJECT).unwrap();
     let mut unrender = Command::new(env!("CARGO_BIN_EXE_unrender"));
     unrender.args(["recover", "--quiet", "--json", "--spp", "8", "--no-refine"]);
-    let output = unrender.arg(folder.join("project.toml")).arg("--out").arg(folder);
+    let output = unrender.arg(inputs.join("project.toml")).arg("--out").arg(folder);
     let output = output.output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).unwrap()
