@@ -55,6 +55,8 @@ pub struct Photo {
     /// The valid mask: false where a channel is clipped, beside such a pixel, in the noise near
     /// black, and where the file has no finite value.
     pub valid: Image<bool>,
+    /// True for pixels with a clipped channel: their radiance is a lower bound.
+    pub saturated: Image<bool>,
     /// The number of pixels with a clipped channel, without their neighbours.
     pub clipped: usize,
     /// The number of pixels in the noise near black.
@@ -84,7 +86,10 @@ pub fn develop(picture: &Picture, transfer: &Transfer) -> Photo {
     for &index in picture.invalid.iter().chain(&dark) {
         valid.pixels_mut()[index] = false;
     }
-    Photo { radiance, valid, clipped: clipped.len(), dark: dark.len(), quantisation_step }
+    let mut saturated = picture.values.map(|_| false);
+    clipped.iter().for_each(|&index| saturated.pixels_mut()[index] = true);
+    let (clipped, dark) = (clipped.len(), dark.len());
+    Photo { radiance, valid, saturated, clipped, dark, quantisation_step }
 }
 
 #[cfg(test)]
@@ -130,6 +135,8 @@ mod tests {
         assert_eq!(photo.clipped, 1);
         let expected = [false, false, false, true, true, true, false, true];
         assert_eq!(photo.valid.pixels(), expected);
+        let saturated = [false, true, false, false, false, false, false, false];
+        assert_eq!(photo.saturated.pixels(), saturated);
         let float =
             develop(&picture(Depth::Float, values), &Transfer::plain(Response::Linear, Rgb::ONE));
         assert!(float.clipped == 0 && float.valid.pixels().iter().all(|t| *t));

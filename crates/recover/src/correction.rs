@@ -5,7 +5,6 @@
 //! `c` with which it was developed, `B(c + s) = B(c) + sum_k s_k dB/dc_k`, and `s` joins the unknowns
 //! of the refinement. Whoever asks develops the photograph anew with `c + s`, until `s` is small.
 
-use crate::ladder::State;
 use unrender_scene::{Rgb, RgbImage};
 
 /// One number of the camera that is asked for.
@@ -35,19 +34,5 @@ impl Correction {
     pub(crate) fn relative(&self, values: &RgbImage) -> Rgb {
         let sum = |image: &RgbImage| image.pixels().iter().copied().sum::<Rgb>();
         sum(&self.derivative) / sum(values).max(Rgb::splat(f32::MIN_POSITIVE))
-    }
-}
-
-impl State<'_> {
-    /// The photograph's value at a pixel with the camera's numbers as they stand, before exposure.
-    pub(crate) fn value(&self, pixel: usize) -> Rgb {
-        let value = self.observation.picture.values.pixels()[pixel];
-        value + self.correction(pixel)
-    }
-
-    /// What the camera's numbers add to the value of a pixel.
-    pub(crate) fn correction(&self, pixel: usize) -> Rgb {
-        let corrections = self.problem.corrections.iter().zip(&self.corrected.steps);
-        corrections.map(|(c, step)| c.derivative.pixels()[pixel] * *step as f32).sum()
     }
 }

@@ -4,8 +4,15 @@
 //! Two sets, A and B, because the noise of a rendering is not the model's fault: the product of the
 //! two residuals `(B - L_A)(B - L_B)` has the mean `(B - L)^2`, without the variance of either. All
 //! fits minimise that product, and no noise of ours biases them.
+//!
+//! A residual is weighted by the inverse of its variance under the observation model
+//! ([`crate::model_error`]): the photograph's noise at the *model's* brightness and the model error.
+//! The photograph's own value never enters its weight, since that would let dark pixels rule
+//! ([`Evidence::reweigh`]).
 
-use crate::observation::Observation;
+use crate::blocks::{self, Blocks};
+use crate::model_error::{Allowance, LightField, ModelError, level2};
+use crate::observation::{Noise, Observation, Reading};
 use crate::rerender::Renderer;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -22,6 +29,14 @@ pub struct Evidence {
     pub pixels: Vec<Observed>,
     /// The light at the same pixels, twice.
     pub sets: [Gathered; 2],
+    /// The block of every pixel of the sample.
+    pub blocks: Blocks,
+    /// How the light that was gathered may be wrong.
+    pub field: LightField,
+    /// How much model error is always allowed for.
+    pub allowance: Allowance,
+    /// The noise of every block that no candidate may undercut, where it is known.
+    pub least_noise: Option<Vec<Rgb>>,
 }
 
 /// One pixel of the photograph.
@@ -31,12 +46,17 @@ pub struct Observed {
     pub pixel: u32,
     /// Its radiance.
     pub radiance: Rgb,
-    /// The variance of its noise.
+    /// Whether the radiance is a measurement or a lower bound of one.
+    pub reading: Reading,
+    /// The photograph's noise there.
+    pub noise: Noise,
+    /// The variance of its noise, at the model's brightness.
     pub variance: Rgb,
-    /// The radiance around it, dark pixels raised to a share of the group's mean: what relative
-    /// errors are relative to.
+    /// The radiance that relative errors are relative to: the root mean square of the group's mean
+    /// and of the model's light here.
     pub level: Rgb,
-    /// The weight of its residual in fits.
+    /// The weight of its residual in fits: the inverse of its variance, zero where a lower bound is
+    /// met.
     pub weight: Rgb,
 }
 
@@ -65,15 +85,11 @@ pub struct Stage<'a> {
 pub struct Effort {
     /// Pixels of the group at most.
     pub pixels: usize,
+    /// How well the light can be known at this effort.
+    pub allowance: Allowance,
     /// The rest.
     pub probe: ProbeSettings,
 }
-
-/// Residuals count relative to this share of the local radiance: it stands for what no model of a
-/// real scene gets right, and keeps single bright pixels from ruling a fit.
-const RELATIVE: f32 = 0.02;
-/// Dark pixels count relative to this share of the group's mean.
-const DARK: f32 = 0.1;
 
 impl Evidence {
     /// Gathers the evidence on group `group` behind `pixels`, under the current `appearance`.
@@ -93,8 +109,43 @@ impl Evidence {
         });
         let seen = pixels_of_both(&sets, group as u32);
         let sets = sets.map(|probes| Gathered { probes: keep_pixels(probes, &seen, group as u32) });
+        let side = blocks::side(pixels.len(), seen.len());
+        let blocks = Blocks::of(&seen, renderer.geometry().width(), side);
         let pixels = observe(observation, exposure, group, &seen);
-        Self { model: renderer.model(), pixels, sets }
+        let allowance = effort.allowance;
+        let field = LightField::of(&blocks, &sets[0].probes, renderer.geometry(), allowance.light);
+        Self { model: renderer.model(), pixels, sets, blocks, field, allowance, least_noise: None }
+    }
+
+    /// Weights every residual by the inverse of its variance, with `material` as the model whose
+    /// light says how bright each pixel is, and `error` the group's model error. A pixel that is only
+    /// known to be at least so bright counts where the model is darker.
+    ///
+    /// The light is averaged over blocks, so that its noise does not enter the weights.
+    pub fn reweigh(&mut self, material: &Material, error: ModelError) {
+        let light = self.mean_radiance(material);
+        let smooth = self.blocks.smooth(&light);
+        let bounded: Vec<bool> = self.pixels.iter().map(|p| p.reading != Reading::Value).collect();
+        let of_bounded = self.blocks.mean_where(&light, |i| bounded[i]);
+        let mean = light.iter().sum::<Rgb>() / light.len().max(1) as f32;
+        for (pixel, &block) in self.pixels.iter_mut().zip(&self.blocks.of_pixel) {
+            let block = block as usize;
+            let level2 = level2(mean, smooth[block]);
+            pixel.level = level2.map(f32::sqrt);
+            pixel.variance = pixel.noise.variance(smooth[block]);
+            let weight = error.weight(pixel.variance, level2, self.blocks.sizes[block]);
+            let is_met = of_bounded[block].cmpge(pixel.radiance);
+            pixel.weight = match pixel.reading {
+                Reading::Value => weight,
+                Reading::AtLeast => Rgb::select(is_met, Rgb::ZERO, weight),
+            };
+        }
+    }
+
+    /// The mean of the two renderings of `material` at every pixel.
+    pub fn mean_radiance(&self, material: &Material) -> Vec<Rgb> {
+        let [a, b] = self.radiance(material);
+        a.iter().zip(&b).map(|(a, b)| 0.5 * (*a + *b)).collect()
     }
 
     /// Whether nothing was seen of the group.
@@ -139,6 +190,17 @@ impl Evidence {
         radiance
     }
 
+    /// A third of the pixels of a large sample, for searches whose last steps see all of them.
+    #[must_use]
+    pub fn thinned(&self) -> Self {
+        const ENOUGH: usize = 1500;
+        if self.pixels.len() < ENOUGH {
+            return self.clone();
+        }
+        let flags: Vec<bool> = (0..self.pixels.len()).map(|i| i % 3 != 0).collect();
+        self.clone().without(&flags)
+    }
+
     /// The same without the pixels of the sample that are flagged.
     #[must_use]
     pub fn without(mut self, flags: &[bool]) -> Self {
@@ -148,6 +210,9 @@ impl Evidence {
             let mut kept = flags.iter().map(|flag| !flag);
             set.probes.probes.retain(|_| kept.next().unwrap_or(true));
         }
+        self.least_noise = None;
+        self.field = self.field.without(&self.blocks, flags);
+        self.blocks = self.blocks.without(flags);
         self
     }
 
@@ -200,24 +265,29 @@ fn keep_pixels(mut probes: Probes, pixels: &[u32], group: u32) -> Probes {
     probes
 }
 
-/// The photograph in some pixels of one group.
+/// The photograph in some pixels of one group, weighted as if the group were equally bright
+/// everywhere.
 pub fn observe(
     observation: &Observation,
     exposure: Rgb,
     group: usize,
     pixels: &[u32],
 ) -> Vec<Observed> {
-    let value = |image: &unrender_scene::RgbImage, p: u32| exposure * image.pixels()[p as usize];
-    let mean = pixels.iter().map(|&p| value(&observation.smooth, p)).sum::<Rgb>()
-        / pixels.len().max(1) as f32;
-    let dark = Rgb::splat(DARK * mean.max_element()).max(DARK * mean);
+    let value = |p: u32| exposure * observation.picture.values.pixels()[p as usize];
+    let mean = pixels.iter().map(|&p| value(p)).sum::<Rgb>() / pixels.len().max(1) as f32;
+    let level2 = level2(mean, mean);
     let one = |&pixel: &u32| {
-        let variance = exposure * exposure * observation.noise_variance(group, pixel);
-        let level = value(&observation.smooth, pixel).max(dark);
-        let tolerance = level * RELATIVE;
-        let weight = (variance + tolerance * tolerance).max(Rgb::splat(f32::MIN_POSITIVE)).recip();
-        let radiance = value(&observation.picture.values, pixel);
-        Observed { pixel, radiance, variance, level, weight }
+        let noise = observation.noise(group, pixel, exposure);
+        let variance = noise.variance(mean);
+        Observed {
+            pixel,
+            radiance: value(pixel),
+            reading: observation.reading(pixel),
+            noise,
+            variance,
+            level: level2.map(f32::sqrt),
+            weight: ModelError::START.weight(variance, level2, 1),
+        }
     };
     pixels.iter().map(one).collect()
 }

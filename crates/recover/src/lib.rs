@@ -1,29 +1,37 @@
 //! One photograph and a scene to materials [Boivin & Gagalowicz 2002].
 //!
-//! The modules stand in the order of one turn of the paper's loop:
-//! photograph and scene ([`register`], [`observation`], [`problem`]) -> [`evidence`] ->
-//! [`hypothesis`] -> [`rerender`] -> [`error`], [`stray`] -> next hypothesis (`ladder`) -> all
-//! numbers at once (`refine`) -> materials ([`record`]).
+//! The modules stand in the order of the paper's loop, plain data first:
+//! photograph and scene ([`register`], [`observation`], [`blocks`], [`problem`]) -> [`evidence`] ->
+//! [`hypothesis`] -> [`rerender`] -> error ([`model_error`], [`residual`], [`outliers`]) -> next
+//! hypothesis ([`selection`], `ladder`) -> all parameters at once (`refine`) -> materials
+//! ([`record`]). The `driver` owns iteration, verification and cancellation.
 //!
 //! [`recover`] is the whole of it. It touches no file, no clock and no terminal; the renderer is
 //! behind the small trait [`Renderer`], and whoever wants to follow gives an [`Observer`].
 
+pub mod blocks;
 pub mod convert;
 pub mod correction;
-pub mod error;
+mod driver;
 pub mod evidence;
 pub mod fit;
 pub mod hypothesis;
 pub mod ladder;
+pub mod model_error;
 pub mod observation;
+pub mod outliers;
 mod picture;
+mod plain;
 pub mod problem;
 pub mod prospect;
 pub mod record;
 mod refine;
 pub mod register;
 pub mod rerender;
-pub mod stray;
+pub mod residual;
+pub mod selection;
+mod state;
+mod verify;
 
 pub use correction::{Corrected, Correction};
 pub use hypothesis::Hypothesis;
@@ -37,7 +45,8 @@ pub use record::{
 };
 pub use rerender::{Renderer, View};
 
-use ladder::{State, climb, paper};
+use ladder::paper;
+use state::State;
 use unrender_scene::Material;
 
 /// Refines `materials`, one for each group of `problem`, which are near what the photograph shows:
@@ -55,8 +64,8 @@ pub fn refine_from(
     let mut state = State::new(problem)?;
     state.wear(materials);
     refine::settle_nuisances(&mut state, options)?;
-    let termination = refine::refine(&mut state, options, observer);
-    Ok(picture::finish(state, options, termination, observer))
+    let termination = refine::refine(&mut state, options, refine::Depth::Fine, observer);
+    Ok(picture::finish(state, &last_picture(options, termination), termination, observer))
 }
 
 /// Recovers the material of every group of `problem`.
@@ -70,19 +79,17 @@ pub fn recover(
 ) -> Result<Recovery, RecoverError> {
     let mut state = State::new(problem)?;
     let termination = match options.ladder {
-        LadderKind::Default => {
-            let mut termination = climb::climb(&mut state, options, observer)?;
-            if options.refine {
-                termination = refine::refine(&mut state, options, observer);
-                if climb::reconsider_textures(&mut state, options) {
-                    termination = refine::refine(&mut state, options, observer);
-                }
-                refine::basins::find(&mut state, options);
-            }
-            climb::finish_textures(&mut state, options);
-            termination
-        }
+        LadderKind::Default => driver::drive(&mut state, options, observer)?,
         LadderKind::Paper => paper::climb(&mut state, options, observer)?,
     };
-    Ok(picture::finish(state, options, termination, observer))
+    Ok(picture::finish(state, &last_picture(options, termination), termination, observer))
+}
+
+/// The settings of the last picture: a user who interrupts is not kept waiting for a clean one.
+fn last_picture(options: &Options, termination: Termination) -> Options {
+    const HASTY: u32 = 8;
+    match termination {
+        Termination::Interrupted => Options { spp: options.spp.min(HASTY), ..options.clone() },
+        _ => options.clone(),
+    }
 }

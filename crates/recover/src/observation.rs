@@ -7,8 +7,9 @@
 //!
 //! The noise of the photograph is estimated from itself: in the interior of a group, the difference
 //! of a pixel from the mean of its two neighbours in the row holds 3/2 of the noise's variance and
-//! little of the picture. It gives for each group `variance = quantum^2/12 + s B`, quantisation and
-//! a shot noise. What is finer than two pixels in a picture (a coarse weave, say) counts as noise.
+//! little of the picture. It gives `variance = quantum^2/12 + s B`, quantisation and a shot noise. One
+//! camera took all groups: where a group's differences are far larger than those of most pixels, they
+//! are a pattern (a mirror image, a fine texture) and not noise.
 
 use crate::register::margin::{self, near_edges};
 use crate::register::offset::EdgePicture;
@@ -24,8 +25,39 @@ pub struct Picture {
     pub values: RgbImage,
     /// False for pixels that are clipped or broken.
     pub trusted: Image<bool>,
+    /// True for pixels whose value is a lower bound: the camera or the file cut them off at the top.
+    pub saturated: Image<bool>,
     /// What one step of the file's code value means at this pixel; zero for float files.
     pub quantum: RgbImage,
+}
+
+/// What the value of a pixel says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reading {
+    /// A measurement with noise.
+    Value,
+    /// The scene is at least so bright there: the pixel is clipped.
+    AtLeast,
+}
+
+/// The photograph's noise at one pixel: its variance is `base + slope L` where the scene has the
+/// radiance `L`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// Of the quantisation, squared radiance.
+    pub base: Rgb,
+    /// Of the shot noise, radiance.
+    pub slope: Rgb,
+}
+
+impl Noise {
+    /// No noise at all.
+    pub const NONE: Self = Self { base: Rgb::ZERO, slope: Rgb::ZERO };
+
+    /// The variance where the scene has the radiance `radiance`.
+    pub fn variance(&self, radiance: Rgb) -> Rgb {
+        self.base + self.slope * radiance.max(Rgb::ZERO)
+    }
 }
 
 /// Whether a pixel is believed, and why not.
@@ -54,6 +86,8 @@ pub struct Observation {
     pub trust: Image<Trust>,
     /// For each group: the believed pixels, in scanline order.
     pub pixels_of_group: Vec<Vec<u32>>,
+    /// For each group: the believed pixels and those that are a lower bound, in scanline order.
+    pub informative_of_group: Vec<Vec<u32>>,
     /// For each group: all its pixels, believed or not.
     pub all_pixels_of_group: Vec<Vec<u32>>,
     /// The local mean of the believed pixels of the same object, 5 x 5.
@@ -125,9 +159,46 @@ impl Observation {
             .iter()
             .map(|all| all.iter().filter(believes).copied().collect())
             .collect();
+        let near = near_edges(geometry, margins, 1.0);
+        let informs = |p: &&u32| {
+            let bounds = picture.saturated.pixels()[**p as usize] && !near.pixels()[**p as usize];
+            believes(p) || bounds
+        };
+        let informative_of_group =
+            all_pixels_of_group.iter().map(|a| a.iter().filter(informs).copied().collect());
+        let informative_of_group = informative_of_group.collect();
         let smooth = smooth(&picture.values, geometry, &pixels_of_group);
-        let shot_of_group = pixels_of_group.iter().map(|p| shot_noise(&picture, p)).collect();
-        Self { picture, trust, pixels_of_group, all_pixels_of_group, smooth, shot_of_group }
+        let shots: Vec<Rgb> = pixels_of_group.iter().map(|p| shot_noise(&picture, p)).collect();
+        let shot_of_group = of_one_camera(&shots, &pixels_of_group);
+        Self {
+            picture,
+            trust,
+            pixels_of_group,
+            informative_of_group,
+            all_pixels_of_group,
+            smooth,
+            shot_of_group,
+        }
+    }
+
+    /// The share of a group's pixels that show something else.
+    pub fn outlier_share(&self, group: usize) -> f64 {
+        let all = &self.all_pixels_of_group[group];
+        let outliers = all.iter().filter(|p| self.trust.pixels()[**p as usize] == Trust::Stray);
+        outliers.count() as f64 / all.len().max(1) as f64
+    }
+
+    /// What the value of a pixel says.
+    pub fn reading(&self, pixel: u32) -> Reading {
+        let saturated = self.picture.saturated.pixels()[pixel as usize];
+        if saturated { Reading::AtLeast } else { Reading::Value }
+    }
+
+    /// The noise at a pixel of `group`, in radiance, of which a unit of the photograph's values is
+    /// `exposure`.
+    pub fn noise(&self, group: usize, pixel: u32, exposure: Rgb) -> Noise {
+        let quantum = exposure * self.picture.quantum.pixels()[pixel as usize];
+        Noise { base: quantum * quantum / 12.0, slope: exposure * self.shot_of_group[group] }
     }
 
     /// No longer believes `pixels` of `group`, which show something else.
@@ -137,13 +208,31 @@ impl Observation {
         }
         let trust = &self.trust;
         self.pixels_of_group[group].retain(|&p| trust.pixels()[p as usize] == Trust::Believed);
+        self.informative_of_group[group].retain(|&p| trust.pixels()[p as usize] != Trust::Stray);
+    }
+}
+
+/// Which pixels count, to come back to.
+#[derive(Clone, Debug)]
+pub(crate) struct ValidPixels {
+    trust: Image<Trust>,
+    pixels: Vec<Vec<u32>>,
+    informative: Vec<Vec<u32>>,
+}
+
+impl Observation {
+    pub(crate) fn valid_pixels(&self) -> ValidPixels {
+        ValidPixels {
+            trust: self.trust.clone(),
+            pixels: self.pixels_of_group.clone(),
+            informative: self.informative_of_group.clone(),
+        }
     }
 
-    /// The variance of the photograph's noise at a pixel of `group`, before exposure.
-    pub fn noise_variance(&self, group: usize, pixel: u32) -> Rgb {
-        let quantum = self.picture.quantum.pixels()[pixel as usize];
-        let level = self.smooth.pixels()[pixel as usize].max(Rgb::ZERO);
-        quantum * quantum / 12.0 + self.shot_of_group[group] * level
+    pub(crate) fn restore_valid_pixels(&mut self, valid: &ValidPixels) {
+        self.trust.clone_from(&valid.trust);
+        self.pixels_of_group.clone_from(&valid.pixels);
+        self.informative_of_group.clone_from(&valid.informative);
     }
 }
 
@@ -187,6 +276,31 @@ fn smooth(values: &RgbImage, geometry: &GeometryBuffers, groups: &[Vec<u32>]) ->
         }
         if count > 0.0 { sum / count } else { *values.at(x, y) }
     })
+}
+
+/// The noise of a group is at most this many times that of the picture: the same camera took all
+/// groups. At half of it, the renderings that stand in for photographs have glossy groups that are
+/// noisier than this; at double, mirror images and fine textures pass for noise.
+const LIKE_OTHERS: f32 = 2.0;
+
+/// The groups' shot noise, of which what is far above that of most pixels is a pattern and no noise:
+/// the differences of neighbouring pixels in a mirror image, say.
+fn of_one_camera(shots: &[Rgb], pixels: &[Vec<u32>]) -> Vec<Rgb> {
+    let median = |channel: usize| {
+        let measured = shots.iter().zip(pixels).filter(|(shot, _)| shot[channel] > 0.0);
+        let mut sorted: Vec<(f32, usize)> =
+            measured.map(|(shot, pixels)| (shot[channel], pixels.len())).collect();
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let half = sorted.iter().map(|s| s.1).sum::<usize>() / 2;
+        let mut count = 0;
+        let middle = sorted.iter().find(|(_, pixels)| {
+            count += pixels;
+            count > half
+        });
+        middle.map_or(f32::INFINITY, |(shot, _)| *shot)
+    };
+    let most = LIKE_OTHERS * Rgb::new(median(0), median(1), median(2));
+    shots.iter().map(|shot| shot.min(most)).collect()
 }
 
 /// A group's variance beyond quantisation per unit of value, per channel.
@@ -239,6 +353,7 @@ mod tests {
         let picture = Picture {
             values: RgbImage::from_fn(SIDE, SIDE, |x, y| Rgb::splat(value(x, y))),
             trusted: Image::new(SIDE, SIDE, vec![true; SIDE * SIDE]),
+            saturated: Image::new(SIDE, SIDE, vec![false; SIDE * SIDE]),
             quantum: RgbImage::new(SIDE, SIDE, vec![Rgb::ZERO; SIDE * SIDE]),
         };
         let margins = Image::new(SIDE, SIDE, vec![margin; SIDE * SIDE]);

@@ -1,10 +1,11 @@
 //! The end: the photograph's view rendered with what was found, and each group's error in it.
 
 use crate::hypothesis::Fit;
-use crate::ladder::State;
 use crate::problem::{Options, Role};
 use crate::record::{Alternative, GroupResult, Observer, Recovery, Status, Termination};
 use crate::rerender::Renderer;
+use crate::residual::deviation_of_sum;
+use crate::state::State;
 use glam::Vec3;
 use unrender_render::sampler::mix;
 use unrender_render::{Appearance, NOTHING, Settings};
@@ -21,7 +22,7 @@ pub(crate) fn finish(
     let halves = render_twice(state.problem.renderer, state.appearance(), options, observer);
     let squares: Vec<Squares> =
         (0..state.materials.len()).map(|g| Squares::of(&state, g, &halves)).collect();
-    let whole = squares.iter().map(|s| s.error).sum();
+    let whole = squares.iter().map(|s| s.error.max(0.0)).sum();
     let groups = squares.iter().enumerate().map(|(g, s)| group_result(&state, g, s, whole));
     let groups = groups.collect();
     let mean = halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (*a + *b)).collect();
@@ -65,70 +66,111 @@ fn render_twice(
 /// The result of a group, of which `whole` is the squared error of all groups.
 fn group_result(state: &State<'_>, group: usize, squares: &Squares, whole: f64) -> GroupResult {
     let spec = &state.problem.groups[group];
-    let standing = &state.standing[group];
+    let of_group = &state.groups[group];
+    let doubt = if of_group.status == Status::Recovered { squares.doubt() } else { None };
     let observation = &state.observation;
     let believed = &observation.pixels_of_group[group];
-    let note = standing.note.clone().or_else(|| match standing.status {
+    let note = of_group.note.clone().or_else(|| match of_group.status {
         Status::Assumed => Some("no pixel shows this group: taken as white diffuse".to_owned()),
         _ => None,
     });
+    let note = match (&doubt, note) {
+        (Some(doubt), Some(note)) => Some(format!("{doubt}; {note}")),
+        (Some(doubt), None) => Some(doubt.clone()),
+        (None, note) => note,
+    };
     GroupResult {
         name: spec.name.clone(),
-        status: standing.status,
-        hypothesis: standing.hypothesis,
+        status: if doubt.is_some() { Status::Doubtful } else { of_group.status },
+        hypothesis: of_group.hypothesis,
         material: state.materials[group].clone(),
-        std: standing.std,
-        alternatives: standing.alternatives.iter().map(alternative).collect(),
+        std: of_group.std,
+        alternatives: of_group.alternatives.iter().map(alternative).collect(),
         direction: direction(state, group),
-        seen_texels: standing.seen_texels.clone(),
+        seen_texels: of_group.seen_texels.clone(),
         pixels: observation.all_pixels_of_group[group].len(),
         trusted_pixels: believed.len(),
         error: squares.relative(),
         error_share: squares.share_of(whole),
-        story: standing.story.clone(),
+        story: of_group.story.clone(),
         note,
     }
 }
 
 fn alternative(fit: &Fit) -> Alternative {
-    let error = fit.misfit.relative();
+    let error = fit.residual.relative();
     Alternative { hypothesis: fit.hypothesis, material: fit.material.clone(), error }
 }
 
-/// Sums over the believed pixels of a group that is no lamp; zero for lamps.
+/// Sums over the valid pixels of a group that is no lamp; zero for lamps.
 struct Squares {
     /// Of photograph minus re-rendering: the products of the two halves' residuals hold the error
     /// without the rendering's noise.
     error: f64,
+    /// The standard deviation of that.
+    deviation: f64,
+    /// The variance of the photograph's and the re-rendering's noise.
+    noise: f64,
     /// Of the photograph.
     photo: f64,
 }
 
+/// A group is doubtful above this relative error, whatever the noise: materials that leave a third
+/// of the photograph unexplained predict nothing.
+const DOUBTFUL: f64 = 0.3;
+/// And above this many times its noise; at double of it, errors that anyone sees pass.
+const TIMES_NOISE: f64 = 5.0;
+/// Noise and what no model of a scene gets right are together at least this, relatively. At half of
+/// it, photographs without noise make every group doubtful.
+const NOISE_MIN: f64 = 0.006;
+
 impl Squares {
     fn of(state: &State<'_>, group: usize, halves: &[Vec<Rgb>; 2]) -> Self {
-        let mut squares = Self { error: 0.0, photo: 0.0 };
+        let mut squares = Self { error: 0.0, deviation: 0.0, noise: 0.0, photo: 0.0 };
         if state.problem.groups[group].role == Role::Emitter {
             return squares;
         }
+        let mut products = Vec::new();
         for &pixel in &state.observation.pixels_of_group[group] {
             let at = pixel as usize;
             let photo = state.exposure * state.value(at);
-            let product = (photo - halves[0][at]) * (photo - halves[1][at]);
-            squares.error += f64::from(product.element_sum());
+            let [a, b] = [halves[0][at], halves[1][at]];
+            let noise = state.observation.noise(group, pixel, state.exposure);
+            let noise = noise.variance(0.5 * (a + b));
+            products.push(f64::from(((photo - a) * (photo - b) - noise).element_sum()));
+            let rendering = 0.25 * (a - b) * (a - b);
+            squares.noise += f64::from((noise + rendering).element_sum());
             squares.photo += f64::from((photo * photo).element_sum());
         }
-        squares.error = squares.error.max(0.0);
+        squares.error = products.iter().sum();
+        squares.deviation = deviation_of_sum(&products);
         squares
     }
 
-    /// The relative root mean square; none where no pixel shows the group.
+    /// The relative root mean square; where it cannot be told from zero, its standard deviation.
+    /// None where no pixel shows the group.
     fn relative(&self) -> Option<f64> {
-        (self.photo > 0.0).then(|| (self.error / self.photo).sqrt())
+        let square = self.error.max(self.deviation).max(0.0);
+        (self.photo > 0.0).then(|| (square / self.photo).sqrt())
     }
 
     /// The share of the squared error `whole`.
     fn share_of(&self, whole: f64) -> Option<f64> {
-        (self.photo > 0.0 && whole > 0.0).then(|| self.error / whole)
+        (self.photo > 0.0 && whole > 0.0).then(|| self.error.max(0.0) / whole)
+    }
+
+    /// Why noise and model error do not explain what is left, if they do not.
+    fn doubt(&self) -> Option<String> {
+        let error = self.relative()?;
+        let noise = (self.noise / self.photo).sqrt();
+        let doubtful = error > DOUBTFUL || error > TIMES_NOISE * noise.max(NOISE_MIN);
+        doubtful.then(|| {
+            format!(
+                "its error of {:.1} % is not explained by noise ({:.1} %) and model error",
+                100.0 * error,
+                100.0 * noise
+            )
+        })
     }
 }
 
@@ -144,8 +186,9 @@ fn noise(state: &State<'_>, halves: &[Vec<Rgb>; 2]) -> Image<f32> {
         if group == NOTHING {
             return 0.0;
         }
-        let of_photo = state.observation.noise_variance(group as usize, at as u32);
-        let of_photo = (of_photo * (state.exposure * weights).powf(2.0)).element_sum();
+        let noise = state.observation.noise(group as usize, at as u32, state.exposure);
+        let of_photo = noise.variance(0.5 * (halves[0][at] + halves[1][at]));
+        let of_photo = (of_photo * weights * weights).element_sum();
         let neighbours: Vec<f32> = geometry.neighbourhood(at).map(of_rendering).collect();
         let of_rendering = neighbours.iter().sum::<f32>() / neighbours.len() as f32;
         (of_photo + of_rendering).sqrt()

@@ -3,7 +3,7 @@
 use crate::correction::Correction;
 use crate::observation::Observation;
 use crate::rerender::Renderer;
-use unrender_scene::{Material, Rgb};
+use unrender_scene::{Hypothesis, Material, Rgb};
 
 /// Everything that recovery starts from.
 #[derive(Clone)]
@@ -32,6 +32,8 @@ pub struct GroupSpec {
     pub role: Role,
     /// The reflectance of known groups and emitters; ignored for unknown ones.
     pub material: Material,
+    /// The most complex hypothesis that an unknown group may have.
+    pub max_rung: Hypothesis,
 }
 
 /// Whether a group's reflectance is asked for.
@@ -109,13 +111,15 @@ impl Default for Options {
 /// When a hypothesis is good enough; relative errors, 0.01 is one percent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thresholds {
-    /// A rung is accepted at `error^2 <= explained^2 + 2 deviations`. The paper goes from isotropic
-    /// to anisotropic above one percent.
+    /// Model error, as a share of the local light, that always counts as explained: no difference
+    /// below it decides anything.
     pub explained: f64,
-    /// A simpler rung is preferred whose error is at most this many times the best rung's.
-    pub simpler: f64,
-    /// A group is textured if the best uniform rung leaves more than this.
-    pub textured: f64,
+    /// Where given: a simpler rung is preferred whose error is at most this many times the best
+    /// rung's, whatever the significance of the difference.
+    pub simpler: Option<f64>,
+    /// Where given: a group is textured if the best uniform rung leaves a model error above this.
+    /// Else it is textured if that is far above the model error of the scene's other groups.
+    pub textured: Option<f64>,
     /// The paper's lambda (eq. 3): objects whose ratio is further than this from the median of
     /// their group, relatively, do not count.
     pub dispersion: f64,
@@ -127,9 +131,9 @@ pub struct Thresholds {
 impl Default for Thresholds {
     fn default() -> Self {
         Self {
-            explained: 0.01,
-            simpler: 1.5,
-            textured: 0.06,
+            explained: 0.003,
+            simpler: None,
+            textured: None,
             dispersion: 0.5,
             paper: [0.15, 0.15, 0.15, 0.15, 0.01, 0.15],
         }

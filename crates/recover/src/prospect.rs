@@ -11,6 +11,7 @@
 //! and near 2.2 for linear ones that were decoded.
 
 use crate::evidence::{Effort, Evidence, Stage};
+use crate::model_error::{Allowance, LightError, ModelError};
 use crate::rerender::round_lobes;
 use unrender_render::{Appearance, ProbeSettings};
 use unrender_scene::Rgb;
@@ -20,6 +21,9 @@ use unrender_scene::color::luminance;
 pub const ALPHAS: [f32; 2] = [0.05, 0.1];
 /// Reflections that are followed: in middle grey the rest carries a sixteenth of the light.
 const BOUNCES: u32 = 4;
+/// Of the first look at a scene whose reflectances nobody knows.
+const ALLOWANCE: Allowance =
+    Allowance { light: LightError { share: 0.1 }, floor: ModelError { share: 0.01 } };
 const COSINE: u32 = 8;
 const PER_LOBE: u32 = 8;
 
@@ -58,7 +62,13 @@ pub fn prospect(
             max_bounces,
             ..ProbeSettings::default()
         };
-        Evidence::gather(stage, appearance, group, pixels, &Effort { pixels: count, probe })
+        Evidence::gather(
+            stage,
+            appearance,
+            group,
+            pixels,
+            &Effort { pixels: count, allowance: ALLOWANCE, probe },
+        )
     };
     // The same seed sends the same rays through the same pixels.
     let (direct, all) = (gather(1), gather(BOUNCES));

@@ -1,9 +1,9 @@
 //! The records of a recovery: everything that tables, reports and files say is a field here.
 
 use crate::correction::Corrected;
-use crate::error::Misfit;
 use crate::hypothesis::Hypothesis;
 use crate::observation::Trust;
+use crate::residual::ResidualStats;
 use glam::Vec3;
 pub use unrender_scene::Status;
 use unrender_scene::{Image, Material, Rgb, RgbImage};
@@ -116,7 +116,11 @@ pub struct Trial {
     /// Its parameters.
     pub material: Material,
     /// What it left unexplained.
-    pub misfit: Misfit,
+    pub residual: ResidualStats,
+    /// The model error that its residuals call for, as a share of the local light.
+    pub model_error: f64,
+    /// Its information criterion less that of the best candidate; zero with the paper's ladder.
+    pub criterion: f64,
     /// Whether the group stood on this rung afterwards.
     pub taken: bool,
 }
@@ -165,6 +169,10 @@ pub enum Termination {
     Refined,
     /// They were refined together, and still moved by more than that at the limit of passes.
     RefinementLimit,
+    /// A step of the refinement could not be solved.
+    RefinementFailed,
+    /// The user stopped it; the results are those of the best verified state.
+    Interrupted,
 }
 
 impl Termination {
@@ -180,6 +188,14 @@ impl Termination {
                 "stopped at the limit of passes, after {turns} global re-renderings, while a step \
                  was still larger than its own uncertainty"
             ),
+            Self::RefinementFailed => format!(
+                "stopped after {turns} global re-renderings, because a step of the joint refinement \
+                 could not be solved; the results are those before it"
+            ),
+            Self::Interrupted => format!(
+                "interrupted after {turns} global re-renderings; the results are the best that were \
+                 verified until then"
+            ),
             Self::TurnLimit => {
                 format!("stopped at the limit of {turns} global re-renderings before settling")
             }
@@ -193,6 +209,10 @@ pub trait Observer: Sync {
     fn turn(&mut self, record: &TurnRecord);
     /// During the final picture, from any thread: the share done, 0 to 1.
     fn picture(&self, share: f64);
+    /// Whether to stop with what there is. Asked between iterations.
+    fn is_cancelled(&self) -> bool {
+        false
+    }
 }
 
 /// An observer that does not listen.

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f32::consts::{FRAC_PI_2, TAU};
 use unrender_recover::{
-    ExposureRule, GroupResult, GroupSpec, Observation, Options, Picture, Problem, Recovery, Role,
-    Status, View, refine_from,
+    ExposureRule, GroupResult, GroupSpec, Hypothesis, Observation, Options, Picture, Problem,
+    Recovery, Role, Status, View, refine_from,
 };
 use unrender_render::sampler::mix;
 use unrender_render::{Settings, Tracer};
@@ -39,6 +39,7 @@ fn noisy(clean: &RgbImage, realisation: u64) -> Picture {
     Picture {
         values: RgbImage::new(SIDE, SIDE, (0..count).map(value).collect()),
         trusted: Image::new(SIDE, SIDE, vec![true; count]),
+        saturated: Image::new(SIDE, SIDE, vec![false; count]),
         quantum: RgbImage::new(SIDE, SIDE, vec![Rgb::ZERO; count]),
     }
 }
@@ -71,6 +72,7 @@ fn refined(scene: &Scene, tracer: &Tracer, clean: &RgbImage, realisation: u64) -
             _ => Role::Unknown,
         },
         material: group.material.clone(),
+        max_rung: Hypothesis::Textured,
     };
     let problem = Problem {
         corrections: &[],

@@ -26,6 +26,7 @@ fn recovered(scene: &Scene) -> Recovery {
     let picture = Picture {
         values: picture(scene),
         trusted: Image::new(SIDE, SIDE, vec![true; SIDE * SIDE]),
+        saturated: Image::new(SIDE, SIDE, vec![false; SIDE * SIDE]),
         quantum: RgbImage::new(SIDE, SIDE, vec![Rgb::ZERO; SIDE * SIDE]),
     };
     let observation = Observation::new(picture, view.geometry(), scene.groups.len());
@@ -33,6 +34,7 @@ fn recovered(scene: &Scene) -> Recovery {
         name: group.name.clone(),
         role: if i == LAMP { Role::Emitter } else { Role::Unknown },
         material: group.material.clone(),
+        max_rung: Hypothesis::Textured,
     };
     let problem = Problem {
         corrections: &[],

@@ -192,6 +192,7 @@ fn recovered_as(
     let geometry = unrender_recover::Renderer::geometry(&view);
     let picture = Picture {
         trusted: photograph.map(|v| v.max_element() < 7.0),
+        saturated: photograph.map(|v| v.max_element() >= 7.0),
         quantum: photograph.map(|_| Rgb::ZERO),
         values: photograph.clone(),
     };
@@ -201,6 +202,7 @@ fn recovered_as(
         name: group.name.clone(),
         role: if group.is_emitter() { Role::Emitter } else { Role::Unknown },
         material: group.material.clone(),
+        max_rung: Hypothesis::Textured,
     };
     let problem = Problem {
         corrections: &[],

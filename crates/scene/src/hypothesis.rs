@@ -57,6 +57,18 @@ impl fmt::Display for Hypothesis {
     }
 }
 
+impl std::str::FromStr for Hypothesis {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let named = Self::ALL.into_iter().find(|hypothesis| hypothesis.name() == text);
+        named.ok_or_else(|| {
+            let names = Self::ALL.map(Self::name).join(", ");
+            format!("there is no hypothesis \"{text}\"; there are {names}")
+        })
+    }
+}
+
 /// The origin of a group's parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -67,6 +79,8 @@ pub enum Status {
     Known,
     /// Not determined by this photograph; a note says why.
     Assumed,
+    /// From the photograph, but noise and model error do not explain what is left; a note says why.
+    Doubtful,
 }
 
 impl fmt::Display for Status {
@@ -75,6 +89,7 @@ impl fmt::Display for Status {
             Self::Recovered => "recovered",
             Self::Known => "known",
             Self::Assumed => "assumed",
+            Self::Doubtful => "doubtful",
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::camera_numbers::{self, Number};
 use crate::cli::warn;
+use crate::interrupt::Pausable;
 use crate::progress::Progress;
 use crate::registration::{self, Alignment, Laid};
 use crate::{Error, Job};
@@ -55,23 +56,25 @@ pub(crate) fn recover(
     progress: &Progress,
 ) -> Result<Recovered, Error> {
     let started = Instant::now();
+    let pausable = Pausable::new();
     let laid = registration::lay(job, &Tracer::new(&job.scene), alignment);
     warn(&laid.warnings);
     let until_laid = started.elapsed().as_secs_f64();
     let numbers = camera_numbers::asked(&job.project);
     if !numbers.is_empty() && options.refine && options.ladder == LadderKind::Default {
         // A texture explains whatever a wrong gamma does to a group.
-        let thresholds = Thresholds { textured: f64::INFINITY, ..options.thresholds };
+        let thresholds = Thresholds { textured: Some(f64::INFINITY), ..options.thresholds };
         let rough = Options { thresholds, spp: 1, ..options.clone() };
         for _ in 0..ROUNDS_MAX {
-            let mut teller = Teller::new(progress, options, started);
-            if recover_once(job, &laid, &numbers, &rough, &mut teller)?.change < NEAR {
+            let mut teller = Teller::new(progress, options, started, &pausable);
+            let change = recover_once(job, &laid, &numbers, &rough, &mut teller)?.change;
+            if change < NEAR || pausable.is_asked() {
                 break;
             }
         }
     }
     let developed = started.elapsed().as_secs_f64();
-    let mut teller = Teller::new(progress, options, started);
+    let mut teller = Teller::new(progress, options, started, &pausable);
     let Once { mut recovery, group_map, .. } =
         recover_once(job, &laid, &numbers, options, &mut teller)?;
     if let Exposure::Fixed(exposure) = job.project.exposure {
@@ -149,7 +152,12 @@ pub(crate) fn spec(job: &Job, group: usize) -> GroupSpec {
     } else {
         (Role::Unknown, of_scene.material.clone())
     };
-    GroupSpec { name: of_scene.name.clone(), role, material }
+    GroupSpec {
+        name: of_scene.name.clone(),
+        role,
+        material,
+        max_rung: job.project.max_rung_of(&of_scene.name),
+    }
 }
 
 fn exposure_rule(job: &Job) -> ExposureRule {
@@ -168,12 +176,18 @@ struct Teller<'a> {
     started: Instant,
     /// Seconds since the start at the end of each turn.
     turns: Vec<f64>,
+    pausable: &'a Pausable,
 }
 
 impl<'a> Teller<'a> {
-    fn new(progress: &'a Progress, options: &Options, started: Instant) -> Self {
+    fn new(
+        progress: &'a Progress,
+        options: &Options,
+        started: Instant,
+        pausable: &'a Pausable,
+    ) -> Self {
         let paper = options.ladder == LadderKind::Paper;
-        Self { progress, paper, started, turns: Vec::new() }
+        Self { progress, paper, started, turns: Vec::new(), pausable }
     }
 }
 
@@ -195,8 +209,9 @@ impl Observer for Teller<'_> {
         };
         self.progress.say(
             format!(
-                "{ladder}turn {}: error {:.2} %, change {:.4}, still open: {open}",
+                "{ladder}iteration {}: {} {:.2} %, change {:.4}, still open: {open}",
                 record.turn,
+                if record.refining { "error of all groups" } else { "error of the worst group" },
                 100.0 * record.worst_error,
                 record.change
             ),
@@ -206,5 +221,9 @@ impl Observer for Teller<'_> {
 
     fn picture(&self, share: f64) {
         self.progress.set(1.0 - PICTURE + PICTURE * share);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.pausable.is_asked()
     }
 }

@@ -59,6 +59,7 @@
 //! // Floating-point values: nothing is clipped, and there is no step between two codes.
 //! let picture = Picture {
 //!     trusted: photograph.map(|_| true),
+//!     saturated: photograph.map(|_| false),
 //!     quantum: photograph.map(|_| Rgb::ZERO),
 //!     values: photograph,
 //! };
@@ -69,6 +70,7 @@
 //!     name: group.name.clone(),
 //!     role: if group.is_emitter() { Role::Emitter } else { Role::Unknown },
 //!     material: group.material.clone(),
+//!     max_rung: Hypothesis::Textured,
 //! };
 //! let problem = Problem {
 //!     observation: &observation,

@@ -53,6 +53,7 @@ impl Laid {
         let picture = Picture {
             values: job.photo.radiance.clone(),
             trusted: job.photo.valid.clone(),
+            saturated: job.photo.saturated.clone(),
             quantum: job.photo.quantisation_step.clone(),
         };
         Observation::with_margins(picture, geometry, &self.margins, job.scene.groups.len())

@@ -19,7 +19,7 @@ fn error(data: &Path, flags: &[&str]) -> f64 {
     let out = std::env::temp_dir().join(name);
     let mut recover = Command::new(env!("CARGO_BIN_EXE_unrender"));
     recover.arg("recover").arg(data.join("photo0/project.toml")).arg("--out").arg(&out);
-    recover.args(["--quiet", "--no-refine", "--spp", "2"]).args(flags);
+    recover.args(["--quiet", "--spp", "2"]).args(flags);
     assert!(recover.status().unwrap().success(), "recover {flags:?}");
     let found = materials::read(&out.join("materials.json")).unwrap();
     let rho_d = |group: &str| found.groups[group].rho_d.unwrap().map(f64::from);

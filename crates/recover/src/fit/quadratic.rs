@@ -1,9 +1,10 @@
-//! The minimum of a quadratic form within linear bounds, by an interior-point solver.
+//! The minimum of a quadratic form within linear bounds, by Hildreth's dual coordinate ascent.
+//!
+//! The problem `min s.H s / 2 - g.s` with `A s <= b` has the dual `l >= 0`, `s = H^-1 (g - A^T l)`.
+//! Each multiplier in turn is set to what makes its own bound hold, `l_i <- max(0, l_i + (a_i.s -
+//! b_i) / (a_i.H^-1 a_i))` [Hildreth 1957]. For tens of unknowns with a prior in `H` this takes some
+//! hundred sweeps of a few thousand operations.
 
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{
-    DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus,
-};
 use nalgebra::{DMatrix, DVector};
 
 /// The bounds of a step: an interval for every number, and upper limits on sums of two.
@@ -24,59 +25,82 @@ impl Bounds {
     }
 }
 
-/// The `s` that makes `s.H s / 2 - g.s` least within `bounds`, for a symmetric matrix `h` without
-/// negative eigenvalues. None if the bounds leave no room or the solver gives up.
+/// Sweeps over the bounds at most; half of them leave bounds of strongly correlated numbers violated
+/// by more than the tolerance now and then.
+const SWEEPS_MAX: usize = 20_000;
+/// The minimum is found when no bound is violated by more than this, in units of the numbers' own
+/// curvature, and no multiplier moves by more.
+const TOLERANCE: f64 = 1e-9;
+
+/// The `s` that minimises `s.H s / 2 - g.s` within `bounds`. None if `h` is not positive definite, or
+/// the bounds exclude each other.
 pub fn minimise(h: &DMatrix<f64>, g: &DVector<f64>, bounds: &Bounds) -> Option<DVector<f64>> {
-    let n = g.len();
     let free = h.clone().cholesky().map(|factors| factors.solve(g));
     if let Some(free) = free.filter(|free| bounds.hold(free)) {
         return Some(free);
     }
+    let n = g.len();
     // Numbers of one size: the unknowns are measured in their own curvature.
-    let scale = DVector::from_fn(n, |i, _| h[(i, i)].max(f64::MIN_POSITIVE).sqrt().recip());
-    let upper =
-        DMatrix::from_fn(n, n, |i, j| if i <= j { h[(i, j)] * scale[i] * scale[j] } else { 0.0 });
-    let p = sparse(&upper);
-    let q: Vec<f64> = (0..n).map(|i| -g[i] * scale[i]).collect();
-    let rows = 2 * n + bounds.pairs.len();
-    let mut a = DMatrix::zeros(rows, n);
-    let mut b = vec![0.0; rows];
-    for (i, [low, high]) in bounds.intervals.iter().enumerate() {
-        (a[(i, i)], b[i]) = (1.0, high / scale[i]);
-        (a[(n + i, i)], b[n + i]) = (-1.0, -low / scale[i]);
+    let unit = DVector::from_fn(n, |i, _| h[(i, i)].max(f64::MIN_POSITIVE).sqrt().recip());
+    let scaled = DMatrix::from_fn(n, n, |i, j| h[(i, j)] * unit[i] * unit[j]);
+    let inverse = scaled.cholesky()?.inverse();
+    let rows = bounds.rows(&unit);
+    let mut s = &inverse * g.component_mul(&unit);
+    let directions: Vec<DVector<f64>> = rows
+        .iter()
+        .map(|row| row.terms.iter().map(|&(i, a)| inverse.column(i) * a).sum())
+        .collect();
+    let mut multipliers = vec![0.0f64; rows.len()];
+    for _ in 0..SWEEPS_MAX {
+        let mut largest = 0.0f64;
+        for ((row, direction), multiplier) in rows.iter().zip(&directions).zip(&mut multipliers) {
+            let curvature = row.along(direction);
+            let next = (*multiplier + (row.along(&s) - row.limit) / curvature).max(0.0);
+            let change = next - *multiplier;
+            if change != 0.0 {
+                s.axpy(-change, direction, 1.0);
+                largest = largest.max(change.abs() * curvature);
+                *multiplier = next;
+            }
+        }
+        if largest <= TOLERANCE {
+            let inside = |i: usize| {
+                let [low, high] = bounds.intervals[i];
+                (s[i] * unit[i]).clamp(low, high)
+            };
+            return Some(DVector::from_fn(n, |i, _| inside(i)));
+        }
     }
-    for (row, ([i, j], limit)) in bounds.pairs.iter().enumerate() {
-        let unit = scale[*i].max(scale[*j]);
-        a[(2 * n + row, *i)] = scale[*i] / unit;
-        a[(2 * n + row, *j)] = scale[*j] / unit;
-        b[2 * n + row] = limit / unit;
-    }
-    let settings = DefaultSettingsBuilder::default().verbose(false).build().ok()?;
-    let cones = [NonnegativeConeT(rows)];
-    let mut solver = DefaultSolver::new(&p, &q, &sparse(&a), &b, &cones, settings).ok()?;
-    solver.solve();
-    let solved = matches!(
-        solver.solution.status,
-        SolverStatus::Solved | SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress
-    ) && solver.solution.x.iter().all(|x| x.is_finite());
-    let inside = |i: usize| {
-        let [low, high] = bounds.intervals[i];
-        (solver.solution.x[i] * scale[i]).clamp(low, high)
-    };
-    solved.then(|| DVector::from_fn(n, |i, _| inside(i)))
+    None
 }
 
-/// The matrix by columns, zeros left out.
-fn sparse(matrix: &DMatrix<f64>) -> CscMatrix<f64> {
-    let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
-    for column in matrix.column_iter() {
-        for (row, value) in column.iter().enumerate().filter(|(_, v)| **v != 0.0) {
-            rows.push(row);
-            values.push(*value);
-        }
-        starts.push(rows.len());
+/// One bound: `sum a_i s_i <= limit`.
+struct Row {
+    terms: Vec<(usize, f64)>,
+    limit: f64,
+}
+
+impl Row {
+    fn along(&self, s: &DVector<f64>) -> f64 {
+        self.terms.iter().map(|&(i, a)| a * s[i]).sum()
     }
-    CscMatrix::new(matrix.nrows(), matrix.ncols(), starts, rows, values)
+}
+
+impl Bounds {
+    /// All bounds, for numbers measured in `unit`.
+    fn rows(&self, unit: &DVector<f64>) -> Vec<Row> {
+        let mut rows = Vec::new();
+        for (i, [low, high]) in self.intervals.iter().enumerate() {
+            rows.push(Row { terms: vec![(i, 1.0)], limit: high / unit[i] });
+            rows.push(Row { terms: vec![(i, -1.0)], limit: -low / unit[i] });
+        }
+        for ([i, j], limit) in &self.pairs {
+            let size = unit[*i].max(unit[*j]);
+            let terms = vec![(*i, unit[*i] / size), (*j, unit[*j] / size)];
+            rows.push(Row { terms, limit: limit / size });
+        }
+        rows
+    }
 }
 
 #[cfg(test)]

@@ -17,24 +17,42 @@ const DIRECTIONS: usize = 6;
 /// The elongation that it starts with: `alpha_y / alpha_x` is its square.
 const ELONGATION: f32 = 1.4;
 
+/// Steps of a global and of a local search.
+const STEPS: [u64; 2] = [100, 40];
+
 /// Direction, roughness and reflectances that explain the evidence best. `start` carries the
 /// paper's direction and an isotropic roughness, or with [`Search::Local`] an earlier answer.
 pub fn fit(evidence: &Evidence, start: &Material, search: Search) -> Fit {
+    let known = [start.alpha_x, start.alpha_y, start.theta_rad];
     let diffuse = evidence.diffuse();
     let shape = match search {
-        Search::Local => [start.alpha_x, start.alpha_y, start.theta_rad],
-        Search::Global => best_start(evidence, &diffuse, start),
+        Search::Kept => known,
+        Search::Local => downhill(evidence, &diffuse, known, (0.04, STEPS[1])),
+        Search::Global => {
+            let part = evidence.thinned();
+            let diffuse = part.diffuse();
+            anywhere(&part, &diffuse, start)
+        }
     };
+    isotropic::finish(Hypothesis::Anisotropic, evidence, &diffuse, canonical(shape))
+}
+
+/// The shape downhill from `shape`, with a first step of its logarithms and so many steps.
+fn downhill(
+    evidence: &Evidence,
+    diffuse: &[Vec<Rgb>; 2],
+    shape: [f32; 3],
+    (step, steps): (f64, u64),
+) -> [f32; 3] {
     let scale = objective_scale(evidence);
     let cost = |p: &[f64]| {
         let [x, y, theta] = shape_of(p);
-        fit_lobe(evidence, &diffuse, x, y, theta).objective / scale
+        fit_lobe(evidence, diffuse, x, y, theta).objective / scale
     };
-    let step = if search == Search::Global { 0.15 } else { 0.04 };
     let first = [f64::from(shape[0]).ln(), f64::from(shape[1]).ln(), f64::from(shape[2])];
-    let (best, _) = simplex::minimise(cost, &first, &[step, step, 1.5 * step], 1e-10, 120);
-    let canonical = canonical(shape_of(&best));
-    isotropic::finish(Hypothesis::Anisotropic, evidence, &diffuse, canonical)
+    let size = [step, step, 1.5 * step];
+    let (best, _) = simplex::minimise(cost, &first, &size, isotropic::TOLERANCE, steps);
+    shape_of(&best)
 }
 
 fn shape_of(p: &[f64]) -> [f32; 3] {
@@ -42,15 +60,22 @@ fn shape_of(p: &[f64]) -> [f32; 3] {
     [alpha(p[0]), alpha(p[1]), p[2] as f32]
 }
 
-fn best_start(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], start: &Material) -> [f32; 3] {
+/// The most likely shape: the best of a ring of directions, and downhill from there.
+fn anywhere(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], start: &Material) -> [f32; 3] {
     let alpha = (start.alpha_x * start.alpha_y).sqrt().clamp(ALPHA_RANGE[0], ALPHA_RANGE[1]);
     let (narrow, wide) = (alpha / ELONGATION, alpha * ELONGATION);
     let ring = (0..DIRECTIONS).map(|i| PI * i as f32 / DIRECTIONS as f32);
     let thetas = std::iter::once(start.theta_rad).chain(ring);
-    let shapes = thetas.map(|theta| [narrow, wide, theta]);
-    let cost = |s: &[f32; 3]| fit_lobe(evidence, diffuse, s[0], s[1], s[2]).objective;
-    let ranked = shapes.map(|s| (cost(&s), s));
-    ranked.min_by(|a, b| a.0.total_cmp(&b.0)).map_or([narrow, wide, 0.0], |best| best.1)
+    let ranked = thetas.map(|theta| {
+        let shape = [narrow, wide, theta];
+        (isotropic::deviance(evidence, diffuse, shape), shape)
+    });
+    let best = ranked.min_by(|a, b| a.0.total_cmp(&b.0)).map_or([narrow, wide, 0.0], |b| b.1);
+    let cost = |p: &[f64]| isotropic::deviance(evidence, diffuse, shape_of(p));
+    let first = [f64::from(best[0]).ln(), f64::from(best[1]).ln(), f64::from(best[2])];
+    let size = [0.2, 0.2, 0.3];
+    let (best, _) = simplex::minimise(cost, &first, &size, isotropic::LIKELY, STEPS[0]);
+    shape_of(&best)
 }
 
 /// The same lobe with `alpha_x <= alpha_y` and theta in [0, pi): the brushed direction is the one

@@ -122,7 +122,10 @@ fn mean_deviation(points: &[&OnPlane], theta: f32, half_extent: Vec2) -> Option<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::blocks::Blocks;
     use crate::evidence::{Gathered, Observed};
+    use crate::model_error::{Allowance, LightError, LightField, ModelError};
+    use crate::observation::{Noise, Reading};
     use unrender_render::geometry::PixelGeometry;
     use unrender_render::probe::Mirrored;
     use unrender_render::{Probe, Probes};
@@ -150,6 +153,8 @@ mod tests {
         let observed = |i: usize| Observed {
             pixel: i as u32,
             radiance: Rgb::splat(0.5 + 0.3 * (9.0 * position(i).dot(across)).sin()),
+            reading: Reading::Value,
+            noise: Noise::NONE,
             variance: Rgb::ZERO,
             level: Rgb::ONE,
             weight: Rgb::ONE,
@@ -158,10 +163,16 @@ mod tests {
         let set = Gathered {
             probes: Probes { probes: all.clone().map(probe).collect(), incident: Vec::new() },
         };
+        let blocks = Blocks::of(&all.clone().map(|i| i as u32).collect::<Vec<_>>(), SIDE, 3);
+        let light = LightError { share: 0.01 };
         let evidence = Evidence {
             model: BrdfModel::default(),
             pixels: all.map(observed).collect(),
             sets: [set.clone(), set],
+            field: LightField::constant(blocks.len(), light),
+            blocks,
+            allowance: Allowance { light, floor: ModelError { share: 0.003 } },
+            least_noise: None,
         };
         let facing = PixelGeometry { normal: Vec3::Z, tangent: Vec3::X, ..PixelGeometry::EMPTY };
         (evidence, Image::new(SIDE, SIDE, vec![facing; SIDE * SIDE]))

@@ -16,26 +16,69 @@ pub const ALPHA_RANGE: [f32; 2] = [0.005, 1.0];
 /// The steps of the global search: each about 1.6 times the one before.
 const GLOBAL: [f32; 10] = [0.01, 0.016, 0.025, 0.04, 0.065, 0.1, 0.16, 0.25, 0.4, 0.65];
 
+/// Steps of a global and of a local search.
+const STEPS: [u64; 2] = [30, 15];
+
 /// Roughness and reflectances that explain the evidence best.
 pub fn fit(evidence: &Evidence, start: &Material, search: Search) -> Fit {
     let diffuse = evidence.diffuse();
-    let cost = |alpha: f32| {
-        let alpha = alpha.clamp(ALPHA_RANGE[0], ALPHA_RANGE[1]);
-        fit_lobe(evidence, &diffuse, alpha, alpha, 0.0).objective
+    let known = (start.alpha_x * start.alpha_y).sqrt();
+    let alpha = match search {
+        Search::Kept if start.is_glossy() => known,
+        Search::Local if start.is_glossy() => downhill(evidence, &diffuse, known, (0.1, STEPS[1])),
+        _ => anywhere(&evidence.thinned()),
     };
-    let first = match search {
-        Search::Local if start.is_glossy() => (start.alpha_x * start.alpha_y).sqrt(),
-        _ => {
-            let costs = GLOBAL.map(|alpha| (cost(alpha), alpha));
-            costs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.1, |best| best.1)
-        }
-    };
-    let scale = objective_scale(evidence);
-    let by_log = |p: &[f64]| cost(p[0].exp() as f32) / scale;
-    let (best, _) = simplex::minimise(by_log, &[f64::from(first).ln()], &[0.2], 1e-9, 40);
-    let alpha = (best[0].exp() as f32).clamp(ALPHA_RANGE[0], ALPHA_RANGE[1]);
     finish(Hypothesis::Isotropic, evidence, &diffuse, [alpha, alpha, 0.0])
 }
+
+/// The most likely roughness: the best of [`GLOBAL`], and downhill from there.
+fn anywhere(evidence: &Evidence) -> f32 {
+    let diffuse = evidence.diffuse();
+    let deviance = |alpha: f32| deviance(evidence, &diffuse, [alpha, alpha, 0.0]);
+    let costs = GLOBAL.map(|alpha| (deviance(alpha), alpha));
+    let best = costs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.1, |best| best.1);
+    let by_log = |p: &[f64]| deviance(p[0].exp() as f32);
+    let start = f64::from(best).ln();
+    let (best, _) = simplex::minimise(by_log, &[start], &[0.2], LIKELY, STEPS[0]);
+    (best[0].exp() as f32).clamp(ALPHA_RANGE[0], ALPHA_RANGE[1])
+}
+
+/// Global searches stop when the deviances at the corners of the simplex differ by less than this: a
+/// tenth of what counts as evidence.
+pub(super) const LIKELY: f64 = 0.5;
+
+/// The deviance of a lobe of the shape `[alpha_x, alpha_y, theta]` with the reflectances that fit
+/// best. A global search goes by it and not by the objective, which may be anything where a sharp
+/// lobe is hardly sampled: the deviance knows of the rendering noise.
+pub(super) fn deviance(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], shape: [f32; 3]) -> f64 {
+    let [x, y, theta] = shape;
+    let alpha = |alpha: f32| alpha.clamp(ALPHA_RANGE[0], ALPHA_RANGE[1]);
+    let shape = [alpha(x), alpha(y), theta];
+    finish(Hypothesis::Isotropic, evidence, diffuse, shape).likelihood.deviance
+}
+
+fn cost(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], alpha: f32) -> f64 {
+    let alpha = alpha.clamp(ALPHA_RANGE[0], ALPHA_RANGE[1]);
+    fit_lobe(evidence, diffuse, alpha, alpha, 0.0).objective
+}
+
+/// The roughness downhill from `alpha`, with a first step of its logarithm and so many steps.
+fn downhill(
+    evidence: &Evidence,
+    diffuse: &[Vec<Rgb>; 2],
+    alpha: f32,
+    (first, steps): (f64, u64),
+) -> f32 {
+    let scale = objective_scale(evidence);
+    let by_log = |p: &[f64]| cost(evidence, diffuse, p[0].exp() as f32) / scale;
+    let start = f64::from(alpha).ln();
+    let (best, _) = simplex::minimise(by_log, &[start], &[first], TOLERANCE, steps);
+    (best[0].exp() as f32).clamp(ALPHA_RANGE[0], ALPHA_RANGE[1])
+}
+
+/// Searches stop when the relative squared errors at the corners of the simplex differ by less than
+/// this: a hundredth of a percent of the photograph.
+pub(super) const TOLERANCE: f64 = 1e-9;
 
 /// The fit with the lobe's shape `[alpha_x, alpha_y, theta]` found.
 pub(super) fn finish(

@@ -14,9 +14,10 @@ pub mod mirror;
 pub mod partial_mirror;
 pub mod textured;
 
-use crate::error::{Misfit, misfit_by_pixel};
 use crate::evidence::Evidence;
 use crate::fit::linear::{self, LinearFit, Terms};
+use crate::model_error::{BlockResiduals, Likelihood};
+use crate::residual::{ResidualStats, residual_stats};
 pub use unrender_scene::Hypothesis;
 use unrender_scene::{Material, Rgb};
 
@@ -60,10 +61,12 @@ pub fn of(material: &Material) -> Hypothesis {
 /// How widely a rung with a roughness looks for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Search {
-    /// Over all roughnesses and directions.
+    /// Over all roughnesses and directions, on a part of the pixels.
     Global,
-    /// Downhill from the parameters that are known.
+    /// Downhill from the parameters that are known, on all pixels.
     Local,
+    /// Not at all: the lobe's shape is kept, and only the reflectances are fitted.
+    Kept,
 }
 
 /// A hypothesis with its best parameters.
@@ -74,9 +77,11 @@ pub struct Fit {
     /// Its parameters.
     pub material: Material,
     /// What they leave unexplained.
-    pub misfit: Misfit,
-    /// What each pixel of the sample contributes to the misfit's square.
-    pub by_pixel: Vec<f64>,
+    pub residual: ResidualStats,
+    /// The residuals, block by block.
+    pub residuals: BlockResiduals,
+    /// How likely these are.
+    pub likelihood: Likelihood,
 }
 
 /// The fit of `material`, with the bases that it was found with.
@@ -92,8 +97,11 @@ fn judged(
         let at = |i: usize| material.rho_d * diffuse[h][i] + material.rho_s * specular_at(i);
         (0..diffuse[h].len()).map(at).collect()
     };
-    let (misfit, by_pixel) = misfit_by_pixel(&evidence.pixels, &[half(0), half(1)]);
-    Fit { hypothesis, material, misfit, by_pixel }
+    let model = [half(0), half(1)];
+    let residuals = BlockResiduals::of(evidence, &model);
+    let likelihood = Likelihood::of(&residuals, &evidence.field, evidence.allowance.floor);
+    let residual = residual_stats(&evidence.pixels, &model);
+    Fit { hypothesis, material, residual, residuals, likelihood }
 }
 
 /// What the lobe of `material`, with the reflectances that fit best beside it, leaves unexplained.

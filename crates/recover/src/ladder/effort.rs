@@ -3,14 +3,29 @@
 //! Level 0 finds the neighbourhood, level 1 the hypotheses, level 2 the numbers.
 
 use crate::evidence::Effort;
+use crate::model_error::{Allowance, LightError, ModelError};
+use crate::problem::Options;
 use crate::rerender::round_lobes;
 use unrender_render::{ProbeSettings, ProposalLobe};
 use unrender_scene::Material;
 
 /// The finest level.
 pub const FINEST: usize = 2;
+/// Beyond the finest level: the light has been refined.
+pub const REFINED: usize = 3;
 /// A level is done when no reflectance moves by more than this in a turn.
 pub const SETTLED: [f64; 3] = [0.02, 0.005, 0.002];
+
+/// How wrong the incident light may be at each level: while the others' reflectances are rough, they
+/// light a group wrongly by some percent. At half of these, slow errors of the light pass for broad
+/// lobes; at double, faint broad lobes pass for errors of the light.
+const LIGHT: [f64; 4] = [0.06, 0.03, 0.015, 0.01];
+
+/// What is allowed for at a level.
+pub fn allowance(level: usize, options: &Options) -> Allowance {
+    let floor = [4.0, 2.0, 1.0, 1.0][level] * options.thresholds.explained;
+    Allowance { light: LightError { share: LIGHT[level] }, floor: ModelError { share: floor } }
+}
 
 const PIXELS: [usize; 3] = [1500, 4000, 10000];
 const COSINE: [u32; 3] = [12, 32, 64];
@@ -19,16 +34,17 @@ const GLOSSY_COSINE: [u32; 3] = [12, 24, 32];
 const PER_LOBE: [u32; 3] = [12, 24, 32];
 /// A trial looks for every roughness at once.
 const TRIAL_LOBES: [f32; 4] = [0.02, 0.06, 0.16, 0.4];
-const TRIAL_PIXELS: usize = 4000;
+const TRIAL_PIXELS: usize = 2400;
 
 /// For a group that is diffuse.
-pub fn diffuse(level: usize, seed: u64) -> Effort {
-    let probe = ProbeSettings { cosine: COSINE[level], seed, ..ProbeSettings::default() };
-    Effort { pixels: PIXELS[level], probe }
+pub fn diffuse(level: usize, options: &Options) -> Effort {
+    let probe =
+        ProbeSettings { cosine: COSINE[level], seed: options.seed, ..ProbeSettings::default() };
+    Effort { pixels: PIXELS[level], allowance: allowance(level, options), probe }
 }
 
 /// For a group whose lobe is nearly known, or that mirrors.
-pub fn specular(level: usize, seed: u64, material: &Material) -> Effort {
+pub fn specular(level: usize, options: &Options, material: &Material) -> Effort {
     let scaled = |scale: f32| ProposalLobe {
         alpha_x: scale * material.alpha_x,
         alpha_y: scale * material.alpha_y,
@@ -41,28 +57,29 @@ pub fn specular(level: usize, seed: u64, material: &Material) -> Effort {
         lobes,
         mirror: !material.is_glossy(),
         keep_incident: material.is_glossy(),
-        seed,
+        seed: options.seed,
         ..ProbeSettings::default()
     };
-    Effort { pixels: GLOSSY_PIXELS[level], probe }
+    Effort { pixels: GLOSSY_PIXELS[level], allowance: allowance(level, options), probe }
 }
 
 /// For trying all rungs.
-pub fn trial(seed: u64) -> Effort {
+pub fn trial(level: usize, options: &Options) -> Effort {
     let probe = ProbeSettings {
         cosine: 32,
         per_lobe: 24,
         lobes: round_lobes(&TRIAL_LOBES),
         mirror: true,
         keep_incident: true,
-        seed,
+        seed: options.seed,
         ..ProbeSettings::default()
     };
-    Effort { pixels: TRIAL_PIXELS, probe }
+    Effort { pixels: TRIAL_PIXELS, allowance: allowance(level, options), probe }
 }
 
 /// For a texture, at every pixel of its group: while the light still changes, and at the end.
-pub fn texture(last: bool, seed: u64) -> Effort {
+pub fn texture(last: bool, options: &Options) -> Effort {
     let cosine = if last { 48 } else { 4 };
-    Effort { pixels: usize::MAX, probe: ProbeSettings { cosine, seed, ..ProbeSettings::default() } }
+    let probe = ProbeSettings { cosine, seed: options.seed, ..ProbeSettings::default() };
+    Effort { pixels: usize::MAX, allowance: allowance(FINEST, options), probe }
 }

@@ -12,13 +12,14 @@
 //! residuals, for else our noise would count as error and every search would shun shine; the simplex runs channel by channel on a
 //! sample of the group's pixels, and the roughness is the mean over the channels.
 
-use super::{State, distance};
-use crate::error::{Misfit, misfit};
+use super::effort;
 use crate::evidence::{Effort, Evidence, observe, spread};
 use crate::fit::simplex;
 use crate::hypothesis::{self, Hypothesis, brushed, textured};
 use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Termination, Trial};
+use crate::residual::{ResidualStats, residual_stats};
+use crate::state::{State, distance};
 use unrender_render::{Appearance, ProbeSettings, Settings};
 use unrender_scene::{Material, Rgb};
 
@@ -51,12 +52,12 @@ pub(crate) fn climb(
 ) -> Result<Termination, RecoverError> {
     let mut rungs = vec![Rung::default(); state.materials.len()];
     for turn in 1..=options.max_turns {
-        state.update_exposure(options.seed)?;
+        state.update_exposure(options)?;
         let climber = PaperTurn { options, turn };
         let views = climber.look(state);
         let all_at_rest = views
             .iter()
-            .all(|view| rungs[view.group].has_had_its_turns(state.standing[view.group].hypothesis));
+            .all(|view| rungs[view.group].has_had_its_turns(state.groups[view.group].hypothesis));
         // While reflectances still move anywhere, errors say little.
         let leaving = if all_at_rest { climber.leaving(state, &views) } else { Vec::new() };
         let mut next = state.materials.clone();
@@ -73,7 +74,11 @@ pub(crate) fn climb(
         }
         let change = rungs.iter().map(|r| r.change).fold(0.0, f64::max);
         let done = turn as f64 / (turn as f64 + 8.0);
-        observer.turn(state.end_turn(change, options.thresholds.paper[4], done));
+        let open: Vec<usize> = climber.in_error(state, &views);
+        observer.turn(state.end_turn(change, &open, done));
+        if observer.is_cancelled() {
+            return Ok(Termination::Interrupted);
+        }
         if leaving.is_empty() && all_at_rest && change < SETTLED {
             return Ok(Termination::Settled);
         }
@@ -106,7 +111,7 @@ struct Seen {
     group: usize,
     pixels: Vec<u32>,
     rerendered: Vec<Rgb>,
-    error: Misfit,
+    error: ResidualStats,
 }
 
 struct PaperTurn<'o> {
@@ -120,7 +125,7 @@ impl PaperTurn<'_> {
         let mut views = Vec::new();
         for group in state.visible_unknowns() {
             let believed = &state.observation.pixels_of_group[group];
-            let whole = state.standing[group].hypothesis == Hypothesis::Textured;
+            let whole = state.groups[group].hypothesis == Hypothesis::Textured;
             let count = if whole { usize::MAX } else { TURN_PIXELS };
             let pixels = spread(believed, count, self.options.seed);
             let halves = [0u64, 1].map(|half| {
@@ -128,8 +133,8 @@ impl PaperTurn<'_> {
                 self.rerender(state, &state.materials, &pixels, seed)
             });
             let observed = observe(&state.observation, state.exposure, group, &pixels);
-            let error = misfit(&observed, &halves);
-            state.standing[group].misfit = Some(error);
+            let error = residual_stats(&observed, &halves);
+            state.groups[group].residual = Some(error);
             let rerendered =
                 halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (*a + *b)).collect();
             views.push(Seen { group, pixels, rerendered, error });
@@ -139,7 +144,7 @@ impl PaperTurn<'_> {
 
     /// The groups that leave their rungs: those in error above its threshold, and among the worst.
     fn leaving(&self, state: &State<'_>, views: &[Seen]) -> Vec<usize> {
-        let hypothesis = |v: &Seen| state.standing[v.group].hypothesis;
+        let hypothesis = |v: &Seen| state.groups[v.group].hypothesis;
         let in_error = |v: &&Seen| {
             hypothesis(v) != Hypothesis::Textured
                 && v.error.total() > self.options.thresholds.paper[hypothesis(v) as usize]
@@ -147,6 +152,16 @@ impl PaperTurn<'_> {
         let worst = views.iter().filter(in_error).map(|v| v.error.total()).fold(0.0, f64::max);
         let among_worst = |v: &&Seen| v.error.total() >= WORST * worst;
         views.iter().filter(in_error).filter(among_worst).map(|v| v.group).collect()
+    }
+
+    /// The groups in error above the threshold of their rungs.
+    fn in_error(&self, state: &State<'_>, views: &[Seen]) -> Vec<usize> {
+        let hypothesis = |v: &Seen| state.groups[v.group].hypothesis;
+        let in_error = |v: &&Seen| {
+            hypothesis(v) != Hypothesis::Textured
+                && v.error.total() > self.options.thresholds.paper[hypothesis(v) as usize]
+        };
+        views.iter().filter(in_error).map(|v| v.group).collect()
     }
 
     /// Corrects a group under its hypothesis, or under the next one if it `leaves` its rung.
@@ -158,18 +173,25 @@ impl PaperTurn<'_> {
         rung: &mut Rung,
     ) -> Material {
         let Seen { group, pixels, rerendered, error } = seen;
-        let hypothesis = state.standing[*group].hypothesis;
-        if leaves || (rung.turns == 1 && state.standing[*group].is_new_to(hypothesis)) {
+        let hypothesis = state.groups[*group].hypothesis;
+        if leaves || (rung.turns == 1 && state.groups[*group].is_new_to(hypothesis)) {
             let material = state.materials[*group].clone();
-            let trial =
-                Trial { turn: self.turn, hypothesis, material, misfit: *error, taken: !leaves };
-            state.standing[*group].story.push(trial);
+            let trial = Trial {
+                turn: self.turn,
+                hypothesis,
+                material,
+                residual: *error,
+                model_error: error.relative(),
+                criterion: 0.0,
+                taken: !leaves,
+            };
+            state.groups[*group].story.push(trial);
         }
         let next = if leaves { next_rung(hypothesis) } else { hypothesis };
         let material = self.parameters(state, *group, next, pixels, rerendered);
         // A group without texture coordinates stays where it is.
         rung.turns = if leaves && material.is_some() { 0 } else { rung.turns + 1 };
-        state.standing[*group].hypothesis = if material.is_some() { next } else { hypothesis };
+        state.groups[*group].hypothesis = if material.is_some() { next } else { hypothesis };
         material.unwrap_or_else(|| state.materials[*group].clone())
     }
 
@@ -194,7 +216,7 @@ impl PaperTurn<'_> {
         rerendered: &Vec<Rgb>,
     ) -> Option<Material> {
         let now = &state.materials[group];
-        let stays = rung == state.standing[group].hypothesis;
+        let stays = rung == state.groups[group].hypothesis;
         let ratio = || self.ratio(state, pixels, rerendered).powf(RELAXATION);
         Some(match rung {
             Hypothesis::Diffuse => {
@@ -259,7 +281,8 @@ impl PaperTurn<'_> {
             ..ProbeSettings::default()
         };
         let pixels = &state.observation.pixels_of_group[group];
-        let effort = Effort { pixels: TURN_PIXELS, probe };
+        let allowance = effort::allowance(effort::FINEST, self.options);
+        let effort = Effort { pixels: TURN_PIXELS, allowance, probe };
         Evidence::gather(&state.stage(), state.appearance(), group, pixels, &effort)
     }
 

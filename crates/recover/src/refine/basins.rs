@@ -8,8 +8,11 @@
 
 use crate::evidence::Evidence;
 use crate::hypothesis::{self, Fit, Hypothesis, Search};
-use crate::ladder::{State, choice, effort};
+use crate::ladder::effort;
+use crate::model_error::ModelError;
 use crate::problem::Options;
+use crate::selection;
+use crate::state::State;
 use std::f32::consts::PI;
 use unrender_scene::Material;
 
@@ -27,26 +30,30 @@ const SAME_THETA: f32 = 0.25;
 /// Looks for other explanations of the groups with a roughness, and notes them.
 pub(crate) fn find(state: &mut State<'_>, options: &Options) {
     for group in state.visible_unknowns() {
-        let hypothesis = state.standing[group].hypothesis;
+        let hypothesis = state.groups[group].hypothesis;
         if !matches!(hypothesis, Hypothesis::Isotropic | Hypothesis::Anisotropic) {
             continue;
         }
-        let mut effort = effort::trial(options.seed ^ 0xBA51);
+        let other_noise = Options { seed: options.seed ^ 0xBA51, ..options.clone() };
+        let mut effort = effort::trial(effort::REFINED, &other_noise);
         effort.pixels = PIXELS;
         effort.probe.max_bounces = options.max_bounces;
         let pixels = &state.observation.pixels_of_group[group];
-        let evidence = Evidence::gather(&state.stage(), state.appearance(), group, pixels, &effort);
+        let (stage, appearance) = (state.stage(), state.appearance());
+        let mut evidence = Evidence::gather(&stage, appearance, group, pixels, &effort);
         if evidence.is_empty() {
             continue;
         }
+        let error = state.groups[group].likelihood.map_or(ModelError::START, |l| l.error);
+        evidence.reweigh(&state.materials[group], error);
         let others = others(hypothesis, &evidence, &state.materials[group]);
         if !others.is_empty() {
-            state.standing[group].add_note(
+            state.groups[group].add_note(
                 "a lobe of another shape explains the photograph alike: see its alternatives"
                     .to_owned(),
             );
         }
-        state.standing[group].alternatives = others;
+        state.groups[group].alternatives = others;
     }
 }
 
@@ -69,7 +76,10 @@ fn others(hypothesis: Hypothesis, evidence: &Evidence, answer: &Material) -> Vec
     for dip in dips {
         let fit = hypothesis::fit(hypothesis, evidence, &starts[dip], Search::Local);
         let known = found.iter().chain([&best]).any(|f| is_same(&f.material, &fit.material));
-        if !known && !is_same(answer, &fit.material) && choice::explains_alike(&fit, &best) {
+        if !known
+            && !is_same(answer, &fit.material)
+            && selection::explains_alike(&fit, &best, evidence)
+        {
             found.push(fit);
         }
     }

@@ -11,7 +11,9 @@ use super::sample::Cell;
 use super::unknowns::Unknowns;
 use crate::correction::Correction;
 use crate::evidence::Observed;
-use crate::ladder::State;
+use crate::model_error::level2;
+use crate::observation::Noise;
+use crate::state::State;
 use nalgebra::DVector;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -23,15 +25,22 @@ use unrender_scene::Rgb;
 #[derive(Clone, Debug)]
 pub(crate) struct Mean {
     pub(crate) group: usize,
+    place: (usize, usize),
+    /// Whether the photograph is only known to be at least so bright there.
+    pub(crate) bound: bool,
     /// Pixels in the mean.
     pub(crate) pixels: f64,
     /// Paths a pixel in each of the two renderings.
     paths: f64,
     /// Photograph minus rendering, for each of the two renderings.
     pub(crate) residuals: [Rgb; 2],
-    /// The variance of the photograph's noise.
+    /// The mean of both renderings.
+    light: Rgb,
+    /// The noise of one pixel of the photograph.
+    noise: Noise,
+    /// The variance of the photograph's noise, at the model's brightness.
     pub(crate) variance: Rgb,
-    /// What relative errors are relative to, squared.
+    /// What model errors are relative to, squared, at the model's brightness.
     pub(crate) level2: Rgb,
     /// For each channel: the unknowns on which the rendering hangs, and its derivative by them in
     /// each of the two renderings.
@@ -71,7 +80,37 @@ pub(crate) fn gather(
             |(cell, start): (&Cell, usize)| mean(state, unknowns, (cell, spp), start, &jacobians);
         means.par_extend(tile.par_iter().zip(starts).map(of_cell));
     }
+    take_levels(&mut means);
     means
+}
+
+/// Takes the noise and the levels of all cells at the model's brightness: the mean of the renderings
+/// over a cell and those around it, so that a rendering which happens to be dark gains no weight.
+fn take_levels(means: &mut [Mean]) {
+    let mut groups: BTreeMap<usize, (Rgb, f32)> = BTreeMap::new();
+    let mut cells: BTreeMap<(usize, usize, usize), (Rgb, f32)> = BTreeMap::new();
+    for mean in means.iter() {
+        let n = mean.pixels as f32;
+        let (row, column) = mean.place;
+        for sum in [
+            groups.entry(mean.group).or_insert((Rgb::ZERO, 0.0)),
+            cells.entry((mean.group, row, column)).or_insert((Rgb::ZERO, 0.0)),
+        ] {
+            *sum = (sum.0 + n * mean.light, sum.1 + n);
+        }
+    }
+    for mean in means {
+        let (row, column) = mean.place;
+        let rows = row.saturating_sub(1)..=row + 1;
+        let around =
+            rows.flat_map(|r| (column.saturating_sub(1)..=column + 1).map(move |c| (r, c)));
+        let near = around.filter_map(|(r, c)| cells.get(&(mean.group, r, c)));
+        let (sum, count) = near.fold((Rgb::ZERO, 0.0), |s, c| (s.0 + c.0, s.1 + c.1));
+        let local = sum / count.max(1.0);
+        let (sum, count) = groups[&mean.group];
+        mean.level2 = level2(sum / count, local);
+        mean.variance = mean.noise.variance(local) / mean.pixels as f32;
+    }
 }
 
 /// Adds what a pass found to the average of those before, cell by cell; each counts by its paths.
@@ -87,7 +126,7 @@ pub(crate) fn average(average: &mut Vec<Mean>, found: Vec<Mean>) {
 /// over pixels and channels; none without cells.
 pub(crate) fn relative_errors(means: &[Mean], groups: usize) -> Vec<Option<f64>> {
     let mut sums = vec![(0.0f64, 0.0f64); groups];
-    for mean in means {
+    for mean in means.iter().filter(|mean| !mean.bound) {
         let [a, b] = mean.residuals;
         let (sum, pixels) = &mut sums[mean.group];
         *sum += f64::from((a * b / mean.level2).element_sum()) * mean.pixels;
@@ -164,18 +203,30 @@ fn mean(
         }
         sums
     });
-    let level = over(&|p| p.level);
     let change =
         |c: &Correction| over(&|p| state.exposure * c.derivative.pixels()[p.pixel as usize]);
     let changes: Vec<Rgb> = state.problem.corrections.iter().map(change).collect();
+    let mut residuals = radiance.map(|radiance| photograph - radiance);
+    let light = 0.5 * (radiance[0] + radiance[1]);
+    // A lower bound that the model meets asks for nothing.
+    let asks = |channel: usize| !cell.bound || light[channel] < photograph[channel];
+    let met = Rgb::from_array([0, 1, 2].map(|c| f32::from(u8::from(asks(c)))));
+    residuals.iter_mut().for_each(|residual| *residual *= met);
     Mean {
         group: cell.group,
+        place: cell.place,
+        bound: cell.bound,
         pixels: f64::from(n),
         paths: f64::from(spp),
-        residuals: radiance.map(|radiance| photograph - radiance),
-        variance: over(&|p| p.variance) / n,
-        level2: (level * level).max(Rgb::splat(f32::MIN_POSITIVE)),
+        residuals,
+        light,
+        noise: Noise { base: over(&|p| p.noise.base), slope: over(&|p| p.noise.slope) },
+        variance: Rgb::ZERO,
+        level2: Rgb::ONE,
         rows: [0, 1, 2].map(|channel| {
+            if !asks(channel) {
+                return Vec::new();
+            }
             let radiance = radiance.map(|radiance| f64::from(radiance[channel]));
             unknowns.row(state, (&derivatives, &changes), channel, radiance)
         }),

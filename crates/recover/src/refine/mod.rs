@@ -19,9 +19,9 @@ mod system;
 mod unknowns;
 mod verdict;
 
-use crate::ladder::State;
 use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Status, Termination};
+use crate::state::State;
 use nalgebra::{DMatrix, DVector};
 use normal::Normal;
 use passes::{COARSE, Passes};
@@ -32,23 +32,51 @@ use unrender_render::sampler::mix;
 
 /// How often hypotheses may be made simpler.
 const ROUNDS_MAX: usize = 3;
+
+/// How far to refine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Depth {
+    /// Until no step is significant.
+    Coarse,
+    /// Until the renderings' noise does not matter, with standard deviations.
+    Fine,
+}
+
 /// Where the joint refinement stands.
 struct Solution {
     unknowns: Unknowns,
     covariance: DMatrix<f64>,
     settled: bool,
+    /// Whether a step could not be solved.
+    failed: bool,
 }
 
 /// Refines all unknowns of `state` together and says how well they are known.
+///
+/// [`Depth::Coarse`] stops where steps are no longer significant, and judges nothing.
 pub(crate) fn refine(
     state: &mut State<'_>,
     options: &Options,
+    depth: Depth,
     observer: &mut dyn Observer,
 ) -> Termination {
     free_the_unseen(state);
+    if Unknowns::of(state).len() == 0 {
+        return Termination::Settled;
+    }
     let mut passes = Passes::new(options);
+    if depth == Depth::Coarse {
+        passes.approach(state, observer);
+        return Termination::Refined;
+    }
     for round in 1.. {
         let solution = passes.converge(state, observer);
+        if observer.is_cancelled() {
+            return Termination::Interrupted;
+        }
+        if solution.failed {
+            return Termination::RefinementFailed;
+        }
         if round < ROUNDS_MAX && verdict::simplify(state, &solution, options.thresholds.explained) {
             continue;
         }
@@ -63,9 +91,9 @@ pub(crate) fn refine(
 
 /// Groups out of sight are asked too: the verdict may assume them again.
 fn free_the_unseen(state: &mut State<'_>) {
-    for standing in &mut state.standing {
-        if standing.status == Status::Assumed {
-            standing.status = Status::Recovered;
+    for of_group in &mut state.groups {
+        if of_group.status == Status::Assumed {
+            of_group.status = Status::Recovered;
         }
     }
 }
@@ -79,7 +107,7 @@ pub(crate) fn settle_nuisances(
 ) -> Result<(), RecoverError> {
     state.look_at_photograph();
     if state.problem.unknown_lights.is_empty() {
-        state.update_exposure(options.seed)?;
+        state.update_exposure(options)?;
     } else {
         adjust_nuisances(state, options);
     }
@@ -102,7 +130,7 @@ fn adjust_nuisances(state: &mut State<'_>, options: &Options) {
         integrator: unrender_render::Integrator::Path,
     };
     let means = means::gather(state, &unknowns, &cells, &spp, &settings);
-    let normal = Normal::of(&means, unknowns.len(), state.materials.len());
+    let normal = Normal::of(&means, &unknowns.are_specular(), state.materials.len());
     let system = System::new(&unknowns, &normal, &DVector::zeros(unknowns.len()));
     if let Some(step) = system.step(0.0, &unknowns.bounds(state)) {
         unknowns.apply(state, &step);

@@ -2,10 +2,10 @@
 //!
 //! With the residuals `r = B - L` and Jacobians `J` of two renderings with independent noise:
 //! `H = sum w sym(J_A^T J_B)` and `g = sum w (J_A^T r_B + J_B^T r_A) / 2`: the noise of a rendering
-//! meets itself nowhere, so it biases neither (design, section 5). The weight `w` is the inverse
-//! variance of a cell's residual: the photograph's noise, and, measured on all cells of its group,
-//! the rendering's noise and what the model does not explain. It never looks at the cell's own
-//! rendering, which would favour the renderings that happen to be dark.
+//! meets itself nowhere, so it biases neither. The weight `w` is the inverse variance of a cell's
+//! residual under the observation model ([`crate::model_error`]): the photograph's noise, and,
+//! measured on all cells of its group, the rendering's noise and the model error, at the brightness
+//! of the model around the cell.
 //!
 //! `g` is a sum over cells. From their spread comes its covariance, whatever the noise is and
 //! however it hangs together within a cell: `G = m/(m - n) sum g_b g_b^T` for `m` cells and `n`
@@ -40,10 +40,13 @@ const MISFIT_MIN: f32 = 1e-6;
 const OUTLIER: f32 = 30.0;
 
 impl Normal {
-    /// The equations for `n` unknowns of a scene with `groups` groups.
-    pub(crate) fn of(means: &[Mean], n: usize, groups: usize) -> Self {
+    /// The equations for `n` unknowns of a scene with `groups` groups; `specular` says for each
+    /// unknown whether it is a specular reflectance.
+    pub(crate) fn of(means: &[Mean], specular: &[bool], groups: usize) -> Self {
+        let n = specular.len();
         let noise: Vec<Noise> = (0..groups).map(|group| Noise::of(means, group)).collect();
         let shrinkage = shrinkage(means, n, groups);
+        let specular = Specular::of(means, specular, groups);
         let mut normal = Self {
             h: DMatrix::zeros(n, n),
             g: DVector::zeros(n),
@@ -54,8 +57,12 @@ impl Normal {
         for mean in means {
             let variance = noise[mean.group].variance(mean);
             let [a, b] = mean.residuals;
-            let deviations = (0.5 * (a + b)).abs() / variance.map(f32::sqrt);
-            let trust = (HUBER / deviations.max_element()).min(1.0);
+            let trust = if specular.may_be_highlight(mean) {
+                1.0
+            } else {
+                let deviations = (0.5 * (a + b)).abs() / variance.map(f32::sqrt);
+                (HUBER / deviations.max_element()).min(1.0)
+            };
             let shrink = |k: usize| shrinkage[(mean.group, k)];
             let (mut g, mut g_rendering) = (DVector::zeros(n), DVector::zeros(n));
             for channel in 0..3 {
@@ -92,11 +99,11 @@ impl Normal {
         g: &mut DVector<f64>,
     ) {
         for (k, &(i, ai, bi)) in row.iter().enumerate() {
-            let weight = weight * shrink(i);
-            g[i] += 0.5 * weight * (ai * rb + bi * ra);
+            g[i] += 0.5 * weight * shrink(i) * (ai * rb + bi * ra);
             for &(j, aj, bj) in &row[..=k] {
                 let (low, high) = (i.max(j), i.min(j));
-                self.h[(low, high)] += 0.5 * weight * shrink(j) * (ai * bj + bi * aj);
+                let shrinkage = (shrink(i) * shrink(j)).sqrt();
+                self.h[(low, high)] += 0.5 * weight * shrinkage * (ai * bj + bi * aj);
             }
         }
     }
@@ -105,8 +112,11 @@ impl Normal {
 /// For each group and unknown: how much of the group's derivatives by the unknown is signal.
 ///
 /// `S / (S + N)`, with `S` the power that both renderings see and `N` that of their difference. What
-/// is mostly noise says little about the unknown but would put its noise into the equations.
-/// Scaling a row of `J` moves no solution: `g` vanishes where the residuals do.
+/// is mostly noise says little about the unknown but would put its noise into the equations. The
+/// scaled rows are instruments `z = S J`: the estimating equation is `sum z r = 0`, whose derivative
+/// `sum z J` has the factor once, like `g`, so that steps and covariance are those of the unknowns
+/// themselves. Off its diagonal the derivative is taken as `sqrt(S_i S_j) J_i J_j`, which keeps it
+/// positive semidefinite.
 fn shrinkage(means: &[Mean], n: usize, groups: usize) -> DMatrix<f64> {
     let mut signal = DMatrix::<f64>::zeros(groups, n);
     let mut noise = DMatrix::<f64>::zeros(groups, n);
@@ -122,6 +132,43 @@ fn shrinkage(means: &[Mean], n: usize, groups: usize) -> DMatrix<f64> {
     signal.zip_map(&noise, |s, n| if s > 0.0 { s / (s + n) } else { 0.0 })
 }
 
+/// Where a highlight may be: the greatest specular term of each group.
+struct Specular<'a> {
+    is_specular: &'a [bool],
+    greatest: Vec<f64>,
+}
+
+/// A cell may show a highlight if its specular term is this share of the greatest of its group. At
+/// half of it more of what the model lacks pulls with full force, at double the feet of highlights
+/// are cut.
+const HIGHLIGHT: f64 = 0.1;
+
+impl<'a> Specular<'a> {
+    fn of(means: &[Mean], is_specular: &'a [bool], groups: usize) -> Self {
+        let mut all = Self { is_specular, greatest: vec![0.0; groups] };
+        for mean in means {
+            all.greatest[mean.group] = all.greatest[mean.group].max(all.term(mean));
+        }
+        all
+    }
+
+    /// The mean derivative by the group's specular reflectance.
+    fn term(&self, mean: &Mean) -> f64 {
+        let of_row = |row: &Vec<(usize, f64, f64)>| {
+            let specular = row.iter().filter(|(k, ..)| self.is_specular[*k]);
+            specular.map(|(_, a, b)| 0.5 * (a + b)).fold(0.0, f64::max)
+        };
+        mean.rows.iter().map(of_row).fold(0.0, f64::max)
+    }
+
+    /// Whether the photograph is brighter than the model where the group may show a highlight.
+    fn may_be_highlight(&self, mean: &Mean) -> bool {
+        let brighter = (mean.residuals[0] + mean.residuals[1]).element_sum() > 0.0;
+        let greatest = self.greatest[mean.group];
+        brighter && greatest > 0.0 && self.term(mean) >= HIGHLIGHT * greatest
+    }
+}
+
 /// What is not the photograph's noise in the residuals of a group, relative to the local radiance.
 struct Noise {
     /// Variance of the mean of both renderings, times the pixels of a cell.
@@ -132,7 +179,7 @@ struct Noise {
 
 impl Noise {
     fn of(means: &[Mean], group: usize) -> Self {
-        let of_group = || means.iter().filter(move |m| m.group == group);
+        let of_group = || means.iter().filter(move |m| m.group == group && !m.bound);
         let rendering = |m: &Mean| {
             let [a, b] = m.residuals;
             0.25 * (a - b) * (a - b) / m.level2 * m.pixels as f32

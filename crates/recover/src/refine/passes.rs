@@ -18,10 +18,10 @@ use super::system::System;
 use super::unknowns::{Quantity, Unknown, Unknowns};
 use super::{Solution, believed};
 use crate::correction::Corrected;
-use crate::error::deviation_of_sum;
-use crate::ladder::State;
 use crate::problem::Options;
 use crate::record::Observer;
+use crate::residual::deviation_of_sum;
+use crate::state::State;
 use nalgebra::{DMatrix, DVector};
 use unrender_render::Settings;
 use unrender_render::sampler::mix;
@@ -97,8 +97,14 @@ impl<'o> Passes<'o> {
         let unknowns = Unknowns::of(state);
         let prior = believed(state, &unknowns);
         self.coarse(state, &unknowns, &prior, observer);
-        let (covariance, settled) = self.fine(state, &unknowns, &prior, observer);
-        Solution { unknowns, covariance, settled }
+        self.fine(state, unknowns, &prior, observer)
+    }
+
+    /// The coarse passes alone.
+    pub(super) fn approach(&mut self, state: &mut State<'_>, observer: &mut dyn Observer) {
+        let unknowns = Unknowns::of(state);
+        let prior = believed(state, &unknowns);
+        self.coarse(state, &unknowns, &prior, observer);
     }
 
     fn coarse(
@@ -112,10 +118,13 @@ impl<'o> Passes<'o> {
         let mut damping = 0.0;
         let spp = vec![COARSE.1; state.materials.len()];
         for _ in 0..PASSES_MAX[0] {
+            if observer.is_cancelled() {
+                return;
+            }
             state.look_at_photograph();
             let cells = sample::all(state, COARSE.0, self.seed());
             let means = self.pass(state, unknowns, &cells, &spp);
-            let normal = Normal::of(&means, unknowns.len(), state.materials.len());
+            let normal = Normal::of(&means, &unknowns.are_specular(), state.materials.len());
             let error = Error::of(&normal, &means);
             let worse = last.as_ref().is_some_and(|last| error.is_above(&last.error));
             let place = match last.take() {
@@ -145,39 +154,44 @@ impl<'o> Passes<'o> {
         }
     }
 
-    /// Returns the covariance and whether it settled.
     fn fine(
         &mut self,
         state: &mut State<'_>,
-        unknowns: &Unknowns,
+        unknowns: Unknowns,
         prior: &DVector<f64>,
         observer: &mut dyn Observer,
-    ) -> (DMatrix<f64>, bool) {
+    ) -> Solution {
         let mut spp = vec![FINE.1; state.materials.len()];
         let mut average: Vec<Mean> = Vec::new();
         let mut covariance = DMatrix::zeros(unknowns.len(), unknowns.len());
         let pixels_seed = self.seed();
-        let mut settled = false;
+        let (mut settled, mut failed) = (false, false);
         for pass in 1..=PASSES_MAX[1] {
+            if observer.is_cancelled() {
+                break;
+            }
             state.look_at_photograph();
             let cells = sample::all(state, FINE.0, pixels_seed);
-            let found = self.pass(state, unknowns, &cells, &spp);
+            let found = self.pass(state, &unknowns, &cells, &spp);
             means::average(&mut average, found);
-            let normal = Normal::of(&average, unknowns.len(), state.materials.len());
+            let normal = Normal::of(&average, &unknowns.are_specular(), state.materials.len());
             let to_prior = prior - unknowns.values(state);
-            let system = System::new(unknowns, &normal, &to_prior);
+            let system = System::new(&unknowns, &normal, &to_prior);
             covariance = system.covariance();
-            let Some(step) = system.step(0.0, &unknowns.bounds(state)) else { break };
+            let Some(step) = system.step(0.0, &unknowns.bounds(state)) else {
+                failed = true;
+                break;
+            };
             unknowns.apply(state, &step);
             let error = Error::of(&normal, &average);
             let done = 0.1 + 0.9 * pass as f64 / PASSES_MAX[1] as f64;
-            tell(state, observer, unknowns, (&step, error, &average), done);
+            tell(state, observer, &unknowns, (&step, error, &average), done);
             let longest = (0..step.len())
                 .map(|k| step[k].abs() / covariance[(k, k)].sqrt().max(f64::MIN_POSITIVE))
                 .fold(0.0, f64::max);
             let rendering = system.rendering_variance();
             settled = longest <= 1.0;
-            if settled && is_precise(state, unknowns, &covariance, &rendering) {
+            if settled && is_precise(state, &unknowns, &covariance, &rendering) {
                 break;
             }
             if longest > FAR {
@@ -185,9 +199,9 @@ impl<'o> Passes<'o> {
             } else {
                 average.iter_mut().for_each(|mean| mean.move_by(&step));
             }
-            spp = allocate(state, unknowns, &rendering, &cells);
+            spp = allocate(state, &unknowns, &rendering, &cells);
         }
-        (covariance, settled)
+        Solution { unknowns, covariance, settled, failed }
     }
 
     fn seed(&mut self) -> u64 {

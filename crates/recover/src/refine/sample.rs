@@ -1,8 +1,9 @@
 //! The pixels of a refinement pass, in blocks.
 
 use crate::evidence::{Observed, Stage, observe, spread};
-use crate::ladder::State;
+use crate::observation::Reading;
 use crate::problem::Role;
+use crate::state::State;
 use std::collections::BTreeMap;
 use unrender_scene::Hypothesis;
 
@@ -17,6 +18,10 @@ const BLOCKS_MIN: usize = 250;
 #[derive(Clone, Debug)]
 pub(crate) struct Cell {
     pub(crate) group: usize,
+    /// Row and column among the blocks.
+    pub(crate) place: (usize, usize),
+    /// Whether its pixels are clipped, and their values lower bounds.
+    pub(crate) bound: bool,
     pub(crate) pixels: Vec<Observed>,
 }
 
@@ -25,7 +30,7 @@ pub(crate) struct Cell {
 pub(crate) fn all(state: &State<'_>, per_group: usize, seed: u64) -> Vec<Cell> {
     let says_something = |group: &usize| match state.problem.groups[*group].role {
         Role::Emitter => state.problem.unknown_lights.contains(group),
-        _ => state.standing[*group].hypothesis != Hypothesis::Textured,
+        _ => state.groups[*group].hypothesis != Hypothesis::Textured,
     };
     let groups = (0..state.materials.len()).filter(says_something);
     let mut cells = cells(&state.stage(), groups, per_group, seed);
@@ -56,14 +61,17 @@ fn cells(
     let (width, height) =
         (stage.observation.picture.values.width(), stage.observation.picture.values.height());
     let side = ((width * height / BLOCKS_MIN).isqrt()).clamp(1, SIDE_MAX);
-    let mut cells: BTreeMap<(usize, usize, usize), Vec<Observed>> = BTreeMap::new();
+    let mut cells: BTreeMap<(usize, usize, usize, bool), Vec<Observed>> = BTreeMap::new();
     for group in groups {
-        let believed = &stage.observation.pixels_of_group[group];
+        let believed = &stage.observation.informative_of_group[group];
         let wanted = spread(believed, per_group, seed ^ group as u64);
         for seen in observe(stage.observation, stage.exposure, group, &wanted) {
             let (x, y) = (seen.pixel as usize % width, seen.pixel as usize / width);
-            cells.entry((group, y / side, x / side)).or_default().push(seen);
+            let bound = seen.reading == Reading::AtLeast;
+            cells.entry((group, y / side, x / side, bound)).or_default().push(seen);
         }
     }
-    cells.into_iter().map(|((group, ..), pixels)| Cell { group, pixels }).collect()
+    let cell =
+        |((group, row, column, bound), pixels)| Cell { group, place: (row, column), bound, pixels };
+    cells.into_iter().map(cell).collect()
 }

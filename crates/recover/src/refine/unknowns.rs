@@ -6,9 +6,9 @@
 use crate::fit::quadratic::Bounds;
 use crate::hypothesis::Hypothesis;
 use crate::hypothesis::isotropic::ALPHA_RANGE;
-use crate::ladder::State;
 use crate::problem::{ExposureRule, Role};
 use crate::record::Status;
+use crate::state::State;
 use nalgebra::DVector;
 use unrender_render::Parameter;
 use unrender_scene::Rgb;
@@ -112,9 +112,9 @@ impl Unknowns {
     pub(crate) fn of(state: &State<'_>) -> Self {
         let mut list = Vec::new();
         for (group, spec) in state.problem.groups.iter().enumerate() {
-            let standing = &state.standing[group];
-            if spec.role == Role::Unknown && standing.status != Status::Assumed {
-                for &quantity in quantities(standing.hypothesis) {
+            let of_group = &state.groups[group];
+            if spec.role == Role::Unknown && of_group.status != Status::Assumed {
+                for &quantity in quantities(of_group.hypothesis) {
                     push(&mut list, quantity, group);
                 }
             }
@@ -160,6 +160,11 @@ impl Unknowns {
         let values = &state.observation.picture.values;
         let relative = state.problem.corrections.iter().map(|c| c.relative(values)).collect();
         Self { list, parameters, columns, exposure_start: state.exposure, deviations, relative }
+    }
+
+    /// For each unknown: whether it is a specular reflectance.
+    pub(crate) fn are_specular(&self) -> Vec<bool> {
+        self.list.iter().map(|u| u.quantity == Quantity::RhoS).collect()
     }
 
     pub(crate) fn len(&self) -> usize {

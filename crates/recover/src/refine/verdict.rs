@@ -1,7 +1,8 @@
 //! What the photograph can tell and what it cannot.
 //!
-//! A number is worth what its standard deviation allows. A lobe that cannot be told from nothing
-//! goes, and so does what is diffuse about a mirror, or not perfect about it, if it is less than what
+//! A number is worth what its standard deviation allows. A lobe goes that is not significant, neither
+//! by its standard deviation nor by the likelihoods that model selection compared (a single highlight
+//! leaves a lobe's strength uncertain and its presence certain), and so does what is diffuse about a mirror, or not perfect about it, if it is less than what
 //! the ladder's threshold calls explained; an anisotropy that cannot be told from none becomes a round lobe; a group out of sight
 //! whose reflectance stays open is assumed: at its best guess, or white, as the paper does, where
 //! there is nothing to guess from.
@@ -9,8 +10,9 @@
 use super::Solution;
 use super::unknowns::{Quantity, Unknown};
 use crate::hypothesis::{Hypothesis, anisotropic};
-use crate::ladder::State;
 use crate::record::{Deviations, LightResult, Status};
+use crate::selection::STRONG;
+use crate::state::State;
 use unrender_scene::{Material, Rgb};
 
 /// A number counts as told from zero at this many standard deviations.
@@ -32,7 +34,7 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, explained: f6
     for group in 0..state.materials.len() {
         let verdict = Verdict { solution, group };
         let out_of_sight = state.observation.pixels_of_group[group].is_empty();
-        match state.standing[group].hypothesis {
+        match state.groups[group].hypothesis {
             _ if !verdict.is_free() => continue,
             Hypothesis::Diffuse if out_of_sight => {
                 if verdict.largest(Quantity::RhoD) <= GUESS_MAX {
@@ -41,10 +43,11 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, explained: f6
                 assume_white(state, group);
             }
             Hypothesis::DiffuseSpecular | Hypothesis::Isotropic | Hypothesis::Anisotropic
-                if !verdict.is_told_from_zero(state, Quantity::RhoS) =>
+                if !verdict.is_told_from_zero(state, Quantity::RhoS)
+                    && state.groups[group].evidence_against_diffuse() < STRONG =>
             {
                 let material = Material::diffuse(state.materials[group].rho_d);
-                let note = "the photograph cannot tell its specular part from none";
+                let note = "its specular part is not determined by this photograph";
                 step_down(state, group, Hypothesis::Diffuse, material, note);
             }
             Hypothesis::DiffuseSpecular
@@ -52,21 +55,21 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, explained: f6
                     || is_mirror(&state.materials[group], explained) =>
             {
                 let material = Material::mirror(state.materials[group].rho_s);
-                let perfect = material.rho_s.min_element() >= 1.0 - explained as f32;
+                let perfect = verdict.is_perfect(material.rho_s, explained);
                 let (hypothesis, material) = if perfect {
                     (Hypothesis::Mirror, Material::mirror(Rgb::ONE))
                 } else {
                     (Hypothesis::PartialMirror, material)
                 };
-                let note =
-                    "its diffuse part is none, as far as the photograph can tell or it matters";
+                let note = "its diffuse part is not significant";
                 step_down(state, group, hypothesis, material, note);
             }
             Hypothesis::Anisotropic if !verdict.is_brushed(state) => {
                 let mut material = state.materials[group].clone();
                 let alpha = (material.alpha_x * material.alpha_y).sqrt();
                 (material.alpha_x, material.alpha_y, material.theta_rad) = (alpha, alpha, 0.0);
-                let note = "the photograph cannot tell its two roughnesses apart";
+                let note =
+                    "the difference of its two roughnesses is not determined by this photograph";
                 step_down(state, group, Hypothesis::Isotropic, material, note);
             }
             _ => continue,
@@ -89,16 +92,16 @@ fn step_down(
     note: &str,
 ) {
     state.materials[group] = material;
-    let standing = &mut state.standing[group];
-    standing.hypothesis = hypothesis;
-    standing.add_note(format!("{note}: taken as {hypothesis}"));
+    let of_group = &mut state.groups[group];
+    of_group.hypothesis = hypothesis;
+    of_group.add_note(format!("{note}: taken as {hypothesis}"));
 }
 
 fn assume_white(state: &mut State<'_>, group: usize) {
     state.materials[group] = Material::diffuse(Rgb::ONE);
-    let standing = &mut state.standing[group];
-    standing.status = Status::Assumed;
-    standing.note = Some(
+    let of_group = &mut state.groups[group];
+    of_group.status = Status::Assumed;
+    of_group.note = Some(
         "no pixel shows this group, and the light that it sends leaves its reflectance open: taken \
          as white diffuse"
             .to_owned(),
@@ -112,21 +115,21 @@ pub(super) fn record(state: &mut State<'_>, solution: &Solution) {
         if !verdict.is_free() {
             continue;
         }
-        state.standing[group].std = Some(verdict.deviations());
-        if state.standing[group].hypothesis == Hypothesis::Anisotropic {
+        state.groups[group].std = Some(verdict.deviations());
+        if state.groups[group].hypothesis == Hypothesis::Anisotropic {
             canonical(state, group);
         }
         if state.observation.pixels_of_group[group].is_empty() {
             let told = verdict.largest(Quantity::RhoD) <= UNSEEN_MAX;
-            let standing = &mut state.standing[group];
-            standing.status = if told { Status::Recovered } else { Status::Assumed };
+            let of_group = &mut state.groups[group];
+            of_group.status = if told { Status::Recovered } else { Status::Assumed };
             let how = if told { "" } else { ", which leaves it open: a guess" };
-            standing.note.get_or_insert_with(|| {
+            of_group.note.get_or_insert_with(|| {
                 format!("never seen directly: from the light that it sends to the others{how}")
             });
         }
         for note in verdict.doubts() {
-            state.standing[group].add_note(note);
+            state.groups[group].add_note(note);
         }
     }
     state.light_results.clear();
@@ -150,7 +153,7 @@ fn canonical(state: &mut State<'_>, group: usize) {
     let swapped = material.alpha_x > material.alpha_y;
     let shape = [material.alpha_x, material.alpha_y, material.theta_rad];
     [material.alpha_x, material.alpha_y, material.theta_rad] = anisotropic::canonical(shape);
-    if let Some(std) = state.standing[group].std.as_mut().filter(|_| swapped) {
+    if let Some(std) = state.groups[group].std.as_mut().filter(|_| swapped) {
         std::mem::swap(&mut std.ln_alpha_x, &mut std.ln_alpha_y);
     }
 }
@@ -183,6 +186,14 @@ impl Verdict<'_> {
     fn indices(&self) -> impl Iterator<Item = usize> + '_ {
         let list = self.solution.unknowns.list.iter().enumerate();
         list.filter(move |(_, u)| u.of == self.group && !u.quantity.is_nuisance()).map(|(i, _)| i)
+    }
+
+    /// Whether a mirror's reflectance differs from one by no more than chance or than what is always
+    /// allowed for.
+    fn is_perfect(&self, rho_s: Rgb, explained: f64) -> bool {
+        let std = self.solution.rgb(Quantity::RhoS, self.group).unwrap_or(Rgb::ZERO);
+        let allowed = (TOLD as f32 * std).max(Rgb::splat(explained as f32));
+        (Rgb::ONE - rho_s).cmple(allowed).all()
     }
 
     fn is_free(&self) -> bool {

@@ -5,15 +5,20 @@ use crate::engine;
 use crate::progress::Progress;
 use crate::registration::Alignment;
 use crate::result_folder::ResultFolder;
-use crate::{Error, Job, Project, output, results};
+use crate::{Error, Job, Project, interrupt, output, results};
 use clap::ValueEnum;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use unrender_recover::{LadderKind, Options};
+use unrender_recover::{LadderKind, Options, Termination};
+use unrender_scene::Hypothesis;
 
 /// Recovers the materials of a project's groups from its photograph.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  unrender recover room/project.toml --out room/result")]
+#[command(
+    after_help = "Example:\n  unrender recover room/project.toml --out room/result\n\nCtrl-C \
+    ends with the best state so far, its report marked as interrupted; a second one ends at once."
+)]
 pub struct Args {
     /// The project file.
     pub project: PathBuf,
@@ -36,6 +41,11 @@ pub struct Args {
     /// Leave out the joint refinement after the ladder, and with it the standard deviations.
     #[arg(long)]
     pub no_refine: bool,
+    /// The most complex hypothesis that a group may have: diffuse, mirror, partial-mirror,
+    /// diffuse-specular, isotropic, anisotropic or textured; "diffuse" is the diffuse-only method
+    /// that others are compared with [default: as the project says, else textured].
+    #[arg(long, value_name = "RUNG")]
+    pub max_rung: Option<Hypothesis>,
     /// Move the camera to where the model's edges lie on the photograph's, however little [default:
     /// if it is clearly off].
     #[arg(long, conflicts_with_all = ["keep_camera", "no_filter"])]
@@ -66,6 +76,9 @@ pub enum Ladder {
 /// If the input cannot be used or the results cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let (mut project, warnings) = Project::read(&args.project)?;
+    if let Some(rung) = args.max_rung {
+        (project.max_rung, project.max_rungs) = (Some(rung), BTreeMap::new());
+    }
     project.limits = global.limits();
     let folder = ResultFolder::open(&args.out, "recover", &results::writes, &project.inputs())?;
     let mut job = Job::load(project, warnings)?;
@@ -79,6 +92,9 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         output::print(&run.to_text()?);
     } else if !global.quiet {
         output::print(&results::summary(&job, &recovered));
+    }
+    if recovered.recovery.termination == Termination::Interrupted {
+        return Ok(interrupt::code());
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -72,6 +72,7 @@ fn shot(photograph: &Photograph, geometry: &GeometryBuffers, groups: usize) -> R
     let picture = Picture {
         values: photo.radiance.clone(),
         trusted: photo.valid.clone(),
+        saturated: photo.saturated.clone(),
         quantum: photo.quantisation_step.clone(),
     };
     let shots = Observation::new(picture, geometry, groups).shot_of_group;

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use unrender_formats::{FileError, Limits, input};
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
-use unrender_scene::{BrdfModel, Camera, Material, Rgb, Scene, Warnings};
+use unrender_scene::{BrdfModel, Camera, Hypothesis, Material, Rgb, Scene, Warnings};
 
 /// A project file with its paths made whole and its numbers checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,6 +49,10 @@ pub struct Project {
     pub brdf: BrdfModel,
     /// When a hypothesis is good enough.
     pub thresholds: Thresholds,
+    /// The most complex hypothesis that a group may have, where the project says so.
+    pub max_rung: Option<Hypothesis>,
+    /// The same for single groups.
+    pub max_rungs: BTreeMap<String, Hypothesis>,
     /// The camera of the photograph.
     pub camera: CameraChoice,
     /// How far the reading of the files that it names may go; no key of the file.
@@ -129,6 +133,12 @@ impl Project {
         parse::parse(path, text).map_err(|problem| FileError::new(path, problem))
     }
 
+    /// The most complex hypothesis that `group` may have.
+    pub fn max_rung_of(&self, group: &str) -> Hypothesis {
+        let own = self.max_rungs.get(group).copied();
+        own.or(self.max_rung).unwrap_or(Hypothesis::Textured)
+    }
+
     /// The files that a recovery of it reads, as far as it names them itself.
     pub fn inputs(&self) -> Vec<&Path> {
         let response = match &self.response {
@@ -146,7 +156,8 @@ impl Project {
         let fault = |problem: String| Err(FileError::new(&self.path, problem));
         let known = self.known.keys().map(|name| (format!("groups.{name}"), name));
         let anchor = self.anchor.iter().map(|a| ("anchor.group".to_owned(), &a.group));
-        for (key, name) in known.chain(anchor) {
+        let rungs = self.max_rungs.keys().map(|name| (format!("groups.{name}"), name));
+        for (key, name) in known.chain(anchor).chain(rungs) {
             if scene.group_index(name).is_none() {
                 let names = scene.groups.iter().map(|g| g.name.as_str());
                 let there = some_names(names);

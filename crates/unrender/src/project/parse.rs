@@ -9,7 +9,7 @@ use toml::Value;
 use unrender_formats::Limits;
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
-use unrender_scene::{BrdfModel, Lens, Rgb, Warnings};
+use unrender_scene::{BrdfModel, Hypothesis, Lens, Rgb, Warnings};
 
 pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), String> {
     let raw: RawProject = toml::from_str(text).map_err(|error| with_line(&error, text))?;
@@ -27,6 +27,14 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
             all_known.insert(name.clone(), known(&format!("groups.{name}.known"), raw_known)?);
         }
     }
+    let mut max_rungs = BTreeMap::new();
+    for (name, group) in &raw.groups {
+        if let Some(text) = &group.max_rung {
+            max_rungs.insert(name.clone(), rung(&format!("groups.{name}.max_rung"), text)?);
+        }
+    }
+    let max_rung = raw.recover.max_rung.as_deref();
+    let max_rung = max_rung.map(|text| rung("recover.max_rung", text)).transpose()?;
     let lights = |unknown| {
         let named = raw.lights.iter().filter(move |(_, light)| light.unknown == unknown);
         named.map(|(name, _)| name.clone()).collect()
@@ -46,6 +54,8 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         known_lights: lights(false),
         brdf: brdf.map_err(|problem| format!("recover.brdf: {problem}"))?.unwrap_or_default(),
         thresholds: thresholds(&raw.recover.thresholds)?,
+        max_rung,
+        max_rungs,
         limits: Limits::default(),
         camera: raw.camera.map_or(Ok(CameraChoice::First), camera)?,
     };
@@ -129,18 +139,25 @@ fn known(key: &str, raw: &RawKnown) -> Result<Known, String> {
     })
 }
 
+fn rung(key: &str, text: &str) -> Result<Hypothesis, String> {
+    text.parse().map_err(|problem| format!("{key}: {problem}"))
+}
+
 /// The table `[recover] thresholds`: the default ladder's by their names, the paper's by the rung
 /// that a group leaves above them.
 fn thresholds(raw: &BTreeMap<String, f64>) -> Result<Thresholds, String> {
     let mut thresholds = Thresholds::default();
     for (name, &value) in raw {
+        if !(value.is_finite() && value > 0.0) {
+            return Err(format!("recover.thresholds.{name} is {value}; it must be positive"));
+        }
         let rung = unrender_recover::hypothesis::UNIFORM.iter().position(|h| h.name() == name);
-        let slot = match (name.as_str(), rung) {
-            ("explained", _) => &mut thresholds.explained,
-            ("simpler", _) => &mut thresholds.simpler,
-            ("textured", _) => &mut thresholds.textured,
-            ("dispersion", _) => &mut thresholds.dispersion,
-            (_, Some(rung)) => &mut thresholds.paper[rung],
+        match (name.as_str(), rung) {
+            ("explained", _) => thresholds.explained = value,
+            ("simpler", _) => thresholds.simpler = Some(value),
+            ("textured", _) => thresholds.textured = Some(value),
+            ("dispersion", _) => thresholds.dispersion = value,
+            (_, Some(rung)) => thresholds.paper[rung] = value,
             _ => {
                 let rungs = unrender_recover::hypothesis::UNIFORM.map(|h| h.name()).join(", ");
                 return Err(format!(
@@ -148,11 +165,7 @@ fn thresholds(raw: &BTreeMap<String, f64>) -> Result<Thresholds, String> {
                      simpler, textured, dispersion, and for the paper's ladder {rungs}"
                 ));
             }
-        };
-        if !(value.is_finite() && value > 0.0) {
-            return Err(format!("recover.thresholds.{name} is {value}; it must be positive"));
         }
-        *slot = value;
     }
     Ok(thresholds)
 }

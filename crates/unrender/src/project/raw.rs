@@ -35,6 +35,7 @@ pub(super) struct RawAnchor {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawGroup {
     pub(super) known: Option<RawKnown>,
+    pub(super) max_rung: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -57,6 +58,7 @@ pub(super) struct RawKnown {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawRecover {
     pub(super) brdf: Option<String>,
+    pub(super) max_rung: Option<String>,
     #[serde(default)]
     pub(super) thresholds: BTreeMap<String, f64>,
 }

@@ -30,7 +30,7 @@ pub(super) fn section(told: &Told<'_>) -> Result<Markup, Error> {
 fn row(told: &Told<'_>, name: &str, group: &RunGroup) -> Result<Markup, Error> {
     let key = told.key.at("groups").at(name);
     let entry = &group.entry;
-    let failed = entry.status == Some(Status::Assumed);
+    let failed = matches!(entry.status, Some(Status::Assumed | Status::Doubtful));
     let hypothesis = entry.hypothesis.map_or("", |h| h.name());
     Ok(html! {
         tr role="row" class=[failed.then_some("failed")] data-group=(name) data-color=(group.map_color) {
@@ -46,6 +46,7 @@ fn row(told: &Told<'_>, name: &str, group: &RunGroup) -> Result<Markup, Error> {
                 @match entry.status {
                     Some(Status::Known) => { " " span class="status" { "given" } }
                     Some(Status::Assumed) => { " " span class="status bad" { "assumed" } }
+                    Some(Status::Doubtful) => { " " span class="status bad" { "doubtful" } }
                     _ => {}
                 }
             }))

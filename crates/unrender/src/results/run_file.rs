@@ -80,13 +80,13 @@ fn input(job: &Job) -> Input {
 fn settings(job: &Job, options: &Options) -> SettingsEntry {
     let thresholds = &options.thresholds;
     let mut named: IndexMap<String, f64> = [
-        ("explained", thresholds.explained),
+        ("explained", Some(thresholds.explained)),
         ("simpler", thresholds.simpler),
         ("textured", thresholds.textured),
-        ("dispersion", thresholds.dispersion),
+        ("dispersion", Some(thresholds.dispersion)),
     ]
-    .map(|(name, value)| (name.to_owned(), value))
     .into_iter()
+    .filter_map(|(name, value)| Some((name.to_owned(), value.filter(|v| v.is_finite())?)))
     .collect();
     let paper = options.ladder == LadderKind::Paper;
     if paper {
@@ -176,8 +176,10 @@ fn trial(trial: &Trial) -> TrialEntry {
     TrialEntry {
         turn: trial.turn,
         hypothesis: trial.hypothesis,
-        error: Some(trial.misfit.relative()).filter(|e| e.is_finite()),
-        deviation_of_square: Some(trial.misfit.deviation).filter(|d| d.is_finite()),
+        error: Some(trial.residual.relative()).filter(|e| e.is_finite()),
+        deviation_of_square: Some(trial.residual.deviation).filter(|d| d.is_finite()),
+        model_error: Some(trial.model_error).filter(|e| e.is_finite()),
+        criterion: Some(trial.criterion).filter(|c| c.is_finite()),
         rho_d: material.rho_d.to_array(),
         rho_s: material.rho_s.to_array(),
         alpha_x: material.alpha_x,

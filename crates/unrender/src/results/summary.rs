@@ -36,11 +36,25 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
             text.push_str(&format!("{}: {note}\n", group.name));
         }
     }
+    let doubtful: Vec<&str> = recovery
+        .groups
+        .iter()
+        .filter(|group| group.status == Status::Doubtful)
+        .map(|group| group.name.as_str())
+        .collect();
+    let asked = recovery.groups.iter().filter(|group| group.status != Status::Known).count();
     text.push_str(&format!(
         "{:.1} s, {}\n",
         recovered.times.all,
         recovery.termination.message(recovery.turns.len())
     ));
+    if !doubtful.is_empty() {
+        text.push_str(&format!(
+            "{} of {asked} groups are not explained: {}\n",
+            doubtful.len(),
+            doubtful.join(", ")
+        ));
+    }
     text
 }
 

@@ -36,6 +36,12 @@ pub struct TrialEntry {
     pub error: Option<f64>,
     /// The standard deviation of the error's square.
     pub deviation_of_square: Option<f64>,
+    /// The model error that its residuals call for, as a share of the local light.
+    #[serde(default)]
+    pub model_error: Option<f64>,
+    /// Its information criterion less that of the best candidate.
+    #[serde(default)]
+    pub criterion: Option<f64>,
     /// Diffuse reflectance.
     pub rho_d: [f32; 3],
     /// Specular reflectance.

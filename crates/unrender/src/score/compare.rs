@@ -11,7 +11,7 @@ use unrender_scene::{Image, Rgb, Texture, Wrap};
 
 /// True if a group of this status is compared with the truth.
 pub(super) fn counts(status: Option<Status>) -> bool {
-    status.is_none_or(|s| s == Status::Recovered)
+    status.is_none_or(|s| matches!(s, Status::Recovered | Status::Doubtful))
 }
 
 /// Compares one group; the name is left to the caller.

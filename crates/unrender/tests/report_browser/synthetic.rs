@@ -128,6 +128,8 @@ fn group(index: usize, name: &str) -> RunGroup {
         hypothesis: *other,
         error: Some(noise(index + 700 + rung)),
         deviation_of_square: Some(noise(index + rung)),
+        model_error: Some(0.02),
+        criterion: Some(10.0),
         rho_d: triple(index + rung),
         rho_s: triple(index + 2 * rung),
         alpha_x: 0.1,

@@ -1,16 +1,20 @@
-//! How far a hypothesis is from the photograph, apart from all noise.
+//! Residual statistics: how far a hypothesis is from the photograph, apart from all noise.
 //!
 //! `relative^2 = (sum W r_A r_B - sum W sigma^2) / sum W B^2`: the share of the photograph that
 //! neither the model nor the noise explains. The products of residuals under two seeds are free of
-//! our noise; the photograph's own is subtracted. `deviation` is the standard deviation of
+//! the rendering noise; the photograph's own is subtracted. `deviation` is the standard deviation of
 //! `relative^2`, from the spread of the pixels' contributions.
+//!
+//! A difference like this may be anything when its own noise is large. It is therefore never shown
+//! as less than its standard deviation, and no decision rests on it: hypotheses are compared by
+//! their likelihoods ([`crate::model_error`]).
 
 use crate::evidence::Observed;
 use unrender_scene::Rgb;
 
 /// The unexplained part of a group's photograph.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Misfit {
+pub struct ResidualStats {
     /// Relative square of the error that noise does not explain; may fall below zero by chance.
     pub squared: f64,
     /// Standard deviation of `squared`.
@@ -19,30 +23,21 @@ pub struct Misfit {
     pub with_noise: f64,
 }
 
-impl Misfit {
-    /// The relative error that noise does not explain: 0.01 is one percent.
+impl ResidualStats {
+    /// The relative error that noise does not explain, 0.01 is one percent; where it cannot be told
+    /// from zero, its standard deviation.
     pub fn relative(&self) -> f64 {
-        self.squared.max(0.0).sqrt()
+        self.squared.max(self.deviation).max(0.0).sqrt()
     }
 
     /// The relative difference of photograph and re-rendering, our own noise taken out.
     pub fn total(&self) -> f64 {
         self.with_noise.max(0.0).sqrt()
     }
-
-    /// Whether an error of `tolerance` or less, together with chance, explains the misfit.
-    pub fn is_within(&self, tolerance: f64) -> bool {
-        self.squared <= tolerance * tolerance + 2.0 * self.deviation
-    }
 }
 
-/// The misfit of the radiances `model`, rendered twice.
-pub fn misfit(pixels: &[Observed], model: &[Vec<Rgb>; 2]) -> Misfit {
-    misfit_by_pixel(pixels, model).0
-}
-
-/// The misfit, and what each pixel contributes to its square.
-pub fn misfit_by_pixel(pixels: &[Observed], model: &[Vec<Rgb>; 2]) -> (Misfit, Vec<f64>) {
+/// The residual statistics of the radiances `model`, rendered twice.
+pub fn residual_stats(pixels: &[Observed], model: &[Vec<Rgb>; 2]) -> ResidualStats {
     let (mut sum, mut noise, mut scale) = (0.0, 0.0, 0.0);
     let mut contributions = Vec::with_capacity(pixels.len());
     for (i, pixel) in pixels.iter().enumerate() {
@@ -59,12 +54,11 @@ pub fn misfit_by_pixel(pixels: &[Observed], model: &[Vec<Rgb>; 2]) -> (Misfit, V
     }
     let scale = if scale > 0.0 { scale } else { f64::INFINITY };
     contributions.iter_mut().for_each(|c| *c /= scale);
-    let misfit = Misfit {
+    ResidualStats {
         squared: (sum - noise) / scale,
         deviation: deviation_of_sum(&contributions),
         with_noise: sum / scale,
-    };
-    (misfit, contributions)
+    }
 }
 
 /// The standard deviation of a sum, from the spread of its terms.

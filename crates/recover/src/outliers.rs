@@ -1,22 +1,38 @@
-//! Pixels that show something that is not in the model, like the book on the paper's desk [Boivin &
-//! Gagalowicz 2002, section 3.2].
+//! Outliers: pixels that show something that is not in the model, like the book on the paper's desk
+//! [Boivin & Gagalowicz 2002, section 3.2].
 //!
 //! The paper fits a plane to the values of a flat object. Light is seldom planar, but its shape is
-//! known here: what must be flat over a surface is the quotient of photograph and re-rendering under
-//! the best uniform hypothesis. Its median is taken over small cells of the picture. Cells that stand
-//! out from their group, in a few coherent patches, are strays: the group is fitted again without
-//! them, which shows others. A pattern is no stray: it covers more, or comes in many pieces.
+//! known here: what must be flat over a surface is the relative residual under the best uniform
+//! hypothesis. Its median is taken over small cells of the picture. Cells that differ from their
+//! group, in a few coherent patches, are outliers: the group is fitted again without them, which
+//! shows others. A pattern is no outlier: it covers more, or comes in many pieces.
 //!
-//! In groups of several objects, an object whose quotient is further than lambda from the median of
+//! What may be an outlier is decided by physics. A reflectance cannot make an isolated dark patch on
+//! an evenly lit surface; it can make a bright one where, for some roughness, the surface mirrors
+//! something bright. A cell that is brighter than the model is an outlier only where no specular
+//! term is large: a highlight that a hypothesis explains only roughly must not be thrown away.
+//!
+//! In groups of several objects, an object whose residual is further than lambda from the median of
 //! all does not count either: the function f of the paper's equation 3.
 
 use crate::evidence::Evidence;
 use crate::hypothesis::Fit;
 use std::collections::{BTreeMap, BTreeSet};
 use unrender_render::GeometryBuffers;
+use unrender_scene::color::luminance;
 
-/// The side of a cell, pixels.
-const SIDE: usize = 6;
+/// Cells in the height of a picture: what people and things of a room cover is some of them. At half
+/// of it small things are missed, at double a cell of a small picture is a pixel.
+const CELLS: usize = 85;
+/// Sampled pixels of a cell, about: the median of fewer is noise.
+const SAMPLES: usize = 3;
+/// A cell may show a highlight where a specular term reaches this share of its greatest over the
+/// group, above its median.
+const HIGHLIGHT: f32 = 0.1;
+/// The roughnesses whose highlights are looked for: wider ones are hardly patches.
+const ALPHAS: [f32; 3] = [0.02, 0.06, 0.16];
+/// A specular term has a highlight if its greatest value is so many times its median.
+const PEAK: f32 = 3.0;
 /// A cell stands out by this many deviations of its group's cells ...
 const DEVIATIONS: f32 = 5.0;
 /// ... and by this much at least, relatively.
@@ -38,9 +54,9 @@ pub fn find(
     fit: &Fit,
     geometry: &GeometryBuffers,
     dispersion: f64,
+    side: usize,
 ) -> Option<Vec<bool>> {
-    let width = geometry.width();
-    let cell_of = |pixel: u32| (pixel as usize % width / SIDE, pixel as usize / width / SIDE);
+    let cell_of = |pixel: u32| cell(pixel, geometry.width(), side);
     let quotients = quotients(evidence, fit);
     let dispersed = dispersed_objects(evidence, &quotients, geometry, dispersion);
     let object = |pixel: u32| geometry.pixels()[pixel as usize].object;
@@ -50,7 +66,10 @@ pub fn find(
             cells.entry(cell_of(pixel.pixel)).or_default().push(*quotient);
         }
     }
-    let strays = stray_cells(&cells);
+    let mut strays = stray_cells(&cells);
+    let middle = median(quotients.clone());
+    let highlights = highlights(evidence, &cell_of);
+    strays.retain(|cell| median(cells[cell].clone()) < middle || !highlights.contains(cell));
     let flags: Vec<bool> = evidence
         .pixels
         .iter()
@@ -60,15 +79,50 @@ pub fn find(
     (share > 0.0 && share <= SHARE_MAX).then_some(flags)
 }
 
+/// The side of a cell, pixels: a share of the picture, and enough for some sampled pixels, of which
+/// there are `sampled` among the `pixels` of the group.
+pub fn cell_side(geometry: &GeometryBuffers, pixels: usize, sampled: usize) -> usize {
+    let least = (SAMPLES * pixels / sampled.max(1)).isqrt();
+    (geometry.height() / CELLS).max(least).max(2)
+}
+
+/// The cell of a pixel.
+fn cell(pixel: u32, width: usize, side: usize) -> Cell {
+    (pixel as usize % width / side, pixel as usize / width / side)
+}
+
+/// The cells in which some roughness would show a highlight.
+fn highlights(evidence: &Evidence, cell_of: &dyn Fn(u32) -> Cell) -> BTreeSet<Cell> {
+    let mut found = BTreeSet::new();
+    for alpha in ALPHAS {
+        let [a, b] = evidence.lobe(alpha, alpha, 0.0);
+        let mut cells: BTreeMap<Cell, (f32, f32)> = BTreeMap::new();
+        for (i, pixel) in evidence.pixels.iter().enumerate() {
+            let (sum, count) = cells.entry(cell_of(pixel.pixel)).or_default();
+            *sum += luminance(a[i] + b[i]);
+            *count += 1.0;
+        }
+        let means: BTreeMap<Cell, f32> =
+            cells.into_iter().map(|(cell, (sum, count))| (cell, sum / count)).collect();
+        let middle = median(means.values().copied().collect());
+        let most = means.values().copied().fold(0.0, f32::max);
+        if most > PEAK * middle {
+            let high = |mean: f32| mean - middle >= HIGHLIGHT * (most - middle);
+            found.extend(means.into_iter().filter(|(_, mean)| high(*mean)).map(|(cell, _)| cell));
+        }
+    }
+    found
+}
+
 /// All of `pixels` in the cells and objects of the sampled strays.
 pub fn spread_out(
     sampled: &[u32],
     flags: &[bool],
     pixels: &[u32],
     geometry: &GeometryBuffers,
+    side: usize,
 ) -> Vec<u32> {
-    let width = geometry.width();
-    let key = |pixel: u32| (pixel as usize % width / SIDE, pixel as usize / width / SIDE);
+    let key = |pixel: u32| cell(pixel, geometry.width(), side);
     let stray = sampled.iter().zip(flags).filter(|(_, stray)| **stray);
     let cells: BTreeSet<Cell> = stray.map(|(p, _)| key(*p)).collect();
     pixels.iter().copied().filter(|&p| cells.contains(&key(p))).collect()

@@ -1,0 +1,227 @@
+//! The driver: owns iteration, verification and cancellation.
+//!
+//! The present hypotheses are fitted until nothing moves; others are proposed for the groups that
+//! they explain worst; a proposal is accepted if the re-rendering of the whole picture
+//! ([`crate::verify`]) does not speak against it, and taken back else. Then all parameters are
+//! refined together, which may not end worse than it began either, and the hypotheses are asked
+//! once more under the refined light. What is returned is the best state that was verified.
+
+use crate::hypothesis::Hypothesis;
+use crate::ladder::candidates::{Candidates, Proposal};
+use crate::ladder::effort::{FINEST, REFINED};
+use crate::ladder::settle::Settler;
+use crate::ladder::textures;
+use crate::plain;
+use crate::problem::{Options, RecoverError};
+use crate::record::{Observer, Termination};
+use crate::refine::{self, Depth};
+use crate::state::State;
+use crate::verify::{REFINED_FLOOR, Verified, Verifier};
+
+/// How often the hypotheses are asked again after a refinement; each time costs a refinement where
+/// one changes.
+const REVISIONS: usize = 2;
+
+/// Recovers everything, the default way.
+pub(crate) fn drive(
+    state: &mut State<'_>,
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Result<Termination, RecoverError> {
+    let mut driver = Driver {
+        options,
+        verifier: Verifier::new(state, options),
+        candidates: Candidates::new(state, options),
+        left: options.max_turns,
+    };
+    let mut termination = driver.climb(state, observer)?;
+    if options.refine && !observer.is_cancelled() {
+        termination = driver.refine(state, observer)?;
+        refine::basins::find(state, options);
+    }
+    textures::finish(state, options);
+    plain::replace_worse(state, options);
+    Ok(if observer.is_cancelled() { Termination::Interrupted } else { termination })
+}
+
+/// How the other groups follow a change of hypotheses.
+#[derive(Clone, Copy)]
+enum Follow {
+    /// By fits at this level.
+    Settle(usize),
+    /// By a joint refinement.
+    Refine,
+}
+
+struct Driver<'o> {
+    options: &'o Options,
+    verifier: Verifier,
+    candidates: Candidates<'o>,
+    /// Iterations that are left.
+    left: usize,
+}
+
+impl Driver<'_> {
+    /// From level to level: settle, propose, accept or take back.
+    fn climb(
+        &mut self,
+        state: &mut State<'_>,
+        observer: &mut dyn Observer,
+    ) -> Result<Termination, RecoverError> {
+        // The refinement finds the numbers better than the finest level does.
+        let last = if self.options.refine { FINEST - 1 } else { FINEST };
+        for level in 0..=last {
+            let settler = Settler::new(state, self.options, level);
+            self.settle(state, &settler, observer)?;
+            let mut best = self.verifier.verify(state);
+            while self.left > 0 && !observer.is_cancelled() {
+                let proposals = self.candidates.propose_worst(state, level);
+                if proposals.is_empty() {
+                    break;
+                }
+                if self.try_all(state, proposals, &mut best, Follow::Settle(level), observer)? {
+                    // The other groups follow.
+                    let settler = Settler::quick(state, self.options, level);
+                    self.settle(state, &settler, observer)?;
+                    best = self.verifier.verify(state);
+                }
+            }
+        }
+        Ok(if self.left > 0 { Termination::Settled } else { Termination::TurnLimit })
+    }
+
+    fn settle(
+        &mut self,
+        state: &mut State<'_>,
+        settler: &Settler<'_>,
+        observer: &mut dyn Observer,
+    ) -> Result<(), RecoverError> {
+        let candidates = &self.candidates;
+        let open = |state: &State<'_>| candidates.open(state, settler.level());
+        settler.run(state, &open, &mut self.left, observer)
+    }
+
+    /// Makes the changes of `proposals` together; where the picture speaks against them, each half of
+    /// them apart. `best` is the present state, and the accepted one afterwards. Whether one was
+    /// accepted.
+    fn try_all(
+        &mut self,
+        state: &mut State<'_>,
+        proposals: Vec<Proposal>,
+        best: &mut Verified,
+        follow: Follow,
+        observer: &mut dyn Observer,
+    ) -> Result<bool, RecoverError> {
+        let mut accepted = false;
+        let mut waiting = vec![proposals];
+        while let Some(mut proposals) = waiting.pop() {
+            if let Some(found) = self.try_one(state, &proposals, best, follow, observer)? {
+                (*best, accepted) = (found, true);
+                continue;
+            }
+            state.restore(&best.snapshot);
+            if proposals.len() > 1 {
+                let other = proposals.split_off(proposals.len() / 2);
+                waiting.push(other);
+                waiting.push(proposals);
+            } else {
+                self.candidates.reject(&proposals[0]);
+            }
+        }
+        Ok(accepted)
+    }
+
+    /// The state with the changes of `proposals`, if the picture does not speak against it. Other
+    /// groups were fitted in the light of what is changed here, right or wrong: where the changed
+    /// groups gain and others lose, these follow before it is decided. A more complex hypothesis has
+    /// to gain in its own group's pixels, by more than chance: nothing else speaks for it.
+    fn try_one(
+        &mut self,
+        state: &mut State<'_>,
+        proposals: &[Proposal],
+        best: &Verified,
+        follow: Follow,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<Verified>, RecoverError> {
+        proposals.iter().for_each(|proposal| proposal.apply(state));
+        let mut found = self.verifier.verify(state);
+        let changed: Vec<usize> = proposals.iter().map(|proposal| proposal.group).collect();
+        let loses = |found: &Verified, proposal: &Proposal| {
+            proposal.is_more_complex && !found.score.surely_gains(&best.score, proposal.group)
+        };
+        if proposals.iter().any(|proposal| loses(&found, proposal)) {
+            return Ok(None);
+        }
+        if found.score.is_worse_than(&best.score) && found.score.gains(&best.score, &changed) {
+            match follow {
+                Follow::Settle(level) => {
+                    let settler = Settler::quick(state, self.options, level);
+                    self.settle(state, &settler, observer)?;
+                }
+                Follow::Refine => {
+                    refine::refine(state, self.options, Depth::Coarse, observer);
+                }
+            }
+            found = self.verifier.verify(state);
+        }
+        Ok((!found.score.is_worse_than(&best.score)).then_some(found))
+    }
+
+    /// Refines all parameters together, roughly at first; under that light the hypotheses are asked
+    /// again.
+    fn refine(
+        &mut self,
+        state: &mut State<'_>,
+        observer: &mut dyn Observer,
+    ) -> Result<Termination, RecoverError> {
+        self.verifier.floor = REFINED_FLOOR.max(self.options.thresholds.explained);
+        self.candidates.forget_rejections();
+        let mut best = self.verifier.verify(state);
+        self.refine_once(state, &mut best, Depth::Coarse, observer);
+        for _ in 0..REVISIONS {
+            refine::settle_nuisances(state, self.options)?;
+            let proposals = self.revise(state);
+            if proposals.is_empty() || observer.is_cancelled() {
+                break;
+            }
+            if !self.try_all(state, proposals, &mut best, Follow::Refine, observer)? {
+                break;
+            }
+            self.refine_once(state, &mut best, Depth::Coarse, observer);
+        }
+        Ok(self.refine_once(state, &mut best, Depth::Fine, observer).0)
+    }
+
+    /// One joint refinement, and whether its result was accepted: it is taken back if the picture
+    /// speaks against it.
+    fn refine_once(
+        &mut self,
+        state: &mut State<'_>,
+        best: &mut Verified,
+        depth: Depth,
+        observer: &mut dyn Observer,
+    ) -> (Termination, bool) {
+        let termination = refine::refine(state, self.options, depth, observer);
+        let found = self.verifier.verify(state);
+        let accepted = !found.score.is_worse_than(&best.score);
+        if accepted {
+            *best = found;
+        } else {
+            state.restore(&best.snapshot);
+        }
+        (termination, accepted)
+    }
+
+    /// Other hypotheses under the refined light, for all groups that are not plainly explained.
+    fn revise(&mut self, state: &mut State<'_>) -> Vec<Proposal> {
+        let mut proposals = Vec::new();
+        for group in state.visible_unknowns() {
+            let proposal = match state.groups[group].hypothesis {
+                Hypothesis::Textured => self.candidates.propose_uniform(state, group, REFINED),
+                _ => self.candidates.propose(state, group, REFINED),
+            };
+            proposals.extend(proposal);
+        }
+        proposals
+    }
+}

@@ -1,0 +1,337 @@
+//! Candidates: other hypotheses for the groups that the present ones explain worst.
+//!
+//! All uniform rungs are fitted to one cache of incident light, and model selection takes one
+//! ([`crate::selection`]). What none explains may be outliers ([`crate::outliers`]), or a texture.
+//! Only the worst groups are asked at a time, because a wrong group spoils the light of its
+//! neighbours: once it is right, their errors may be gone. A proposal changes nothing by itself; the
+//! driver accepts it if the re-rendering of the whole picture is not worse for it.
+
+use super::settle::gather;
+use super::{effort, textures};
+use crate::evidence::Evidence;
+use crate::hypothesis::{self, Fit, Hypothesis, Search, brushed};
+use crate::model_error::{Likelihood, ModelError};
+use crate::outliers;
+use crate::problem::Options;
+use crate::record::{Status, Trial};
+use crate::residual::ResidualStats;
+use crate::selection::{self, Decision};
+use crate::state::State;
+use unrender_scene::Material;
+
+/// Of the groups in error, those with at least this share of the worst model error are asked: at
+/// half of it more groups change at once under light that is wrong, at double only the worst does.
+const WORST: f64 = 0.5;
+/// A group is asked at most so often.
+const ASKED_MAX: usize = 6;
+/// A diffuse group is open if its model error is this many times what is always allowed for.
+const CLEARLY: f64 = 1.5;
+/// A uniform hypothesis does not explain a group if its model error is this many times that of the
+/// scene's better groups: at half of it shadows of things that the model lacks become textures, at
+/// double faint textures become noise.
+const UNEXPLAINED: f64 = 6.0;
+/// The model error of the better groups is taken as at least this: a real scene is not known better.
+const TYPICAL_MIN: f64 = 0.01;
+/// The search goes on for so many of the most likely candidates: the accepted one and its rival.
+const PROMISING: usize = 2;
+/// Outliers are looked for so often, each time without those before.
+const OUTLIER_ROUNDS: usize = 3;
+
+/// Another hypothesis for one group.
+pub(crate) struct Proposal {
+    pub(crate) group: usize,
+    pub(crate) hypothesis: Hypothesis,
+    /// Whether it has more to choose than the present one.
+    pub(crate) is_more_complex: bool,
+    material: Material,
+    residual: ResidualStats,
+    likelihood: Likelihood,
+    /// Pixels that show something that is not in the model.
+    outliers: Vec<u32>,
+}
+
+impl Proposal {
+    /// Whether it changes anything of `state`.
+    fn moves(&self, state: &State<'_>) -> bool {
+        self.hypothesis != state.groups[self.group].hypothesis || !self.outliers.is_empty()
+    }
+
+    /// Makes the change.
+    pub(crate) fn apply(&self, state: &mut State<'_>) {
+        state.observation.distrust(self.group, &self.outliers);
+        let outliers = state.observation.outlier_share(self.group);
+        let of_group = &mut state.groups[self.group];
+        of_group.hypothesis = self.hypothesis;
+        of_group.residual = Some(self.residual);
+        of_group.likelihood = Some(self.likelihood);
+        of_group.note = (outliers > 0.0).then(|| {
+            format!(
+                "{:.0} % of its pixels show something that is not in the model and do not count",
+                100.0 * outliers
+            )
+        });
+        if self.hypothesis != Hypothesis::Textured {
+            of_group.seen_texels = None;
+        }
+        state.materials[self.group] = self.material.clone();
+    }
+}
+
+/// Asks groups for other hypotheses, and remembers which were asked.
+pub(crate) struct Candidates<'o> {
+    options: &'o Options,
+    /// How often each group was asked.
+    asked: Vec<usize>,
+    /// At which level each group was asked last.
+    asked_at: Vec<Option<usize>>,
+    /// Hypotheses that the whole picture spoke against.
+    rejected: Vec<Vec<Hypothesis>>,
+}
+
+impl<'o> Candidates<'o> {
+    pub(crate) fn new(state: &State<'_>, options: &'o Options) -> Self {
+        let groups = state.materials.len();
+        Self {
+            options,
+            asked: vec![0; groups],
+            asked_at: vec![None; groups],
+            rejected: vec![Vec::new(); groups],
+        }
+    }
+
+    /// Remembers that the re-rendering spoke against `proposal`.
+    pub(crate) fn reject(&mut self, proposal: &Proposal) {
+        self.rejected[proposal.group].push(proposal.hypothesis);
+    }
+
+    /// Gives rejected hypotheses another chance, under better light.
+    pub(crate) fn forget_rejections(&mut self) {
+        self.rejected.iter_mut().for_each(Vec::clear);
+    }
+
+    /// Groups whose hypothesis does not explain the photograph yet.
+    pub(crate) fn open(&self, state: &State<'_>, level: usize) -> Vec<usize> {
+        let allowed = effort::allowance(level, self.options);
+        let is_open = |g: &usize| {
+            let of_group = &state.groups[*g];
+            of_group.hypothesis != Hypothesis::Textured
+                && of_group.likelihood.is_none_or(|l| {
+                    l.error.share > CLEARLY * allowed.floor.share
+                        || l.light.share > CLEARLY * allowed.light.share
+                })
+        };
+        state.visible_unknowns().into_iter().filter(is_open).collect()
+    }
+
+    /// Other hypotheses for the groups in error, the worst ones among those that were not asked at
+    /// this level.
+    pub(crate) fn propose_worst(&mut self, state: &mut State<'_>, level: usize) -> Vec<Proposal> {
+        loop {
+            let open = self.open(state, level);
+            let climbed = |g: &usize| {
+                let hypothesis = state.groups[*g].hypothesis;
+                level > 0 && !matches!(hypothesis, Hypothesis::Diffuse | Hypothesis::Textured)
+            };
+            let asked = |g: &usize| self.asked[*g] < ASKED_MAX && self.asked_at[*g] != Some(level);
+            let wanted = state.visible_unknowns().into_iter();
+            let wanted: Vec<usize> =
+                wanted.filter(|g| open.contains(g) || climbed(g)).filter(asked).collect();
+            let error =
+                |g: usize| state.groups[g].likelihood.map_or(f64::INFINITY, |l| l.error.share);
+            let worst = wanted.iter().map(|g| error(*g)).fold(0.0, f64::max);
+            let worst: Vec<usize> =
+                wanted.into_iter().filter(|g| error(*g) >= WORST * worst).collect();
+            if worst.is_empty() {
+                return Vec::new();
+            }
+            let proposals: Vec<Proposal> =
+                worst.into_iter().filter_map(|group| self.propose(state, group, level)).collect();
+            if !proposals.is_empty() {
+                return proposals;
+            }
+        }
+    }
+
+    /// Another hypothesis for `group`; none if the present one stands.
+    pub(crate) fn propose(
+        &mut self,
+        state: &mut State<'_>,
+        group: usize,
+        level: usize,
+    ) -> Option<Proposal> {
+        self.asked[group] += 1;
+        self.asked_at[group] = Some(level);
+        let mut effort = effort::trial(level, self.options);
+        // What the model of the other groups gets wrong, it may get wrong here.
+        let floor = &mut effort.allowance.floor;
+        floor.share = floor.share.max(typical(state, group));
+        let evidence = gather(state, self.options, group, effort);
+        if evidence.is_empty() {
+            return None;
+        }
+        let (mut evidence, mut fits) = fit_all(evidence, state, group);
+        let mut decision = self.decide(&fits, &evidence, group);
+        let mut outliers = Vec::new();
+        let limit = UNEXPLAINED * typical(state, group).max(TYPICAL_MIN);
+        let explained = |fit: &Fit| is_explained(fit, limit);
+        let textured_above = self.options.thresholds.textured.unwrap_or(limit);
+        if self.options.strays && level > 0 && !explained(&fits[decision.chosen]) {
+            let chosen = fits[decision.chosen].clone();
+            if let Some(left) = self.without_outliers(state, group, &evidence, &chosen, limit) {
+                (evidence, fits, decision, outliers) = left;
+            }
+        }
+        log(state, group, &fits, &decision);
+        let fit = &fits[decision.chosen];
+        let mut proposal = Proposal {
+            group,
+            hypothesis: fit.hypothesis,
+            is_more_complex: false,
+            material: fit.material.clone(),
+            residual: fit.residual,
+            likelihood: fit.likelihood,
+            outliers,
+        };
+        let may_be_textured = state.problem.groups[group].max_rung >= Hypothesis::Textured
+            && !self.rejected[group].contains(&Hypothesis::Textured);
+        if level > 0
+            && may_be_textured
+            && !is_explained(fit, textured_above)
+            && let Some(textured) = textures::extract(state, self.options, group, false)
+        {
+            proposal.hypothesis = Hypothesis::Textured;
+            proposal.material = textured;
+        }
+        proposal.is_more_complex = proposal.hypothesis > state.groups[group].hypothesis;
+        drop(evidence);
+        proposal.moves(state).then_some(proposal)
+    }
+
+    /// A uniform hypothesis for a group that is textured, if one explains it after all.
+    pub(crate) fn propose_uniform(
+        &mut self,
+        state: &mut State<'_>,
+        group: usize,
+        level: usize,
+    ) -> Option<Proposal> {
+        let proposal = self.propose(state, group, level)?;
+        (proposal.hypothesis != Hypothesis::Textured).then_some(proposal)
+    }
+
+    /// Model selection among the candidates that the user allows and the picture did not speak
+    /// against.
+    fn decide(&self, fits: &[Fit], evidence: &Evidence, group: usize) -> Decision {
+        let allowed = |fit: &Fit| !self.rejected[group].contains(&fit.hypothesis);
+        let simpler = self.options.thresholds.simpler;
+        selection::select(fits, evidence, &allowed, simpler)
+    }
+
+    /// The fits to what is left of the group without its outliers, if one of them explains that.
+    fn without_outliers(
+        &self,
+        state: &State<'_>,
+        group: usize,
+        evidence: &Evidence,
+        fit: &Fit,
+        limit: f64,
+    ) -> Option<(Evidence, Vec<Fit>, Decision, Vec<u32>)> {
+        let geometry = state.problem.renderer.geometry();
+        let whole = evidence.pixels.len() as f32;
+        let (mut evidence, mut fit) = (evidence.clone(), fit.clone());
+        let mut found = Vec::new();
+        let valid = &state.observation.pixels_of_group[group];
+        let side = outliers::cell_side(geometry, valid.len(), evidence.pixels.len());
+        for _ in 0..OUTLIER_ROUNDS {
+            let dispersion = self.options.thresholds.dispersion;
+            let flags = outliers::find(&evidence, &fit, geometry, dispersion, side)?;
+            let sampled: Vec<u32> = evidence.pixels.iter().map(|p| p.pixel).collect();
+            found.extend(outliers::spread_out(&sampled, &flags, valid, geometry, side));
+            evidence = evidence.without(&flags);
+            if (evidence.pixels.len() as f32) < (1.0 - outliers::SHARE_MAX) * whole {
+                return None;
+            }
+            let (left, fits) = fit_all(evidence, state, group);
+            evidence = left;
+            let decision = self.decide(&fits, &evidence, group);
+            if is_explained(&fits[decision.chosen], limit) {
+                return Some((evidence, fits, decision, found));
+            }
+            fit = fits[decision.chosen].clone();
+        }
+        None
+    }
+}
+
+/// The model error of the scene's better groups other than `group`: the lower quartile of their
+/// shares; zero without others.
+fn typical(state: &State<'_>, group: usize) -> f64 {
+    let others = state.visible_unknowns().into_iter().filter(|g| *g != group);
+    let mut shares: Vec<f64> =
+        others.filter_map(|g| state.groups[g].likelihood.map(|l| l.error.share)).collect();
+    shares.sort_by(f64::total_cmp);
+    shares.get(shares.len() / 4).copied().unwrap_or(0.0)
+}
+
+/// Whether `fit` leaves no more model error than `limit`, from block to block or from pixel to
+/// pixel.
+fn is_explained(fit: &Fit, limit: f64) -> bool {
+    let of_pixels = fit.residual.squared - 2.0 * fit.residual.deviation;
+    fit.likelihood.error.share <= limit && of_pixels <= limit * limit
+}
+
+/// All uniform rungs that the group may have, fitted to one cache under common weights: those of the
+/// most likely fit's light.
+fn fit_all(mut evidence: Evidence, state: &State<'_>, group: usize) -> (Evidence, Vec<Fit>) {
+    let geometry = state.problem.renderer.geometry();
+    let theta_rad = brushed::direction(&evidence, geometry).unwrap_or(0.0);
+    let max_rung = state.problem.groups[group].max_rung;
+    let rungs = || hypothesis::UNIFORM.into_iter().filter(|rung| *rung <= max_rung);
+    let diffuse = hypothesis::diffuse::fit(&evidence);
+    evidence.reweigh(&diffuse.material, ModelError::START);
+    evidence.least_noise = Some(hypothesis::diffuse::fit(&evidence).residuals.noise);
+    let mut fits: Vec<Fit> = Vec::new();
+    for rung in rungs() {
+        let mut start = fits.last().map_or(diffuse.material.clone(), |f| f.material.clone());
+        if rung == Hypothesis::Anisotropic {
+            start.theta_rad = theta_rad;
+        }
+        fits.push(hypothesis::fit(rung, &evidence, &start, Search::Global));
+    }
+    let deviance = |fit: &Fit| fit.likelihood.deviance;
+    let best = fits.iter().min_by(|a, b| deviance(a).total_cmp(&deviance(b)));
+    if let Some((material, error)) = best.map(|b| (b.material.clone(), b.likelihood.error)) {
+        let mut ranked: Vec<f64> = fits.iter().map(deviance).collect();
+        ranked.sort_by(f64::total_cmp);
+        let promising = ranked[ranked.len().min(PROMISING) - 1];
+        evidence.reweigh(&material, error);
+        evidence.least_noise = None;
+        evidence.least_noise = Some(hypothesis::diffuse::fit(&evidence).residuals.noise);
+        for fit in &mut fits {
+            let is_promising = deviance(fit) <= promising;
+            let again = |search| hypothesis::fit(fit.hypothesis, &evidence, &fit.material, search);
+            let kept = again(Search::Kept);
+            let polished = is_promising.then(|| again(Search::Local));
+            let better = polished.filter(|polished| deviance(polished) < deviance(&kept));
+            *fit = better.unwrap_or(kept);
+        }
+    }
+    (evidence, fits)
+}
+
+/// Writes the candidates into the group's selection log.
+fn log(state: &mut State<'_>, group: usize, fits: &[Fit], decision: &Decision) {
+    let turn = state.turns.len();
+    let entries = fits.iter().zip(&decision.excess).enumerate().map(|(i, (fit, excess))| Trial {
+        turn,
+        hypothesis: fit.hypothesis,
+        material: fit.material.clone(),
+        residual: fit.residual,
+        model_error: fit.likelihood.error.share,
+        criterion: *excess,
+        taken: i == decision.chosen,
+    });
+    state.groups[group].story.extend(entries.collect::<Vec<_>>());
+    if state.groups[group].status == Status::Assumed {
+        state.groups[group].status = Status::Recovered;
+    }
+}

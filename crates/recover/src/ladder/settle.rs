@@ -1,0 +1,179 @@
+//! Fitting the present hypotheses until nothing moves.
+//!
+//! In every iteration each group's hypothesis is fitted to the light that arrives at it. Where that
+//! light comes from diffuse surfaces that the camera sees, the photograph itself says how much it is
+//! (`unrender_render::radiance_cache`); only the rest depends on the other groups' reflectances, which move
+//! most of the way to their fits (`DAMPING`). Sample counts grow from level to level
+//! ([`super::effort`]).
+
+use super::effort::{self, SETTLED};
+use super::textures;
+use crate::evidence::{Effort, Evidence};
+use crate::hypothesis::{self, Hypothesis, Search};
+use crate::model_error::ModelError;
+use crate::problem::{Options, RecoverError, Role};
+use crate::record::{Observer, Status};
+use crate::refine;
+use crate::state::{State, distance};
+use unrender_scene::Material;
+
+/// The share of the way to the fitted reflectances that an iteration goes. Groups that the camera
+/// does not see light each other: when all become brighter at once, each looks darker in the next
+/// iteration. A little less than the full step keeps that from swinging; half of it takes three
+/// times as many iterations.
+const DAMPING: f32 = 0.9;
+/// Iterations after which a level ends even if something still moves.
+const ITERATIONS: [usize; 3] = [8, 4, 3];
+/// A group that is seen only in mirrors is fitted from this many pixels on.
+const MIRRORED_PIXELS: usize = 20;
+
+/// Fits all groups at one level, time after time.
+pub(crate) struct Settler<'o> {
+    options: &'o Options,
+    level: usize,
+    /// The level whose sample counts are used.
+    samples: usize,
+    /// The lobes that each group's light is gathered for: as they were when this began, so that all
+    /// its iterations see the same light samples.
+    aims: Vec<Material>,
+}
+
+impl<'o> Settler<'o> {
+    /// With as many light samples as the level asks for.
+    pub(crate) fn new(state: &State<'_>, options: &'o Options, level: usize) -> Self {
+        Self { options, level, samples: level, aims: state.materials.clone() }
+    }
+
+    /// With few light samples: enough for the other groups to follow when some have changed their
+    /// hypotheses.
+    pub(crate) fn quick(state: &State<'_>, options: &'o Options, level: usize) -> Self {
+        Self { samples: 0, ..Self::new(state, options, level) }
+    }
+
+    /// The level that it settles.
+    pub(crate) fn level(&self) -> usize {
+        self.level
+    }
+
+    /// Iterates until nothing moves, or `left` iterations are used up, or the observer cancels.
+    /// `open` are the groups that are not explained, for the records.
+    pub(crate) fn run(
+        &self,
+        state: &mut State<'_>,
+        open: &dyn Fn(&State<'_>) -> Vec<usize>,
+        left: &mut usize,
+        observer: &mut dyn Observer,
+    ) -> Result<(), RecoverError> {
+        for _ in 0..ITERATIONS[self.level] {
+            if *left == 0 || observer.is_cancelled() {
+                return Ok(());
+            }
+            *left -= 1;
+            refine::settle_nuisances(state, self.options)?;
+            let change = self.iterate(state);
+            let n = state.turns.len() as f64 + 1.0;
+            let done = n / (n + 10.0 - 4.0 * self.level as f64);
+            let open = open(state);
+            observer.turn(state.end_turn(change, &open, done));
+            if change <= SETTLED[self.samples] {
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    /// One iteration over all groups; returns the largest change that is still called for.
+    fn iterate(&self, state: &mut State<'_>) -> f64 {
+        let mut next = state.materials.clone();
+        let mut change = 0.0f64;
+        for group in state.visible_unknowns() {
+            if let Some(fitted) = self.refit(state, group) {
+                change = change.max(distance(&state.materials[group], &fitted));
+                next[group] = approach(&state.materials[group], fitted);
+            }
+        }
+        self.groups_in_mirrors(state, &mut next);
+        state.materials = next;
+        change
+    }
+
+    /// The group's current hypothesis fitted to the present light.
+    fn refit(&self, state: &mut State<'_>, group: usize) -> Option<Material> {
+        let material = state.materials[group].clone();
+        let hypothesis = state.groups[group].hypothesis;
+        if hypothesis == Hypothesis::Textured {
+            // What the last uniform rung left says nothing of the texture.
+            (state.groups[group].residual, state.groups[group].likelihood) = (None, None);
+            return textures::extract(state, self.options, group, false);
+        }
+        let mut effort = if hypothesis == Hypothesis::Diffuse {
+            effort::diffuse(self.samples, self.options)
+        } else {
+            effort::specular(self.samples, self.options, &self.aims[group])
+        };
+        effort.allowance = effort::allowance(self.level, self.options);
+        let mut evidence = gather(state, self.options, group, effort);
+        if evidence.is_empty() {
+            return None;
+        }
+        let error = state.groups[group].likelihood.map_or(ModelError::START, |l| l.error);
+        evidence.reweigh(&material, error);
+        let fit = hypothesis::fit(hypothesis, &evidence, &material, Search::Local);
+        state.groups[group].residual = Some(fit.residual);
+        state.groups[group].likelihood = Some(fit.likelihood);
+        Some(fit.material)
+    }
+
+    /// Groups that no pixel shows directly may be seen in a mirror: there they get a diffuse
+    /// reflectance.
+    fn groups_in_mirrors(&self, state: &mut State<'_>, next: &mut [Material]) {
+        let observation = &state.observation;
+        let mirrors = (0..state.materials.len()).filter(|&g| state.materials[g].is_pure_mirror());
+        let in_mirrors: Vec<u32> =
+            mirrors.flat_map(|g| observation.pixels_of_group[g].iter().copied()).collect();
+        if in_mirrors.is_empty() {
+            return;
+        }
+        for group in 0..next.len() {
+            let asked = state.problem.groups[group].role == Role::Unknown;
+            if !asked || !state.observation.pixels_of_group[group].is_empty() {
+                continue;
+            }
+            let mut effort = effort::diffuse(self.level, self.options);
+            effort.probe.through_mirrors = true;
+            effort.probe.max_bounces = self.options.max_bounces;
+            let (stage, appearance) = (state.stage(), state.appearance());
+            let evidence = Evidence::gather(&stage, appearance, group, &in_mirrors, &effort);
+            if evidence.pixels.len() < MIRRORED_PIXELS {
+                continue;
+            }
+            let fit = hypothesis::fit(Hypothesis::Diffuse, &evidence, &next[group], Search::Local);
+            next[group] = fit.material;
+            let of_group = &mut state.groups[group];
+            of_group.residual = Some(fit.residual);
+            of_group.status = Status::Recovered;
+            of_group.note = Some("seen in a mirror only; taken as diffuse".to_owned());
+        }
+    }
+}
+
+/// The evidence on a group under the present light.
+pub(crate) fn gather(
+    state: &State<'_>,
+    options: &Options,
+    group: usize,
+    mut effort: Effort,
+) -> Evidence {
+    effort.probe.max_bounces = options.max_bounces;
+    let pixels = &state.observation.informative_of_group[group];
+    Evidence::gather(&state.stage(), state.appearance(), group, pixels, &effort)
+}
+
+/// The material on the way from `now` to `fitted`.
+fn approach(now: &Material, fitted: Material) -> Material {
+    Material {
+        rho_d: now.rho_d.lerp(fitted.rho_d, DAMPING),
+        rho_s: now.rho_s.lerp(fitted.rho_s, DAMPING),
+        ..fitted
+    }
+}

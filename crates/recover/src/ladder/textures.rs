@@ -1,0 +1,55 @@
+//! Textures on the way: the last rung, taken where no uniform hypothesis explains a group.
+
+use super::effort;
+use crate::hypothesis::{Hypothesis, textured};
+use crate::problem::Options;
+use crate::record::Deviations;
+use crate::state::State;
+use unrender_scene::Material;
+
+/// A texture needs this many pixels: below that it has fewer texels than a lobe has parameters.
+const PIXELS_MIN: usize = 200;
+
+/// The group's texture under the present light; none without texture coordinates or with too
+/// few pixels, which the group's note then says.
+pub(crate) fn extract(
+    state: &mut State<'_>,
+    options: &Options,
+    group: usize,
+    last: bool,
+) -> Option<Material> {
+    let few = state.observation.pixels_of_group[group].len() < PIXELS_MIN;
+    let mut effort = effort::texture(last, options);
+    effort.probe.max_bounces = options.max_bounces;
+    let plain = Material::diffuse(state.materials[group].rho_d);
+    let stage = state.stage();
+    let extracted = if few {
+        None
+    } else {
+        textured::extract(&stage, state.appearance(), group, &plain, &effort)
+    };
+    let of_group = &mut state.groups[group];
+    let Some(extracted) = extracted else {
+        let reason = if few { "too few pixels" } else { "no texture coordinates" };
+        of_group.note = Some(format!(
+            "no uniform reflectance explains this group, and it has {reason} for a texture"
+        ));
+        return None;
+    };
+    let mean = textured::mean(&extracted);
+    of_group.seen_texels = Some(extracted.seen);
+    let rho_d = Some(extracted.deviation);
+    of_group.std = last.then_some(Deviations { rho_d, ..Deviations::default() });
+    Some(Material { texture: Some(extracted.texture), rho_d: mean, ..plain })
+}
+
+/// The textures once more, with more light samples, under the final light.
+pub(crate) fn finish(state: &mut State<'_>, options: &Options) {
+    for group in state.visible_unknowns() {
+        if state.groups[group].hypothesis == Hypothesis::Textured
+            && let Some(material) = extract(state, options, group, true)
+        {
+            state.materials[group] = material;
+        }
+    }
+}

@@ -1,0 +1,317 @@
+//! Where a recovery stands: plain data, a material and a [`GroupState`] for every group, with what
+//! belongs to the whole picture. The drivers move it; snapshots bring it back.
+
+use crate::correction::Corrected;
+use crate::evidence::{Evidence, Stage};
+use crate::hypothesis::{self, Fit, Hypothesis};
+use crate::ladder::effort;
+use crate::model_error::Likelihood;
+use crate::observation::{Observation, ValidPixels};
+use crate::problem::{ExposureRule, Options, Problem, RecoverError, Role};
+use crate::record::{Deviations, GroupTurn, LightResult, Status, Trial, TurnRecord};
+use crate::residual::ResidualStats;
+use unrender_render::{Appearance, RadianceCache};
+use unrender_scene::{Image, Material, Rgb, RgbImage};
+
+/// Where a recovery stands.
+pub(crate) struct State<'a> {
+    pub(crate) problem: &'a Problem<'a>,
+    /// The photograph, and what of it is still believed.
+    pub(crate) observation: Observation,
+    /// The current material of every group.
+    pub(crate) materials: Vec<Material>,
+    /// How many times as bright as in the scene each source of light shines (see [`Appearance`]).
+    pub(crate) lights: Vec<Rgb>,
+    /// The current state of every group.
+    pub(crate) groups: Vec<GroupState>,
+    pub(crate) exposure: Rgb,
+    pub(crate) exposure_std: Option<Rgb>,
+    pub(crate) light_results: Vec<LightResult>,
+    pub(crate) corrected: Corrected,
+    pub(crate) turns: Vec<TurnRecord>,
+    /// The photograph's radiance where it shows diffuse surfaces.
+    pub(crate) seen: Option<RadianceCache>,
+}
+
+/// Where one group stands.
+#[derive(Clone, Debug)]
+pub(crate) struct GroupState {
+    pub(crate) hypothesis: Hypothesis,
+    pub(crate) status: Status,
+    pub(crate) residual: Option<ResidualStats>,
+    /// How likely its residuals are, where it was measured on light samples.
+    pub(crate) likelihood: Option<Likelihood>,
+    pub(crate) story: Vec<Trial>,
+    pub(crate) seen_texels: Option<Image<bool>>,
+    pub(crate) note: Option<String>,
+    pub(crate) std: Option<Deviations>,
+    /// Other fits that explain the photograph alike.
+    pub(crate) alternatives: Vec<Fit>,
+}
+
+impl GroupState {
+    /// Adds a sentence to what the user should know.
+    pub(crate) fn add_note(&mut self, note: String) {
+        self.note = match self.note.take() {
+            Some(before) if before.contains(&note) => Some(before),
+            Some(before) => Some(format!("{before}; {note}")),
+            None => Some(note),
+        };
+    }
+
+    /// By how much the information criterion spoke against a diffuse reflectance when the present
+    /// hypothesis was selected; zero if nothing was.
+    pub(crate) fn evidence_against_diffuse(&self) -> f64 {
+        let taken = self.story.iter().rposition(|trial| trial.taken);
+        let Some(taken) = taken.filter(|at| self.story[*at].hypothesis == self.hypothesis) else {
+            return 0.0;
+        };
+        let before = self.story[..=taken].iter().rev();
+        let diffuse = before.take(hypothesis::UNIFORM.len());
+        let diffuse = diffuse.filter(|trial| trial.hypothesis == Hypothesis::Diffuse);
+        diffuse.map(|trial| trial.criterion).next().unwrap_or(0.0)
+    }
+
+    /// Whether the selection log does not hold `hypothesis` yet.
+    pub(crate) fn is_new_to(&self, hypothesis: Hypothesis) -> bool {
+        self.story.last().is_none_or(|trial| trial.hypothesis != hypothesis)
+    }
+}
+
+/// Every unknown group starts as diffuse with this reflectance.
+const START: f32 = 0.5;
+
+impl<'a> State<'a> {
+    pub(crate) fn new(problem: &'a Problem<'a>) -> Result<Self, RecoverError> {
+        let seen = |group: usize| !problem.observation.pixels_of_group[group].is_empty();
+        if (0..problem.groups.len()).all(|g| !seen(g)) {
+            return Err(RecoverError::NothingSeen);
+        }
+        let material = |group: usize| match problem.groups[group].role {
+            Role::Unknown if seen(group) => Material::diffuse(Rgb::splat(START)),
+            Role::Unknown => Material::diffuse(Rgb::ONE),
+            Role::Known | Role::Emitter => problem.groups[group].material.clone(),
+        };
+        let materials: Vec<Material> = (0..problem.groups.len()).map(material).collect();
+        let groups = |group: usize| GroupState {
+            hypothesis: hypothesis::of(&materials[group]),
+            status: match problem.groups[group].role {
+                Role::Unknown if seen(group) => Status::Recovered,
+                Role::Unknown => Status::Assumed,
+                Role::Known | Role::Emitter => Status::Known,
+            },
+            residual: None,
+            likelihood: None,
+            story: Vec::new(),
+            seen_texels: None,
+            note: None,
+            std: None,
+            alternatives: Vec::new(),
+        };
+        let groups = (0..problem.groups.len()).map(groups).collect();
+        let exposure = match problem.exposure {
+            ExposureRule::Fixed(exposure) => exposure,
+            ExposureRule::Anchor { .. } => Rgb::ONE,
+        };
+        let lights = Vec::new();
+        let steps = vec![0.0; problem.corrections.len()];
+        let corrected = Corrected { steps, covariance: Vec::new() };
+        Ok(Self {
+            problem,
+            observation: problem.observation.clone(),
+            materials,
+            lights,
+            groups,
+            exposure,
+            exposure_std: None,
+            light_results: Vec::new(),
+            corrected,
+            turns: Vec::new(),
+            seen: None,
+        })
+    }
+
+    /// The photograph's value at a pixel with the camera's numbers as they stand, before exposure.
+    pub(crate) fn value(&self, pixel: usize) -> Rgb {
+        self.observation.picture.values.pixels()[pixel] + self.correction(pixel)
+    }
+
+    /// What the camera's numbers add to the value of a pixel.
+    pub(crate) fn correction(&self, pixel: usize) -> Rgb {
+        let corrections = self.problem.corrections.iter().zip(&self.corrected.steps);
+        corrections.map(|(c, step)| c.derivative.pixels()[pixel] * *step as f32).sum()
+    }
+
+    /// What the scene is believed to look like now.
+    pub(crate) fn appearance(&self) -> Appearance<'_> {
+        Appearance { materials: &self.materials, lights: &self.lights }
+    }
+
+    /// Gives the groups that are asked for `materials`, one for each group.
+    pub(crate) fn wear(&mut self, materials: &[Material]) {
+        for (group, material) in materials.iter().enumerate() {
+            if self.problem.groups[group].role == Role::Unknown {
+                self.materials[group] = material.clone();
+                self.groups[group].hypothesis = hypothesis::of(material);
+            }
+        }
+    }
+
+    /// Makes one channel of a source `factor` times as bright as in the scene.
+    pub(crate) fn set_light(&mut self, source: usize, channel: usize, factor: f32) {
+        if self.lights.len() <= source {
+            self.lights.resize(source + 1, Rgb::ONE);
+        }
+        self.lights[source][channel] = factor;
+    }
+
+    /// Where evidence comes from now.
+    pub(crate) fn stage(&self) -> Stage<'_> {
+        Stage {
+            seen: self.seen.as_ref(),
+            observation: &self.observation,
+            exposure: self.exposure,
+            renderer: self.problem.renderer,
+        }
+    }
+
+    /// Lets the photograph say what radiance its diffuse surfaces send: all believed pixels of
+    /// groups that are taken as diffuse or textured.
+    pub(crate) fn look_at_photograph(&mut self) {
+        let observation = &self.observation;
+        let values = &observation.picture.values;
+        let (width, height) = (values.width(), values.height());
+        let mut known = Image::new(width, height, vec![false; width * height]);
+        for (group, pixels) in observation.pixels_of_group.iter().enumerate() {
+            let material = &self.materials[group];
+            let emits = self.problem.groups[group].role == Role::Emitter;
+            if !emits && material.rho_s == Rgb::ZERO {
+                pixels.iter().for_each(|&p| known.pixels_mut()[p as usize] = true);
+            }
+        }
+        let exposure = self.exposure;
+        let radiance = (0..width * height).map(|pixel| exposure * self.value(pixel)).collect();
+        let radiance = RgbImage::new(width, height, radiance);
+        self.seen = Some(RadianceCache { radiance, valid: known });
+    }
+
+    /// The groups to be recovered that the photograph shows.
+    pub(crate) fn visible_unknowns(&self) -> Vec<usize> {
+        let asked = |g: &usize| self.problem.groups[*g].role == Role::Unknown;
+        let seen = |g: &usize| !self.observation.pixels_of_group[*g].is_empty();
+        (0..self.materials.len()).filter(asked).filter(seen).collect()
+    }
+
+    /// With an anchor: the exposure that makes the anchor group's photograph and `D` agree,
+    /// channel by channel, `exposure = rho_d sum D / sum value`.
+    pub(crate) fn update_exposure(&mut self, options: &Options) -> Result<(), RecoverError> {
+        let ExposureRule::Anchor { group, rho_d } = self.problem.exposure else { return Ok(()) };
+        let stage = Stage { exposure: Rgb::ONE, ..self.stage() };
+        let pixels = &self.observation.pixels_of_group[group];
+        let mut effort = effort::diffuse(effort::FINEST, options);
+        effort.probe.max_bounces = options.max_bounces;
+        let evidence = Evidence::gather(&stage, self.appearance(), group, pixels, &effort);
+        let [a, b] = evidence.diffuse();
+        let light: Rgb = 0.5 * (a.iter().sum::<Rgb>() + b.iter().sum::<Rgb>());
+        let values: Rgb = evidence.pixels.iter().map(|p| p.radiance).sum();
+        if values.min_element() <= 0.0 || light.min_element() <= 0.0 {
+            return Err(RecoverError::AnchorUnseen(self.problem.groups[group].name.clone()));
+        }
+        self.exposure = rho_d * light / values;
+        Ok(())
+    }
+
+    /// Notes the end of a pass of the joint refinement, with the error that it started from: of all
+    /// groups together, and of each.
+    pub(crate) fn end_pass(
+        &mut self,
+        change: f64,
+        (error, errors): (f64, &[Option<f64>]),
+        done: f64,
+    ) -> &TurnRecord {
+        let record = TurnRecord {
+            refining: true,
+            turn: self.turns.len() + 1,
+            change,
+            worst_error: error,
+            open_groups: Vec::new(),
+            groups: self.group_turns(|group| errors[group]),
+            done,
+        };
+        self.turns.push(record);
+        &self.turns[self.turns.len() - 1]
+    }
+
+    /// Where each group stands now, with its error.
+    fn group_turns(&self, error: impl Fn(usize) -> Option<f64>) -> Vec<GroupTurn> {
+        let turn = |(group, of_group): (usize, &GroupState)| GroupTurn {
+            hypothesis: of_group.hypothesis,
+            material: Material { texture: None, ..self.materials[group].clone() },
+            error: error(group),
+        };
+        self.groups.iter().enumerate().map(turn).collect()
+    }
+
+    /// Notes the end of an iteration in which the largest change was `change`; `open` groups are not
+    /// explained yet.
+    pub(crate) fn end_turn(&mut self, change: f64, open: &[usize], done: f64) -> &TurnRecord {
+        let error = |s: &GroupState| s.residual.map_or(0.0, |r| r.relative());
+        let record = TurnRecord {
+            refining: false,
+            turn: self.turns.len() + 1,
+            change,
+            worst_error: self.groups.iter().map(error).fold(0.0, f64::max),
+            open_groups: open.iter().map(|g| self.problem.groups[*g].name.clone()).collect(),
+            groups: self.group_turns(|g| self.groups[g].residual.map(|r| r.relative())),
+            done,
+        };
+        self.turns.push(record);
+        &self.turns[self.turns.len() - 1]
+    }
+
+    /// All that a candidate may change, to come back to.
+    pub(crate) fn snapshot(&self) -> Snapshot {
+        Snapshot {
+            materials: self.materials.clone(),
+            groups: self.groups.clone(),
+            lights: self.lights.clone(),
+            exposure: self.exposure,
+            corrected: self.corrected.clone(),
+            valid: self.observation.valid_pixels(),
+        }
+    }
+
+    /// Goes back to `snapshot`. The selection log and the iterations stay: they happened.
+    pub(crate) fn restore(&mut self, snapshot: &Snapshot) {
+        self.materials.clone_from(&snapshot.materials);
+        for (group, before) in self.groups.iter_mut().zip(&snapshot.groups) {
+            let log = std::mem::take(&mut group.story);
+            *group = GroupState { story: log, ..before.clone() };
+        }
+        self.lights.clone_from(&snapshot.lights);
+        self.exposure = snapshot.exposure;
+        self.corrected.clone_from(&snapshot.corrected);
+        self.observation.restore_valid_pixels(&snapshot.valid);
+    }
+}
+
+/// A state to come back to.
+#[derive(Clone)]
+pub(crate) struct Snapshot {
+    materials: Vec<Material>,
+    groups: Vec<GroupState>,
+    lights: Vec<Rgb>,
+    exposure: Rgb,
+    corrected: Corrected,
+    valid: ValidPixels,
+}
+
+/// How far two materials are apart: the largest difference of a reflectance, or of the logarithm
+/// of a roughness.
+pub(crate) fn distance(a: &Material, b: &Material) -> f64 {
+    let rho = (a.rho_d - b.rho_d).abs().max((a.rho_s - b.rho_s).abs()).max_element();
+    let log = |x: f32, y: f32| if x > 0.0 && y > 0.0 { (x / y).ln().abs() } else { 0.0 };
+    let visible = a.rho_s.max(b.rho_s).max_element().min(1.0);
+    let alpha = log(a.alpha_x, b.alpha_x).max(log(a.alpha_y, b.alpha_y)) * visible;
+    f64::from(rho.max(0.1 * alpha))
+}
