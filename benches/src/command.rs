@@ -51,7 +51,7 @@ impl Unrender {
         if ended.success() { Ok(seconds) } else { Err(format!("{command:?}: {ended}").into()) }
     }
 
-    /// Recovers `project` into the folder `out`; the seconds of the whole command, and its story.
+    /// Recovers `project` into the folder `out`; the seconds of the whole command, and its `run.json`.
     ///
     /// # Errors
     /// If it fails.

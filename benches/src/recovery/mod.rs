@@ -16,7 +16,7 @@ use descent::Descent;
 use std::path::Path;
 use unrender::formats::materials::{self, GroupEntry, MaterialsFile};
 use unrender::formats::picture;
-use unrender::run::{GroupTurnEntry, Run, TurnEntry};
+use unrender::run::{GroupIterationEntry, IterationEntry, Run};
 use unrender::scene::Status;
 use unrender::score::{self, GroupScore, Limits, Worst};
 
@@ -89,21 +89,25 @@ fn ours(command: &Unrender, folder: &Path, effort: Effort) -> Result<Ours, Failu
     eprintln!("unrender: {seconds:.1} s; rendering {renderings:.1?} s");
     let found = materials::read(&out.join("materials.json"))?;
     let scores = score::score(&found, &out, &truth, &fig8)?;
-    let is_close = |turn: &TurnEntry| LIMITS.exceeded(&scores_of(turn, &truth)).is_empty();
+    let is_close =
+        |iteration: &IterationEntry| LIMITS.exceeded(&scores_of(iteration, &truth)).is_empty();
     Ok(Ours {
         seconds: vec![seconds],
         renderings,
-        first_within: within_from(&run.turns, is_close),
+        first_within: within_from(&run.iterations, is_close),
         worst: score::worst(&scores),
         is_within: LIMITS.exceeded(&scores).is_empty(),
         run,
     })
 }
 
-/// The time of the first turn that is close and that no other follows which is not.
-fn within_from(turns: &[TurnEntry], is_close: impl Fn(&TurnEntry) -> bool) -> Option<f64> {
-    let far = turns.iter().rposition(|turn| !is_close(turn));
-    turns.get(far.map_or(0, |last| last + 1)).map(|turn| turn.seconds)
+/// The time of the first iteration that is close and that no other follows which is not.
+fn within_from(
+    iterations: &[IterationEntry],
+    is_close: impl Fn(&IterationEntry) -> bool,
+) -> Option<f64> {
+    let far = iterations.iter().rposition(|iteration| !is_close(iteration));
+    iterations.get(far.map_or(0, |last| last + 1)).map(|iteration| iteration.seconds)
 }
 
 /// The largest error of a reflectance.
@@ -111,9 +115,9 @@ fn rho(worst: &Worst) -> Option<f64> {
     [worst.rho_d, worst.rho_s].into_iter().flatten().reduce(f64::max)
 }
 
-/// Where a recovery stood after a turn, beside the truth.
-fn scores_of(turn: &TurnEntry, truth: &MaterialsFile) -> Vec<GroupScore> {
-    let entry = |group: &GroupTurnEntry| GroupEntry {
+/// Where a recovery stood after an iteration, beside the truth.
+fn scores_of(iteration: &IterationEntry, truth: &MaterialsFile) -> Vec<GroupScore> {
+    let entry = |group: &GroupIterationEntry| GroupEntry {
         hypothesis: Some(group.hypothesis),
         status: Some(Status::Recovered),
         rho_d: Some(group.rho_d),
@@ -123,12 +127,13 @@ fn scores_of(turn: &TurnEntry, truth: &MaterialsFile) -> Vec<GroupScore> {
         theta_deg: Some(group.theta_deg),
         ..GroupEntry::default()
     };
-    let groups = turn.groups.iter().map(|(name, group)| (name.clone(), entry(group))).collect();
+    let groups =
+        iteration.groups.iter().map(|(name, group)| (name.clone(), entry(group))).collect();
     let found = MaterialsFile { groups, ..MaterialsFile::default() };
     // Figure 8 has no textures, whose files would be looked for in these folders.
     let here = Path::new(".");
     let mut scores = score::score(&found, here, truth, here).unwrap_or_default();
-    scores.retain(|score| turn.groups.contains_key(&score.group));
+    scores.retain(|score| iteration.groups.contains_key(&score.group));
     scores
 }
 
@@ -152,14 +157,14 @@ fn best(descents: &[Descent]) -> Option<(f64, bool)> {
 
 fn draw(ours: &Ours, descents: &[Descent]) -> Result<String, Failure> {
     let truth = materials::read(&root().join("examples/fig8/truth.json"))?;
-    let worst = |turn: &TurnEntry| -> Option<(f64, f64)> {
-        let worst = score::worst(&scores_of(turn, &truth));
+    let worst = |iteration: &IterationEntry| -> Option<(f64, f64)> {
+        let worst = score::worst(&scores_of(iteration, &truth));
         let share = descent::share(rho(&worst)?, worst.alpha_percent?, worst.degrees?);
-        Some((turn.seconds, share))
+        Some((iteration.seconds, share))
     };
     let mut curves = vec![Curve {
         label: "unrender".to_owned(),
-        points: ours.run.turns.iter().filter_map(worst).collect(),
+        points: ours.run.iterations.iter().filter_map(worst).collect(),
     }];
     curves.extend(descents.iter().map(|descent| Curve {
         label: format!("Mitsuba, Adam at {}", descent.rate),

@@ -12,7 +12,7 @@ use unrender_scene::{Rgb, RgbImage};
 pub struct Correction {
     /// How the photograph's values change with it, before the exposure is applied.
     pub derivative: RgbImage,
-    /// Where it is believed to be before the photograph is looked at, counted from where it is now.
+    /// Its prior mean, counted from where it is now.
     pub belief: f64,
     /// The standard deviation of that belief; it only speaks where the photograph is silent.
     pub deviation: f64,

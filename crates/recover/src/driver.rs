@@ -32,7 +32,7 @@ pub(crate) fn drive(
         options,
         verifier: Verifier::new(state, options),
         candidates: Candidates::new(state, options),
-        left: options.max_turns,
+        left: options.max_iterations,
     };
     let mut termination = driver.climb(state, observer)?;
     if options.refine && !observer.is_cancelled() {
@@ -87,7 +87,7 @@ impl Driver<'_> {
                 }
             }
         }
-        Ok(if self.left > 0 { Termination::Settled } else { Termination::TurnLimit })
+        Ok(if self.left > 0 { Termination::Settled } else { Termination::IterationLimit })
     }
 
     fn settle(

@@ -35,13 +35,13 @@ mod verify;
 
 pub use correction::{Corrected, Correction};
 pub use hypothesis::Hypothesis;
-pub use observation::{Observation, Picture, Trust};
+pub use observation::{Observation, Picture, PixelStatus};
 pub use problem::{
     ExposureRule, GroupSpec, LadderKind, Options, Problem, RecoverError, Role, Thresholds,
 };
 pub use record::{
-    Alternative, Deviations, GroupResult, GroupTurn, LightResult, Observer, Recovery, Status,
-    Termination, TurnRecord,
+    Alternative, Deviations, GroupIteration, GroupResult, IterationRecord, LightResult, Observer,
+    Recovery, Status, Termination,
 };
 pub use rerender::{Renderer, View};
 

@@ -1,8 +1,8 @@
-//! What the photograph shows of each group: which pixels may be believed, and how noisy they are.
+//! What the photograph shows of each group: which pixels are valid, and how noisy they are.
 //!
-//! Every pixel has a [`Trust`]: it is believed, or there is a reason why not. The photograph may be
+//! Every pixel has a [`PixelStatus`]: it is valid, or there is a reason why not. The photograph may be
 //! cut off there; an edge of the model may be too close, as far as the model may be off
-//! ([`crate::register`]); and what does not fit its group may be no part of it ([`crate::stray`]). A
+//! ([`crate::register`]); and what does not fit its group may be no part of it ([`crate::outliers`]). A
 //! group that would be left with next to nothing gets a narrower margin.
 //!
 //! The noise of the photograph is estimated from itself: in the interior of a group, the difference
@@ -18,13 +18,13 @@ use glam::Vec3;
 use unrender_render::{GeometryBuffers, NOTHING};
 use unrender_scene::{Image, Rgb, RgbImage};
 
-/// The photograph, developed: linear values with a trust and a quantisation step per pixel.
+/// The photograph, developed: linear values with a valid mask and a quantisation step per pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// Radiance before the exposure is applied.
     pub values: RgbImage,
     /// False for pixels that are clipped or broken.
-    pub trusted: Image<bool>,
+    pub valid: Image<bool>,
     /// True for pixels whose value is a lower bound: the camera or the file cut them off at the top.
     pub saturated: Image<bool>,
     /// What one step of the file's code value means at this pixel; zero for float files.
@@ -60,21 +60,21 @@ impl Noise {
     }
 }
 
-/// Whether a pixel is believed, and why not.
+/// Whether a pixel is valid, and why not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Trust {
+pub enum PixelStatus {
     /// It counts.
-    Believed,
+    Valid,
     /// The model shows nothing there.
     Nothing,
     /// The photograph says nothing there: clipped, too dark, or broken.
-    CutOff,
+    Clipped,
     /// An edge is too close, of the model, or of the photograph where the model is off.
     Edge,
     /// A single bright pixel.
     Spike,
     /// It shows something that is not in the model, or not there.
-    Stray,
+    Outlier,
 }
 
 /// The photograph, sorted by groups.
@@ -82,21 +82,21 @@ pub enum Trust {
 pub struct Observation {
     /// The photograph.
     pub picture: Picture,
-    /// For each pixel: whether it is believed.
-    pub trust: Image<Trust>,
-    /// For each group: the believed pixels, in scanline order.
+    /// For each pixel: whether it is valid.
+    pub status: Image<PixelStatus>,
+    /// For each group: the valid pixels, in scanline order.
     pub pixels_of_group: Vec<Vec<u32>>,
-    /// For each group: the believed pixels and those that are a lower bound, in scanline order.
+    /// For each group: the valid pixels and those that are a lower bound, in scanline order.
     pub informative_of_group: Vec<Vec<u32>>,
-    /// For each group: all its pixels, believed or not.
+    /// For each group: all its pixels, valid or not.
     pub all_pixels_of_group: Vec<Vec<u32>>,
-    /// The local mean of the believed pixels of the same object, 5 x 5.
+    /// The local mean of the valid pixels of the same object, 5 x 5.
     pub smooth: RgbImage,
     /// For each group: variance of the noise per unit of value, per channel.
     pub shot_of_group: Vec<Rgb>,
 }
 
-/// Below this many believed pixels a group falls back on all its unclipped ones.
+/// Below this many valid pixels a group falls back on all its unclipped ones.
 const FEW_PIXELS: usize = 40;
 /// A group keeps at least this share of its pixels.
 const KEPT: f32 = 0.1;
@@ -133,16 +133,16 @@ impl Observation {
         assert_eq!(size, geometry.pixels().len(), "sizes differ");
         assert_eq!(size, margins.pixels().len(), "sizes differ");
         let mut all_pixels_of_group = vec![Vec::new(); groups];
-        let mut trust = geometry.map(|_| Trust::Nothing);
+        let mut status = geometry.map(|_| PixelStatus::Nothing);
         for (index, pixel) in geometry.pixels().iter().enumerate() {
             if pixel.group != NOTHING {
                 all_pixels_of_group[pixel.group as usize].push(index as u32);
-                trust.pixels_mut()[index] = if !picture.trusted.pixels()[index] {
-                    Trust::CutOff
+                status.pixels_mut()[index] = if !picture.valid.pixels()[index] {
+                    PixelStatus::Clipped
                 } else if is_spike(&picture.values, index) {
-                    Trust::Spike
+                    PixelStatus::Spike
                 } else {
-                    Trust::Believed
+                    PixelStatus::Valid
                 };
             }
         }
@@ -150,19 +150,19 @@ impl Observation {
         let steepness = &steepness(&EdgePicture::new(&picture.values), margins);
         for pixels in &all_pixels_of_group {
             let near = near.each_ref().map(|near| |p: u32| near.pixels()[p as usize]);
-            distrust_edges(&mut trust, pixels, &near);
+            mark_edges(&mut status, pixels, &near);
             let steep = STEEP.map(|most| move |p: u32| steepness.pixels()[p as usize] > most);
-            distrust_edges(&mut trust, pixels, &steep);
+            mark_edges(&mut status, pixels, &steep);
         }
-        let believes = |p: &&u32| trust.pixels()[**p as usize] == Trust::Believed;
+        let is_valid = |p: &&u32| status.pixels()[**p as usize] == PixelStatus::Valid;
         let pixels_of_group: Vec<Vec<u32>> = all_pixels_of_group
             .iter()
-            .map(|all| all.iter().filter(believes).copied().collect())
+            .map(|all| all.iter().filter(is_valid).copied().collect())
             .collect();
         let near = near_edges(geometry, margins, 1.0);
         let informs = |p: &&u32| {
             let bounds = picture.saturated.pixels()[**p as usize] && !near.pixels()[**p as usize];
-            believes(p) || bounds
+            is_valid(p) || bounds
         };
         let informative_of_group =
             all_pixels_of_group.iter().map(|a| a.iter().filter(informs).copied().collect());
@@ -172,7 +172,7 @@ impl Observation {
         let shot_of_group = of_one_camera(&shots, &pixels_of_group);
         Self {
             picture,
-            trust,
+            status,
             pixels_of_group,
             informative_of_group,
             all_pixels_of_group,
@@ -184,7 +184,8 @@ impl Observation {
     /// The share of a group's pixels that show something else.
     pub fn outlier_share(&self, group: usize) -> f64 {
         let all = &self.all_pixels_of_group[group];
-        let outliers = all.iter().filter(|p| self.trust.pixels()[**p as usize] == Trust::Stray);
+        let outliers =
+            all.iter().filter(|p| self.status.pixels()[**p as usize] == PixelStatus::Outlier);
         outliers.count() as f64 / all.len().max(1) as f64
     }
 
@@ -201,21 +202,22 @@ impl Observation {
         Noise { base: quantum * quantum / 12.0, slope: exposure * self.shot_of_group[group] }
     }
 
-    /// No longer believes `pixels` of `group`, which show something else.
-    pub fn distrust(&mut self, group: usize, pixels: &[u32]) {
+    /// Marks `pixels` of `group` as outliers: they show something else.
+    pub fn mark_outliers(&mut self, group: usize, pixels: &[u32]) {
         for &pixel in pixels {
-            self.trust.pixels_mut()[pixel as usize] = Trust::Stray;
+            self.status.pixels_mut()[pixel as usize] = PixelStatus::Outlier;
         }
-        let trust = &self.trust;
-        self.pixels_of_group[group].retain(|&p| trust.pixels()[p as usize] == Trust::Believed);
-        self.informative_of_group[group].retain(|&p| trust.pixels()[p as usize] != Trust::Stray);
+        let status = &self.status;
+        self.pixels_of_group[group].retain(|&p| status.pixels()[p as usize] == PixelStatus::Valid);
+        self.informative_of_group[group]
+            .retain(|&p| status.pixels()[p as usize] != PixelStatus::Outlier);
     }
 }
 
 /// Which pixels count, to come back to.
 #[derive(Clone, Debug)]
 pub(crate) struct ValidPixels {
-    trust: Image<Trust>,
+    status: Image<PixelStatus>,
     pixels: Vec<Vec<u32>>,
     informative: Vec<Vec<u32>>,
 }
@@ -223,14 +225,14 @@ pub(crate) struct ValidPixels {
 impl Observation {
     pub(crate) fn valid_pixels(&self) -> ValidPixels {
         ValidPixels {
-            trust: self.trust.clone(),
+            status: self.status.clone(),
             pixels: self.pixels_of_group.clone(),
             informative: self.informative_of_group.clone(),
         }
     }
 
     pub(crate) fn restore_valid_pixels(&mut self, valid: &ValidPixels) {
-        self.trust.clone_from(&valid.trust);
+        self.status.clone_from(&valid.status);
         self.pixels_of_group.clone_from(&valid.pixels);
         self.informative_of_group.clone_from(&valid.informative);
     }
@@ -239,15 +241,15 @@ impl Observation {
 /// Marks the pixels of one group that are too close to an edge; `rules` say which, ever more
 /// leniently. The first is taken that leaves the group [`KEPT`] of its pixels, or else the last, or
 /// none if even that leaves next to nothing.
-fn distrust_edges<F: Fn(u32) -> bool>(trust: &mut Image<Trust>, pixels: &[u32], rules: &[F]) {
-    let believed = |p: &&u32| trust.pixels()[**p as usize] == Trust::Believed;
-    let believed: Vec<u32> = pixels.iter().filter(believed).copied().collect();
-    let enough = (KEPT * believed.len() as f32) as usize;
-    let left = |rule: &F| believed.iter().filter(|&&p| !rule(p)).count();
+fn mark_edges<F: Fn(u32) -> bool>(status: &mut Image<PixelStatus>, pixels: &[u32], rules: &[F]) {
+    let valid = |p: &&u32| status.pixels()[**p as usize] == PixelStatus::Valid;
+    let valid: Vec<u32> = pixels.iter().filter(valid).copied().collect();
+    let enough = (KEPT * valid.len() as f32) as usize;
+    let left = |rule: &F| valid.iter().filter(|&&p| !rule(p)).count();
     let rule = rules.iter().find(|rule| left(rule) >= enough.max(FEW_PIXELS)).or(rules.last());
     if let Some(is_too_close) = rule.filter(|rule| left(rule) >= FEW_PIXELS) {
-        for &pixel in believed.iter().filter(|&&p| is_too_close(p)) {
-            trust.pixels_mut()[pixel as usize] = Trust::Edge;
+        for &pixel in valid.iter().filter(|&&p| is_too_close(p)) {
+            status.pixels_mut()[pixel as usize] = PixelStatus::Edge;
         }
     }
 }
@@ -260,15 +262,15 @@ fn is_spike(values: &RgbImage, index: usize) -> bool {
 }
 
 fn smooth(values: &RgbImage, geometry: &GeometryBuffers, groups: &[Vec<u32>]) -> RgbImage {
-    let mut believed = vec![false; values.pixels().len()];
-    groups.iter().flatten().for_each(|&p| believed[p as usize] = true);
+    let mut valid = vec![false; values.pixels().len()];
+    groups.iter().flatten().for_each(|&p| valid[p as usize] = true);
     let (width, height) = (values.width(), values.height());
     RgbImage::from_fn(width, height, |x, y| {
         let object = geometry.at(x, y).object;
         let (mut sum, mut count) = (Vec3::ZERO, 0.0);
         for row in y.saturating_sub(2)..(y + 3).min(height) {
             for col in x.saturating_sub(2)..(x + 3).min(width) {
-                if believed[row * width + col] && geometry.at(col, row).object == object {
+                if valid[row * width + col] && geometry.at(col, row).object == object {
                     sum += *values.at(col, row);
                     count += 1.0;
                 }
@@ -352,7 +354,7 @@ mod tests {
     fn observed(margin: f32, value: impl Fn(usize, usize) -> f32) -> Observation {
         let picture = Picture {
             values: RgbImage::from_fn(SIDE, SIDE, |x, y| Rgb::splat(value(x, y))),
-            trusted: Image::new(SIDE, SIDE, vec![true; SIDE * SIDE]),
+            valid: Image::new(SIDE, SIDE, vec![true; SIDE * SIDE]),
             saturated: Image::new(SIDE, SIDE, vec![false; SIDE * SIDE]),
             quantum: RgbImage::new(SIDE, SIDE, vec![Rgb::ZERO; SIDE * SIDE]),
         };
@@ -369,7 +371,7 @@ mod tests {
     fn pixels_near_an_edge_of_the_model_do_not_count_but_a_thin_group_keeps_some() {
         let fits = observed(1.0, |_, _| 0.5);
         assert_eq!(columns(&fits, 0), (0..10).collect::<Vec<_>>());
-        assert_eq!(*fits.trust.at(10, 5), Trust::Edge);
+        assert_eq!(*fits.status.at(10, 5), PixelStatus::Edge);
         let off = observed(4.0, |_, _| 0.5);
         assert_eq!(columns(&off, 0), (0..7).collect::<Vec<_>>());
         assert_eq!(columns(&off, 2), (17..SIDE).collect::<Vec<_>>());
@@ -389,8 +391,8 @@ mod tests {
     fn strays_no_longer_count() {
         let mut observation = observed(1.0, |_, _| 0.5);
         let before = observation.pixels_of_group[0].len();
-        observation.distrust(0, &[2, 3]);
+        observation.mark_outliers(0, &[2, 3]);
         assert_eq!(observation.pixels_of_group[0].len(), before - 2);
-        assert_eq!(*observation.trust.at(3, 0), Trust::Stray);
+        assert_eq!(*observation.status.at(3, 0), PixelStatus::Outlier);
     }
 }

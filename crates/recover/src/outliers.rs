@@ -39,9 +39,9 @@ const DEVIATIONS: f32 = 5.0;
 const LEAST: f32 = 0.05;
 /// A cell beside one that stands out goes with it at this share of the threshold.
 const BESIDE: f32 = 0.4;
-/// Strays cover at most this share of a group.
+/// Outliers cover at most this share of a group.
 pub const SHARE_MAX: f32 = 0.2;
-/// A patch of strays has at least this many cells on the mean; less is a pattern or noise.
+/// A patch of outliers has at least this many cells on the mean; less is a pattern or noise.
 const PATCH: f32 = 3.0;
 
 /// A cell of the picture: column and row.
@@ -66,14 +66,14 @@ pub fn find(
             cells.entry(cell_of(pixel.pixel)).or_default().push(*quotient);
         }
     }
-    let mut strays = stray_cells(&cells);
+    let mut outliers = outlying_cells(&cells);
     let middle = median(quotients.clone());
     let highlights = highlights(evidence, &cell_of);
-    strays.retain(|cell| median(cells[cell].clone()) < middle || !highlights.contains(cell));
+    outliers.retain(|cell| median(cells[cell].clone()) < middle || !highlights.contains(cell));
     let flags: Vec<bool> = evidence
         .pixels
         .iter()
-        .map(|p| dispersed.contains(&object(p.pixel)) || strays.contains(&cell_of(p.pixel)))
+        .map(|p| dispersed.contains(&object(p.pixel)) || outliers.contains(&cell_of(p.pixel)))
         .collect();
     let share = flags.iter().filter(|f| **f).count() as f32 / flags.len().max(1) as f32;
     (share > 0.0 && share <= SHARE_MAX).then_some(flags)
@@ -114,7 +114,7 @@ fn highlights(evidence: &Evidence, cell_of: &dyn Fn(u32) -> Cell) -> BTreeSet<Ce
     found
 }
 
-/// All of `pixels` in the cells and objects of the sampled strays.
+/// All of `pixels` in the cells and objects of the sampled outliers.
 pub fn spread_out(
     sampled: &[u32],
     flags: &[bool],
@@ -123,8 +123,8 @@ pub fn spread_out(
     side: usize,
 ) -> Vec<u32> {
     let key = |pixel: u32| cell(pixel, geometry.width(), side);
-    let stray = sampled.iter().zip(flags).filter(|(_, stray)| **stray);
-    let cells: BTreeSet<Cell> = stray.map(|(p, _)| key(*p)).collect();
+    let outlier = sampled.iter().zip(flags).filter(|(_, outlier)| **outlier);
+    let cells: BTreeSet<Cell> = outlier.map(|(p, _)| key(*p)).collect();
     pixels.iter().copied().filter(|&p| cells.contains(&key(p))).collect()
 }
 
@@ -163,7 +163,7 @@ fn dispersed_objects(
 
 /// The cells that stand out in coherent patches: by their medians, and of those at a patch's edge, of
 /// which it may cover less than half, by their means.
-fn stray_cells(cells: &BTreeMap<Cell, Vec<f32>>) -> BTreeSet<Cell> {
+fn outlying_cells(cells: &BTreeMap<Cell, Vec<f32>>) -> BTreeSet<Cell> {
     let of_cells = |value: fn(&[f32]) -> f32| -> BTreeMap<Cell, f32> {
         cells.iter().map(|(cell, values)| (*cell, value(values))).collect()
     };
@@ -175,17 +175,17 @@ fn stray_cells(cells: &BTreeMap<Cell, Vec<f32>>) -> BTreeSet<Cell> {
     let beyond = |value: f32, share: f32| (value - middle).abs() > share * threshold;
     let seeds = medians.iter().filter(|(_, median)| beyond(**median, 1.0));
     let seeds: BTreeSet<Cell> = seeds.map(|(cell, _)| *cell).collect();
-    let mut strays = BTreeSet::new();
+    let mut outliers = BTreeSet::new();
     for patch in patches(&seeds) {
         if patch.len() as f32 >= PATCH {
-            strays.extend(patch);
+            outliers.extend(patch);
         }
     }
-    let beside = |cell: &Cell| neighbours(*cell).any(|n| strays.contains(&n));
+    let beside = |cell: &Cell| neighbours(*cell).any(|n| outliers.contains(&n));
     let grown = means.iter().filter(|(cell, mean)| beside(cell) && beyond(**mean, BESIDE));
     let grown: Vec<Cell> = grown.map(|(cell, _)| *cell).collect();
-    strays.extend(grown);
-    strays
+    outliers.extend(grown);
+    outliers
 }
 
 /// The connected patches of a set of cells.

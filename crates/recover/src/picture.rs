@@ -36,8 +36,8 @@ pub(crate) fn finish(
         corrected: state.corrected,
         noise,
         rerendered: RgbImage::new(geometry.width(), geometry.height(), mean),
-        trust: state.observation.trust,
-        turns: state.turns,
+        status: state.observation.status,
+        iterations: state.iterations,
         termination,
     }
 }
@@ -69,7 +69,7 @@ fn group_result(state: &State<'_>, group: usize, squares: &Squares, whole: f64) 
     let of_group = &state.groups[group];
     let doubt = if of_group.status == Status::Recovered { squares.doubt() } else { None };
     let observation = &state.observation;
-    let believed = &observation.pixels_of_group[group];
+    let valid = &observation.pixels_of_group[group];
     let note = of_group.note.clone().or_else(|| match of_group.status {
         Status::Assumed => Some("no pixel shows this group: taken as white diffuse".to_owned()),
         _ => None,
@@ -89,10 +89,10 @@ fn group_result(state: &State<'_>, group: usize, squares: &Squares, whole: f64) 
         direction: direction(state, group),
         seen_texels: of_group.seen_texels.clone(),
         pixels: observation.all_pixels_of_group[group].len(),
-        trusted_pixels: believed.len(),
+        valid_pixels: valid.len(),
         error: squares.relative(),
         error_share: squares.share_of(whole),
-        story: of_group.story.clone(),
+        selection_log: of_group.selection_log.clone(),
         note,
     }
 }
@@ -197,10 +197,10 @@ fn noise(state: &State<'_>, halves: &[Vec<Rgb>; 2]) -> Image<f32> {
     Image::new(geometry.width(), geometry.height(), pixels)
 }
 
-/// The brushed direction at the middle one of the group's believed pixels, world space.
+/// The brushed direction at the middle one of the group's valid pixels, world space.
 fn direction(state: &State<'_>, group: usize) -> Option<Vec3> {
-    let believed = &state.observation.pixels_of_group[group];
-    let middle = *believed.get(believed.len() / 2)?;
+    let valid = &state.observation.pixels_of_group[group];
+    let middle = *valid.get(valid.len() / 2)?;
     let at = state.problem.renderer.geometry().pixels()[middle as usize];
     let front_normal = if at.front { at.normal } else { -at.normal };
     let (sin, cos) = state.materials[group].theta_rad.sin_cos();

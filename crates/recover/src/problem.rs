@@ -85,12 +85,12 @@ pub struct Options {
     /// Reflections along a path at most.
     pub max_bounces: u32,
     /// Global re-renderings of the ladder at most.
-    pub max_turns: usize,
+    pub max_iterations: usize,
     /// Whether all parameters are refined together after the default ladder, with their standard
     /// deviations.
     pub refine: bool,
     /// Whether pixels that show something that is not in the model are looked for.
-    pub strays: bool,
+    pub outliers: bool,
 }
 
 impl Default for Options {
@@ -101,9 +101,9 @@ impl Default for Options {
             seed: 0,
             spp: 64,
             max_bounces: unrender_render::path::MAX_BOUNCES,
-            max_turns: 100,
+            max_iterations: 100,
             refine: true,
-            strays: true,
+            outliers: true,
         }
     }
 }

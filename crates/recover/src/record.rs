@@ -2,7 +2,7 @@
 
 use crate::correction::Corrected;
 use crate::hypothesis::Hypothesis;
-use crate::observation::Trust;
+use crate::observation::PixelStatus;
 use crate::residual::ResidualStats;
 use glam::Vec3;
 pub use unrender_scene::Status;
@@ -26,10 +26,10 @@ pub struct Recovery {
     /// The standard deviation that noise gives the luminance of photograph minus re-rendering, the
     /// photograph's and the rendering's together, radiance; zero where no group is seen.
     pub noise: Image<f32>,
-    /// Which pixels of the photograph were believed in the end, and why not.
-    pub trust: Image<Trust>,
+    /// Which pixels of the photograph were valid in the end, and why not.
+    pub status: Image<PixelStatus>,
     /// One record a global re-rendering.
-    pub turns: Vec<TurnRecord>,
+    pub iterations: Vec<IterationRecord>,
     /// Why it ended.
     pub termination: Termination,
 }
@@ -56,15 +56,15 @@ pub struct GroupResult {
     pub seen_texels: Option<Image<bool>>,
     /// Pixels of the photograph that show the group.
     pub pixels: usize,
-    /// Pixels among them that were believed.
-    pub trusted_pixels: usize,
-    /// Relative root mean square of photograph minus re-rendering over the believed pixels, the
+    /// Pixels among them that were valid.
+    pub valid_pixels: usize,
+    /// Relative root mean square of photograph minus re-rendering over the valid pixels, the
     /// rendering's noise taken out. None where no pixel shows the group.
     pub error: Option<f64>,
-    /// The group's share, 0 to 1, of the squared error of all groups' believed pixels.
+    /// The group's share, 0 to 1, of the squared error of all groups' valid pixels.
     pub error_share: Option<f64>,
     /// The rungs that were tried, in the order of trial.
-    pub story: Vec<Trial>,
+    pub selection_log: Vec<CandidateRecord>,
     /// What the user should know about it.
     pub note: Option<String>,
 }
@@ -108,9 +108,9 @@ pub struct LightResult {
 
 /// One rung tried on one group.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Trial {
-    /// In which turn.
-    pub turn: usize,
+pub struct CandidateRecord {
+    /// In which iteration.
+    pub iteration: usize,
     /// Which rung.
     pub hypothesis: Hypothesis,
     /// Its parameters.
@@ -122,16 +122,16 @@ pub struct Trial {
     /// Its information criterion less that of the best candidate; zero with the paper's ladder.
     pub criterion: f64,
     /// Whether the group stood on this rung afterwards.
-    pub taken: bool,
+    pub accepted: bool,
 }
 
 /// One global re-rendering.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TurnRecord {
+pub struct IterationRecord {
     /// Whether it was a pass of the joint refinement.
     pub refining: bool,
     /// Counted from one.
-    pub turn: usize,
+    pub iteration: usize,
     /// The largest change of a reflectance, and of the logarithm of a roughness.
     pub change: f64,
     /// The largest relative error of a group that noise does not explain; in a pass of the
@@ -140,19 +140,19 @@ pub struct TurnRecord {
     /// Groups whose hypothesis does not explain the photograph yet.
     pub open_groups: Vec<String>,
     /// Where each group of the scene stands after it, in the scene's order.
-    pub groups: Vec<GroupTurn>,
+    pub groups: Vec<GroupIteration>,
     /// A rough share of the work that is done, 0 to 1.
     pub done: f64,
 }
 
 /// Where one group stands after a global re-rendering.
 #[derive(Clone, Debug, PartialEq)]
-pub struct GroupTurn {
+pub struct GroupIteration {
     /// Its rung.
     pub hypothesis: Hypothesis,
     /// Its parameters; a texture is left out.
     pub material: Material,
-    /// Its relative error that noise does not explain: of its pixels in a turn of the ladder, of the
+    /// Its relative error that noise does not explain: of its pixels in an iteration of the ladder, of the
     /// means over its blocks in a pass of the refinement. None where it was not measured, as of
     /// textures in the default ladder.
     pub error: Option<f64>,
@@ -164,7 +164,7 @@ pub enum Termination {
     /// No parameter changes any more.
     Settled,
     /// The limit of global re-renderings was reached.
-    TurnLimit,
+    IterationLimit,
     /// All parameters were refined together, until no step was larger than its uncertainty.
     Refined,
     /// They were refined together, and still moved by more than that at the limit of passes.
@@ -177,36 +177,36 @@ pub enum Termination {
 
 impl Termination {
     /// A sentence for people.
-    pub fn message(self, turns: usize) -> String {
+    pub fn message(self, iterations: usize) -> String {
         match self {
-            Self::Settled => format!("settled after {turns} global re-renderings"),
+            Self::Settled => format!("settled after {iterations} global re-renderings"),
             Self::Refined => format!(
-                "refined together until no step was larger than its own uncertainty, after {turns} \
+                "refined together until no step was larger than its own uncertainty, after {iterations} \
                  global re-renderings"
             ),
             Self::RefinementLimit => format!(
-                "stopped at the limit of passes, after {turns} global re-renderings, while a step \
+                "stopped at the limit of passes, after {iterations} global re-renderings, while a step \
                  was still larger than its own uncertainty"
             ),
             Self::RefinementFailed => format!(
-                "stopped after {turns} global re-renderings, because a step of the joint refinement \
+                "stopped after {iterations} global re-renderings, because a step of the joint refinement \
                  could not be solved; the results are those before it"
             ),
             Self::Interrupted => format!(
-                "interrupted after {turns} global re-renderings; the results are the best that were \
+                "interrupted after {iterations} global re-renderings; the results are the best that were \
                  verified until then"
             ),
-            Self::TurnLimit => {
-                format!("stopped at the limit of {turns} global re-renderings before settling")
+            Self::IterationLimit => {
+                format!("stopped at the limit of {iterations} global re-renderings before settling")
             }
         }
     }
 }
 
-/// Hears of each turn as it ends.
+/// Hears of each iteration as it ends.
 pub trait Observer: Sync {
     /// After a global re-rendering.
-    fn turn(&mut self, record: &TurnRecord);
+    fn iteration(&mut self, record: &IterationRecord);
     /// During the final picture, from any thread: the share done, 0 to 1.
     fn picture(&self, share: f64);
     /// Whether to stop with what there is. Asked between iterations.
@@ -217,6 +217,6 @@ pub trait Observer: Sync {
 
 /// An observer that does not listen.
 impl Observer for () {
-    fn turn(&mut self, _: &TurnRecord) {}
+    fn iteration(&mut self, _: &IterationRecord) {}
     fn picture(&self, _: f64) {}
 }

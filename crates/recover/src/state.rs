@@ -8,7 +8,9 @@ use crate::ladder::effort;
 use crate::model_error::Likelihood;
 use crate::observation::{Observation, ValidPixels};
 use crate::problem::{ExposureRule, Options, Problem, RecoverError, Role};
-use crate::record::{Deviations, GroupTurn, LightResult, Status, Trial, TurnRecord};
+use crate::record::{
+    CandidateRecord, Deviations, GroupIteration, IterationRecord, LightResult, Status,
+};
 use crate::residual::ResidualStats;
 use unrender_render::{Appearance, RadianceCache};
 use unrender_scene::{Image, Material, Rgb, RgbImage};
@@ -16,7 +18,7 @@ use unrender_scene::{Image, Material, Rgb, RgbImage};
 /// Where a recovery stands.
 pub(crate) struct State<'a> {
     pub(crate) problem: &'a Problem<'a>,
-    /// The photograph, and what of it is still believed.
+    /// The photograph, and what of it is still valid.
     pub(crate) observation: Observation,
     /// The current material of every group.
     pub(crate) materials: Vec<Material>,
@@ -28,7 +30,7 @@ pub(crate) struct State<'a> {
     pub(crate) exposure_std: Option<Rgb>,
     pub(crate) light_results: Vec<LightResult>,
     pub(crate) corrected: Corrected,
-    pub(crate) turns: Vec<TurnRecord>,
+    pub(crate) iterations: Vec<IterationRecord>,
     /// The photograph's radiance where it shows diffuse surfaces.
     pub(crate) seen: Option<RadianceCache>,
 }
@@ -41,7 +43,7 @@ pub(crate) struct GroupState {
     pub(crate) residual: Option<ResidualStats>,
     /// How likely its residuals are, where it was measured on light samples.
     pub(crate) likelihood: Option<Likelihood>,
-    pub(crate) story: Vec<Trial>,
+    pub(crate) selection_log: Vec<CandidateRecord>,
     pub(crate) seen_texels: Option<Image<bool>>,
     pub(crate) note: Option<String>,
     pub(crate) std: Option<Deviations>,
@@ -62,11 +64,12 @@ impl GroupState {
     /// By how much the information criterion spoke against a diffuse reflectance when the present
     /// hypothesis was selected; zero if nothing was.
     pub(crate) fn evidence_against_diffuse(&self) -> f64 {
-        let taken = self.story.iter().rposition(|trial| trial.taken);
-        let Some(taken) = taken.filter(|at| self.story[*at].hypothesis == self.hypothesis) else {
+        let taken = self.selection_log.iter().rposition(|trial| trial.accepted);
+        let Some(taken) = taken.filter(|at| self.selection_log[*at].hypothesis == self.hypothesis)
+        else {
             return 0.0;
         };
-        let before = self.story[..=taken].iter().rev();
+        let before = self.selection_log[..=taken].iter().rev();
         let diffuse = before.take(hypothesis::UNIFORM.len());
         let diffuse = diffuse.filter(|trial| trial.hypothesis == Hypothesis::Diffuse);
         diffuse.map(|trial| trial.criterion).next().unwrap_or(0.0)
@@ -74,7 +77,7 @@ impl GroupState {
 
     /// Whether the selection log does not hold `hypothesis` yet.
     pub(crate) fn is_new_to(&self, hypothesis: Hypothesis) -> bool {
-        self.story.last().is_none_or(|trial| trial.hypothesis != hypothesis)
+        self.selection_log.last().is_none_or(|trial| trial.hypothesis != hypothesis)
     }
 }
 
@@ -102,7 +105,7 @@ impl<'a> State<'a> {
             },
             residual: None,
             likelihood: None,
-            story: Vec::new(),
+            selection_log: Vec::new(),
             seen_texels: None,
             note: None,
             std: None,
@@ -126,7 +129,7 @@ impl<'a> State<'a> {
             exposure_std: None,
             light_results: Vec::new(),
             corrected,
-            turns: Vec::new(),
+            iterations: Vec::new(),
             seen: None,
         })
     }
@@ -142,7 +145,7 @@ impl<'a> State<'a> {
         corrections.map(|(c, step)| c.derivative.pixels()[pixel] * *step as f32).sum()
     }
 
-    /// What the scene is believed to look like now.
+    /// What the scene looks like under the present hypotheses.
     pub(crate) fn appearance(&self) -> Appearance<'_> {
         Appearance { materials: &self.materials, lights: &self.lights }
     }
@@ -175,7 +178,7 @@ impl<'a> State<'a> {
         }
     }
 
-    /// Lets the photograph say what radiance its diffuse surfaces send: all believed pixels of
+    /// Lets the photograph say what radiance its diffuse surfaces send: all valid pixels of
     /// groups that are taken as diffuse or textured.
     pub(crate) fn look_at_photograph(&mut self) {
         let observation = &self.observation;
@@ -228,45 +231,50 @@ impl<'a> State<'a> {
         change: f64,
         (error, errors): (f64, &[Option<f64>]),
         done: f64,
-    ) -> &TurnRecord {
-        let record = TurnRecord {
+    ) -> &IterationRecord {
+        let record = IterationRecord {
             refining: true,
-            turn: self.turns.len() + 1,
+            iteration: self.iterations.len() + 1,
             change,
             worst_error: error,
             open_groups: Vec::new(),
-            groups: self.group_turns(|group| errors[group]),
+            groups: self.group_iterations(|group| errors[group]),
             done,
         };
-        self.turns.push(record);
-        &self.turns[self.turns.len() - 1]
+        self.iterations.push(record);
+        &self.iterations[self.iterations.len() - 1]
     }
 
     /// Where each group stands now, with its error.
-    fn group_turns(&self, error: impl Fn(usize) -> Option<f64>) -> Vec<GroupTurn> {
-        let turn = |(group, of_group): (usize, &GroupState)| GroupTurn {
+    fn group_iterations(&self, error: impl Fn(usize) -> Option<f64>) -> Vec<GroupIteration> {
+        let iteration = |(group, of_group): (usize, &GroupState)| GroupIteration {
             hypothesis: of_group.hypothesis,
             material: Material { texture: None, ..self.materials[group].clone() },
             error: error(group),
         };
-        self.groups.iter().enumerate().map(turn).collect()
+        self.groups.iter().enumerate().map(iteration).collect()
     }
 
     /// Notes the end of an iteration in which the largest change was `change`; `open` groups are not
     /// explained yet.
-    pub(crate) fn end_turn(&mut self, change: f64, open: &[usize], done: f64) -> &TurnRecord {
+    pub(crate) fn end_iteration(
+        &mut self,
+        change: f64,
+        open: &[usize],
+        done: f64,
+    ) -> &IterationRecord {
         let error = |s: &GroupState| s.residual.map_or(0.0, |r| r.relative());
-        let record = TurnRecord {
+        let record = IterationRecord {
             refining: false,
-            turn: self.turns.len() + 1,
+            iteration: self.iterations.len() + 1,
             change,
             worst_error: self.groups.iter().map(error).fold(0.0, f64::max),
             open_groups: open.iter().map(|g| self.problem.groups[*g].name.clone()).collect(),
-            groups: self.group_turns(|g| self.groups[g].residual.map(|r| r.relative())),
+            groups: self.group_iterations(|g| self.groups[g].residual.map(|r| r.relative())),
             done,
         };
-        self.turns.push(record);
-        &self.turns[self.turns.len() - 1]
+        self.iterations.push(record);
+        &self.iterations[self.iterations.len() - 1]
     }
 
     /// All that a candidate may change, to come back to.
@@ -285,8 +293,8 @@ impl<'a> State<'a> {
     pub(crate) fn restore(&mut self, snapshot: &Snapshot) {
         self.materials.clone_from(&snapshot.materials);
         for (group, before) in self.groups.iter_mut().zip(&snapshot.groups) {
-            let log = std::mem::take(&mut group.story);
-            *group = GroupState { story: log, ..before.clone() };
+            let log = std::mem::take(&mut group.selection_log);
+            *group = GroupState { selection_log: log, ..before.clone() };
         }
         self.lights.clone_from(&snapshot.lights);
         self.exposure = snapshot.exposure;

@@ -11,7 +11,7 @@ use crate::blocks::{self, Blocks};
 use crate::evidence::spread;
 use crate::hypothesis::Hypothesis;
 use crate::model_error::level2;
-use crate::observation::{Reading, Trust};
+use crate::observation::{PixelStatus, Reading};
 use crate::problem::{Options, Role};
 use crate::residual::deviation_of_sum;
 use crate::state::{Snapshot, State};
@@ -144,7 +144,7 @@ impl Verifier {
             .collect();
         let counts = |i: usize| {
             let at = sample.pixels[i];
-            let outlier = observation.trust.pixels()[at as usize] == Trust::Stray;
+            let outlier = observation.status.pixels()[at as usize] == PixelStatus::Outlier;
             !outlier && observation.reading(at) == Reading::Value
         };
         let mut valid = vec![0u32; blocks.len()];

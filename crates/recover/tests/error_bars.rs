@@ -38,7 +38,7 @@ fn noisy(clean: &RgbImage, realisation: u64) -> Picture {
     let count = SIDE * SIDE;
     Picture {
         values: RgbImage::new(SIDE, SIDE, (0..count).map(value).collect()),
-        trusted: Image::new(SIDE, SIDE, vec![true; count]),
+        valid: Image::new(SIDE, SIDE, vec![true; count]),
         saturated: Image::new(SIDE, SIDE, vec![false; count]),
         quantum: RgbImage::new(SIDE, SIDE, vec![Rgb::ZERO; count]),
     }

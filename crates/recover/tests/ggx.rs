@@ -25,7 +25,7 @@ fn recovered(scene: &Scene) -> Recovery {
     let view = View::new(&tracer, &camera, (SIDE, SIDE), scene.brdf);
     let picture = Picture {
         values: picture(scene),
-        trusted: Image::new(SIDE, SIDE, vec![true; SIDE * SIDE]),
+        valid: Image::new(SIDE, SIDE, vec![true; SIDE * SIDE]),
         saturated: Image::new(SIDE, SIDE, vec![false; SIDE * SIDE]),
         quantum: RgbImage::new(SIDE, SIDE, vec![Rgb::ZERO; SIDE * SIDE]),
     };
@@ -55,7 +55,7 @@ fn a_room_of_ggx_is_recovered() {
     for (group, hypothesis) in hypotheses {
         let (found, truth) = (&found.groups[group], &truth[group]);
         println!("{}: {:?}", found.name, found.material);
-        assert_eq!(found.hypothesis, hypothesis, "{}: {:#?}", found.name, found.story);
+        assert_eq!(found.hypothesis, hypothesis, "{}: {:#?}", found.name, found.selection_log);
         let found = &found.material;
         assert!((found.rho_s - truth.rho_s).abs().max_element() < 0.01, "{found:?}");
         assert!((found.alpha_x / truth.alpha_x - 1.0).abs() < 0.03, "{found:?}");

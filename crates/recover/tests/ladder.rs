@@ -106,7 +106,7 @@ impl Stripes {
         let (width, height) = (WIDTH, STRIPE * self.truth.len());
         Picture {
             values: RgbImage::new(width, height, (0..width * height).map(radiance).collect()),
-            trusted: Image::new(width, height, vec![true; width * height]),
+            valid: Image::new(width, height, vec![true; width * height]),
             saturated: Image::new(width, height, vec![false; width * height]),
             quantum: RgbImage::new(width, height, vec![Rgb::ZERO; width * height]),
         }
@@ -273,7 +273,7 @@ fn check(recovery: &Recovery, truth: &[Material]) {
         recovery.groups.iter().zip(truth.iter().zip(Hypothesis::ALL))
     {
         let found = &group.material;
-        assert_eq!(group.hypothesis, hypothesis, "{}: {:#?}", group.name, group.story);
+        assert_eq!(group.hypothesis, hypothesis, "{}: {:#?}", group.name, group.selection_log);
         assert_eq!(group.status, Status::Recovered);
         let tolerance = if hypothesis == Hypothesis::Textured { 0.02 } else { 0.002 };
         assert!(close(found.rho_d, truth.rho_d, tolerance), "{}: {found:?}", group.name);
@@ -384,7 +384,7 @@ fn the_papers_ladder_finds_the_rungs_that_it_can_tell_apart() {
     let recovery = recovered(&renderer, ExposureRule::Fixed(Rgb::ONE), 1.0, &options);
     for group in [0, 1, 2, 3] {
         let result = &recovery.groups[group];
-        assert_eq!(result.hypothesis, Hypothesis::ALL[group], "{:#?}", result.story);
+        assert_eq!(result.hypothesis, Hypothesis::ALL[group], "{:#?}", result.selection_log);
         assert!(close(result.material.rho_d, renderer.truth[group].rho_d, 0.01));
         assert!(close(result.material.rho_s, renderer.truth[group].rho_s, 0.01));
     }

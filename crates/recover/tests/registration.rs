@@ -4,8 +4,8 @@
 use glam::{Affine3A, Quat, Vec3};
 use unrender_recover::register::{Registration, margin, register};
 use unrender_recover::{
-    ExposureRule, GroupSpec, Hypothesis, Observation, Options, Picture, Problem, Recovery, Role,
-    Trust, View, recover,
+    ExposureRule, GroupSpec, Hypothesis, Observation, Options, Picture, PixelStatus, Problem,
+    Recovery, Role, View, recover,
 };
 use unrender_render::sampler::mix;
 use unrender_render::{Settings, Tracer};
@@ -175,7 +175,7 @@ fn a_photograph_without_edges_registers_nothing() {
 }
 
 fn recovered(scene: &Scene, photograph: &RgbImage, camera: &Camera, filter: bool) -> Recovery {
-    let options = Options { refine: false, strays: filter, spp: 8, ..Options::default() };
+    let options = Options { refine: false, outliers: filter, spp: 8, ..Options::default() };
     recovered_as(scene, photograph, camera, &options)
 }
 
@@ -186,12 +186,12 @@ fn recovered_as(
     options: &Options,
 ) -> Recovery {
     let tracer = Tracer::new(scene);
-    let found = options.strays.then(|| registered(scene, photograph, camera)).flatten();
+    let found = options.outliers.then(|| registered(scene, photograph, camera)).flatten();
     let camera = found.as_ref().map_or(camera, |found| &found.camera);
     let view = View::new(&tracer, camera, SIZE, scene.brdf);
     let geometry = unrender_recover::Renderer::geometry(&view);
     let picture = Picture {
-        trusted: photograph.map(|v| v.max_element() < 7.0),
+        valid: photograph.map(|v| v.max_element() < 7.0),
         saturated: photograph.map(|v| v.max_element() >= 7.0),
         quantum: photograph.map(|_| Rgb::ZERO),
         values: photograph.clone(),
@@ -249,13 +249,13 @@ fn what_the_model_lacks_is_found_and_left_out() {
     assert!(without.groups[WALL].hypothesis != Hypothesis::Diffuse || worst(&without) > 0.02);
     // The picture covers these pixels; what is marked is there and hardly anywhere else.
     let truth = Tracer::new(&room(Vec3::ZERO, true)).geometry(&camera(), SIZE.0, SIZE.1);
-    let stray = |index: usize| with.trust.pixels()[index] == Trust::Stray;
+    let outlier = |index: usize| with.status.pixels()[index] == PixelStatus::Outlier;
     let shows = |index: usize| truth.pixels()[index].group == 6;
     let all = || 0..SIZE.0 * SIZE.1;
     let [pictured, found, wrong] = [
         all().filter(|&i| shows(i)).count(),
-        all().filter(|&i| shows(i) && stray(i)).count(),
-        all().filter(|&i| !shows(i) && stray(i)).count(),
+        all().filter(|&i| shows(i) && outlier(i)).count(),
+        all().filter(|&i| !shows(i) && outlier(i)).count(),
     ];
     assert!(found * 10 > pictured * 8, "{found} of {pictured}");
     // It is marked by cells of six pixels, and it is some twenty pixels wide.

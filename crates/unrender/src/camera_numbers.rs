@@ -24,7 +24,7 @@ pub(crate) enum Number {
     Vignetting(usize),
 }
 
-/// The gamma to begin with, and what it is believed to be: most pictures are made for screens.
+/// The gamma to begin with, and its prior mean: most pictures are made for screens.
 pub(crate) const GAMMA: f32 = 2.2;
 /// A gamma whose standard deviation is larger is said to be open: it moves middle grey by 7 % ...
 const GAMMA_OPEN: f64 = 0.1;
@@ -36,7 +36,7 @@ const STEP: f32 = 0.01;
 const GAMMAS: [f32; 2] = [0.5, 5.0];
 
 impl Number {
-    /// What is believed of it beforehand, with the standard deviation of that, and how far its
+    /// Its prior mean, with its standard deviation, and how far its
     /// derivative holds.
     fn belief(self) -> (f32, f64, f64) {
         match self {

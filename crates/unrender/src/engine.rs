@@ -10,8 +10,8 @@ use std::time::Instant;
 use unrender_formats::materials::PhotographEntry;
 use unrender_photo::Exposure;
 use unrender_recover::{
-    Correction, ExposureRule, GroupSpec, LadderKind, Observer, Options, Problem, RecoverError,
-    Recovery, Role, Thresholds, TurnRecord, View,
+    Correction, ExposureRule, GroupSpec, IterationRecord, LadderKind, Observer, Options, Problem,
+    RecoverError, Recovery, Role, Thresholds, View,
 };
 use unrender_render::Tracer;
 use unrender_scene::{Image, Material, Rgb};
@@ -36,8 +36,8 @@ pub(crate) struct Times {
     pub(crate) laid: f64,
     /// Until the camera's numbers were near enough.
     pub(crate) developed: f64,
-    /// Until the end of each turn.
-    pub(crate) turns: Vec<f64>,
+    /// Until the end of each iteration.
+    pub(crate) iterations: Vec<f64>,
     /// Until all was done.
     pub(crate) all: f64,
 }
@@ -84,7 +84,7 @@ pub(crate) fn recover(
     let photograph =
         (!numbers.is_empty()).then(|| camera_numbers::found(job, &numbers, &recovery.corrected));
     let all = started.elapsed().as_secs_f64();
-    let times = Times { laid: until_laid, developed, turns: teller.turns, all };
+    let times = Times { laid: until_laid, developed, iterations: teller.iterations, all };
     Ok(Recovered { recovery, options: options.clone(), photograph, laid, group_map, times })
 }
 
@@ -169,13 +169,13 @@ fn exposure_rule(job: &Job) -> ExposureRule {
     }
 }
 
-/// Passes a recovery's progress on to the terminal, and keeps the time of its turns.
+/// Passes a recovery's progress on to the terminal, and keeps the time of its iterations.
 struct Teller<'a> {
     progress: &'a Progress,
     paper: bool,
     started: Instant,
-    /// Seconds since the start at the end of each turn.
-    turns: Vec<f64>,
+    /// Seconds since the start at the end of each iteration.
+    iterations: Vec<f64>,
     pausable: &'a Pausable,
 }
 
@@ -187,7 +187,7 @@ impl<'a> Teller<'a> {
         pausable: &'a Pausable,
     ) -> Self {
         let paper = options.ladder == LadderKind::Paper;
-        Self { progress, paper, started, turns: Vec::new(), pausable }
+        Self { progress, paper, started, iterations: Vec::new(), pausable }
     }
 }
 
@@ -195,8 +195,8 @@ impl<'a> Teller<'a> {
 const PICTURE: f64 = 0.15;
 
 impl Observer for Teller<'_> {
-    fn turn(&mut self, record: &TurnRecord) {
-        self.turns.push(self.started.elapsed().as_secs_f64());
+    fn iteration(&mut self, record: &IterationRecord) {
+        self.iterations.push(self.started.elapsed().as_secs_f64());
         let open = match record.open_groups.len() {
             0 => "none".to_owned(),
             n if n <= 4 => record.open_groups.join(", "),
@@ -210,7 +210,7 @@ impl Observer for Teller<'_> {
         self.progress.say(
             format!(
                 "{ladder}iteration {}: {} {:.2} %, change {:.4}, still open: {open}",
-                record.turn,
+                record.iteration,
                 if record.refining { "error of all groups" } else { "error of the worst group" },
                 100.0 * record.worst_error,
                 record.change

@@ -58,7 +58,7 @@
 //!
 //! // Floating-point values: nothing is clipped, and there is no step between two codes.
 //! let picture = Picture {
-//!     trusted: photograph.map(|_| true),
+//!     valid: photograph.map(|_| true),
 //!     saturated: photograph.map(|_| false),
 //!     quantum: photograph.map(|_| Rgb::ZERO),
 //!     values: photograph,
@@ -80,7 +80,7 @@
 //!     unknown_lights: Vec::new(),
 //!     corrections: &[],
 //! };
-//! // The observer `()` does not listen to the turns.
+//! // The observer `()` does not listen to the iterations.
 //! let recovery = unrender::recover::recover(&problem, &Options::default(), &mut ())?;
 //!
 //! for group in 0..2 {

@@ -39,7 +39,7 @@ impl Alignment {
 pub(crate) struct Laid {
     /// That camera.
     pub(crate) camera: Camera,
-    /// How close to an edge no pixel is believed.
+    /// How close to an edge no pixel is valid.
     pub(crate) margins: Image<f32>,
     /// How the model lies under the camera as given, if the photograph shows it.
     pub(crate) registration: Option<Registration>,
@@ -52,7 +52,7 @@ impl Laid {
     pub(crate) fn observe(&self, job: &Job, geometry: &GeometryBuffers) -> Observation {
         let picture = Picture {
             values: job.photo.radiance.clone(),
-            trusted: job.photo.valid.clone(),
+            valid: job.photo.valid.clone(),
             saturated: job.photo.saturated.clone(),
             quantum: job.photo.quantisation_step.clone(),
         };

@@ -151,8 +151,8 @@ fn a_good_project_passes_in_silence() {
     assert_eq!(checkup.warnings.0, [""; 0]);
     let [back_wall, floor, .., lamp] = checkup.groups.as_slice() else { panic!("five groups") };
     assert_eq!((back_wall.role, lamp.role), ("unknown", "emitter"));
-    assert!(back_wall.trusted > 1000 && back_wall.trusted < back_wall.pixels);
-    assert_eq!(back_wall.edge, back_wall.pixels - back_wall.trusted);
+    assert!(back_wall.valid > 1000 && back_wall.valid < back_wall.pixels);
+    assert_eq!(back_wall.edge, back_wall.pixels - back_wall.valid);
     assert!(floor.lit.unwrap() > 0.7 && lamp.lit.is_none());
     assert!(!floor.texture_coordinates);
 }

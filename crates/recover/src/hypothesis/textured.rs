@@ -47,9 +47,9 @@ pub fn extract(
     effort: &Effort,
 ) -> Option<Extracted> {
     let geometry = stage.renderer.geometry();
-    let believed = &stage.observation.pixels_of_group[group];
-    let (width, height) = resolution(geometry, believed)?;
-    let evidence = Evidence::gather(stage, appearance, group, believed, effort);
+    let valid = &stage.observation.pixels_of_group[group];
+    let (width, height) = resolution(geometry, valid)?;
+    let evidence = Evidence::gather(stage, appearance, group, valid, effort);
     let diffuse = smoothed(geometry, &evidence, evidence.diffuse());
     let shine = evidence.specular(specular);
     let mut extracted: Option<Extracted> = None;

@@ -13,7 +13,7 @@ use crate::hypothesis::{self, Fit, Hypothesis, Search, brushed};
 use crate::model_error::{Likelihood, ModelError};
 use crate::outliers;
 use crate::problem::Options;
-use crate::record::{Status, Trial};
+use crate::record::{CandidateRecord, Status};
 use crate::residual::ResidualStats;
 use crate::selection::{self, Decision};
 use crate::state::State;
@@ -58,7 +58,7 @@ impl Proposal {
 
     /// Makes the change.
     pub(crate) fn apply(&self, state: &mut State<'_>) {
-        state.observation.distrust(self.group, &self.outliers);
+        state.observation.mark_outliers(self.group, &self.outliers);
         let outliers = state.observation.outlier_share(self.group);
         let of_group = &mut state.groups[self.group];
         of_group.hypothesis = self.hypothesis;
@@ -175,7 +175,7 @@ impl<'o> Candidates<'o> {
         let limit = UNEXPLAINED * typical(state, group).max(TYPICAL_MIN);
         let explained = |fit: &Fit| is_explained(fit, limit);
         let textured_above = self.options.thresholds.textured.unwrap_or(limit);
-        if self.options.strays && level > 0 && !explained(&fits[decision.chosen]) {
+        if self.options.outliers && level > 0 && !explained(&fits[decision.chosen]) {
             let chosen = fits[decision.chosen].clone();
             if let Some(left) = self.without_outliers(state, group, &evidence, &chosen, limit) {
                 (evidence, fits, decision, outliers) = left;
@@ -320,17 +320,18 @@ fn fit_all(mut evidence: Evidence, state: &State<'_>, group: usize) -> (Evidence
 
 /// Writes the candidates into the group's selection log.
 fn log(state: &mut State<'_>, group: usize, fits: &[Fit], decision: &Decision) {
-    let turn = state.turns.len();
-    let entries = fits.iter().zip(&decision.excess).enumerate().map(|(i, (fit, excess))| Trial {
-        turn,
-        hypothesis: fit.hypothesis,
-        material: fit.material.clone(),
-        residual: fit.residual,
-        model_error: fit.likelihood.error.share,
-        criterion: *excess,
-        taken: i == decision.chosen,
-    });
-    state.groups[group].story.extend(entries.collect::<Vec<_>>());
+    let iteration = state.iterations.len();
+    let entries =
+        fits.iter().zip(&decision.excess).enumerate().map(|(i, (fit, excess))| CandidateRecord {
+            iteration,
+            hypothesis: fit.hypothesis,
+            material: fit.material.clone(),
+            residual: fit.residual,
+            model_error: fit.likelihood.error.share,
+            criterion: *excess,
+            accepted: i == decision.chosen,
+        });
+    state.groups[group].selection_log.extend(entries.collect::<Vec<_>>());
     if state.groups[group].status == Status::Assumed {
         state.groups[group].status = Status::Recovered;
     }

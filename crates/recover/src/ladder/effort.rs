@@ -13,7 +13,7 @@ use unrender_scene::Material;
 pub const FINEST: usize = 2;
 /// Beyond the finest level: the light has been refined.
 pub const REFINED: usize = 3;
-/// A level is done when no reflectance moves by more than this in a turn.
+/// A level is done when no reflectance moves by more than this in an iteration.
 pub const SETTLED: [f64; 3] = [0.02, 0.005, 0.002];
 
 /// How wrong the incident light may be at each level: while the others' reflectances are rough, they

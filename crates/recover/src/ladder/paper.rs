@@ -1,14 +1,14 @@
 //! The paper's method as written (section 4 and its Figure 1): the baseline that ours is measured
 //! against.
 //!
-//! In every turn the whole scene is rendered again, each group's error is read off the difference,
+//! In every iteration the whole scene is rendered again, each group's error is read off the difference,
 //! and its reflectance is corrected under its present hypothesis: by the ratio of eqs. 1 to 3 for
 //! diffuse surfaces and mirrors, by the 2x2 system, by downhill simplex over re-renderings, or by
-//! the radiosity texture. A group whose rung has had its turns and still shows an error above its
+//! the radiosity texture. A group whose rung has had its iterations and still shows an error above its
 //! threshold goes one rung up.
 //!
 //! One thing is not as written: the ratio is damped (`RELAXATION`), since without it the diffuse
-//! turns do not settle. Where the paper is silent: the difference is measured as the product of two renderings'
+//! iterations do not settle. Where the paper is silent: the difference is measured as the product of two renderings'
 //! residuals, for else our noise would count as error and every search would shun shine; the simplex runs channel by channel on a
 //! sample of the group's pixels, and the roughness is the mean over the channels.
 
@@ -17,26 +17,26 @@ use crate::evidence::{Effort, Evidence, observe, spread};
 use crate::fit::simplex;
 use crate::hypothesis::{self, Hypothesis, brushed, textured};
 use crate::problem::{Options, RecoverError};
-use crate::record::{Observer, Termination, Trial};
+use crate::record::{CandidateRecord, Observer, Termination};
 use crate::residual::{ResidualStats, residual_stats};
 use crate::state::{State, distance};
 use unrender_render::{Appearance, ProbeSettings, Settings};
 use unrender_scene::{Material, Rgb};
 
-/// Turns on a rung that is corrected by ratios: at least these (the paper finds four sufficient) ...
-const RATIO_TURNS: usize = 4;
+/// Iterations on a rung that is corrected by ratios: at least these (the paper finds four sufficient) ...
+const RATIO_ITERATIONS: usize = 4;
 /// ... and at most these, while the reflectances still move.
-const RATIO_TURNS_MAX: usize = 12;
+const RATIO_ITERATIONS_MAX: usize = 12;
 /// The ratio's exponent. With one, as eq. 3 has it, all groups overshoot together on Figure 8 and
-/// swing between two states for ever (change 0.257 in every turn from the third to the twelfth).
+/// swing between two states for ever (change 0.257 in every iteration from the third to the twelfth).
 const RELAXATION: f32 = 0.5;
 /// Ratios have come to rest when no reflectance of the group moves by more than this.
 const AT_REST: f64 = 0.02;
 /// Only groups with at least this share of the worst error climb: the others may be in error
 /// because of the light that the worst one sends them.
 const WORST: f64 = 0.75;
-/// Pixels of a group that a turn looks at, and that a simplex step renders again.
-const TURN_PIXELS: usize = 4000;
+/// Pixels of a group that an iteration looks at, and that a simplex step renders again.
+const ITERATION_PIXELS: usize = 4000;
 const SIMPLEX_PIXELS: usize = 600;
 /// Paths a pixel of both.
 const SPP: u32 = 16;
@@ -51,13 +51,13 @@ pub(crate) fn climb(
     observer: &mut dyn Observer,
 ) -> Result<Termination, RecoverError> {
     let mut rungs = vec![Rung::default(); state.materials.len()];
-    for turn in 1..=options.max_turns {
+    for iteration in 1..=options.max_iterations {
         state.update_exposure(options)?;
-        let climber = PaperTurn { options, turn };
+        let climber = PaperIteration { options, iteration };
         let views = climber.look(state);
-        let all_at_rest = views
-            .iter()
-            .all(|view| rungs[view.group].has_had_its_turns(state.groups[view.group].hypothesis));
+        let all_at_rest = views.iter().all(|view| {
+            rungs[view.group].has_had_its_iterations(state.groups[view.group].hypothesis)
+        });
         // While reflectances still move anywhere, errors say little.
         let leaving = if all_at_rest { climber.leaving(state, &views) } else { Vec::new() };
         let mut next = state.materials.clone();
@@ -69,13 +69,13 @@ pub(crate) fn climb(
         }
         state.materials = next;
         if !leaving.is_empty() {
-            // A group on a new rung changes the light of all: their ratios get their turns again.
-            rungs.iter_mut().for_each(|rung| rung.turns = 0);
+            // A group on a new rung changes the light of all: their ratios get their iterations again.
+            rungs.iter_mut().for_each(|rung| rung.iterations = 0);
         }
         let change = rungs.iter().map(|r| r.change).fold(0.0, f64::max);
-        let done = turn as f64 / (turn as f64 + 8.0);
+        let done = iteration as f64 / (iteration as f64 + 8.0);
         let open: Vec<usize> = climber.in_error(state, &views);
-        observer.turn(state.end_turn(change, &open, done));
+        observer.iteration(state.end_iteration(change, &open, done));
         if observer.is_cancelled() {
             return Ok(Termination::Interrupted);
         }
@@ -83,25 +83,25 @@ pub(crate) fn climb(
             return Ok(Termination::Settled);
         }
     }
-    Ok(Termination::TurnLimit)
+    Ok(Termination::IterationLimit)
 }
 
-/// How long a group has stood on its rung, and how far its last turn moved it.
+/// How long a group has stood on its rung, and how far its last iteration moved it.
 #[derive(Clone, Copy, Default)]
 struct Rung {
-    turns: usize,
+    iterations: usize,
     change: f64,
 }
 
 impl Rung {
-    /// Whether the rung has had its turns under `hypothesis`.
-    fn has_had_its_turns(self, hypothesis: Hypothesis) -> bool {
+    /// Whether the rung has had its iterations under `hypothesis`.
+    fn has_had_its_iterations(self, hypothesis: Hypothesis) -> bool {
         match hypothesis {
             Hypothesis::Diffuse | Hypothesis::PartialMirror => {
-                self.turns >= RATIO_TURNS_MAX
-                    || (self.turns >= RATIO_TURNS && self.change < AT_REST)
+                self.iterations >= RATIO_ITERATIONS_MAX
+                    || (self.iterations >= RATIO_ITERATIONS && self.change < AT_REST)
             }
-            _ => self.turns >= 1,
+            _ => self.iterations >= 1,
         }
     }
 }
@@ -114,20 +114,20 @@ struct Seen {
     error: ResidualStats,
 }
 
-struct PaperTurn<'o> {
+struct PaperIteration<'o> {
     options: &'o Options,
-    turn: usize,
+    iteration: usize,
 }
 
-impl PaperTurn<'_> {
+impl PaperIteration<'_> {
     /// Renders all groups again and measures their errors.
     fn look(&self, state: &mut State<'_>) -> Vec<Seen> {
         let mut views = Vec::new();
         for group in state.visible_unknowns() {
-            let believed = &state.observation.pixels_of_group[group];
+            let valid = &state.observation.pixels_of_group[group];
             let whole = state.groups[group].hypothesis == Hypothesis::Textured;
-            let count = if whole { usize::MAX } else { TURN_PIXELS };
-            let pixels = spread(believed, count, self.options.seed);
+            let count = if whole { usize::MAX } else { ITERATION_PIXELS };
+            let pixels = spread(valid, count, self.options.seed);
             let halves = [0u64, 1].map(|half| {
                 let seed = self.options.seed.wrapping_mul(2).wrapping_add(half);
                 self.rerender(state, &state.materials, &pixels, seed)
@@ -174,23 +174,23 @@ impl PaperTurn<'_> {
     ) -> Material {
         let Seen { group, pixels, rerendered, error } = seen;
         let hypothesis = state.groups[*group].hypothesis;
-        if leaves || (rung.turns == 1 && state.groups[*group].is_new_to(hypothesis)) {
+        if leaves || (rung.iterations == 1 && state.groups[*group].is_new_to(hypothesis)) {
             let material = state.materials[*group].clone();
-            let trial = Trial {
-                turn: self.turn,
+            let trial = CandidateRecord {
+                iteration: self.iteration,
                 hypothesis,
                 material,
                 residual: *error,
                 model_error: error.relative(),
                 criterion: 0.0,
-                taken: !leaves,
+                accepted: !leaves,
             };
-            state.groups[*group].story.push(trial);
+            state.groups[*group].selection_log.push(trial);
         }
         let next = if leaves { next_rung(hypothesis) } else { hypothesis };
         let material = self.parameters(state, *group, next, pixels, rerendered);
         // A group without texture coordinates stays where it is.
-        rung.turns = if leaves && material.is_some() { 0 } else { rung.turns + 1 };
+        rung.iterations = if leaves && material.is_some() { 0 } else { rung.iterations + 1 };
         state.groups[*group].hypothesis = if material.is_some() { next } else { hypothesis };
         material.unwrap_or_else(|| state.materials[*group].clone())
     }
@@ -230,7 +230,7 @@ impl PaperTurn<'_> {
             Hypothesis::DiffuseSpecular => {
                 hypothesis::fit(rung, &self.gather(state, group), now, SEARCH).material
             }
-            // Found once: searching again in every turn only walks with the noise of the search.
+            // Found once: searching again in every iteration only walks with the noise of the search.
             Hypothesis::Isotropic | Hypothesis::Anisotropic if stays => now.clone(),
             Hypothesis::Isotropic => self.simplex(state, group, now, false),
             Hypothesis::Anisotropic => {
@@ -282,7 +282,7 @@ impl PaperTurn<'_> {
         };
         let pixels = &state.observation.pixels_of_group[group];
         let allowance = effort::allowance(effort::FINEST, self.options);
-        let effort = Effort { pixels: TURN_PIXELS, allowance, probe };
+        let effort = Effort { pixels: ITERATION_PIXELS, allowance, probe };
         Evidence::gather(&state.stage(), state.appearance(), group, pixels, &effort)
     }
 
@@ -295,8 +295,8 @@ impl PaperTurn<'_> {
         start: &Material,
         brushed: bool,
     ) -> Material {
-        let believed = &state.observation.pixels_of_group[group];
-        let pixels = spread(believed, SIMPLEX_PIXELS, self.options.seed);
+        let valid = &state.observation.pixels_of_group[group];
+        let pixels = spread(valid, SIMPLEX_PIXELS, self.options.seed);
         let observed = observe(&state.observation, state.exposure, group, &pixels);
         let mut materials = state.materials.clone();
         let mut sums = (Rgb::ZERO, Rgb::ZERO, [0.0f32; 2]);

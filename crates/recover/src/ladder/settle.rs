@@ -71,10 +71,10 @@ impl<'o> Settler<'o> {
             *left -= 1;
             refine::settle_nuisances(state, self.options)?;
             let change = self.iterate(state);
-            let n = state.turns.len() as f64 + 1.0;
+            let n = state.iterations.len() as f64 + 1.0;
             let done = n / (n + 10.0 - 4.0 * self.level as f64);
             let open = open(state);
-            observer.turn(state.end_turn(change, &open, done));
+            observer.iteration(state.end_iteration(change, &open, done));
             if change <= SETTLED[self.samples] {
                 return Ok(());
             }

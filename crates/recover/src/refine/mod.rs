@@ -139,13 +139,13 @@ fn adjust_nuisances(state: &mut State<'_>, options: &Options) {
 
 /// Where the prior stands: at the ladder's answer; for groups out of sight, which have none, in the
 /// middle.
-fn believed(state: &State<'_>, unknowns: &Unknowns) -> DVector<f64> {
+fn prior_mean(state: &State<'_>, unknowns: &Unknowns) -> DVector<f64> {
     const MIDDLE: f64 = 0.5;
     let out_of_sight = |g: usize| state.observation.pixels_of_group[g].is_empty();
-    let believed = unknowns.list.iter().map(|u| match u.quantity {
+    let mean = unknowns.list.iter().map(|u| match u.quantity {
         Quantity::RhoD if out_of_sight(u.of) => MIDDLE,
         Quantity::Camera => state.problem.corrections[u.of].belief,
         _ => unknowns.value(state, u),
     });
-    DVector::from_iterator(unknowns.len(), believed)
+    DVector::from_iterator(unknowns.len(), mean)
 }

@@ -57,7 +57,7 @@ impl Normal {
         for mean in means {
             let variance = noise[mean.group].variance(mean);
             let [a, b] = mean.residuals;
-            let trust = if specular.may_be_highlight(mean) {
+            let robust = if specular.may_be_highlight(mean) {
                 1.0
             } else {
                 let deviations = (0.5 * (a + b)).abs() / variance.map(f32::sqrt);
@@ -66,7 +66,7 @@ impl Normal {
             let shrink = |k: usize| shrinkage[(mean.group, k)];
             let (mut g, mut g_rendering) = (DVector::zeros(n), DVector::zeros(n));
             for channel in 0..3 {
-                let weight = f64::from(trust / variance[channel]);
+                let weight = f64::from(robust / variance[channel]);
                 let residuals = [f64::from(a[channel]), f64::from(b[channel])];
                 let row = &mean.rows[channel];
                 normal.add_row(row, shrink, weight, residuals, &mut g);
@@ -78,7 +78,7 @@ impl Normal {
             normal.g_covariance.syger(1.0, &g, &g, 1.0);
             normal.g_rendering.syger(1.0, &g_rendering, &g_rendering, 1.0);
             normal.g += g;
-            let error = f64::from((trust * a * b / mean.level2).element_sum());
+            let error = f64::from((robust * a * b / mean.level2).element_sum());
             normal.errors.push(error * mean.pixels);
         }
         let free = means.len().saturating_sub(n).max(1);

@@ -16,7 +16,7 @@ use super::normal::Normal;
 use super::sample::{self, Cell};
 use super::system::System;
 use super::unknowns::{Quantity, Unknown, Unknowns};
-use super::{Solution, believed};
+use super::{Solution, prior_mean};
 use crate::correction::Corrected;
 use crate::problem::Options;
 use crate::record::Observer;
@@ -95,7 +95,7 @@ impl<'o> Passes<'o> {
         observer: &mut dyn Observer,
     ) -> Solution {
         let unknowns = Unknowns::of(state);
-        let prior = believed(state, &unknowns);
+        let prior = prior_mean(state, &unknowns);
         self.coarse(state, &unknowns, &prior, observer);
         self.fine(state, unknowns, &prior, observer)
     }
@@ -103,7 +103,7 @@ impl<'o> Passes<'o> {
     /// The coarse passes alone.
     pub(super) fn approach(&mut self, state: &mut State<'_>, observer: &mut dyn Observer) {
         let unknowns = Unknowns::of(state);
-        let prior = believed(state, &unknowns);
+        let prior = prior_mean(state, &unknowns);
         self.coarse(state, &unknowns, &prior, observer);
     }
 
@@ -275,7 +275,7 @@ fn tell(
     let change = steps.filter(|(u, _)| reflectance(u.quantity)).map(|(_, s)| s.abs());
     let change = change.fold(0.0, f64::max);
     let errors = means::relative_errors(means, state.materials.len());
-    observer.turn(state.end_pass(change, (error.mean.max(0.0).sqrt(), &errors), done));
+    observer.iteration(state.end_pass(change, (error.mean.max(0.0).sqrt(), &errors), done));
 }
 
 impl Place {

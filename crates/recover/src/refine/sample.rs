@@ -63,8 +63,8 @@ fn cells(
     let side = ((width * height / BLOCKS_MIN).isqrt()).clamp(1, SIDE_MAX);
     let mut cells: BTreeMap<(usize, usize, usize, bool), Vec<Observed>> = BTreeMap::new();
     for group in groups {
-        let believed = &stage.observation.informative_of_group[group];
-        let wanted = spread(believed, per_group, seed ^ group as u64);
+        let valid = &stage.observation.informative_of_group[group];
+        let wanted = spread(valid, per_group, seed ^ group as u64);
         for seen in observe(stage.observation, stage.exposure, group, &wanted) {
             let (x, y) = (seen.pixel as usize % width, seen.pixel as usize / width);
             let bound = seen.reading == Reading::AtLeast;

@@ -1,4 +1,4 @@
-//! The normal equations with what is believed beforehand, in its units.
+//! The normal equations with the prior, in its units.
 //!
 //! `(H + P) s = g + P (p_0 - p)`: `P` is the inverse of the variances of the prior, so wide that it
 //! only matters where the photograph is silent. The covariance of the solution is the sandwich

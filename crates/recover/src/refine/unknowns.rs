@@ -61,7 +61,7 @@ pub(crate) struct Unknowns {
     /// For each channel: the unknowns that change it.
     columns: [Vec<Column>; 3],
     exposure_start: Rgb,
-    /// The standard deviations of what is believed of each beforehand.
+    /// The standard deviations of the prior of each.
     pub(crate) deviations: Vec<f64>,
     /// By what share each number of the camera changes the whole photograph.
     relative: Vec<Rgb>,
@@ -82,7 +82,7 @@ const STEP_THETA: f64 = 0.3;
 /// ... and no light by more than this share of itself.
 const STEP_LIGHT: f64 = 0.7;
 
-/// The standard deviation of what is believed of a number before the photograph is looked at: so
+/// The standard deviation of the prior of a number: so
 /// wide that it only speaks where the photograph is silent.
 fn prior_deviation(state: &State<'_>, u: &Unknown) -> f64 {
     match u.quantity {

@@ -15,13 +15,13 @@ use unrender_scene::Camera;
 /// (relative to how far away things are), the logarithm of the focal length, and the principal point
 /// (relative to the picture's height).
 pub const FREEDOMS: usize = 9;
-/// The standard deviation of what is believed of each beforehand.
+/// The standard deviation of the prior of each.
 const PRIOR: [f64; FREEDOMS] = [0.05, 0.05, 0.05, 0.03, 0.03, 0.03, 0.03, 0.01, 0.01];
 /// Changes of this size show how the picture moves.
 const SMALL: f32 = 2e-3;
 /// Tukey's constant: what is further away than this many deviations does not count.
 const TUKEY: f64 = 4.685;
-/// No deviation of the offsets is believed to be below this, pixels: the model's edges are only
+/// No standard deviation of the offsets is taken as below this, pixels: the model's edges are only
 /// known to a part of a pixel.
 const DEVIATION_MIN: f64 = 0.15;
 /// Neighbouring edge points share pixels of the photograph: those of so many pixels count as one.

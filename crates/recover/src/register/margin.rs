@@ -1,4 +1,4 @@
-//! Which pixels are too close to an edge of the model to be believed.
+//! Which pixels are too close to an edge of the model to be valid.
 
 use super::Registration;
 use super::edges::is_interior;
@@ -14,7 +14,7 @@ const DEVIATIONS: f32 = 1.0;
 /// What a single object is off beyond this is its own displacement and not the scatter of edges.
 const OWN: f32 = 1.0;
 
-/// How close to an edge no pixel is believed, for every pixel, in pixels.
+/// How close to an edge no pixel is valid, for every pixel, in pixels.
 ///
 /// `registration` is how the model lies on the photograph under the camera that `geometry` shows, if
 /// that is known.

@@ -4,7 +4,7 @@
 //! The model says where the photograph should have edges ([`edges`]); how far away the photograph
 //! has them ([`offset`]) gives the camera under which both agree ([`mod@align`]). Either that camera is
 //! taken, or, where the given one is to be kept, the pixels next to an edge of the model ([`margin`])
-//! or of the photograph ([`steep`]) are not believed, as far as the model's picture is off there.
+//! or of the photograph ([`steep`]) are not valid, as far as the model's picture is off there.
 
 pub mod align;
 pub mod edges;

@@ -4,7 +4,7 @@
 use super::{Subject, some};
 use serde::Serialize;
 use unrender_recover::prospect::RoughnessCue;
-use unrender_recover::{Role, Trust};
+use unrender_recover::{PixelStatus, Role};
 use unrender_scene::Warnings;
 
 /// Below this many pixels that count, the noise of a photograph shows in the second digit.
@@ -12,7 +12,7 @@ const FEW: usize = 40;
 /// A group in less light than this share of what the groups get on the median is in the dark.
 const DARK: f32 = 0.02;
 /// A group is mostly cut off from this share of its pixels on.
-const CUT_OFF: f32 = 0.5;
+const CLIPPED: f32 = 0.5;
 
 /// What the photograph has of one group.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -24,9 +24,9 @@ pub struct GroupCheck {
     /// Pixels that show it.
     pub pixels: usize,
     /// Those of them that count.
-    pub trusted: usize,
+    pub valid: usize,
     /// Those that do not because the photograph is cut off there: clipped, too dark, broken.
-    pub cut_off: usize,
+    pub clipped: usize,
     /// Because an edge is too close.
     pub edge: usize,
     /// Because they stand out alone.
@@ -50,8 +50,8 @@ pub(super) fn all(subject: &Subject<'_>) -> Vec<GroupCheck> {
 fn one(subject: &Subject<'_>, group: usize) -> GroupCheck {
     let observation = subject.observation;
     let all = &observation.all_pixels_of_group[group];
-    let count = |trust: Trust| {
-        all.iter().filter(|&&p| observation.trust.pixels()[p as usize] == trust).count()
+    let count = |status: PixelStatus| {
+        all.iter().filter(|&&p| observation.status.pixels()[p as usize] == status).count()
     };
     let prospect = subject.prospects[group];
     let of_group = || subject.job.scene.objects.iter().filter(move |o| o.group == group);
@@ -63,10 +63,10 @@ fn one(subject: &Subject<'_>, group: usize) -> GroupCheck {
             Role::Emitter => "emitter",
         },
         pixels: all.len(),
-        trusted: observation.pixels_of_group[group].len(),
-        cut_off: count(Trust::CutOff),
-        edge: count(Trust::Edge),
-        spike: count(Trust::Spike),
+        valid: observation.pixels_of_group[group].len(),
+        clipped: count(PixelStatus::Clipped),
+        edge: count(PixelStatus::Edge),
+        spike: count(PixelStatus::Spike),
         lit: prospect.map(|p| p.lit),
         roughness: prospect.map(|p| match p.roughness_cue() {
             RoughnessCue::Highlight => "highlight",
@@ -97,15 +97,15 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
         ));
     }
     for check in unknown().map(|g| one(subject, g)).filter(|check| check.pixels > 0) {
-        let GroupCheck { name, pixels, trusted, cut_off, .. } = &check;
-        if *cut_off as f32 > CUT_OFF * *pixels as f32 {
+        let GroupCheck { name, pixels, valid, clipped, .. } = &check;
+        if *clipped as f32 > CLIPPED * *pixels as f32 {
             warnings.push(format!(
-                "group \"{name}\": {cut_off} of its {pixels} pixels are clipped, in the noise of \
+                "group \"{name}\": {clipped} of its {pixels} pixels are clipped, in the noise of \
                  black or broken; take a photo of another exposure"
             ));
-        } else if *trusted < FEW {
+        } else if *valid < FEW {
             warnings.push(format!(
-                "group \"{name}\" rests on {trusted} pixel(s) that count, of {pixels}; give it the \
+                "group \"{name}\" rests on {valid} pixel(s) that count, of {pixels}; give it the \
                  material of a larger group that is alike, state it as known, or use a larger photo"
             ));
         }

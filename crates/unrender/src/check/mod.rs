@@ -25,7 +25,7 @@ use crate::registration::{self, Alignment, Laid};
 use glam::Vec3;
 use unrender_recover::evidence::Stage;
 use unrender_recover::prospect::{Prospect, prospect};
-use unrender_recover::{GroupSpec, Observation, Role, Trust, View};
+use unrender_recover::{GroupSpec, Observation, PixelStatus, Role, View};
 use unrender_render::{GeometryBuffers, RadianceCache, Tracer};
 use unrender_scene::color::luminance;
 use unrender_scene::{Material, Rgb, Warnings};
@@ -128,7 +128,7 @@ fn prospects(
     }
     let seen = RadianceCache {
         radiance: observation.picture.values.map(|value| *value * (grey / photo)),
-        valid: observation.trust.map(|trust| *trust == Trust::Believed),
+        valid: observation.status.map(|status| *status == PixelStatus::Valid),
     };
     let in_colour = prospects_among(view, observation, specs, Some(&seen));
     let merged = in_grey.into_iter().zip(in_colour).map(|(grey, colour)| {
@@ -152,8 +152,8 @@ fn prospects_among(
     let [fewest, most] = PIXELS_OF_GROUP;
     let count = (PIXELS / specs.len().max(1)).clamp(fewest, most);
     let look = |(group, spec): (usize, &GroupSpec)| {
-        let [believed, all] = [&observation.pixels_of_group, &observation.all_pixels_of_group];
-        let pixels = if believed[group].is_empty() { &all[group] } else { &believed[group] };
+        let [valid, all] = [&observation.pixels_of_group, &observation.all_pixels_of_group];
+        let pixels = if valid[group].is_empty() { &all[group] } else { &valid[group] };
         (spec.role != Role::Emitter)
             .then(|| prospect(&stage, (&materials).into(), group, pixels, (count, 0)))
             .flatten()

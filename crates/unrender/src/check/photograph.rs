@@ -13,7 +13,7 @@ use super::{GREY, Subject};
 use crate::project::ResponseChoice;
 use unrender_formats::picture::{Depth, Picture};
 use unrender_photo::{Exposure, Response};
-use unrender_recover::{Role, Trust};
+use unrender_recover::{PixelStatus, Role};
 use unrender_scene::Warnings;
 use unrender_scene::color::luminance;
 
@@ -26,7 +26,7 @@ const OFTEN: usize = 40;
 /// So many gaps in a channel are no chance.
 const GAPS: usize = 4;
 /// A photograph is cut off from this share of its pixels on.
-const CUT_OFF: f32 = 0.05;
+const CLIPPED: f32 = 0.05;
 /// The mean of a photograph that is too dark, as a share of its white.
 const DARK: f32 = 0.01;
 /// Slopes that may be right, with room for shine and for lamps that are only roughly modelled.
@@ -42,7 +42,7 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
         steps(subject, codes),
         gaps(codes),
         slope(subject),
-        cut_off(subject),
+        clipped(subject),
         too_dark(subject, codes),
         brightness(subject),
     ] {
@@ -133,15 +133,15 @@ fn slope(subject: &Subject<'_>) -> Option<String> {
     ))
 }
 
-fn cut_off(subject: &Subject<'_>) -> Option<String> {
+fn clipped(subject: &Subject<'_>) -> Option<String> {
     let observation = subject.observation;
     let reflecting = (0..subject.specs.len()).filter(|&g| subject.specs[g].role != Role::Emitter);
     let (mut all, mut off) = (0usize, 0usize);
     for &pixel in reflecting.flat_map(|g| &observation.all_pixels_of_group[g]) {
         all += 1;
-        off += usize::from(observation.trust.pixels()[pixel as usize] == Trust::CutOff);
+        off += usize::from(observation.status.pixels()[pixel as usize] == PixelStatus::Clipped);
     }
-    (off as f32 > CUT_OFF * all as f32).then(|| {
+    (off as f32 > CLIPPED * all as f32).then(|| {
         format!(
             "{:.0} % of the photo (lamps not counted) are clipped, beside a clipped pixel or in the \
              noise of black, and say nothing: take a photo of another exposure",

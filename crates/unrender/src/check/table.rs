@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// The table, the edges and the warnings; `picture` is where the edges were drawn.
 pub fn table(checkup: &Checkup, picture: &Path) -> String {
-    let header = ["group", "pixels", "trusted", "left out", "lit", "roughness shows by", "texture"];
+    let header = ["group", "pixels", "valid", "left out", "lit", "roughness shows by", "texture"];
     let mut rows = vec![header.map(str::to_owned)];
     rows.extend(checkup.groups.iter().map(row));
     let mut text = results::table(&rows);
@@ -27,7 +27,7 @@ pub fn table(checkup: &Checkup, picture: &Path) -> String {
 fn row(group: &GroupCheck) -> [String; 7] {
     let dash = || "-".to_owned();
     let percent = |share: f32| format!("{:.0} %", 100.0 * share);
-    let reasons = [("edge", group.edge), ("cut off", group.cut_off), ("spike", group.spike)];
+    let reasons = [("edge", group.edge), ("cut off", group.clipped), ("spike", group.spike)];
     let of_pixels = |count: usize| percent(count as f32 / group.pixels.max(1) as f32);
     let reasons = reasons.into_iter().filter(|(_, count)| *count > 0);
     let left_out: Vec<String> =
@@ -39,7 +39,7 @@ fn row(group: &GroupCheck) -> [String; 7] {
     [
         name,
         group.pixels.to_string(),
-        group.trusted.to_string(),
+        group.valid.to_string(),
         if left_out.is_empty() { dash() } else { left_out.join(", ") },
         group.lit.map_or_else(dash, percent),
         group.roughness.map_or_else(dash, str::to_owned),

@@ -121,7 +121,7 @@ fn options(args: &Args, project: &Project) -> Options {
         max_bounces: args.bounces.unwrap_or(defaults.max_bounces),
         thresholds: project.thresholds,
         refine: !args.no_refine,
-        strays: !args.no_filter,
+        outliers: !args.no_filter,
         ..defaults
     }
 }

@@ -71,7 +71,7 @@ fn shot(photograph: &Photograph, geometry: &GeometryBuffers, groups: usize) -> R
     let photo = &photograph.photo;
     let picture = Picture {
         values: photo.radiance.clone(),
-        trusted: photo.valid.clone(),
+        valid: photo.valid.clone(),
         saturated: photo.saturated.clone(),
         quantum: photo.quantisation_step.clone(),
     };

@@ -1,9 +1,9 @@
-//! Convergence: every group's error and parameters against the turns, as curves and as a table.
+//! Convergence: every group's error and parameters against the iterations, as curves and as a table.
 
 use super::number::{Shown, count, number, percent};
 use super::plot::{Axis, Curve, plot};
 use super::{Told, under};
-use crate::run::{GroupTurnEntry, Run, TurnEntry};
+use crate::run::{GroupIterationEntry, IterationEntry, Run};
 use maud::{Markup, html};
 use plotters::style::RGBColor;
 
@@ -29,9 +29,9 @@ pub(super) fn section(told: &Told<'_>) -> Markup {
     let curves: Vec<Curve> = asked.iter().map(|name| errors(run, name)).collect();
     let content = html! {
         figure {
-            (plot(&curves, Axis::Logarithmic, ERRORS, "Error of every group against turns"))
+            (plot(&curves, Axis::Logarithmic, ERRORS, "Error of every group against iterations"))
             figcaption {
-                "The relative error of every group that noise does not explain, against turns; \
+                "The relative error of every group that noise does not explain, against iterations; \
                  in passes of the refinement that of means over blocks of pixels. On the lower \
                  edge noise explains all. Colours as in the \
                  group map: "
@@ -39,20 +39,20 @@ pub(super) fn section(told: &Told<'_>) -> Markup {
             }
         }
         details {
-            summary { "Parameters against turns" }
+            summary { "Parameters against iterations" }
             p { @for (name, color) in QUANTITIES {
                 (legend(&format!("rgb({} {} {})", color.0, color.1, color.2), name)) " "
             } }
             div class="multiples" { @for name in &asked {
                 figure {
                     (plot(&parameters(run, name), Axis::Linear, PARAMETERS,
-                        &format!("Parameters of {name} against turns")))
+                        &format!("Parameters of {name} against iterations")))
                     figcaption { (name) }
                 }
             } }
         }
         details {
-            summary { "Turn by turn" }
+            summary { "Iteration by iteration" }
             (table(told, &asked))
         }
     };
@@ -65,20 +65,24 @@ fn legend(color: &str, name: &str) -> Markup {
 }
 
 fn errors(run: &Run, name: &str) -> Curve {
-    let error = |turn: &TurnEntry| Some((turn.turn as f64, turn.groups.get(name)?.error?));
-    let points = run.turns.iter().filter_map(error).collect();
+    let error = |iteration: &IterationEntry| {
+        Some((iteration.iteration as f64, iteration.groups.get(name)?.error?))
+    };
+    let points = run.iterations.iter().filter_map(error).collect();
     Curve { points, color: parsed(&run.groups[name].map_color) }
 }
 
 fn parameters(run: &Run, name: &str) -> Vec<Curve> {
-    let values = |g: &GroupTurnEntry| {
+    let values = |g: &GroupIterationEntry| {
         let ([a, b, c], [d, e, f]) = (g.rho_d, g.rho_s);
         [a, b, c, d, e, f, g.alpha_x, g.alpha_y].map(f64::from)
     };
-    let of_turn = |turn: &TurnEntry| Some((turn.turn as f64, values(turn.groups.get(name)?)));
-    let turns: Vec<(f64, [f64; 8])> = run.turns.iter().filter_map(of_turn).collect();
+    let of_iteration = |iteration: &IterationEntry| {
+        Some((iteration.iteration as f64, values(iteration.groups.get(name)?)))
+    };
+    let iterations: Vec<(f64, [f64; 8])> = run.iterations.iter().filter_map(of_iteration).collect();
     let curve = |(k, (_, color)): (usize, &(&str, RGBColor))| Curve {
-        points: turns.iter().map(|(turn, values)| (*turn, values[k])).collect(),
+        points: iterations.iter().map(|(iteration, values)| (*iteration, values[k])).collect(),
         color: *color,
     };
     let curves = QUANTITIES.iter().enumerate().map(curve);
@@ -95,35 +99,40 @@ fn parsed(color: &str) -> RGBColor {
 
 fn table(told: &Told<'_>, asked: &[&String]) -> Markup {
     html! {
-        div class="wide" role="region" tabindex="0" aria-label="Errors turn by turn" {
+        div class="wide" role="region" tabindex="0" aria-label="Errors iteration by iteration" {
             table {
                 thead { tr {
-                    th scope="col" { "turn" }
+                    th scope="col" { "iteration" }
                     th scope="col" { "seconds" }
                     th scope="col" { "change" }
                     th scope="col" { "worst error" }
                     @for name in asked { th scope="col" { (name) } }
                 } }
-                tbody { @for (index, turn) in told.run.turns.iter().enumerate() {
-                    (turn_row(told, index, turn, asked))
+                tbody { @for (index, iteration) in told.run.iterations.iter().enumerate() {
+                    (iteration_row(told, index, iteration, asked))
                 } }
             }
         }
     }
 }
 
-fn turn_row(told: &Told<'_>, index: usize, turn: &TurnEntry, asked: &[&String]) -> Markup {
-    let key = told.key.at("turns").at(index);
+fn iteration_row(
+    told: &Told<'_>,
+    index: usize,
+    iteration: &IterationEntry,
+    asked: &[&String],
+) -> Markup {
+    let key = told.key.at("iterations").at(index);
     html! {
         tr {
-            th scope="row" { (count(&key.at("turn"), turn.turn))
-                @if turn.refining { " refining" } }
-            td class="n" { (number(&key.at("seconds"), turn.seconds, Shown::Fixed(1))) }
-            td class="n" { @if let Some(change) = turn.change {
+            th scope="row" { (count(&key.at("iteration"), iteration.iteration))
+                @if iteration.refining { " refining" } }
+            td class="n" { (number(&key.at("seconds"), iteration.seconds, Shown::Fixed(1))) }
+            td class="n" { @if let Some(change) = iteration.change {
                 (number(&key.at("change"), change, Shown::Significant(2))) } }
-            td class="n" { (percent(&key.at("worst_error"), turn.worst_error)) }
+            td class="n" { (percent(&key.at("worst_error"), iteration.worst_error)) }
             @for name in asked {
-                td class="n" { @if let Some(group) = turn.groups.get(*name) {
+                td class="n" { @if let Some(group) = iteration.groups.get(*name) {
                     (percent(&key.at("groups").at(name).at("error"), group.error))
                     " " span class="rung" { (group.hypothesis) }
                 } }

@@ -1,7 +1,7 @@
 //! The table of groups.
 
 use super::number::{Shown, count, number, percent};
-use super::{Key, Told, embed, parameters, story, under};
+use super::{Key, Told, embed, parameters, selection_log, under};
 use crate::Error;
 use crate::run::{Run, RunGroup};
 use maud::{Markup, html};
@@ -16,7 +16,7 @@ pub(super) fn section(told: &Told<'_>) -> Result<Markup, Error> {
     let content = html! {
         table class="groups" role="table" {
             caption { "Numbers with ± have a standard deviation. The error is the relative root \
-                mean square of photograph minus re-rendering; in the first turn without the \
+                mean square of photograph minus re-rendering; in the first iteration without the \
                 photograph's noise, in the end with it." }
             thead role="rowgroup" { tr role="row" {
                 @for head in heads { th scope="col" role="columnheader" { (head) } }
@@ -53,7 +53,7 @@ fn row(told: &Told<'_>, name: &str, group: &RunGroup) -> Result<Markup, Error> {
             (cell("parameters", &parameters::list(&key, entry)))
             (cell("error", &errors(told, &key, name, group)))
             (cell("pixels", &pixels(&key, group)))
-            (cell("why", &story::of(told, &key, name, group)))
+            (cell("why", &selection_log::of(told, &key, name, group)))
         }
     })
 }
@@ -78,12 +78,12 @@ fn picture(told: &Told<'_>, group: &RunGroup, name: &str) -> Result<Markup, Erro
     Ok(html! { img class=(class) src=(picture.src) alt=(alt); })
 }
 
-/// The error in the first turn and in the end, and the group's share of all error.
+/// The error in the first iteration and in the end, and the group's share of all error.
 fn errors(told: &Told<'_>, key: &Key, name: &str, group: &RunGroup) -> Markup {
     let before = first_error(told.run, name);
-    let turn = told.key.at("turns").at(0).at("groups").at(name).at("error");
+    let iteration = told.key.at("iterations").at(0).at("groups").at(name).at("error");
     html! {
-        @if let Some(before) = before { (percent(&turn, Some(before))) " → " }
+        @if let Some(before) = before { (percent(&iteration, Some(before))) " → " }
         (percent(&key.at("error"), group.entry.error))
         @if let Some(share) = group.error_share {
             div class="share" {
@@ -96,9 +96,9 @@ fn errors(told: &Told<'_>, key: &Key, name: &str, group: &RunGroup) -> Markup {
     }
 }
 
-/// What the first turn left of the group unexplained.
+/// What the first iteration left of the group unexplained.
 fn first_error(run: &Run, name: &str) -> Option<f64> {
-    run.turns.first()?.groups.get(name)?.error
+    run.iterations.first()?.groups.get(name)?.error
 }
 
 fn pixels(key: &Key, group: &RunGroup) -> Markup {
@@ -107,7 +107,7 @@ fn pixels(key: &Key, group: &RunGroup) -> Markup {
             (count(&key.at("pixels"), pixels))
             @if pixels > 0 {
                 div class="share" {
-                    (count(&key.at("counted").at("believed"), group.counted.believed)) " counted"
+                    (count(&key.at("counted").at("valid"), group.counted.valid)) " counted"
                 }
             }
         }

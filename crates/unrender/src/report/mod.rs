@@ -19,10 +19,10 @@ mod head;
 mod number;
 mod parameters;
 mod plot;
+mod selection_log;
 mod side_by_side;
-mod story;
-mod trust;
 mod unknowable;
+mod valid;
 
 pub use gallery::{Exhibit, gallery};
 
@@ -67,7 +67,7 @@ pub fn page(folder: &Path) -> Result<String, Error> {
             (group_map::section(&told)?)
             (groups::section(&told)?)
             (unknowable::section(&told))
-            (trust::section(&told)?)
+            (valid::section(&told)?)
             (convergence::section(&told))
             (facts::section(&told))
         }
@@ -119,7 +119,7 @@ const SECTIONS: [(&str, &str); 8] = [
     ("map", "Group map"),
     ("groups", "Groups"),
     ("unknowable", "What the photograph cannot tell"),
-    ("trust", "Which pixels counted"),
+    ("valid", "Which pixels counted"),
     ("convergence", "Convergence"),
     ("facts", "How it was made"),
 ];

@@ -1,9 +1,9 @@
-//! Curves over turns, as SVG that takes the page's colours.
+//! Curves over iterations, as SVG that takes the page's colours.
 
 use maud::{Markup, PreEscaped, html};
 use plotters::prelude::*;
 
-/// A curve: its points in the order of turns, and its colour.
+/// A curve: its points in the order of iterations, and its colour.
 pub(super) struct Curve {
     pub(super) points: Vec<(f64, f64)>,
     pub(super) color: RGBColor,
@@ -49,20 +49,20 @@ type Drawn<'a> = Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBacke
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
 fn logarithmic<'a>(area: &Area<'a>, curves: &[Curve]) -> Drawn<'a> {
-    let (turns, [low, high]) = ranges(curves, |y| y > LEAST);
+    let (iterations, [low, high]) = ranges(curves, |y| y > LEAST);
     let (low, high) = (10f64.powf(low.log10().floor()), 10f64.powf(high.log10().ceil()));
     let mut chart = ChartBuilder::on(area)
         .margin(6)
         .x_label_area_size(24)
         .y_label_area_size(56)
-        .build_cartesian_2d(0.5..turns + 0.5, (low..high.max(10.0 * low)).log_scale())?;
+        .build_cartesian_2d(0.5..iterations + 0.5, (low..high.max(10.0 * low)).log_scale())?;
     chart
         .configure_mesh()
         .bold_line_style(INK.mix(0.18))
         .light_line_style(TRANSPARENT)
         .axis_style(INK.mix(0.5))
         .label_style(("sans-serif", 12, &INK))
-        .x_label_formatter(&|turn| format!("{turn:.0}"))
+        .x_label_formatter(&|iteration| format!("{iteration:.0}"))
         .y_label_formatter(&|error| decade(100.0 * error))
         .draw()?;
     for curve in curves {
@@ -79,12 +79,12 @@ fn decade(percent: f64) -> String {
 }
 
 fn linear<'a>(area: &Area<'a>, curves: &[Curve]) -> Drawn<'a> {
-    let (turns, [_, high]) = ranges(curves, |_| true);
+    let (iterations, [_, high]) = ranges(curves, |_| true);
     let mut chart = ChartBuilder::on(area)
         .margin(6)
         .x_label_area_size(20)
         .y_label_area_size(34)
-        .build_cartesian_2d(0.5..turns + 0.5, 0.0..(1.05 * high).max(0.1))?;
+        .build_cartesian_2d(0.5..iterations + 0.5, 0.0..(1.05 * high).max(0.1))?;
     chart
         .configure_mesh()
         .bold_line_style(INK.mix(0.18))
@@ -93,7 +93,7 @@ fn linear<'a>(area: &Area<'a>, curves: &[Curve]) -> Drawn<'a> {
         .label_style(("sans-serif", 11, &INK))
         .x_labels(6)
         .y_labels(5)
-        .x_label_formatter(&|turn| format!("{turn:.0}"))
+        .x_label_formatter(&|iteration| format!("{iteration:.0}"))
         .y_label_formatter(&|value| format!("{value:.1}"))
         .draw()?;
     for curve in curves {
@@ -103,12 +103,12 @@ fn linear<'a>(area: &Area<'a>, curves: &[Curve]) -> Drawn<'a> {
     Ok(())
 }
 
-/// The last turn, and the least and the greatest value among those that `counts`.
+/// The last iteration, and the least and the greatest value among those that `counts`.
 fn ranges(curves: &[Curve], counts: fn(f64) -> bool) -> (f64, [f64; 2]) {
     let points = || curves.iter().flat_map(|c| c.points.iter().copied());
     let values = || points().map(|p| p.1).filter(|y| counts(*y));
-    let turns = points().map(|p| p.0).fold(1.0, f64::max);
+    let iterations = points().map(|p| p.0).fold(1.0, f64::max);
     let low = values().fold(f64::INFINITY, f64::min);
     let high = values().fold(f64::NEG_INFINITY, f64::max);
-    if low.is_finite() { (turns, [low, high]) } else { (turns, [0.01, 1.0]) }
+    if low.is_finite() { (iterations, [low, high]) } else { (iterations, [0.01, 1.0]) }
 }

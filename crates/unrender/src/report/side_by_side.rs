@@ -37,8 +37,8 @@ pub(super) fn page(runs: &[Told<'_>]) -> Result<String, Error> {
             section aria-labelledby="curves" {
                 h2 id="curves" { "Convergence" }
                 figure {
-                    (plot(&curves, Axis::Logarithmic, (900, 280), "Worst error against turns"))
-                    figcaption { "The worst group's error against turns; in passes of the \
+                    (plot(&curves, Axis::Logarithmic, (900, 280), "Worst error against iterations"))
+                    figcaption { "The worst group's error against iterations; in passes of the \
                         refinement that of all groups together." }
                 }
             }
@@ -52,8 +52,10 @@ pub(super) fn page(runs: &[Told<'_>]) -> Result<String, Error> {
 }
 
 fn curve((index, told): (usize, &Told<'_>)) -> Curve {
-    let error = |turn: &crate::run::TurnEntry| Some((turn.turn as f64, turn.worst_error?));
-    let points = told.run.turns.iter().filter_map(error).collect();
+    let error = |iteration: &crate::run::IterationEntry| {
+        Some((iteration.iteration as f64, iteration.worst_error?))
+    };
+    let points = told.run.iterations.iter().filter_map(error).collect();
     Curve { points, color: COLORS[index % COLORS.len()] }
 }
 

@@ -25,7 +25,7 @@ pub(super) fn build(
         exposure: Some(recovery.exposure.to_array()),
         photograph: recovered.photograph.clone(),
         seconds: Some((recovered.times.all * 100.0).round() / 100.0),
-        termination: Some(recovery.termination.message(recovery.turns.len())),
+        termination: Some(recovery.termination.message(recovery.iterations.len())),
         ..MaterialsFile::default()
     };
     let sources: Vec<_> = job.scene.sources().collect();

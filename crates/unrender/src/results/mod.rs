@@ -9,8 +9,8 @@ mod memory;
 pub(crate) mod restaged;
 mod run_file;
 mod scale_bar;
+mod status_picture;
 mod summary;
-mod trust_picture;
 
 pub(crate) use calibration::calibration;
 pub(crate) use summary::{summary, table};
@@ -90,7 +90,7 @@ fn write_pictures(
     let developed = if fixed { exposure } else { Rgb::ONE };
     let photo = job.photo.radiance.map(|radiance| *radiance / developed);
     *bad += picture::write_png_srgb(&folder.join("photo.png"), &photo)?;
-    trust_picture::write(job, recovery, &folder.join("trust.png"))?;
+    status_picture::write(job, recovery, &folder.join("trust.png"))?;
     Ok(Pictures {
         photo: "photo.png".to_owned(),
         rerendered: "rerendered.png".to_owned(),

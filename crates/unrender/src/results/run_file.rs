@@ -5,14 +5,14 @@ use crate::Job;
 use crate::engine::Recovered;
 use crate::project::CameraTable;
 use crate::run::{
-    GroupTurnEntry, Input, LeftOut, Pictures, Program, RegistrationEntry, Run, RunGroup,
-    SettingsEntry, Stages, TrialEntry, TurnEntry, VERSION,
+    CandidateEntry, GroupIterationEntry, Input, IterationEntry, LeftOut, Pictures, Program,
+    RegistrationEntry, Run, RunGroup, SettingsEntry, Stages, VERSION,
 };
 use indexmap::IndexMap;
 use serde_json::json;
 use unrender_formats::materials::MaterialsFile;
-use unrender_recover::record::Trial;
-use unrender_recover::{GroupResult, GroupTurn, LadderKind, Options, Status, TurnRecord};
+use unrender_recover::record::CandidateRecord;
+use unrender_recover::{GroupIteration, GroupResult, IterationRecord, LadderKind, Options, Status};
 use unrender_scene::Warnings;
 
 /// The run; `materials` is what materials.json says, `pictures` and `balls` name files beside it.
@@ -24,19 +24,19 @@ pub(super) fn build(
     warnings: Warnings,
 ) -> Run {
     let recovery = &recovered.recovery;
-    let turns = recovery.turns.iter().zip(&recovered.times.turns);
+    let iterations = recovery.iterations.iter().zip(&recovered.times.iterations);
     let groups = recovery.groups.iter().enumerate().map(|(index, result)| {
         let entry = materials.groups.get(&result.name).cloned().unwrap_or_default();
-        let of_group = recovered.group_map.pixels().iter().zip(recovery.trust.pixels());
-        let trust = of_group.filter(|(group, _)| **group as usize == index).map(|(_, t)| t);
+        let of_group = recovered.group_map.pixels().iter().zip(recovery.status.pixels());
+        let status = of_group.filter(|(group, _)| **group as usize == index).map(|(_, t)| t);
         let group = RunGroup {
             entry,
             asked: result.status != Status::Known,
             error_share: result.error_share.filter(|share| share.is_finite()),
-            counted: LeftOut::count(trust),
+            counted: LeftOut::count(status),
             map_color: super::hex(super::group_picture::color(index)),
             ball: balls[index].clone(),
-            story: result.story.iter().map(trial).collect(),
+            selection_log: result.selection_log.iter().map(trial).collect(),
         };
         (result.name.clone(), group)
     });
@@ -53,15 +53,17 @@ pub(super) fn build(
         seconds: recovered.times.all,
         stages: stages(recovered),
         peak_memory_bytes: memory::peak_bytes(),
-        termination: recovery.termination.message(recovery.turns.len()),
+        termination: recovery.termination.message(recovery.iterations.len()),
         warnings: warnings.0,
         exposure: recovery.exposure.to_array(),
         photograph: recovered.photograph.clone(),
         exposure_std: recovery.exposure_std.map(|std| std.to_array()),
         registration: registration(recovered),
-        pixels: LeftOut::count(recovery.trust.pixels()),
+        pixels: LeftOut::count(recovery.status.pixels()),
         pictures,
-        turns: turns.map(|(record, seconds)| turn(record, *seconds, &recovery.groups)).collect(),
+        iterations: iterations
+            .map(|(record, seconds)| iteration(record, *seconds, &recovery.groups))
+            .collect(),
         groups: groups.collect(),
         lights: materials.lights.clone(),
     }
@@ -105,13 +107,14 @@ fn settings(job: &Job, options: &Options) -> SettingsEntry {
     }
 }
 
-/// The time by stage: turns of the ladder come before passes of the refinement.
+/// The time by stage: iterations of the ladder come before passes of the refinement.
 fn stages(recovered: &Recovered) -> Stages {
     let times = &recovered.times;
-    let turns = recovered.recovery.turns.iter().zip(&times.turns);
-    let mut climbed = turns.filter(|(turn, _)| !turn.refining).map(|(_, seconds)| *seconds);
+    let iterations = recovered.recovery.iterations.iter().zip(&times.iterations);
+    let mut climbed =
+        iterations.filter(|(iteration, _)| !iteration.refining).map(|(_, seconds)| *seconds);
     let climbed = climbed.next_back().unwrap_or(times.developed);
-    let refined = times.turns.last().copied().unwrap_or(climbed);
+    let refined = times.iterations.last().copied().unwrap_or(climbed);
     Stages {
         registration: times.laid,
         camera: times.developed - times.laid,
@@ -145,24 +148,24 @@ fn registration(recovered: &Recovered) -> RegistrationEntry {
     }
 }
 
-fn turn(record: &TurnRecord, seconds: f64, groups: &[GroupResult]) -> TurnEntry {
+fn iteration(record: &IterationRecord, seconds: f64, groups: &[GroupResult]) -> IterationEntry {
     let asked = groups.iter().zip(&record.groups).filter(|(g, _)| g.status != Status::Known);
-    TurnEntry {
-        turn: record.turn,
+    IterationEntry {
+        iteration: record.iteration,
         refining: record.refining,
         seconds,
         change: Some(record.change).filter(|v| v.is_finite()),
         worst_error: Some(record.worst_error).filter(|v| v.is_finite()),
         open_groups: record.open_groups.clone(),
-        groups: asked.map(|(g, turn)| (g.name.clone(), group_turn(turn))).collect(),
+        groups: asked.map(|(g, iteration)| (g.name.clone(), group_iteration(iteration))).collect(),
     }
 }
 
-fn group_turn(turn: &GroupTurn) -> GroupTurnEntry {
-    let material = &turn.material;
-    GroupTurnEntry {
-        hypothesis: turn.hypothesis,
-        error: turn.error.filter(|e| e.is_finite()),
+fn group_iteration(iteration: &GroupIteration) -> GroupIterationEntry {
+    let material = &iteration.material;
+    GroupIterationEntry {
+        hypothesis: iteration.hypothesis,
+        error: iteration.error.filter(|e| e.is_finite()),
         rho_d: material.rho_d.to_array(),
         rho_s: material.rho_s.to_array(),
         alpha_x: material.alpha_x,
@@ -171,10 +174,10 @@ fn group_turn(turn: &GroupTurn) -> GroupTurnEntry {
     }
 }
 
-fn trial(trial: &Trial) -> TrialEntry {
+fn trial(trial: &CandidateRecord) -> CandidateEntry {
     let material = &trial.material;
-    TrialEntry {
-        turn: trial.turn,
+    CandidateEntry {
+        iteration: trial.iteration,
         hypothesis: trial.hypothesis,
         error: Some(trial.residual.relative()).filter(|e| e.is_finite()),
         deviation_of_square: Some(trial.residual.deviation).filter(|d| d.is_finite()),
@@ -185,6 +188,6 @@ fn trial(trial: &Trial) -> TrialEntry {
         alpha_x: material.alpha_x,
         alpha_y: material.alpha_y,
         theta_deg: material.theta_rad.to_degrees(),
-        taken: trial.taken,
+        accepted: trial.accepted,
     }
 }

@@ -17,7 +17,7 @@ pub(super) fn rows(recovery: &Recovery) -> ([&'static str; 8], Vec<[String; 8]>)
     (HEADER, recovery.groups.iter().filter(reflects).map(row).collect())
 }
 
-/// The summary of a recovery: a line a group and unknown light, then time and turns.
+/// The summary of a recovery: a line a group and unknown light, then time and iterations.
 pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
     let recovery = &recovered.recovery;
     let (header, groups) = rows(recovery);
@@ -46,7 +46,7 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
     text.push_str(&format!(
         "{:.1} s, {}\n",
         recovered.times.all,
-        recovery.termination.message(recovery.turns.len())
+        recovery.termination.message(recovery.iterations.len())
     ));
     if !doubtful.is_empty() {
         text.push_str(&format!(

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use unrender_formats::materials::GroupEntry;
-use unrender_recover::Trust;
+use unrender_recover::PixelStatus;
 use unrender_scene::Hypothesis;
 
 /// One group: its entry of `materials.json`, and how it came about.
@@ -22,14 +22,16 @@ pub struct RunGroup {
     /// The picture of a ball of its material, relative to the file; null for black ones.
     pub ball: Option<String>,
     /// The rungs that were tried, in the order of trial.
-    pub story: Vec<TrialEntry>,
+    #[serde(alias = "story")]
+    pub selection_log: Vec<CandidateEntry>,
 }
 
 /// One rung tried on one group.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TrialEntry {
-    /// In which turn.
-    pub turn: usize,
+pub struct CandidateEntry {
+    /// In which iteration.
+    #[serde(alias = "turn")]
+    pub iteration: usize,
     /// Which rung.
     pub hypothesis: Hypothesis,
     /// The relative error that noise does not explain.
@@ -53,38 +55,42 @@ pub struct TrialEntry {
     /// Brushed direction, degrees.
     pub theta_deg: f32,
     /// Whether the group stood on this rung afterwards.
-    pub taken: bool,
+    #[serde(alias = "taken")]
+    pub accepted: bool,
 }
 
 /// Numbers of pixels: those that counted, and the others by the reason why they did not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct LeftOut {
     /// Those that counted.
-    pub believed: usize,
+    #[serde(alias = "believed")]
+    pub valid: usize,
     /// The model shows nothing there.
     pub nothing: usize,
     /// The photograph is clipped, too dark or broken there.
-    pub cut_off: usize,
+    #[serde(alias = "cut_off")]
+    pub clipped: usize,
     /// An edge is too close.
     pub edge: usize,
     /// A single bright pixel.
     pub spike: usize,
     /// What is not in the model.
-    pub stray: usize,
+    #[serde(alias = "stray")]
+    pub outlier: usize,
 }
 
 impl LeftOut {
     /// Counts pixels.
-    pub fn count<'a>(trust: impl IntoIterator<Item = &'a Trust>) -> Self {
+    pub fn count<'a>(status: impl IntoIterator<Item = &'a PixelStatus>) -> Self {
         let mut counted = Self::default();
-        for trust in trust {
-            *match trust {
-                Trust::Believed => &mut counted.believed,
-                Trust::Nothing => &mut counted.nothing,
-                Trust::CutOff => &mut counted.cut_off,
-                Trust::Edge => &mut counted.edge,
-                Trust::Spike => &mut counted.spike,
-                Trust::Stray => &mut counted.stray,
+        for status in status {
+            *match status {
+                PixelStatus::Valid => &mut counted.valid,
+                PixelStatus::Nothing => &mut counted.nothing,
+                PixelStatus::Clipped => &mut counted.clipped,
+                PixelStatus::Edge => &mut counted.edge,
+                PixelStatus::Spike => &mut counted.spike,
+                PixelStatus::Outlier => &mut counted.outlier,
             } += 1;
         }
         counted

@@ -1,17 +1,17 @@
-//! `run.json`: the story of a recovery as plain numbers, key by key in `docs/run-json.md`.
+//! `run.json`: how a recovery went, as plain numbers, key by key in `docs/run-json.md`.
 //!
 //! Reports are made of this file and of the pictures that it names, and of nothing else: every
 //! number on a page is a field here.
 
 mod camera;
 mod group;
+mod iteration;
 mod pictures;
-mod turn;
 
 pub(crate) use camera::{recovered_camera, recovered_size};
-pub use group::{LeftOut, RunGroup, TrialEntry};
+pub use group::{CandidateEntry, LeftOut, RunGroup};
+pub use iteration::{GroupIterationEntry, IterationEntry};
 pub use pictures::{ErrorPicture, Pictures, Stop, Unit};
-pub use turn::{GroupTurnEntry, TurnEntry};
 
 use crate::Error;
 use indexmap::IndexMap;
@@ -59,7 +59,8 @@ pub struct Run {
     /// The pictures beside the file.
     pub pictures: Pictures,
     /// The global re-renderings in their order.
-    pub turns: Vec<TurnEntry>,
+    #[serde(alias = "turns")]
+    pub iterations: Vec<IterationEntry>,
     /// The groups by name, in the order of the scene.
     pub groups: IndexMap<String, RunGroup>,
     /// The lights whose brightness was asked for, by name, in the order of the scene.

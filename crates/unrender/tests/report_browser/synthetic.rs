@@ -6,8 +6,8 @@ use unrender::formats::materials::{
 };
 use unrender::formats::picture;
 use unrender::run::{
-    ErrorPicture, GroupTurnEntry, Input, LeftOut, Pictures, Program, RegistrationEntry, Run,
-    RunGroup, SettingsEntry, Stages, Stop, TrialEntry, TurnEntry, Unit, VERSION,
+    CandidateEntry, ErrorPicture, GroupIterationEntry, Input, IterationEntry, LeftOut, Pictures,
+    Program, RegistrationEntry, Run, RunGroup, SettingsEntry, Stages, Stop, Unit, VERSION,
 };
 use unrender::scene::{Hypothesis, Image, Rgb};
 
@@ -76,7 +76,7 @@ pub(crate) fn write(folder: &Path, names: &[String], (width, height): (usize, us
             errors,
         },
         groups: groups.collect(),
-        turns: (1..=6).map(|number| turn(number, names)).collect(),
+        iterations: (1..=6).map(|number| iteration(number, names)).collect(),
         input: Input { width, height, ..input() },
         ..rest()
     };
@@ -123,22 +123,29 @@ fn group(index: usize, name: &str) -> RunGroup {
         note: (index % 7 == 3).then(|| "rho_d and rho_s are tied together".to_owned()),
         ..known(index).entry
     };
-    let story = Hypothesis::ALL[..6].iter().enumerate().map(|(rung, other)| TrialEntry {
-        turn: 3,
-        hypothesis: *other,
-        error: Some(noise(index + 700 + rung)),
-        deviation_of_square: Some(noise(index + rung)),
-        model_error: Some(0.02),
-        criterion: Some(10.0),
-        rho_d: triple(index + rung),
-        rho_s: triple(index + 2 * rung),
-        alpha_x: 0.1,
-        alpha_y: 0.1,
-        theta_deg: 0.0,
-        taken: *other == hypothesis,
-    });
-    let story = if index == 0 { Vec::new() } else { story.collect() };
-    RunGroup { entry, story, asked: true, error_share: Some(noise(index + 800)), ..known(index) }
+    let selection_log =
+        Hypothesis::ALL[..6].iter().enumerate().map(|(rung, other)| CandidateEntry {
+            iteration: 3,
+            hypothesis: *other,
+            error: Some(noise(index + 700 + rung)),
+            deviation_of_square: Some(noise(index + rung)),
+            model_error: Some(0.02),
+            criterion: Some(10.0),
+            rho_d: triple(index + rung),
+            rho_s: triple(index + 2 * rung),
+            alpha_x: 0.1,
+            alpha_y: 0.1,
+            theta_deg: 0.0,
+            accepted: *other == hypothesis,
+        });
+    let selection_log = if index == 0 { Vec::new() } else { selection_log.collect() };
+    RunGroup {
+        entry,
+        selection_log,
+        asked: true,
+        error_share: Some(noise(index + 800)),
+        ..known(index)
+    }
 }
 
 fn known(index: usize) -> RunGroup {
@@ -149,13 +156,13 @@ fn known(index: usize) -> RunGroup {
         pixels: Some(1000 + index as u64),
         ..GroupEntry::default()
     };
-    let counted = LeftOut { believed: 900 + index, edge: 70, stray: 30, ..LeftOut::default() };
+    let counted = LeftOut { valid: 900 + index, edge: 70, outlier: 30, ..LeftOut::default() };
     RunGroup { entry, counted, ..RunGroup::default() }
 }
 
-fn turn(number: usize, names: &[String]) -> TurnEntry {
+fn iteration(number: usize, names: &[String]) -> IterationEntry {
     let group = |(index, name): (usize, &String)| {
-        let entry = GroupTurnEntry {
+        let entry = GroupIterationEntry {
             hypothesis: Hypothesis::ALL[index % 6],
             error: Some(noise(index + number) / 10f64.powi(number as i32)),
             rho_d: triple(index + number),
@@ -166,8 +173,8 @@ fn turn(number: usize, names: &[String]) -> TurnEntry {
         };
         (name.clone(), entry)
     };
-    TurnEntry {
-        turn: number,
+    IterationEntry {
+        iteration: number,
         refining: number > 4,
         seconds: 1.5 * number as f64 + noise(number),
         change: Some(noise(number) * 1e-4),
@@ -239,7 +246,7 @@ fn rest() -> Run {
             displacement_pixels: Some(0.31),
             ..RegistrationEntry::default()
         },
-        pixels: LeftOut { believed: 12345, edge: 678, cut_off: 90, spike: 1, stray: 2, nothing: 3 },
+        pixels: LeftOut { valid: 12345, edge: 678, clipped: 90, spike: 1, outlier: 2, nothing: 3 },
         lights: [("la<mp".to_owned(), light)].into_iter().collect(),
         ..Run::default()
     }

@@ -1,4 +1,4 @@
-//! The trust map: which pixels counted, and why the others did not.
+//! The valid mask: which pixels counted, and why the others did not.
 
 use super::number::count;
 use super::{Told, embed, under};
@@ -30,17 +30,17 @@ pub(super) fn section(told: &Told<'_>) -> Result<Markup, Error> {
             }
         }
     };
-    Ok(under("trust", &content))
+    Ok(under("valid", &content))
 }
 
 /// Field of run.json, colour in trust.png, words, number.
 fn reasons(pixels: &LeftOut) -> [(&'static str, &'static str, &'static str, usize); 6] {
     [
-        ("believed", "linear-gradient(to right,#222,#ddd)", "counted", pixels.believed),
+        ("valid", "linear-gradient(to right,#222,#ddd)", "counted", pixels.valid),
         ("edge", "rgb(51 115 191)", "an edge is too close", pixels.edge),
-        ("cut_off", "rgb(153 77 166)", "clipped, too dark or broken", pixels.cut_off),
+        ("clipped", "rgb(153 77 166)", "clipped, too dark or broken", pixels.clipped),
         ("spike", "rgb(242 217 64)", "a single bright pixel", pixels.spike),
-        ("stray", "rgb(230 128 38)", "shows what is not in the model", pixels.stray),
+        ("outlier", "rgb(230 128 38)", "shows what is not in the model", pixels.outlier),
         ("nothing", "#000", "the model shows nothing there", pixels.nothing),
     ]
 }

@@ -1,20 +1,20 @@
-//! The story of a group on the ladder: which rungs were tried, what each left, why it stopped.
+//! The selection_log of a group on the ladder: which rungs were tried, what each left, why it stopped.
 
 use super::number::{count, percent};
 use super::{Key, Told, parameters};
-use crate::run::{RunGroup, TrialEntry};
+use crate::run::{CandidateEntry, RunGroup};
 use maud::{Markup, html};
 use unrender_scene::{Hypothesis, Status};
 
-/// The story.
+/// The selection_log.
 pub(super) fn of(told: &Told<'_>, key: &Key, name: &str, group: &RunGroup) -> Markup {
     html! {
         p class="why" { (reason(told, name, group)) }
         @if let Some(note) = &group.entry.note { p class="note" { (note) } }
-        @if !group.story.is_empty() {
+        @if !group.selection_log.is_empty() {
             details {
                 summary { "The rungs" span class="hidden" { " tried on " (name) } }
-                (rungs(&key.at("story"), &group.story))
+                (rungs(&key.at("selection_log"), &group.selection_log))
             }
         }
     }
@@ -22,11 +22,12 @@ pub(super) fn of(told: &Told<'_>, key: &Key, name: &str, group: &RunGroup) -> Ma
 
 /// Why the group stands where it does, in words.
 fn reason(told: &Told<'_>, name: &str, group: &RunGroup) -> Markup {
-    let last = group.story.iter().rev().find(|trial| trial.taken);
+    let last = group.selection_log.iter().rev().find(|trial| trial.accepted);
     let hypothesis = group.entry.hypothesis.unwrap_or(Hypothesis::Diffuse);
     let paper = told.run.settings.ladder == "paper";
-    let ladder = told.run.turns.iter().rev().find(|turn| !turn.refining);
-    let open = ladder.is_some_and(|turn| turn.open_groups.iter().any(|open| open == name));
+    let ladder = told.run.iterations.iter().rev().find(|iteration| !iteration.refining);
+    let open =
+        ladder.is_some_and(|iteration| iteration.open_groups.iter().any(|open| open == name));
     html! {
         @match (group.entry.status, hypothesis, last) {
             (Some(Status::Known), ..) => "Given, not recovered.",
@@ -50,12 +51,12 @@ fn reason(told: &Told<'_>, name: &str, group: &RunGroup) -> Markup {
     }
 }
 
-/// The trials, turn by turn.
-fn rungs(key: &Key, story: &[TrialEntry]) -> Markup {
-    let numbered: Vec<(usize, &TrialEntry)> = story.iter().enumerate().collect();
+/// The trials, iteration by iteration.
+fn rungs(key: &Key, selection_log: &[CandidateEntry]) -> Markup {
+    let numbered: Vec<(usize, &CandidateEntry)> = selection_log.iter().enumerate().collect();
     html! {
-        @for tried in numbered.chunk_by(|a, b| a.1.turn == b.1.turn) {
-            p { "Turn " (count(&key.at(tried[0].0).at("turn"), tried[0].1.turn)) ":" }
+        @for tried in numbered.chunk_by(|a, b| a.1.iteration == b.1.iteration) {
+            p { "Iteration " (count(&key.at(tried[0].0).at("iteration"), tried[0].1.iteration)) ":" }
             ol class="rungs" {
                 @for (index, trial) in tried { (rung(&key.at(index), trial, tried)) }
             }
@@ -63,17 +64,18 @@ fn rungs(key: &Key, story: &[TrialEntry]) -> Markup {
     }
 }
 
-/// One trial among those of its turn, which go from simple to complex.
-fn rung(key: &Key, trial: &TrialEntry, tried: &[(usize, &TrialEntry)]) -> Markup {
-    let taken = tried.iter().find(|(_, other)| other.taken).map(|(_, other)| other.hypothesis);
-    let verdict = match taken {
-        _ if trial.taken => "taken",
-        Some(taken) if trial.hypothesis < taken => "leaves more than it must",
+/// One trial among those of its iteration, which go from simple to complex.
+fn rung(key: &Key, trial: &CandidateEntry, tried: &[(usize, &CandidateEntry)]) -> Markup {
+    let accepted =
+        tried.iter().find(|(_, other)| other.accepted).map(|(_, other)| other.hypothesis);
+    let verdict = match accepted {
+        _ if trial.accepted => "accepted",
+        Some(accepted) if trial.hypothesis < accepted => "leaves more than it must",
         Some(_) => "not needed",
         None => "left behind",
     };
     html! {
-        li class=[trial.taken.then_some("taken")] {
+        li class=[trial.accepted.then_some("accepted")] {
             (parameters::swatch(trial.rho_d)) (trial.hypothesis) " left "
             (percent(&key.at("error"), trial.error)) ": " (verdict)
         }

@@ -6,27 +6,28 @@ use unrender_scene::Hypothesis;
 
 /// One global re-rendering.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
-pub struct TurnEntry {
+pub struct IterationEntry {
     /// Counted from one.
-    pub turn: usize,
+    #[serde(alias = "turn")]
+    pub iteration: usize,
     /// Whether it was a pass of the joint refinement.
     pub refining: bool,
     /// Seconds since the recovery began.
     pub seconds: f64,
     /// The largest change of a reflectance, and of the logarithm of a roughness.
     pub change: Option<f64>,
-    /// In a turn of the ladder the worst group's relative error, in a pass of the refinement that of
+    /// In an iteration of the ladder the worst group's relative error, in a pass of the refinement that of
     /// all groups together, before its step.
     pub worst_error: Option<f64>,
     /// Groups whose hypothesis did not explain the photograph yet.
     pub open_groups: Vec<String>,
     /// The groups that are asked for.
-    pub groups: IndexMap<String, GroupTurnEntry>,
+    pub groups: IndexMap<String, GroupIterationEntry>,
 }
 
-/// Where one group stood after a turn.
+/// Where one group stood after an iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct GroupTurnEntry {
+pub struct GroupIterationEntry {
     /// Its rung.
     pub hypothesis: Hypothesis,
     /// Its relative error that noise does not explain; in a pass of the refinement before its step.
