@@ -124,8 +124,9 @@ impl Driver<'_> {
                 let other = proposals.split_off(proposals.len() / 2);
                 waiting.push(other);
                 waiting.push(proposals);
-            } else {
-                self.candidates.reject(&proposals[0]);
+            } else if let Some(proposal) = proposals.pop() {
+                self.candidates.reject(&proposal);
+                waiting.extend(proposal.otherwise(state).map(|next| vec![next]));
             }
         }
         Ok(accepted)
@@ -134,7 +135,7 @@ impl Driver<'_> {
     /// The state with the changes of `proposals`, if the picture does not speak against it. Other
     /// groups were fitted in the light of what is changed here, right or wrong: where the changed
     /// groups gain and others lose, these follow before it is decided. A more complex hypothesis has
-    /// to gain in its own group's pixels, by more than chance: nothing else speaks for it.
+    /// to be borne out by its own group's pixels: nothing else speaks for it.
     fn try_one(
         &mut self,
         state: &mut State<'_>,
@@ -147,7 +148,7 @@ impl Driver<'_> {
         let mut found = self.verifier.verify(state);
         let changed: Vec<usize> = proposals.iter().map(|proposal| proposal.group).collect();
         let loses = |found: &Verified, proposal: &Proposal| {
-            proposal.is_more_complex && !found.score.surely_gains(&best.score, proposal.group)
+            proposal.is_more_complex && !found.score.bears_out(&best.score, proposal.group)
         };
         if proposals.iter().any(|proposal| loses(&found, proposal)) {
             return Ok(None);

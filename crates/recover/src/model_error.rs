@@ -96,6 +96,13 @@ impl BlockResiduals {
         residuals
     }
 
+    /// The same residuals with the larger one of both noises in every block.
+    #[must_use]
+    pub fn with_noise_of(&self, other: &Self) -> Self {
+        let noise = self.noise.iter().zip(&other.noise).map(|(a, b)| a.max(*b)).collect();
+        Self { noise, ..self.clone() }
+    }
+
     /// As [`BlockResiduals::of`] for `pixels` in `blocks`.
     pub fn over(blocks: &Blocks, pixels: &[Observed], model: &[Vec<Rgb>; 2]) -> Self {
         let n = pixels.len();

@@ -6,13 +6,17 @@
 //! `IC = (N_eff / N) deviance + p ln N_eff`, with `p` free parameters. The deviance is that of the
 //! observation model ([`crate::model_error`]); `N` is the number of blocks and `N_eff` the number of
 //! independent ones among them, from the correlation `r` of neighbouring blocks' residuals under the
-//! best hypothesis: `N_eff = N ((1 - r) / (1 + r))^2`. A candidate whose rendering is mostly noise
-//! has a large variance, which the deviance counts against it.
+//! best hypothesis: `N_eff = N ((1 - r) / (1 + r))^2`.
+//!
+//! Two hypotheses are compared under a common rendering noise, the larger one of theirs in every
+//! block: that one of them happens to be sampled well is no evidence for it, and one whose rendering
+//! is mostly noise explains nothing better than another does under as much noise.
 
 use crate::blocks::Blocks;
 use crate::evidence::Evidence;
 use crate::hypothesis::{Fit, Hypothesis};
-use crate::model_error::standardised;
+use crate::model_error::{Likelihood, standardised};
+use std::collections::BTreeMap;
 
 /// A simpler hypothesis stands unless a more complex one has an information criterion lower by this:
 /// strong evidence [Kass & Raftery 1995]. Half of it is called positive, double of it decisive.
@@ -25,10 +29,8 @@ const LEAST_INDEPENDENT: f64 = 0.05;
 pub struct Decision {
     /// The index of the fit to take.
     pub chosen: usize,
-    /// For each fit: its information criterion less the lowest.
+    /// For each fit: its information criterion less that of the chosen one.
     pub excess: Vec<f64>,
-    /// Blocks that are independent of each other, about.
-    pub independent: f64,
 }
 
 /// Free parameters of a hypothesis without a texture.
@@ -42,43 +44,85 @@ fn parameters(hypothesis: Hypothesis) -> f64 {
     }
 }
 
-/// Chooses among the `fits` that are `allowed` (the first always is); they go from simple to complex,
-/// all on the same `evidence`, and there is at least one. With `simpler`, one is preferred whose
-/// error is at most so many times the best one's.
-pub fn select(
-    fits: &[Fit],
-    evidence: &Evidence,
-    allowed: &dyn Fn(&Fit) -> bool,
-    simpler: Option<f64>,
-) -> Decision {
-    let deviance = |fit: &&Fit| fit.likelihood.deviance;
-    let competes = |i: usize| i == 0 || allowed(&fits[i]);
-    let best = (0..fits.len()).filter(|i| competes(*i)).map(|i| &fits[i]);
-    let best = best.min_by(|a, b| deviance(a).total_cmp(&deviance(b)));
-    let independent = best.map_or(1.0, |best| independent_blocks(best, evidence));
-    let scale = independent / evidence.blocks.len().max(1) as f64;
-    let criteria: Vec<f64> = fits
-        .iter()
-        .map(|fit| {
-            scale * fit.likelihood.deviance + parameters(fit.hypothesis) * independent.max(1.0).ln()
-        })
-        .collect();
-    let competing = (0..fits.len()).filter(|i| competes(*i));
-    let lowest = competing.map(|i| criteria[i]).fold(f64::INFINITY, f64::min);
-    let excess: Vec<f64> = criteria.iter().map(|c| c - lowest).collect();
-    let least = best.map_or(0.0, |best| best.residual.relative());
-    let good = |i: &usize| {
-        let near = simpler.is_some_and(|times| fits[*i].residual.relative() <= times * least);
-        competes(*i) && (excess[*i] <= STRONG || near)
+/// The comparison of all fits of one group on the same evidence, pair by pair.
+pub struct Comparison<'a> {
+    fits: &'a [Fit],
+    evidence: &'a Evidence,
+    independent: f64,
+    /// The criterion of a fit less that of another, where it was asked for.
+    differences: BTreeMap<(usize, usize), f64>,
+}
+
+impl<'a> Comparison<'a> {
+    /// For `fits`, of which there is at least one and which go from simple to complex.
+    pub fn new(fits: &'a [Fit], evidence: &'a Evidence) -> Self {
+        let deviance = |fit: &&Fit| fit.likelihood.deviance;
+        let best = fits.iter().min_by(|a, b| deviance(a).total_cmp(&deviance(b)));
+        let independent = best.map_or(1.0, |best| independent_blocks(best, evidence));
+        Self { fits, evidence, independent, differences: BTreeMap::new() }
+    }
+
+    /// Chooses among the fits that are `allowed`, by index (the first always is): the simplest one that no other
+    /// beats. With `simpler`, one is preferred whose error is at most so many times the least.
+    pub fn choose(&mut self, allowed: &dyn Fn(usize) -> bool, simpler: Option<f64>) -> Decision {
+        let competing: Vec<usize> =
+            (0..self.fits.len()).filter(|i| *i == 0 || allowed(*i)).collect();
+        let error = |i: &usize| self.fits[*i].residual.relative();
+        let least = competing.iter().map(error).fold(f64::INFINITY, f64::min);
+        let near: Vec<bool> = competing
+            .iter()
+            .map(|i| simpler.is_some_and(|times| error(i) <= times * least))
+            .collect();
+        let mut chosen = 0;
+        let mut lowest = f64::INFINITY;
+        for (i, near) in competing.iter().zip(near) {
+            let behind = competing.iter().map(|j| self.excess(*i, *j)).fold(0.0, f64::max);
+            if behind < lowest {
+                (chosen, lowest) = (*i, behind);
+            }
+            if near || behind <= STRONG {
+                chosen = *i;
+                break;
+            }
+        }
+        let excess = (0..self.fits.len()).map(|i| self.excess(i, chosen)).collect();
+        Decision { chosen, excess }
+    }
+
+    /// The information criterion of fit `i` less that of fit `j`, under their common noise.
+    fn excess(&mut self, i: usize, j: usize) -> f64 {
+        if i == j {
+            return 0.0;
+        }
+        if i > j {
+            return -self.excess(j, i);
+        }
+        if let Some(known) = self.differences.get(&(i, j)) {
+            return *known;
+        }
+        let [a, b] = [&self.fits[i], &self.fits[j]];
+        let scale = self.independent / self.evidence.blocks.len().max(1) as f64;
+        let parameters = parameters(a.hypothesis) - parameters(b.hypothesis);
+        let difference = scale * deviance_difference(a, b, self.evidence)
+            + parameters * self.independent.max(1.0).ln();
+        self.differences.insert((i, j), difference);
+        difference
+    }
+}
+
+/// The deviance of `a` less that of `b`, under their common noise.
+fn deviance_difference(a: &Fit, b: &Fit, evidence: &Evidence) -> f64 {
+    let deviance = |one: &Fit, other: &Fit| {
+        let residuals = one.residuals.with_noise_of(&other.residuals);
+        Likelihood::of(&residuals, &evidence.field, evidence.allowance.floor).deviance
     };
-    let chosen = (0..fits.len()).find(good).unwrap_or(0);
-    Decision { chosen, excess, independent }
+    deviance(a, b) - deviance(b, a)
 }
 
 /// Whether `fit` explains the evidence no worse than `best` does, as far as it tells.
 pub fn explains_alike(fit: &Fit, best: &Fit, evidence: &Evidence) -> bool {
     let scale = independent_blocks(best, evidence) / evidence.blocks.len().max(1) as f64;
-    scale * (fit.likelihood.deviance - best.likelihood.deviance) <= STRONG
+    scale * deviance_difference(fit, best, evidence) <= STRONG
 }
 
 /// How many of the blocks are independent of each other under `fit`.

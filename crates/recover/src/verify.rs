@@ -32,6 +32,13 @@ const WORSE: f64 = 3.0;
 /// of noise in other groups; at double wrong ones of faint lobes pass.
 pub(crate) const FLOOR: f64 = 0.02;
 pub(crate) const REFINED_FLOOR: f64 = 0.01;
+/// What a change of one group's hypothesis does to its own pixels is asked down to this share: it was
+/// fitted in this light. At half of it the noise of the renderings speaks, at double faint lobes are
+/// taken back.
+const OWN_FLOOR: f64 = 0.005;
+/// Two models that are less far apart than this (three standard deviations, squared) are not told apart
+/// by the sample. At half of it chance takes faint lobes back, at double it lets wrong ones pass.
+const UNDECIDED: f64 = 9.0;
 /// A texture explains whatever it is asked to: what it explains beyond this share does not count.
 const TEXTURED_FLOOR: f64 = 0.05;
 /// What an outlier costs, in squared standard deviations of its block: the same under all states.
@@ -149,12 +156,15 @@ impl Verifier {
         };
         let mut valid = vec![0u32; blocks.len()];
         (0..n).filter(|i| counts(*i)).for_each(|i| valid[blocks.of_pixel[i] as usize] += 1);
+        let half: Vec<Rgb> = (0..n).map(|i| 0.5 * (model[0][i] - model[1][i])).collect();
+        let half = blocks.mean_where(&half, counts);
         let residual = blocks.mean_where(&residual, counts);
         let variance = blocks.mean_where(&variance, counts);
         let terms: Vec<Block> = (0..blocks.len())
             .map(|k| Block {
                 outlier: 2 * valid[k] < blocks.sizes[k],
                 residual: residual[k],
+                half: half[k],
                 noise: variance[k] / valid[k].max(1) as f32,
                 level2: sample.level2[k],
             })
@@ -170,11 +180,18 @@ impl Verifier {
 struct Block {
     outlier: bool,
     residual: Rgb,
+    /// The first half's rendering less the mean of both.
+    half: Rgb,
     noise: Rgb,
     level2: Rgb,
 }
 
 impl Block {
+    /// Photograph less each of the two renderings.
+    fn residuals(&self) -> [Rgb; 2] {
+        [self.residual - self.half, self.residual + self.half]
+    }
+
     /// Minus twice the logarithm of its likelihood, but for a constant.
     fn deviance(&self, share: f64) -> f64 {
         (0..3)
@@ -189,14 +206,14 @@ impl Block {
     }
 }
 
-/// The deviances of the blocks under the share of model error that makes them most likely.
-fn most_likely(terms: &[Block], floor: f64) -> Vec<f64> {
-    let (mut best, mut lowest, mut share) = (Vec::new(), f64::INFINITY, floor);
+/// The share of model error that makes the blocks most likely, and their deviances under it.
+fn most_likely(terms: &[Block], floor: f64) -> (f64, Vec<f64>) {
+    let (mut best, mut lowest, mut share) = ((floor, Vec::new()), f64::INFINITY, floor);
     while share < 4.0 {
         let deviances: Vec<f64> = terms.iter().map(|term| term.deviance(share)).collect();
         let sum = deviances.iter().sum();
         if sum < lowest {
-            (best, lowest) = (deviances, sum);
+            (best, lowest) = ((share, deviances), sum);
         }
         share *= 1.25;
     }
@@ -204,18 +221,32 @@ fn most_likely(terms: &[Block], floor: f64) -> Vec<f64> {
 }
 
 impl GroupScore {
+    /// How far the two models are apart, squared, in units of the residuals' variance: what the better
+    /// one of them gains on the mean. The product of the two halves' differences is free of the
+    /// renderings' noise.
+    fn separation(&self, other: &Self) -> f64 {
+        let share = most_likely(&self.with_noise_of(other), self.floor).0;
+        let both = self.blocks.iter().zip(&other.blocks).filter(|(a, b)| !a.outlier && !b.outlier);
+        let terms = both.map(|(a, b)| {
+            let variance = a.noise.max(b.noise) + (share * share) as f32 * a.level2;
+            let weight = variance.max(Rgb::splat(f32::MIN_POSITIVE)).recip();
+            let [mine, others] = [a.residuals(), b.residuals()];
+            f64::from((weight * (mine[0] - others[0]) * (mine[1] - others[1])).element_sum())
+        });
+        terms.sum()
+    }
+
+    /// Its blocks, each with the larger one of its noise and that under `other`.
+    fn with_noise_of(&self, other: &Self) -> Vec<Block> {
+        let larger = |(a, b): (&Block, &Block)| Block { noise: a.noise.max(b.noise), ..a.clone() };
+        self.blocks.iter().zip(&other.blocks).map(larger).collect()
+    }
+
     /// The deviance of each block less that under `other`. Both have the larger one of the two
     /// rendering noises: that one of them happens to be sampled well is no evidence for it.
     fn differences(&self, other: &Self) -> Vec<f64> {
-        let noise = self.blocks.iter().zip(&other.blocks).map(|(a, b)| a.noise.max(b.noise));
-        let noise: Vec<Rgb> = noise.collect();
-        let deviances = |score: &Self| {
-            let blocks = score.blocks.iter().zip(&noise);
-            let blocks: Vec<Block> =
-                blocks.map(|(block, noise)| Block { noise: *noise, ..block.clone() }).collect();
-            most_likely(&blocks, score.floor)
-        };
-        let (mine, others) = (deviances(self), deviances(other));
+        let mine = most_likely(&self.with_noise_of(other), self.floor).1;
+        let others = most_likely(&other.with_noise_of(self), other.floor).1;
         mine.iter().zip(&others).map(|(a, b)| a - b).collect()
     }
 }
@@ -235,13 +266,17 @@ impl Score {
         both.flat_map(|(a, b)| a.differences(b)).sum::<f64>() < 0.0
     }
 
-    /// Whether the picture of `group` is explained better than by `other`, by more than the standard
-    /// deviation of the difference. A highlight fills few blocks, whose sum is known no better than
-    /// that.
-    pub(crate) fn surely_gains(&self, other: &Self, group: usize) -> bool {
+    /// Whether the picture of `group` bears out this state beside `other`: it is explained better, by
+    /// more than the standard deviation of the difference (a highlight fills few blocks, whose sum is
+    /// known no better than that), or the sample is too small to tell the two apart.
+    pub(crate) fn bears_out(&self, other: &Self, group: usize) -> bool {
         let mut both = self.groups.iter().zip(&other.groups);
-        let differences =
-            both.find(|(a, _)| a.group == group).map_or(Vec::new(), |(a, b)| a.differences(b));
-        differences.iter().sum::<f64>() < -deviation_of_sum(&differences)
+        let Some((mine, other)) = both.find(|(a, _)| a.group == group) else { return true };
+        let finer =
+            |score: &GroupScore| GroupScore { floor: score.floor.min(OWN_FLOOR), ..score.clone() };
+        let (mine, other) = (finer(mine), finer(other));
+        let differences = mine.differences(&other);
+        mine.separation(&other) < UNDECIDED
+            || differences.iter().sum::<f64>() < -deviation_of_sum(&differences)
     }
 }

@@ -15,7 +15,7 @@ use crate::outliers;
 use crate::problem::Options;
 use crate::record::{CandidateRecord, Status};
 use crate::residual::ResidualStats;
-use crate::selection::{self, Decision};
+use crate::selection::{Comparison, Decision};
 use crate::state::State;
 use unrender_scene::Material;
 
@@ -30,6 +30,13 @@ const CLEARLY: f64 = 1.5;
 /// scene's better groups: at half of it shadows of things that the model lacks become textures, at
 /// double faint textures become noise.
 const UNEXPLAINED: f64 = 6.0;
+/// The scene's better groups: those below this quantile of the model errors. A group that no hypothesis
+/// explains yet does not make the others' textures explained.
+const BETTER: f64 = 0.25;
+/// Candidates are told apart down to the model error of the middle one of the other groups. At the lower
+/// quartile a real scene's rough lamps make lobes, at the upper one faint lobes wait until every group
+/// is right.
+const MIDDLE: f64 = 0.5;
 /// The model error of the better groups is taken as at least this: a real scene is not known better.
 const TYPICAL_MIN: f64 = 0.01;
 /// The search goes on for so many of the most likely candidates: the accepted one and its rival.
@@ -37,7 +44,12 @@ const PROMISING: usize = 2;
 /// Outliers are looked for so often, each time without those before.
 const OUTLIER_ROUNDS: usize = 3;
 
+/// So many simpler candidates are kept for where the picture speaks against what was chosen. At none, a
+/// group whose best candidate overfits stays as it is; more are hardly ever reached.
+const SIMPLER: usize = 2;
+
 /// Another hypothesis for one group.
+#[derive(Clone)]
 pub(crate) struct Proposal {
     pub(crate) group: usize,
     pub(crate) hypothesis: Hypothesis,
@@ -48,12 +60,39 @@ pub(crate) struct Proposal {
     likelihood: Likelihood,
     /// Pixels that show something that is not in the model.
     outliers: Vec<u32>,
+    /// What is to be tried where the picture speaks against it.
+    next: Option<Box<Proposal>>,
 }
 
 impl Proposal {
+    /// The change to what `fit` says.
+    fn uniform(
+        state: &State<'_>,
+        group: usize,
+        fit: &Fit,
+        outliers: &[u32],
+        next: Option<Box<Self>>,
+    ) -> Self {
+        Self {
+            group,
+            hypothesis: fit.hypothesis,
+            is_more_complex: fit.hypothesis > state.groups[group].hypothesis,
+            material: fit.material.clone(),
+            residual: fit.residual,
+            likelihood: fit.likelihood,
+            outliers: outliers.to_vec(),
+            next,
+        }
+    }
+
     /// Whether it changes anything of `state`.
     fn moves(&self, state: &State<'_>) -> bool {
         self.hypothesis != state.groups[self.group].hypothesis || !self.outliers.is_empty()
+    }
+
+    /// What is to be tried where the picture speaks against this, if it changes anything of `state`.
+    pub(crate) fn otherwise(self, state: &State<'_>) -> Option<Self> {
+        self.next.map(|next| *next).filter(|next| next.moves(state))
     }
 
     /// Makes the change.
@@ -75,6 +114,14 @@ impl Proposal {
         }
         state.materials[self.group] = self.material.clone();
     }
+}
+
+/// All candidates of one group: their fits, the decisions between them from the first choice on, and the
+/// pixels that none of them was fitted to.
+struct Fitted {
+    fits: Vec<Fit>,
+    decisions: Vec<Decision>,
+    outliers: Vec<u32>,
 }
 
 /// Asks groups for other hypotheses, and remembers which were asked.
@@ -164,47 +211,51 @@ impl<'o> Candidates<'o> {
         let mut effort = effort::trial(level, self.options);
         // What the model of the other groups gets wrong, it may get wrong here.
         let floor = &mut effort.allowance.floor;
-        floor.share = floor.share.max(typical(state, group));
+        floor.share = floor.share.max(error_of_others(state, group, MIDDLE));
         let evidence = gather(state, self.options, group, effort);
         if evidence.is_empty() {
             return None;
         }
-        let (mut evidence, mut fits) = fit_all(evidence, state, group);
-        let mut decision = self.decide(&fits, &evidence, group);
-        let mut outliers = Vec::new();
-        let limit = UNEXPLAINED * typical(state, group).max(TYPICAL_MIN);
-        let explained = |fit: &Fit| is_explained(fit, limit);
+        let (evidence, fits) = fit_all(evidence, state, group);
+        let decisions = self.decide(&fits, &evidence, group);
+        let limit = UNEXPLAINED * error_of_others(state, group, BETTER).max(TYPICAL_MIN);
+        let chosen = &fits[decisions[0].chosen];
+        let may_be_outliers = self.options.outliers && level > 0 && !is_explained(chosen, limit);
+        let left = may_be_outliers
+            .then(|| self.without_outliers(state, group, evidence, chosen.clone(), limit))
+            .flatten();
+        let Fitted { fits, decisions, outliers } =
+            left.unwrap_or(Fitted { fits, decisions, outliers: Vec::new() });
+        log(state, group, &fits, &decisions[0]);
+        let mut proposal: Option<Proposal> = None;
+        for decision in decisions.iter().rev() {
+            let next = proposal.map(Box::new);
+            proposal =
+                Some(Proposal::uniform(state, group, &fits[decision.chosen], &outliers, next));
+        }
+        let best = &fits[decisions[0].chosen];
         let textured_above = self.options.thresholds.textured.unwrap_or(limit);
-        if self.options.outliers && level > 0 && !explained(&fits[decision.chosen]) {
-            let chosen = fits[decision.chosen].clone();
-            if let Some(left) = self.without_outliers(state, group, &evidence, &chosen, limit) {
-                (evidence, fits, decision, outliers) = left;
-            }
-        }
-        log(state, group, &fits, &decision);
-        let fit = &fits[decision.chosen];
-        let mut proposal = Proposal {
-            group,
-            hypothesis: fit.hypothesis,
-            is_more_complex: false,
-            material: fit.material.clone(),
-            residual: fit.residual,
-            likelihood: fit.likelihood,
-            outliers,
-        };
-        let may_be_textured = state.problem.groups[group].max_rung >= Hypothesis::Textured
-            && !self.rejected[group].contains(&Hypothesis::Textured);
         if level > 0
-            && may_be_textured
-            && !is_explained(fit, textured_above)
-            && let Some(textured) = textures::extract(state, self.options, group, false)
+            && self.may_be_textured(state, group)
+            && !is_explained(best, textured_above)
+            && let Some(material) = textures::extract(state, self.options, group, false)
         {
-            proposal.hypothesis = Hypothesis::Textured;
-            proposal.material = textured;
+            let textured = Hypothesis::Textured;
+            let uniform = proposal.clone().map(Box::new);
+            proposal = proposal.map(|p| Proposal {
+                hypothesis: textured,
+                is_more_complex: state.groups[group].hypothesis < textured,
+                material,
+                next: uniform,
+                ..p
+            });
         }
-        proposal.is_more_complex = proposal.hypothesis > state.groups[group].hypothesis;
-        drop(evidence);
-        proposal.moves(state).then_some(proposal)
+        proposal.filter(|proposal| proposal.moves(state))
+    }
+
+    fn may_be_textured(&self, state: &State<'_>, group: usize) -> bool {
+        state.problem.groups[group].max_rung >= Hypothesis::Textured
+            && !self.rejected[group].contains(&Hypothesis::Textured)
     }
 
     /// A uniform hypothesis for a group that is textured, if one explains it after all.
@@ -219,11 +270,21 @@ impl<'o> Candidates<'o> {
     }
 
     /// Model selection among the candidates that the user allows and the picture did not speak
-    /// against.
-    fn decide(&self, fits: &[Fit], evidence: &Evidence, group: usize) -> Decision {
-        let allowed = |fit: &Fit| !self.rejected[group].contains(&fit.hypothesis);
+    /// against; then among those simpler than that, as often as [`SIMPLER`] says.
+    fn decide(&self, fits: &[Fit], evidence: &Evidence, group: usize) -> Vec<Decision> {
+        let mut comparison = Comparison::new(fits, evidence);
+        let mut decisions: Vec<Decision> = Vec::new();
         let simpler = self.options.thresholds.simpler;
-        selection::select(fits, evidence, &allowed, simpler)
+        for _ in 0..=SIMPLER {
+            let before = decisions.last().map_or(fits.len(), |decision| decision.chosen);
+            let allowed =
+                |i: usize| i < before && !self.rejected[group].contains(&fits[i].hypothesis);
+            if before == 0 {
+                break;
+            }
+            decisions.push(comparison.choose(&allowed, simpler));
+        }
+        decisions
     }
 
     /// The fits to what is left of the group without its outliers, if one of them explains that.
@@ -231,13 +292,12 @@ impl<'o> Candidates<'o> {
         &self,
         state: &State<'_>,
         group: usize,
-        evidence: &Evidence,
-        fit: &Fit,
+        mut evidence: Evidence,
+        mut fit: Fit,
         limit: f64,
-    ) -> Option<(Evidence, Vec<Fit>, Decision, Vec<u32>)> {
+    ) -> Option<Fitted> {
         let geometry = state.problem.renderer.geometry();
         let whole = evidence.pixels.len() as f32;
-        let (mut evidence, mut fit) = (evidence.clone(), fit.clone());
         let mut found = Vec::new();
         let valid = &state.observation.pixels_of_group[group];
         let side = outliers::cell_side(geometry, valid.len(), evidence.pixels.len());
@@ -252,24 +312,25 @@ impl<'o> Candidates<'o> {
             }
             let (left, fits) = fit_all(evidence, state, group);
             evidence = left;
-            let decision = self.decide(&fits, &evidence, group);
-            if is_explained(&fits[decision.chosen], limit) {
-                return Some((evidence, fits, decision, found));
+            let decisions = self.decide(&fits, &evidence, group);
+            let chosen = &fits[decisions[0].chosen];
+            if is_explained(chosen, limit) {
+                return Some(Fitted { fits, decisions, outliers: found });
             }
-            fit = fits[decision.chosen].clone();
+            fit = chosen.clone();
         }
         None
     }
 }
 
-/// The model error of the scene's better groups other than `group`: the lower quartile of their
-/// shares; zero without others.
-fn typical(state: &State<'_>, group: usize) -> f64 {
+/// The model error of the groups other than `group` below which a `share` of them lies; zero without
+/// others.
+fn error_of_others(state: &State<'_>, group: usize, share: f64) -> f64 {
     let others = state.visible_unknowns().into_iter().filter(|g| *g != group);
-    let mut shares: Vec<f64> =
+    let mut errors: Vec<f64> =
         others.filter_map(|g| state.groups[g].likelihood.map(|l| l.error.share)).collect();
-    shares.sort_by(f64::total_cmp);
-    shares.get(shares.len() / 4).copied().unwrap_or(0.0)
+    errors.sort_by(f64::total_cmp);
+    errors.get((share * errors.len() as f64) as usize).copied().unwrap_or(0.0)
 }
 
 /// Whether `fit` leaves no more model error than `limit`, from block to block or from pixel to
