@@ -5,7 +5,7 @@
 //! 16, or the white of a JPEG that is 254. All that was brighter lies at that code, a spike at the upper
 //! end of the histogram, with pixels just below it that were not quite so bright.
 
-use crate::Response;
+use crate::Transfer;
 use unrender_formats::picture::{Depth, Picture};
 use unrender_scene::{Image, Rgb};
 
@@ -27,19 +27,22 @@ const FULL: f32 = 0.93;
 const LEAST_BITS: u32 = 10;
 
 /// The indices of the pixels that have in some channel a code at which it is full (see
-/// [`full_codes`]), or one beyond the last that `response` was measured for; floating-point files have
-/// no greatest code.
-pub fn clipped_pixels(picture: &Picture, response: &Response) -> Vec<usize> {
+/// [`full_codes`]), one from the white level of `transfer` on, or one beyond the last that its
+/// response was measured for; floating-point files have no greatest code.
+pub fn clipped_pixels(picture: &Picture, transfer: &Transfer) -> Vec<usize> {
     // Half a code below the top: codes are exact, their quotients are rounded.
     let max = picture.depth.max_code();
     let full = full_codes(picture);
+    let half = max.map_or(0.0, |max| 0.5 / max);
+    let (response, white) = (&transfer.response, transfer.white_level - half);
     let tops = [0, 1, 2].map(|c| match (max, full[c]) {
         (Some(max), Some(code)) => (f32::from(code) - 0.5) / max,
         (Some(max), None) => (max - 0.5) / max,
         (None, _) => f32::INFINITY,
     });
-    let beyond =
-        |value: &Rgb| (0..3).any(|c| value[c] >= tops[c] || value[c] > response.last_code(c));
+    let beyond = |value: &Rgb| {
+        (0..3).any(|c| value[c] >= tops[c].min(white[c]) || value[c] > response.last_code(c))
+    };
     let pixels = picture.values.pixels().iter().enumerate();
     pixels.filter(|(_, value)| beyond(value)).map(|(index, _)| index).collect()
 }
@@ -88,7 +91,7 @@ pub fn away_from<T>(like: &Image<T>, pixels: &[usize]) -> Image<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Curve;
+    use crate::{Curve, Response};
     use unrender_formats::picture::Depth;
 
     #[test]
@@ -97,7 +100,7 @@ mod tests {
             let values = [max - 1.0, max].map(|code: f32| Rgb::new(0.0, code / max, 0.0));
             let values = Image::new(2, 1, values.to_vec());
             let picture = Picture::new(values, depth);
-            assert_eq!(clipped_pixels(&picture, &Response::Srgb), [1]);
+            assert_eq!(clipped_pixels(&picture, &Transfer::plain(Response::Srgb, Rgb::ONE)), [1]);
         }
     }
 
@@ -116,7 +119,7 @@ mod tests {
         }
         assert_eq!(full(255.0, 254.0, 1.5, Depth::Eight), Some(254));
         let picture = ramp(255.0, 250.0, 1.5, Depth::Eight);
-        let clipped = clipped_pixels(&picture, &Response::Srgb);
+        let clipped = clipped_pixels(&picture, &Transfer::plain(Response::Srgb, Rgb::ONE));
         assert!((3470..3490).contains(&clipped.len()), "{}", clipped.len());
         // Not bright enough to be full, and full at the greatest code, as ever.
         assert_eq!(full(65_535.0, 65_535.0, 0.22, Depth::Sixteen), None);
@@ -138,6 +141,22 @@ mod tests {
         let response = Response::measured([line(), line(), line()]);
         let values = [0.8, 0.81].map(|code| Rgb::new(0.0, code, 0.0));
         let picture = Picture::new(Image::new(2, 1, values.to_vec()), Depth::Float);
-        assert_eq!(clipped_pixels(&picture, &response), [1]);
+        assert_eq!(clipped_pixels(&picture, &Transfer::plain(response, Rgb::ONE)), [1]);
+    }
+    #[test]
+    fn from_the_white_level_on_a_channel_is_clipped() {
+        let clipped = |codes: &[f32], depth, white_level| {
+            let values = codes.iter().map(|code| Rgb::new(0.1, *code, 0.1)).collect();
+            let picture = Picture::new(Image::new(codes.len(), 1, values), depth);
+            let plain = Transfer::plain(Response::Linear, Rgb::ONE);
+            clipped_pixels(&picture, &Transfer { white_level, ..plain })
+        };
+        let codes = [249.0, 250.0, 251.0].map(|code| code / 255.0);
+        // 250 divided by 255 is 0.98039: codes count as the nearest one does.
+        for white in [0.9803, 0.9804] {
+            assert_eq!(clipped(&codes, Depth::Eight, Rgb::splat(white)), [1, 2]);
+        }
+        assert_eq!(clipped(&codes, Depth::Eight, Rgb::new(0.5, 2.0, 0.5)), [0; 0]);
+        assert_eq!(clipped(&[2.9, 3.0], Depth::Float, Rgb::splat(3.0)), [1]);
     }
 }

@@ -80,7 +80,7 @@ pub fn develop(picture: &Picture, transfer: &Transfer) -> Photo {
         Some(max_code) => per_pixel(&|code, share| transfer.step(code, 1.0 / max_code, share)),
         None => per_pixel(&|_, _| Rgb::ZERO),
     };
-    let clipped = clipping::clipped_pixels(picture, &transfer.response);
+    let clipped = clipping::clipped_pixels(picture, transfer);
     let dark = dark::dark_pixels(picture, transfer.floor());
     let mut valid = clipping::away_from(&picture.values, &clipped);
     for &index in picture.invalid.iter().chain(&dark) {

@@ -21,6 +21,8 @@ pub struct Transfer {
     pub response: Response,
     /// The code of zero radiance, by channel, at least 0 and below 1.
     pub black_level: Rgb,
+    /// The code from which on a channel is clipped; infinite where only the file's range is.
+    pub white_level: Rgb,
     /// Linear sRGB from the linear values of the file; none if the file has the primaries of sRGB.
     pub srgb_from_file: Option<Mat3>,
     /// The radiance of a linear value of one, by channel.
@@ -32,8 +34,14 @@ pub struct Transfer {
 impl Transfer {
     /// Response and exposure alone.
     pub fn plain(response: Response, exposure: Rgb) -> Self {
-        let black_level = Rgb::ZERO;
-        Self { response, black_level, srgb_from_file: None, exposure, vignetting: None }
+        Self {
+            response,
+            black_level: Rgb::ZERO,
+            white_level: Rgb::INFINITY,
+            srgb_from_file: None,
+            exposure,
+            vignetting: None,
+        }
     }
 
     /// The vignetting factor at the point (`x`, `y`) of the picture, in pixels from the top left.
@@ -118,6 +126,7 @@ mod tests {
             let transfer = Transfer {
                 response,
                 black_level: Rgb::new(0.01, 0.0, 0.03),
+                white_level: Rgb::INFINITY,
                 srgb_from_file: Some(p3),
                 exposure: Rgb::new(2.0, 1.0, 0.5),
                 vignetting: Some(vignetting.clone()),

@@ -56,6 +56,15 @@ pub enum NewLight {
         /// Radiance, W sr^-1 m^-2 per channel.
         radiance: Rgb,
     },
+    /// A sphere that emits from its outside.
+    Sphere {
+        /// Its centre, metres.
+        centre: Vec3,
+        /// Its radius, metres.
+        radius: f32,
+        /// Radiance, W sr^-1 m^-2 per channel.
+        radiance: Rgb,
+    },
 }
 
 /// An existing light.
@@ -161,17 +170,21 @@ fn add(name: &str, new: NewLight, stage: &mut Stage<'_>) -> Result<(), String> {
             "the scene has a light or a group \"{name}\" already; call the new light differently"
         ));
     }
-    match new {
-        NewLight::Punctual(kind) => scene.lights.push(Light { name: name.to_owned(), kind }),
-        NewLight::Area { centre, normal, size, radiance } => {
-            let group = scene.groups.len();
-            let material = Material::diffuse(Rgb::ZERO);
-            scene.groups.push(Group { name: name.to_owned(), material, emission: radiance });
-            let mesh = rectangle(centre, normal, size);
-            scene.objects.push(Object { name: name.to_owned(), group, mesh });
-            stage.change.origin.push(None);
+    let (mesh, emission) = match new {
+        NewLight::Punctual(kind) => {
+            scene.lights.push(Light { name: name.to_owned(), kind });
+            return Ok(());
         }
-    }
+        NewLight::Area { centre, normal, size, radiance } => {
+            (rectangle(centre, normal, size), radiance)
+        }
+        NewLight::Sphere { centre, radius, radiance } => (Mesh::sphere(centre, radius), radiance),
+    };
+    let group = scene.groups.len();
+    let material = Material::diffuse(Rgb::ZERO);
+    scene.groups.push(Group { name: name.to_owned(), material, emission });
+    scene.objects.push(Object { name: name.to_owned(), group, mesh });
+    stage.change.origin.push(None);
     Ok(())
 }
 

@@ -110,6 +110,12 @@ fn lights_are_changed_moved_added_and_removed() {
     let across = (b - a).cross(c - a);
     assert!(across.normalize().dot(normal) > 0.999 && (across.length() - 0.08).abs() < 1e-6);
     assert_eq!(scene.lights.len(), 1);
+    let ball = NewLight::Sphere { centre, radius: 0.1, radiance: Rgb::ONE };
+    let mut with_ball = scene.clone();
+    let change = apply(&mut with_ball, &[light("ball", LightChange::Add(ball))]).unwrap();
+    assert_eq!(change.origin.last(), Some(&None));
+    let ball = &with_ball.objects[7].mesh;
+    assert!(ball.positions.iter().all(|p| (p.distance(centre) - 0.1).abs() < 1e-6));
     apply(&mut scene, &[light("bulb", LightChange::Remove), light("lamp", LightChange::Remove)])
         .unwrap();
     assert!(scene.lights.is_empty() && scene.objects.len() == 6);

@@ -147,7 +147,9 @@ pub(crate) fn spec(job: &Job, group: usize) -> GroupSpec {
         (Role::Emitter, of_scene.material.clone())
     } else if let Some(anchor) = anchored {
         (Role::Known, Material::diffuse(anchor.rho_d))
-    } else if job.project.known.contains_key(&of_scene.name) {
+    } else if job.project.known.contains_key(&of_scene.name)
+        || job.project.ignored.contains(&of_scene.name)
+    {
         (Role::Known, of_scene.material.clone())
     } else {
         (Role::Unknown, of_scene.material.clone())

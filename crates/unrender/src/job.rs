@@ -1,12 +1,13 @@
 //! Everything a recovery starts from, read and checked.
 
 use crate::project::{CameraChoice, Project};
-use crate::{Error, photograph};
+use crate::{Error, mask, photograph};
 use std::path::Path;
 use unrender_formats::Input;
 use unrender_formats::picture::{self, Picture};
 use unrender_photo::{Photo, Transfer, clipping, develop};
-use unrender_scene::{Camera, Scene, Warnings};
+use unrender_render::GeometryBuffers;
+use unrender_scene::{Camera, Image, Scene, Warnings};
 
 /// Two aspects (width over height) are alike up to this share.
 const ASPECT_TOLERANCE: f32 = 0.01;
@@ -14,7 +15,8 @@ const ASPECT_TOLERANCE: f32 = 0.01;
 /// A recovery, ready to begin.
 #[derive(Clone, Debug)]
 pub struct Job {
-    /// The scene; known groups wear their known materials, `brdf` is the project's.
+    /// The scene in the project's light; known groups wear their known materials, `brdf` is the
+    /// project's.
     pub scene: Scene,
     /// The camera of the photograph.
     pub camera: Camera,
@@ -22,6 +24,8 @@ pub struct Job {
     pub picture: Picture,
     /// The photograph as radiance; with exposure "auto", for an exposure of one.
     pub photo: Photo,
+    /// False for the pixels of the photograph that the project's mask leaves out.
+    pub mask: Option<Image<bool>>,
     /// What turned the photograph's codes into that radiance, and does the reverse.
     pub transfer: Transfer,
     /// What the project file says, its exposure settled by [`Project::settle_scale`].
@@ -52,8 +56,10 @@ impl Job {
                 ));
             }
         }
-        let (mut scene, told) = unrender_formats::load_scene(Input::new(&project.scene, limits))?;
+        // Its light may be in the project alone.
+        let (mut scene, told) = unrender_formats::load_model(Input::new(&project.scene, limits))?;
         warnings.extend(told);
+        warnings.extend(project.light(&mut scene)?);
         project.check_against(&scene)?;
         warnings.extend(project.settle_scale(&scene)?);
         scene.brdf = project.brdf;
@@ -74,6 +80,7 @@ impl Job {
                 photo.dark
             ));
         }
+        let mask = mask::read(&project, &picture)?;
         let (width, height) = (photo.radiance.width(), photo.radiance.height());
         warnings.extend(doubtful_aspect(&camera, width, height));
         if !camera.covers(width, height) {
@@ -84,7 +91,29 @@ impl Job {
             ));
         }
         let unknown_lights = project.unknown_sources(&scene);
-        Ok(Self { scene, camera, picture, photo, transfer, project, unknown_lights, warnings })
+        Ok(Self {
+            scene,
+            camera,
+            picture,
+            photo,
+            mask,
+            transfer,
+            project,
+            unknown_lights,
+            warnings,
+        })
+    }
+
+    /// For every pixel of `geometry`, which is what a camera sees of the scene, whether the project
+    /// counts it: the mask does not leave it out, nor is its group ignored.
+    pub(crate) fn counts(&self, geometry: &GeometryBuffers) -> Vec<bool> {
+        let groups = self.scene.groups.iter();
+        let ignored: Vec<bool> =
+            groups.map(|group| self.project.ignored.contains(&group.name)).collect();
+        let is_ignored = |group: u32| ignored.get(group as usize).copied().unwrap_or(false);
+        let masked = |index: usize| self.mask.as_ref().is_some_and(|mask| !mask.pixels()[index]);
+        let pixels = geometry.pixels().iter().enumerate();
+        pixels.map(|(index, pixel)| !masked(index) && !is_ignored(pixel.group)).collect()
     }
 }
 

@@ -111,6 +111,8 @@ pub mod error;
 mod fingerprint;
 mod interrupt;
 pub mod job;
+pub mod lighting;
+mod mask;
 mod output;
 mod part;
 mod passes;
@@ -124,6 +126,7 @@ mod results;
 pub mod run;
 pub mod score;
 mod subject;
+mod toml_values;
 
 pub use error::Error;
 pub use job::Job;

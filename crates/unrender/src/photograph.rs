@@ -6,7 +6,7 @@ use unrender_formats::picture::{Picture, Profile};
 use unrender_formats::{FileError, response_curve};
 use unrender_photo::vignetting::{DARKEST, Law};
 use unrender_photo::{Curve, Response, Transfer, Vignetting, choose_response, declared_response};
-use unrender_scene::{Camera, Warnings};
+use unrender_scene::{Camera, Rgb, Warnings};
 
 /// The transfer function of `project`'s `picture`, which `camera` took; its exposure is the stated
 /// one, or one where that is asked for.
@@ -29,13 +29,27 @@ pub(crate) fn transfer(
     if let Some(vignetting) = &vignetting {
         check(vignetting).map_err(|problem| FileError::new(&project.path, problem))?;
     }
+    let white_level = project.white_level.unwrap_or(Rgb::INFINITY);
+    if picture.depth.max_code().is_some() && project.white_level.is_some_and(is_beyond_one) {
+        let [r, g, b] = white_level.to_array();
+        let problem = format!(
+            "white_level is [{r}, {g}, {b}]; it is a code of at most 1, which is the photo's \
+             greatest: divide that of an 8-bit file by 255"
+        );
+        return Err(FileError::new(&project.path, problem).into());
+    }
     let transfer = Transfer {
         black_level: project.black_level,
+        white_level,
         vignetting,
         srgb_from_file: profile.and_then(|profile| profile.srgb_from_file),
         ..Transfer::plain(response, project.exposure.or_one())
     };
     Ok((transfer, warnings))
+}
+
+fn is_beyond_one(code: Rgb) -> bool {
+    code.max_element() > 1.0
 }
 
 /// What the user should know of the colours that the photograph declares.

@@ -50,12 +50,17 @@ pub(crate) struct Laid {
 impl Laid {
     /// The photograph of `job` sorted by the groups of `geometry`, which is what the camera sees.
     pub(crate) fn observe(&self, job: &Job, geometry: &GeometryBuffers) -> Observation {
-        let picture = Picture {
+        let mut picture = Picture {
             values: job.photo.radiance.clone(),
             valid: job.photo.valid.clone(),
             saturated: job.photo.saturated.clone(),
             quantum: job.photo.quantisation_step.clone(),
         };
+        for (index, counts) in job.counts(geometry).into_iter().enumerate() {
+            // What does not count is no lower bound either.
+            picture.valid.pixels_mut()[index] &= counts;
+            picture.saturated.pixels_mut()[index] &= counts;
+        }
         Observation::with_margins(picture, geometry, &self.margins, job.scene.groups.len())
     }
 }

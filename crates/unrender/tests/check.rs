@@ -124,7 +124,18 @@ impl Input {
         let (scene, warnings) = (scene.clone(), Warnings::default());
         let unknown_lights = project.unknown_sources(&scene);
         let picture = codes;
-        Self(Job { scene, camera, picture, photo, transfer, project, unknown_lights, warnings })
+        let mask = None;
+        Self(Job {
+            scene,
+            camera,
+            picture,
+            photo,
+            mask,
+            transfer,
+            project,
+            unknown_lights,
+            warnings,
+        })
     }
 
     /// A floating-point photograph that `camera()` took of `room()`, claimed to be one of `scene`.

@@ -6,7 +6,9 @@ use unrender::formats::FileError;
 use unrender::photo::vignetting::Law;
 use unrender::photo::{Exposure, Response};
 use unrender::project::{CameraChoice, ResponseChoice, VignettingChoice};
-use unrender::scene::{Group, Lens, Light, LightKind, Material, Rgb, Scene, WardModel, Warnings};
+use unrender::scene::{
+    Environment, Group, Lens, Light, LightKind, Material, Rgb, RgbImage, Scene, WardModel, Warnings,
+};
 use unrender::{Job, Project};
 
 const FILES: &str = "scene = \"s.glb\"\nphoto = \"p.png\"\n";
@@ -63,12 +65,67 @@ fn what_is_left_out_has_its_default() {
     assert_eq!(vignetting("{ radial = [-0.3, 0.1] }"), Some(radial));
     assert_eq!(good("black_level = 0.01").black_level, Rgb::splat(0.01));
     assert_eq!(good("black_level = [0, 0.1, 0.2]").black_level, Rgb::new(0.0, 0.1, 0.2));
+    assert_eq!(good("").white_level, None);
+    assert_eq!(good("white_level = [1, 0.9, 2]").white_level, Some(Rgb::new(1.0, 0.9, 2.0)));
     assert_eq!(good("camera = \"door\"").camera, CameraChoice::Named("door".into()));
     let anchor = "[anchor]\ngroup = \"wall\"\nrho_d = [0.9, 0.9, 0.9]\n";
     assert_eq!(good(&format!("exposure = \"auto\"\n{anchor}")).exposure, Exposure::Auto);
     assert_eq!(good(anchor).exposure, Exposure::Auto);
     let (_, warnings) = parse(&format!("exposure = 2\n{anchor}")).unwrap();
     assert!(warnings.0[0].contains("[anchor]"));
+}
+
+/// Asserts that each of the texts is refused for the problem beside it.
+#[track_caller]
+fn are_told(faults: &[(&str, &str)]) {
+    for (text, problem) in faults {
+        let error = parse(text).expect_err(text).to_string();
+        assert!(error.starts_with("folder/a.toml: ") && error.contains(problem), "{text}: {error}");
+    }
+}
+
+#[test]
+fn faults_of_light_and_of_what_counts_name_their_key_or_line() {
+    are_told(&[
+        ("mask = 3", "line 3: invalid type"),
+        ("[groups.a]\nignore = 1", "line 4: invalid type"),
+        (
+            "[groups.a]\nignore = true\nmax_rung = \"diffuse\"",
+            "groups.a: with ignore = true nothing",
+        ),
+        ("[groups.w]\nignore = true\n[anchor]\ngroup = \"w\"\nrho_d = 1", "take another group"),
+        ("lights = 3", "line 3: invalid type: integer `3`, expected tables [lights.NAME] or"),
+        ("[[lights]]\nscale = 2", "line 3: missing field `name`"),
+        ("[[lights]]\nname = \"a\"\nscal = 2", "line 5: unknown field `scal`"),
+        ("[[lights]]\nname = \"a\"\nscale = -1", "line 5: -1 cannot be; light is not negative"),
+        ("[[lights]]\nname = \"a\"\nstrength = nan", "line 5: nan is not a finite number"),
+        ("[[lights]]\nname = \"a\"\nadd = \"tube\"", "line 5: unknown variant `tube`"),
+        (
+            "[[lights]]\nname = \"a\"\nadd = \"sphere\"\nstrength = 1\nradius = 0",
+            "is not above zero",
+        ),
+        (
+            "[[lights]]\nname = \"a\"\nadd = \"sphere\"\nstrength = 1\nposition = [0, 0, 0]",
+            "lights.a: a sphere needs its radius",
+        ),
+        (
+            "[[lights]]\nname = \"a\"\nadd = \"point\"\nposition = [0, 0, 0]\nstrength = 1e30\n\
+             scale = 1e30",
+            "lights.a: strength times scale is not a finite number",
+        ),
+        ("[[lights]]\nname = \"a\"\nradius = 1", "lights.a: size, radius, inner_deg and outer"),
+        ("[[lights]]\nname = \"a\"\nposition = [0, 1, 0]", "lights.a: move = [x, y, z] moves"),
+        ("[[lights]]\nname = \"a\"\n[[lights]]\nname = \"a\"", "lights.a: the list [[lights]] has"),
+        ("[[lights]]\nname = \"a\"\nremove = true\nunknown = true", "lights.a: a light that is"),
+        ("[environment]", "environment: give one of a panorama"),
+        ("[environment]\nfile = \"a.hdr\"\npanorama = \"a.hdr\"", "line 3: duplicate field `file`"),
+        ("[environment]\nfile = \"a.hdr\"\ncolor = 1", "environment: give one of a panorama"),
+        ("[environment]\ncolor = [1, inf, 1]", "line 4: inf is not a finite number"),
+        ("[environment]\ncolor = -0.1", "line 4: -0.1 cannot be; light is not negative"),
+        ("[environment]\ncolor = 1\nscale = 2", "rotation_deg and scale are for a panorama"),
+        ("[environment]\nfile = \"a.hdr\"\nscale = 0", "line 5: 0 is not above zero"),
+        ("[environment]\nunknown = true", "line 4: unknown field `unknown`"),
+    ]);
 }
 
 #[test]
@@ -90,6 +147,11 @@ fn every_fault_names_its_key_or_line() {
         ("black_level = 16", "divide that of an 8-bit file by 255"),
         ("black_level = [0, 0]", "black_level is [0, 0]"),
         ("black_level = nan", "black_level is nan"),
+        ("white_level = 0", "white_level is 0; it is a code above black_level"),
+        ("white_level = nan", "white_level is nan"),
+        ("white_level = [1, inf, 1]", "white_level is [1, inf, 1]"),
+        ("black_level = 0.2\nwhite_level = [1, 0.2, 1]", "white_level is [1, 0.2, 1]"),
+        ("white_level = [1, 1]", "white_level is [1, 1]; give a number or three"),
         ("vignetting = \"strong\"", "vignetting: there is no \"strong\""),
         ("vignetting = 0.5", "vignetting: give \"cos4\""),
         ("vignetting = { radial = 0.5 }", "vignetting: give \"cos4\""),
@@ -125,10 +187,7 @@ fn every_fault_names_its_key_or_line() {
         ),
         ("camera = { eye = [0,0,5], target = [0,0,0], fov_y_deg = 40, k1 = nan }", "camera.k1 is"),
     ];
-    for (text, problem) in faults {
-        let error = parse(text).expect_err(text).to_string();
-        assert!(error.starts_with("folder/a.toml: ") && error.contains(problem), "{text}: {error}");
-    }
+    are_told(&faults);
     let error = Project::parse(Path::new("a.toml"), "photo = \"p\"").unwrap_err();
     assert!(error.to_string().contains("missing field `scene`"), "{error}");
 }
@@ -211,6 +270,19 @@ fn something_must_fix_the_scale_of_unknown_lights() {
     let two = lit(&[("lamp", Rgb::ONE)], &["sun"]);
     assert_eq!(settled(&fixed, &two).unwrap().1, [""; 0]);
     assert!(settled(&format!("{fixed}[lights.sun]\nunknown = true"), &two).is_err());
+    let removed = "exposure = 2\n[[lights]]\nname = \"lamp\"\nunknown = true\n\
+        [[lights]]\nname = \"fire\"\nremove = true\n";
+    let fire = lit(&[("lamp", Rgb::ONE), ("fire", Rgb::ONE)], &[]);
+    assert_eq!(settled(removed, &fire).unwrap_err(), LOOSE);
+    // So does an environment, in the channels in which it shines.
+    let mut around = lit(&[("lamp", Rgb::ONE)], &[]);
+    let mut surround = |color| {
+        let panorama = RgbImage::new(1, 1, vec![color]);
+        around.environment = Environment::new(panorama, 0.0).ok();
+        settled(&fixed, &around).map(|(_, warnings)| warnings)
+    };
+    assert_eq!(surround(Rgb::splat(0.1)), Ok(Vec::new()));
+    assert!(surround(Rgb::new(0.1, 0.0, 0.1)).unwrap_err().contains("in green every light is"));
     assert_eq!(settled("exposure = 2", &scene).unwrap().1, [""; 0]);
 }
 
@@ -280,7 +352,7 @@ fn the_readmes_project_files_are_understood() {
     let (_, section) = readme.split_once("\n### The project file").unwrap();
     let section = section.split("\n### ").next().unwrap();
     let blocks: Vec<&str> = section.split("```toml\n").skip(1).collect();
-    assert_eq!(blocks.len(), 2, "a whole project, and a camera as a table");
+    assert_eq!(blocks.len(), 4, "a whole project, a camera as a table, lights, what counts");
     for block in blocks {
         let text = block.split("```").next().unwrap();
         let files = if text.contains("scene = ") { "" } else { FILES };

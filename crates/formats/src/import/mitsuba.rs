@@ -226,7 +226,7 @@ impl Reader<'_> {
             "cube" => shapes::cube(),
             "sphere" => {
                 let centre = element.point("center").unwrap_or(Vec3::ZERO);
-                shapes::sphere(centre, element.float("radius", 1.0)?)
+                Mesh::sphere(centre, element.float("radius", 1.0)?)
             }
             _ => return Ok(None),
         };

@@ -187,7 +187,7 @@ fn round(primitive: &Primitive) -> Result<Mesh, String> {
     let mesh = match kind {
         "sphere" | "bubble" => {
             let [x, y, z, radius] = primitive.reals()?;
-            shapes::sphere(Vec3::new(x, y, z), radius)
+            Mesh::sphere(Vec3::new(x, y, z), radius)
         }
         "cylinder" | "tube" => {
             let reals: [f32; 7] = primitive.reals()?;

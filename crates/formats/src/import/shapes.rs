@@ -1,12 +1,11 @@
 //! Shapes that other programs know by name, as meshes, and meshes moved.
 
 use glam::{Affine3A, Vec2, Vec3};
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::TAU;
 use unrender_scene::Mesh;
 
-/// Triangles of spheres: around, and from pole to pole.
+/// Triangles around a cone.
 const AROUND: u32 = 64;
-const UP: u32 = 32;
 
 /// The square from -1 to 1 in x and y, its front towards +z.
 pub(super) fn rectangle() -> Mesh {
@@ -42,30 +41,6 @@ pub(super) fn bytes_of(mesh: &Mesh) -> u64 {
         + mesh.normals.len() * size_of::<Vec3>()
         + mesh.uvs.len() * size_of::<Vec2>();
     (vertices + mesh.triangles.len() * size_of::<[u32; 3]>()) as u64
-}
-
-/// A sphere, smooth, its front outside.
-pub(super) fn sphere(centre: Vec3, radius: f32) -> Mesh {
-    let mut mesh = Mesh::default();
-    for (i, j) in (0..=UP).flat_map(|i| (0..=AROUND).map(move |j| (i, j))) {
-        let (v, u) = (i as f32 / UP as f32, j as f32 / AROUND as f32);
-        let ((sin, cos), (sin_phi, cos_phi)) = ((PI * v).sin_cos(), (TAU * u).sin_cos());
-        let normal = Vec3::new(sin * cos_phi, sin * sin_phi, cos);
-        mesh.positions.push(centre + radius * normal);
-        mesh.normals.push(normal);
-        mesh.uvs.push(Vec2::new(u, v));
-    }
-    for (i, j) in (0..UP).flat_map(|i| (0..AROUND).map(move |j| (i, j))) {
-        let at = |i: u32, j: u32| i * (AROUND + 1) + j;
-        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-        if i + 1 < UP {
-            mesh.triangles.push([a, b, c]);
-        }
-        if i > 0 {
-            mesh.triangles.push([a, c, d]);
-        }
-    }
-    mesh
 }
 
 /// The side of a cone cut off between two circles, smooth, its front outside; no ends.

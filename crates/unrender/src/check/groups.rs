@@ -25,7 +25,8 @@ pub struct GroupCheck {
     pub pixels: usize,
     /// Those of them that count.
     pub valid: usize,
-    /// Those that do not because the photograph is cut off there: clipped, too dark, broken.
+    /// Those that do not because the photograph is cut off there (clipped, too dark, broken) or the
+    /// project leaves them out.
     pub clipped: usize,
     /// Because an edge is too close.
     pub edge: usize,
@@ -100,8 +101,8 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
         let GroupCheck { name, pixels, valid, clipped, .. } = &check;
         if *clipped as f32 > CLIPPED * *pixels as f32 {
             warnings.push(format!(
-                "group \"{name}\": {clipped} of its {pixels} pixels are clipped, in the noise of \
-                 black or broken; take a photo of another exposure"
+                "group \"{name}\": {clipped} of its {pixels} pixels are clipped, masked, in the \
+                 noise of black or broken; take a photo of another exposure"
             ));
         } else if *valid < FEW {
             warnings.push(format!(

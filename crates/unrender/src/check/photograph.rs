@@ -137,7 +137,9 @@ fn clipped(subject: &Subject<'_>) -> Option<String> {
     let observation = subject.observation;
     let reflecting = (0..subject.specs.len()).filter(|&g| subject.specs[g].role != Role::Emitter);
     let (mut all, mut off) = (0usize, 0usize);
-    for &pixel in reflecting.flat_map(|g| &observation.all_pixels_of_group[g]) {
+    let counts = subject.job.counts(subject.geometry);
+    let pixels = reflecting.flat_map(|g| &observation.all_pixels_of_group[g]);
+    for &pixel in pixels.filter(|pixel| counts[**pixel as usize]) {
         all += 1;
         off += usize::from(observation.status.pixels()[pixel as usize] == PixelStatus::Clipped);
     }

@@ -116,6 +116,12 @@ fn tell(scene: &Scene, conversions: &[Conversion]) {
     }
 }
 
+/// The environment of the recovery in the folder of results, in words.
+fn folder_environment(args: &Args) -> Result<Option<String>, Error> {
+    let run = args.results.as_ref().map(|folder| folder.join(Run::FILE));
+    Ok(run.as_deref().map(run::recovered_environment).transpose()?.flatten())
+}
+
 /// The scene with its materials, the camera, and the size of its picture.
 fn input(args: &Args, limits: Limits) -> Result<(Scene, Camera, (usize, usize), Warnings), Error> {
     if let Some(folder) = &args.results {
@@ -132,6 +138,12 @@ fn input(args: &Args, limits: Limits) -> Result<(Scene, Camera, (usize, usize), 
     warnings.extend(job::validate(&mut scene, &path)?);
     let run = args.results.as_ref().map(|folder| folder.join(Run::FILE));
     let run = run.filter(|_| args.camera.is_none());
+    if let Some(environment) = folder_environment(args)? {
+        warnings.push(format!(
+            "the recovery had an environment ({environment}), which is not exported: put it into the \
+             other program yourself"
+        ));
+    }
     let used = run.as_deref().map(run::recovered_camera).transpose()?.flatten();
     let size = run.as_deref().map(run::recovered_size).transpose()?.flatten();
     let camera = match used {

@@ -6,8 +6,8 @@ use crate::part;
 use crate::passes::{self, Job};
 use crate::progress::Progress;
 use crate::subject::Picture;
-use crate::{Error, interrupt, job, output};
-use std::path::PathBuf;
+use crate::{Error, Project, interrupt, job, output};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use unrender_formats::{Input, Limits, materials, picture};
 use unrender_scene::{Camera, Scene, Warnings};
@@ -22,11 +22,17 @@ const MAX_SIDE: usize = 65_536;
     unrender render room.glb --materials result/materials.json --spp 256 --out room.png\n  \
     unrender render room.glb --camera door --height 1080 --seed 7 --out door.exr\n  \
     unrender render vase.glb --environment sky.hdr --environment-rotation 90 --out vase.png\n  \
+    unrender render --project room.toml --materials result/materials.json --out again.png\n  \
     unrender render room.glb --noise 0.01 --adaptive --checkpoint room.part.exr --out room.exr\n  \
     unrender render room.glb --samples 64..128 --out part2.exr    (see unrender merge)")]
 pub struct Args {
     /// The scene file: glTF (.glb, .gltf), OBJ, Mitsuba 3 (.xml) or Radiance (.rad).
-    pub scene: PathBuf,
+    #[arg(required_unless_present = "project")]
+    pub scene: Option<PathBuf>,
+    /// A project, instead of a scene: its scene with its lights, its environment and what it knows
+    /// of the groups, by its camera, as large as its photo.
+    #[arg(long, value_name = "FILE.toml", conflicts_with = "scene")]
+    pub project: Option<PathBuf>,
     /// Materials to put onto the scene's groups.
     #[arg(long, value_name = "FILE.json")]
     pub materials: Option<PathBuf>,
@@ -42,7 +48,7 @@ pub struct Args {
     #[arg(long, value_name = "S", default_value_t = 1.0, requires = "environment")]
     #[arg(value_parser = factor)]
     pub environment_scale: f32,
-    /// The camera's name [default: the scene's first].
+    /// The camera's name [default: the project's, else the scene's first].
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
     /// Pixels in a row [default: by the height and the camera's aspect].
@@ -65,8 +71,11 @@ pub struct Args {
 /// If the input cannot be used or the picture cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     check_outputs(args)?;
-    let (scene, camera, warnings) = load(args, global.limits())?;
-    let size = size(args.width, args.height, &camera)?;
+    let (scene, camera, photo, warnings) = load(args, global.limits())?;
+    let size = match (args.width, args.height, photo) {
+        (None, None, Some(photo)) => photo,
+        (width, height, _) => size(width, height, &camera)?,
+    };
     warn(&warnings);
     let subject = Picture::new(&scene, &camera, args.effort.settings());
     let identity = args.effort.identity(&scene, &camera, size);
@@ -93,7 +102,8 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
 
 /// Asks, before the work, whether its results can be written.
 fn check_outputs(args: &Args) -> Result<(), Error> {
-    let inputs = [Some(&args.scene), args.materials.as_ref(), args.environment.as_ref()];
+    let inputs = [&args.scene, &args.project, &args.materials, &args.environment];
+    let inputs = inputs.map(Option::as_ref);
     for out in std::iter::once(&args.out).chain(&args.effort.checkpoint) {
         output::check_inputs(out, inputs.into_iter().flatten().map(PathBuf::as_path))?;
     }
@@ -108,10 +118,21 @@ fn check_outputs(args: &Args) -> Result<(), Error> {
     Ok(output::check_picture(&args.out)?)
 }
 
-/// The scene with the materials and the environment asked for, and the camera.
-fn load(args: &Args, limits: Limits) -> Result<(Scene, Camera, Warnings), Error> {
-    let scene = Input::new(&args.scene, limits);
-    let (mut scene, mut warnings) = unrender_formats::load_scene(scene)?;
+/// A scene and what of a project belongs to it.
+type Loaded = (Scene, Camera, Option<(usize, usize)>, Warnings);
+
+/// The scene with the materials and the environment asked for, the camera, and the size of the
+/// project's photograph.
+fn load(args: &Args, limits: Limits) -> Result<Loaded, Error> {
+    let (mut scene, own, path, mut warnings) = match (&args.project, &args.scene) {
+        (Some(project), _) => of_project(args, project, limits)?,
+        (None, scene) => {
+            let path = scene.clone().unwrap_or_default();
+            // Its light may be the environment that is asked for.
+            let (scene, warnings) = unrender_formats::load_model(Input::new(&path, limits))?;
+            (scene, None, path, warnings)
+        }
+    };
     if let Some(path) = &args.materials {
         warnings.extend(materials::apply_from(Input::new(path, limits), &mut scene)?);
     }
@@ -123,10 +144,31 @@ fn load(args: &Args, limits: Limits) -> Result<(Scene, Camera, Warnings), Error>
         scene.environment = Some(environment);
         warnings.extend(told);
     }
-    warnings.extend(job::validate(&mut scene, &args.scene)?);
-    let (camera, told) = job::named_camera(&scene, args.camera.as_deref(), &args.scene)?;
-    warnings.extend(told);
-    Ok((scene, camera, warnings))
+    warnings.extend(job::validate(&mut scene, &path)?);
+    let (own, photo) = own.unzip();
+    let camera = match (own, &args.camera) {
+        (Some(camera), None) => camera,
+        (_, name) => {
+            let (camera, told) = job::named_camera(&scene, name.as_deref(), &path)?;
+            warnings.extend(told);
+            camera
+        }
+    };
+    Ok((scene, camera, photo, warnings))
+}
+
+/// A project's scene, its camera with the size of its photograph, and the scene's file.
+type OfProject = (Scene, Option<(Camera, (usize, usize))>, PathBuf, Warnings);
+
+fn of_project(args: &Args, path: &Path, limits: Limits) -> Result<OfProject, Error> {
+    let (mut project, warnings) = Project::read(path)?;
+    project.limits = limits;
+    for out in std::iter::once(&args.out).chain(&args.effort.checkpoint) {
+        output::check_inputs(out, project.inputs())?;
+    }
+    let job = crate::Job::load(project, warnings)?;
+    let size = (job.photo.radiance.width(), job.photo.radiance.height());
+    Ok((job.scene, Some((job.camera, size)), job.project.scene, job.warnings))
 }
 
 fn factor(text: &str) -> Result<f32, String> {

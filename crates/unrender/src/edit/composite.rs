@@ -36,8 +36,7 @@ impl Composite {
         let geometry = Tracer::new(scene).geometry(&photograph.camera, width, height);
         let changes = touched::touched(&paired, &geometry, &photograph.photo.quantisation_step);
         let mut clipped = geometry.map(|_| false);
-        let response = &photograph.transfer.response;
-        for index in clipping::clipped_pixels(&photograph.picture, response) {
+        for index in clipping::clipped_pixels(&photograph.picture, &photograph.transfer) {
             clipped.pixels_mut()[index] = true;
         }
         let seen = composite::Photograph {

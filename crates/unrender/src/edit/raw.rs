@@ -1,11 +1,11 @@
-//! The edit file as TOML has it. Values are checked where they are read, so that an error has the
-//! line of the value; names are checked against the scene later.
+//! The edit file as TOML has it. Values are checked where they are read (`toml_values`), so that an
+//! error has the line of the value; names are checked against the scene later.
 
-use glam::{Vec2, Vec3};
+use crate::lighting::{RawEnvironment, RawLight};
+use crate::toml_values::{Direction, Finite, NotNegative, Point, Positive, Reflectance, Size};
 use serde::Deserialize;
 use std::path::PathBuf;
 use toml::{Spanned, Value};
-use unrender_scene::Rgb;
 
 /// All keys of an edit file.
 #[derive(Debug, Default, Deserialize)]
@@ -65,44 +65,6 @@ pub(super) struct RawMaterial {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RawLight {
-    pub(super) name: String,
-    pub(super) add: Option<Kind>,
-    #[serde(default)]
-    pub(super) remove: bool,
-    pub(super) scale: Option<Channels>,
-    pub(super) strength: Option<Channels>,
-    #[serde(rename = "move")]
-    pub(super) shift: Option<Point>,
-    pub(super) position: Option<Point>,
-    pub(super) direction: Option<Direction>,
-    pub(super) size: Option<Size>,
-    pub(super) inner_deg: Option<NotNegative>,
-    pub(super) outer_deg: Option<NotNegative>,
-}
-
-/// The kinds of lights that can be added.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum Kind {
-    Area,
-    Point,
-    Spot,
-    Directional,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RawEnvironment {
-    pub(super) file: Option<PathBuf>,
-    #[serde(default)]
-    pub(super) remove: bool,
-    pub(super) rotation_deg: Option<Finite>,
-    pub(super) scale: Option<Positive>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub(super) struct RawInsert {
     pub(super) name: Option<String>,
     pub(super) file: PathBuf,
@@ -136,85 +98,4 @@ pub(super) struct RawKey {
     pub(super) target: Point,
     pub(super) up: Option<Direction>,
     pub(super) fov_y_deg: Option<Positive>,
-}
-
-/// Declares a type that is a checked TOML value.
-macro_rules! checked {
-    ($(#[$doc:meta])* $name:ident($inner:ty), $read:expr) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, Deserialize)]
-        #[serde(try_from = "Value")]
-        pub(super) struct $name(pub(super) $inner);
-
-        impl TryFrom<Value> for $name {
-            type Error = String;
-
-            fn try_from(value: Value) -> Result<Self, String> {
-                let read: fn(&Value) -> Result<$inner, String> = $read;
-                read(&value).map(Self)
-            }
-        }
-    };
-}
-
-checked!(
-    /// Reflectance, for all channels or three of them.
-    Reflectance(Rgb),
-    |value| within(channels(value)?, |v| (0.0..=1.0).contains(&v), "a reflectance is from 0 to 1")
-);
-checked!(
-    /// Brightness or a factor of it, for all channels or three of them.
-    Channels(Rgb),
-    |value| within(channels(value)?, |v| v >= 0.0, "light is not negative")
-);
-checked!(
-    /// A point or a way in space, metres, or three angles.
-    Point(Vec3),
-    |value| Ok(Vec3::from_array(list(value)?))
-);
-checked!(
-    /// A direction in space; kept as a unit vector.
-    Direction(Vec3),
-    |value| {
-        let direction = Vec3::from_array(list(value)?);
-        direction.try_normalize().ok_or_else(|| "a direction is not zero".to_owned())
-    }
-);
-checked!(
-    /// Two numbers.
-    Size(Vec2),
-    |value| Ok(Vec2::from_array(list(value)?))
-);
-checked!(Finite(f32), number);
-checked!(NotNegative(f32), |value| {
-    let number = number(value)?;
-    if number >= 0.0 { Ok(number) } else { Err(format!("{number} is negative")) }
-});
-checked!(Positive(f32), |value| {
-    let number = number(value)?;
-    if number > 0.0 { Ok(number) } else { Err(format!("{number} is not above zero")) }
-});
-
-fn number(value: &Value) -> Result<f32, String> {
-    let number = value.as_float().or_else(|| value.as_integer().map(|i| i as f64));
-    let number = number.map(|v| v as f32).filter(|v| v.is_finite());
-    number.ok_or_else(|| format!("{value} is not a finite number"))
-}
-
-fn list<const N: usize>(value: &Value) -> Result<[f32; N], String> {
-    let fault = || format!("{value} is not a list of {N} numbers");
-    let numbers = value.as_array().ok_or_else(fault)?;
-    let numbers: Vec<f32> = numbers.iter().map(number).collect::<Result<_, _>>()?;
-    numbers.try_into().map_err(|_| fault())
-}
-
-fn channels(value: &Value) -> Result<Rgb, String> {
-    if value.is_array() { list(value).map(Rgb::from_array) } else { number(value).map(Rgb::splat) }
-}
-
-fn within(rgb: Rgb, is_meant: fn(f32) -> bool, meant: &str) -> Result<Rgb, String> {
-    match rgb.to_array().into_iter().find(|v| !is_meant(*v)) {
-        Some(value) => Err(format!("{value} cannot be; {meant}")),
-        None => Ok(rgb),
-    }
 }

@@ -83,6 +83,8 @@ impl Start {
                 limits,
             );
         }
+        let run = recovered.as_ref().filter(|_| scene.is_none()).map(|r| r.0.join("run.json"));
+        let around = run.map(|run| run::recovered_environment(&run)).transpose()?.flatten();
         let scene = scene.map(|s| s.0).or(recovered.map(|(folder, ..)| folder.join("scene.glb")));
         let scene = scene.ok_or_else(|| {
             Error::Request(
@@ -91,7 +93,14 @@ impl Start {
                     .into(),
             )
         })?;
-        Self::of_scene(&scene, materials.as_deref(), limits)
+        let (start, mut warnings) = Self::of_scene(&scene, materials.as_deref(), limits)?;
+        if let Some(environment) = around {
+            warnings.push(format!(
+                "the recovery had an environment ({environment}), which scene.glb does not hold: \
+                 give project = \"PROJECT.toml\", or the environment again"
+            ));
+        }
+        Ok((start, warnings))
     }
 
     fn of_scene(

@@ -1,21 +1,20 @@
 //! From what is written to edits, each with what messages call its place.
 
-use super::raw::{
-    Kind, NotNegative, RawEnvironment, RawInsert, RawLight, RawMaterial, RawRemove, RawRepaint,
-};
+use super::raw::{RawInsert, RawMaterial, RawRemove, RawRepaint};
 use super::sheet::Sheet;
 use super::start::Start;
 use crate::Error;
+use crate::lighting::{RawEnvironment, RawLight};
+use crate::toml_values::NotNegative;
 use glam::{EulerRot, Quat, Vec3};
 use std::sync::Arc;
-use unrender_formats::{Input, materials, picture};
+use unrender_formats::{Input, materials};
 use unrender_restage::Edit;
 use unrender_restage::environment::Surround;
 use unrender_restage::insert::{Insert, Place};
-use unrender_restage::light::{Alter, LightChange, LightEdit, NewLight};
 use unrender_restage::remove::{Bearer, Remove};
 use unrender_restage::repaint::{Paint, Repaint};
-use unrender_scene::{LightKind, Rgb, Texture, Warnings, Wrap};
+use unrender_scene::{Texture, Warnings, Wrap};
 
 type Placed = (String, Edit);
 
@@ -112,87 +111,16 @@ fn paint(raw: &RawMaterial, sheet: &Sheet, told: &mut Warnings) -> Result<Paint,
 }
 
 fn light(raw: &RawLight) -> Result<Edit, String> {
-    let change = match (raw.add, raw.remove) {
-        (Some(kind), false) => LightChange::Add(new_light(kind, raw)?),
-        (None, true) => LightChange::Remove,
-        (Some(_), true) => return Err("a light is added or removed, not both".into()),
-        (None, false) => {
-            if raw.position.is_some() {
-                return Err("move = [x, y, z] moves a light that is there, by that far".into());
-            }
-            if raw.size.is_some() || raw.inner_deg.is_some() || raw.outer_deg.is_some() {
-                return Err("size, inner_deg and outer_deg are for lights that are added".into());
-            }
-            LightChange::Alter(Alter {
-                scale: raw.scale.map_or(Rgb::ONE, |scale| scale.0),
-                strength: raw.strength.map(|strength| strength.0),
-                shift: raw.shift.map_or(Vec3::ZERO, |shift| shift.0),
-                direction: raw.direction.map(|direction| direction.0),
-            })
-        }
-    };
-    Ok(Edit::Light(LightEdit { name: raw.name.clone(), change }))
-}
-
-fn new_light(kind: Kind, raw: &RawLight) -> Result<NewLight, String> {
-    let strength = raw.strength.ok_or("a light that is added needs a strength")?.0;
-    let strength = strength * raw.scale.map_or(Rgb::ONE, |scale| scale.0);
-    let position = raw.position.ok_or("a light that is added needs a position");
-    let direction = raw.direction.ok_or("this kind of light needs a direction to shine to");
-    if raw.shift.is_some() {
-        return Err(
-            "a light that is added has a position; move is for lights that are there".into()
-        );
+    if raw.unknown.is_some() {
+        return Err("unknown is a key of project files, where brightness can be asked for".into());
     }
-    Ok(match kind {
-        Kind::Point => {
-            NewLight::Punctual(LightKind::Point { position: position?.0, intensity: strength })
-        }
-        Kind::Directional => NewLight::Punctual(LightKind::Directional {
-            direction: direction?.0,
-            irradiance: strength,
-        }),
-        Kind::Spot => {
-            let outer_deg = raw.outer_deg.map_or(45.0, |angle| angle.0);
-            let inner_deg = raw.inner_deg.map_or(0.0, |angle| angle.0);
-            if !(inner_deg < outer_deg && outer_deg <= 90.0) {
-                return Err("inner_deg is below outer_deg, which is at most 90".into());
-            }
-            NewLight::Punctual(LightKind::Spot {
-                position: position?.0,
-                direction: direction?.0,
-                intensity: strength,
-                inner_rad: inner_deg.to_radians(),
-                outer_rad: outer_deg.to_radians(),
-            })
-        }
-        Kind::Area => {
-            let size = raw.size.ok_or("an area light needs its two sides, size = [1.0, 0.5]")?.0;
-            if size.min_element() <= 0.0 {
-                return Err("both sides of an area light are above zero".into());
-            }
-            let (centre, normal) = (position?.0, direction?.0);
-            NewLight::Area { centre, normal, size, radiance: strength }
-        }
-    })
+    Ok(Edit::Light(raw.edit()?))
 }
 
 fn surround(raw: &RawEnvironment, sheet: &Sheet, told: &mut Warnings) -> Result<Edit, String> {
-    let environment = match (&raw.file, raw.remove) {
-        (None, true) => None,
-        (Some(file), false) => {
-            let rotation_rad = raw.rotation_deg.map_or(0.0, |angle| angle.0.to_radians());
-            let scale = raw.scale.map_or(1.0, |scale| scale.0);
-            let read = {
-                let path = sheet.path(file);
-                picture::read_environment(Input::new(&path, sheet.limits()), rotation_rad, scale)
-            };
-            let (environment, warnings) = read.map_err(|error| error.to_string())?;
-            told.extend(warnings);
-            Some(environment)
-        }
-        _ => return Err("environment: give a file, or remove = true".into()),
-    };
+    let read = raw.choice(&|file| sheet.path(file))?.read(sheet.limits());
+    let (environment, warnings) = read.map_err(|error| error.to_string())?;
+    told.extend(warnings);
     Ok(Edit::Surround(Surround { environment }))
 }
 

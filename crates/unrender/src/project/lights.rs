@@ -5,13 +5,43 @@
 //! light, a known group, or an anchor.
 
 use super::{Anchor, Project, some_names};
+use glam::Vec3;
 use unrender_formats::FileError;
 use unrender_photo::Exposure;
+use unrender_restage::Edit;
+use unrender_restage::light::LightChange;
 use unrender_scene::{Rgb, Scene, Source, Warnings};
 
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 impl Project {
+    /// Puts the lights and the environment of the project into `scene`.
+    ///
+    /// # Errors
+    /// If a light does not exist, or exists already, or the panorama cannot be read.
+    pub fn light(&self, scene: &mut Scene) -> Result<Warnings, FileError> {
+        let edits: Vec<Edit> = self.light_edits.iter().cloned().map(Edit::Light).collect();
+        let mut change = unrender_restage::apply(scene, &edits).map_err(|error| {
+            let name = &self.light_edits[error.edit].name;
+            FileError::new(&self.path, format!("lights.{name}: {}", error.problem))
+        })?;
+        let mut warnings = std::mem::take(&mut change.warnings);
+        if let Some(choice) = &self.environment {
+            let (environment, told) = choice.read(self.limits)?;
+            scene.environment = environment;
+            warnings.extend(told);
+        }
+        Ok(warnings)
+    }
+
+    /// Whether the lights of the project differ from the scene's in more than their brightness.
+    pub(crate) fn rebuilds_lights(&self) -> bool {
+        self.light_edits.iter().any(|edit| match edit.change {
+            LightChange::Alter(alter) => alter.shift != Vec3::ZERO || alter.direction.is_some(),
+            LightChange::Add(_) | LightChange::Remove => true,
+        })
+    }
+
     /// The anchor, if anything needs it: an exposure or a light that is unknown.
     pub fn used_anchor(&self) -> Option<&Anchor> {
         let needed = self.exposure == Exposure::Auto || !self.unknown_lights.is_empty();
@@ -70,9 +100,15 @@ fn settle_scale(project: &mut Project, scene: &Scene) -> Result<Warnings, String
         warnings.extend(dark_channels(&find(name, scene)?)?);
     }
     let is_unknown = |source: &Source| project.unknown_lights.contains(source.name);
-    let lit = channels(scene.sources().map(|source| source.strength));
-    let known = scene.sources().filter(|source| !is_unknown(source));
-    let known = channels(known.map(|source| source.strength));
+    // The environment is known.
+    let around = || scene.environment.iter().flat_map(|e| e.panorama().pixels()).copied();
+    // Of an area light that was taken away, the group is left.
+    let removed = project.light_edits.iter().filter(|edit| edit.change == LightChange::Remove);
+    let removed: Vec<&str> = removed.map(|edit| edit.name.as_str()).collect();
+    let sources = || scene.sources().filter(|source| !removed.contains(&source.name));
+    let lit = channels(sources().map(|source| source.strength).chain(around()));
+    let known = sources().filter(|source| !is_unknown(source));
+    let known = channels(known.map(|source| source.strength).chain(around()));
     // Where light comes from unknown lights alone.
     let open: [bool; 3] = std::array::from_fn(|c| lit[c] && !known[c]);
     if open == [false; 3] {
@@ -92,7 +128,9 @@ fn settle_scale(project: &mut Project, scene: &Scene) -> Result<Warnings, String
              exposure was taken as 1, and the lights' numbers are per unit of exposure",
         );
     } else if project.anchor.is_none() {
-        let known = project.known.iter().filter(|(name, _)| reflects(scene, name));
+        // What does not count fixes nothing.
+        let known = project.known.iter().filter(|(name, _)| !project.ignored.contains(*name));
+        let known = known.filter(|(name, _)| reflects(scene, name));
         let reflecting = channels(known.map(|(_, known)| known.rho_d + known.rho_s));
         let loose: [bool; 3] = std::array::from_fn(|c| open[c] && !reflecting[c]);
         if loose != [false; 3] {

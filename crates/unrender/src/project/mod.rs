@@ -12,11 +12,13 @@ mod raw;
 pub use camera::CameraTable;
 pub use photograph::{ResponseChoice, VignettingChoice};
 
+use crate::lighting::EnvironmentChoice;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use unrender_formats::{FileError, Limits, input};
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
+use unrender_restage::light::LightEdit;
 use unrender_scene::{BrdfModel, Camera, Hypothesis, Material, Rgb, Scene, Warnings};
 
 /// A project file with its paths made whole and its numbers checked.
@@ -28,10 +30,14 @@ pub struct Project {
     pub scene: PathBuf,
     /// The photograph.
     pub photo: PathBuf,
+    /// The picture that says which pixels of the photograph do not count: those that are black in it.
+    pub mask: Option<PathBuf>,
     /// How the photograph is encoded, where the project says so.
     pub response: Option<ResponseChoice>,
     /// The code of no light, 0 to 1, by channel.
     pub black_level: Rgb,
+    /// The code from which on a channel is clipped, where the project says so.
+    pub white_level: Option<Rgb>,
     /// How the lens darkens the photograph away from its axis, where the project says so.
     pub vignetting: Option<VignettingChoice>,
     /// Scene radiance per unit of linear pixel value.
@@ -41,10 +47,17 @@ pub struct Project {
     pub anchor: Option<Anchor>,
     /// The groups that are not to be recovered.
     pub known: BTreeMap<String, Known>,
+    /// The groups that are neither asked for nor counted; those that are not known keep the
+    /// materials of the scene.
+    pub ignored: BTreeSet<String>,
     /// The lights whose brightness is asked for: groups that emit, and lights without a surface.
     pub unknown_lights: BTreeSet<String>,
     /// The lights that the project calls known, as lights are by default.
     pub known_lights: BTreeSet<String>,
+    /// The lights that are added to the scene, changed in it or taken out of it.
+    pub light_edits: Vec<LightEdit>,
+    /// What lights the scene from all around, where the project says so.
+    pub environment: Option<EnvironmentChoice>,
     /// The lobe to recover.
     pub brdf: BrdfModel,
     /// When a hypothesis is good enough.
@@ -111,12 +124,7 @@ impl Project {
     pub fn read(path: &Path) -> Result<(Self, Warnings), FileError> {
         let text = input::text(path).map_err(|problem| FileError::new(path, problem))?;
         let (project, warnings) = Self::parse(path, &text)?;
-        let response = match &project.response {
-            Some(ResponseChoice::Measured(file)) => Some(("response", file)),
-            _ => None,
-        };
-        let files = [("scene", &project.scene), ("photo", &project.photo)];
-        for (key, file) in files.into_iter().chain(response) {
+        for (key, file) in project.files() {
             if !file.is_file() {
                 let problem = format!("{key}: there is no file {}", file.display());
                 return Err(FileError::new(path, problem));
@@ -141,11 +149,21 @@ impl Project {
 
     /// The files that a recovery of it reads, as far as it names them itself.
     pub fn inputs(&self) -> Vec<&Path> {
+        let files = self.files().into_iter().map(|(_, file)| file);
+        std::iter::once(self.path.as_path()).chain(files).collect()
+    }
+
+    /// The files that it names, each with its key.
+    fn files(&self) -> Vec<(&'static str, &Path)> {
         let response = match &self.response {
-            Some(ResponseChoice::Measured(file)) => Some(file.as_path()),
+            Some(ResponseChoice::Measured(file)) => Some(("response", file.as_path())),
             _ => None,
         };
-        [self.path.as_path(), &self.scene, &self.photo].into_iter().chain(response).collect()
+        let panorama = self.environment.as_ref().and_then(EnvironmentChoice::file);
+        let mask = self.mask.as_deref().map(|file| ("mask", file));
+        let always = [("scene", self.scene.as_path()), ("photo", self.photo.as_path())];
+        let panorama = panorama.map(|file| ("environment.panorama", file));
+        always.into_iter().chain(mask).chain(response).chain(panorama).collect()
     }
 
     /// Checks that the names in the project are names in `scene`.
@@ -157,7 +175,8 @@ impl Project {
         let known = self.known.keys().map(|name| (format!("groups.{name}"), name));
         let anchor = self.anchor.iter().map(|a| ("anchor.group".to_owned(), &a.group));
         let rungs = self.max_rungs.keys().map(|name| (format!("groups.{name}"), name));
-        for (key, name) in known.chain(anchor).chain(rungs) {
+        let ignored = self.ignored.iter().map(|name| (format!("groups.{name}"), name));
+        for (key, name) in known.chain(anchor).chain(rungs).chain(ignored) {
             if scene.group_index(name).is_none() {
                 let names = scene.groups.iter().map(|g| g.name.as_str());
                 let there = some_names(names);

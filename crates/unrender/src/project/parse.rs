@@ -1,14 +1,16 @@
 //! From the raw project to one whose values are understood; every fault names its key.
 
-use super::raw::{RawAnchor, RawCamera, RawKnown, RawProject};
+use super::raw::{RawAnchor, RawCamera, RawGroup, RawKnown, RawProject};
 use super::{Anchor, CameraChoice, CameraTable, Known, Project, photograph};
+use crate::lighting::RawLight;
 use glam::Vec3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use toml::Value;
 use unrender_formats::Limits;
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
+use unrender_restage::light::LightEdit;
 use unrender_scene::{BrdfModel, Hypothesis, Lens, Rgb, Warnings};
 
 pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), String> {
@@ -17,7 +19,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     let mut warnings = Warnings::default();
     let anchor = raw.anchor.as_ref().map(anchor).transpose()?;
     let exposure = exposure(raw.exposure.as_ref(), anchor.is_some(), &mut warnings)?;
-    let any_light_unknown = raw.lights.values().any(|light| light.unknown);
+    let any_light_unknown = raw.lights.unknown.iter().any(|(_, unknown)| *unknown);
     if anchor.is_some() && exposure != Exposure::Auto && !any_light_unknown {
         warnings.push("[anchor] was not used, as the exposure is stated and no light is unknown");
     }
@@ -33,25 +35,41 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
             max_rungs.insert(name.clone(), rung(&format!("groups.{name}.max_rung"), text)?);
         }
     }
+    let ignored = ignored(&raw.groups)?;
+    if let Some(anchor) = anchor.as_ref().filter(|anchor| ignored.contains(&anchor.group)) {
+        let name = &anchor.group;
+        return Err(format!("anchor.group: groups.{name} has ignore = true; take another group"));
+    }
     let max_rung = raw.recover.max_rung.as_deref();
     let max_rung = max_rung.map(|text| rung("recover.max_rung", text)).transpose()?;
     let lights = |unknown| {
-        let named = raw.lights.iter().filter(move |(_, light)| light.unknown == unknown);
+        let named = raw.lights.unknown.iter().filter(move |(_, is)| *is == unknown);
         named.map(|(name, _)| name.clone()).collect()
     };
+    let environment = raw.environment.as_ref();
+    let environment = environment.map(|table| table.choice(&|file| folder.join(file)));
+    let black_level = raw.black_level.as_ref();
+    let black_level = black_level.map_or(Ok(Rgb::ZERO), photograph::black_level)?;
+    let white_level = raw.white_level.as_ref();
+    let white_level = white_level.map(|value| photograph::white_level(value, black_level));
     let brdf = raw.recover.brdf.as_deref().map(str::parse::<BrdfModel>).transpose();
     let project = Project {
         path: path.to_owned(),
         scene: folder.join(&raw.scene),
         photo: folder.join(&raw.photo),
+        mask: raw.mask.as_ref().map(|file| folder.join(file)),
         response: raw.response.as_ref().map(|r| photograph::response(r, folder)).transpose()?,
-        black_level: raw.black_level.as_ref().map_or(Ok(Rgb::ZERO), photograph::black_level)?,
+        black_level,
+        white_level: white_level.transpose()?,
         vignetting: raw.vignetting.as_ref().map(photograph::vignetting).transpose()?,
         exposure,
         anchor,
         known: all_known,
+        ignored,
         unknown_lights: lights(true),
         known_lights: lights(false),
+        light_edits: light_edits(&raw.lights.list)?,
+        environment: environment.transpose()?,
         brdf: brdf.map_err(|problem| format!("recover.brdf: {problem}"))?.unwrap_or_default(),
         thresholds: thresholds(&raw.recover.thresholds)?,
         max_rung,
@@ -68,6 +86,35 @@ fn with_line(error: &toml::de::Error, text: &str) -> String {
         Some(before) => format!("line {}: {message}", before.matches('\n').count() + 1),
         None => message.to_owned(),
     }
+}
+
+/// The groups that are not counted.
+fn ignored(groups: &BTreeMap<String, RawGroup>) -> Result<BTreeSet<String>, String> {
+    let ignored = groups.iter().filter(|(_, group)| group.ignore);
+    let name = |(name, group): (&String, &RawGroup)| match group.max_rung {
+        Some(_) => Err(format!(
+            "groups.{name}: with ignore = true nothing is asked for; leave out max_rung"
+        )),
+        None => Ok(name.clone()),
+    };
+    ignored.map(name).collect()
+}
+
+/// The changes of the scene's lights, each light once.
+fn light_edits(list: &[RawLight]) -> Result<Vec<LightEdit>, String> {
+    let mut edits: Vec<LightEdit> = Vec::new();
+    for raw in list {
+        let name = &raw.name;
+        let fault = |problem: &str| format!("lights.{name}: {problem}");
+        if edits.iter().any(|edit| edit.name == *name) {
+            return Err(fault("the list [[lights]] has this name twice; put both into one"));
+        }
+        if raw.remove && raw.unknown.is_some() {
+            return Err(fault("a light that is removed has no brightness; leave out unknown"));
+        }
+        edits.push(raw.edit().map_err(|problem| fault(&problem))?);
+    }
+    Ok(edits)
 }
 
 fn exposure(

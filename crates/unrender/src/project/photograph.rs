@@ -1,4 +1,4 @@
-//! What a project says of how its photograph was made: response, black level, vignetting.
+//! What a project says of how its photograph was made: response, black and white level, vignetting.
 
 use super::parse::{number, triple};
 use std::path::{Path, PathBuf};
@@ -58,6 +58,18 @@ pub(super) fn black_level(value: &Value) -> Result<Rgb, String> {
     Err(format!(
         "black_level is {value}; it is a code from 0 to below 0.5, where 1 is white: divide that of \
          an 8-bit file by 255"
+    ))
+}
+
+/// The key `white_level`, of a photograph of this black level.
+pub(super) fn white_level(value: &Value, black_level: Rgb) -> Result<Rgb, String> {
+    let white = triple("white_level", value)?;
+    if white.is_finite() && white.cmpgt(black_level).all() {
+        return Ok(white);
+    }
+    Err(format!(
+        "white_level is {value}; it is a code above black_level, mostly a little below 1, from which \
+         on the photo is clipped"
     ))
 }
 

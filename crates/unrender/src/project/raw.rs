@@ -1,7 +1,10 @@
 //! The project file as TOML has it, before any value is understood.
 
+use crate::lighting::{RawEnvironment, RawLight};
 use serde::Deserialize;
+use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use std::collections::BTreeMap;
+use std::fmt;
 use std::path::PathBuf;
 use toml::Value;
 
@@ -10,15 +13,18 @@ use toml::Value;
 pub(super) struct RawProject {
     pub(super) scene: PathBuf,
     pub(super) photo: PathBuf,
+    pub(super) mask: Option<PathBuf>,
     pub(super) response: Option<Value>,
     pub(super) black_level: Option<Value>,
+    pub(super) white_level: Option<Value>,
     pub(super) exposure: Option<Value>,
     pub(super) vignetting: Option<Value>,
     pub(super) anchor: Option<RawAnchor>,
     #[serde(default)]
     pub(super) groups: BTreeMap<String, RawGroup>,
     #[serde(default)]
-    pub(super) lights: BTreeMap<String, RawLight>,
+    pub(super) lights: RawLights,
+    pub(super) environment: Option<RawEnvironment>,
     #[serde(default)]
     pub(super) recover: RawRecover,
     pub(super) camera: Option<Value>,
@@ -36,12 +42,59 @@ pub(super) struct RawAnchor {
 pub(super) struct RawGroup {
     pub(super) known: Option<RawKnown>,
     pub(super) max_rung: Option<String>,
+    #[serde(default)]
+    pub(super) ignore: bool,
 }
 
+/// What a project says of lights: `[lights.NAME]`, or a list `[[lights]]`. Of two entries for one
+/// light, the scene refuses the second.
+#[derive(Debug, Default)]
+pub(super) struct RawLights {
+    /// The entries of the list.
+    pub(super) list: Vec<RawLight>,
+    /// Which lights are unknown (or known), by their names.
+    pub(super) unknown: Vec<(String, bool)>,
+}
+
+/// The table `[lights.NAME]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RawLight {
-    pub(super) unknown: bool,
+struct RawUnknown {
+    unknown: bool,
+}
+
+impl<'de> Deserialize<'de> for RawLights {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(LightsVisitor)
+    }
+}
+
+/// Reads both forms. Unlike `#[serde(untagged)]`, it keeps the lines of errors.
+struct LightsVisitor;
+
+impl<'de> Visitor<'de> for LightsVisitor {
+    type Value = RawLights;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("tables [lights.NAME] or a list [[lights]]")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<RawLights, A::Error> {
+        let mut lights = RawLights::default();
+        while let Some((name, RawUnknown { unknown })) = map.next_entry()? {
+            lights.unknown.push((name, unknown));
+        }
+        Ok(lights)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<RawLights, A::Error> {
+        let mut lights = RawLights::default();
+        while let Some(light) = list.next_element::<RawLight>()? {
+            lights.unknown.extend(light.unknown.map(|unknown| (light.name.clone(), unknown)));
+            lights.list.push(light);
+        }
+        Ok(lights)
+    }
 }
 
 #[derive(Debug, Deserialize)]

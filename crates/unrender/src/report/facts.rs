@@ -78,6 +78,9 @@ fn input(told: &Told<'_>) -> Markup {
             (row("project", &html! { (run.input.project.display()) }))
             (row("scene", &html! { (run.input.scene.display()) }))
             (row("photograph", &html! { (run.input.photo.display()) }))
+            @if let Some(environment) = &run.input.environment {
+                (row("environment", &html! { (environment) }))
+            }
             (row("pixels", &html! { (count(&key.at("width"), run.input.width)) " × "
                 (count(&key.at("height"), run.input.height)) }))
             (row("exposure", &html! {

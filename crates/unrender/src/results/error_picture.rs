@@ -13,7 +13,7 @@ use crate::run::{ErrorPicture, Stop, Unit};
 use crate::{Error, Job};
 use std::path::Path;
 use unrender_formats::picture;
-use unrender_recover::Recovery;
+use unrender_recover::{PixelStatus, Recovery};
 use unrender_scene::color::{linear_from_srgb, luminance};
 use unrender_scene::{Image, Rgb, RgbImage};
 
@@ -83,15 +83,19 @@ impl Difference {
         let photo = job.photo.radiance.map(|value| luminance(*value * scale));
         let photo_mean = photo.pixels().iter().sum::<f32>() / photo.pixels().len().max(1) as f32;
         let (width, height) = (photo.width(), photo.height());
+        // Pixels that the project leaves out are of this status too.
+        let says = |x: usize, y: usize| {
+            *job.photo.valid.at(x, y) && *recovery.status.at(x, y) != PixelStatus::Clipped
+        };
         // The sum of differences, that of their variances, and the number of pixels.
         let sums = Image::from_fn(width, height, |x, y| {
-            if !job.photo.valid.at(x, y) {
+            if !says(x, y) {
                 return (0.0, 0.0, 0.0);
             }
             let (mut sum, mut variance, mut count) = (0.0, 0.0, 0.0);
             for row in y.saturating_sub(REACH)..(y + REACH + 1).min(height) {
                 for column in x.saturating_sub(REACH)..(x + REACH + 1).min(width) {
-                    if *job.photo.valid.at(column, row) {
+                    if says(column, row) {
                         let shown = luminance(*recovery.rerendered.at(column, row));
                         sum += shown - photo.at(column, row);
                         variance += recovery.noise.at(column, row).powi(2);

@@ -20,7 +20,7 @@ use crate::engine::Recovered;
 use crate::run::{Pictures, Run};
 use crate::{Error, Job, report};
 use std::path::Path;
-use unrender_formats::{Input, atomic, materials, picture};
+use unrender_formats::{FileError, Input, atomic, gltf, materials, picture};
 use unrender_scene::color::srgb_from_linear;
 use unrender_scene::{Rgb, Scene, Warnings};
 
@@ -46,11 +46,7 @@ pub(crate) fn write(job: &Job, recovered: &Recovered, folder: &Path) -> Result<R
     bad += picture::write_exr(&folder.join("rerendered.exr"), &recovery.rerendered)?;
     let pictures = write_pictures(job, recovered, folder, &mut bad)?;
     let balls = ball::write(job, recovery, folder)?;
-    let glb = {
-        let source = Input::new(&job.project.scene, job.project.limits);
-        unrender_formats::wear(source, &dressed(job, recovered))?
-    };
-    atomic::write(&folder.join("scene.glb"), &glb)?;
+    atomic::write(&folder.join("scene.glb"), &scene_file(job, recovered)?)?;
     let mut warnings = job.warnings.clone();
     warnings.extend(recovered.laid.warnings.clone());
     let mut doubts = Warnings::default();
@@ -110,6 +106,16 @@ fn hex(color: Rgb) -> String {
     let code = |v: f32| (255.0 * srgb_from_linear(v)).round() as u8;
     let [r, g, b] = color.to_array().map(code);
     format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// The bytes of scene.glb. A file of the user keeps what it has beside, unless the project puts
+/// lights elsewhere than it has them.
+fn scene_file(job: &Job, recovered: &Recovered) -> Result<Vec<u8>, FileError> {
+    let (scene, path) = (dressed(job, recovered), &job.project.scene);
+    if job.project.rebuilds_lights() {
+        return gltf::to_glb(&scene).map_err(|error| FileError::new(path, error));
+    }
+    unrender_formats::wear(Input::new(path, job.project.limits), &scene)
 }
 
 /// The scene with the recovered materials on.

@@ -3,6 +3,7 @@
 use super::memory;
 use crate::Job;
 use crate::engine::Recovered;
+use crate::lighting::EnvironmentChoice;
 use crate::project::CameraTable;
 use crate::run::{
     CandidateEntry, GroupIterationEntry, Input, IterationEntry, LeftOut, Pictures, Program,
@@ -74,6 +75,7 @@ fn input(job: &Job) -> Input {
         project: job.project.path.clone(),
         scene: job.project.scene.clone(),
         photo: job.project.photo.clone(),
+        environment: job.project.environment.as_ref().and_then(EnvironmentChoice::in_words),
         width: job.photo.radiance.width(),
         height: job.photo.radiance.height(),
     }

@@ -1,7 +1,7 @@
 //! trust.png: which pixels of the photograph counted, and why the others did not.
 //!
 //! The photograph in grey where it was valid. Elsewhere a colour: blue beside an edge, violet
-//! where the photograph is cut off or broken, yellow for a single bright pixel, orange for what is
+//! where the photograph is cut off or broken or the project leaves it out, yellow for a single bright pixel, orange for what is
 //! not in the model; black where the model shows nothing.
 
 use crate::{Error, Job};

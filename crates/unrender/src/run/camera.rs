@@ -1,5 +1,5 @@
-//! The camera that a run used, for programs that go on from it. Only this much of run.json is read,
-//! so that files of other versions will do.
+//! The camera that a run used, and what scene.glb beside it lacks, for programs that go on from it.
+//! Only this much of run.json is read, so that files of other versions will do.
 
 use crate::project::CameraTable;
 use glam::Vec3;
@@ -40,6 +40,16 @@ pub(crate) fn recovered_size(path: &Path) -> Result<Option<(usize, usize)>, File
     let side = |key: &str| run["input"][key].as_u64().filter(|side| *side > 0);
     let sides = side("width").zip(side("height"));
     Ok(sides.map(|(width, height)| (width as usize, height as usize)))
+}
+
+/// What the environment of the recovery with the run file at `path` was, in words; none if there was
+/// none, or if the file does not say.
+///
+/// # Errors
+/// If the file is damaged.
+pub(crate) fn recovered_environment(path: &Path) -> Result<Option<String>, FileError> {
+    let run = value(path)?.unwrap_or_default();
+    Ok(run["input"]["environment"].as_str().map(str::to_owned))
 }
 
 fn value(path: &Path) -> Result<Option<Value>, FileError> {

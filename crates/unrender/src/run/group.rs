@@ -67,7 +67,7 @@ pub struct LeftOut {
     pub valid: usize,
     /// The model shows nothing there.
     pub nothing: usize,
-    /// The photograph is clipped, too dark or broken there.
+    /// The photograph is clipped, too dark or broken there, or the project leaves it out.
     #[serde(alias = "cut_off")]
     pub clipped: usize,
     /// An edge is too close.

@@ -8,7 +8,7 @@ mod group;
 mod iteration;
 mod pictures;
 
-pub(crate) use camera::{recovered_camera, recovered_size};
+pub(crate) use camera::{recovered_camera, recovered_environment, recovered_size};
 pub use group::{CandidateEntry, LeftOut, RunGroup};
 pub use iteration::{GroupIterationEntry, IterationEntry};
 pub use pictures::{ErrorPicture, Pictures, Stop, Unit};
@@ -90,6 +90,9 @@ pub struct Input {
     /// The photograph.
     #[serde(serialize_with = "as_text")]
     pub photo: PathBuf,
+    /// The environment in the project, in words; left out if there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub environment: Option<String>,
     /// The photograph's width, pixels.
     pub width: usize,
     /// The photograph's height, pixels.

@@ -1,0 +1,245 @@
+//! The tables `[[lights]]` and `[environment]`, which project files and edit files share.
+//!
+//! A light is added, changed or taken away by its name; an environment is a panorama, or the same
+//! radiance from everywhere. [`restage`](crate::restage) makes the change in the scene.
+
+use crate::toml_values::{Channels, Direction, Finite, NotNegative, Point, Positive, Size};
+use glam::Vec3;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+use unrender_formats::Input;
+use unrender_formats::{FileError, Limits, picture};
+use unrender_restage::light::{Alter, LightChange, LightEdit, NewLight};
+use unrender_scene::{Environment, LightKind, Rgb, RgbImage, Warnings};
+
+/// One entry of `[[lights]]` as TOML has it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RawLight {
+    pub(crate) name: String,
+    /// Of project files alone: whether the brightness is asked for.
+    pub(crate) unknown: Option<bool>,
+    add: Option<Kind>,
+    #[serde(default)]
+    pub(crate) remove: bool,
+    scale: Option<Channels>,
+    strength: Option<Channels>,
+    #[serde(rename = "move")]
+    shift: Option<Point>,
+    position: Option<Point>,
+    direction: Option<Direction>,
+    size: Option<Size>,
+    radius: Option<Positive>,
+    inner_deg: Option<NotNegative>,
+    outer_deg: Option<NotNegative>,
+}
+
+/// The kinds of lights that can be added.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+enum Kind {
+    Area,
+    Sphere,
+    Point,
+    Spot,
+    Directional,
+}
+
+/// The table `[environment]` as TOML has it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RawEnvironment {
+    #[serde(alias = "panorama")]
+    pub(crate) file: Option<PathBuf>,
+    color: Option<Channels>,
+    #[serde(default)]
+    remove: bool,
+    rotation_deg: Option<Finite>,
+    scale: Option<Positive>,
+}
+
+/// The environment that a file asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EnvironmentChoice {
+    /// A panorama.
+    Panorama {
+        /// Its file.
+        file: PathBuf,
+        /// Its rotation about +y, counter-clockwise seen from above.
+        rotation_rad: f32,
+        /// The factor on its radiance.
+        scale: f32,
+    },
+    /// The same radiance from everywhere, W sr^-1 m^-2.
+    Uniform(Rgb),
+    /// None.
+    Nothing,
+}
+
+impl RawLight {
+    /// The change of the scene that this entry asks for.
+    ///
+    /// # Errors
+    /// If its keys do not go together; the message is without the place.
+    pub(crate) fn edit(&self) -> Result<LightEdit, String> {
+        let change = match (self.add, self.remove) {
+            (Some(kind), false) => LightChange::Add(self.new_light(kind)?),
+            (None, true) => LightChange::Remove,
+            (Some(_), true) => return Err("a light is added or removed, not both".into()),
+            (None, false) => LightChange::Alter(self.alter()?),
+        };
+        Ok(LightEdit { name: self.name.clone(), change })
+    }
+
+    fn alter(&self) -> Result<Alter, String> {
+        if self.position.is_some() {
+            return Err("move = [x, y, z] moves a light that is there, by that far; to add one, \
+                        say add = \"point\" or another kind"
+                .into());
+        }
+        let is_new = [self.inner_deg.is_some(), self.outer_deg.is_some(), self.size.is_some()];
+        if is_new.contains(&true) || self.radius.is_some() {
+            return Err(
+                "size, radius, inner_deg and outer_deg are for lights that are added".into()
+            );
+        }
+        Ok(Alter {
+            scale: self.factor(),
+            strength: self.strength.map(|strength| strength.0),
+            shift: self.shift.map_or(Vec3::ZERO, |shift| shift.0),
+            direction: self.direction.map(|direction| direction.0),
+        })
+    }
+
+    fn factor(&self) -> Rgb {
+        self.scale.map_or(Rgb::ONE, |scale| scale.0)
+    }
+
+    fn new_light(&self, kind: Kind) -> Result<NewLight, String> {
+        let strength = self.strength.ok_or("a light that is added needs a strength")?.0;
+        let strength = strength * self.factor();
+        if !strength.is_finite() {
+            return Err("strength times scale is not a finite number".into());
+        }
+        let position = self.position.ok_or("a light that is added needs a position");
+        let direction = self.direction.ok_or("this kind of light needs a direction to shine to");
+        if self.shift.is_some() {
+            return Err(
+                "a light that is added has a position; move is for lights that are there".into()
+            );
+        }
+        Ok(match kind {
+            Kind::Point => {
+                NewLight::Punctual(LightKind::Point { position: position?.0, intensity: strength })
+            }
+            Kind::Directional => NewLight::Punctual(LightKind::Directional {
+                direction: direction?.0,
+                irradiance: strength,
+            }),
+            Kind::Spot => {
+                let (inner_rad, outer_rad) = self.cone()?;
+                NewLight::Punctual(LightKind::Spot {
+                    position: position?.0,
+                    direction: direction?.0,
+                    intensity: strength,
+                    inner_rad,
+                    outer_rad,
+                })
+            }
+            Kind::Area => {
+                let size = self.size.ok_or("an area light needs its two sides, size = [1.0, 0.5]");
+                let size = size?.0;
+                if size.min_element() <= 0.0 {
+                    return Err("both sides of an area light are above zero".into());
+                }
+                let (centre, normal) = (position?.0, direction?.0);
+                NewLight::Area { centre, normal, size, radiance: strength }
+            }
+            Kind::Sphere => {
+                let radius = self.radius.ok_or("a sphere needs its radius = 0.05")?.0;
+                NewLight::Sphere { centre: position?.0, radius, radiance: strength }
+            }
+        })
+    }
+
+    /// Half the angles of a spot's cone, radians: where it begins to fade, and where it ends.
+    fn cone(&self) -> Result<(f32, f32), String> {
+        let outer_deg = self.outer_deg.map_or(45.0, |angle| angle.0);
+        let inner_deg = self.inner_deg.map_or(0.0, |angle| angle.0);
+        if !(inner_deg < outer_deg && outer_deg <= 90.0) {
+            return Err("inner_deg is below outer_deg, which is at most 90".into());
+        }
+        Ok((inner_deg.to_radians(), outer_deg.to_radians()))
+    }
+}
+
+impl RawEnvironment {
+    /// The environment that the table asks for; `place` makes a path whole.
+    ///
+    /// # Errors
+    /// If its keys do not go together.
+    pub(crate) fn choice(
+        &self,
+        place: &dyn Fn(&Path) -> PathBuf,
+    ) -> Result<EnvironmentChoice, String> {
+        match (&self.file, self.color, self.remove) {
+            (Some(file), None, false) => Ok(EnvironmentChoice::Panorama {
+                file: place(file),
+                rotation_rad: self.rotation_deg.map_or(0.0, |angle| angle.0.to_radians()),
+                scale: self.scale.map_or(1.0, |scale| scale.0),
+            }),
+            _ if self.rotation_deg.is_some() || self.scale.is_some() => {
+                Err("environment: rotation_deg and scale are for a panorama, and for nothing else"
+                    .into())
+            }
+            (None, Some(color), false) => Ok(EnvironmentChoice::Uniform(color.0)),
+            (None, None, true) => Ok(EnvironmentChoice::Nothing),
+            _ => Err("environment: give one of a panorama (a file), a color, the same from \
+                      everywhere, and remove = true"
+                .into()),
+        }
+    }
+}
+
+impl EnvironmentChoice {
+    /// The file that it names.
+    pub fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Panorama { file, .. } => Some(file),
+            Self::Uniform(_) | Self::Nothing => None,
+        }
+    }
+
+    /// What it is, for a reader of results; nothing to say if there is none.
+    pub(crate) fn in_words(&self) -> Option<String> {
+        match self {
+            Self::Panorama { file, .. } => Some(file.display().to_string()),
+            Self::Uniform(color) => {
+                let [r, g, b] = color.to_array();
+                Some(format!("[{r}, {g}, {b}] from everywhere"))
+            }
+            Self::Nothing => None,
+        }
+    }
+
+    /// The environment, its panorama read.
+    ///
+    /// # Errors
+    /// If the panorama cannot be read, or is no radiance.
+    pub fn read(&self, limits: Limits) -> Result<(Option<Environment>, Warnings), FileError> {
+        match self {
+            Self::Panorama { file, rotation_rad, scale } => {
+                let input = Input::new(file, limits);
+                let (environment, warnings) =
+                    picture::read_environment(input, *rotation_rad, *scale)?;
+                Ok((Some(environment), warnings))
+            }
+            // One pixel is a panorama of one colour. It is finite and not negative.
+            Self::Uniform(radiance) => {
+                let panorama = RgbImage::new(1, 1, vec![*radiance]);
+                Ok((Environment::new(panorama, 0.0).ok(), Warnings::default()))
+            }
+            Self::Nothing => Ok((None, Warnings::default())),
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! The mask of a project: the pixels of its photograph that do not count.
+
+use crate::{Error, Project};
+use unrender_formats::picture::{self, Picture};
+use unrender_formats::{FileError, Input};
+use unrender_scene::{Image, Rgb};
+
+/// Masks are black and white; from here on a value is white. Edges are smoothed by many programs: at
+/// half, they lie where they were drawn.
+const WHITE: f32 = 0.5;
+
+/// The mask that `project` names, for its photograph `photo`: false where it is black.
+pub(crate) fn read(project: &Project, photo: &Picture) -> Result<Option<Image<bool>>, Error> {
+    let Some(path) = &project.mask else { return Ok(None) };
+    let (mask, _) = picture::read(Input::new(path, project.limits))?;
+    let counts = counts(&mask, &photo.values).map_err(|problem| FileError::new(path, problem))?;
+    Ok(Some(counts))
+}
+
+fn counts(mask: &Picture, photo: &Image<Rgb>) -> Result<Image<bool>, String> {
+    let size = |image: &Image<Rgb>| (image.width(), image.height());
+    let ((width, height), (wide, high)) = (size(&mask.values), size(photo));
+    if (width, height) != (wide, high) {
+        return Err(format!(
+            "the mask has {width} x {height} pixels and the photo {wide} x {high}; make it anew at \
+             the photo's size"
+        ));
+    }
+    let mut counts = mask.values.map(|value| value.max_element() >= WHITE);
+    // Pixels without a finite value are no white.
+    mask.invalid.iter().for_each(|&index| counts.pixels_mut()[index] = false);
+    if !counts.pixels().contains(&true) {
+        return Err(
+            "the mask is black everywhere, and no pixel of the photo would count; what is \
+                    white in it counts"
+                .into(),
+        );
+    }
+    Ok(counts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use unrender_formats::picture::Depth;
+
+    fn mask(values: &[f32]) -> Picture {
+        let values = values.iter().map(|v| Rgb::splat(*v)).collect::<Vec<_>>();
+        Picture::new(Image::new(values.len(), 1, values), Depth::Float)
+    }
+
+    #[test]
+    fn white_counts_and_black_does_not() {
+        let photo = Image::new(4, 1, vec![Rgb::ONE; 4]);
+        let mut of = mask(&[0.0, 0.49, 0.5, 1.0]);
+        assert_eq!(counts(&of, &photo).unwrap().pixels(), [false, false, true, true]);
+        of.invalid.push(2);
+        assert_eq!(counts(&of, &photo).unwrap().pixels(), [false, false, false, true]);
+        let red = Image::new(1, 1, vec![Rgb::X]);
+        assert!(
+            counts(&Picture::new(red, Depth::Eight), &Image::new(1, 1, vec![Rgb::ONE])).is_ok()
+        );
+    }
+
+    #[test]
+    fn masks_that_cannot_be_meant_are_told() {
+        let photo = Image::new(2, 2, vec![Rgb::ONE; 4]);
+        let problem = counts(&mask(&[1.0; 4]), &photo).unwrap_err();
+        assert!(problem.contains("4 x 1 pixels and the photo 2 x 2"), "{problem}");
+        let photo = Image::new(2, 1, vec![Rgb::ONE; 2]);
+        assert!(counts(&mask(&[0.0, 0.1]), &photo).unwrap_err().contains("black everywhere"));
+    }
+}
