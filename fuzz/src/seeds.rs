@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 use unrender::formats::export::{Shot, Target as Program, export};
-use unrender::formats::{gltf, picture, planes};
+use unrender::formats::{LightUnits, gltf, picture, planes};
 use unrender::scene::{Camera, Group, Image, Material, Mesh, Object, Rgb, Scene, Texture, Wrap};
 
 const PROJECT: &str = r#"scene = "a.glb"
@@ -100,7 +100,8 @@ fn exported(extension: &str) -> Vec<Vec<u8>> {
     let program = if extension == "rad" { Program::Radiance } else { Program::Mitsuba };
     let materials = scene.materials();
     let camera = &scene.cameras[0];
-    let shot = Shot { scene: &scene, materials: &materials, camera, size: (4, 3) };
+    let light_units = LightUnits::default();
+    let shot = Shot { scene: &scene, materials: &materials, camera, size: (4, 3), light_units };
     let files = export(&shot, program).map(|(files, _)| files).unwrap_or_default();
     let is_mine = |name: &str| name.rsplit('.').next() == Some(extension);
     files.into_iter().filter(|(name, _)| is_mine(name)).map(|(_, bytes)| bytes).collect()

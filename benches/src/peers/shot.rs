@@ -2,6 +2,7 @@
 
 use crate::Failure;
 use std::path::Path;
+use unrender::formats::LightUnits;
 use unrender::formats::export::{self, Target};
 use unrender::recover::convert::convert;
 use unrender::scene::{Camera, Material, Scene};
@@ -23,7 +24,9 @@ pub(crate) fn export(shot: &Shot, target: Target, folder: &Path) -> Result<(), F
     let scene = shot.scene;
     let material = |m: &Material| convert(m, scene.brdf, target.lobe(scene.brdf)).material;
     let materials: Vec<Material> = scene.groups.iter().map(|g| material(&g.material)).collect();
-    let shot = export::Shot { scene, materials: &materials, camera: shot.camera, size: shot.size };
+    let Shot { camera, size, .. } = *shot;
+    let light_units = LightUnits::default();
+    let shot = export::Shot { scene, materials: &materials, camera, size, light_units };
     let (files, _) = export::export(&shot, target)?;
     if folder.exists() {
         std::fs::remove_dir_all(folder)?;

@@ -6,6 +6,7 @@
 //! devices, pipes or folders. What a reader is about to allocate is first counted against
 //! [`Limits::memory`]; the count is never lowered, so it is a bound from above.
 
+use crate::LightUnits;
 use std::cell::Cell;
 use std::fs::{self, File};
 use std::io::{ErrorKind, Read};
@@ -37,12 +38,19 @@ pub struct Input<'a> {
     pub path: &'a Path,
     /// How far to go.
     pub limits: Limits,
+    /// The units of the lights of a glTF file, where they are not to be taken as the file says.
+    pub light_units: Option<LightUnits>,
 }
 
 impl<'a> Input<'a> {
     /// The file at `path` within `limits`.
     pub fn new(path: &'a Path, limits: Limits) -> Self {
-        Self { path, limits }
+        Self { path, limits, light_units: None }
+    }
+
+    /// The same, its lights in these units, if they are stated.
+    pub fn in_light_units(self, light_units: Option<LightUnits>) -> Self {
+        Self { light_units, ..self }
     }
 }
 

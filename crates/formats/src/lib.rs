@@ -13,6 +13,7 @@ pub mod fspy;
 pub mod gltf;
 pub mod import;
 pub mod input;
+mod light_units;
 pub mod materials;
 mod names;
 mod numbers;
@@ -28,4 +29,5 @@ mod texels;
 
 pub use error::FileError;
 pub use input::{Input, Limits};
+pub use light_units::LightUnits;
 pub use scene_file::{load_model, load_scene, place, wear};

@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
+use unrender_formats::LightUnits;
 use unrender_formats::export::{self, Shot, Target};
 use unrender_scene::{Camera, Group, Image, Material, Mesh, Object, Rgb, Scene, Texture, Wrap};
 
@@ -21,7 +22,13 @@ fn scene(names: &[&str]) -> Scene {
 fn export(scene: &Scene, target: Target) -> export::Files {
     let camera = Camera::look_at("c", Vec3::ONE, Vec3::ZERO, Vec3::Y, 1.0);
     let materials = scene.materials();
-    let shot = Shot { scene, materials: &materials, camera: &camera, size: (4, 3) };
+    let shot = Shot {
+        scene,
+        materials: &materials,
+        camera: &camera,
+        size: (4, 3),
+        light_units: LightUnits::Radiometric,
+    };
     export::export(&shot, target).unwrap().0
 }
 

@@ -57,7 +57,7 @@ impl Job {
             }
         }
         // Its light may be in the project alone.
-        let (mut scene, told) = unrender_formats::load_model(Input::new(&project.scene, limits))?;
+        let (mut scene, told) = unrender_formats::load_model(project.scene_input())?;
         warnings.extend(told);
         warnings.extend(project.light(&mut scene)?);
         project.check_against(&scene)?;

@@ -7,6 +7,7 @@ use export_scene::{SIZE, camera, scene};
 use programs::{Program, compare, our_picture};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use unrender::converted::converted;
+use unrender::formats::LightUnits;
 use unrender::formats::export::{self, Shot, Target};
 use unrender::scene::{BrdfModel, Material, Rgb, Scene};
 
@@ -49,7 +50,13 @@ fn renders_alike(
     let folder = Folder::new(target.name());
     let converted = converted(scene, &camera, SIZE, target.lobe(scene.brdf));
     let materials: Vec<Material> = converted.into_iter().map(|c| c.material).collect();
-    let shot = Shot { scene, materials: &materials, camera: &camera, size: SIZE };
+    let shot = Shot {
+        scene,
+        materials: &materials,
+        camera: &camera,
+        size: SIZE,
+        light_units: LightUnits::Radiometric,
+    };
     let (files, warnings) = export::export(&shot, target).unwrap();
     assert!(warnings.0.is_empty(), "{warnings:?}");
     export::write(&folder.0, target, &files).unwrap();
@@ -133,7 +140,13 @@ fn exported(target: Target) -> (Folder, std::path::PathBuf) {
     let (scene, camera) = (scene(), camera());
     let converted = converted(&scene, &camera, SIZE, target.lobe(scene.brdf));
     let materials: Vec<Material> = converted.into_iter().map(|c| c.material).collect();
-    let shot = Shot { scene: &scene, materials: &materials, camera: &camera, size: SIZE };
+    let shot = Shot {
+        scene: &scene,
+        materials: &materials,
+        camera: &camera,
+        size: SIZE,
+        light_units: LightUnits::Radiometric,
+    };
     let (files, _) = export::export(&shot, target).unwrap();
     export::write(&path, target, &files).unwrap();
     (folder, path)
@@ -211,7 +224,13 @@ fn back(target: Target, file: &str) -> Scene {
     let folder = Folder::new(&format!("{target}-back"));
     let (scene, camera) = (scene(), camera());
     let materials = scene.materials();
-    let shot = Shot { scene: &scene, materials: &materials, camera: &camera, size: SIZE };
+    let shot = Shot {
+        scene: &scene,
+        materials: &materials,
+        camera: &camera,
+        size: SIZE,
+        light_units: LightUnits::Radiometric,
+    };
     let (files, _) = export::export(&shot, target).unwrap();
     export::write(&folder.0, target, &files).unwrap();
     let (back, warnings) = unrender::formats::load_scene(&folder.0.join(file)).unwrap();

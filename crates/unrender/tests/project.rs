@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use std::path::Path;
-use unrender::formats::FileError;
+use unrender::formats::{FileError, LightUnits};
 use unrender::photo::vignetting::Law;
 use unrender::photo::{Exposure, Response};
 use unrender::project::{CameraChoice, ResponseChoice, VignettingChoice};
@@ -52,11 +52,14 @@ fn what_is_left_out_has_its_default() {
     let (project, warnings) = parse("").unwrap();
     assert_eq!(warnings.0.len(), 1, "no exposure");
     assert_eq!((project.response, project.brdf), (None, WardModel::WardGmd.into()));
-    assert_eq!(project.camera, CameraChoice::First);
+    assert_eq!((project.camera, project.light_units), (CameraChoice::First, None));
     let gamma = ResponseChoice::Stated(Response::Gamma(2.0));
     assert_eq!(good("response = { gamma = 2 }").response, Some(gamma));
     let measured = ResponseChoice::Measured("folder/curves/mine.csv".into());
     assert_eq!(good("response = \"curves/mine.csv\"").response, Some(measured));
+    let light_units = |name: &str| good(&format!("light_units = \"{name}\"")).light_units;
+    assert_eq!(light_units("blender-standard"), Some(LightUnits::BlenderStandard));
+    assert_eq!(light_units("radiometric"), Some(LightUnits::Radiometric));
     let vignetting = |text: &str| good(&format!("vignetting = {text}")).vignetting;
     assert_eq!(vignetting("\"cos4\""), Some(VignettingChoice::Stated(Law::Cos4)));
     assert_eq!(vignetting("\"auto\""), Some(VignettingChoice::Auto));
@@ -152,6 +155,8 @@ fn every_fault_names_its_key_or_line() {
         ("white_level = [1, inf, 1]", "white_level is [1, inf, 1]"),
         ("black_level = 0.2\nwhite_level = [1, 0.2, 1]", "white_level is [1, 0.2, 1]"),
         ("white_level = [1, 1]", "white_level is [1, 1]; give a number or three"),
+        ("light_units = \"lumen\"", "light_units: there are no light units \"lumen\""),
+        ("light_units = 683", "invalid type"),
         ("vignetting = \"strong\"", "vignetting: there is no \"strong\""),
         ("vignetting = 0.5", "vignetting: give \"cos4\""),
         ("vignetting = { radial = 0.5 }", "vignetting: give \"cos4\""),

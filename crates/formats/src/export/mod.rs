@@ -17,7 +17,7 @@ mod ply;
 mod radiance;
 mod tiling;
 
-use crate::{FileError, atomic, gltf};
+use crate::{FileError, LightUnits, atomic, gltf};
 use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
@@ -34,6 +34,8 @@ pub struct Shot<'a> {
     pub camera: &'a Camera,
     /// Width and height of the picture, pixels.
     pub size: (usize, usize),
+    /// The units of a glTF file's lights.
+    pub light_units: LightUnits,
 }
 
 /// The files of an export: their paths relative to its folder, with forward slashes, and contents.
@@ -147,7 +149,8 @@ fn gltf(shot: &Shot) -> Result<(Files, Warnings), String> {
     let aspect = Some(shot.size.0 as f32 / shot.size.1 as f32);
     let camera = Camera { aspect, ..shot.camera.clone() };
     let scene = Scene { cameras: vec![camera], ..shot.scene.clone() };
-    let bytes = gltf::to_glb_as(&scene, shot.materials).map_err(|error| error.to_string())?;
+    let bytes = gltf::to_glb_as(&scene, shot.materials, shot.light_units);
+    let bytes = bytes.map_err(|error| error.to_string())?;
     Ok((vec![("scene.glb".into(), bytes)], warnings))
 }
 

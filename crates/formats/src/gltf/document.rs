@@ -3,16 +3,7 @@
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::Value;
-
-/// The extensions that are read, or whose absence changes nothing.
-pub(super) const UNDERSTOOD: [&str; 6] = [
-    "KHR_lights_punctual",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_specular",
-    "KHR_materials_anisotropy",
-    "KHR_mesh_quantization",
-];
+use std::collections::BTreeMap;
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
@@ -52,6 +43,10 @@ pub(super) struct Document {
 #[derive(Deserialize)]
 pub(super) struct Asset {
     pub(super) version: String,
+    #[serde(default)]
+    pub(super) generator: Value,
+    #[serde(default)]
+    pub(super) extras: Value,
 }
 
 #[derive(Deserialize, Default)]
@@ -152,6 +147,19 @@ pub(super) struct Attributes {
     pub(super) normal: Option<usize>,
     pub(super) tangent: Option<usize>,
     pub(super) texcoord_0: Option<usize>,
+    #[serde(flatten)]
+    pub(super) others: BTreeMap<String, Value>,
+}
+
+impl Attributes {
+    /// The accessor of `TEXCOORD_set`.
+    pub(super) fn texcoord(&self, set: usize) -> Option<usize> {
+        if set == 0 {
+            return self.texcoord_0;
+        }
+        let index = self.others.get(&format!("TEXCOORD_{set}"))?.as_u64()?;
+        usize::try_from(index).ok()
+    }
 }
 
 #[derive(Deserialize)]
@@ -187,6 +195,26 @@ pub(super) struct TextureInfo {
     pub(super) index: usize,
     #[serde(default)]
     pub(super) tex_coord: usize,
+    #[serde(default)]
+    pub(super) extensions: TextureExtensions,
+}
+
+#[derive(Deserialize, Default)]
+pub(super) struct TextureExtensions {
+    #[serde(rename = "KHR_texture_transform")]
+    pub(super) transform: Option<TextureTransform>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct TextureTransform {
+    #[serde(default)]
+    pub(super) offset: [f64; 2],
+    #[serde(default)]
+    pub(super) rotation: f64,
+    #[serde(default = "unscaled")]
+    pub(super) scale: [f64; 2],
+    pub(super) tex_coord: Option<usize>,
 }
 
 #[derive(Deserialize, Default)]
@@ -327,6 +355,10 @@ fn one() -> f64 {
 
 fn white() -> [f64; 3] {
     [1.0; 3]
+}
+
+fn unscaled() -> [f64; 2] {
+    [1.0; 2]
 }
 
 fn opaque_white() -> [f64; 4] {

@@ -1,19 +1,20 @@
 //! The file that a scene came from, in which materials and lights are what the scene says.
 
 use super::Problem;
-use super::document::UNDERSTOOD;
+use super::extensions::UNDERSTOOD;
 use super::names::group_names;
 use super::source::Source;
 use super::ward::{self, object};
 use super::write::Glb;
-use super::{lights, material};
+use super::{lights, material, transform};
 use crate::{FileError, Input};
 use serde_json::{Value, json};
 use unrender_scene::{Rgb, Scene, Warnings};
 
 /// The bytes of a `.glb` with everything that is in the glTF file `source` (hierarchy, names,
 /// extras, animations), in which every material that is a group of `scene` wears that group's
-/// reflectance and emission, and the lights of `scene` are as bright as they are there. Buffers and
+/// reflectance and emission, and the lights of `scene` are as bright as they are there, in
+/// the units of the file. Buffers and
 /// pictures beside the file are embedded.
 ///
 /// # Errors
@@ -46,7 +47,7 @@ fn dressed(source: &Source, scene: &Scene) -> Result<Vec<u8>, Problem> {
             material::set_emission(json, emission);
         }
     }
-    lights::dress(&mut glb, &source.document, scene)?;
+    lights::dress(&mut glb, source, scene)?;
     glb.finish()
 }
 
@@ -117,6 +118,7 @@ pub(super) fn list_extensions(root: &mut Value) {
         let materials = root["materials"].as_array();
         root["extensions"].get(name).is_some()
             || materials.is_some_and(|all| all.iter().any(|m| m["extensions"].get(name).is_some()))
+            || name == transform::EXTENSION && transform::is_used_in(&root["materials"])
     };
     let ours = UNDERSTOOD.iter().filter(|name| **name != "KHR_mesh_quantization");
     let dropped = ["KHR_materials_pbrSpecularGlossiness", "KHR_materials_unlit"];

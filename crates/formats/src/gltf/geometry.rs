@@ -2,6 +2,7 @@
 
 use super::document::Primitive;
 use super::source::Source;
+use super::transform::Layout;
 use super::{Problem, accessor};
 use glam::{DAffine3, DMat3, DVec3, Vec3, Vec4};
 use unrender_scene::{Mesh, Warnings};
@@ -21,7 +22,8 @@ pub(super) fn world_mesh(
         warnings.push("Points and lines of the scene were left out; only triangles count.");
         return Ok(None);
     }
-    let Some(mut mesh) = local_mesh(source, primitive)? else { return Ok(None) };
+    let layout = Layout::of(&source.document, primitive.material)?;
+    let Some(mut mesh) = local_mesh(source, primitive, layout.set)? else { return Ok(None) };
     keep_used_vertices(&mut mesh);
     place(&mut mesh, world_from_node);
     let has_zero_normal = mesh.normals.contains(&Vec3::ZERO);
@@ -34,6 +36,7 @@ pub(super) fn world_mesh(
         }
         mesh = Mesh::flat(&mesh.positions, &mesh.uvs, &mesh.triangles);
     }
+    layout.apply(&mut mesh);
     Ok(Some(mesh))
 }
 
@@ -53,8 +56,9 @@ fn too_large() -> Problem {
     "has a mesh of more than 2^32 vertices; split it into several nodes".into()
 }
 
-/// The attributes as they stand in the file, every index in range.
-fn local_mesh(source: &Source, primitive: &Primitive) -> Result<Option<Mesh>, Problem> {
+/// The attributes as they stand in the file, every index in range; of the texture coordinates those
+/// of `set`.
+fn local_mesh(source: &Source, primitive: &Primitive, set: usize) -> Result<Option<Mesh>, Problem> {
     let attributes = &primitive.attributes;
     let Some(position) = attributes.position else { return Ok(None) };
     let positions = accessor::vec3s(source, position)?;
@@ -77,9 +81,9 @@ fn local_mesh(source: &Source, primitive: &Primitive) -> Result<Option<Mesh>, Pr
             fits(mesh.tangents.len(), "TANGENT")?;
         }
     }
-    if let Some(index) = attributes.texcoord_0 {
+    if let Some(index) = attributes.texcoord(set) {
         mesh.uvs = accessor::vec2s(source, index)?;
-        fits(mesh.uvs.len(), "TEXCOORD_0")?;
+        fits(mesh.uvs.len(), &format!("TEXCOORD_{set}"))?;
     }
     let indices = match primitive.indices {
         Some(index) => accessor::indices(source, index)?,

@@ -9,6 +9,8 @@ use glam::{DAffine3, DMat4, DQuat, DVec3};
 pub(super) struct Placed {
     /// Index of the node.
     pub(super) node: usize,
+    /// Index of its parent, if it has one.
+    pub(super) parent: Option<usize>,
     /// Takes the node's own coordinates to the world.
     pub(super) world_from_node: DAffine3,
 }
@@ -18,11 +20,11 @@ pub(super) struct Placed {
 /// Without a default scene the first one counts, and without scenes all nodes count.
 pub(super) fn placed_nodes(document: &Document) -> Result<Vec<Placed>, Problem> {
     let mut seen = vec![false; document.nodes.len()];
-    let mut open: Vec<(usize, DAffine3)> = Vec::new();
+    let mut open: Vec<(usize, Option<usize>, DAffine3)> = Vec::new();
     let roots = roots(document)?;
-    open.extend(roots.iter().rev().map(|&node| (node, DAffine3::IDENTITY)));
+    open.extend(roots.iter().rev().map(|&node| (node, None, DAffine3::IDENTITY)));
     let mut placed = Vec::new();
-    while let Some((index, world_from_parent)) = open.pop() {
+    while let Some((index, parent, world_from_parent)) = open.pop() {
         let node = get(&document.nodes, index, "node")?;
         if std::mem::replace(&mut seen[index], true) {
             return Err(format!(
@@ -32,8 +34,8 @@ pub(super) fn placed_nodes(document: &Document) -> Result<Vec<Placed>, Problem> 
         }
         let local = parent_from_node(node).map_err(|p| format!("node {index} {p}"))?;
         let world_from_node = world_from_parent * local;
-        open.extend(node.children.iter().rev().map(|&child| (child, world_from_node)));
-        placed.push(Placed { node: index, world_from_node });
+        open.extend(node.children.iter().rev().map(|&child| (child, Some(index), world_from_node)));
+        placed.push(Placed { node: index, parent, world_from_node });
     }
     Ok(placed)
 }

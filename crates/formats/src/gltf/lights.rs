@@ -1,13 +1,14 @@
 //! `KHR_lights_punctual` and cameras, from nodes; and the lights of a scene back into its file.
 
-use super::Problem;
-use super::document::{Camera as CameraJson, Document, Light as LightJson, Node};
+use super::document::{Camera as CameraJson, Light as LightJson, Node};
 use super::geometry::unit;
-use super::graph::placed_nodes;
-use super::names::given;
-use super::source::get;
+use super::graph::{Placed, placed_nodes};
+use super::names::{given, holder};
+use super::source::{Source, get};
 use super::ward::object;
 use super::write::Glb;
+use super::{Problem, units};
+use crate::LightUnits;
 use crate::numbers::color_and_factor;
 use glam::{Affine3A, DAffine3, DVec3, Mat3, Vec3};
 use serde_json::{Value, json};
@@ -19,12 +20,14 @@ const PUNCTUAL: &str = "KHR_lights_punctual";
 pub(super) fn light(
     json: &LightJson,
     node_name: Option<&str>,
-    world_from_node: &DAffine3,
+    placed: &Placed,
+    units: LightUnits,
     warnings: &mut Warnings,
 ) -> Result<Light, Problem> {
+    let world_from_node = &placed.world_from_node;
     let name = name_of(json, node_name).to_owned();
     let problem = |what: &str| format!("light \"{name}\" {what}; export the scene again");
-    let strength = strength(json);
+    let strength = strength(json, units);
     if !strength.is_finite() || strength.min_element() < 0.0 {
         return Err(problem("has a negative or infinite intensity"));
     }
@@ -59,13 +62,31 @@ fn name_of<'a>(json: &'a LightJson, node_name: Option<&'a str>) -> &'a str {
     node_name.or_else(|| given(json.name.as_ref())).unwrap_or("light")
 }
 
-fn strength(json: &LightJson) -> Rgb {
-    (DVec3::from_array(json.color) * json.intensity).as_vec3()
+/// The radiant intensity or irradiance of a light, by channel.
+fn strength(json: &LightJson, units: LightUnits) -> Rgb {
+    let radiometric = units.radiometric(json.kind == "directional");
+    (DVec3::from_array(json.color) * json.intensity * radiometric).as_vec3()
+}
+
+/// The colour of a light of this strength, and its intensity in `units`: for our own files to the bit;
+/// else so that the colour's greatest channel is one, and the power that of the light.
+pub(super) fn color_and_intensity(kind: &LightKind, units: LightUnits) -> (Value, f64) {
+    let strength = kind.strength().as_dvec3();
+    let greatest = strength.max_element();
+    if units == LightUnits::Radiometric || greatest <= 0.0 {
+        return color_and_factor(kind.strength());
+    }
+    let is_directional = matches!(kind, LightKind::Directional { .. });
+    (json!((strength / greatest).to_array()), greatest / units.radiometric(is_directional))
 }
 
 /// Makes the lights of the file `document`, which `glb` is to become, as bright as those of `scene`,
-/// which was read from it.
-pub(super) fn dress(glb: &mut Glb, document: &Document, scene: &Scene) -> Result<(), Problem> {
+/// which was read from it, in the file's own units.
+pub(super) fn dress(glb: &mut Glb, source: &Source, scene: &Scene) -> Result<(), Problem> {
+    let (document, units) = (&source.document, source.light_units);
+    if units != units::of(&document.asset, None) {
+        units::note(&mut glb.root, units);
+    }
     let mut wanted = scene.lights.iter();
     for placed in placed_nodes(document)? {
         let node = get(&document.nodes, placed.node, "node")?;
@@ -73,15 +94,15 @@ pub(super) fn dress(glb: &mut Glb, document: &Document, scene: &Scene) -> Result
             continue;
         };
         let json = get(&document.extensions.punctual.lights, index, "light")?;
-        let name = name_of(json, given(node.name.as_ref()));
+        let name = name_of(json, holder(document, &placed));
         let Some(light) = wanted.next().filter(|light| light.name == name) else { continue };
-        if strength(json) == light.kind.strength() {
+        if strength(json, units) == light.kind.strength() {
             continue;
         }
         let uses = |other: &Node| other.extensions.punctual.as_ref().map(|p| p.light);
         let shared = document.nodes.iter().filter(|other| uses(other) == Some(index)).count() > 1;
         let own = if shared { own_light(glb, placed.node, index) } else { index };
-        let (color, intensity) = color_and_factor(light.kind.strength());
+        let (color, intensity) = color_and_intensity(&light.kind, units);
         let json = object(&mut glb.root["extensions"][PUNCTUAL]["lights"][own]);
         json.insert("color".into(), color);
         json.insert("intensity".into(), json!(intensity));
@@ -100,6 +121,11 @@ fn own_light(glb: &mut Glb, node: usize, light: usize) -> usize {
     own
 }
 
+/// The name of a camera: that of its node, else its own.
+pub(super) fn camera_name<'a>(json: &'a CameraJson, node_name: Option<&'a str>) -> &'a str {
+    node_name.or_else(|| given(json.name.as_ref())).unwrap_or("camera")
+}
+
 /// The camera of a node, if it is one in perspective.
 pub(super) fn camera(
     json: &CameraJson,
@@ -107,7 +133,7 @@ pub(super) fn camera(
     world_from_node: &DAffine3,
     warnings: &mut Warnings,
 ) -> Result<Option<Camera>, Problem> {
-    let name = node_name.or_else(|| given(json.name.as_ref())).unwrap_or("camera").to_owned();
+    let name = camera_name(json, node_name).to_owned();
     let Some(perspective) = &json.perspective else {
         warnings.push(format!(
             "camera \"{name}\" is not in perspective and was left out; make it a perspective camera."

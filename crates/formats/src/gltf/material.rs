@@ -201,12 +201,6 @@ impl Reader<'_> {
             ));
             return Ok(None);
         };
-        if info.tex_coord != 0 {
-            self.warnings.push(format!(
-                "material \"{name}\": its texture goes by TEXCOORD_{}; TEXCOORD_0 was used.",
-                info.tex_coord
-            ));
-        }
         let image = texels::linear(&encoded).map(|texel| *texel * factor);
         Ok(Some(Arc::new(Texture { image, wrap_u, wrap_v })))
     }

@@ -6,13 +6,14 @@
 //! - [`to_glb`] writes a scene that has no such file.
 //!
 //! What a Ward material is in glTF's words, both ways, is the business of one file, `ward.rs`.
-//! To understand another extension: name it in `document::UNDERSTOOD`, give it a field there,
-//! and use the field where its owner (material, node, camera) is read.
+//! To understand another extension: name it in `extensions::UNDERSTOOD`, give it a field in
+//! `document`, and use the field where its owner (material, node, camera) is read.
 
 mod accessor;
 mod container;
 mod document;
 mod dress;
+mod extensions;
 mod geometry;
 mod graph;
 mod lights;
@@ -22,12 +23,15 @@ mod place;
 mod read;
 mod source;
 mod texture;
+mod transform;
+mod units;
 mod ward;
 mod write;
 
 pub use dress::dress;
 pub use place::place;
 pub use read::read;
+pub use units::light_units;
 pub use write::{GlbError, to_glb, to_glb_as};
 
 /// What is wrong with a file and what to do, in one sentence without a full stop.

@@ -1,7 +1,11 @@
 //! The file that a scene came from, with one camera more.
 
 use super::Problem;
+use super::graph::{Placed, placed_nodes};
+use super::lights::camera_name;
+use super::names::holder;
 use super::source::Source;
+use super::ward::object;
 use super::write::Glb;
 use crate::{FileError, Input};
 use serde_json::json;
@@ -20,6 +24,15 @@ pub fn place<'a>(source: impl Into<Input<'a>>, camera: &Camera) -> Result<Vec<u8
 }
 
 fn placed(source: &Source, camera: &Camera) -> Result<Vec<u8>, Problem> {
+    let document = &source.document;
+    let mut former = None;
+    for placed in placed_nodes(document)? {
+        let held = document.nodes[placed.node].camera.and_then(|index| document.cameras.get(index));
+        if held.is_some_and(|held| camera_name(held, holder(document, &placed)) == camera.name) {
+            former = Some(placed);
+            break;
+        }
+    }
     let mut glb = Glb::embedding(source);
     let node = glb.camera_node(camera);
     let scene = glb.root["scene"].as_u64().unwrap_or(0) as usize;
@@ -27,15 +40,18 @@ fn placed(source: &Source, camera: &Camera) -> Result<Vec<u8>, Problem> {
         return Err("has no scene to place a camera in; export it again".into());
     }
     let roots = glb.root["scenes"][scene]["nodes"].as_array().cloned().unwrap_or_default();
-    let taken = |index: &usize| {
-        let node = &glb.root["nodes"][*index];
-        node["name"] == json!(camera.name) && node.get("camera").is_some()
+    let stands_alone = |former: &Placed| {
+        let node = &document.nodes[former.node];
+        let holds_more = node.mesh.is_some() || node.extensions.punctual.is_some();
+        former.parent.is_none() && node.children.is_empty() && !holds_more
     };
-    let indices = roots.iter().filter_map(|root| root.as_u64()).map(|root| root as usize);
-    let replaced = indices.into_iter().find(taken);
-    match replaced {
-        Some(index) => glb.root["nodes"][index] = node,
-        None => {
+    match former {
+        Some(former) if stands_alone(&former) => glb.root["nodes"][former.node] = node,
+        former => {
+            // What hangs on the node, and what the node hangs on, stay as they are.
+            if let Some(former) = former {
+                object(&mut glb.root["nodes"][former.node]).remove("camera");
+            }
             let index = glb.push("nodes", node);
             let mut roots = roots;
             roots.push(json!(index));

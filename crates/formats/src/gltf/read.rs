@@ -1,10 +1,10 @@
 //! A glTF file to a scene.
 
-use super::document::UNDERSTOOD;
+use super::extensions::{self, UNDERSTOOD};
 use super::graph::{Placed, placed_nodes};
-use super::names::{given, group_names};
+use super::names::{given, group_names, holder};
 use super::source::{Source, get};
-use super::{Problem, geometry, lights, material};
+use super::{Problem, geometry, lights, material, units};
 use crate::{FileError, Input};
 use std::collections::BTreeMap;
 use unrender_scene::{BrdfModel, Object, Scene, Warnings};
@@ -22,7 +22,11 @@ pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileEr
     let input = input.into();
     let fail = |problem| FileError::new(input.path, problem);
     let source = Source::open(input).map_err(fail)?;
-    scene(&source).map_err(fail)
+    let (scene, mut warnings) = scene(&source).map_err(fail)?;
+    if input.light_units.is_none() {
+        warnings.0.extend(units::told(&source.document, source.light_units));
+    }
+    Ok((scene, warnings))
 }
 
 fn scene(source: &Source) -> Result<(Scene, Warnings), Problem> {
@@ -30,7 +34,7 @@ fn scene(source: &Source) -> Result<(Scene, Warnings), Problem> {
     let mut warnings = Warnings::default();
     for name in &document.extensions_used {
         if !UNDERSTOOD.contains(&name.as_str()) {
-            warnings.push(format!("The glTF extension {name} is not understood; it was ignored."));
+            warnings.push(extensions::ignored(name));
         }
     }
     let names = group_names(document, &mut warnings);
@@ -51,7 +55,7 @@ fn read_node(
 ) -> Result<(), Problem> {
     let document = &source.document;
     let node = get(&document.nodes, placed.node, "node")?;
-    let name = given(node.name.as_ref());
+    let name = holder(document, placed);
     if node.skin.is_some() {
         warnings.push("Skins were ignored; their meshes stand as they were modelled.");
     }
@@ -65,7 +69,7 @@ fn read_node(
     }
     if let Some(punctual) = &node.extensions.punctual {
         let json = get(&document.extensions.punctual.lights, punctual.light, "light")?;
-        scene.lights.push(lights::light(json, name, &placed.world_from_node, warnings)?);
+        scene.lights.push(lights::light(json, name, placed, source.light_units, warnings)?);
     }
     Ok(())
 }
@@ -149,7 +153,7 @@ fn warn_of_missing_uvs(scene: &Scene, warnings: &mut Warnings) {
     for object in &scene.objects {
         if object.mesh.uvs.is_empty() && scene.groups[object.group].material.texture.is_some() {
             warnings.push(format!(
-                "object \"{}\" has no TEXCOORD_0 for the texture of its material; \
+                "object \"{}\" has no texture coordinates for the texture of its material; \
                  unwrap it and export the scene again.",
                 object.name
             ));

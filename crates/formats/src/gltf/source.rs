@@ -1,7 +1,8 @@
 //! An opened glTF file: its JSON, its buffers, and the pictures beside it.
 
-use super::document::{Document, UNDERSTOOD};
-use super::{Problem, container};
+use super::document::Document;
+use super::{Problem, container, extensions, units};
+use crate::LightUnits;
 use crate::input::{Input, Scope};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -18,6 +19,8 @@ pub(super) struct Source {
     pub(super) document: Document,
     /// One entry a buffer, exactly `byteLength` long.
     pub(super) buffers: Vec<Vec<u8>>,
+    /// What the intensities of its lights are.
+    pub(super) light_units: LightUnits,
     folder: PathBuf,
     scope: Scope,
 }
@@ -34,7 +37,8 @@ impl Source {
         check_version(&document)?;
         let folder = input.path.parent().unwrap_or(Path::new("")).to_owned();
         let buffers = load_buffers(&document, parts.bin, &folder, &scope)?;
-        Ok(Self { json, document, buffers, folder, scope })
+        let light_units = units::of(&document.asset, input.light_units);
+        Ok(Self { json, document, buffers, light_units, folder, scope })
     }
 
     /// What bounds the reading of this file.
@@ -85,11 +89,8 @@ fn check_version(document: &Document) -> Result<(), Problem> {
         return Err(format!("is glTF {version}; export the scene as glTF 2.0"));
     }
     let required = &document.extensions_required;
-    match required.iter().find(|name| !UNDERSTOOD.contains(&name.as_str())) {
-        Some(name) => Err(format!(
-            "requires the glTF extension {name}, which is not understood; \
-             export the scene without it (without compression)"
-        )),
+    match required.iter().find(|name| !extensions::may_be_ignored(name)) {
+        Some(name) => Err(extensions::refused(name)),
         None => Ok(()),
     }
 }

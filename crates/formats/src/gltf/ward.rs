@@ -14,6 +14,7 @@
 //! numbers stand in `extras.unrender`, and reading prefers them.
 
 use super::document::MaterialExtensions;
+use super::transform;
 use crate::numbers::{number, triple};
 use crate::record::Record;
 use serde_json::{Map, Value, json};
@@ -65,7 +66,8 @@ fn dielectric_f0(extensions: &MaterialExtensions) -> Rgb {
 }
 
 /// Makes the glTF material `json` wear `material`; `texture` is the index of the glTF texture
-/// that holds its diffuse texture. Names, emission and foreign extras stay.
+/// that holds its diffuse texture, which lies as the one before it. Names, emission and foreign
+/// extras stay.
 pub(super) fn dress(
     json: &mut Value,
     material: &Material,
@@ -89,9 +91,9 @@ pub(super) fn dress(
     pbr.insert("metallicFactor".into(), json!(if is_metal { 1.0 } else { 0.0 }));
     pbr.insert("roughnessFactor".into(), json!(number(roughness)));
     pbr.remove("metallicRoughnessTexture");
-    pbr.remove("baseColorTexture");
+    let former = pbr.remove("baseColorTexture");
     if let Some(index) = texture {
-        pbr.insert("baseColorTexture".into(), json!({ "index": index }));
+        pbr.insert("baseColorTexture".into(), transform::texture_info(index, former.as_ref()));
     }
 
     let extensions = object(root.entry("extensions").or_insert_with(|| json!({})));

@@ -1,13 +1,12 @@
 //! A scene to a `.glb`: one node an object, a light, a camera; everything in world space.
 
-use super::{Problem, container, material, texture, ward};
-use crate::numbers::{color_and_factor, number, triple};
+use super::{Problem, container, lights, material, texture, units, ward};
+use crate::LightUnits;
+use crate::numbers::{number, triple};
 use crate::texels;
 use glam::{Affine3A, Mat3, Vec3};
 use serde_json::{Value, json};
-use unrender_scene::{
-    Camera, Group, Light, LightKind, Material, Mesh, Object, Rgb, Scene, Texture,
-};
+use unrender_scene::{Camera, Group, Light, LightKind, Material, Mesh, Object, Scene, Texture};
 
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
@@ -27,21 +26,28 @@ pub struct GlbError(String);
 /// # Errors
 /// If the scene has coordinates that are not finite or is larger than 4 GiB.
 pub fn to_glb(scene: &Scene) -> Result<Vec<u8>, GlbError> {
-    build(scene, &scene.materials()).map_err(GlbError)
+    build(scene, &scene.materials(), LightUnits::Radiometric).map_err(GlbError)
 }
 
 /// As [`to_glb`], but what other programs see is `shown`, the materials in the words of glTF's own
-/// lobe (GGX), one a group; the exact ones are the scene's.
+/// lobe (GGX), one a group; the exact ones are the scene's. Its lights are in `units`.
 ///
 /// # Errors
 /// As those of [`to_glb`].
-pub fn to_glb_as(scene: &Scene, shown: &[Material]) -> Result<Vec<u8>, GlbError> {
-    build(scene, shown).map_err(GlbError)
+pub fn to_glb_as(
+    scene: &Scene,
+    shown: &[Material],
+    units: LightUnits,
+) -> Result<Vec<u8>, GlbError> {
+    build(scene, shown, units).map_err(GlbError)
 }
 
-fn build(scene: &Scene, shown: &[Material]) -> Result<Vec<u8>, Problem> {
+fn build(scene: &Scene, shown: &[Material], units: LightUnits) -> Result<Vec<u8>, Problem> {
     let mut glb = Glb { root: json!({}), bin: Vec::new() };
     glb.root["asset"] = json!({ "version": "2.0", "generator": "unrender" });
+    if units != LightUnits::Radiometric {
+        units::note(&mut glb.root, units);
+    }
     glb.root["scene"] = json!(0);
     for (group, shown) in scene.groups.iter().zip(shown) {
         let material = glb.material(group, shown, scene)?;
@@ -55,7 +61,7 @@ fn build(scene: &Scene, shown: &[Material]) -> Result<Vec<u8>, Problem> {
         }
     }
     nodes.extend(scene.cameras.iter().map(|camera| glb.camera_node(camera)));
-    nodes.extend(scene.lights.iter().map(|light| glb.light_node(light)));
+    nodes.extend(scene.lights.iter().map(|light| glb.light_node(light, units)));
     let indices: Vec<usize> = nodes.into_iter().map(|node| glb.push("nodes", node)).collect();
     // glTF forbids empty lists, this one as well.
     let nodes = if indices.is_empty() { json!({}) } else { json!({ "nodes": indices }) };
@@ -218,8 +224,8 @@ impl Glb {
         json!({ "name": camera.name, "camera": index, "matrix": matrix(&camera.world_from_camera) })
     }
 
-    fn light_node(&mut self, light: &Light) -> Value {
-        let (json, place) = light_json(&light.kind);
+    fn light_node(&mut self, light: &Light, units: LightUnits) -> Value {
+        let (json, place) = light_json(&light.kind, units);
         let mut json = json;
         json["name"] = json!(light.name);
         let extensions = &mut ward::object(&mut self.root)
@@ -238,20 +244,20 @@ impl Glb {
     }
 }
 
-fn light_json(kind: &LightKind) -> (Value, Affine3A) {
-    let strong = |strength: Rgb, kind: &str| {
-        let (color, intensity) = color_and_factor(strength);
-        json!({ "type": kind, "color": color, "intensity": intensity })
+fn light_json(kind: &LightKind, units: LightUnits) -> (Value, Affine3A) {
+    let strong = |name: &str| {
+        let (color, intensity) = lights::color_and_intensity(kind, units);
+        json!({ "type": name, "color": color, "intensity": intensity })
     };
     match *kind {
-        LightKind::Point { position, intensity } => {
-            (strong(intensity, "point"), Affine3A::from_translation(position))
+        LightKind::Point { position, .. } => {
+            (strong("point"), Affine3A::from_translation(position))
         }
-        LightKind::Directional { direction, irradiance } => {
-            (strong(irradiance, "directional"), along(direction, Vec3::ZERO))
+        LightKind::Directional { direction, .. } => {
+            (strong("directional"), along(direction, Vec3::ZERO))
         }
-        LightKind::Spot { position, direction, intensity, inner_rad, outer_rad } => {
-            let mut json = strong(intensity, "spot");
+        LightKind::Spot { position, direction, inner_rad, outer_rad, .. } => {
+            let mut json = strong("spot");
             json["spot"] = json!({
                 "innerConeAngle": number(inner_rad),
                 "outerConeAngle": number(outer_rad),

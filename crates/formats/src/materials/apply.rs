@@ -143,7 +143,7 @@ fn apply_texture(
 /// # Errors
 /// If neither can be read.
 pub fn read_texture<'a>(input: impl Into<Input<'a>>) -> Result<(Image<Rgb>, Warnings), FileError> {
-    let Input { path, limits } = input.into();
+    let Input { path, limits, .. } = input.into();
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let folder = path.parent().unwrap_or(Path::new(""));
     // Whoever names it may name what is elsewhere.

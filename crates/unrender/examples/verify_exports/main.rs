@@ -13,7 +13,7 @@ use programs::{Program, compare, our_picture};
 use std::path::{Path, PathBuf};
 use unrender::converted::converted;
 use unrender::formats::export::{self, Shot, Target};
-use unrender::formats::materials;
+use unrender::formats::{LightUnits, materials};
 use unrender::scene::{BrdfModel, Camera, Scene, WardModel};
 
 type Failure = Box<dyn std::error::Error>;
@@ -96,7 +96,8 @@ fn rows(
     let conversions = converted(scene, camera, size, target.lobe(scene.brdf));
     let materials: Vec<_> = conversions.iter().map(|c| c.material.clone()).collect();
     let folder = Folder::new();
-    let shot = Shot { scene, materials: &materials, camera, size };
+    let shot =
+        Shot { scene, materials: &materials, camera, size, light_units: LightUnits::Radiometric };
     let (files, _) = export::export(&shot, target)?;
     let path = folder.0.join(if target == Target::Gltf { "scene.glb" } else { "scene" });
     export::write(&path, target, &files)?;

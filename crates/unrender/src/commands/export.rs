@@ -8,7 +8,7 @@ use crate::{Error, interrupt, job, output, result_folder};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_formats::export::{self, Shot, Target};
-use unrender_formats::{Input, Limits, materials};
+use unrender_formats::{Input, LightUnits, Limits, gltf, materials};
 use unrender_recover::convert::Conversion;
 use unrender_scene::{Camera, Group, Material, Scene, WardModel, Warnings};
 
@@ -33,6 +33,10 @@ pub struct Args {
     /// Materials to put onto the scene's groups.
     #[arg(long, value_name = "FILE.json", requires = "scene")]
     pub materials: Option<PathBuf>,
+    /// The units of a glTF file's lights: blender-standard, unitless, blender-raw or radiometric
+    /// [default: as its generator writes them].
+    #[arg(long, value_name = "UNITS", requires = "scene")]
+    pub light_units: Option<LightUnits>,
     /// What to write: blender, gltf, materialx, mitsuba, pbrt or radiance.
     #[arg(long, value_name = "FORMAT")]
     pub to: Target,
@@ -58,6 +62,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     export::check_path(&args.out, args.to)?;
     check_inputs(args)?;
     let (scene, camera, size, warnings) = input(args, global.limits())?;
+    let light_units = light_units(args, global.limits())?;
     warn(&warnings);
     let conversions = converted(&scene, &camera, size, args.to.lobe(scene.brdf));
     if !global.quiet {
@@ -74,7 +79,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         );
     }
     let materials: Vec<Material> = conversions.into_iter().map(|c| c.material).collect();
-    let shot = Shot { scene: &scene, materials: &materials, camera: &camera, size };
+    let shot = Shot { scene: &scene, materials: &materials, camera: &camera, size, light_units };
     let (files, told) = export::export(&shot, args.to)
         .map_err(|problem| Error::Request(format!("the scene cannot be exported: {problem}")))?;
     doubts.extend(told);
@@ -122,16 +127,34 @@ fn folder_environment(args: &Args) -> Result<Option<String>, Error> {
     Ok(run.as_deref().map(run::recovered_environment).transpose()?.flatten())
 }
 
+fn scene_path(args: &Args) -> PathBuf {
+    let of_results = args.results.as_ref().map(|folder| folder.join("scene.glb"));
+    of_results.or_else(|| args.scene.clone()).unwrap_or_default()
+}
+
+/// The units of the lights of a glTF file that is written: those of the one that was read, so that the
+/// program which wrote that one reads the same lights.
+fn light_units(args: &Args, limits: Limits) -> Result<LightUnits, Error> {
+    let path = scene_path(args);
+    let is_gltf = path.extension().is_some_and(|extension| {
+        ["glb", "gltf"].iter().any(|known| extension.eq_ignore_ascii_case(known))
+    });
+    if args.to != Target::Gltf || !is_gltf {
+        return Ok(LightUnits::Radiometric);
+    }
+    Ok(gltf::light_units(Input::new(&path, limits).in_light_units(args.light_units))?)
+}
+
 /// The scene with its materials, the camera, and the size of its picture.
 fn input(args: &Args, limits: Limits) -> Result<(Scene, Camera, (usize, usize), Warnings), Error> {
     if let Some(folder) = &args.results {
         result_folder::check(folder)?;
     }
-    let (path, materials) = match (&args.results, &args.scene) {
-        (Some(folder), _) => (folder.join("scene.glb"), Some(folder.join("materials.json"))),
-        (None, scene) => (scene.clone().unwrap_or_default(), args.materials.clone()),
-    };
-    let (mut scene, mut warnings) = unrender_formats::load_scene(Input::new(&path, limits))?;
+    let path = scene_path(args);
+    let of_results = args.results.as_ref().map(|folder| folder.join("materials.json"));
+    let materials = of_results.or_else(|| args.materials.clone());
+    let source = Input::new(&path, limits).in_light_units(args.light_units);
+    let (mut scene, mut warnings) = unrender_formats::load_scene(source)?;
     if let Some(materials) = materials {
         warnings.extend(materials::apply_from(Input::new(&materials, limits), &mut scene)?);
     }

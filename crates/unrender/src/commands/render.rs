@@ -9,7 +9,7 @@ use crate::subject::Picture;
 use crate::{Error, Project, interrupt, job, output};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use unrender_formats::{Input, Limits, materials, picture};
+use unrender_formats::{Input, LightUnits, Limits, materials, picture};
 use unrender_scene::{Camera, Scene, Warnings};
 
 const DEFAULT_HEIGHT: usize = 512;
@@ -36,6 +36,10 @@ pub struct Args {
     /// Materials to put onto the scene's groups.
     #[arg(long, value_name = "FILE.json")]
     pub materials: Option<PathBuf>,
+    /// The units of a glTF file's lights: blender-standard, unitless, blender-raw or radiometric
+    /// [default: as its generator writes them].
+    #[arg(long, value_name = "UNITS")]
+    pub light_units: Option<LightUnits>,
     /// A panorama that lights the scene from all around and is seen behind it (.hdr, .exr); its
     /// centre lies along -z, its upper edge along +y.
     #[arg(long, value_name = "FILE")]
@@ -129,7 +133,9 @@ fn load(args: &Args, limits: Limits) -> Result<Loaded, Error> {
         (None, scene) => {
             let path = scene.clone().unwrap_or_default();
             // Its light may be the environment that is asked for.
-            let (scene, warnings) = unrender_formats::load_model(Input::new(&path, limits))?;
+            let (scene, warnings) = unrender_formats::load_model(
+                Input::new(&path, limits).in_light_units(args.light_units),
+            )?;
             (scene, None, path, warnings)
         }
     };
@@ -163,6 +169,7 @@ type OfProject = (Scene, Option<(Camera, (usize, usize))>, PathBuf, Warnings);
 fn of_project(args: &Args, path: &Path, limits: Limits) -> Result<OfProject, Error> {
     let (mut project, warnings) = Project::read(path)?;
     project.limits = limits;
+    project.light_units = args.light_units.or(project.light_units);
     for out in std::iter::once(&args.out).chain(&args.effort.checkpoint) {
         output::check_inputs(out, project.inputs())?;
     }

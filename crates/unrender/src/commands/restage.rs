@@ -15,6 +15,7 @@ use std::fmt::Debug;
 use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use unrender_formats::LightUnits;
 use unrender_render::Accumulator;
 use unrender_restage::composite::Gain;
 use unrender_restage::pair::{self, Pairing};
@@ -58,6 +59,10 @@ pub struct Args {
     /// Start from a scene file.
     #[arg(long, value_name = "FILE")]
     pub scene: Option<String>,
+    /// The units of a glTF file's lights: blender-standard, unitless, blender-raw or radiometric
+    /// [default: as its generator writes them].
+    #[arg(long, value_name = "UNITS")]
+    pub light_units: Option<LightUnits>,
     /// Materials to put onto the scene's groups.
     #[arg(long, value_name = "FILE.json")]
     pub materials: Option<String>,
@@ -154,7 +159,8 @@ fn sheets(args: &Args, global: &Global) -> Result<Vec<Sheet>, Error> {
     let flags = flags
         .into_iter()
         .flat_map(|(flag, values)| values.iter().map(move |value| Sheet::of_flag(flag, value)));
-    file.chain(flags).map(|sheet| sheet.map(|sheet| sheet.within(global.limits()))).collect()
+    let within = |sheet: Sheet| sheet.within(global.limits()).in_light_units(args.light_units);
+    file.chain(flags).map(|sheet| sheet.map(within)).collect()
 }
 
 /// The photograph that the change goes into, if that is asked for.

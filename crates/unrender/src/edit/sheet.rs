@@ -4,7 +4,7 @@ use super::raw::RawEdits;
 use crate::Error;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use unrender_formats::{FileError, Limits, input};
+use unrender_formats::{FileError, LightUnits, Limits, input};
 
 /// Edits as they are written, with what messages call their place.
 #[derive(Debug)]
@@ -17,6 +17,7 @@ pub struct Sheet {
     folder: PathBuf,
     pub(super) raw: RawEdits,
     limits: Limits,
+    light_units: Option<LightUnits>,
 }
 
 /// The flags that stand for one edit.
@@ -79,7 +80,7 @@ impl Sheet {
         })?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         let (name, limits) = (path.display().to_string(), Limits::default());
-        Ok(Self { name, text: Some(text), folder, raw, limits })
+        Ok(Self { name, text: Some(text), folder, raw, limits, light_units: None })
     }
 
     /// The edit that a flag with this value stands for.
@@ -96,12 +97,23 @@ impl Sheet {
         let name = format!("{written} '{value}'");
         let raw = toml::from_str(&text)
             .map_err(|error| Error::Request(format!("{name}: {}", error.message())))?;
-        Ok(Self { name, text: None, folder: PathBuf::new(), raw, limits: Limits::default() })
+        let (folder, limits) = (PathBuf::new(), Limits::default());
+        Ok(Self { name, text: None, folder, raw, limits, light_units: None })
     }
 
     /// The same, the reading of whose files may go so far.
     pub fn within(self, limits: Limits) -> Self {
         Self { limits, ..self }
+    }
+
+    /// The same, the lights of whose scene are in these units, if they are stated.
+    pub fn in_light_units(self, light_units: Option<LightUnits>) -> Self {
+        Self { light_units, ..self }
+    }
+
+    /// The units of the lights of the scene to start from, where they are stated.
+    pub(super) fn light_units(&self) -> Option<LightUnits> {
+        self.light_units
     }
 
     /// How far the reading of its files may go.

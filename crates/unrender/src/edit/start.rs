@@ -6,7 +6,7 @@ use crate::{Error, Job, Project, job, result_folder, run};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 use unrender_formats::picture::{self, Picture};
-use unrender_formats::{FileError, Input, Limits, materials};
+use unrender_formats::{FileError, Input, LightUnits, Limits, materials};
 use unrender_photo::{Exposure, Photo, Transfer};
 use unrender_scene::{Camera, Rgb, Scene, Warnings};
 
@@ -65,6 +65,7 @@ impl Start {
         let scene = stated(sheets, |s| s.raw.scene.as_ref());
         let own = stated(sheets, |s| s.raw.materials.as_ref()).map(|m| m.0);
         let limits = sheets.first().map_or_else(Limits::default, Sheet::limits);
+        let light_units = sheets.first().and_then(Sheet::light_units);
         if let Some((folder, ..)) = &recovered {
             result_folder::check(folder)?;
         }
@@ -81,6 +82,7 @@ impl Start {
                 materials.as_deref(),
                 recovered.as_ref().map(|r| &*r.0),
                 limits,
+                light_units,
             );
         }
         let run = recovered.as_ref().filter(|_| scene.is_none()).map(|r| r.0.join("run.json"));
@@ -93,7 +95,8 @@ impl Start {
                     .into(),
             )
         })?;
-        let (start, mut warnings) = Self::of_scene(&scene, materials.as_deref(), limits)?;
+        let source = Input::new(&scene, limits).in_light_units(light_units);
+        let (start, mut warnings) = Self::of_scene(source, materials.as_deref())?;
         if let Some(environment) = around {
             warnings.push(format!(
                 "the recovery had an environment ({environment}), which scene.glb does not hold: \
@@ -103,12 +106,9 @@ impl Start {
         Ok((start, warnings))
     }
 
-    fn of_scene(
-        path: &Path,
-        materials: Option<&Path>,
-        limits: Limits,
-    ) -> Result<(Self, Warnings), Error> {
-        let (mut scene, mut warnings) = unrender_formats::load_scene(Input::new(path, limits))?;
+    fn of_scene(source: Input<'_>, materials: Option<&Path>) -> Result<(Self, Warnings), Error> {
+        let Input { path, limits, .. } = source;
+        let (mut scene, mut warnings) = unrender_formats::load_scene(source)?;
         if let Some(materials) = materials {
             let materials = Input::new(materials, limits);
             warnings.extend(materials::apply_from(materials, &mut scene)?);
@@ -122,9 +122,11 @@ impl Start {
         materials: Option<&Path>,
         recovered: Option<&Path>,
         limits: Limits,
+        light_units: Option<LightUnits>,
     ) -> Result<(Self, Warnings), Error> {
         let (mut project, warnings) = Project::read(path)?;
         project.limits = limits;
+        project.light_units = light_units.or(project.light_units);
         let Job { mut scene, mut camera, mut photo, mut transfer, project, mut warnings, .. } =
             Job::load(project, warnings)?;
         let mut found = None;

@@ -15,7 +15,7 @@ pub use photograph::{ResponseChoice, VignettingChoice};
 use crate::lighting::EnvironmentChoice;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use unrender_formats::{FileError, Limits, input};
+use unrender_formats::{FileError, Input, LightUnits, Limits, input};
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
 use unrender_restage::light::LightEdit;
@@ -68,6 +68,8 @@ pub struct Project {
     pub max_rungs: BTreeMap<String, Hypothesis>,
     /// The camera of the photograph.
     pub camera: CameraChoice,
+    /// The units of the scene's lights, where the project says so.
+    pub light_units: Option<LightUnits>,
     /// How far the reading of the files that it names may go; no key of the file.
     pub limits: Limits,
 }
@@ -145,6 +147,11 @@ impl Project {
     pub fn max_rung_of(&self, group: &str) -> Hypothesis {
         let own = self.max_rungs.get(group).copied();
         own.or(self.max_rung).unwrap_or(Hypothesis::Textured)
+    }
+
+    /// The scene file as it is to be read.
+    pub(crate) fn scene_input(&self) -> Input<'_> {
+        Input::new(&self.scene, self.limits).in_light_units(self.light_units)
     }
 
     /// The files that a recovery of it reads, as far as it names them itself.

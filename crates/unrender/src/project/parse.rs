@@ -7,7 +7,7 @@ use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use toml::Value;
-use unrender_formats::Limits;
+use unrender_formats::{LightUnits, Limits};
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
 use unrender_restage::light::LightEdit;
@@ -53,6 +53,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     let white_level = raw.white_level.as_ref();
     let white_level = white_level.map(|value| photograph::white_level(value, black_level));
     let brdf = raw.recover.brdf.as_deref().map(str::parse::<BrdfModel>).transpose();
+    let light_units = raw.light_units.as_deref().map(str::parse::<LightUnits>).transpose();
     let project = Project {
         path: path.to_owned(),
         scene: folder.join(&raw.scene),
@@ -74,6 +75,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         thresholds: thresholds(&raw.recover.thresholds)?,
         max_rung,
         max_rungs,
+        light_units: light_units.map_err(|problem| format!("light_units: {problem}"))?,
         limits: Limits::default(),
         camera: raw.camera.map_or(Ok(CameraChoice::First), camera)?,
     };

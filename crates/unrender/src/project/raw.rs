@@ -28,6 +28,7 @@ pub(super) struct RawProject {
     #[serde(default)]
     pub(super) recover: RawRecover,
     pub(super) camera: Option<Value>,
+    pub(super) light_units: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -20,7 +20,7 @@ use crate::engine::Recovered;
 use crate::run::{Pictures, Run};
 use crate::{Error, Job, report};
 use std::path::Path;
-use unrender_formats::{FileError, Input, atomic, gltf, materials, picture};
+use unrender_formats::{FileError, atomic, gltf, materials, picture};
 use unrender_scene::color::srgb_from_linear;
 use unrender_scene::{Rgb, Scene, Warnings};
 
@@ -115,7 +115,7 @@ fn scene_file(job: &Job, recovered: &Recovered) -> Result<Vec<u8>, FileError> {
     if job.project.rebuilds_lights() {
         return gltf::to_glb(&scene).map_err(|error| FileError::new(path, error));
     }
-    unrender_formats::wear(Input::new(path, job.project.limits), &scene)
+    unrender_formats::wear(job.project.scene_input(), &scene)
 }
 
 /// The scene with the recovered materials on.

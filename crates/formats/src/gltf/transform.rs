@@ -1,0 +1,115 @@
+//! `KHR_texture_transform`: how the base colour lies on the texture coordinates.
+//!
+//! With the offset `o`, the angle `r` and the scale `s` of the file, a texture is looked up at
+//!
+//! ```text
+//! u' = o_u + cos(r) s_u u + sin(r) s_v v
+//! v' = o_v - sin(r) s_u u + cos(r) s_v v
+//! ```
+//!
+//! (counter-clockwise, as v grows downwards). A mesh has one set of texture coordinates, which here
+//! are `(u', v')` of its material's base colour: primitives of other materials have others. The
+//! record of the transform stays in files that are written back, since a texture that was recovered
+//! lies in `(u', v')`, too. The emissive texture is not read, and of others only the mean counts.
+
+use super::Problem;
+use super::document::{Document, TextureInfo};
+use glam::{DAffine2, DMat2, DVec2, Vec3, Vec4};
+use serde_json::{Value, json};
+use unrender_scene::Mesh;
+
+/// The name of the extension.
+pub(super) const EXTENSION: &str = "KHR_texture_transform";
+
+/// Which texture coordinates a material goes by, and how they are transformed.
+pub(super) struct Layout {
+    /// The number of the set, n of `TEXCOORD_n`.
+    pub(super) set: usize,
+    transform: Option<DAffine2>,
+}
+
+impl Layout {
+    /// The layout of material `index`; without a base colour texture that of the plain `TEXCOORD_0`.
+    pub(super) fn of(document: &Document, index: Option<usize>) -> Result<Self, Problem> {
+        let material = index.and_then(|index| document.materials.get(index));
+        let pbr = material.and_then(|material| material.pbr_metallic_roughness.as_ref());
+        let info = pbr.and_then(|pbr| pbr.base_color_texture.as_ref());
+        info.map_or(Ok(Self { set: 0, transform: None }), Self::of_texture)
+    }
+
+    fn of_texture(info: &TextureInfo) -> Result<Self, Problem> {
+        let Some(json) = &info.extensions.transform else {
+            return Ok(Self { set: info.tex_coord, transform: None });
+        };
+        let (scale, (sin, cos)) = (DVec2::from_array(json.scale), json.rotation.sin_cos());
+        let matrix =
+            DMat2::from_cols(scale.x * DVec2::new(cos, -sin), scale.y * DVec2::new(sin, cos));
+        let transform = DAffine2::from_mat2_translation(matrix, DVec2::from_array(json.offset));
+        if !transform.to_cols_array().iter().all(|number| (*number as f32).is_finite()) {
+            return Err(format!(
+                "the {EXTENSION} of its material is not finite; export the scene again"
+            ));
+        }
+        let transform = (transform != DAffine2::IDENTITY).then_some(transform);
+        Ok(Self { set: json.tex_coord.unwrap_or(info.tex_coord), transform })
+    }
+
+    /// Transforms the texture coordinates of `mesh`. Where that turns the direction of growing u, from
+    /// which brushed directions count, and the mesh has no tangents, it gets those of before.
+    pub(super) fn apply(&self, mesh: &mut Mesh) {
+        let Some(transform) = self.transform.filter(|_| !mesh.uvs.is_empty()) else { return };
+        // Surfaces where u grows in the same direction as u': the first row is (positive, 0).
+        let matrix = transform.matrix2;
+        let is_turned = matrix.x_axis.x <= 0.0 || matrix.x_axis.y != 0.0 || matrix.y_axis.x != 0.0;
+        if mesh.tangents.is_empty() && is_turned {
+            mesh.tangents = along_u(mesh);
+        }
+        for uv in &mut mesh.uvs {
+            *uv = transform.transform_point2(uv.as_dvec2()).as_vec2();
+        }
+    }
+}
+
+/// At each vertex the direction of growing u; where there is none world +x, or +z on surfaces that
+/// face along x, as for meshes without texture coordinates.
+fn along_u(mesh: &Mesh) -> Vec<Vec4> {
+    let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize]);
+        let [s, t, w] = triangle.map(|i| mesh.uvs[i as usize]);
+        let (t, w) = (t - s, w - s);
+        // Weighted by the area, its sign that of the texture's.
+        let tangent = ((b - a) * w.y - (c - a) * t.y) * t.perp_dot(w).signum();
+        triangle.iter().for_each(|&i| sums[i as usize] += tangent);
+    }
+    let on_surface = |(sum, normal): (&Vec3, &Vec3)| {
+        let projected = |v: Vec3| (v - normal.dot(v) * *normal).try_normalize();
+        let wanted = [sum.normalize_or_zero(), Vec3::X, Vec3::Z];
+        let is_along = |v: &Vec3| v.cross(*normal).length() > 1e-3;
+        let tangent = wanted.into_iter().filter(is_along).find_map(projected);
+        tangent.unwrap_or(Vec3::X).extend(1.0)
+    };
+    sums.iter().zip(&mesh.normals).map(on_surface).collect()
+}
+
+/// The words of a material for glTF texture `index` that lies where the texture `former` lay.
+pub(super) fn texture_info(index: usize, former: Option<&Value>) -> Value {
+    let mut info = json!({ "index": index });
+    let Some(former) = former else { return info };
+    if let Some(set) = former["texCoord"].as_u64().filter(|set| *set != 0) {
+        info["texCoord"] = json!(set);
+    }
+    if let Some(transform) = former["extensions"].get(EXTENSION) {
+        info["extensions"] = json!({ EXTENSION: transform });
+    }
+    info
+}
+
+/// Whether `json`, or something in it, has the extension.
+pub(super) fn is_used_in(json: &Value) -> bool {
+    match json {
+        Value::Object(map) => map.iter().any(|(key, value)| key == EXTENSION || is_used_in(value)),
+        Value::Array(items) => items.iter().any(is_used_in),
+        _ => false,
+    }
+}
