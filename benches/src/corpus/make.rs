@@ -168,7 +168,7 @@ pub(crate) fn verify(plan: &Plan, folder: &Folder) -> Result<bool, Failure> {
 /// Where is kept whether a photograph is that of its truth.
 const SOUND: &str = "sound.json";
 
-/// Whether the photograph is that of the truth, by [`verify`], which is done once.
+/// Whether the photograph is that of the truth, by [`mod@verify`], which is done once.
 ///
 /// # Errors
 /// If the photograph cannot be read.

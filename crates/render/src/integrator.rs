@@ -4,7 +4,7 @@
 //! any [`SampleAllocation`] to an accumulator, so that pictures can be rendered in shards or
 //! adaptively ([`crate::adaptive`]). Two integrators estimate the samples: [`Integrator::Path`]
 //! traces independent paths ([`crate::path`]), [`Integrator::PathReuse`] reuses the paths of
-//! neighbouring pixels ([`crate::path_reuse`]).
+//! neighbouring pixels (`crate::path_reuse`).
 
 use crate::adaptive::{self, AdaptiveSampling, SampleAllocation};
 use crate::appearance::Appearance;

@@ -14,7 +14,7 @@
 //! Ward's slopes have the standard deviation `alpha / sqrt 2`, so the caustic has
 //! `sqrt 2 alpha / (1 + a/b)`; the angular radius of the lamp is added in quadrature.
 //!
-//! Cost: each of the first diffuse vertices of a path tests up to [`PAIRS_MAX`] pairs of a plane
+//! Cost: each of the first diffuse vertices of a path tests up to `PAIRS_MAX` pairs of a plane
 //! and a lamp.
 
 mod vmf;

@@ -31,7 +31,7 @@ struct VmfLobe {
     norm: f32,
 }
 
-/// A mixture of up to [`LOBES_MAX`] lobes of equal weight, and the probability of using it.
+/// A mixture of up to `LOBES_MAX` lobes of equal weight, and the probability of using it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VmfMixture {
     lobes: [VmfLobe; LOBES_MAX],
@@ -71,7 +71,7 @@ impl VmfMixture {
         share: 0.2,
     };
 
-    /// Lobes about the first [`LOBES_MAX`] of the `axes`, each with its standard deviation in
+    /// Lobes about the first `LOBES_MAX` of the `axes`, each with its standard deviation in
     /// radians in the tangent plane of the sphere, clamped to 0.002 to 0.5.
     pub fn towards(axes: &[(Vec3, f32)]) -> Self {
         let mut mixture = Self::NONE;
