@@ -91,6 +91,12 @@ pub struct Effort {
     pub probe: ProbeSettings,
 }
 
+/// A model that is this many times brighter than the photograph around a pixel may not be as much more
+/// wrong there: with weights from its own light alone, a lobe could grow brighter and brighter, and pay
+/// less and less for it. At half of it the photograph's dark pixels begin to rule, at double sharp
+/// lobes grow.
+const BRIGHTER: f32 = 2.0;
+
 impl Evidence {
     /// Gathers the evidence on group `group` behind `pixels`, under the current `appearance`.
     pub fn gather(
@@ -127,12 +133,17 @@ impl Evidence {
         let smooth = self.blocks.smooth(&light);
         let bounded: Vec<bool> = self.pixels.iter().map(|p| p.reading != Reading::Value).collect();
         let of_bounded = self.blocks.mean_where(&light, |i| bounded[i]);
-        let mean = light.iter().sum::<Rgb>() / light.len().max(1) as f32;
+        let count = light.len().max(1) as f32;
+        let photograph: Vec<Rgb> = self.pixels.iter().map(|p| p.radiance).collect();
+        let shown = self.blocks.smooth(&photograph);
+        let shown_mean = photograph.iter().sum::<Rgb>() / count;
+        let mean = (light.iter().sum::<Rgb>() / count).min(BRIGHTER * shown_mean);
         for (pixel, &block) in self.pixels.iter_mut().zip(&self.blocks.of_pixel) {
             let block = block as usize;
-            let level2 = level2(mean, smooth[block]);
+            let local = smooth[block].min(shown_mean + BRIGHTER * shown[block]);
+            let level2 = level2(mean, local);
             pixel.level = level2.map(f32::sqrt);
-            pixel.variance = pixel.noise.variance(smooth[block]);
+            pixel.variance = pixel.noise.variance(local);
             let weight = error.weight(pixel.variance, level2, self.blocks.sizes[block]);
             let is_met = of_bounded[block].cmpge(pixel.radiance);
             pixel.weight = match pixel.reading {

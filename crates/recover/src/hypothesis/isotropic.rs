@@ -54,7 +54,26 @@ pub(super) fn deviance(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], shape: [f32
     let [x, y, theta] = shape;
     let alpha = |alpha: f32| alpha.clamp(ALPHA_RANGE[0], ALPHA_RANGE[1]);
     let shape = [alpha(x), alpha(y), theta];
-    finish(Hypothesis::Isotropic, evidence, diffuse, shape).likelihood.deviance
+    let specular = evidence.lobe(shape[0], shape[1], theta);
+    if shown_by(&specular) < SHOWN_MIN {
+        return UNLIKELY;
+    }
+    with_lobe(Hypothesis::Isotropic, evidence, diffuse, shape, &specular).likelihood.deviance
+}
+
+/// A lobe is a candidate if at least so many sampled pixels show it: fewer than it has numbers for its
+/// shape and strength fit any highlight. At half of it, single bright pixels become mirrors; at double,
+/// small highlights are missed.
+const SHOWN_MIN: f64 = 3.0;
+/// The deviance of what is no candidate.
+const UNLIKELY: f64 = 1e30;
+
+/// How many pixels show the specular term, about: `(sum S)^2 / sum S^2`.
+fn shown_by(specular: &[Vec<Rgb>; 2]) -> f64 {
+    let pixels = || specular[0].iter().zip(&specular[1]);
+    let sums = pixels().map(|(a, b)| f64::from((*a + *b).element_sum()));
+    let (sum, squares) = sums.fold((0.0, 0.0), |(s, q), v| (s + v, q + v * v));
+    if squares > 0.0 { sum * sum / squares } else { 0.0 }
 }
 
 fn cost(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], alpha: f32) -> f64 {
@@ -85,15 +104,22 @@ pub(super) fn finish(
     hypothesis: Hypothesis,
     evidence: &Evidence,
     diffuse: &[Vec<Rgb>; 2],
-    [alpha_x, alpha_y, theta_rad]: [f32; 3],
+    shape: [f32; 3],
 ) -> Fit {
-    let specular = evidence.lobe(alpha_x, alpha_y, theta_rad);
-    let found = crate::fit::linear::fit(
-        evidence,
-        diffuse,
-        Some(&specular),
-        crate::fit::linear::Terms::Both,
-    );
+    let specular = evidence.lobe(shape[0], shape[1], shape[2]);
+    with_lobe(hypothesis, evidence, diffuse, shape, &specular)
+}
+
+/// The same with the lobe's specular term.
+fn with_lobe(
+    hypothesis: Hypothesis,
+    evidence: &Evidence,
+    diffuse: &[Vec<Rgb>; 2],
+    [alpha_x, alpha_y, theta_rad]: [f32; 3],
+    specular: &[Vec<Rgb>; 2],
+) -> Fit {
+    let found =
+        crate::fit::linear::fit(evidence, diffuse, Some(specular), crate::fit::linear::Terms::Both);
     let material = Material {
         rho_s: found.rho_s,
         alpha_x,
@@ -101,7 +127,7 @@ pub(super) fn finish(
         theta_rad,
         ..Material::diffuse(found.rho_d)
     };
-    judged(hypothesis, evidence, material, diffuse, Some(&specular))
+    judged(hypothesis, evidence, material, diffuse, Some(specular))
 }
 
 /// The objective of a black model: makes costs relative, so that tolerances mean the same
