@@ -388,7 +388,7 @@ mod tests {
     }
 
     #[test]
-    fn strays_no_longer_count() {
+    fn outliers_no_longer_count() {
         let mut observation = observed(1.0, |_, _| 0.5);
         let before = observation.pixels_of_group[0].len();
         observation.mark_outliers(0, &[2, 3]);

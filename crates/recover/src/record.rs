@@ -119,7 +119,7 @@ pub struct CandidateRecord {
     pub residual: ResidualStats,
     /// The model error that its residuals call for, as a share of the local light.
     pub model_error: f64,
-    /// Its information criterion less that of the best candidate; zero with the paper's ladder.
+    /// Its information criterion less that of the accepted candidate; zero with the paper's ladder.
     pub criterion: f64,
     /// Whether the group stood on this rung afterwards.
     pub accepted: bool,

@@ -5,7 +5,8 @@
 //! not by noise. Each group counts by the deviance of its blocks under the observation model
 //! ([`crate::model_error`]), its share of model error being estimated: what one group gains does not
 //! drown in what another has always lacked. Residuals are in units of the photograph's values, so
-//! that states of different exposure can be compared.
+//! that states of different exposure can be compared. A group whose hypothesis became more complex is
+//! asked by itself too: its own pixels have to bear the change out.
 
 use crate::blocks::{self, Blocks};
 use crate::evidence::spread;

@@ -277,11 +277,11 @@ impl<'o> Candidates<'o> {
         let simpler = self.options.thresholds.simpler;
         for _ in 0..=SIMPLER {
             let before = decisions.last().map_or(fits.len(), |decision| decision.chosen);
-            let allowed =
-                |i: usize| i < before && !self.rejected[group].contains(&fits[i].hypothesis);
             if before == 0 {
                 break;
             }
+            let allowed =
+                |i: usize| i < before && !self.rejected[group].contains(&fits[i].hypothesis);
             decisions.push(comparison.choose(&allowed, simpler));
         }
         decisions

@@ -1,4 +1,4 @@
-//! The selection_log of a group on the ladder: which rungs were tried, what each left, why it stopped.
+//! The selection log of a group: which candidates were fitted, what each left, why one was accepted.
 
 use super::number::{count, percent};
 use super::{Key, Told, parameters};
@@ -6,7 +6,7 @@ use crate::run::{CandidateEntry, RunGroup};
 use maud::{Markup, html};
 use unrender_scene::{Hypothesis, Status};
 
-/// The selection_log.
+/// The selection log, and why the group stands where it does.
 pub(super) fn of(told: &Told<'_>, key: &Key, name: &str, group: &RunGroup) -> Markup {
     html! {
         p class="why" { (reason(told, name, group)) }

@@ -41,7 +41,7 @@ pub struct CandidateEntry {
     /// The model error that its residuals call for, as a share of the local light.
     #[serde(default)]
     pub model_error: Option<f64>,
-    /// Its information criterion less that of the best candidate.
+    /// Its information criterion less that of the accepted candidate.
     #[serde(default)]
     pub criterion: Option<f64>,
     /// Diffuse reflectance.
