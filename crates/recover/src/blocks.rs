@@ -4,22 +4,169 @@
 //! pixels. Pixels are therefore not independent observations; the means over blocks nearly are. Blocks
 //! are a share of their group, not a number of pixels, so that a picture at twice the resolution has
 //! the same blocks.
+//!
+//! Where the photograph changes within a block (a highlight, the edge of a shadow), the shape of the
+//! change is what tells hypotheses apart, and the block's mean would hide it: such a block is divided
+//! into fine ones, and more of its pixels are looked at ([`Grid`]).
 
-use std::collections::BTreeMap;
+use crate::evidence::spread;
+use crate::observation::Observation;
+use std::collections::{BTreeMap, BTreeSet};
 use unrender_scene::Rgb;
 
-/// Blocks of a group at most, about. Half as many tell small highlights less well from their
-/// surroundings, twice as many are correlated.
+/// Blocks of a group at most, about, before uneven ones are divided. Half as many tell small
+/// highlights less well from their surroundings, twice as many are correlated.
 const BLOCKS: usize = 256;
 /// Sampled pixels of a block, about: with those around it and the rest of the group they tell the
 /// rendering noise. One or two leave it uncertain, which likelihoods then mistake for evidence; a dozen
 /// leave small groups with too few blocks to tell anything.
 const SAMPLES: usize = 4;
+/// A block is uneven if its pixels' standard deviation is this share of their level, noise apart. At
+/// half of it slow gradients count, at double the flanks of faint highlights do not.
+const UNEVEN: f32 = 0.12;
+/// An uneven block is divided into so many parts along each side. Two do not show the shape of a small
+/// highlight; eight are single pixels.
+const PARTS: usize = 4;
+/// The share of a sample that uneven blocks get at least, where they have as many pixels. At half of it
+/// the smallest highlights are a dozen pixels; at double the rest of the group has none.
+const UNEVEN_SHARE: f32 = 0.4;
 
 /// The side of a block, pixels, of a group of `pixels` of which `sampled` are looked at.
-pub fn side(pixels: usize, sampled: usize) -> usize {
+fn side(pixels: usize, sampled: usize) -> usize {
     let blocks = (sampled.min(pixels) / SAMPLES).clamp(1, BLOCKS);
     (pixels / blocks).isqrt().max(1)
+}
+
+/// Where a block lies: column and row, in units of the side of blocks like it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Place {
+    /// Whether it is a part of an uneven block.
+    pub fine: bool,
+    /// Column.
+    pub column: usize,
+    /// Row.
+    pub row: usize,
+}
+
+impl Place {
+    /// It and the places of the same kind around it.
+    pub fn around(self) -> impl Iterator<Item = Self> {
+        let columns = move || self.column.saturating_sub(1)..=self.column + 1;
+        let rows = self.row.saturating_sub(1)..=self.row + 1;
+        rows.flat_map(move |row| columns().map(move |column| Self { column, row, ..self }))
+    }
+}
+
+/// How the pixels of one group are sorted into blocks.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Grid {
+    width: usize,
+    side: usize,
+    uneven: BTreeSet<(usize, usize)>,
+}
+
+impl Grid {
+    /// Blocks of one `side`, pixels, in a picture of `width` columns.
+    pub fn even(width: usize, side: usize) -> Self {
+        Self { width, side, uneven: BTreeSet::new() }
+    }
+
+    /// For `pixels` of `group`, of which at most `count` are looked at.
+    pub fn of(observation: &Observation, group: usize, pixels: &[u32], count: usize) -> Self {
+        let side = side(pixels.len(), count.min(pixels.len()));
+        let even = Self::even(observation.picture.values.width(), side);
+        even.dividing_uneven(observation, group, pixels)
+    }
+
+    /// The same, the uneven blocks of `pixels` of `group` divided.
+    #[must_use]
+    pub fn dividing_uneven(
+        mut self,
+        observation: &Observation,
+        group: usize,
+        pixels: &[u32],
+    ) -> Self {
+        let mut blocks: BTreeMap<(usize, usize), Spread> = BTreeMap::new();
+        let mut all = Spread::default();
+        for &pixel in pixels {
+            let value = observation.picture.values.pixels()[pixel as usize];
+            let noise = observation.noise(group, pixel, Rgb::ONE).variance(value);
+            blocks.entry(self.block_of(pixel)).or_default().add(value, noise);
+            all.add(value, noise);
+        }
+        let mean = all.mean();
+        let uneven = blocks.into_iter().filter(|(_, spread)| spread.is_uneven(mean));
+        self.uneven = uneven.map(|(place, _)| place).collect();
+        self
+    }
+
+    fn block_of(&self, pixel: u32) -> (usize, usize) {
+        let (x, y) = (pixel as usize % self.width, pixel as usize / self.width);
+        (x / self.side, y / self.side)
+    }
+
+    /// The place of a pixel's block.
+    pub fn place(&self, pixel: u32) -> Place {
+        let (column, row) = self.block_of(pixel);
+        if self.uneven.contains(&(column, row)) {
+            let side = (self.side / PARTS).max(1);
+            let (x, y) = (pixel as usize % self.width, pixel as usize / self.width);
+            return Place { fine: true, column: x / side, row: y / side };
+        }
+        Place { fine: false, column, row }
+    }
+
+    /// At most `count` of `pixels`, spread evenly but for the uneven blocks, of which more are taken;
+    /// sorted.
+    pub fn sample(&self, pixels: &[u32], count: usize, seed: u64) -> Vec<u32> {
+        if pixels.len() <= count {
+            let mut all = pixels.to_vec();
+            all.sort_unstable();
+            return all;
+        }
+        let (uneven, even): (Vec<u32>, Vec<u32>) =
+            pixels.iter().partition(|pixel| self.uneven.contains(&self.block_of(**pixel)));
+        let share = (uneven.len() as f32 / pixels.len() as f32).max(UNEVEN_SHARE);
+        let of_uneven = ((share * count as f32) as usize).min(uneven.len());
+        let mut sample = spread(&uneven, of_uneven, seed);
+        sample.extend(spread(&even, count - of_uneven, seed));
+        sample.sort_unstable();
+        sample
+    }
+}
+
+/// The values of some pixels.
+#[derive(Clone, Copy, Default)]
+struct Spread {
+    sum: Rgb,
+    squares: Rgb,
+    noise: Rgb,
+    pixels: f32,
+}
+
+/// A block of fewer pixels is not divided.
+const DIVIDED_MIN: f32 = 4.0;
+
+impl Spread {
+    fn add(&mut self, value: Rgb, noise: Rgb) {
+        self.sum += value;
+        self.squares += value * value;
+        self.noise += noise;
+        self.pixels += 1.0;
+    }
+
+    fn mean(&self) -> Rgb {
+        self.sum / self.pixels.max(1.0)
+    }
+
+    /// Whether they are uneven, in a group of mean `of_group`.
+    fn is_uneven(&self, of_group: Rgb) -> bool {
+        let mean = self.mean();
+        let variance = (self.squares - self.noise) / self.pixels - mean * mean;
+        let level2 = 0.5 * (mean * mean + of_group * of_group);
+        self.pixels >= DIVIDED_MIN
+            && variance.element_sum() > UNEVEN * UNEVEN * level2.element_sum()
+    }
 }
 
 /// Some pixels of a picture, sorted into square blocks.
@@ -27,22 +174,21 @@ pub fn side(pixels: usize, sampled: usize) -> usize {
 pub struct Blocks {
     /// The block of every pixel.
     pub of_pixel: Vec<u32>,
-    /// The column and row of every block, in units of its side.
-    pub places: Vec<(usize, usize)>,
+    /// Where every block lies.
+    pub places: Vec<Place>,
     /// The number of pixels of every block.
     pub sizes: Vec<u32>,
 }
 
 impl Blocks {
-    /// The blocks of `side` pixels of `pixels`, indices into a picture of `width` columns.
-    pub fn of(pixels: &[u32], width: usize, side: usize) -> Self {
-        let place = |pixel: u32| (pixel as usize % width / side, pixel as usize / width / side);
-        let mut number: BTreeMap<(usize, usize), u32> = BTreeMap::new();
-        pixels.iter().for_each(|&p| *number.entry(place(p)).or_default() += 1);
+    /// The blocks of `grid` of `pixels`, indices into a picture.
+    pub fn of(pixels: &[u32], grid: &Grid) -> Self {
+        let mut number: BTreeMap<Place, u32> = BTreeMap::new();
+        pixels.iter().for_each(|&p| *number.entry(grid.place(p)).or_default() += 1);
         let sizes = number.values().copied().collect();
-        let places: Vec<(usize, usize)> = number.keys().copied().collect();
+        let places: Vec<Place> = number.keys().copied().collect();
         number.values_mut().enumerate().for_each(|(i, n)| *n = i as u32);
-        let of_pixel = pixels.iter().map(|&p| number[&place(p)]).collect();
+        let of_pixel = pixels.iter().map(|&p| number[&grid.place(p)]).collect();
         Self { of_pixel, places, sizes }
     }
 
@@ -95,12 +241,9 @@ impl Blocks {
         for (value, &block) in values.iter().zip(&self.of_pixel) {
             sums[block as usize] += *value;
         }
-        let number: BTreeMap<(usize, usize), usize> =
-            self.places.iter().enumerate().map(|(i, place)| (*place, i)).collect();
-        let around = |&(x, y): &(usize, usize)| {
-            let rows = y.saturating_sub(1)..=y + 1;
-            let places = rows.flat_map(|row| (x.saturating_sub(1)..=x + 1).map(move |c| (c, row)));
-            let blocks = places.filter_map(|place| number.get(&place).copied());
+        let number = self.numbers();
+        let around = |place: &Place| {
+            let blocks = place.around().filter_map(|place| number.get(&place).copied());
             let (sum, count) =
                 blocks.fold((Rgb::ZERO, 0), |(s, n), b| (s + sums[b], n + self.sizes[b]));
             sum / count.max(1) as f32
@@ -108,13 +251,18 @@ impl Blocks {
         self.places.iter().map(around).collect()
     }
 
+    /// The block at every place.
+    fn numbers(&self) -> BTreeMap<Place, usize> {
+        self.places.iter().enumerate().map(|(i, place)| (*place, i)).collect()
+    }
+
     /// All pairs of blocks side by side or one above the other.
     pub fn neighbours(&self) -> Vec<(usize, usize)> {
-        let number: BTreeMap<(usize, usize), usize> =
-            self.places.iter().enumerate().map(|(i, place)| (*place, i)).collect();
-        let beside = |(i, &(x, y)): (usize, &(usize, usize))| {
-            let next = [(x + 1, y), (x, y + 1)];
-            next.map(|place| number.get(&place).map(|&j| (i, j))).into_iter().flatten()
+        let number = self.numbers();
+        let beside = |(i, &place): (usize, &Place)| {
+            let right = Place { column: place.column + 1, ..place };
+            let below = Place { row: place.row + 1, ..place };
+            [right, below].map(|place| number.get(&place).map(|&j| (i, j))).into_iter().flatten()
         };
         self.places.iter().enumerate().flat_map(beside).collect()
     }
@@ -126,7 +274,7 @@ mod tests {
 
     /// A square of 8 x 8 pixels in blocks of 2 x 2.
     fn square() -> Blocks {
-        Blocks::of(&(0..64).collect::<Vec<u32>>(), 8, 2)
+        Blocks::of(&(0..64).collect::<Vec<u32>>(), &Grid::even(8, 2))
     }
 
     #[test]

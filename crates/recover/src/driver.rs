@@ -116,6 +116,7 @@ impl Driver<'_> {
         let mut waiting = vec![proposals];
         while let Some(mut proposals) = waiting.pop() {
             if let Some(found) = self.try_one(state, &proposals, best, follow, observer)? {
+                proposals.iter().for_each(|proposal| proposal.record(state, true));
                 (*best, accepted) = (found, true);
                 continue;
             }
@@ -126,6 +127,7 @@ impl Driver<'_> {
                 waiting.push(proposals);
             } else if let Some(proposal) = proposals.pop() {
                 self.candidates.reject(&proposal);
+                proposal.record(state, false);
                 waiting.extend(proposal.otherwise(state).map(|next| vec![next]));
             }
         }
@@ -145,15 +147,17 @@ impl Driver<'_> {
         observer: &mut dyn Observer,
     ) -> Result<Option<Verified>, RecoverError> {
         proposals.iter().for_each(|proposal| proposal.apply(state));
-        let mut found = self.verifier.verify(state);
-        let changed: Vec<usize> = proposals.iter().map(|proposal| proposal.group).collect();
-        let loses = |found: &Verified, proposal: &Proposal| {
-            proposal.is_more_complex && !found.score.bears_out(&best.score, proposal.group)
+        let is_borne_out = |proposal: &Proposal| {
+            let Proposal { group, adds, is_more_complex, .. } = *proposal;
+            !is_more_complex || self.verifier.bears_out(state, &best.snapshot, group, adds)
         };
-        if proposals.iter().any(|proposal| loses(&found, proposal)) {
+        if !proposals.iter().all(is_borne_out) {
             return Ok(None);
         }
-        if found.score.is_worse_than(&best.score) && found.score.gains(&best.score, &changed) {
+        let mut found = self.verifier.verify(state);
+        let changed: Vec<usize> = proposals.iter().map(|proposal| proposal.group).collect();
+        let mut comparison = self.verifier.compare(&found.score, &best.score);
+        if comparison.is_worse() && comparison.gains(&changed) {
             match follow {
                 Follow::Settle(level) => {
                     let settler = Settler::quick(state, self.options, level);
@@ -164,8 +168,9 @@ impl Driver<'_> {
                 }
             }
             found = self.verifier.verify(state);
+            comparison = self.verifier.compare(&found.score, &best.score);
         }
-        Ok((!found.score.is_worse_than(&best.score)).then_some(found))
+        Ok((!comparison.is_worse()).then_some(found))
     }
 
     /// Refines all parameters together, roughly at first; under that light the hypotheses are asked
@@ -204,7 +209,7 @@ impl Driver<'_> {
     ) -> (Termination, bool) {
         let termination = refine::refine(state, self.options, depth, observer);
         let found = self.verifier.verify(state);
-        let accepted = !found.score.is_worse_than(&best.score);
+        let accepted = !self.verifier.compare(&found.score, &best.score).is_worse();
         if accepted {
             *best = found;
         } else {

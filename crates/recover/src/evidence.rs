@@ -10,12 +10,13 @@
 //! The photograph's own value never enters its weight, since that would let dark pixels rule
 //! ([`Evidence::reweigh`]).
 
-use crate::blocks::{self, Blocks};
-use crate::model_error::{Allowance, LightField, ModelError, level2};
+use crate::blocks::{Blocks, Grid};
+use crate::model_error::{Allowance, LightField, ModelError, followed, level2};
 use crate::observation::{Noise, Observation, Reading};
 use crate::rerender::Renderer;
 use glam::Vec3;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use unrender_render::sampler::mix;
 use unrender_render::{Appearance, GlossyLobe, Probe, ProbeSettings, Probes, RadianceCache};
 use unrender_scene::{BrdfModel, Material, Rgb};
@@ -55,16 +56,17 @@ pub struct Observed {
     /// The radiance that relative errors are relative to: the root mean square of the group's mean
     /// and of the model's light here.
     pub level: Rgb,
-    /// The weight of its residual in fits: the inverse of its variance, zero where a lower bound is
-    /// met.
+    /// The weight of its residual in fits: the inverse of its variance.
     pub weight: Rgb,
 }
 
 /// The light at each pixel of the sample, under one seed.
 #[derive(Clone, Debug, Default)]
 pub struct Gathered {
-    /// One probe a pixel, and their incident samples.
+    /// The probes of all pixels, in the order of the pixels, and their incident samples.
     pub probes: Probes,
+    /// The index of the first probe of every pixel, and the number of all probes.
+    pub starts: Vec<u32>,
 }
 
 /// Where evidence comes from: the photograph, the scale of its values, and the renderer.
@@ -91,12 +93,6 @@ pub struct Effort {
     pub probe: ProbeSettings,
 }
 
-/// A model that is this many times brighter than the photograph around a pixel may not be as much more
-/// wrong there: with weights from its own light alone, a lobe could grow brighter and brighter, and pay
-/// less and less for it. At half of it the photograph's dark pixels begin to rule, at double sharp
-/// lobes grow.
-const BRIGHTER: f32 = 2.0;
-
 impl Evidence {
     /// Gathers the evidence on group `group` behind `pixels`, under the current `appearance`.
     pub fn gather(
@@ -107,49 +103,41 @@ impl Evidence {
         effort: &Effort,
     ) -> Self {
         let Stage { observation, exposure, renderer, seen: known } = *stage;
-        let wanted = spread(pixels, effort.pixels, effort.probe.seed ^ group as u64);
+        let grid = Grid::of(observation, group, pixels, effort.pixels);
+        let wanted = grid.sample(pixels, effort.pixels, effort.probe.seed ^ group as u64);
         let sets = [0u64, 1].map(|half| {
             let seed = mix(effort.probe.seed).wrapping_add(half);
-            let settings = ProbeSettings { seed, probes_per_pixel: 1, ..effort.probe.clone() };
+            let settings = ProbeSettings { seed, ..effort.probe.clone() };
             renderer.probe(appearance, &wanted, &settings, known)
         });
         let seen = pixels_of_both(&sets, group as u32);
-        let sets = sets.map(|probes| Gathered { probes: keep_pixels(probes, &seen, group as u32) });
-        let side = blocks::side(pixels.len(), seen.len());
-        let blocks = Blocks::of(&seen, renderer.geometry().width(), side);
+        let sets = sets.map(|probes| Gathered::of(probes, &seen, group as u32));
+        let blocks = Blocks::of(&seen, &grid);
         let pixels = observe(observation, exposure, group, &seen);
         let allowance = effort.allowance;
-        let field = LightField::of(&blocks, &sets[0].probes, renderer.geometry(), allowance.light);
+        let field = LightField::of(&blocks, &seen, renderer.geometry(), allowance.light);
         Self { model: renderer.model(), pixels, sets, blocks, field, allowance, least_noise: None }
     }
 
     /// Weights every residual by the inverse of its variance, with `material` as the model whose
-    /// light says how bright each pixel is, and `error` the group's model error. A pixel that is only
-    /// known to be at least so bright counts where the model is darker.
+    /// light says how bright each pixel is, and `error` the group's model error.
     ///
     /// The light is averaged over blocks, so that its noise does not enter the weights.
     pub fn reweigh(&mut self, material: &Material, error: ModelError) {
         let light = self.mean_radiance(material);
         let smooth = self.blocks.smooth(&light);
-        let bounded: Vec<bool> = self.pixels.iter().map(|p| p.reading != Reading::Value).collect();
-        let of_bounded = self.blocks.mean_where(&light, |i| bounded[i]);
         let count = light.len().max(1) as f32;
         let photograph: Vec<Rgb> = self.pixels.iter().map(|p| p.radiance).collect();
         let shown = self.blocks.smooth(&photograph);
         let shown_mean = photograph.iter().sum::<Rgb>() / count;
-        let mean = (light.iter().sum::<Rgb>() / count).min(BRIGHTER * shown_mean);
+        let mean = light.iter().sum::<Rgb>() / count;
         for (pixel, &block) in self.pixels.iter_mut().zip(&self.blocks.of_pixel) {
             let block = block as usize;
-            let local = smooth[block].min(shown_mean + BRIGHTER * shown[block]);
+            let (mean, local) = followed((mean, smooth[block]), (shown_mean, shown[block]));
             let level2 = level2(mean, local);
             pixel.level = level2.map(f32::sqrt);
             pixel.variance = pixel.noise.variance(local);
-            let weight = error.weight(pixel.variance, level2, self.blocks.sizes[block]);
-            let is_met = of_bounded[block].cmpge(pixel.radiance);
-            pixel.weight = match pixel.reading {
-                Reading::Value => weight,
-                Reading::AtLeast => Rgb::select(is_met, Rgb::ZERO, weight),
-            };
+            pixel.weight = error.weight(pixel.variance, level2, self.blocks.sizes[block]);
         }
     }
 
@@ -217,34 +205,77 @@ impl Evidence {
     pub fn without(mut self, flags: &[bool]) -> Self {
         let mut kept = flags.iter().map(|flag| !flag);
         self.pixels.retain(|_| kept.next().unwrap_or(true));
-        for set in &mut self.sets {
-            let mut kept = flags.iter().map(|flag| !flag);
-            set.probes.probes.retain(|_| kept.next().unwrap_or(true));
-        }
+        self.sets.iter_mut().for_each(|set| set.remove(flags));
         self.least_noise = None;
         self.field = self.field.without(&self.blocks, flags);
         self.blocks = self.blocks.without(flags);
         self
     }
 
-    fn each(&self, f: impl Fn(&Probe) -> Rgb) -> [Vec<Rgb>; 2] {
-        self.sets.each_ref().map(|set| set.probes.probes.iter().map(&f).collect())
+    fn each(&self, f: impl Fn(&Probe) -> Rgb + Sync) -> [Vec<Rgb>; 2] {
+        self.sets.each_ref().map(|set| set.means(&f))
     }
 }
 
 impl Gathered {
+    /// Those of `probes` behind `pixels` that lie on `group`.
+    fn of(mut probes: Probes, pixels: &[u32], group: u32) -> Self {
+        let wanted: std::collections::HashSet<u32> = pixels.iter().copied().collect();
+        probes.probes.retain(|p| p.group == group && wanted.contains(&p.pixel));
+        Self::new(probes)
+    }
+
+    /// `probes`, in the order of their pixels.
+    pub fn new(probes: Probes) -> Self {
+        let starts = starts(&probes.probes);
+        Self { probes, starts }
+    }
+
+    /// The probes of every pixel.
+    fn of_pixels(&self) -> impl IndexedParallelIterator<Item = &[Probe]> {
+        let ends = self.starts.par_windows(2);
+        ends.map(|ends| &self.probes.probes[ends[0] as usize..ends[1] as usize])
+    }
+
+    /// The first probe of every pixel.
+    pub(crate) fn first(&self) -> impl Iterator<Item = &Probe> {
+        let pixels = self.starts.len().saturating_sub(1);
+        self.starts[..pixels].iter().map(|start| &self.probes.probes[*start as usize])
+    }
+
+    /// The mean of `f` over the probes of every pixel.
+    fn means(&self, f: &(impl Fn(&Probe) -> Rgb + Sync)) -> Vec<Rgb> {
+        let mean = |probes: &[Probe]| probes.iter().map(f).sum::<Rgb>() / probes.len() as f32;
+        self.of_pixels().with_min_len(64).map(mean).collect()
+    }
+
+    /// Removes the pixels that are flagged.
+    fn remove(&mut self, flags: &[bool]) {
+        let ends = self.starts.windows(2);
+        let counts = ends.zip(flags).flat_map(|(e, flag)| (e[0]..e[1]).map(move |_| !flag));
+        let mut kept = counts.collect::<Vec<bool>>().into_iter();
+        self.probes.probes.retain(|_| kept.next().unwrap_or(true));
+        self.starts = starts(&self.probes.probes);
+    }
+
     /// `S` for one lobe: the sum over each probe's incident samples.
     fn lobe(&self, lobe: &GlossyLobe, theta_rad: f32) -> Vec<Rgb> {
         let (sin, cos) = theta_rad.sin_cos();
         let turn = |v: Vec3| Vec3::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z);
-        let at = |probe: &Probe| {
+        self.means(&|probe: &Probe| {
             let wo = turn(probe.wo);
             let incident = self.probes.incident_of(probe).iter();
             let sum: Rgb = incident.map(|i| lobe.value(wo, turn(i.wi)) * i.irradiance).sum();
             probe.throughput * sum
-        };
-        self.probes.probes.par_iter().with_min_len(64).map(at).collect()
+        })
     }
+}
+
+/// The index of the first probe of every pixel, and the number of all probes.
+fn starts(probes: &[Probe]) -> Vec<u32> {
+    let begins = |i: &usize| *i == 0 || probes[*i].pixel != probes[*i - 1].pixel;
+    let begins = (0..probes.len()).filter(begins);
+    begins.chain([probes.len()]).map(|i| i as u32).collect()
 }
 
 /// At most `count` of `pixels`, spread evenly over the list with a jitter.
@@ -262,18 +293,10 @@ pub fn spread(pixels: &[u32], count: usize, seed: u64) -> Vec<u32> {
 
 /// The pixels in which both sets met the group, in order.
 fn pixels_of_both(sets: &[Probes; 2], group: u32) -> Vec<u32> {
-    let of = |probes: &Probes| -> Vec<u32> {
+    let of = |probes: &Probes| -> BTreeSet<u32> {
         probes.probes.iter().filter(|p| p.group == group).map(|p| p.pixel).collect()
     };
-    let (first, second) = (of(&sets[0]), of(&sets[1]));
-    let second: std::collections::HashSet<u32> = second.into_iter().collect();
-    first.into_iter().filter(|p| second.contains(p)).collect()
-}
-
-fn keep_pixels(mut probes: Probes, pixels: &[u32], group: u32) -> Probes {
-    let wanted: std::collections::HashSet<u32> = pixels.iter().copied().collect();
-    probes.probes.retain(|p| p.group == group && wanted.contains(&p.pixel));
-    probes
+    of(&sets[0]).intersection(&of(&sets[1])).copied().collect()
 }
 
 /// The photograph in some pixels of one group, weighted as if the group were equally bright

@@ -17,6 +17,7 @@ pub mod evidence;
 pub mod fit;
 pub mod hypothesis;
 pub mod ladder;
+pub mod likelihood;
 pub mod model_error;
 pub mod observation;
 pub mod outliers;

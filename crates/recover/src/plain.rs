@@ -3,8 +3,7 @@
 //! re-rendering of the group's pixels is further from the photograph with the accepted one, the plain
 //! one is delivered.
 
-use crate::blocks::{self, Blocks};
-use crate::evidence::spread;
+use crate::blocks::{Blocks, Grid};
 use crate::hypothesis::{self, Hypothesis, Search};
 use crate::ladder::effort;
 use crate::ladder::settle::gather;
@@ -60,9 +59,9 @@ pub(crate) fn replace_worse(state: &mut State<'_>, options: &Options) {
 /// The squared residuals of the group's blocks with `material`, the rendering noise taken out.
 fn squares(state: &State<'_>, options: &Options, group: usize, material: &Material) -> Vec<f64> {
     let valid = &state.observation.pixels_of_group[group];
-    let pixels = spread(valid, PIXELS, mix(options.seed ^ 0x91A1));
-    let width = state.observation.picture.values.width();
-    let blocks = Blocks::of(&pixels, width, blocks::side(valid.len(), pixels.len()));
+    let grid = Grid::of(&state.observation, group, valid, PIXELS);
+    let pixels = grid.sample(valid, PIXELS, mix(options.seed ^ 0x91A1));
+    let blocks = Blocks::of(&pixels, &grid);
     let mut materials = state.materials.clone();
     materials[group] = material.clone();
     let halves = [0u64, 1].map(|half| {

@@ -10,6 +10,7 @@
 //! their likelihoods ([`crate::model_error`]).
 
 use crate::evidence::Observed;
+use crate::observation::Reading;
 use unrender_scene::Rgb;
 
 /// The unexplained part of a group's photograph.
@@ -45,6 +46,11 @@ pub fn residual_stats(pixels: &[Observed], model: &[Vec<Rgb>; 2]) -> ResidualSta
         for channel in 0..3 {
             let f = |v: Rgb| f64::from(v[channel]);
             let (w, b) = (f(pixel.weight), f(pixel.radiance));
+            let light = 0.5 * (f(model[0][i]) + f(model[1][i]));
+            if pixel.reading == Reading::AtLeast && light >= b {
+                // A lower bound that the model meets asks for nothing.
+                continue;
+            }
             contribution += w * (b - f(model[0][i])) * (b - f(model[1][i]));
             noise += w * f(pixel.variance);
             scale += w * b * b;

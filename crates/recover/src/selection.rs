@@ -15,7 +15,7 @@
 use crate::blocks::Blocks;
 use crate::evidence::Evidence;
 use crate::hypothesis::{Fit, Hypothesis};
-use crate::model_error::{Likelihood, standardised};
+use crate::likelihood::{Likelihood, standardised};
 use std::collections::BTreeMap;
 
 /// A simpler hypothesis stands unless a more complex one has an information criterion lower by this:
@@ -34,7 +34,7 @@ pub struct Decision {
 }
 
 /// Free parameters of a hypothesis without a texture.
-fn parameters(hypothesis: Hypothesis) -> f64 {
+pub(crate) fn parameters(hypothesis: Hypothesis) -> f64 {
     match hypothesis {
         Hypothesis::Mirror => 0.0,
         Hypothesis::Diffuse | Hypothesis::PartialMirror | Hypothesis::Textured => 3.0,
@@ -113,7 +113,7 @@ impl<'a> Comparison<'a> {
 /// The deviance of `a` less that of `b`, under their common noise.
 fn deviance_difference(a: &Fit, b: &Fit, evidence: &Evidence) -> f64 {
     let deviance = |one: &Fit, other: &Fit| {
-        let residuals = one.residuals.with_noise_of(&other.residuals);
+        let residuals = one.residuals.with_noise(&other.residuals.noise);
         Likelihood::of(&residuals, &evidence.field, evidence.allowance.floor).deviance
     };
     deviance(a, b) - deviance(b, a)
@@ -128,9 +128,13 @@ pub fn explains_alike(fit: &Fit, best: &Fit, evidence: &Evidence) -> bool {
 /// How many of the blocks are independent of each other under `fit`.
 fn independent_blocks(fit: &Fit, evidence: &Evidence) -> f64 {
     let residuals = standardised(&fit.residuals, &evidence.field, &fit.likelihood);
-    let correlation = neighbour_correlation(&evidence.blocks, &residuals);
-    let share = ((1.0 - correlation) / (1.0 + correlation)).powi(2);
-    evidence.blocks.len() as f64 * share.max(LEAST_INDEPENDENT)
+    evidence.blocks.len() as f64 * independent_share(&evidence.blocks, &residuals)
+}
+
+/// The share of the blocks that are independent of each other, from their standardised `residuals`.
+pub(crate) fn independent_share(blocks: &Blocks, residuals: &[glam::DVec3]) -> f64 {
+    let correlation = neighbour_correlation(blocks, residuals);
+    ((1.0 - correlation) / (1.0 + correlation)).powi(2).max(LEAST_INDEPENDENT)
 }
 
 /// The correlation of the values of neighbouring blocks, 0 to 1.

@@ -5,7 +5,7 @@ use crate::correction::Corrected;
 use crate::evidence::{Evidence, Stage};
 use crate::hypothesis::{self, Fit, Hypothesis};
 use crate::ladder::effort;
-use crate::model_error::Likelihood;
+use crate::likelihood::Likelihood;
 use crate::observation::{Observation, ValidPixels};
 use crate::problem::{ExposureRule, Options, Problem, RecoverError, Role};
 use crate::record::{
@@ -61,18 +61,32 @@ impl GroupState {
         };
     }
 
-    /// By how much the information criterion spoke against a diffuse reflectance when the present
-    /// hypothesis was selected; zero if nothing was.
-    pub(crate) fn evidence_against_diffuse(&self) -> f64 {
-        let taken = self.selection_log.iter().rposition(|trial| trial.accepted);
-        let Some(taken) = taken.filter(|at| self.selection_log[*at].hypothesis == self.hypothesis)
-        else {
+    /// By how much the information criterion spoke against the hypothesis `simpler` and for the present
+    /// one when candidates were last compared and one was accepted; zero if none were.
+    pub(crate) fn evidence_against(&self, simpler: Hypothesis) -> f64 {
+        let accepted = self.selection_log.iter().rposition(|trial| trial.accepted);
+        let Some(iteration) = accepted.map(|at| self.selection_log[at].iteration) else {
             return 0.0;
         };
-        let before = self.selection_log[..=taken].iter().rev();
-        let diffuse = before.take(hypothesis::UNIFORM.len());
-        let diffuse = diffuse.filter(|trial| trial.hypothesis == Hypothesis::Diffuse);
-        diffuse.map(|trial| trial.criterion).next().unwrap_or(0.0)
+        let criterion = |hypothesis: Hypothesis| {
+            let candidates = self.selection_log.iter().rev();
+            let mut of_both = candidates
+                .filter(|trial| trial.iteration == iteration && trial.hypothesis == hypothesis);
+            of_both.next().map(|trial| trial.criterion)
+        };
+        match (criterion(simpler), criterion(self.hypothesis)) {
+            (Some(simpler), Some(present)) => simpler - present,
+            _ => 0.0,
+        }
+    }
+
+    /// Writes into the selection log whether the last candidate with `hypothesis` was accepted, after
+    /// the re-rendering was asked.
+    pub(crate) fn set_accepted(&mut self, tried: Hypothesis, accepted: bool) {
+        let last = self.selection_log.iter_mut().rev().take(hypothesis::UNIFORM.len());
+        if let Some(trial) = last.into_iter().find(|trial| trial.hypothesis == tried) {
+            trial.accepted = accepted;
+        }
     }
 
     /// Whether the selection log does not hold `hypothesis` yet.
@@ -312,6 +326,13 @@ pub(crate) struct Snapshot {
     exposure: Rgb,
     corrected: Corrected,
     valid: ValidPixels,
+}
+
+impl Snapshot {
+    /// What `group` was made of.
+    pub(crate) fn material(&self, group: usize) -> &Material {
+        &self.materials[group]
+    }
 }
 
 /// How far two materials are apart: the largest difference of a reflectance, or of the logarithm

@@ -3,21 +3,21 @@
 //! A sample of every group's pixels is rendered again, with all interreflection and without any cache,
 //! always the same pixels and the same random numbers, so that two states differ by what they are and
 //! not by noise. Each group counts by the deviance of its blocks under the observation model
-//! ([`crate::model_error`]), its share of model error being estimated: what one group gains does not
+//! ([`crate::likelihood`]), the sizes of its model error being estimated: what one group gains does not
 //! drown in what another has always lacked. Residuals are in units of the photograph's values, so
 //! that states of different exposure can be compared. A group whose hypothesis became more complex is
 //! asked by itself too: its own pixels have to bear the change out.
 
-use crate::blocks::{self, Blocks};
-use crate::evidence::spread;
+use crate::blocks::{Blocks, Grid};
 use crate::hypothesis::Hypothesis;
-use crate::model_error::level2;
+use crate::likelihood::{Likelihood, product, standardised};
+use crate::model_error::{BlockResiduals, LightError, LightField, ModelError, level2, pooled};
 use crate::observation::{PixelStatus, Reading};
 use crate::problem::{Options, Role};
-use crate::residual::deviation_of_sum;
+use crate::selection::independent_share;
 use crate::state::{Snapshot, State};
-use unrender_render::Settings;
 use unrender_render::sampler::mix;
+use unrender_render::{Appearance, Settings};
 use unrender_scene::Rgb;
 
 /// Pixels of a group that are rendered again, and paths a pixel in each of two halves. At half of
@@ -25,6 +25,9 @@ use unrender_scene::Rgb;
 /// iteration.
 const PIXELS: usize = 1200;
 const SPP: u32 = 12;
+/// The same where a group is asked by itself. At half of it faint lobes are told from nothing only in
+/// scenes of large lamps, double costs as much as finding the candidate.
+const OWN_SPP: u32 = 48;
 /// A state is worse if its deviance is higher by this many standard deviations of the difference.
 const WORSE: f64 = 3.0;
 /// The share of model error below which nothing is told from anything: while hypotheses change, the
@@ -33,16 +36,26 @@ const WORSE: f64 = 3.0;
 /// of noise in other groups; at double wrong ones of faint lobes pass.
 pub(crate) const FLOOR: f64 = 0.02;
 pub(crate) const REFINED_FLOOR: f64 = 0.01;
+/// The error of the incident light that is always allowed for, as a share of the floor: the other
+/// groups are not right yet, and what they send changes slowly over a surface. At half of it a right
+/// change is taken back because of the level that it leaves, at double slow patterns say nothing.
+const LIGHT: f64 = 1.5;
 /// What a change of one group's hypothesis does to its own pixels is asked down to this share: it was
 /// fitted in this light. At half of it the noise of the renderings speaks, at double faint lobes are
 /// taken back.
 const OWN_FLOOR: f64 = 0.005;
-/// Two models that are less far apart than this (three standard deviations, squared) are not told apart
-/// by the sample. At half of it chance takes faint lobes back, at double it lets wrong ones pass.
-const UNDECIDED: f64 = 9.0;
+/// Two models that are less far apart than so many standard deviations, of the residuals or of the
+/// renderings' noise, are not told apart by the sample. At half of it chance takes faint lobes back, at
+/// double it lets wrong ones pass.
+const UNDECIDED: f64 = 3.0;
+/// The variance of the difference of two products of residuals, each of two halves with independent
+/// noise, in units of the square of the mean's variance: each half has twice the mean's, which gives
+/// four for a product; the common random numbers leave about half of the sum of two.
+const PRODUCT: f64 = 4.0;
 /// A texture explains whatever it is asked to: what it explains beyond this share does not count.
 const TEXTURED_FLOOR: f64 = 0.05;
-/// What an outlier costs, in squared standard deviations of its block: the same under all states.
+/// What an outlier costs in every channel, in squared standard deviations of its block: the same under
+/// all states.
 const OUTLIER: f64 = 9.0;
 
 /// The pixels by which states are judged.
@@ -60,6 +73,7 @@ struct Sample {
     blocks: Blocks,
     /// The squared level of every block, in the photograph's values.
     level2: Vec<Rgb>,
+    field: LightField,
 }
 
 /// How well a state explains the photograph.
@@ -70,8 +84,12 @@ pub(crate) struct Score {
 
 #[derive(Clone, Debug)]
 struct GroupScore {
-    group: usize,
-    blocks: Vec<Block>,
+    residuals: BlockResiduals,
+    /// The variance of the residuals by the renderings' noise alone.
+    rendering: Vec<Rgb>,
+    /// The first half's rendering less the mean of both.
+    half: Vec<Rgb>,
+    outlier: Vec<bool>,
     /// The share of model error below which nothing counts.
     floor: f64,
 }
@@ -87,16 +105,18 @@ impl Verifier {
     pub(crate) fn new(state: &State<'_>, options: &Options) -> Self {
         let judged = |g: &usize| state.problem.groups[*g].role != Role::Emitter;
         let observation = &state.observation;
-        let width = observation.picture.values.width();
         let sample = |group: usize| {
             let valid = &observation.pixels_of_group[group];
-            let pixels = spread(valid, PIXELS, mix(options.seed ^ 0x7E57) ^ group as u64);
-            let blocks = Blocks::of(&pixels, width, blocks::side(valid.len(), pixels.len()));
+            let grid = Grid::of(observation, group, valid, PIXELS);
+            let pixels = grid.sample(valid, PIXELS, mix(options.seed ^ 0x7E57) ^ group as u64);
+            let blocks = Blocks::of(&pixels, &grid);
             let values: Vec<Rgb> =
                 pixels.iter().map(|&p| observation.picture.values.pixels()[p as usize]).collect();
             let mean = values.iter().sum::<Rgb>() / values.len().max(1) as f32;
             let level2 = blocks.smooth(&values).iter().map(|local| level2(mean, *local)).collect();
-            Sample { group, pixels, blocks, level2 }
+            let none = LightError { share: 0.0 };
+            let field = LightField::of(&blocks, &pixels, state.problem.renderer.geometry(), none);
+            Sample { group, pixels, blocks, level2, field }
         };
         let groups = (0..state.materials.len()).filter(judged).map(sample);
         let seed = mix(options.seed ^ 0x5C04E);
@@ -118,13 +138,9 @@ impl Verifier {
     }
 
     /// How well `state` explains the photograph.
-    pub(crate) fn score(&self, state: &State<'_>) -> Score {
+    fn score(&self, state: &State<'_>) -> Score {
         let all: Vec<u32> = self.groups.iter().flat_map(|s| s.pixels.iter().copied()).collect();
-        let halves = [0u64, 1].map(|half| {
-            let seed = mix(self.settings.seed).wrapping_add(half);
-            let settings = Settings { seed, ..self.settings };
-            state.problem.renderer.rerender(state.appearance(), &all, &settings)
-        });
+        let halves = self.render(state.appearance(), state, &all, SPP);
         let mut start = 0;
         let of_group = |sample: &Sample| {
             let range = start..start + sample.pixels.len();
@@ -134,22 +150,37 @@ impl Verifier {
         Score { groups: self.groups.iter().map(of_group).collect() }
     }
 
+    /// `pixels` with `appearance`, twice.
+    fn render(
+        &self,
+        appearance: Appearance<'_>,
+        state: &State<'_>,
+        pixels: &[u32],
+        spp: u32,
+    ) -> [Vec<Rgb>; 2] {
+        [0u64, 1].map(|half| {
+            let seed = mix(self.settings.seed).wrapping_add(half);
+            let settings = Settings { seed, spp, ..self.settings };
+            state.problem.renderer.rerender(appearance, pixels, &settings)
+        })
+    }
+
     fn group(&self, state: &State<'_>, sample: &Sample, halves: [&[Rgb]; 2]) -> GroupScore {
         let observation = &state.observation;
         let (blocks, n) = (&sample.blocks, sample.pixels.len());
         let model = halves.map(|h| h.iter().map(|v| *v / state.exposure).collect::<Vec<Rgb>>());
         let value = |i: usize| state.value(sample.pixels[i] as usize);
-        let residual: Vec<Rgb> =
-            (0..n).map(|i| value(i) - 0.5 * (model[0][i] + model[1][i])).collect();
         let light: Vec<Rgb> = (0..n).map(|i| 0.5 * (model[0][i] + model[1][i])).collect();
+        let residual: Vec<Rgb> = (0..n).map(|i| value(i) - light[i]).collect();
+        let half: Vec<Rgb> = (0..n).map(|i| 0.5 * (model[0][i] - model[1][i])).collect();
         let smooth = blocks.smooth(&light);
-        let variance: Vec<Rgb> = (0..n)
-            .map(|i| {
-                let noise = observation.noise(sample.group, sample.pixels[i], Rgb::ONE);
-                let halves = model[0][i] - model[1][i];
-                noise.variance(smooth[blocks.of_pixel[i] as usize]) + 0.25 * halves * halves
-            })
-            .collect();
+        let photograph = |i: usize| {
+            let noise = observation.noise(sample.group, sample.pixels[i], Rgb::ONE);
+            noise.variance(smooth[blocks.of_pixel[i] as usize])
+        };
+        let photograph: Vec<Rgb> = (0..n).map(photograph).collect();
+        let rendering: Vec<Rgb> = half.iter().map(|half| *half * *half).collect();
+        let rendering = pooled(&blocks.smooth(&rendering), &sample.level2);
         let counts = |i: usize| {
             let at = sample.pixels[i];
             let outlier = observation.status.pixels()[at as usize] == PixelStatus::Outlier;
@@ -157,127 +188,155 @@ impl Verifier {
         };
         let mut valid = vec![0u32; blocks.len()];
         (0..n).filter(|i| counts(*i)).for_each(|i| valid[blocks.of_pixel[i] as usize] += 1);
-        let half: Vec<Rgb> = (0..n).map(|i| 0.5 * (model[0][i] - model[1][i])).collect();
-        let half = blocks.mean_where(&half, counts);
-        let residual = blocks.mean_where(&residual, counts);
-        let variance = blocks.mean_where(&variance, counts);
-        let terms: Vec<Block> = (0..blocks.len())
-            .map(|k| Block {
-                outlier: 2 * valid[k] < blocks.sizes[k],
-                residual: residual[k],
-                half: half[k],
-                noise: variance[k] / valid[k].max(1) as f32,
-                level2: sample.level2[k],
-            })
-            .collect();
+        let outlier: Vec<bool> = valid.iter().zip(&blocks.sizes).map(|(v, n)| 2 * v < *n).collect();
+        let of_blocks = |values: &[Rgb]| {
+            let mut means = blocks.mean_where(values, counts);
+            means.iter_mut().zip(&outlier).filter(|(_, o)| **o).for_each(|(m, _)| *m = Rgb::ZERO);
+            means
+        };
+        let photograph = blocks.mean_where(&photograph, counts);
+        let pixels = |k: usize| valid[k].max(1) as f32;
+        let rendering: Vec<Rgb> = (0..blocks.len()).map(|k| rendering[k] / pixels(k)).collect();
+        let noise = |k: usize| photograph[k] / pixels(k) + rendering[k];
+        let noise = (0..blocks.len()).map(noise).collect();
+        let (residual, half) = (of_blocks(&residual), of_blocks(&half));
+        let level2 = sample.level2.clone();
         let textured = state.groups[sample.group].hypothesis == Hypothesis::Textured;
         let floor = if textured { TEXTURED_FLOOR.max(self.floor) } else { self.floor };
-        GroupScore { group: sample.group, blocks: terms, floor }
+        let missing = vec![Rgb::ZERO; blocks.len()];
+        let residuals = BlockResiduals { residual, noise, missing, level2, light: smooth };
+        GroupScore { residuals, rendering, half, outlier, floor }
+    }
+
+    /// The score `mine` beside `other`.
+    pub(crate) fn compare(&self, mine: &Score, other: &Score) -> Comparison {
+        let both = self.groups.iter().zip(mine.groups.iter().zip(&other.groups));
+        let of_group = |(sample, (mine, other)): (&Sample, (&GroupScore, &GroupScore))| {
+            (sample.group, sample.contrast(mine, other))
+        };
+        Comparison { groups: both.map(of_group).collect() }
+    }
+
+    /// Whether the picture of `group` in `state` bears out its material beside the one it had `before`,
+    /// with `adds` free parameters less: it has the lower information criterion ([`crate::selection`]),
+    /// or the sample is too small to tell the two apart.
+    pub(crate) fn bears_out(
+        &self,
+        state: &State<'_>,
+        before: &Snapshot,
+        group: usize,
+        adds: f64,
+    ) -> bool {
+        let Some(sample) = self.groups.iter().find(|sample| sample.group == group) else {
+            return true;
+        };
+        let mut materials = state.materials.clone();
+        let scores = [&state.materials[group], before.material(group)].map(|material| {
+            materials[group].clone_from(material);
+            let appearance = Appearance { materials: &materials, lights: &state.lights };
+            let halves = self.render(appearance, state, &sample.pixels, OWN_SPP);
+            let score = self.group(state, sample, halves.each_ref().map(Vec::as_slice));
+            GroupScore { floor: score.floor.min(OWN_FLOOR), ..score }
+        });
+        let [mine, other] = &scores;
+        let contrast = sample.contrast(mine, other);
+        let criterion = contrast.criterion + adds * contrast.independent.max(1.0).ln();
+        let least = UNDECIDED * UNDECIDED.max(contrast.noise.sqrt());
+        contrast.separation < least || criterion < 0.0
     }
 }
 
-/// One block of one group.
-#[derive(Clone, Debug)]
-struct Block {
-    outlier: bool,
-    residual: Rgb,
-    /// The first half's rendering less the mean of both.
-    half: Rgb,
-    noise: Rgb,
-    level2: Rgb,
-}
-
-impl Block {
-    /// Photograph less each of the two renderings.
-    fn residuals(&self) -> [Rgb; 2] {
-        [self.residual - self.half, self.residual + self.half]
-    }
-
-    /// Minus twice the logarithm of its likelihood, but for a constant.
-    fn deviance(&self, share: f64) -> f64 {
-        (0..3)
-            .map(|c| {
-                let at = |v: Rgb| f64::from(v[c]);
-                let model = share * share * at(self.level2);
-                let variance = (at(self.noise) + model).max(f64::MIN_POSITIVE);
-                let square = at(self.residual).powi(2) / variance;
-                variance.ln() + if self.outlier { OUTLIER } else { square }
-            })
-            .sum()
-    }
-}
-
-/// The share of model error that makes the blocks most likely, and their deviances under it.
-fn most_likely(terms: &[Block], floor: f64) -> (f64, Vec<f64>) {
-    let (mut best, mut lowest, mut share) = ((floor, Vec::new()), f64::INFINITY, floor);
-    while share < 4.0 {
-        let deviances: Vec<f64> = terms.iter().map(|term| term.deviance(share)).collect();
-        let sum = deviances.iter().sum();
-        if sum < lowest {
-            (best, lowest) = ((share, deviances), sum);
-        }
-        share *= 1.25;
-    }
-    best
+/// What the picture of one group says of two states.
+struct Contrast {
+    /// The squared residuals of the one state less those of the other, in units of their covariance.
+    difference: f64,
+    /// The same over as many blocks as are independent.
+    criterion: f64,
+    /// How far the two models are apart, squared, in units of the residuals' covariance: what the true
+    /// one of them gains on the mean. It is the product of the two halves' differences, free of the
+    /// renderings' noise.
+    separation: f64,
+    /// The variance of the difference by the renderings' noise.
+    noise: f64,
+    /// Blocks that are independent of each other.
+    independent: f64,
 }
 
 impl GroupScore {
-    /// How far the two models are apart, squared, in units of the residuals' variance: what the better
-    /// one of them gains on the mean. The product of the two halves' differences is free of the
-    /// renderings' noise.
-    fn separation(&self, other: &Self) -> f64 {
-        let share = most_likely(&self.with_noise_of(other), self.floor).0;
-        let both = self.blocks.iter().zip(&other.blocks).filter(|(a, b)| !a.outlier && !b.outlier);
-        let terms = both.map(|(a, b)| {
-            let variance = a.noise.max(b.noise) + (share * share) as f32 * a.level2;
-            let weight = variance.max(Rgb::splat(f32::MIN_POSITIVE)).recip();
-            let [mine, others] = [a.residuals(), b.residuals()];
-            f64::from((weight * (mine[0] - others[0]) * (mine[1] - others[1])).element_sum())
-        });
-        terms.sum()
-    }
-
-    /// Its blocks, each with the larger one of its noise and that under `other`.
-    fn with_noise_of(&self, other: &Self) -> Vec<Block> {
-        let larger = |(a, b): (&Block, &Block)| Block { noise: a.noise.max(b.noise), ..a.clone() };
-        self.blocks.iter().zip(&other.blocks).map(larger).collect()
-    }
-
-    /// The deviance of each block less that under `other`. Both have the larger one of the two
-    /// rendering noises: that one of them happens to be sampled well is no evidence for it.
-    fn differences(&self, other: &Self) -> Vec<f64> {
-        let mine = most_likely(&self.with_noise_of(other), self.floor).1;
-        let others = most_likely(&other.with_noise_of(self), other.floor).1;
-        mine.iter().zip(&others).map(|(a, b)| a - b).collect()
+    /// Photograph less each of the two renderings, of every block.
+    fn halves(&self) -> [Vec<Rgb>; 2] {
+        let both = || self.residuals.residual.iter().zip(&self.half);
+        [both().map(|(r, h)| *r - *h).collect(), both().map(|(r, h)| *r + *h).collect()]
     }
 }
 
-impl Score {
-    /// Whether the picture speaks against this state, beside `other`.
-    pub(crate) fn is_worse_than(&self, other: &Self) -> bool {
-        let both = self.groups.iter().zip(&other.groups);
-        let differences: Vec<f64> = both.flat_map(|(a, b)| a.differences(b)).collect();
-        let sum: f64 = differences.iter().sum();
-        sum > WORSE * deviation_of_sum(&differences)
+impl Sample {
+    /// One state beside another, both under the covariance of the one that is explained better, with
+    /// the larger one of the two rendering noises: that one of them happens to be sampled well is no
+    /// evidence for it. Squares are the products of the two halves' residuals: a state whose rendering
+    /// is noisier is not further from the photograph for it.
+    fn contrast(&self, mine: &GroupScore, other: &GroupScore) -> Contrast {
+        let fitted = |score: &GroupScore, other: &GroupScore| {
+            let residuals = score.residuals.with_noise(&other.residuals.noise);
+            let least = LightError { share: LIGHT * score.floor };
+            let field = LightField { least, ..self.field.clone() };
+            let floor = ModelError { share: score.floor };
+            let likelihood = Likelihood::of(&residuals, &field, floor);
+            (residuals, field, likelihood)
+        };
+        let (a, b) = (fitted(mine, other), fitted(other, mine));
+        let (residuals, field, likelihood) = if a.2.deviance < b.2.deviance { a } else { b };
+        let product = |a: &[Rgb], b: &[Rgb]| product(&residuals, &field, &likelihood, [a, b]);
+        let (of_mine, of_other) = (mine.halves(), other.halves());
+        let outliers = |score: &GroupScore| score.outlier.iter().filter(|o| **o).count() as f64;
+        let difference = product(&of_mine[0], &of_mine[1]) - product(&of_other[0], &of_other[1])
+            + 3.0 * OUTLIER * (outliers(mine) - outliers(other));
+        let apart = [0, 1].map(|half: usize| {
+            let none = |k: usize| mine.outlier[k] || other.outlier[k];
+            let at = |k: usize| of_mine[half][k] - of_other[half][k];
+            let of_block = |k| if none(k) { Rgb::ZERO } else { at(k) };
+            (0..self.blocks.len()).map(of_block).collect::<Vec<Rgb>>()
+        });
+        let separation = product(&apart[0], &apart[1]);
+        let share = (likelihood.error.share * likelihood.error.share) as f32;
+        let of_rendering = |k: usize| {
+            let rendering = mine.rendering[k].max(other.rendering[k]);
+            let variance = residuals.noise[k] + share * residuals.level2[k];
+            let part = rendering / variance.max(Rgb::splat(f32::MIN_POSITIVE));
+            f64::from((part * part).element_sum())
+        };
+        let noise = PRODUCT * (0..self.blocks.len()).map(of_rendering).sum::<f64>();
+        let standardised = standardised(&residuals, &field, &likelihood);
+        let share = independent_share(&self.blocks, &standardised);
+        Contrast {
+            difference,
+            criterion: share * difference,
+            separation,
+            noise,
+            independent: share * self.blocks.len() as f64,
+        }
+    }
+}
+
+/// One state beside another, group by group.
+pub(crate) struct Comparison {
+    groups: Vec<(usize, Contrast)>,
+}
+
+impl Comparison {
+    /// Whether the picture speaks against the one state: its deviance is higher by more than the
+    /// difference's standard deviation under either model: `4 S` is its variance with `S` their separation,
+    /// beside that by the renderings' noise. Blocks count as independent, so that a state is rather called
+    /// worse than not.
+    pub(crate) fn is_worse(&self) -> bool {
+        let difference: f64 = self.groups.iter().map(|(_, c)| c.difference).sum();
+        let variance = |c: &Contrast| 4.0 * c.separation.max(0.0) + c.noise;
+        difference > WORSE * self.groups.iter().map(|(_, c)| variance(c)).sum::<f64>().sqrt()
     }
 
-    /// Whether the picture of `groups` alone is explained better than by `other`.
-    pub(crate) fn gains(&self, other: &Self, groups: &[usize]) -> bool {
-        let both = self.groups.iter().zip(&other.groups).filter(|(a, _)| groups.contains(&a.group));
-        both.flat_map(|(a, b)| a.differences(b)).sum::<f64>() < 0.0
-    }
-
-    /// Whether the picture of `group` bears out this state beside `other`: it is explained better, by
-    /// more than the standard deviation of the difference (a highlight fills few blocks, whose sum is
-    /// known no better than that), or the sample is too small to tell the two apart.
-    pub(crate) fn bears_out(&self, other: &Self, group: usize) -> bool {
-        let mut both = self.groups.iter().zip(&other.groups);
-        let Some((mine, other)) = both.find(|(a, _)| a.group == group) else { return true };
-        let finer =
-            |score: &GroupScore| GroupScore { floor: score.floor.min(OWN_FLOOR), ..score.clone() };
-        let (mine, other) = (finer(mine), finer(other));
-        let differences = mine.differences(&other);
-        mine.separation(&other) < UNDECIDED
-            || differences.iter().sum::<f64>() < -deviation_of_sum(&differences)
+    /// Whether the picture of `groups` alone is explained better.
+    pub(crate) fn gains(&self, groups: &[usize]) -> bool {
+        let of_groups = self.groups.iter().filter(|(group, _)| groups.contains(group));
+        of_groups.map(|(_, c)| c.difference).sum::<f64>() < 0.0
     }
 }

@@ -3,11 +3,16 @@
 //! With a roughness given, radiance is linear: `L = rho_d D + rho_s S`. From two renderings with
 //! independent noise, the objective is the product of the residuals,
 //! `sum W (B - L_A)(B - L_B) = sum W B^2 - 2 b.x + x.A x`, with `x = (rho_d, rho_s)`,
-//! `A = sym(J_A^T W J_B)` and `b = (J_A + J_B)^T W B / 2` (design, section 5). It is minimised over
-//! the box `0 <= rho <= 1`. The paper's own 2x2 system (section 4.2.3) is the same without the
-//! weights, the second rendering and the box.
+//! `A = sym(J_A^T W J_B)` and `b = (J_A + J_B)^T W B / 2`. It is minimised over the box
+//! `0 <= rho <= 1`. The paper's own 2x2 system (section 4.2.3) is the same without the weights, the
+//! second rendering and the box.
+//!
+//! Pixels that are only known to be at least so bright count where the model is darker: a convex
+//! problem, whose set of counting pixels is found by iteration.
 
 use crate::evidence::Evidence;
+use crate::observation::Reading;
+use std::collections::BTreeMap;
 use unrender_scene::Rgb;
 
 /// Which reflectances are free.
@@ -35,6 +40,9 @@ pub struct LinearFit {
 /// One channel's sums: all that the objective needs to know of the pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Sums {
+    b: f64,
+    d: f64,
+    s: f64,
     bb: f64,
     bd: f64,
     bs: f64,
@@ -44,6 +52,37 @@ struct Sums {
 }
 
 impl Sums {
+    /// Adds a pixel of weight `w` and radiance `b`, with both renderings of its bases.
+    fn add(&mut self, w: f64, b: f64, [d0, d1]: [f64; 2], [s0, s1]: [f64; 2]) {
+        self.b += w * b;
+        self.d += 0.5 * w * (d0 + d1);
+        self.s += 0.5 * w * (s0 + s1);
+        self.bb += w * b * b;
+        self.bd += 0.5 * w * b * (d0 + d1);
+        self.bs += 0.5 * w * b * (s0 + s1);
+        self.dd += w * d0 * d1;
+        self.ds += 0.5 * w * (d0 * s1 + d1 * s0);
+        self.ss += w * s0 * s1;
+    }
+
+    fn and(mut self, other: &Self) -> Self {
+        self.b += other.b;
+        self.d += other.d;
+        self.s += other.s;
+        self.bb += other.bb;
+        self.bd += other.bd;
+        self.bs += other.bs;
+        self.dd += other.dd;
+        self.ds += other.ds;
+        self.ss += other.ss;
+        self
+    }
+
+    /// Whether the model is on the mean at least as bright as the photograph.
+    fn is_met(&self, (d, s): (f64, f64)) -> bool {
+        d * self.d + s * self.s >= self.b
+    }
+
     fn objective(&self, d: f64, s: f64) -> f64 {
         self.bb - 2.0 * (d * self.bd + s * self.bs)
             + d * d * self.dd
@@ -86,6 +125,9 @@ fn clamp_ratio(numerator: f64, denominator: f64) -> f64 {
     if denominator > 0.0 { (numerator / denominator).clamp(0.0, 1.0) } else { 0.0 }
 }
 
+/// Rounds in which the set of counting lower bounds is looked for; it settles within three or four.
+const BOUND_ROUNDS: usize = 8;
+
 /// Fits the reflectances of a group to its evidence, with `diffuse` and `specular` (for
 /// `rho_s = 1`) the two bases, each rendered twice.
 pub fn fit(
@@ -96,37 +138,50 @@ pub fn fit(
 ) -> LinearFit {
     let mut result = LinearFit { rho_d: Rgb::ZERO, rho_s: Rgb::ZERO, objective: 0.0 };
     for channel in 0..3 {
-        let sums = sums(evidence, diffuse, specular, channel);
-        let (d, s) = match terms {
-            Terms::Diffuse => (sums.best_d(0.0), 0.0),
-            Terms::Specular => (0.0, sums.best_s(0.0)),
-            Terms::Both => sums.best_pair(),
-        };
-        result.rho_d[channel] = d as f32;
-        result.rho_s[channel] = s as f32;
-        result.objective += sums.objective(d, s);
+        let (values, bounds) = sums(evidence, diffuse, specular, channel);
+        let mut counts = vec![true; bounds.len()];
+        let (mut sums, mut best) = (values, (0.0, 0.0));
+        for _ in 0..BOUND_ROUNDS {
+            let counting = bounds.iter().zip(&counts).filter(|(_, counts)| **counts);
+            sums = counting.fold(values, |sums, (bound, _)| sums.and(bound));
+            best = match terms {
+                Terms::Diffuse => (sums.best_d(0.0), 0.0),
+                Terms::Specular => (0.0, sums.best_s(0.0)),
+                Terms::Both => sums.best_pair(),
+            };
+            let next: Vec<bool> = bounds.iter().map(|bound| !bound.is_met(best)).collect();
+            if next == counts {
+                break;
+            }
+            counts = next;
+        }
+        result.rho_d[channel] = best.0 as f32;
+        result.rho_s[channel] = best.1 as f32;
+        result.objective += sums.objective(best.0, best.1);
     }
     result
 }
 
+/// The sums over the pixels that were measured, and those over the lower bounds of every block.
 fn sums(
     evidence: &Evidence,
     diffuse: &[Vec<Rgb>; 2],
     specular: Option<&[Vec<Rgb>; 2]>,
     channel: usize,
-) -> Sums {
-    let mut sums = Sums::default();
+) -> (Sums, Vec<Sums>) {
+    let mut values = Sums::default();
+    let mut bounds: BTreeMap<u32, Sums> = BTreeMap::new();
     for (i, pixel) in evidence.pixels.iter().enumerate() {
         let at = |image: &Vec<Rgb>| f64::from(image[i][channel]);
         let (w, b) = (f64::from(pixel.weight[channel]), f64::from(pixel.radiance[channel]));
-        let [d0, d1] = [at(&diffuse[0]), at(&diffuse[1])];
-        let [s0, s1] = specular.map_or([0.0; 2], |s| [at(&s[0]), at(&s[1])]);
-        sums.bb += w * b * b;
-        sums.bd += 0.5 * w * b * (d0 + d1);
-        sums.bs += 0.5 * w * b * (s0 + s1);
-        sums.dd += w * d0 * d1;
-        sums.ds += 0.5 * w * (d0 * s1 + d1 * s0);
-        sums.ss += w * s0 * s1;
+        let d = [at(&diffuse[0]), at(&diffuse[1])];
+        let s = specular.map_or([0.0; 2], |s| [at(&s[0]), at(&s[1])]);
+        match pixel.reading {
+            Reading::Value => values.add(w, b, d, s),
+            Reading::AtLeast => {
+                bounds.entry(evidence.blocks.of_pixel[i]).or_default().add(w, b, d, s);
+            }
+        }
     }
-    sums
+    (values, bounds.into_values().collect())
 }

@@ -5,8 +5,8 @@
 //! hardly matters, so a single start can fall into the wrong basin); then direction and roughness
 //! are refined together by downhill simplex, the reflectances inside by least squares.
 
-use super::isotropic::{self, ALPHA_RANGE, objective_scale};
-use super::{Fit, Hypothesis, Search, fit_lobe};
+use super::isotropic::{self, ALPHA_RANGE};
+use super::{Fit, Hypothesis, Search};
 use crate::evidence::Evidence;
 use crate::fit::simplex;
 use std::f32::consts::PI;
@@ -17,6 +17,8 @@ const DIRECTIONS: usize = 6;
 /// The elongation that it starts with: `alpha_y / alpha_x` is its square.
 const ELONGATION: f32 = 1.4;
 
+/// The first step of a local search, of the logarithms of both roughnesses.
+const STEP: f64 = 0.04;
 /// Steps of a global and of a local search.
 const STEPS: [u64; 2] = [100, 40];
 
@@ -27,7 +29,11 @@ pub fn fit(evidence: &Evidence, start: &Material, search: Search) -> Fit {
     let diffuse = evidence.diffuse();
     let shape = match search {
         Search::Kept => known,
-        Search::Local => downhill(evidence, &diffuse, known, (0.04, STEPS[1])),
+        Search::Local => {
+            let first = [known[0].ln(), known[1].ln(), known[2]].map(f64::from);
+            let start = (&first[..], &[STEP, STEP, 1.5 * STEP][..]);
+            isotropic::downhill((evidence, &diffuse), &shape_of, start, STEPS[1])
+        }
         Search::Global => {
             let part = evidence.thinned();
             let diffuse = part.diffuse();
@@ -35,24 +41,6 @@ pub fn fit(evidence: &Evidence, start: &Material, search: Search) -> Fit {
         }
     };
     isotropic::finish(Hypothesis::Anisotropic, evidence, &diffuse, canonical(shape))
-}
-
-/// The shape downhill from `shape`, with a first step of its logarithms and so many steps.
-fn downhill(
-    evidence: &Evidence,
-    diffuse: &[Vec<Rgb>; 2],
-    shape: [f32; 3],
-    (step, steps): (f64, u64),
-) -> [f32; 3] {
-    let scale = objective_scale(evidence);
-    let cost = |p: &[f64]| {
-        let [x, y, theta] = shape_of(p);
-        fit_lobe(evidence, diffuse, x, y, theta).objective / scale
-    };
-    let first = [f64::from(shape[0]).ln(), f64::from(shape[1]).ln(), f64::from(shape[2])];
-    let size = [step, step, 1.5 * step];
-    let (best, _) = simplex::minimise(cost, &first, &size, isotropic::TOLERANCE, steps);
-    shape_of(&best)
 }
 
 fn shape_of(p: &[f64]) -> [f32; 3] {

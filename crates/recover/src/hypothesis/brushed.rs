@@ -11,7 +11,7 @@ use crate::evidence::Evidence;
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
 use std::f32::consts::PI;
-use unrender_render::GeometryBuffers;
+use unrender_render::{GeometryBuffers, Probe};
 use unrender_scene::color::luminance;
 
 /// Directions tried over half a turn.
@@ -44,7 +44,7 @@ struct OnPlane {
 }
 
 fn difference_on_plane(evidence: &Evidence, geometry: &GeometryBuffers) -> Vec<OnPlane> {
-    let probes = &evidence.sets[0].probes.probes;
+    let probes: Vec<&Probe> = evidence.sets[0].first().collect();
     let mirror = evidence.mirror();
     let one = |i: usize| {
         let at = geometry.pixels()[evidence.pixels[i].pixel as usize];
@@ -63,7 +63,7 @@ fn difference_on_plane(evidence: &Evidence, geometry: &GeometryBuffers) -> Vec<O
 
 /// The mirrored object with the largest `Area(S) / d(S, P)`.
 fn reference_surface(evidence: &Evidence) -> Option<u32> {
-    let probes = &evidence.sets[0].probes.probes;
+    let probes: Vec<&Probe> = evidence.sets[0].first().collect();
     let own_centre = probes.iter().map(|p| p.point).sum::<Vec3>() / probes.len().max(1) as f32;
     let mut seen: BTreeMap<u32, (f32, Vec3)> = BTreeMap::new();
     for mirrored in probes.iter().filter_map(|p| p.mirrored) {
@@ -122,13 +122,13 @@ fn mean_deviation(points: &[&OnPlane], theta: f32, half_extent: Vec2) -> Option<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::blocks::Blocks;
+    use crate::blocks::{Blocks, Grid};
     use crate::evidence::{Gathered, Observed};
     use crate::model_error::{Allowance, LightError, LightField, ModelError};
     use crate::observation::{Noise, Reading};
+    use unrender_render::Probes;
     use unrender_render::geometry::PixelGeometry;
     use unrender_render::probe::Mirrored;
-    use unrender_render::{Probe, Probes};
     use unrender_scene::{BrdfModel, Image, Rgb};
 
     const SIDE: usize = 60;
@@ -160,10 +160,10 @@ mod tests {
             weight: Rgb::ONE,
         };
         let all = 0..SIDE * SIDE;
-        let set = Gathered {
-            probes: Probes { probes: all.clone().map(probe).collect(), incident: Vec::new() },
-        };
-        let blocks = Blocks::of(&all.clone().map(|i| i as u32).collect::<Vec<_>>(), SIDE, 3);
+        let probes = all.clone().map(probe).collect();
+        let set = Gathered::new(Probes { probes, incident: Vec::new() });
+        let pixels: Vec<u32> = all.clone().map(|i| i as u32).collect();
+        let blocks = Blocks::of(&pixels, &Grid::even(SIDE, 3));
         let light = LightError { share: 0.01 };
         let evidence = Evidence {
             model: BrdfModel::default(),

@@ -6,9 +6,10 @@
 //! at every roughness (variable projection), one parameter is left, and `rho_s = 1` is an edge of
 //! the box like any other.
 
-use super::{Fit, Hypothesis, Search, fit_lobe, judged};
+use super::{Fit, Hypothesis, Search, judged};
 use crate::evidence::Evidence;
 use crate::fit::simplex;
+use crate::likelihood::Likelihood;
 use unrender_scene::{Material, Rgb};
 
 /// The range of roughness that is looked through.
@@ -23,12 +24,17 @@ const STEPS: [u64; 2] = [30, 15];
 pub fn fit(evidence: &Evidence, start: &Material, search: Search) -> Fit {
     let diffuse = evidence.diffuse();
     let known = (start.alpha_x * start.alpha_y).sqrt();
-    let alpha = match search {
-        Search::Kept if start.is_glossy() => known,
-        Search::Local if start.is_glossy() => downhill(evidence, &diffuse, known, (0.1, STEPS[1])),
-        _ => anywhere(&evidence.thinned()),
+    let round = |alpha: f32| [alpha, alpha, 0.0];
+    let by_log = |p: &[f64]| round((p[0].exp() as f32).clamp(ALPHA_RANGE[0], ALPHA_RANGE[1]));
+    let first = [f64::from(known).ln()];
+    let shape = match search {
+        Search::Kept if start.is_glossy() => round(known),
+        Search::Local if start.is_glossy() => {
+            downhill((evidence, &diffuse), &by_log, (&first, &[0.1]), STEPS[1])
+        }
+        _ => round(anywhere(&evidence.thinned())),
     };
-    finish(Hypothesis::Isotropic, evidence, &diffuse, [alpha, alpha, 0.0])
+    finish(Hypothesis::Isotropic, evidence, &diffuse, shape)
 }
 
 /// The most likely roughness: the best of [`GLOBAL`], and downhill from there.
@@ -76,28 +82,30 @@ fn shown_by(specular: &[Vec<Rgb>; 2]) -> f64 {
     if squares > 0.0 { sum * sum / squares } else { 0.0 }
 }
 
-fn cost(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], alpha: f32) -> f64 {
-    let alpha = alpha.clamp(ALPHA_RANGE[0], ALPHA_RANGE[1]);
-    fit_lobe(evidence, diffuse, alpha, alpha, 0.0).objective
+/// The shape downhill from `known`, by the deviance under the model error that `known` leaves: `at`
+/// says which shape the searched numbers mean, `first` where they begin, and `size` how far the first
+/// steps go.
+pub(super) fn downhill(
+    (evidence, diffuse): (&Evidence, &[Vec<Rgb>; 2]),
+    at: &dyn Fn(&[f64]) -> [f32; 3],
+    (first, size): (&[f64], &[f64]),
+    steps: u64,
+) -> [f32; 3] {
+    let fitted = |shape: [f32; 3]| {
+        let specular = evidence.lobe(shape[0], shape[1], shape[2]);
+        with_lobe(Hypothesis::Isotropic, evidence, diffuse, shape, &specular)
+    };
+    let Likelihood { light, error, .. } = fitted(at(first)).likelihood;
+    let cost = |p: &[f64]| {
+        Likelihood::given(&fitted(at(p)).residuals, &evidence.field, (light, error)).deviance
+    };
+    let (best, _) = simplex::minimise(cost, first, size, SETTLED, steps);
+    at(&best)
 }
 
-/// The roughness downhill from `alpha`, with a first step of its logarithm and so many steps.
-fn downhill(
-    evidence: &Evidence,
-    diffuse: &[Vec<Rgb>; 2],
-    alpha: f32,
-    (first, steps): (f64, u64),
-) -> f32 {
-    let scale = objective_scale(evidence);
-    let by_log = |p: &[f64]| cost(evidence, diffuse, p[0].exp() as f32) / scale;
-    let start = f64::from(alpha).ln();
-    let (best, _) = simplex::minimise(by_log, &[start], &[first], TOLERANCE, steps);
-    (best[0].exp() as f32).clamp(ALPHA_RANGE[0], ALPHA_RANGE[1])
-}
-
-/// Searches stop when the relative squared errors at the corners of the simplex differ by less than
-/// this: a hundredth of a percent of the photograph.
-pub(super) const TOLERANCE: f64 = 1e-9;
+/// Local searches stop when the deviances at the corners of the simplex differ by less than this: a
+/// hundredth of what one standard deviation of a number costs.
+const SETTLED: f64 = 0.01;
 
 /// The fit with the lobe's shape `[alpha_x, alpha_y, theta]` found.
 pub(super) fn finish(
@@ -128,12 +136,4 @@ fn with_lobe(
         ..Material::diffuse(found.rho_d)
     };
     judged(hypothesis, evidence, material, diffuse, Some(specular))
-}
-
-/// The objective of a black model: makes costs relative, so that tolerances mean the same
-/// everywhere.
-pub(super) fn objective_scale(evidence: &Evidence) -> f64 {
-    let channel = |v: Rgb, w: Rgb| f64::from((v * v * w).element_sum());
-    let sum: f64 = evidence.pixels.iter().map(|p| channel(p.radiance, p.weight)).sum();
-    sum.max(f64::MIN_POSITIVE)
 }

@@ -16,7 +16,8 @@ pub mod textured;
 
 use crate::evidence::Evidence;
 use crate::fit::linear::{self, LinearFit, Terms};
-use crate::model_error::{BlockResiduals, Likelihood};
+use crate::likelihood::Likelihood;
+use crate::model_error::BlockResiduals;
 use crate::residual::{ResidualStats, residual_stats};
 pub use unrender_scene::Hypothesis;
 use unrender_scene::{Material, Rgb};

@@ -10,12 +10,13 @@ use super::settle::gather;
 use super::{effort, textures};
 use crate::evidence::Evidence;
 use crate::hypothesis::{self, Fit, Hypothesis, Search, brushed};
-use crate::model_error::{Likelihood, ModelError};
+use crate::likelihood::Likelihood;
+use crate::model_error::ModelError;
 use crate::outliers;
 use crate::problem::Options;
 use crate::record::{CandidateRecord, Status};
 use crate::residual::ResidualStats;
-use crate::selection::{Comparison, Decision};
+use crate::selection::{Comparison, Decision, parameters};
 use crate::state::State;
 use unrender_scene::Material;
 
@@ -55,6 +56,8 @@ pub(crate) struct Proposal {
     pub(crate) hypothesis: Hypothesis,
     /// Whether it has more to choose than the present one.
     pub(crate) is_more_complex: bool,
+    /// Free parameters that it has more than the present one.
+    pub(crate) adds: f64,
     material: Material,
     residual: ResidualStats,
     likelihood: Likelihood,
@@ -77,6 +80,7 @@ impl Proposal {
             group,
             hypothesis: fit.hypothesis,
             is_more_complex: fit.hypothesis > state.groups[group].hypothesis,
+            adds: added(state.groups[group].hypothesis, fit.hypothesis),
             material: fit.material.clone(),
             residual: fit.residual,
             likelihood: fit.likelihood,
@@ -93,6 +97,11 @@ impl Proposal {
     /// What is to be tried where the picture speaks against this, if it changes anything of `state`.
     pub(crate) fn otherwise(self, state: &State<'_>) -> Option<Self> {
         self.next.map(|next| *next).filter(|next| next.moves(state))
+    }
+
+    /// Writes into the group's selection log whether the picture bore the change out.
+    pub(crate) fn record(&self, state: &mut State<'_>, accepted: bool) {
+        state.groups[self.group].set_accepted(self.hypothesis, accepted);
     }
 
     /// Makes the change.
@@ -245,6 +254,7 @@ impl<'o> Candidates<'o> {
             proposal = proposal.map(|p| Proposal {
                 hypothesis: textured,
                 is_more_complex: state.groups[group].hypothesis < textured,
+                adds: added(state.groups[group].hypothesis, textured),
                 material,
                 next: uniform,
                 ..p
@@ -377,6 +387,11 @@ fn fit_all(mut evidence: Evidence, state: &State<'_>, group: usize) -> (Evidence
         }
     }
     (evidence, fits)
+}
+
+/// Free parameters that `next` has more than `present`.
+fn added(present: Hypothesis, next: Hypothesis) -> f64 {
+    parameters(next) - parameters(present)
 }
 
 /// Writes the candidates into the group's selection log.

@@ -9,9 +9,10 @@
 
 use super::sample::Cell;
 use super::unknowns::Unknowns;
+use crate::blocks::Place;
 use crate::correction::Correction;
 use crate::evidence::Observed;
-use crate::model_error::level2;
+use crate::model_error::{followed, level2};
 use crate::observation::Noise;
 use crate::state::State;
 use nalgebra::DVector;
@@ -25,7 +26,7 @@ use unrender_scene::Rgb;
 #[derive(Clone, Debug)]
 pub(crate) struct Mean {
     pub(crate) group: usize,
-    place: (usize, usize),
+    place: Place,
     /// Whether the photograph is only known to be at least so bright there.
     pub(crate) bound: bool,
     /// Pixels in the mean.
@@ -85,31 +86,53 @@ pub(crate) fn gather(
 }
 
 /// Takes the noise and the levels of all cells at the model's brightness: the mean of the renderings
-/// over a cell and those around it, so that a rendering which happens to be dark gains no weight.
+/// over a cell and those around it, so that a rendering which happens to be dark gains no weight. They
+/// follow a model that is brighter than the photograph no further than [`followed`] says.
 fn take_levels(means: &mut [Mean]) {
-    let mut groups: BTreeMap<usize, (Rgb, f32)> = BTreeMap::new();
-    let mut cells: BTreeMap<(usize, usize, usize), (Rgb, f32)> = BTreeMap::new();
+    let mut groups: BTreeMap<usize, Shown> = BTreeMap::new();
+    let mut cells: BTreeMap<(usize, Place), Shown> = BTreeMap::new();
     for mean in means.iter() {
-        let n = mean.pixels as f32;
-        let (row, column) = mean.place;
-        for sum in [
-            groups.entry(mean.group).or_insert((Rgb::ZERO, 0.0)),
-            cells.entry((mean.group, row, column)).or_insert((Rgb::ZERO, 0.0)),
-        ] {
-            *sum = (sum.0 + n * mean.light, sum.1 + n);
-        }
+        groups.entry(mean.group).or_default().add(mean);
+        cells.entry((mean.group, mean.place)).or_default().add(mean);
     }
     for mean in means {
-        let (row, column) = mean.place;
-        let rows = row.saturating_sub(1)..=row + 1;
-        let around =
-            rows.flat_map(|r| (column.saturating_sub(1)..=column + 1).map(move |c| (r, c)));
-        let near = around.filter_map(|(r, c)| cells.get(&(mean.group, r, c)));
-        let (sum, count) = near.fold((Rgb::ZERO, 0.0), |s, c| (s.0 + c.0, s.1 + c.1));
-        let local = sum / count.max(1.0);
-        let (sum, count) = groups[&mean.group];
-        mean.level2 = level2(sum / count, local);
+        let near = mean.place.around().filter_map(|place| cells.get(&(mean.group, place)));
+        let [local, shown] = near.fold(Shown::default(), |sum, cell| sum.and(cell)).means();
+        let [group, group_shown] = groups[&mean.group].means();
+        let (group, local) = followed((group, local), (group_shown, shown));
+        mean.level2 = level2(group, local);
         mean.variance = mean.noise.variance(local) / mean.pixels as f32;
+    }
+}
+
+/// What some cells show: sums over their pixels.
+#[derive(Clone, Copy, Default)]
+struct Shown {
+    light: Rgb,
+    photograph: Rgb,
+    pixels: f32,
+}
+
+impl Shown {
+    fn add(&mut self, mean: &Mean) {
+        let pixels = mean.pixels as f32;
+        let residual = 0.5 * (mean.residuals[0] + mean.residuals[1]);
+        self.light += pixels * mean.light;
+        self.photograph += pixels * (mean.light + residual);
+        self.pixels += pixels;
+    }
+
+    fn and(self, other: &Self) -> Self {
+        Self {
+            light: self.light + other.light,
+            photograph: self.photograph + other.photograph,
+            pixels: self.pixels + other.pixels,
+        }
+    }
+
+    /// The means of the model's light and of the photograph.
+    fn means(&self) -> [Rgb; 2] {
+        [self.light, self.photograph].map(|sum| sum / self.pixels.max(1.0))
     }
 }
 

@@ -28,6 +28,8 @@ pub(crate) struct Normal {
     pub(crate) g_rendering: DMatrix<f64>,
     /// What each cell contributes to the relative squared error that both renderings see.
     pub(crate) errors: Vec<f64>,
+    /// The weight of each cell's residuals.
+    pub(crate) weights: Vec<Rgb>,
 }
 
 /// Residuals of more standard deviations than this pull as if they were of so many: a few cells
@@ -53,6 +55,7 @@ impl Normal {
             g_covariance: DMatrix::zeros(n, n),
             g_rendering: DMatrix::zeros(n, n),
             errors: Vec::with_capacity(means.len()),
+            weights: Vec::with_capacity(means.len()),
         };
         for mean in means {
             let variance = noise[mean.group].variance(mean);
@@ -80,6 +83,7 @@ impl Normal {
             normal.g += g;
             let error = f64::from((robust * a * b / mean.level2).element_sum());
             normal.errors.push(error * mean.pixels);
+            normal.weights.push(robust * variance.recip());
         }
         let free = means.len().saturating_sub(n).max(1);
         normal.g_covariance *= means.len() as f64 / free as f64;

@@ -20,7 +20,6 @@ use super::{Solution, prior_mean};
 use crate::correction::Corrected;
 use crate::problem::Options;
 use crate::record::Observer;
-use crate::residual::deviation_of_sum;
 use crate::state::State;
 use nalgebra::{DMatrix, DVector};
 use unrender_render::Settings;
@@ -42,7 +41,8 @@ const SIGNIFICANT: f64 = 3.0;
 const FAR: f64 = 4.0;
 /// The first damping after a step that made things worse, relative to the curvature; then tenfold.
 const DAMPING: f64 = 0.1;
-/// A pass is worse if its error is higher by this many standard deviations of the difference.
+/// A pass is worse if its weighted squared error is higher by this many standard deviations of the
+/// difference.
 const WORSE: f64 = 3.0;
 /// The renderings may have this share of a number's variance.
 const RENDERING_SHARE: f64 = 0.35;
@@ -72,15 +72,9 @@ struct Place {
     lights: Vec<Rgb>,
     exposure: Rgb,
     corrected: Corrected,
-    error: Error,
+    residuals: Vec<[Rgb; 2]>,
+    weights: Vec<Rgb>,
     system: System,
-}
-
-/// A relative squared error and its standard deviation.
-#[derive(Clone, Copy)]
-struct Error {
-    mean: f64,
-    deviation: f64,
 }
 
 impl<'o> Passes<'o> {
@@ -117,16 +111,18 @@ impl<'o> Passes<'o> {
         let mut last: Option<Place> = None;
         let mut damping = 0.0;
         let spp = vec![COARSE.1; state.materials.len()];
+        // All passes see the same pixels by the same random numbers, so that they can be compared.
+        let seed = self.seed();
         for _ in 0..PASSES_MAX[0] {
             if observer.is_cancelled() {
                 return;
             }
             state.look_at_photograph();
-            let cells = sample::all(state, COARSE.0, self.seed());
-            let means = self.pass(state, unknowns, &cells, &spp);
+            let cells = sample::all(state, COARSE.0, seed);
+            let means = self.pass(state, unknowns, &cells, (&spp, seed));
             let normal = Normal::of(&means, &unknowns.are_specular(), state.materials.len());
-            let error = Error::of(&normal, &means);
-            let worse = last.as_ref().is_some_and(|last| error.is_above(&last.error));
+            let error = relative_error(&normal, &means);
+            let worse = last.as_ref().is_some_and(|last| last.is_better_than(&means));
             let place = match last.take() {
                 Some(before) if worse => {
                     damping = f64::max(10.0 * damping, DAMPING);
@@ -135,11 +131,9 @@ impl<'o> Passes<'o> {
                 }
                 _ => {
                     damping *= 0.1;
-                    Place::of(
-                        state,
-                        error,
-                        System::new(unknowns, &normal, &(prior - unknowns.values(state))),
-                    )
+                    let to_prior = prior - unknowns.values(state);
+                    let system = System::new(unknowns, &normal, &to_prior);
+                    Place::of(state, &means, &normal, system)
                 }
             };
             let covariance = place.system.covariance();
@@ -172,7 +166,8 @@ impl<'o> Passes<'o> {
             }
             state.look_at_photograph();
             let cells = sample::all(state, FINE.0, pixels_seed);
-            let found = self.pass(state, &unknowns, &cells, &spp);
+            let seed = self.seed();
+            let found = self.pass(state, &unknowns, &cells, (&spp, seed));
             means::average(&mut average, found);
             let normal = Normal::of(&average, &unknowns.are_specular(), state.materials.len());
             let to_prior = prior - unknowns.values(state);
@@ -183,7 +178,7 @@ impl<'o> Passes<'o> {
                 break;
             };
             unknowns.apply(state, &step);
-            let error = Error::of(&normal, &average);
+            let error = relative_error(&normal, &average);
             let done = 0.1 + 0.9 * pass as f64 / PASSES_MAX[1] as f64;
             tell(state, observer, &unknowns, (&step, error, &average), done);
             let longest = (0..step.len())
@@ -210,15 +205,15 @@ impl<'o> Passes<'o> {
     }
 
     fn pass(
-        &mut self,
+        &self,
         state: &State<'_>,
         unknowns: &Unknowns,
         cells: &[Cell],
-        spp: &[u32],
+        (spp, seed): (&[u32], u64),
     ) -> Vec<Mean> {
         let settings = Settings {
             spp: 0,
-            seed: self.seed(),
+            seed,
             max_bounces: self.options.max_bounces,
             integrator: unrender_render::Integrator::Path,
         };
@@ -267,7 +262,7 @@ fn tell(
     state: &mut State<'_>,
     observer: &mut dyn Observer,
     unknowns: &Unknowns,
-    (step, error, means): (&DVector<f64>, Error, &[Mean]),
+    (step, error, means): (&DVector<f64>, f64, &[Mean]),
     done: f64,
 ) {
     let reflectance = |q: Quantity| matches!(q, Quantity::RhoD | Quantity::RhoS);
@@ -275,19 +270,33 @@ fn tell(
     let change = steps.filter(|(u, _)| reflectance(u.quantity)).map(|(_, s)| s.abs());
     let change = change.fold(0.0, f64::max);
     let errors = means::relative_errors(means, state.materials.len());
-    observer.iteration(state.end_pass(change, (error.mean.max(0.0).sqrt(), &errors), done));
+    observer.iteration(state.end_pass(change, (error.max(0.0).sqrt(), &errors), done));
 }
 
 impl Place {
-    fn of(state: &State<'_>, error: Error, system: System) -> Self {
+    fn of(state: &State<'_>, means: &[Mean], normal: &Normal, system: System) -> Self {
         Self {
             materials: state.materials.clone(),
             lights: state.lights.clone(),
             exposure: state.exposure,
             corrected: state.corrected.clone(),
-            error,
+            residuals: means.iter().map(|mean| mean.residuals).collect(),
+            weights: normal.weights.clone(),
             system,
         }
+    }
+
+    /// Whether `means`, of the same cells with the same random numbers, are further from the
+    /// photograph: by more than the standard deviation that the difference has under either model,
+    /// `2 sqrt(S)` with `S` the squared distance of both.
+    fn is_better_than(&self, means: &[Mean]) -> bool {
+        let (mut difference, mut separation) = (0.0, 0.0);
+        for ((mean, weight), before) in means.iter().zip(&self.weights).zip(&self.residuals) {
+            let ([a, b], [c, d]) = (mean.residuals, *before);
+            difference += f64::from((*weight * (a * b - c * d)).element_sum());
+            separation += f64::from((*weight * (a - c) * (b - d)).element_sum());
+        }
+        difference > WORSE * 2.0 * separation.max(0.0).sqrt()
     }
 
     fn restore(&self, state: &mut State<'_>) {
@@ -298,14 +307,8 @@ impl Place {
     }
 }
 
-impl Error {
-    fn of(normal: &Normal, means: &[Mean]) -> Self {
-        let n = 3.0 * means.iter().map(|m| m.pixels).sum::<f64>().max(1.0);
-        let mean = normal.errors.iter().sum::<f64>() / n;
-        Self { mean, deviation: deviation_of_sum(&normal.errors) / n }
-    }
-
-    fn is_above(&self, other: &Self) -> bool {
-        self.mean - other.mean > WORSE * self.deviation.hypot(other.deviation)
-    }
+/// The relative squared error.
+fn relative_error(normal: &Normal, means: &[Mean]) -> f64 {
+    let n = 3.0 * means.iter().map(|m| m.pixels).sum::<f64>().max(1.0);
+    normal.errors.iter().sum::<f64>() / n
 }

@@ -1,6 +1,7 @@
 //! The pixels of a refinement pass, in blocks.
 
-use crate::evidence::{Observed, Stage, observe, spread};
+use crate::blocks::{Grid, Place};
+use crate::evidence::{Observed, Stage, observe};
 use crate::observation::Reading;
 use crate::problem::Role;
 use crate::state::State;
@@ -18,8 +19,8 @@ const BLOCKS_MIN: usize = 250;
 #[derive(Clone, Debug)]
 pub(crate) struct Cell {
     pub(crate) group: usize,
-    /// Row and column among the blocks.
-    pub(crate) place: (usize, usize),
+    /// Its place among the group's blocks.
+    pub(crate) place: Place,
     /// Whether its pixels are clipped, and their values lower bounds.
     pub(crate) bound: bool,
     pub(crate) pixels: Vec<Observed>,
@@ -61,17 +62,16 @@ fn cells(
     let (width, height) =
         (stage.observation.picture.values.width(), stage.observation.picture.values.height());
     let side = ((width * height / BLOCKS_MIN).isqrt()).clamp(1, SIDE_MAX);
-    let mut cells: BTreeMap<(usize, usize, usize, bool), Vec<Observed>> = BTreeMap::new();
+    let mut cells: BTreeMap<(usize, Place, bool), Vec<Observed>> = BTreeMap::new();
     for group in groups {
         let valid = &stage.observation.informative_of_group[group];
-        let wanted = spread(valid, per_group, seed ^ group as u64);
+        let grid = Grid::even(width, side).dividing_uneven(stage.observation, group, valid);
+        let wanted = grid.sample(valid, per_group, seed ^ group as u64);
         for seen in observe(stage.observation, stage.exposure, group, &wanted) {
-            let (x, y) = (seen.pixel as usize % width, seen.pixel as usize / width);
             let bound = seen.reading == Reading::AtLeast;
-            cells.entry((group, y / side, x / side, bound)).or_default().push(seen);
+            cells.entry((group, grid.place(seen.pixel), bound)).or_default().push(seen);
         }
     }
-    let cell =
-        |((group, row, column, bound), pixels)| Cell { group, place: (row, column), bound, pixels };
+    let cell = |((group, place, bound), pixels)| Cell { group, place, bound, pixels };
     cells.into_iter().map(cell).collect()
 }

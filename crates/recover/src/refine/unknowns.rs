@@ -75,6 +75,10 @@ struct Column {
 
 /// A step changes no reflectance by more than this ...
 const STEP_RHO: f64 = 0.3;
+/// ... no specular reflectance of a lobe by more than this share of its brightest channel, or by less
+/// than is hardly seen: the strength of a lobe and its roughness are not linear in each other ...
+const STEP_LOBE: f64 = 0.6;
+const STEP_LOBE_MIN: f64 = 0.002;
 /// ... no roughness by more than this factor's logarithm ...
 const STEP_LN_ALPHA: f64 = 0.4;
 /// ... no direction by more than this (radians) ...
@@ -239,6 +243,10 @@ impl Unknowns {
         let interval = |u: &Unknown| {
             let value = self.value(state, u);
             let (low, high, step) = match u.quantity {
+                Quantity::RhoS if state.materials[u.of].is_glossy() => {
+                    let brightest = f64::from(state.materials[u.of].rho_s.max_element());
+                    (0.0, 1.0, (STEP_LOBE * brightest).clamp(STEP_LOBE_MIN, STEP_RHO))
+                }
                 Quantity::RhoD | Quantity::RhoS => (0.0, 1.0, STEP_RHO),
                 Quantity::Alpha | Quantity::AlphaX | Quantity::AlphaY => {
                     (ln_min, ln_max, STEP_LN_ALPHA)

@@ -44,7 +44,7 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, explained: f6
             }
             Hypothesis::DiffuseSpecular | Hypothesis::Isotropic | Hypothesis::Anisotropic
                 if !verdict.is_told_from_zero(state, Quantity::RhoS)
-                    && state.groups[group].evidence_against_diffuse() < STRONG =>
+                    && state.groups[group].evidence_against(Hypothesis::Diffuse) < STRONG =>
             {
                 let material = Material::diffuse(state.materials[group].rho_d);
                 let note = "its specular part is not determined by this photograph";
@@ -64,7 +64,10 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, explained: f6
                 let note = "its diffuse part is not significant";
                 step_down(state, group, hypothesis, material, note);
             }
-            Hypothesis::Anisotropic if !verdict.is_brushed(state) => {
+            Hypothesis::Anisotropic
+                if !verdict.is_brushed(state)
+                    && state.groups[group].evidence_against(Hypothesis::Isotropic) < STRONG =>
+            {
                 let mut material = state.materials[group].clone();
                 let alpha = (material.alpha_x * material.alpha_y).sqrt();
                 (material.alpha_x, material.alpha_y, material.theta_rad) = (alpha, alpha, 0.0);
