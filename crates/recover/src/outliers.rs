@@ -48,7 +48,7 @@ const PATCH: f32 = 3.0;
 type Cell = (usize, usize);
 
 /// The sampled pixels of a group that show something else, as flags beside `evidence.pixels`; none
-/// if `fit` has no such pixels, or too many.
+/// if `fit` has no such pixels.
 pub fn find(
     evidence: &Evidence,
     fit: &Fit,
@@ -67,7 +67,7 @@ pub fn find(
         }
     }
     let mut outliers = outlying_cells(&cells);
-    let middle = median(quotients.clone());
+    let middle = median(cells.values().map(|values| median(values.clone())).collect());
     let highlights = highlights(evidence, &cell_of);
     outliers.retain(|cell| median(cells[cell].clone()) < middle || !highlights.contains(cell));
     let flags: Vec<bool> = evidence
@@ -75,8 +75,7 @@ pub fn find(
         .iter()
         .map(|p| dispersed.contains(&object(p.pixel)) || outliers.contains(&cell_of(p.pixel)))
         .collect();
-    let share = flags.iter().filter(|f| **f).count() as f32 / flags.len().max(1) as f32;
-    (share > 0.0 && share <= SHARE_MAX).then_some(flags)
+    flags.iter().any(|flag| *flag).then_some(flags)
 }
 
 /// The side of a cell, pixels: a share of the picture, and enough for some sampled pixels, of which
@@ -114,7 +113,8 @@ fn highlights(evidence: &Evidence, cell_of: &dyn Fn(u32) -> Cell) -> BTreeSet<Ce
     found
 }
 
-/// All of `pixels` in the cells and objects of the sampled outliers.
+/// All of `pixels` in the cells of the sampled outliers, and in cells of which no pixel was sampled but
+/// of whose sampled neighbours at least half are outliers.
 pub fn spread_out(
     sampled: &[u32],
     flags: &[bool],
@@ -124,8 +124,15 @@ pub fn spread_out(
 ) -> Vec<u32> {
     let key = |pixel: u32| cell(pixel, geometry.width(), side);
     let outlier = sampled.iter().zip(flags).filter(|(_, outlier)| **outlier);
-    let cells: BTreeSet<Cell> = outlier.map(|(p, _)| key(*p)).collect();
-    pixels.iter().copied().filter(|&p| cells.contains(&key(p))).collect()
+    let outliers: BTreeSet<Cell> = outlier.map(|(p, _)| key(*p)).collect();
+    let seen: BTreeSet<Cell> = sampled.iter().map(|p| key(*p)).collect();
+    let is_outlier = |cell: Cell| {
+        let around =
+            |cells: &BTreeSet<Cell>| neighbours(cell).filter(|c| cells.contains(c)).count();
+        let surrounded = || 2 * around(&outliers) >= around(&seen).max(1);
+        outliers.contains(&cell) || (!seen.contains(&cell) && surrounded())
+    };
+    pixels.iter().copied().filter(|&p| is_outlier(key(p))).collect()
 }
 
 /// One plus the relative residual at each sampled pixel, in the channel where it is largest.

@@ -307,7 +307,6 @@ impl<'o> Candidates<'o> {
         limit: f64,
     ) -> Option<Fitted> {
         let geometry = state.problem.renderer.geometry();
-        let whole = evidence.pixels.len() as f32;
         let mut found = Vec::new();
         let valid = &state.observation.pixels_of_group[group];
         let side = outliers::cell_side(geometry, valid.len(), evidence.pixels.len());
@@ -316,10 +315,10 @@ impl<'o> Candidates<'o> {
             let flags = outliers::find(&evidence, &fit, geometry, dispersion, side)?;
             let sampled: Vec<u32> = evidence.pixels.iter().map(|p| p.pixel).collect();
             found.extend(outliers::spread_out(&sampled, &flags, valid, geometry, side));
-            evidence = evidence.without(&flags);
-            if (evidence.pixels.len() as f32) < (1.0 - outliers::SHARE_MAX) * whole {
+            if found.len() as f32 > outliers::SHARE_MAX * valid.len() as f32 {
                 return None;
             }
+            evidence = evidence.without(&flags);
             let (left, fits) = fit_all(evidence, state, group);
             evidence = left;
             let decisions = self.decide(&fits, &evidence, group);
