@@ -49,6 +49,13 @@ pub struct Place {
 }
 
 impl Place {
+    /// By how many times the variance of the model error is larger than that of a whole block: all
+    /// parts of an uneven block together weigh as much as an undivided one, so that where a model is
+    /// wrong its numbers do not hang on how its pixels were chosen.
+    pub fn parts(self) -> f32 {
+        if self.fine { (PARTS * PARTS) as f32 } else { 1.0 }
+    }
+
     /// It and the places of the same kind around it.
     pub fn around(self) -> impl Iterator<Item = Self> {
         let columns = move || self.column.saturating_sub(1)..=self.column + 1;
@@ -254,6 +261,12 @@ impl Blocks {
     /// The block at every place.
     fn numbers(&self) -> BTreeMap<Place, usize> {
         self.places.iter().enumerate().map(|(i, place)| (*place, i)).collect()
+    }
+
+    /// Makes the squared levels of all blocks those that their model errors are a share of
+    /// ([`Place::parts`]).
+    pub fn spread_over_parts(&self, level2: &mut [Rgb]) {
+        level2.iter_mut().zip(&self.places).for_each(|(level2, place)| *level2 *= place.parts());
     }
 
     /// All pairs of blocks side by side or one above the other.

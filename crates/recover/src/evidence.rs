@@ -137,7 +137,8 @@ impl Evidence {
             let level2 = level2(mean, local);
             pixel.level = level2.map(f32::sqrt);
             pixel.variance = pixel.noise.variance(local);
-            pixel.weight = error.weight(pixel.variance, level2, self.blocks.sizes[block]);
+            let pixels = self.blocks.sizes[block] as f32 * self.blocks.places[block].parts();
+            pixel.weight = error.weight(pixel.variance, level2, pixels);
         }
     }
 
@@ -320,7 +321,7 @@ pub fn observe(
             noise,
             variance,
             level: level2.map(f32::sqrt),
-            weight: ModelError::START.weight(variance, level2, 1),
+            weight: ModelError::START.weight(variance, level2, 1.0),
         }
     };
     pixels.iter().map(one).collect()

@@ -73,10 +73,10 @@ impl ModelError {
     /// following fits are the same.
     pub const START: Self = Self { share: 0.05 };
 
-    /// The weight of one pixel, of which there are `block` in its block: the inverse of its
-    /// variance. The noise of a block's pixels averages out, their model error does not.
-    pub fn weight(self, noise: Rgb, level2: Rgb, block: u32) -> Rgb {
-        let model = (self.share * self.share) as f32 * block as f32 * level2;
+    /// The weight of one pixel, of which there are `pixels` in its block: the inverse of its variance.
+    /// The noise of a block's pixels averages out, their model error does not.
+    pub fn weight(self, noise: Rgb, level2: Rgb, pixels: f32) -> Rgb {
+        let model = (self.share * self.share) as f32 * pixels * level2;
         (noise + model).max(Rgb::splat(f32::MIN_POSITIVE)).recip()
     }
 }
@@ -133,8 +133,9 @@ impl BlockResiduals {
         let rendering: Vec<Rgb> = (0..n).map(rendering).collect();
         let photograph: Vec<Rgb> = pixels.iter().map(|p| p.variance).collect();
         let level2: Vec<Rgb> = pixels.iter().map(|p| p.level * p.level).collect();
-        let level2 = blocks.mean_where(&level2, |_| true);
+        let mut level2 = blocks.mean_where(&level2, |_| true);
         let rendering = pooled(&blocks.smooth(&rendering), &level2);
+        blocks.spread_over_parts(&mut level2);
         let photograph = blocks.mean_where(&photograph, counts);
         let noise = (0..blocks.len())
             .map(|k| (photograph[k] + rendering[k]) / blocks.sizes[k] as f32)

@@ -200,7 +200,8 @@ impl Verifier {
         let noise = |k: usize| photograph[k] / pixels(k) + rendering[k];
         let noise = (0..blocks.len()).map(noise).collect();
         let (residual, half) = (of_blocks(&residual), of_blocks(&half));
-        let level2 = sample.level2.clone();
+        let mut level2 = sample.level2.clone();
+        blocks.spread_over_parts(&mut level2);
         let textured = state.groups[sample.group].hypothesis == Hypothesis::Textured;
         let floor = if textured { TEXTURED_FLOOR.max(self.floor) } else { self.floor };
         let missing = vec![Rgb::ZERO; blocks.len()];

@@ -118,7 +118,15 @@ impl<'o> Settler<'o> {
         }
         let error = state.groups[group].likelihood.map_or(ModelError::START, |l| l.error);
         evidence.reweigh(&material, error);
-        let fit = hypothesis::fit(hypothesis, &evidence, &material, Search::Local);
+        let mut fit = hypothesis::fit(hypothesis, &evidence, &material, Search::Local);
+        if fit.material.is_glossy() {
+            // Weights follow the model: a highlight that is not exactly the lobe is fitted sharper under
+            // the weights of a broad lobe, and broader under those of a sharp one.
+            evidence.reweigh(&fit.material, fit.likelihood.error);
+            let next = hypothesis::fit(hypothesis, &evidence, &fit.material, Search::Local);
+            let between = between(&fit.material, next.material);
+            fit = hypothesis::fit(hypothesis, &evidence, &between, Search::Kept);
+        }
         state.groups[group].residual = Some(fit.residual);
         state.groups[group].likelihood = Some(fit.likelihood);
         Some(fit.material)
@@ -167,6 +175,12 @@ pub(crate) fn gather(
     effort.probe.max_bounces = options.max_bounces;
     let pixels = &state.observation.informative_of_group[group];
     Evidence::gather(&state.stage(), state.appearance(), group, pixels, &effort)
+}
+
+/// The lobe half way between two, but for its direction, which is that of the second.
+fn between(a: &Material, b: Material) -> Material {
+    let mean = |a: f32, b: f32| (a * b).sqrt();
+    Material { alpha_x: mean(a.alpha_x, b.alpha_x), alpha_y: mean(a.alpha_y, b.alpha_y), ..b }
 }
 
 /// The material on the way from `now` to `fitted`.
