@@ -3,9 +3,9 @@
 //! With a roughness given, radiance is linear: `L = rho_d D + rho_s S`. From two renderings with
 //! independent noise, the objective is the product of the residuals,
 //! `sum W (B - L_A)(B - L_B) = sum W B^2 - 2 b.x + x.A x`, with `x = (rho_d, rho_s)`,
-//! `A = sym(J_A^T W J_B)` and `b = (J_A + J_B)^T W B / 2` (design, section 5). It is minimised over
-//! the box `0 <= rho <= 1`. The paper's own 2x2 system (section 4.2.3) is the same without the
-//! weights, the second rendering and the box.
+//! `A = sym(J_A^T W J_B)` and `b = (J_A + J_B)^T W B / 2`. It is minimised over the box
+//! `0 <= rho <= 1`. The paper's own 2x2 system (section 4.2.3) is the same without the weights, the
+//! second rendering and the box.
 
 use crate::evidence::Evidence;
 use unrender_scene::Rgb;
