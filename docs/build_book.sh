@@ -15,11 +15,19 @@ fi
 # A book's pages lie in one folder: those at the root of the repository join those of docs/.
 rm -rf "$place/source" "$place/html"
 cp -r docs "$place/source"
-root="README ARCHITECTURE CHANGELOG SECURITY"
-for page in $root; do
-    sed -E 's#\]\(docs/#](#g' "$page.md" > "$place/source/$page.md"
-    find "$place/source" -name '*.md' -exec sed -i -E "s#\]\(((\.\./)*)\.\./$page\.md#](\1$page.md#g" {} +
+cp LICENSE-MIT LICENSE-APACHE CITATION.cff "$place/source"
+relink() {
+    find "$place/source" -name '*.md' -exec sed -i -E "$1" {} +
+}
+for page in README ARCHITECTURE CHANGELOG SECURITY; do
+    cp "$page.md" "$place/source"
+    sed -i -E 's#\]\(docs/#](#g' "$place/source/$page.md"
+    relink "s#\]\(((\.\./)*)\.\./$page\.md#](\1$page.md#g"
 done
+# The first page of a site is its index; mdBook's own list of pages is toc.html.
+mv "$place/source/README.md" "$place/source/index.md"
+relink 's#\]\(((\.\./)*)README\.md#](\1index.md#g'
+find "$place/source" -name '*.md' ! -name SUMMARY.md -exec sed -i -E 's#\]\(SUMMARY\.md#](toc.html#g' {} +
 "$mdbook" build --dest-dir "$PWD/$place/html" "$place/source"
 
 # Every local link of the HTML leads to a file.

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the pictures of the README anew: docs/images/*.png.
+# Makes the pictures of the README and of the book anew: docs/images.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -18,6 +18,15 @@ sheet docs/images/fig8.png 2 examples/fig8/photo.exr "$out/rerendered.exr" "$out
 cargo run --release -- recover examples/room/room.toml --spp 256 --out "$out/room"
 sheet docs/images/room.png 2 \
     "$out/room/photo.png" "$out/room/rerendered.png" "$out/room/error.png"
+
+# Before and after: the photograph, what the recovered materials look like, and the photograph restaged.
+[ -e out_room/materials.json ] ||
+    cargo run --release -- recover examples/room/room.toml --out out_room
+cargo run --release -- restage --recovered out_room --project examples/room/room.toml \
+    --spp 256 --out "$out/again"
+cargo run --release -- restage examples/room/repainted.toml --composite --spp 256 --out "$out/after"
+sheet docs/images/before-after.jpg 1 examples/room/photo.png \
+    "$out/again/synthetic.png" "$out/after/composite.png"
 
 # What is removed leaves what the model knows of the background.
 [ -e out_hall/materials.json ] ||
