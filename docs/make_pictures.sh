@@ -43,3 +43,7 @@ mkdir "$out/browser"
 cp crates/unrender/tests/report_browser/*.{json,mjs} "$out/browser"
 npm ci --prefix "$out/browser"
 node "$out/browser/screenshot.mjs" "$out/report/report.html" docs/images/report.png 1100 640 light "#groups"
+
+# The model's edges over a photograph, for the tutorial of the phone: its project is made there.
+cargo run --release -- check out_phone/room.toml --out "$out/check.png"
+sheet docs/images/check.jpg 1 "$out/check.png"

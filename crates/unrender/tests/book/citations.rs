@@ -70,7 +70,8 @@ fn what_is_in_the_bibliography_is_cited() {
     for (_, page) in documents().iter().filter(|(path, _)| *path != BIBLIOGRAPHY) {
         all.push_str(&page.text.replace('\n', " "));
     }
-    let is_cited = |key: &String| ["[", "; "].iter().any(|open| all.contains(&format!("{open}{key}")));
+    let is_cited =
+        |key: &String| ["[", "; "].iter().any(|open| all.contains(&format!("{open}{key}")));
     let unused: Vec<_> = known().into_iter().filter(|key| !is_cited(key)).collect();
     assert!(unused.is_empty(), "nobody cites {unused:#?}");
 }

@@ -26,9 +26,8 @@ fn words(line: &str) -> Vec<String> {
 fn arguments(line: &str) -> Option<Vec<String>> {
     let line = line.split(" #").next().unwrap_or_default().trim();
     let line = line.split(" > ").next().unwrap_or_default();
-    let behind = line
-        .strip_prefix("unrender ")
-        .or_else(|| line.strip_prefix("cargo run --release -- "))?;
+    let behind =
+        line.strip_prefix("unrender ").or_else(|| line.strip_prefix("cargo run --release -- "))?;
     Some(std::iter::once("unrender".to_owned()).chain(words(behind)).collect())
 }
 

@@ -11,6 +11,7 @@ mod commands;
 mod markdown;
 mod schema;
 mod tables;
+mod validator;
 
 use markdown::Page;
 use std::collections::{BTreeMap, BTreeSet};
@@ -84,8 +85,10 @@ fn every_page_is_in_the_summary_once() {
         assert!(documents.contains_key(&target), "the summary names {target}, which is not there");
         assert!(listed.insert(target.clone()), "the summary names {target} twice");
     }
-    let missing: Vec<_> =
-        documents.keys().filter(|page| *page != "docs/SUMMARY.md" && !listed.contains(*page)).collect();
+    let missing: Vec<_> = documents
+        .keys()
+        .filter(|page| *page != "docs/SUMMARY.md" && !listed.contains(*page))
+        .collect();
     assert!(missing.is_empty(), "docs/SUMMARY.md lacks {missing:?}");
 }
 

@@ -4,8 +4,8 @@
 #[path = "../report_browser/synthetic.rs"]
 mod synthetic;
 
+use crate::validator::Validator;
 use crate::{files, root};
-use jsonschema::Validator;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 use std::fs;
@@ -16,27 +16,14 @@ use unrender::edit::{Restaging, Sheet};
 /// The schemas by their names.
 pub(crate) const NAMES: [&str; 5] = ["project", "edit", "lighting", "materials", "run"];
 
-/// Where relative references between schemas start; nothing is fetched.
-const BASE: &str = "json-schema:///";
-
 pub(crate) fn schema(name: &str) -> Value {
     let path = root().join(format!("docs/reference/schema/{name}.schema.json"));
     serde_json::from_str(&fs::read_to_string(&path).unwrap())
         .unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-fn validator(name: &str) -> Validator {
-    let registry = NAMES.iter().fold(jsonschema::Registry::new(), |registry, other| {
-        registry.add(format!("{BASE}{other}.schema.json"), schema(other)).unwrap()
-    });
-    let registry = registry.prepare().unwrap();
-    let options = jsonschema::options().with_base_uri(format!("{BASE}{name}.schema.json"));
-    options.with_registry(&registry).build(&schema(name)).unwrap()
-}
-
 fn faults(name: &str, value: &Value) -> Vec<String> {
-    let validator = validator(name);
-    validator.iter_errors(value).map(|e| format!("{}: {e}", e.instance_path())).collect()
+    Validator { schema: &schema }.faults(name, &schema(name), value, "")
 }
 
 /// Asserts that `value` is what the schema `name` says.
@@ -48,14 +35,6 @@ pub(crate) fn holds(name: &str, value: &Value, place: &str) {
 pub(crate) fn from_toml(text: &str) -> Value {
     let table: toml::Table = text.parse().unwrap();
     serde_json::to_value(table).unwrap()
-}
-
-#[test]
-fn the_schemas_are_schemas() {
-    for name in NAMES {
-        let schema = schema(name);
-        assert!(jsonschema::meta::is_valid(&schema), "{name}: {:?}", jsonschema::meta::validate(&schema));
-    }
 }
 
 #[test]
@@ -247,7 +226,11 @@ fn what_is_written_is_as_the_schemas_say() {
         version: Some(1),
         brdf: Some("ggx".into()),
         exposure: Some([1.0; 3]),
-        groups: run.groups.iter().map(|(name, group)| (name.clone(), group.entry.clone())).collect(),
+        groups: run
+            .groups
+            .iter()
+            .map(|(name, group)| (name.clone(), group.entry.clone()))
+            .collect(),
         lights: run.lights.clone(),
         photograph: run.photograph.clone(),
         seconds: Some(1.0),

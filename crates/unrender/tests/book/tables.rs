@@ -82,7 +82,8 @@ fn tables_of_keys_are_those_of_the_schemas() {
         let schema = schema(name);
         let has_keys = |at: &Value| at.get("properties").is_some();
         let parts = schema["$defs"].as_object().unwrap().iter();
-        let parts = parts.filter(|(_, at)| has_keys(at)).map(|(key, _)| format!("{name}#/$defs/{key}"));
+        let parts =
+            parts.filter(|(_, at)| has_keys(at)).map(|(key, _)| format!("{name}#/$defs/{key}"));
         let whole = has_keys(&schema).then(|| format!("{name}#"));
         for place in parts.chain(whole) {
             assert!(seen.contains(&place), "no page of docs/reference has <!-- keys {place} -->");
