@@ -12,6 +12,7 @@ use std::fs;
 use std::path::Path;
 use unrender::Project;
 use unrender::edit::{Restaging, Sheet};
+use unrender::run::Run;
 
 /// The schemas by their names.
 pub(crate) const NAMES: [&str; 5] = ["project", "edit", "lighting", "materials", "run"];
@@ -188,12 +189,17 @@ fn assert_known(name: &str, schema_at: &Value, value: &Value, place: &str) {
     }
 }
 
-/// Where the references of a schema lead, the null of an `oneOf` left aside.
-pub(crate) fn follow(name: &str, at: &Value) -> (String, Value) {
-    if let Some(target) = at.get("$ref").and_then(Value::as_str) {
-        let (file, pointer) = target.split_once('#').unwrap();
-        let name = file.strip_suffix(".schema.json").unwrap_or(name);
-        return follow(name, schema(name).pointer(pointer).unwrap());
+/// What the reference of `at` leads to, with the name of its schema.
+pub(crate) fn target(name: &str, at: &Value) -> Option<(String, Value)> {
+    let (file, pointer) = at.get("$ref")?.as_str()?.split_once('#')?;
+    let name = file.strip_suffix(".schema.json").unwrap_or(name);
+    Some((name.to_owned(), schema(name).pointer(pointer).cloned()?))
+}
+
+/// Where all references of `at` lead, the null of an `oneOf` left aside.
+fn follow(name: &str, at: &Value) -> (String, Value) {
+    if let Some((name, at)) = target(name, at) {
+        return follow(&name, &at);
     }
     let is_null = |choice: &&Value| choice["type"] == "null";
     match at.get("oneOf").and_then(Value::as_array).map(Vec::as_slice) {
@@ -214,11 +220,22 @@ fn properties(name: &str, at: &Value) -> std::collections::BTreeMap<String, (Str
     all
 }
 
+/// A run all of whose fields are there.
+fn filled_run() -> Run {
+    let place = tempfile::tempdir().unwrap();
+    let names: Vec<String> = (0..9).map(|index| format!("group {index}")).collect();
+    let mut run = synthetic::write(place.path(), &names, (64, 48));
+    run.input.environment = Some("sky.hdr".into());
+    run.registration.camera = json!({
+        "eye": [0.0, 1.6, 4.0], "target": [0.0, 1.2, 0.0], "up": [0.0, 1.0, 0.0],
+        "fov_y_deg": 40.0, "principal_point": [0.0, 0.0], "k1": 0.0, "k2": 0.0,
+    });
+    run
+}
+
 #[test]
 fn what_is_written_is_as_the_schemas_say() {
-    let place = tempfile::tempdir().unwrap();
-    let names = ["floor", "wall", synthetic::FAILED].map(str::to_owned);
-    let run = synthetic::write(place.path(), &names, (64, 48));
+    let run = filled_run();
     let value: Value = serde_json::from_str(&run.to_text().unwrap()).unwrap();
     holds("run", &value, "a synthetic run.json");
     assert_known("run", &schema("run"), &value, "");
@@ -243,9 +260,7 @@ fn what_is_written_is_as_the_schemas_say() {
 
 #[test]
 fn the_schemas_have_no_key_that_is_never_written() {
-    let place = tempfile::tempdir().unwrap();
-    let names = ["floor", "wall", synthetic::FAILED].map(str::to_owned);
-    let run = synthetic::write(place.path(), &names, (64, 48));
+    let run = filled_run();
     let text = run.to_text().unwrap();
     // Seldom written: they are left out where there is nothing to say.
     for name in ["materials", "run"] {

@@ -1,7 +1,7 @@
 //! The tables of keys on the pages of `docs/reference`, made from the schemas. A page has one where
 //! it says `<!-- keys NAME#POINTER -->`.
 
-use crate::schema::{NAMES, follow, schema};
+use crate::schema::{NAMES, schema, target};
 use crate::{files, hold, root};
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -42,8 +42,7 @@ fn kind(name: &str, at: &Value) -> String {
     if let Some(title) = at.get("title").and_then(Value::as_str) {
         return title.to_owned();
     }
-    if at.get("$ref").is_some() {
-        let (name, at) = follow(name, at);
+    if let Some((name, at)) = target(name, at) {
         return kind(&name, &at);
     }
     if let Some(value) = at.get("const") {
