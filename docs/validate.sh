@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Recovers the examples whose truth is known, and writes what came out into docs/validation/figure-8.md,
-# docs/validation/room.md and docs/tutorials/figure-8.md. `docs/validate.sh fig8 room` does some of
-# figures: fig8 fig8_png fig8_ceiling fig8_lamp room. Their results stay in out_validate and are used again.
+# docs/validation/room.md. With names, those of: fig8 fig8_png fig8_ceiling fig8_lamp room. Their results stay
+# in out_validate and are used again.
 # UNRENDER names the command, if it is built already.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -24,20 +24,18 @@ for case in $cases; do
     [ "$case" = room ] && folder=examples/room
     truth=$folder/truth.json
     if [ ! -e "$out/$case.score" ]; then
-        $unrender recover "$folder/$case.toml" --out "$out/$case" --quiet --json > "$out/$case.json"
+        $unrender recover "$folder/$case.toml" --out "$out/$case" --quiet
         $unrender score "$out/$case" "$truth" > "$out/$case.score"
         origin > "$out/$case.origin"
     fi
 done
 
-# A row of the table: the line `worst` of the score, and the time.
+# A row of the table: the line `worst` of the score.
 row() {
     local name=$1 case=$2
     [ -e "$out/$case.score" ] || return 0
-    local seconds
-    seconds=$(sed -n 's/^  "seconds": \([0-9]*\).*/\1/p' "$out/$case.json" | head -1)
-    awk -v name="$name" -v seconds="$seconds" '$1 == "worst" {
-        printf "| %s | %s of %s | %s | %s | %s %% | %s | %s |\n", name, $4, $2, $6, $7, $8, $9, seconds }
+    awk -v name="$name" '$1 == "worst" {
+        printf "| %s | %s of %s | %s | %s | %s %% | %s |\n", name, $4, $2, $6, $7, $8, $9 }
     ' "$out/$case.score"
 }
 
@@ -52,8 +50,8 @@ put() {
 }
 
 header() {
-    echo "| photograph | right hypotheses | rho_d | rho_s | alpha | degrees | seconds |"
-    echo "|---|---|---|---|---|---|---|"
+    echo "| photograph | right hypotheses | rho_d | rho_s | alpha | degrees |"
+    echo "|---|---|---|---|---|---|"
 }
 
 if [ -e "$out/fig8.score" ]; then
