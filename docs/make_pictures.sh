@@ -44,6 +44,9 @@ cp crates/unrender/tests/report_browser/*.{json,mjs} "$out/browser"
 npm ci --prefix "$out/browser"
 node "$out/browser/screenshot.mjs" "$out/report/report.html" docs/images/report.png 1100 640 light "#groups"
 
-# The model's edges over a photograph, for the tutorial of the phone: its project is made there.
-cargo run --release -- check out_phone/room.toml --out "$out/check.png"
-sheet docs/images/check.jpg 1 "$out/check.png"
+# Pictures of two tutorials, if their steps were done: docs/tutorials/phone.md and blender.md.
+if [ -e out_phone/room.toml ]; then
+    cargo run --release -- check out_phone/room.toml --out "$out/check.png"
+    sheet docs/images/check.jpg 1 "$out/check.png"
+fi
+[ ! -e out_desk/result/photo.png ] || cp out_desk/result/photo.png docs/images/desk.png
