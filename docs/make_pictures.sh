@@ -35,19 +35,16 @@ cp crates/unrender/tests/report_browser/*.{json,mjs} "$out/browser"
 npm ci --prefix "$out/browser"
 node "$out/browser/screenshot.mjs" "$out/report/report.html" docs/images/report.png 1100 640 light "#groups"
 
-# Pictures of two tutorials, if their steps were done: docs/tutorials/phone.md and blender.md. The first
-# of the README is of the phone's: the photograph, what was recovered of it, and the photograph restaged.
-if [ -e out_phone/result/materials.json ]; then
+# The first of the README, of the results of its five lines: the photograph, what was recovered of it, and
+# the photograph without the small block.
+if [ -e out/rerendered.png ] && [ -e out_restaged/composite.png ]; then
+    sheet docs/images/before-after.jpg 1 \
+        out_restaged/photo.png out/rerendered.png out_restaged/composite.png
+fi
+
+# Pictures of two tutorials, if their steps were done: docs/tutorials/phone.md and blender.md.
+if [ -e out_phone/room.toml ]; then
     cargo run --release -- check out_phone/room.toml --out "$out/check.png"
     sheet docs/images/check.jpg 1 "$out/check.png"
-    restage_phone() {
-        cargo run --release -- restage --recovered out_phone/result --project out_phone/room.toml "$@"
-    }
-    restage_phone --spp 256 --out "$out/again"
-    restage_phone --composite --spp 128 --repaint 'sofa: rho_d = [0.16, 0.24, 0.42]' \
-        --insert 'examples/room/robot.glb: on = "rug", at = [0.2, -0.1], rotation_deg = [0, 15, 0]' \
-        --out "$out/after"
-    sheet docs/images/before-after.jpg 1 examples/room/photo.png \
-        "$out/again/synthetic.png" "$out/after/composite.png"
 fi
 [ ! -e out_desk/result/photo.png ] || cp out_desk/result/photo.png docs/images/desk.png
