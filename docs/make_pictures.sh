@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the pictures of the README anew: docs/images/*.png.
+# Makes the pictures of the README and of the book anew: docs/images.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -34,3 +34,17 @@ mkdir "$out/browser"
 cp crates/unrender/tests/report_browser/*.{json,mjs} "$out/browser"
 npm ci --prefix "$out/browser"
 node "$out/browser/screenshot.mjs" "$out/report/report.html" docs/images/report.png 1100 640 light "#groups"
+
+# The first of the README, of the results of its five lines: the photograph, what was recovered of it, and
+# the photograph without the small block.
+if [ -e out/rerendered.png ] && [ -e out_restaged/composite.png ]; then
+    sheet docs/images/before-after.jpg 1 \
+        out_restaged/photo.png out/rerendered.png out_restaged/composite.png
+fi
+
+# Pictures of two tutorials, if their steps were done: docs/tutorials/phone.md and blender.md.
+if [ -e out_phone/room.toml ]; then
+    cargo run --release -- check out_phone/room.toml --out "$out/check.png"
+    sheet docs/images/check.jpg 1 "$out/check.png"
+fi
+[ ! -e out_desk/result/photo.png ] || cp out_desk/result/photo.png docs/images/desk.png

@@ -1,9 +1,9 @@
 //! What unrender claims of its speed, measured beside the programs that one would use instead.
 //!
 //! `cargo run --release -p unrender-benches` measures all claims, one after the other, and writes
-//! them to `docs/performance.md`; `-- traversal` and so on one of them, whose section it replaces.
-//! Ratios are of measurements that took turns in one run, so that whatever else the machine does
-//! falls on both. The other programs come from PyPI into a folder beside the build's outputs; where
+//! them to `docs/validation/performance.md`; `-- traversal` and so on one of them, whose section it
+//! replaces. Ratios are of measurements that took turns in one run, so that whatever else the machine
+//! does falls on both. The other programs come from PyPI into a folder beside the build's outputs; where
 //! one cannot be had, its rows say so. To add a claim, write a module with a `measure` beside
 //! [`traversal`] and name it in [`Claim`].
 
@@ -42,7 +42,8 @@ struct Request {
     /// Measure little, to see that it works; the page is not touched.
     #[arg(long)]
     quick: bool,
-    /// The folder of the page and of its plots [default: docs, or with --quick target/performance].
+    /// The folder of the page and of its plots [default: docs/validation, or with --quick
+    /// target/performance].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -120,7 +121,7 @@ fn run(request: &Request) -> Result<(), Failure> {
     let folder = match &request.out {
         Some(folder) => folder.clone(),
         None if request.quick => peers::target_folder().join("performance"),
-        None => root().join("docs"),
+        None => root().join("docs/validation"),
     };
     let chosen = |claim: &&Claim| request.claims.is_empty() || request.claims.contains(claim);
     for claim in Claim::value_variants().iter().filter(chosen) {

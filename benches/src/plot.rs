@@ -7,7 +7,7 @@ use plotters::prelude::*;
 use std::ops::Range;
 
 const SIZE: (u32, u32) = (720, 420);
-/// Colours that differ for colour-blind readers too [Okabe and Ito, "Color Universal Design", 2008].
+/// Colours that differ for colour-blind readers too [Okabe and Ito 2008].
 const COLORS: [RGBColor; 7] = [
     RGBColor(0, 0, 0),
     RGBColor(213, 94, 0),

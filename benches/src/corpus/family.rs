@@ -50,7 +50,7 @@ impl Renderer {
     /// The difference of a group's mean radiance that its picture and ours of one scene may have,
     /// besides noise. Meshes, lobes and lights are the same; what is left is how each treats shading
     /// normals at the edge of light and shadow. Radiance's sampling of glossy surfaces is less exact
-    /// (docs/exports.md).
+    /// (docs/validation/exports.md).
     pub(crate) fn alike(self) -> f64 {
         match self {
             Self::Mitsuba | Self::Cycles => 0.01,

@@ -1,4 +1,4 @@
-//! `docs/corpus.md`: how to run the corpus, what its numbers mean, and what was measured.
+//! `docs/validation/corpus.md`: how to run the corpus, what its numbers mean, and what was measured.
 
 use super::family::{Family, Renderer};
 use super::relight::Case;

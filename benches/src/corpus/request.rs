@@ -62,7 +62,7 @@ pub(crate) struct CorpusRequest {
     /// Recoveries that take longer are ended and count as failed, seconds.
     #[arg(long, value_name = "S", default_value_t = 1200)]
     pub(super) limit: u64,
-    /// The page to put the results into, such as docs/corpus.md [default: printed only].
+    /// The page to put the results into, such as docs/validation/corpus.md [default: printed only].
     #[arg(long, value_name = "FILE")]
     pub(super) page: Option<PathBuf>,
 }

@@ -144,7 +144,7 @@ fn write(wanted: &Wanted, plan: &Plan, folder: &Folder) -> Result<(), Failure> {
     store::write_truth(folder, plan, &given)?;
     store::write_neutral(&folder.path("scene.glb"), &scene)?;
     let head = format!(
-        "# A scene of the corpus (docs/corpus.md), seed {}, photographed by {}. Made by\n\
+        "# A scene of the corpus (docs/validation/corpus.md), seed {}, photographed by {}. Made by\n\
          # `cargo run --release -p unrender-benches -- corpus --tiny --out examples/corpus`.\n",
         plan.seed,
         renderer.name()

@@ -1,7 +1,7 @@
 //! Recovery from real photographs, scored: `cargo run --release -p unrender-benches -- real`.
 //!
-//! The photographs belong to others and are not part of the repository; `docs/real.md`, which this
-//! module writes, says where each set is and how to fetch it. A case whose data is absent is left
+//! The photographs belong to others and are not part of the repository; `docs/validation/real.md`,
+//! which this module writes, says where each set is and how to fetch it. A case whose data is absent is left
 //! out, and said to be. Every case has two steps: it writes projects (`--prepare` stops there), and
 //! it scores the `result` folders beside them (`--score` does only that).
 
@@ -45,7 +45,7 @@ pub(crate) struct RealRequest {
     /// The folder for projects and results [default: target/performance/work/real].
     #[arg(long, value_name = "DIR")]
     work: Option<PathBuf>,
-    /// The folder of the page [default: docs].
+    /// The folder of the page [default: docs/validation].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Write the projects and stop.
@@ -119,7 +119,7 @@ pub(crate) fn run(request: &RealRequest) -> Result<(), Failure> {
         None => Some(Unrender::build()?),
     };
     let work = request.work.clone().unwrap_or_else(|| peers::work_folder("real"));
-    let page = request.out.clone().unwrap_or_else(|| root().join("docs"));
+    let page = request.out.clone().unwrap_or_else(|| root().join("docs/validation"));
     let named = |case: &Case| request.cases.contains(case);
     let (mut lines, mut failed) = (Vec::new(), false);
     for case in Case::value_variants() {

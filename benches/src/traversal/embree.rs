@@ -1,4 +1,4 @@
-//! Embree 4 [Wald et al., "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014],
+//! Embree 4 [Wald et al. 2014],
 //! loaded from its shared library: the few functions of its C interface that one ray at a time needs.
 #![allow(unsafe_code)]
 

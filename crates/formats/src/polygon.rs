@@ -1,8 +1,7 @@
-//! Polygons to triangles: a fan where the polygon is convex, ear clipping where it is not.
+//! Polygons to triangles: a fan where the polygon is convex, ear clipping [Meisters 1975] where it is not.
 //!
 //! The plane of a polygon is that of its Newell normal, the sum over its edges of `(p_k - p_0) x
-//! (p_(k+1) - p_0)` [Tampieri, "Newell's Method for Computing the Plane Equation of a Polygon",
-//! Graphics Gems III, 1992]. A fan costs linear, ear clipping up to quadratic time.
+//! (p_(k+1) - p_0)` [Tampieri 1992]. A fan costs linear, ear clipping up to quadratic time.
 
 use glam::{DVec2, Vec3};
 

@@ -1,4 +1,6 @@
-//! One photograph and a scene to materials [Boivin & Gagalowicz 2002].
+//! One photograph and a scene to materials [Boivin and Gagalowicz 2002].
+//! Sources are cited by the keys of `docs/bibliography.md`; "the paper" is this one, and a section or
+//! figure without a source is its.
 //!
 //! The modules stand in the order of the paper's loop, plain data first:
 //! photograph and scene ([`register`], [`observation`], [`blocks`], [`problem`]) -> [`evidence`] ->

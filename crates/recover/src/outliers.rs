@@ -1,5 +1,5 @@
 //! Outliers: pixels that show something that is not in the model, like the book on the paper's desk
-//! [Boivin & Gagalowicz 2002, section 3.2].
+//! [Boivin and Gagalowicz 2002, section 3.2].
 //!
 //! The paper fits a plane to the values of a flat object. Light is seldom planar, but its shape is
 //! known here: what must be flat over a surface is the relative residual under the best uniform

@@ -19,7 +19,7 @@ use crate::likelihood::{Likelihood, standardised};
 use std::collections::BTreeMap;
 
 /// A simpler hypothesis stands unless a more complex one has an information criterion lower by this:
-/// strong evidence [Kass & Raftery 1995]. Half of it is called positive, double of it decisive.
+/// strong evidence [Kass and Raftery 1995]. Half of it is called positive, double of it decisive.
 pub(crate) const STRONG: f64 = 6.0;
 /// No fewer blocks than this share are taken as independent: the correlation is an estimate.
 const LEAST_INDEPENDENT: f64 = 0.05;

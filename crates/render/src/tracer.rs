@@ -146,7 +146,7 @@ impl TracedObject {
         (0..3).map(|i| self.uvs[(face.corners[i] - self.first_vertex) as usize] * weights[i]).sum()
     }
 
-    /// The tangent from which the anisotropy direction is measured (`docs/conventions.md`): glTF's
+    /// The tangent from which the anisotropy direction is measured (`docs/reference/conventions.md`): glTF's
     /// TANGENT, else `dp/du`, else world +x, else world +z; not yet orthogonal to `normal`.
     fn tangent(&self, face: &Face, weights: [f32; 3], normal: Vec3) -> Vec3 {
         let usable = |t: Vec3| t.is_finite() && t.reject_from(normal).length_squared() > 1e-12;

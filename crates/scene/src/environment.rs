@@ -3,7 +3,7 @@
 //! The panorama is equirectangular: columns are equal steps of heading, rows equal steps of the
 //! angle from straight up. Its centre shows what lies along world -z, where a camera without any
 //! rotation looks, and +x lies to the right of that, a quarter of the picture on; its upper edge is
-//! +y (`docs/conventions.md`). With `heading = atan2(x, -z)`, the direction (x, y, z) is at
+//! +y (`docs/reference/conventions.md`). With `heading = atan2(x, -z)`, the direction (x, y, z) is at
 //!
 //! ```text
 //! column = width  (1/2 + (heading + rotation) / (2 pi)), modulo width

@@ -4,7 +4,7 @@
 //! environment and cameras. This crate reads no files; readers and writers are in
 //! `unrender-formats`, light transport is in `unrender-render`.
 //!
-//! Frames, units and colour spaces of all crates are defined in `docs/conventions.md`: metres, y
+//! Frames, units and colour spaces of all crates are defined in `docs/reference/conventions.md`: metres, y
 //! up, counter-clockwise front faces, linear RGB, radiance in W sr^-1 m^-2 per channel, radians.
 
 pub mod camera;

@@ -1,5 +1,5 @@
 //! Makes `examples/hall`: a tapestry on a wall with a vase on a pedestal in front of it, to be
-//! removed from the photograph (`docs/restage.md`).
+//! removed from the photograph (`docs/guides/restage.md`).
 //!
 //! Run from the root of the workspace:
 //!

@@ -1,4 +1,4 @@
-//! How near restaged pictures come to the truth: prints the figures of `docs/restage.md`.
+//! How near restaged pictures come to the truth: prints the figures of `docs/guides/restage.md`.
 //!
 //! ```text
 //! cargo run --release --example restage_proof -- composite PROJECT.toml DIR TRUTH.exr

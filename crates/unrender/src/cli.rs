@@ -1,8 +1,10 @@
 //! The command line: global flags, the subcommands, and what becomes of errors.
 
-use crate::commands::{calibrate, check, export, merge, recover, render, report, restage, score};
+use crate::commands::{
+    calibrate, check, completions, export, man, merge, recover, render, report, restage, score,
+};
 use crate::{Error, interrupt, output};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::num::NonZeroUsize;
 use std::process::ExitCode;
 use unrender_formats::Limits;
@@ -64,6 +66,13 @@ enum Command {
     Score(score::Args),
     Export(export::Args),
     Report(report::Args),
+    Completions(completions::Args),
+    Man(man::Args),
+}
+
+/// The definition of the command line, of which help, completions and manual pages are made.
+pub fn command() -> clap::Command {
+    Cli::command()
 }
 
 /// Runs the command line that the process was started with.
@@ -111,6 +120,8 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Score(args) => score::run(args, &cli.global),
         Command::Export(args) => export::run(args, &cli.global),
         Command::Report(args) => report::run(args, &cli.global),
+        Command::Completions(args) => completions::run(args),
+        Command::Man(args) => man::run(args, &cli.global),
     }
 }
 
@@ -134,7 +145,6 @@ fn tell(error: &Error) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn threads_that_cannot_help_are_not_started() {
@@ -144,6 +154,6 @@ mod tests {
 
     #[test]
     fn the_command_line_is_consistent() {
-        Cli::command().debug_assert();
+        command().debug_assert();
     }
 }

@@ -4,17 +4,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The documents whose paths in backticks must exist.
-const DOCUMENTS: [&str; 8] = [
-    "README.md",
-    "ARCHITECTURE.md",
-    "CHANGELOG.md",
-    "docs/conventions.md",
-    "docs/exports.md",
-    "docs/paper.md",
-    "docs/performance.md",
-    "docs/restage.md",
-];
+/// The documents beside the book whose paths in backticks must exist.
+const DOCUMENTS: [&str; 4] = ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "SECURITY.md"];
 
 /// Which crates of the workspace each crate may use.
 const DIRECTIONS: [(&str, &[&str]); 7] = [
@@ -35,19 +26,23 @@ fn read(path: &str) -> String {
     fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
-/// The paths of all files under `folder` that end in `.rs`, relative to the root.
-fn rust_files(folder: &str) -> Vec<String> {
+/// The paths of all files under `folder` that end in `ending`, relative to the root.
+fn files(folder: &str, ending: &str) -> Vec<String> {
     let mut found = Vec::new();
     let entries = fs::read_dir(root().join(folder)).unwrap();
     for entry in entries.map(Result::unwrap) {
         let path = format!("{folder}/{}", entry.file_name().to_string_lossy());
         if entry.file_type().unwrap().is_dir() {
-            found.extend(rust_files(&path));
-        } else if path.ends_with(".rs") {
+            found.extend(files(&path, ending));
+        } else if path.ends_with(ending) {
             found.push(path);
         }
     }
     found
+}
+
+fn rust_files(folder: &str) -> Vec<String> {
+    files(folder, ".rs")
 }
 
 fn crates() -> Vec<String> {
@@ -81,8 +76,9 @@ fn the_code_map_names_every_module() {
 
 #[test]
 fn paths_and_tests_that_the_documents_name_exist() {
-    for document in DOCUMENTS {
-        for piece in paths_in(&read(document)) {
+    let pages = files("docs", ".md").into_iter();
+    for document in pages.chain(DOCUMENTS.map(str::to_owned)) {
+        for piece in paths_in(&read(&document)) {
             let (path, test) = match piece.split_once("::") {
                 Some((path, test)) => (path, Some(test)),
                 None => (piece.as_str(), None),

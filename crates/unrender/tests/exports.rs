@@ -80,7 +80,7 @@ fn renders_alike(
     }
 }
 
-/// What Radiance's own sampling of glossy surfaces leaves (see `docs/exports.md`), and noise.
+/// What Radiance's own sampling of glossy surfaces leaves (see `docs/guides/export.md`), and noise.
 #[test]
 fn radiance_makes_the_same_picture() {
     let is_diffuse =

@@ -350,18 +350,3 @@ fn a_job_counts_unknown_lights_as_the_renderer_does() {
     assert_eq!(job.project.exposure, Exposure::Fixed(Rgb::ONE));
     assert_eq!(job.warnings.0.len(), 1, "{:?}", job.warnings);
 }
-
-#[test]
-fn the_readmes_project_files_are_understood() {
-    let readme = include_str!("../../../README.md");
-    let (_, section) = readme.split_once("\n### The project file").unwrap();
-    let section = section.split("\n### ").next().unwrap();
-    let blocks: Vec<&str> = section.split("```toml\n").skip(1).collect();
-    assert_eq!(blocks.len(), 4, "a whole project, a camera as a table, lights, what counts");
-    for block in blocks {
-        let text = block.split("```").next().unwrap();
-        let files = if text.contains("scene = ") { "" } else { FILES };
-        let read = Project::parse(Path::new("readme.toml"), &format!("{files}{text}"));
-        assert!(read.is_ok(), "{:?} in {text}", read.err());
-    }
-}

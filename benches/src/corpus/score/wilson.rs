@@ -1,6 +1,6 @@
 //! Shares with confidence intervals, and quantiles.
 
-/// The share of successes and Wilson's interval about it at 95 % [Wilson 1927, "Probable inference"].
+/// The share of successes and Wilson's interval about it at 95 % [Wilson 1927].
 pub(crate) fn share(successes: usize, trials: usize) -> (f64, f64, f64) {
     /// The normal quantile of 97.5 %.
     const Z: f64 = 1.959_964;

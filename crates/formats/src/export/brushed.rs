@@ -1,4 +1,4 @@
-//! Brushed directions in the world, triangle by triangle, by the rules of `docs/conventions.md`.
+//! Brushed directions in the world, triangle by triangle, by the rules of `docs/reference/conventions.md`.
 
 use glam::{Vec2, Vec3};
 use unrender_scene::Mesh;

@@ -1,4 +1,4 @@
-//! A camera written down once more, in double precision and by the words of docs/conventions.md,
+//! A camera written down once more, in double precision and by the words of docs/reference/conventions.md,
 //! and measured points with known errors.
 
 use glam::{DVec2, DVec3};

@@ -1,4 +1,4 @@
-//! The downhill simplex of Nelder and Mead, which the paper uses for roughness (section 4.2.4).
+//! The downhill simplex [Nelder and Mead 1965], which the paper uses for roughness (section 4.2.4).
 
 use argmin::core::{CostFunction, Error, Executor, State};
 use argmin::solver::neldermead::NelderMead;

@@ -3,8 +3,8 @@
 //!
 //! The paper searches `rho_d`, `rho_s` and `alpha` together by downhill simplex and treats
 //! `rho_s = 1` apart, because the joint search gets stuck. With the reflectances solved for exactly
-//! at every roughness (variable projection), one parameter is left, and `rho_s = 1` is an edge of
-//! the box like any other.
+//! at every roughness (variable projection [Golub and Pereyra 1973]), one parameter is left, and
+//! `rho_s = 1` is an edge of the box like any other.
 
 use super::{Fit, Hypothesis, Search, judged};
 use crate::evidence::Evidence;

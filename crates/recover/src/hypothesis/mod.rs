@@ -1,5 +1,5 @@
 //! The rungs of the ladder: what a group's reflectance might be, from simple to complex
-//! [Boivin & Gagalowicz 2002, section 4.2].
+//! [Boivin and Gagalowicz 2002, section 4.2].
 //!
 //! One rung is one file with one public function `fit`, which finds the parameters that explain the
 //! evidence best under that hypothesis. To add a rung: write its file, name it in [`Hypothesis`] at

@@ -10,7 +10,8 @@
 //! interpolated reflectance, by simultaneous iterative reconstruction [Gilbert 1972]: from zero, each
 //! step adds `sum w (D B - D_A D_B T) / sum w D_A D_B` to the texel, `T` being the interpolated
 //! texture so far. The first step alone is a blurred texture; many follow the noise.
-//! Texels that no pixel sees are filled from their neighbours over a pyramid, and marked.
+//! Texels that no pixel sees are filled from their neighbours over a pyramid [Gortler et al. 1996], and
+//! marked.
 
 use crate::evidence::{Effort, Evidence, Stage};
 use glam::{DVec3, Vec2};

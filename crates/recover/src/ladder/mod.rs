@@ -1,5 +1,5 @@
 //! Climbing the ladder: from evidence to the next hypothesis, for all groups in every iteration,
-//! since each one lights the others [Boivin & Gagalowicz 2002, Figure 1].
+//! since each one lights the others [Boivin and Gagalowicz 2002, Figure 1].
 //!
 //! Two ways up: the default one, which fits the present hypotheses until nothing moves (`settle`)
 //! and then proposes others for the groups that they explain worst (`candidates`), and `paper`,

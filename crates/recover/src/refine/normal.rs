@@ -9,8 +9,8 @@
 //!
 //! `g` is a sum over cells. From their spread comes its covariance, whatever the noise is and
 //! however it hangs together within a cell: `G = m/(m - n) sum g_b g_b^T` for `m` cells and `n`
-//! unknowns, which make the residuals smaller than the noise [Huber 1967, White 1982; MacKinnon &
-//! White 1985].
+//! unknowns, which make the residuals smaller than the noise [Huber 1967; White 1982; MacKinnon
+//! and White 1985].
 
 use super::means::Mean;
 use nalgebra::{DMatrix, DVector};

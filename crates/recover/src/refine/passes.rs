@@ -2,7 +2,7 @@
 //!
 //! *Coarse*: some pixels, few paths. A step is taken while one of its numbers is certainly not zero
 //! (`SIGNIFICANT`), so that noise never leads away from the ladder's answer. A pass that finds the
-//! error worse than before is taken back and its step tried again with damping [Levenberg 1944,
+//! error worse than before is taken back and its step tried again with damping [Levenberg 1944;
 //! Marquardt 1963].
 //!
 //! *Fine*: all pixels, always the same ones, and what the passes find is averaged, the residuals

@@ -1,9 +1,9 @@
 //! The camera that brings the model's edges onto the photograph's.
 //!
 //! Every edge point says how far the picture must move across the edge there, `s_i`, and the camera
-//! how far it does: `s_i = n_i . (x_i(p) - x_i(0))` for small changes `p` of the camera [Harris &
-//! Stennett, "RAPiD", 1990]. Gauss-Newton on Tukey's robust loss [Beaton & Tukey 1974], since some of
-//! the photograph's edges are shadows and things that the model lacks. A weak prior that the camera
+//! how far it does: `s_i = n_i . (x_i(p) - x_i(0))` for small changes `p` of the camera
+//! [Harris and Stennett 1990]. Gauss-Newton on Tukey's robust loss [Beaton and Tukey 1974], since some
+//! of the photograph's edges are shadows and things that the model lacks. A weak prior that the camera
 //! is nearly right decides what the edges leave open (far away, say, a turn from a shift).
 
 use super::edges::Edgel;

@@ -1,4 +1,4 @@
-//! How well the model lies on the photograph, and which pixels that makes doubtful [Boivin &
+//! How well the model lies on the photograph, and which pixels that makes doubtful [Boivin and
 //! Gagalowicz 2002, section 3.2: the model may be several pixels off].
 //!
 //! The model says where the photograph should have edges ([`edges`]); how far away the photograph

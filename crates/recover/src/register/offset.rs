@@ -1,5 +1,5 @@
 //! How far from an edge of the model the photograph has one: the strongest change of the
-//! photograph along a line across the edge [Harris & Stennett, "RAPiD", 1990].
+//! photograph along a line across the edge [Harris and Stennett 1990].
 //!
 //! The photograph is taken by its square root, in which shot noise is alike everywhere, and
 //! smoothed a little.

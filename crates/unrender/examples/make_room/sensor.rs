@@ -23,7 +23,7 @@ pub(crate) fn expose(radiance: &RgbImage, exposure: f32, seed: u64) -> RgbImage 
     RgbImage::new(radiance.width(), radiance.height(), pixels)
 }
 
-/// A number of the standard normal distribution for each key [Box & Muller 1958].
+/// A number of the standard normal distribution for each key [Box and Muller 1958].
 fn normal(key: u64) -> f32 {
     let uniform = |bits: u64| ((bits >> 40) as f32 + 0.5) / (1u64 << 24) as f32;
     let (first, second) = (mix(key), mix(mix(key)));

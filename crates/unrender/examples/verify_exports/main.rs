@@ -1,5 +1,5 @@
 //! Renders exports of the examples by the programs that they are for, and writes how far their
-//! pictures are from ours, group by group: the table of `docs/exports.md`.
+//! pictures are from ours, group by group: the table of `docs/validation/exports.md`.
 //!
 //! `cargo run --release --example verify_exports -- [--spp N] [--height N] [--scene FOLDER] [PROGRAM
 //! ...]`. Programs
@@ -51,7 +51,7 @@ fn request() -> Result<Request, Failure> {
 fn main() -> Result<(), Failure> {
     let request = request()?;
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let page = root.join("docs/exports.md");
+    let page = root.join("docs/validation/exports.md");
     for target in &request.targets {
         let program = Program::for_target(*target)?;
         for (name, folder, model) in [

@@ -3,8 +3,10 @@
 
 pub mod calibrate;
 pub mod check;
+pub mod completions;
 pub mod effort;
 pub mod export;
+pub mod man;
 pub mod merge;
 pub mod recover;
 pub mod render;

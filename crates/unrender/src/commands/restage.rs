@@ -29,7 +29,7 @@ use unrender_scene::{Camera, Warnings};
     unrender restage --recovered out --project room.toml --remove sofa --composite --out new\n  \
     unrender restage --scene room.glb --repaint 'floor: rho_d = [0.5, 0.1, 0.1]' \\\n      \
     --light 'lamp: scale = 0.5' --insert 'pot.glb: on = \"table\", at = [0.2, -1]' --out new\n\n\
-    An edit file (docs/restage.md has all of it):\n  \
+    An edit file (docs/reference/edit.md has all of it):\n  \
     recovered = \"out\"              # the folder of a recovery\n  \
     project = \"room.toml\"          # its project, for the photograph\n  \
     [camera]                       # eye and target, or [[camera.keys]] and frames\n  \

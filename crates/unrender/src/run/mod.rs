@@ -1,4 +1,4 @@
-//! `run.json`: how a recovery went, as plain numbers, key by key in `docs/run-json.md`.
+//! `run.json`: how a recovery went, as plain numbers, key by key in `docs/reference/run-json.md`.
 //!
 //! Reports are made of this file and of the pictures that it names, and of nothing else: every
 //! number on a page is a field here.

@@ -68,36 +68,6 @@ fn run_json_reads_back() {
     assert!(error.contains("run.json: cannot be read"), "{error}");
 }
 
-/// The keys of an object and of all in it; of maps by name only those of their entries.
-fn gather_keys(value: &serde_json::Value, keys: &mut std::collections::BTreeSet<String>) {
-    const BY_NAME: [&str; 4] = ["groups", "lights", "thresholds", "camera"];
-    match value {
-        serde_json::Value::Object(map) => {
-            for (key, value) in map {
-                keys.insert(key.clone());
-                match value.as_object().filter(|_| BY_NAME.contains(&key.as_str())) {
-                    Some(named) => named.values().for_each(|entry| gather_keys(entry, keys)),
-                    None => gather_keys(value, keys),
-                }
-            }
-        }
-        serde_json::Value::Array(list) => list.iter().for_each(|entry| gather_keys(entry, keys)),
-        _ => {}
-    }
-}
-
-#[test]
-fn the_document_names_every_key() {
-    let run = make(&workplace().join("keys"), 9, (160, 90));
-    let mut keys = std::collections::BTreeSet::new();
-    gather_keys(&serde_json::to_value(&run).unwrap(), &mut keys);
-    assert!(keys.len() > 60, "{keys:?}");
-    let document = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/run-json.md");
-    let text = std::fs::read_to_string(document).unwrap();
-    let missing: Vec<_> = keys.iter().filter(|key| !text.contains(&format!("`{key}`"))).collect();
-    assert!(missing.is_empty(), "docs/run-json.md lacks {missing:?}");
-}
-
 #[test]
 fn a_page_of_a_large_photograph_stays_small() {
     for (width, height) in [(1200, 900), (2400, 1600)] {
