@@ -25,6 +25,7 @@ use crate::evidence::{Evidence, Observed};
 use crate::observation::Reading;
 use glam::{DVec3, Vec3};
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 use unrender_render::{GeometryBuffers, Probes};
 use unrender_scene::Rgb;
 
@@ -38,7 +39,7 @@ pub struct Allowance {
 }
 
 /// The model error of a group that is independent from block to block.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModelError {
     /// Its standard deviation as a share of the local level.
     pub share: f64,
@@ -70,7 +71,7 @@ impl ModelError {
 }
 
 /// The residuals of a model over the blocks of a group.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BlockResiduals {
     /// Photograph minus model, the mean over each block.
     pub residual: Vec<Rgb>,
@@ -141,7 +142,7 @@ fn pooled(measured: &[Rgb], level2: &[Rgb]) -> Vec<Rgb> {
 /// The standard deviation of the incident light's error that changes slowly over a surface, as a
 /// share of the light. While the other groups' reflectances are rough, they light each other wrongly
 /// by some percent.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LightError {
     /// The share.
     pub share: f64,
@@ -220,7 +221,7 @@ fn centred(values: &[Vec3]) -> Vec<Vec3> {
 }
 
 /// How likely residuals are under the observation model.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Likelihood {
     /// Minus twice the logarithm of the likelihood, all blocks and channels.
     pub deviance: f64,

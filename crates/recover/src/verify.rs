@@ -16,6 +16,7 @@ use crate::observation::{PixelStatus, Reading};
 use crate::problem::{Options, Role};
 use crate::residual::deviation_of_sum;
 use crate::state::{Snapshot, State};
+use serde::{Deserialize, Serialize};
 use unrender_render::Settings;
 use unrender_render::sampler::mix;
 use unrender_scene::Rgb;
@@ -63,12 +64,12 @@ struct Sample {
 }
 
 /// How well a state explains the photograph.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Score {
     groups: Vec<GroupScore>,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct GroupScore {
     group: usize,
     blocks: Vec<Block>,
@@ -114,7 +115,8 @@ impl Verifier {
 
     /// Renders the sample in `state`, and keeps the state with its score.
     pub(crate) fn verify(&self, state: &State<'_>) -> Verified {
-        Verified { snapshot: state.snapshot(), score: self.score(state) }
+        let score = state.steps.value("verification", || self.score(state));
+        Verified { snapshot: state.snapshot(), score }
     }
 
     /// How well `state` explains the photograph.
@@ -177,7 +179,7 @@ impl Verifier {
 }
 
 /// One block of one group.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Block {
     outlier: bool,
     residual: Rgb,

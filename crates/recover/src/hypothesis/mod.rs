@@ -18,6 +18,7 @@ use crate::evidence::Evidence;
 use crate::fit::linear::{self, LinearFit, Terms};
 use crate::model_error::{BlockResiduals, Likelihood};
 use crate::residual::{ResidualStats, residual_stats};
+use serde::{Deserialize, Serialize};
 pub use unrender_scene::Hypothesis;
 use unrender_scene::{Material, Rgb};
 
@@ -70,7 +71,7 @@ pub enum Search {
 }
 
 /// A hypothesis with its best parameters.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fit {
     /// The rung.
     pub hypothesis: Hypothesis,
