@@ -33,7 +33,7 @@ pub(crate) struct Target {
 }
 
 /// All of them.
-pub(crate) const ALL: [Target; 20] = [
+pub(crate) const ALL: [Target; 21] = [
     Target { name: "gltf", kind: Kind::Json, read: scene },
     Target { name: "glb", kind: Kind::Glb, read: scene },
     Target { name: "obj", kind: Kind::Words, read: scene },
@@ -41,6 +41,7 @@ pub(crate) const ALL: [Target; 20] = [
     Target { name: "xml", kind: Kind::Words, read: scene },
     Target { name: "ply", kind: Kind::Words, read: ply },
     Target { name: "rad", kind: Kind::Words, read: scene },
+    Target { name: "vf", kind: Kind::Words, read: view },
     Target { name: "png", kind: Kind::Bytes, read: image },
     Target { name: "jpg", kind: Kind::Bytes, read: image },
     Target { name: "tif", kind: Kind::Bytes, read: image },
@@ -83,6 +84,12 @@ fn ply(path: &Path) {
     let shape = format!("<shape type=\"ply\"><string name=\"filename\" value=\"{name}\"/></shape>");
     let _ = fs::write(&xml, format!("<scene version=\"3.0.0\">{shape}</scene>"));
     let _ = load_model(input(&xml));
+}
+
+fn view(path: &Path) {
+    let rad = path.with_extension("rad");
+    let _ = fs::write(&rad, "void light l 0 0 3 1 1 1\nl sphere s 0 0 4 0 0 0 1\n");
+    let _ = load_model(input(&rad));
 }
 
 fn image(path: &Path) {
