@@ -253,7 +253,7 @@ fn read_head(path: &Path) -> Option<(File, u64, Head)> {
     let file = OpenOptions::new().read(true).write(true).open(path).ok()?;
     let mut line = Vec::new();
     BufReader::new(&file).take(LINE).read_until(b'\n', &mut line).ok()?;
-    let head = serde_json::from_slice(&line).ok()?;
+    let head = serde_json::from_slice(line.strip_suffix(b"\n")?).ok()?;
     Some((file, line.len() as u64, head))
 }
 
@@ -294,7 +294,7 @@ mod tests {
             records[back.len()..].iter().for_each(|record| journal.keep(record));
             assert!(fs::read(&path).unwrap() == whole, "cut at {cut}");
         }
-        for cut in 0..start - 1 {
+        for cut in 0..start {
             fs::write(&path, &whole[..cut]).unwrap();
             assert!(recalled(&open(true)).is_empty());
         }
