@@ -82,7 +82,7 @@ fn solved<T>(role_of_floor: Role, solve: impl Fn(&Problem<'_>) -> T) -> T {
     let settings = Settings { spp: 64, seed: 3, ..Settings::default() };
     let mut values = view.render(&scene.materials(), &settings, &|_| {}).mean;
     for (index, pixel) in values.pixels_mut().iter_mut().enumerate() {
-        let dark = (index % SIDE / 4 + index / SIDE / 4) % 2 == 0;
+        let dark = (index % SIDE / 4 + index / SIDE / 4).is_multiple_of(2);
         let on_wall = view.geometry().pixels()[index].group == 1;
         *pixel *= if dark && on_wall { 0.3 } else { 1.0 };
     }
