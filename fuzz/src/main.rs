@@ -2,9 +2,16 @@
 //! more than ten seconds, or more memory than it may, is a finding. Its file is kept, and the exit code
 //! is 1.
 //!
+//! `faults` interrupts commands instead of mutating files; `bits` compares their results by all code
+//! paths.
+//!
 //! To add a reader: write a function from a path in `targets.rs`, and seeds in `seeds.rs`. To keep a
 //! finding: put its file into `crates/formats/tests/data/hostile`, where the tests read it for ever.
 
+#[cfg(unix)]
+mod bits;
+#[cfg(unix)]
+mod faults;
 mod mutate;
 mod random;
 mod seeds;
@@ -29,6 +36,9 @@ const TURN: Duration = Duration::from_secs(3);
 /// Reads mutated files of every kind.
 #[derive(Debug, Parser)]
 struct Args {
+    /// What else there is to do.
+    #[command(subcommand)]
+    other: Option<Other>,
     /// How long, minutes.
     #[arg(long, default_value_t = 1.0)]
     minutes: f64,
@@ -49,8 +59,28 @@ struct Args {
     first: u64,
 }
 
+#[derive(Debug, clap::Subcommand)]
+enum Other {
+    /// Interrupts commands at random moments.
+    #[cfg(unix)]
+    Faults(faults::Args),
+    /// Compares the results of all commands by every code path.
+    #[cfg(unix)]
+    Bits(bits::Args),
+}
+
 fn main() -> io::Result<ExitCode> {
+    #[cfg(unix)]
+    if std::env::var_os(faults::work::AS_COMMAND).is_some() {
+        return Ok(unrender::cli::run());
+    }
     let args = Args::parse();
+    #[cfg(unix)]
+    match &args.other {
+        Some(Other::Faults(faults)) => return faults::run(faults),
+        Some(Other::Bits(bits)) => return bits::run(bits),
+        None => {}
+    }
     if let Some(name) = &args.worker {
         let target = ALL.iter().find(|target| target.name == name);
         let target = target.ok_or_else(|| io::Error::other("there is no such reader"))?;
@@ -94,11 +124,12 @@ fn turn(args: &Args, target: &Target, next: &mut u64) -> io::Result<bool> {
             }
         }
     });
+    let said = running.stderr.take().map(|stderr| std::thread::spawn(|| told(stderr)));
     let mut last = None;
     let mut problem = None;
     loop {
         match receiver.recv_timeout(PATIENCE) {
-            Ok(line) => last = line.parse::<u64>().ok(),
+            Ok(line) => last = line.parse::<u64>().ok().or(last),
             Err(RecvTimeoutError::Disconnected) => break,
             Err(RecvTimeoutError::Timeout) => {
                 running.kill()?;
@@ -110,11 +141,7 @@ fn turn(args: &Args, target: &Target, next: &mut u64) -> io::Result<bool> {
     let status = running.wait()?;
     // It ends with the pipe.
     let _ = reader.join();
-    let mut said = String::new();
-    if let Some(stderr) = &mut running.stderr {
-        // What it said last only helps; it need not be text.
-        let _ = stderr.read_to_string(&mut said);
-    }
+    let said = said.and_then(|said| said.join().ok()).unwrap_or_default();
     if problem.is_none() && !status.success() {
         let line = said.lines().find(|line| line.contains("panicked") || line.contains("memory"));
         problem = Some(format!("{status}: {}", line.unwrap_or(said.trim())));
@@ -129,4 +156,11 @@ fn turn(args: &Args, target: &Target, next: &mut u64) -> io::Result<bool> {
     fs::write(&path, file)?;
     println!("{}: {problem}", path.display());
     Ok(true)
+}
+
+/// What is said on `stderr`, warnings left out, which may be many. It need not be text.
+fn told(stderr: impl Read) -> String {
+    let lines = BufReader::new(stderr).split(b'\n').map_while(Result::ok);
+    let lines = lines.map(|line| String::from_utf8_lossy(&line).into_owned());
+    lines.filter(|line| !line.starts_with("warning:")).collect::<Vec<_>>().join("\n")
 }

@@ -54,7 +54,7 @@ pub(crate) fn of(name: &str) -> Vec<Vec<u8>> {
         "fspy" => vec![fspy()],
         "part" => vec![part()],
         "glb" => gltf::to_glb(&scene()).into_iter().collect(),
-        "ply" | "xml" | "rad" => exported(name),
+        "ply" | "xml" | "rad" | "vf" => exported(name),
         "png" | "exr" | "hdr" => written(name),
         _ => Vec::new(),
     };
@@ -97,7 +97,8 @@ fn scene() -> Scene {
 
 fn exported(extension: &str) -> Vec<Vec<u8>> {
     let scene = scene();
-    let program = if extension == "rad" { Program::Radiance } else { Program::Mitsuba };
+    let program =
+        if matches!(extension, "rad" | "vf") { Program::Radiance } else { Program::Mitsuba };
     let materials = scene.materials();
     let camera = &scene.cameras[0];
     let light_units = LightUnits::default();

@@ -4,16 +4,22 @@ use crate::mutate::Kind;
 use std::fs;
 use std::path::Path;
 use unrender::Project;
+use unrender::cli::Global;
+use unrender::commands::merge;
 use unrender::edit::Sheet;
 use unrender::formats::{
     Input, Limits, fspy, load_model, load_scene, materials, picture, planes, points,
     response_curve, wear,
 };
 use unrender::run::Run;
-use unrender::scene::Scene;
+use unrender::scene::{Group, Material, Rgb, Scene};
 
 /// What inputs may take of memory here, bytes; [`crate::worker`] allows the process more for itself.
 pub(crate) const MEMORY: u64 = 256 << 20;
+
+/// The flags of commands that are run here.
+const GLOBAL: Global =
+    Global { quiet: true, threads: None, allow_outside: false, input_memory: Some(0.25) };
 
 /// A reader.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +33,7 @@ pub(crate) struct Target {
 }
 
 /// All of them.
-pub(crate) const ALL: [Target; 19] = [
+pub(crate) const ALL: [Target; 21] = [
     Target { name: "gltf", kind: Kind::Json, read: scene },
     Target { name: "glb", kind: Kind::Glb, read: scene },
     Target { name: "obj", kind: Kind::Words, read: scene },
@@ -35,6 +41,7 @@ pub(crate) const ALL: [Target; 19] = [
     Target { name: "xml", kind: Kind::Words, read: scene },
     Target { name: "ply", kind: Kind::Words, read: ply },
     Target { name: "rad", kind: Kind::Words, read: scene },
+    Target { name: "vf", kind: Kind::Words, read: view },
     Target { name: "png", kind: Kind::Bytes, read: image },
     Target { name: "jpg", kind: Kind::Bytes, read: image },
     Target { name: "tif", kind: Kind::Bytes, read: image },
@@ -43,6 +50,7 @@ pub(crate) const ALL: [Target; 19] = [
     Target { name: "part", kind: Kind::Bytes, read: part },
     Target { name: "materials", kind: Kind::Json, read: material_file },
     Target { name: "run", kind: Kind::Json, read: run },
+    Target { name: "manifest", kind: Kind::Json, read: manifest },
     Target { name: "project", kind: Kind::Toml, read: project },
     Target { name: "edit", kind: Kind::Toml, read: edit },
     Target { name: "csv", kind: Kind::Words, read: tables },
@@ -78,6 +86,12 @@ fn ply(path: &Path) {
     let _ = load_model(input(&xml));
 }
 
+fn view(path: &Path) {
+    let rad = path.with_extension("rad");
+    let _ = fs::write(&rad, "void light l 0 0 3 1 1 1\nl sphere s 0 0 4 0 0 0 1\n");
+    let _ = load_model(input(&rad));
+}
+
 fn image(path: &Path) {
     let _ = picture::read(input(path));
     let _ = picture::read_environment(input(path), 0.5, 1.0);
@@ -88,18 +102,36 @@ fn image(path: &Path) {
 
 fn part(path: &Path) {
     let _ = planes::read(input(path));
+    let (parts, out) = (vec![path.to_owned()], path.with_file_name("merged.exr"));
+    let _ = merge::run(&merge::Args { parts, allow_gaps: true, out }, &GLOBAL);
 }
 
 fn material_file(path: &Path) {
-    let _ = materials::apply_from(input(path), &mut Scene::default());
+    // A scene that has the groups of the file, as far as it can be read.
+    let mut scene = Scene::default();
+    for name in materials::read(input(path)).iter().flat_map(|file| file.groups.keys()) {
+        let material = Material::diffuse(Rgb::ONE);
+        scene.groups.push(Group { name: name.clone(), material, emission: Rgb::ONE });
+    }
+    let _ = materials::apply_from(input(path), &mut scene);
 }
 
 fn run(path: &Path) {
     let folder = path.with_extension("folder");
     let _ = fs::create_dir_all(&folder);
+    let _ = fs::copy(path.with_file_name("seed.png"), folder.join("seed.png"));
     if fs::copy(path, folder.join(Run::FILE)).is_ok() {
         let _ = Run::read(&folder);
         let _ = unrender::report::page(&folder);
+    }
+}
+
+fn manifest(path: &Path) {
+    let folder = path.with_extension("folder");
+    let _ = fs::create_dir_all(&folder);
+    let _ = fs::copy(path.with_file_name("seed.png"), folder.join("seed.png"));
+    if fs::copy(path, folder.join("manifest.json")).is_ok() {
+        let _ = unrender::result_folder::check(&folder);
     }
 }
 

@@ -11,6 +11,7 @@
 
 use crate::evidence::spread;
 use crate::observation::Observation;
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use unrender_scene::Rgb;
 
@@ -38,7 +39,9 @@ fn side(pixels: usize, sampled: usize) -> usize {
 }
 
 /// Where a block lies: column and row, in units of the side of blocks like it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize,
+)]
 pub struct Place {
     /// Whether it is a part of an uneven block.
     pub fine: bool,

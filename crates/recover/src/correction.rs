@@ -5,6 +5,7 @@
 //! `c` with which it was developed, `B(c + s) = B(c) + sum_k s_k dB/dc_k`, and `s` joins the unknowns
 //! of the refinement. Whoever asks develops the photograph anew with `c + s`, until `s` is small.
 
+use serde::{Deserialize, Serialize};
 use unrender_scene::{Rgb, RgbImage};
 
 /// One number of the camera that is asked for.
@@ -21,7 +22,7 @@ pub struct Correction {
 }
 
 /// What came out for the numbers of the camera, in the order of [`crate::Problem::corrections`].
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Corrected {
     /// How far each is from where it was.
     pub steps: Vec<f64>,

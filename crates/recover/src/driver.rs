@@ -37,10 +37,10 @@ pub(crate) fn drive(
     let mut termination = driver.climb(state, observer)?;
     if options.refine && !observer.is_cancelled() {
         termination = driver.refine(state, observer)?;
-        refine::basins::find(state, options);
+        state.step("other minima", |state| refine::basins::find(state, options));
     }
-    textures::finish(state, options);
-    plain::replace_worse(state, options);
+    state.step("textures", |state| textures::finish(state, options));
+    state.step("never worse than plain", |state| plain::replace_worse(state, options));
     Ok(if observer.is_cancelled() { Termination::Interrupted } else { termination })
 }
 

@@ -18,6 +18,7 @@ mod driver;
 pub mod evidence;
 pub mod fit;
 pub mod hypothesis;
+pub mod journal;
 pub mod ladder;
 pub mod likelihood;
 pub mod model_error;
@@ -38,6 +39,7 @@ mod verify;
 
 pub use correction::{Corrected, Correction};
 pub use hypothesis::Hypothesis;
+pub use journal::Journal;
 pub use observation::{Observation, Picture, PixelStatus};
 pub use problem::{
     ExposureRule, GroupSpec, LadderKind, Options, Problem, RecoverError, Role, Thresholds,
@@ -48,6 +50,7 @@ pub use record::{
 };
 pub use rerender::{Renderer, View};
 
+use journal::Steps;
 use ladder::paper;
 use state::State;
 use unrender_scene::Material;
@@ -80,7 +83,29 @@ pub fn recover(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Recovery, RecoverError> {
-    let mut state = State::new(problem)?;
+    run(State::new(problem)?, options, observer)
+}
+
+/// As [`recover`], with a journal: what an earlier run of the same problem and options has left there
+/// is not done again, and what is done is kept there. The bits are the same with and without.
+///
+/// # Errors
+/// As those of [`recover`].
+pub fn recover_with(
+    problem: &Problem<'_>,
+    options: &Options,
+    observer: &mut dyn Observer,
+    journal: &dyn Journal,
+) -> Result<Recovery, RecoverError> {
+    let state = State { steps: Steps(Some(journal)), ..State::new(problem)? };
+    run(state, options, observer)
+}
+
+fn run(
+    mut state: State<'_>,
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Result<Recovery, RecoverError> {
     let termination = match options.ladder {
         LadderKind::Default => driver::drive(&mut state, options, observer)?,
         LadderKind::Paper => paper::climb(&mut state, options, observer)?,

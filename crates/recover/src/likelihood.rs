@@ -10,10 +10,11 @@
 use crate::model_error::{BlockResiduals, FUNCTIONS, LightError, LightField, ModelError};
 use glam::DVec3;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use serde::{Deserialize, Serialize};
 use unrender_scene::Rgb;
 
 /// How likely residuals are under the observation model.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Likelihood {
     /// Minus twice the logarithm of the likelihood, all blocks and channels.
     pub deviance: f64,

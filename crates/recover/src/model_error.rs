@@ -24,6 +24,7 @@ use crate::blocks::Blocks;
 use crate::evidence::{Evidence, Observed};
 use crate::observation::Reading;
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 use unrender_render::GeometryBuffers;
 use unrender_scene::Rgb;
 
@@ -37,7 +38,7 @@ pub struct Allowance {
 }
 
 /// The model error of a group that is independent from block to block.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModelError {
     /// Its standard deviation as a share of the local level.
     pub share: f64,
@@ -82,7 +83,7 @@ impl ModelError {
 }
 
 /// The residuals of a model over the blocks of a group.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BlockResiduals {
     /// Photograph minus model, the mean over each block.
     pub residual: Vec<Rgb>,
@@ -159,7 +160,7 @@ pub(crate) fn pooled(measured: &[Rgb], level2: &[Rgb]) -> Vec<Rgb> {
 /// The standard deviation of the incident light's error that changes slowly over a surface, as a
 /// share of the light. While the other groups' reflectances are rough, they light each other wrongly
 /// by some percent.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LightError {
     /// The share.
     pub share: f64,

@@ -15,6 +15,7 @@ use crate::register::margin::{self, near_edges};
 use crate::register::offset::EdgePicture;
 use crate::register::steep::steepness;
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 use unrender_render::{GeometryBuffers, NOTHING};
 use unrender_scene::{Image, Rgb, RgbImage};
 
@@ -42,7 +43,7 @@ pub enum Reading {
 
 /// The photograph's noise at one pixel: its variance is `base + slope L` where the scene has the
 /// radiance `L`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Noise {
     /// Of the quantisation, squared radiance.
     pub base: Rgb,

@@ -5,6 +5,7 @@ use crate::hypothesis::Hypothesis;
 use crate::observation::PixelStatus;
 use crate::residual::ResidualStats;
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 pub use unrender_scene::Status;
 use unrender_scene::{Image, Material, Rgb, RgbImage};
 
@@ -81,7 +82,7 @@ pub struct Alternative {
 }
 
 /// Standard deviations of a group's numbers; none for numbers that were not free.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Deviations {
     /// Of the diffuse reflectance; of a textured group, of one texel.
     pub rho_d: Option<Rgb>,
@@ -96,7 +97,7 @@ pub struct Deviations {
 }
 
 /// What came out for one source of light.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LightResult {
     /// Its number, as in [`unrender_render::Appearance::lights`].
     pub source: usize,
@@ -107,7 +108,7 @@ pub struct LightResult {
 }
 
 /// One rung tried on one group.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CandidateRecord {
     /// In which iteration.
     pub iteration: usize,

@@ -11,10 +11,11 @@
 
 use crate::evidence::Observed;
 use crate::observation::Reading;
+use serde::{Deserialize, Serialize};
 use unrender_scene::Rgb;
 
 /// The unexplained part of a group's photograph.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ResidualStats {
     /// Relative square of the error that noise does not explain; may fall below zero by chance.
     pub squared: f64,

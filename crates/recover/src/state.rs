@@ -4,6 +4,7 @@
 use crate::correction::Corrected;
 use crate::evidence::{Evidence, Stage};
 use crate::hypothesis::{self, Fit, Hypothesis};
+use crate::journal::Steps;
 use crate::ladder::effort;
 use crate::likelihood::Likelihood;
 use crate::observation::{Observation, ValidPixels};
@@ -12,6 +13,7 @@ use crate::record::{
     CandidateRecord, Deviations, GroupIteration, IterationRecord, LightResult, Status,
 };
 use crate::residual::ResidualStats;
+use serde::{Deserialize, Serialize};
 use unrender_render::{Appearance, RadianceCache};
 use unrender_scene::{Image, Material, Rgb, RgbImage};
 
@@ -33,10 +35,12 @@ pub(crate) struct State<'a> {
     pub(crate) iterations: Vec<IterationRecord>,
     /// The photograph's radiance where it shows diffuse surfaces.
     pub(crate) seen: Option<RadianceCache>,
+    /// The steps that were made, and their journal.
+    pub(crate) steps: Steps<'a>,
 }
 
 /// Where one group stands.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct GroupState {
     pub(crate) hypothesis: Hypothesis,
     pub(crate) status: Status,
@@ -145,6 +149,7 @@ impl<'a> State<'a> {
             corrected,
             iterations: Vec::new(),
             seen: None,
+            steps: Steps::default(),
         })
     }
 
@@ -223,6 +228,14 @@ impl<'a> State<'a> {
     /// channel by channel, `exposure = rho_d sum D / sum value`.
     pub(crate) fn update_exposure(&mut self, options: &Options) -> Result<(), RecoverError> {
         let ExposureRule::Anchor { group, rho_d } = self.problem.exposure else { return Ok(()) };
+        let unseen = || RecoverError::AnchorUnseen(self.problem.groups[group].name.clone());
+        let by_anchor = || self.exposure_by_anchor(group, rho_d, options);
+        self.exposure = self.steps.value("anchor", by_anchor).ok_or_else(unseen)?;
+        Ok(())
+    }
+
+    /// What the `group` of diffuse reflectance `rho_d` says of the exposure; none if it is not seen lit.
+    fn exposure_by_anchor(&self, group: usize, rho_d: Rgb, options: &Options) -> Option<Rgb> {
         let stage = Stage { exposure: Rgb::ONE, ..self.stage() };
         let pixels = &self.observation.pixels_of_group[group];
         let mut effort = effort::diffuse(effort::FINEST, options);
@@ -231,11 +244,8 @@ impl<'a> State<'a> {
         let [a, b] = evidence.diffuse();
         let light: Rgb = 0.5 * (a.iter().sum::<Rgb>() + b.iter().sum::<Rgb>());
         let values: Rgb = evidence.pixels.iter().map(|p| p.radiance).sum();
-        if values.min_element() <= 0.0 || light.min_element() <= 0.0 {
-            return Err(RecoverError::AnchorUnseen(self.problem.groups[group].name.clone()));
-        }
-        self.exposure = rho_d * light / values;
-        Ok(())
+        let is_seen = values.min_element() > 0.0 && light.min_element() > 0.0;
+        is_seen.then(|| rho_d * light / values)
     }
 
     /// Notes the end of a pass of the joint refinement, with the error that it started from: of all

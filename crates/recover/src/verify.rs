@@ -16,6 +16,7 @@ use crate::observation::{PixelStatus, Reading};
 use crate::problem::{Options, Role};
 use crate::selection::independent_share;
 use crate::state::{Snapshot, State};
+use serde::{Deserialize, Serialize};
 use unrender_render::sampler::mix;
 use unrender_render::{Appearance, Settings};
 use unrender_scene::Rgb;
@@ -77,12 +78,12 @@ struct Sample {
 }
 
 /// How well a state explains the photograph.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Score {
     groups: Vec<GroupScore>,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct GroupScore {
     residuals: BlockResiduals,
     /// The variance of the residuals by the renderings' noise alone.
@@ -134,7 +135,8 @@ impl Verifier {
 
     /// Renders the sample in `state`, and keeps the state with its score.
     pub(crate) fn verify(&self, state: &State<'_>) -> Verified {
-        Verified { snapshot: state.snapshot(), score: self.score(state) }
+        let score = state.steps.value("verification", || self.score(state));
+        Verified { snapshot: state.snapshot(), score }
     }
 
     /// How well `state` explains the photograph.
@@ -231,15 +233,17 @@ impl Verifier {
         let Some(sample) = self.groups.iter().find(|sample| sample.group == group) else {
             return true;
         };
-        let mut materials = state.materials.clone();
-        let scores = [&state.materials[group], before.material(group)].map(|material| {
-            materials[group].clone_from(material);
-            let appearance = Appearance { materials: &materials, lights: &state.lights };
-            let halves = self.render(appearance, state, &sample.pixels, OWN_SPP);
-            let score = self.group(state, sample, halves.each_ref().map(Vec::as_slice));
-            GroupScore { floor: score.floor.min(OWN_FLOOR), ..score }
-        });
-        let [mine, other] = &scores;
+        let rendered = || {
+            let mut materials = state.materials.clone();
+            [&state.materials[group], before.material(group)].map(|material| {
+                materials[group].clone_from(material);
+                let appearance = Appearance { materials: &materials, lights: &state.lights };
+                let halves = self.render(appearance, state, &sample.pixels, OWN_SPP);
+                let score = self.group(state, sample, halves.each_ref().map(Vec::as_slice));
+                GroupScore { floor: score.floor.min(OWN_FLOOR), ..score }
+            })
+        };
+        let [mine, other] = &state.steps.value("own verification", rendered);
         let contrast = sample.contrast(mine, other);
         let criterion = contrast.criterion + adds * contrast.independent.max(1.0).ln();
         let least = UNDECIDED * UNDECIDED.max(contrast.noise.sqrt());

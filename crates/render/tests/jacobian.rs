@@ -305,7 +305,7 @@ fn any_number_of_threads_gives_the_same_bits() {
         })
     };
     let one = with(1);
-    for threads in [2, 3] {
+    for threads in [2, 7] {
         assert!(one == with(threads), "{threads} threads give other derivatives");
     }
 }

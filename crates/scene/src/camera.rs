@@ -3,9 +3,10 @@
 
 use crate::Lens;
 use glam::{Affine3A, Mat3, Vec3};
+use serde::Serialize;
 
 /// A perspective camera.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Camera {
     /// The node's name in the scene file.
     pub name: String,

@@ -13,12 +13,14 @@
 use crate::color::luminance;
 use crate::{Rgb, RgbImage};
 use glam::Vec3;
+use serde::Serialize;
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 use std::sync::Arc;
 
 /// An environment map, visible behind the scene.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Environment {
+    #[serde(serialize_with = "crate::serial::pointee")]
     radiance: Arc<RgbImage>,
     rotation_rad: f32,
 }

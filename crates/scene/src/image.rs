@@ -1,9 +1,10 @@
 //! A raster: row-major pixels, (0, 0) at the top left, pixel centres at (x + 0.5, y + 0.5).
 
 use crate::Rgb;
+use serde::Serialize;
 
 /// A `width` x `height` raster of `T`, row by row from the top left.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize)]
 pub struct Image<T> {
     width: usize,
     height: usize,

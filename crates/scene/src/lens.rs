@@ -9,8 +9,10 @@
 //! the first two radial terms of [Brown 1966], with the signs of OpenCV: barrel distortion has `k1
 //! < 0`.
 
+use serde::Serialize;
+
 /// A lens; the default is the pinhole.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Lens {
     /// The principal point: from the picture's centre to the right and downwards, in heights of the
     /// picture.

@@ -16,6 +16,7 @@ pub mod lens;
 pub mod light;
 pub mod material;
 pub mod mesh;
+mod serial;
 pub mod validate;
 
 pub use camera::Camera;
@@ -29,8 +30,10 @@ pub use material::{BrdfModel, Lobe, Material, Texture, WardModel, Wrap};
 pub use mesh::{Mesh, Object};
 pub use validate::{SceneError, Warnings};
 
+use serde::Serialize;
+
 /// The objects that share one material. In glTF: all primitives with that material.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Group {
     /// The name of the material in the scene file; unique within a scene.
     pub name: String,
@@ -48,7 +51,7 @@ impl Group {
 }
 
 /// A complete scene.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize)]
 pub struct Scene {
     /// Meshes in world space; each refers to its group by index.
     pub objects: Vec<Object>,

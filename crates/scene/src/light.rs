@@ -5,9 +5,10 @@
 
 use crate::{Rgb, Scene};
 use glam::Vec3;
+use serde::Serialize;
 
 /// A point, spot or directional light.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Light {
     /// The node's name in the scene file.
     pub name: String,
@@ -16,7 +17,7 @@ pub struct Light {
 }
 
 /// The kinds of punctual lights.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum LightKind {
     /// Isotropic emission from a point.
     Point {

@@ -5,12 +5,13 @@
 
 use crate::{Image, Rgb};
 use glam::Vec2;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
 /// The normalisation of Ward's lobe.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize)]
 pub enum WardModel {
     /// Divides by sqrt(cos_i cos_o); the albedo is unbounded at grazing angles [Ward 1992].
     Ward1992,
@@ -27,7 +28,7 @@ impl WardModel {
 }
 
 /// The BRDF model of a scene's materials.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum BrdfModel {
     /// Ward's.
     Ward(WardModel),
@@ -111,7 +112,7 @@ impl Lobe {
 }
 
 /// The parameters of a BRDF.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Material {
     /// Diffuse reflectance, 0 to 1. With a texture: the mean over the texture.
     pub rho_d: Rgb,
@@ -126,6 +127,7 @@ pub struct Material {
     /// from the front, radians. theta and theta + pi are the same direction.
     pub theta_rad: f32,
     /// Diffuse reflectance over the surface; replaces `rho_d`.
+    #[serde(with = "crate::serial::shared")]
     pub texture: Option<Arc<Texture>>,
 }
 
@@ -167,7 +169,7 @@ impl Material {
 }
 
 /// How a texture continues beyond its edge: the wrapping modes of glTF's samplers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Wrap {
     /// Repeated.
     #[default]
@@ -197,7 +199,7 @@ impl Wrap {
 /// A diffuse reflectance texture, mapped by `TEXCOORD_0`.
 ///
 /// glTF's orientation: uv (0, 0) is the top left corner of the picture, (1, 1) the bottom right.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Texture {
     /// Linear reflectance, 0 to 1 per channel.
     pub image: Image<Rgb>,

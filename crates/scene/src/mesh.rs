@@ -1,6 +1,7 @@
 //! Triangle meshes in world space.
 
 use glam::{Vec2, Vec3, Vec4};
+use serde::Serialize;
 use std::f32::consts::{PI, TAU};
 
 /// Triangles of spheres: around, and from pole to pole.
@@ -8,7 +9,7 @@ const AROUND: u32 = 64;
 const UP: u32 = 32;
 
 /// A mesh with one entry of each attribute per vertex.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize)]
 pub struct Mesh {
     /// Vertex positions in world space, metres.
     pub positions: Vec<Vec3>,
@@ -73,7 +74,7 @@ impl Mesh {
 }
 
 /// A named mesh that belongs to a group.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Object {
     /// The node's name in the scene file.
     pub name: String,

@@ -183,3 +183,28 @@ fn doubt(std: &PhotographStd) -> Option<String> {
     let doubts: Vec<String> = gamma.into_iter().chain(corner).collect();
     (!doubts.is_empty()).then(|| doubts.join("; "))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use unrender_photo::vignetting::Vignetting;
+
+    #[test]
+    fn steps_that_are_no_numbers_change_nothing_and_end() {
+        let project = "../../examples/corpus/isotropic/project.toml";
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(project);
+        let (project, warnings) = Project::read(&path).unwrap();
+        let mut job = Job::load(project, warnings).unwrap();
+        let size = (job.photo.radiance.width(), job.photo.radiance.height());
+        let law = Law::Radial([0.0; 3]);
+        job.transfer.vignetting = Some(Vignetting { law, camera: job.camera.clone(), size });
+        let before = job.photo.radiance.clone();
+        let numbers = [0, 1, 2].map(Number::Vignetting);
+        for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY, f64::MAX] {
+            // Half of what is no number is none for ever.
+            assert_eq!(apply(&mut job, &numbers, &[0.01, bad, 0.0]), 0.0);
+            assert!(job.photo.radiance == before);
+        }
+        assert!(apply(&mut job, &numbers, &[-0.01, 0.0, 0.0]) > 0.0);
+    }
+}

@@ -4,6 +4,7 @@ use crate::camera_numbers::{self, Number};
 use crate::cli::warn;
 use crate::interrupt::Pausable;
 use crate::progress::Progress;
+use crate::recovery_journal::RecoveryJournal;
 use crate::registration::{self, Alignment, Laid};
 use crate::{Error, Job};
 use std::time::Instant;
@@ -54,6 +55,7 @@ pub(crate) fn recover(
     options: &Options,
     alignment: Alignment,
     progress: &Progress,
+    journal: &RecoveryJournal,
 ) -> Result<Recovered, Error> {
     let started = Instant::now();
     let pausable = Pausable::new();
@@ -66,15 +68,15 @@ pub(crate) fn recover(
         let thresholds = Thresholds { textured: Some(f64::INFINITY), ..options.thresholds };
         let rough = Options { thresholds, spp: 1, ..options.clone() };
         for _ in 0..ROUNDS_MAX {
-            let mut teller = Teller::new(progress, options, started, &pausable);
+            let mut teller = Teller::new(progress, options, started, (&pausable, journal));
             let change = recover_once(job, &laid, &numbers, &rough, &mut teller)?.change;
-            if change < NEAR || pausable.is_asked() {
+            if change < NEAR || teller.is_cancelled() {
                 break;
             }
         }
     }
     let developed = started.elapsed().as_secs_f64();
-    let mut teller = Teller::new(progress, options, started, &pausable);
+    let mut teller = Teller::new(progress, options, started, (&pausable, journal));
     let Once { mut recovery, group_map, .. } =
         recover_once(job, &laid, &numbers, options, &mut teller)?;
     if let Exposure::Fixed(exposure) = job.project.exposure {
@@ -107,7 +109,8 @@ fn recover_once(
     let corrections = camera_numbers::corrections(job, numbers);
     let recover = |problem: &Problem<'_>| {
         let group_map = problem.renderer.geometry().map(|pixel| pixel.group);
-        Ok((unrender_recover::recover(problem, options, teller)?, group_map))
+        let journal = teller.journal;
+        Ok((unrender_recover::recover_with(problem, options, teller, journal)?, group_map))
     };
     let (recovery, group_map) = with_problem(job, laid, &corrections, recover)?;
     let change = if numbers.is_empty() {
@@ -179,6 +182,7 @@ struct Teller<'a> {
     /// Seconds since the start at the end of each iteration.
     iterations: Vec<f64>,
     pausable: &'a Pausable,
+    journal: &'a RecoveryJournal,
 }
 
 impl<'a> Teller<'a> {
@@ -186,10 +190,10 @@ impl<'a> Teller<'a> {
         progress: &'a Progress,
         options: &Options,
         started: Instant,
-        pausable: &'a Pausable,
+        (pausable, journal): (&'a Pausable, &'a RecoveryJournal),
     ) -> Self {
         let paper = options.ladder == LadderKind::Paper;
-        Self { progress, paper, started, iterations: Vec::new(), pausable }
+        Self { progress, paper, started, iterations: Vec::new(), pausable, journal }
     }
 }
 
@@ -226,6 +230,11 @@ impl Observer for Teller<'_> {
     }
 
     fn is_cancelled(&self) -> bool {
-        self.pausable.is_asked()
+        let is_asked = self.pausable.is_asked();
+        if is_asked {
+            // What follows is not what a recovery that goes on does.
+            self.journal.close();
+        }
+        is_asked
     }
 }

@@ -1,47 +1,68 @@
-//! Whether two renderings are of one scene: a digest of all that the scene is.
+//! Whether two pieces of work are of one scene: a digest of all that the scene is.
 //!
-//! What is digested is the scene's own text form (`Debug`), which has every number of it to the
-//! last bit and grows with it: a field that is added later counts at once.
+//! What is digested is the scene in the wire format of postcard (version 1, which is documented and
+//! stable): every number by its bits, little-endian, every list with its length before it, so that
+//! two scenes with the same digest are the same. A field that is added later counts at once.
 
+use serde::Serialize;
 use sha2::{Digest, Sha256};
-use std::fmt::{self, Debug, Write};
 
-/// The first half of SHA-256 over the text form of `value`, in hexadecimal digits.
-pub(crate) fn fingerprint(value: &impl Debug) -> String {
-    let mut sink = Sink(Sha256::new());
-    // The sink takes everything, and the scene's types are derived: neither fails.
-    let _ = write!(sink, "{value:?}");
-    let digest = sink.0.finalize();
+/// The first half of SHA-256 over the bytes of `value`, in hexadecimal digits.
+pub(crate) fn fingerprint(value: &impl Serialize) -> String {
+    // A digest takes everything, and plain data without maps of unknown size can always be written.
+    let digest = postcard::to_io(value, Sha256::new()).unwrap_or_default().finalize();
     digest[..16].iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-struct Sink(Sha256);
-
-impl Write for Sink {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        self.0.update(text.as_bytes());
-        Ok(())
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use unrender_scene::{Group, Material, Rgb, Scene};
+    use unrender_scene::{Camera, Group, Material, Rgb, Scene};
+
+    fn scene(rho: f32) -> Scene {
+        let material = Material::diffuse(Rgb::splat(rho));
+        let wall = Group { name: "wall".into(), material, emission: Rgb::ZERO };
+        Scene { groups: vec![wall], ..Scene::default() }
+    }
 
     #[test]
     fn a_last_bit_makes_another_scene() {
-        let scene = |rho: f32| Scene {
-            groups: vec![Group {
-                name: "wall".into(),
-                material: Material::diffuse(Rgb::splat(rho)),
-                emission: Rgb::ZERO,
-            }],
-            ..Scene::default()
-        };
         let of = |rho: f32| fingerprint(&scene(rho));
         assert_eq!(of(0.5), of(0.5));
         assert_ne!(of(0.5), of(0.5f32.next_up()));
+        assert_ne!(of(0.0), of(-0.0));
+        assert_ne!(of(f32::NAN), of(-f32::NAN));
         assert_eq!(of(0.5).len(), 32);
+    }
+
+    #[test]
+    fn the_digest_is_of_bytes_that_are_defined_and_stay() {
+        // Objects, groups (one, of a name of four bytes), the three numbers of rho_d and rho_s each,
+        // roughness and direction, no texture, the emission; lights, environment, cameras, lobe.
+        let mut bytes = vec![0, 1, 4];
+        bytes.extend(b"wall");
+        [0.5f32; 3].iter().for_each(|number| bytes.extend(number.to_le_bytes()));
+        bytes.extend([0; 12 + 12]);
+        bytes.push(0);
+        bytes.extend([0; 12]);
+        bytes.extend([0, 0, 0]);
+        let written = postcard::to_stdvec(&scene(0.5)).unwrap();
+        assert_eq!(written[..bytes.len()], bytes);
+        let digest = Sha256::digest(&written);
+        let digits: String = digest[..16].iter().map(|byte| format!("{byte:02x}")).collect();
+        assert_eq!(fingerprint(&scene(0.5)), digits);
+    }
+
+    #[test]
+    fn text_cannot_pass_for_structure() {
+        // In a text form, a name can hold what looks like the next field.
+        let named = |names: [&str; 2]| {
+            let camera = |name: &&str| Camera {
+                name: (*name).to_owned(),
+                ..Camera::look_at("", glam::Vec3::Z, glam::Vec3::ZERO, glam::Vec3::Y, 1.0)
+            };
+            fingerprint(&names.iter().map(camera).collect::<Vec<_>>())
+        };
+        assert_ne!(named(["ab", "c"]), named(["a", "bc"]));
     }
 }

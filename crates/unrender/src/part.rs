@@ -9,7 +9,6 @@
 use crate::Error;
 use crate::fingerprint::fingerprint;
 use serde::{Deserialize, Serialize};
-use std::fmt::Debug;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use unrender_formats::FileError;
@@ -67,7 +66,7 @@ pub(crate) struct Part {
 
 impl Identity {
     /// The same with what tells it from renderings of other scenes or by other cameras.
-    pub(crate) fn with_fingerprints(self, scene: &impl Debug, camera: &Camera) -> Self {
+    pub(crate) fn with_fingerprints(self, scene: &impl Serialize, camera: &Camera) -> Self {
         Self { scene: fingerprint(scene), camera: fingerprint(camera), ..self }
     }
 

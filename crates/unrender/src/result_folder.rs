@@ -8,7 +8,8 @@
 
 mod manifest;
 
-pub(crate) use manifest::{check, note};
+pub use manifest::check;
+pub(crate) use manifest::{hash, note};
 
 use crate::{Error, interrupt, output};
 use manifest::{Entry, Manifest};

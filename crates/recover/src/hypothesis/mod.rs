@@ -19,6 +19,7 @@ use crate::fit::linear::{self, LinearFit, Terms};
 use crate::likelihood::Likelihood;
 use crate::model_error::BlockResiduals;
 use crate::residual::{ResidualStats, residual_stats};
+use serde::{Deserialize, Serialize};
 pub use unrender_scene::Hypothesis;
 use unrender_scene::{Material, Rgb};
 
@@ -71,7 +72,7 @@ pub enum Search {
 }
 
 /// A hypothesis with its best parameters.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fit {
     /// The rung.
     pub hypothesis: Hypothesis,

@@ -18,6 +18,7 @@ use crate::record::{CandidateRecord, Status};
 use crate::residual::ResidualStats;
 use crate::selection::{Comparison, Decision, parameters};
 use crate::state::State;
+use serde::{Deserialize, Serialize};
 use unrender_scene::Material;
 
 /// Of the groups in error, those with at least this share of the worst model error are asked: at
@@ -50,7 +51,7 @@ const OUTLIER_ROUNDS: usize = 3;
 const SIMPLER: usize = 2;
 
 /// Another hypothesis for one group.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct Proposal {
     pub(crate) group: usize,
     pub(crate) hypothesis: Hypothesis,
@@ -217,6 +218,11 @@ impl<'o> Candidates<'o> {
     ) -> Option<Proposal> {
         self.asked[group] += 1;
         self.asked_at[group] = Some(level);
+        state.step("candidates", |state| self.ask(state, group, level))
+    }
+
+    /// What the candidates of `group` come to.
+    fn ask(&self, state: &mut State<'_>, group: usize, level: usize) -> Option<Proposal> {
         let mut effort = effort::trial(level, self.options);
         // What the model of the other groups gets wrong, it may get wrong here.
         let floor = &mut effort.allowance.floor;

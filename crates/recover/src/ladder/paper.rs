@@ -20,6 +20,7 @@ use crate::problem::{Options, RecoverError};
 use crate::record::{CandidateRecord, Observer, Termination};
 use crate::residual::{ResidualStats, residual_stats};
 use crate::state::{State, distance};
+use serde::{Deserialize, Serialize};
 use unrender_render::{Appearance, ProbeSettings, Settings};
 use unrender_scene::{Material, Rgb};
 
@@ -54,7 +55,7 @@ pub(crate) fn climb(
     for iteration in 1..=options.max_iterations {
         state.update_exposure(options)?;
         let climber = PaperIteration { options, iteration };
-        let views = climber.look(state);
+        let views = state.step("paper's iteration", |state| climber.look(state));
         let all_at_rest = views.iter().all(|view| {
             rungs[view.group].has_had_its_iterations(state.groups[view.group].hypothesis)
         });
@@ -107,6 +108,7 @@ impl Rung {
 }
 
 /// A group's pixels in the present re-rendering.
+#[derive(Serialize, Deserialize)]
 struct Seen {
     group: usize,
     pixels: Vec<u32>,
@@ -188,7 +190,8 @@ impl PaperIteration<'_> {
             state.groups[*group].selection_log.push(trial);
         }
         let next = if leaves { next_rung(hypothesis) } else { hypothesis };
-        let material = self.parameters(state, *group, next, pixels, rerendered);
+        let parameters = || self.parameters(state, *group, next, pixels, rerendered);
+        let material = state.steps.value("paper's parameters", parameters);
         // A group without texture coordinates stays where it is.
         rung.iterations = if leaves && material.is_some() { 0 } else { rung.iterations + 1 };
         state.groups[*group].hypothesis = if material.is_some() { next } else { hypothesis };

@@ -70,7 +70,7 @@ impl<'o> Settler<'o> {
             }
             *left -= 1;
             refine::settle_nuisances(state, self.options)?;
-            let change = self.iterate(state);
+            let change = state.step("iteration", |state| self.iterate(state));
             let n = state.iterations.len() as f64 + 1.0;
             let done = n / (n + 10.0 - 4.0 * self.level as f64);
             let open = open(state);

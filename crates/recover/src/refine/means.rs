@@ -17,13 +17,14 @@ use crate::observation::Noise;
 use crate::state::State;
 use nalgebra::DVector;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use unrender_render::sampler::mix;
 use unrender_render::{Jacobian, Settings};
 use unrender_scene::Rgb;
 
 /// What one cell shows on the mean.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Mean {
     pub(crate) group: usize,
     place: Place,

@@ -129,7 +129,8 @@ fn adjust_nuisances(state: &mut State<'_>, options: &Options) {
         max_bounces: options.max_bounces,
         integrator: unrender_render::Integrator::Path,
     };
-    let means = means::gather(state, &unknowns, &cells, &spp, &settings);
+    let gather = || means::gather(state, &unknowns, &cells, &spp, &settings);
+    let means = state.steps.value("nuisances", gather);
     let normal = Normal::of(&means, &unknowns.are_specular(), state.materials.len());
     let system = System::new(&unknowns, &normal, &DVector::zeros(unknowns.len()));
     if let Some(step) = system.step(0.0, &unknowns.bounds(state)) {

@@ -217,7 +217,8 @@ impl<'o> Passes<'o> {
             max_bounces: self.options.max_bounces,
             integrator: unrender_render::Integrator::Path,
         };
-        means::gather(state, unknowns, cells, spp, &settings)
+        let gather = || means::gather(state, unknowns, cells, spp, &settings);
+        state.steps.value("pass", gather)
     }
 }
 

@@ -74,10 +74,13 @@ enum Kernel {
 }
 
 impl Kernel {
-    /// The fastest one on this processor.
+    /// The fastest one on this processor; without AVX2 if the variable `UNRENDER_AVX2` is 0, so that
+    /// both can be compared.
     fn best() -> Self {
         #[cfg(target_arch = "x86_64")]
-        if let Some(proof) = avx2::Avx2::detect() {
+        if std::env::var_os("UNRENDER_AVX2").is_none_or(|value| value != "0")
+            && let Some(proof) = avx2::Avx2::detect()
+        {
             return Self::Avx2(proof);
         }
         Self::Portable

@@ -2,7 +2,7 @@
 
 use crate::part::Identity;
 use crate::passes::Goal;
-use std::fmt::Debug;
+use serde::Serialize;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -80,7 +80,7 @@ impl Effort {
     /// What the rendering of `scene` is of; without fingerprints where nobody will compare them.
     pub(crate) fn identity(
         &self,
-        scene: &impl Debug,
+        scene: &impl Serialize,
         camera: &Camera,
         (width, height): (usize, usize),
     ) -> Identity {

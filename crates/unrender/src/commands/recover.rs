@@ -3,6 +3,7 @@
 use crate::cli::{Global, warn};
 use crate::engine;
 use crate::progress::Progress;
+use crate::recovery_journal::{Head, RecoveryJournal};
 use crate::registration::Alignment;
 use crate::result_folder::ResultFolder;
 use crate::{Error, Job, Project, interrupt, output, results};
@@ -10,6 +11,7 @@ use clap::ValueEnum;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use unrender_formats::Limits;
 use unrender_recover::{LadderKind, Options, Termination};
 use unrender_scene::Hypothesis;
 
@@ -17,7 +19,8 @@ use unrender_scene::Hypothesis;
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  unrender recover room/project.toml --out room/result\n\nCtrl-C \
-    ends with the best state so far, its report marked as interrupted; a second one ends at once."
+    ends with the best state so far, its report marked as interrupted; a second one ends at once. After \
+    either, and after a crash, the same command with --resume goes on from the last iteration."
 )]
 pub struct Args {
     /// The project file.
@@ -25,6 +28,10 @@ pub struct Args {
     /// The folder for the results; made where it is missing.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Go on with the recovery that was interrupted in this folder; the results are those, to the bit,
+    /// of a recovery without interruption.
+    #[arg(long)]
+    pub resume: bool,
     /// The ladder of hypotheses to climb.
     #[arg(long, value_enum, default_value_t = Ladder::Default)]
     pub ladder: Ladder,
@@ -84,8 +91,10 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let mut job = Job::load(project, warnings)?;
     warn(&job.warnings);
     let options = options(args, &job.project);
+    let head = Head::of(&job, args, global.limits());
+    let journal = RecoveryJournal::open(&args.out, head, args.resume)?;
     let progress = Progress::new("recover", global.quiet);
-    let recovered = engine::recover(&mut job, &options, alignment(args), &progress)?;
+    let recovered = engine::recover(&mut job, &options, alignment(args), &progress, &journal)?;
     drop(progress);
     let run = folder.write(false, |place| results::write(&job, &recovered, place))?;
     if args.json {
@@ -94,9 +103,21 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         output::print(&results::summary(&job, &recovered));
     }
     if recovered.recovery.termination == Termination::Interrupted {
+        output::tell("the same command with --resume goes on from here");
         return Ok(interrupt::code());
     }
+    journal.remove();
     Ok(ExitCode::SUCCESS)
+}
+
+impl Args {
+    /// What the results depend on, as text: where it differs, so may they.
+    pub(crate) fn choices(&self, limits: Limits) -> String {
+        let Self { ladder, seed, spp, bounces, no_refine, max_rung, .. } = self;
+        let Self { refine_camera, keep_camera, no_filter, .. } = self;
+        let flags = (no_refine, refine_camera, keep_camera, no_filter, limits.outside);
+        format!("{ladder:?} {seed} {spp:?} {bounces:?} {max_rung:?} {flags:?}")
+    }
 }
 
 fn alignment(args: &Args) -> Alignment {

@@ -11,7 +11,7 @@ use crate::result_folder::ResultFolder;
 use crate::results::restaged;
 use crate::subject::Picture;
 use crate::{Error, output};
-use std::fmt::Debug;
+use serde::Serialize;
 use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -191,7 +191,8 @@ fn composite(
     let (camera, size) = (&photograph.camera, photograph.size());
     let scenes = restaging.scenes();
     let pairing = Pairing::new(scenes, camera, args.effort.settings());
-    let identity = identity(args, &scenes, camera, size);
+    let both = (scenes.before, scenes.after, &scenes.change.origin);
+    let identity = identity(args, &both, camera, size);
     let job = Job { subject: &pairing, identity };
     let layers = match samples(args, global, &job, folder)? {
         ControlFlow::Continue(layers) => layers,
@@ -253,7 +254,12 @@ fn synthetic(
 }
 
 /// What is rendered; with fingerprints too where parts are compared with it.
-fn identity(args: &Args, scene: &impl Debug, camera: &Camera, size: (usize, usize)) -> Identity {
+fn identity(
+    args: &Args,
+    scene: &impl Serialize,
+    camera: &Camera,
+    size: (usize, usize),
+) -> Identity {
     let identity = args.effort.identity(scene, camera, size);
     if args.parts.is_empty() { identity } else { identity.with_fingerprints(scene, camera) }
 }

@@ -92,7 +92,10 @@ impl Manifest {
 
 /// Checks that the results in `folder` are those of one run, as far as a manifest tells: folders
 /// of versions that wrote none are taken as they are.
-pub(crate) fn check(folder: &Path) -> Result<(), Error> {
+///
+/// # Errors
+/// If they are not.
+pub fn check(folder: &Path) -> Result<(), Error> {
     let manifest = Manifest::read(folder)?;
     let is_half = manifest.before.is_some();
     let is_other = |name: &&String| {
@@ -135,7 +138,7 @@ pub(crate) fn note(folder: &Path, name: &str, by: &str) -> Result<(), Error> {
 }
 
 /// SHA-256 of the file at `path`.
-pub(super) fn hash(path: &Path) -> io::Result<String> {
+pub(crate) fn hash(path: &Path) -> io::Result<String> {
     if !fs::metadata(path)?.is_file() {
         return Err(io::Error::other("is no regular file"));
     }

@@ -1,0 +1,355 @@
+//! `recover --resume`: the journal of a recovery, in its folder of results.
+//!
+//! It is one file, which grows by a record a step and is removed when the results are written. Its
+//! first line is JSON: what the recovery is of ([`Head`]). A record is its length (8 bytes,
+//! little-endian), the SHA-256 of its number and bytes, and the bytes. It is on the disk before the
+//! recovery goes on. What a killed process has left of its last record does not fit its hash, and ends
+//! the journal. A disk that is full ends it too, with a warning: the recovery goes on without.
+
+use crate::commands::recover::Args;
+use crate::fingerprint::fingerprint;
+use crate::result_folder::hash;
+use crate::{Error, Job, output};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use unrender_formats::{FileError, Limits, atomic};
+use unrender_recover::Journal;
+
+/// Begins as the temporary files of ours do, so that it is no result, and does not end as they do, so
+/// that it is not swept away.
+const NAME: &str = ".unrender-recover.journal";
+/// Bytes before those of a record: its length and its SHA-256.
+const BEFORE: usize = 8 + 32;
+/// The first line is shorter: it has about 500 bytes. A longer one is no journal; more would only let a
+/// foreign file be read for longer.
+const LINE: u64 = 1 << 14;
+
+/// What a recovery is of.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Head {
+    /// The version of unrender, and SHA-256 of the program.
+    program: String,
+    /// The bytes of the project file.
+    project: String,
+    /// Geometry, lights and known materials.
+    scene: String,
+    /// The photograph, developed, with its mask and its camera.
+    photograph: String,
+    /// What the command line asks for.
+    options: String,
+}
+
+impl Head {
+    /// Of the recovery of `job` that `args` asks for.
+    pub(crate) fn of(job: &Job, args: &Args, limits: Limits) -> Self {
+        let program = std::env::current_exe().and_then(|path| hash(&path)).unwrap_or_default();
+        let photo = &job.photo;
+        let masks = (&photo.valid, &photo.saturated, &job.mask);
+        let photograph = (&photo.radiance, &photo.quantisation_step, masks, &job.camera);
+        Self {
+            program: format!("{} {program}", env!("CARGO_PKG_VERSION")),
+            project: hash(&job.project.path).unwrap_or_default(),
+            scene: fingerprint(&job.scene),
+            photograph: fingerprint(&photograph),
+            options: args.choices(limits),
+        }
+    }
+
+    /// What differs between this recovery and `other`, in words.
+    fn difference(&self, other: &Self) -> Option<&'static str> {
+        [
+            (&self.program, &other.program, "by another version or build of unrender"),
+            (&self.options, &other.options, "with other options"),
+            (&self.project, &other.project, "from another project file"),
+            (&self.scene, &other.scene, "from another scene"),
+            (&self.photograph, &other.photograph, "from another photograph, mask or camera"),
+        ]
+        .into_iter()
+        .find_map(|(mine, theirs, what)| (mine != theirs).then_some(what))
+    }
+}
+
+/// The journal of one recovery.
+pub(crate) struct RecoveryJournal {
+    path: PathBuf,
+    head: Head,
+    writing: Mutex<Writing>,
+}
+
+/// Where a journal stands.
+struct Writing {
+    /// None until the first record is kept.
+    file: Option<File>,
+    /// Where the next record begins, and its number.
+    at: u64,
+    number: u64,
+    /// Whether there may be records that were not recalled yet.
+    recalling: bool,
+    /// Whether the file stays as it is from here on.
+    closed: bool,
+}
+
+impl RecoveryJournal {
+    /// The journal in the folder of results `folder`. With `resume`, the one that an interrupted
+    /// recovery has left there goes on; else the first step replaces it.
+    ///
+    /// # Errors
+    /// If `resume` is asked for and what is there is of another recovery.
+    pub(crate) fn open(folder: &Path, head: Head, resume: bool) -> Result<Self, Error> {
+        let path = folder.join(NAME);
+        let found = read_head(&path);
+        let mut writing = Writing { file: None, at: 0, number: 0, recalling: false, closed: false };
+        match (found, resume) {
+            (Some((file, at, theirs)), true) => {
+                if let Some(what) = head.difference(&theirs) {
+                    let problem = format!(
+                        "the interrupted recovery there was begun {what}; without --resume it begins \
+                         anew"
+                    );
+                    return Err(FileError::new(folder, problem).into());
+                }
+                writing = Writing { file: Some(file), at, recalling: true, ..writing };
+                let steps = writing.count().unwrap_or(0);
+                output::tell(&format!("goes on after {steps} steps of the interrupted recovery"));
+            }
+            (None, true) => output::tell(&format!(
+                "no interrupted recovery is in {}: it begins from the beginning",
+                folder.display()
+            )),
+            (Some(_), false) => output::tell(&format!(
+                "warning: the interrupted recovery in {} is begun anew; --resume would go on with it",
+                folder.display()
+            )),
+            (None, false) => {}
+        }
+        Ok(Self { path, head, writing: Mutex::new(writing) })
+    }
+
+    /// From here on the file stays as it is.
+    pub(crate) fn close(&self) {
+        self.writing().closed = true;
+    }
+
+    /// Removes the file: the results are there.
+    pub(crate) fn remove(self) {
+        // What cannot be removed does no harm: a recovery that goes on finds the same results.
+        let _ = fs::remove_file(&self.path);
+    }
+
+    fn writing(&self) -> MutexGuard<'_, Writing> {
+        self.writing.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A new file with the first line alone.
+    fn create(&self) -> io::Result<(File, u64)> {
+        let line = serde_json::to_string(&self.head)? + "\n";
+        if fs::symlink_metadata(&self.path).is_ok_and(|meta| !meta.is_file()) {
+            // What a link leads to is not ours.
+            fs::remove_file(&self.path)?;
+        }
+        atomic::write(&self.path, line.as_bytes()).map_err(io::Error::other)?;
+        let file = OpenOptions::new().read(true).write(true).open(&self.path)?;
+        Ok((file, line.len() as u64))
+    }
+
+    fn append(&self, writing: &mut Writing, bytes: &[u8]) -> io::Result<()> {
+        if writing.file.is_none() {
+            let (file, at) = self.create()?;
+            (writing.file, writing.at) = (Some(file), at);
+        }
+        let record = [&(bytes.len() as u64).to_le_bytes()[..], &checksum(writing.number, bytes)];
+        let Writing { file: Some(file), at, .. } = writing else { return Ok(()) };
+        file.set_len(*at)?;
+        file.seek(SeekFrom::Start(*at))?;
+        file.write_all(&record.concat())?;
+        file.write_all(bytes)?;
+        file.sync_data()
+    }
+}
+
+impl Journal for RecoveryJournal {
+    fn recall(&self, understand: &mut dyn FnMut(&[u8]) -> bool) -> bool {
+        let mut writing = self.writing();
+        if writing.closed || !writing.recalling {
+            return false;
+        }
+        // What cannot be read is done again.
+        let recalled = writing.next().ok().flatten().filter(|bytes| understand(bytes));
+        match &recalled {
+            Some(bytes) => writing.pass(bytes.len()),
+            None => writing.recalling = false,
+        }
+        recalled.is_some()
+    }
+
+    fn keep(&self, found: &[u8]) {
+        let mut writing = self.writing();
+        if writing.closed {
+            return;
+        }
+        match self.append(&mut writing, found) {
+            Ok(()) => writing.pass(found.len()),
+            Err(error) => {
+                writing.closed = true;
+                output::tell(&format!(
+                    "warning: {} cannot be written ({error}): from here on the recovery goes on without, \
+                     and --resume would begin here",
+                    self.path.display()
+                ));
+            }
+        }
+    }
+}
+
+impl Writing {
+    /// The next record, if there is a whole one.
+    fn next(&mut self) -> io::Result<Option<Vec<u8>>> {
+        let Some(file) = &mut self.file else { return Ok(None) };
+        let end = file.metadata()?.len();
+        file.seek(SeekFrom::Start(self.at))?;
+        let mut before = [0; BEFORE];
+        file.read_exact(&mut before)?;
+        let (length, sha256) = before.split_at(8);
+        let length = u64::from_le_bytes(length.try_into().unwrap_or_default());
+        if length > end.saturating_sub(self.at + BEFORE as u64) {
+            return Ok(None);
+        }
+        let mut bytes = vec![0; length as usize];
+        file.read_exact(&mut bytes)?;
+        Ok((checksum(self.number, &bytes)[..] == *sha256).then_some(bytes))
+    }
+
+    /// Goes behind a record of `length` bytes.
+    fn pass(&mut self, length: usize) {
+        self.at += (BEFORE + length) as u64;
+        self.number += 1;
+    }
+
+    /// How many records there are.
+    fn count(&mut self) -> io::Result<u64> {
+        let (at, number) = (self.at, self.number);
+        while let Some(bytes) = self.next().ok().flatten() {
+            self.pass(bytes.len());
+        }
+        let count = self.number - number;
+        (self.at, self.number) = (at, number);
+        Ok(count)
+    }
+}
+
+fn checksum(number: u64, bytes: &[u8]) -> [u8; 32] {
+    Sha256::new().chain_update(number.to_le_bytes()).chain_update(bytes).finalize().into()
+}
+
+/// The journal at `path`, where its records begin, and its first line; none if there is none.
+fn read_head(path: &Path) -> Option<(File, u64, Head)> {
+    if !fs::symlink_metadata(path).ok()?.is_file() {
+        return None;
+    }
+    let file = OpenOptions::new().read(true).write(true).open(path).ok()?;
+    let mut line = Vec::new();
+    BufReader::new(&file).take(LINE).read_until(b'\n', &mut line).ok()?;
+    let head = serde_json::from_slice(line.strip_suffix(b"\n")?).ok()?;
+    Some((file, line.len() as u64, head))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn head(options: &str) -> Head {
+        let text = String::new;
+        let options = options.to_owned();
+        Head { program: text(), project: text(), scene: text(), photograph: text(), options }
+    }
+
+    fn recalled(journal: &RecoveryJournal) -> Vec<Vec<u8>> {
+        let mut all = Vec::new();
+        while journal.recall(&mut |bytes| {
+            all.push(bytes.to_vec());
+            true
+        }) {}
+        all
+    }
+
+    #[test]
+    fn wherever_it_is_cut_off_whole_records_come_back_and_it_goes_on() {
+        let folder = tempfile::tempdir().unwrap();
+        let open = |resume| RecoveryJournal::open(folder.path(), head("a"), resume).unwrap();
+        let records = [&b"one"[..], &[0xff; 700], b"", b"four"];
+        let journal = open(false);
+        records.iter().for_each(|record| journal.keep(record));
+        let path = folder.path().join(NAME);
+        let whole = fs::read(&path).unwrap();
+        let start = whole.iter().position(|byte| *byte == b'\n').unwrap() + 1;
+        for cut in start..=whole.len() {
+            fs::write(&path, &whole[..cut]).unwrap();
+            let journal = open(true);
+            let back = recalled(&journal);
+            assert_eq!(back, records[..back.len()]);
+            records[back.len()..].iter().for_each(|record| journal.keep(record));
+            assert!(fs::read(&path).unwrap() == whole, "cut at {cut}");
+        }
+        for cut in 0..start {
+            fs::write(&path, &whole[..cut]).unwrap();
+            assert!(recalled(&open(true)).is_empty());
+        }
+        journal.remove();
+        assert!(!path.exists());
+    }
+
+    #[test]
+    fn a_changed_byte_ends_it_and_what_is_not_understood_is_dropped() {
+        let folder = tempfile::tempdir().unwrap();
+        let open = |resume| RecoveryJournal::open(folder.path(), head("a"), resume).unwrap();
+        let journal = open(false);
+        [b"one", b"two", b"six"].iter().for_each(|record| journal.keep(*record));
+        let path = folder.path().join(NAME);
+        let mut bytes = fs::read(&path).unwrap();
+        let last = bytes.len() - 1;
+        bytes[last] ^= 1;
+        fs::write(&path, bytes).unwrap();
+        assert_eq!(recalled(&open(true)), [b"one", b"two"]);
+        let journal = open(true);
+        assert!(!journal.recall(&mut |_| false));
+        assert!(!journal.recall(&mut |_| true), "nothing comes after it");
+        journal.keep(b"new");
+        assert_eq!(recalled(&open(true)), [b"new"]);
+        let journal = open(true);
+        journal.close();
+        assert!(!journal.recall(&mut |_| true));
+        journal.keep(b"late");
+        assert_eq!(recalled(&open(true)), [b"new"], "closed");
+    }
+
+    #[test]
+    fn another_recovery_is_refused_and_begun_anew_without_resume() {
+        let folder = tempfile::tempdir().unwrap();
+        RecoveryJournal::open(folder.path(), head("a"), false).unwrap().keep(b"one");
+        let Err(error) = RecoveryJournal::open(folder.path(), head("b"), true) else {
+            panic!("it goes on")
+        };
+        assert!(error.to_string().contains("with other options"), "{error}");
+        RecoveryJournal::open(folder.path(), head("b"), false).unwrap().keep(b"two");
+        let journal = RecoveryJournal::open(folder.path(), head("b"), true).unwrap();
+        assert_eq!(recalled(&journal), [b"two"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_a_link_leads_to_is_not_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let mine = folder.path().join("mine");
+        fs::write(&mine, "mine").unwrap();
+        std::os::unix::fs::symlink(&mine, folder.path().join(NAME)).unwrap();
+        for resume in [true, false] {
+            let journal = RecoveryJournal::open(folder.path(), head("a"), resume).unwrap();
+            journal.keep(b"one");
+            assert_eq!(fs::read(&mine).unwrap(), b"mine");
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! The commands that faults strike, with their inputs and what they write without a fault.
+
+use super::state::State;
+use glam::{Vec2, Vec3};
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Instant;
+use unrender::formats::{gltf, picture};
+use unrender::render::{Settings, Tracer};
+use unrender::scene::{Camera, Group, Material, Mesh, Object, Rgb, Scene};
+
+/// With this variable set, the fuzzer is the command `unrender`.
+pub(crate) const AS_COMMAND: &str = "UNRENDER_FUZZ_IS_UNRENDER";
+/// The sides of the photograph, pixels: a recovery takes about a second.
+const SIDE: usize = 24;
+
+/// A command.
+#[derive(Clone, Debug)]
+pub(crate) struct Work {
+    pub(crate) name: &'static str,
+    /// Its words, and those that go on after a fault.
+    pub(crate) words: Vec<String>,
+    pub(crate) again: Vec<String>,
+    /// The file or folder that it writes.
+    pub(crate) out: &'static str,
+    /// The words of a run before, which wrote something else there.
+    before: Option<Vec<String>>,
+    /// What it writes without a fault, and what the run before has.
+    pub(crate) new: State,
+    pub(crate) old: Option<State>,
+    /// How long it takes.
+    pub(crate) seconds: f64,
+}
+
+impl Work {
+    fn new(name: &'static str, out: &'static str, words: &str, before: Option<&str>) -> Self {
+        let words = split(words);
+        Self {
+            name,
+            again: words.clone(),
+            words,
+            out,
+            before: before.map(split),
+            new: State::default(),
+            old: None,
+            seconds: 0.0,
+        }
+    }
+
+    /// In which files `state` differs from what the command writes.
+    pub(crate) fn difference(&self, state: &State) -> String {
+        self.new.difference(state).join(", ")
+    }
+}
+
+fn split(words: &str) -> Vec<String> {
+    words.split(' ').map(str::to_owned).collect()
+}
+
+/// All of them.
+pub(crate) fn all() -> Vec<Work> {
+    let recover = "recover ../in/p.toml --spp 1 --out out";
+    let restage = "restage --recovered ../in/base --height 24 --spp 256 --out out";
+    let render = "render ../in/scene.glb --height 24 --spp 1024 --checkpoint c.exr --out a.exr";
+    let gltf = "export ../in/base --to gltf --out a.glb";
+    let with_resume = |mut work: Work| {
+        work.again.push("--resume".into());
+        work
+    };
+    vec![
+        with_resume(Work::new("recover", "out", recover, Some(&format!("{recover} --seed 1")))),
+        Work::new("restage", "out", restage, Some(&format!("{restage} --seed 1"))),
+        Work::new(
+            "render",
+            "a.exr",
+            render,
+            Some("render ../in/scene.glb --height 24 --spp 1 --seed 1 --out a.exr"),
+        ),
+        Work::new(
+            "merge",
+            "a.exr",
+            "merge ../in/part1.exr ../in/part2.exr --out a.exr",
+            Some("render ../in/scene.glb --height 24 --spp 1 --seed 1 --out a.exr"),
+        ),
+        Work::new(
+            "export",
+            "a.glb",
+            gltf,
+            Some("export --scene ../in/scene.glb --to gltf --out a.glb"),
+        ),
+        Work::new("export-folder", "out", "export ../in/base --to mitsuba --out out", None),
+    ]
+}
+
+/// Where the commands run: inputs in one folder, each command in a folder beside it.
+pub(crate) struct Bench {
+    root: PathBuf,
+}
+
+impl Bench {
+    /// Makes the inputs.
+    pub(crate) fn new(root: &Path) -> io::Result<Self> {
+        let bench = Self { root: root.to_owned() };
+        let inputs = bench.inputs();
+        fs::create_dir_all(&inputs)?;
+        let scene = room();
+        let glb = gltf::to_glb(&scene).map_err(io::Error::other)?;
+        fs::write(inputs.join("scene.glb"), glb)?;
+        let mut shown = scene.clone();
+        shown.groups[0].material = Material::diffuse(Rgb::new(0.6, 0.4, 0.2));
+        shown.groups[1].material = Material::isotropic(Rgb::splat(0.3), Rgb::splat(0.2), 0.15);
+        let settings = Settings { spp: 64, ..Settings::default() };
+        let tracer = Tracer::new(&shown);
+        let size = (SIDE, SIDE);
+        let film = tracer.render(&shown.materials(), &shown.cameras[0], size, &settings, &|_| {});
+        picture::write(&inputs.join("photo.png"), &film.mean).map_err(io::Error::other)?;
+        let project =
+            "scene = \"scene.glb\"\nphoto = \"photo.png\"\nexposure = 1\nresponse = \"srgb\"\n";
+        fs::write(inputs.join("p.toml"), project)?;
+        let render = "render scene.glb --height 24 --samples";
+        for words in [
+            "recover p.toml --spp 1 --no-refine --out base".to_owned(),
+            format!("{render} 0..4 --out part1.exr"),
+            format!("{render} 4..8 --out part2.exr"),
+        ] {
+            bench.must(&inputs, &split(&words))?;
+        }
+        Ok(bench)
+    }
+
+    pub(crate) fn inputs(&self) -> PathBuf {
+        self.root.join("in")
+    }
+
+    /// `unrender` with `words`, in `folder`, where nobody listens.
+    pub(crate) fn command(&self, folder: &Path, words: &[String]) -> Command {
+        let program = std::env::current_exe().unwrap_or_default();
+        let mut command = Command::new(program);
+        command.current_dir(folder).args(words).env(AS_COMMAND, "1").stdin(Stdio::null());
+        command
+    }
+
+    fn must(&self, folder: &Path, words: &[String]) -> io::Result<()> {
+        let output = self.command(folder, words).output()?;
+        let said = String::from_utf8_lossy(&output.stderr);
+        let failed = || io::Error::other(format!("unrender {}: {}", words.join(" "), said.trim()));
+        if output.status.success() { Ok(()) } else { Err(failed()) }
+    }
+
+    /// `work` with what it writes without a fault.
+    pub(crate) fn prepared(&self, work: Work) -> io::Result<Work> {
+        let folder = self.root.join(format!("new-{}", work.name));
+        fs::create_dir_all(&folder)?;
+        let started = Instant::now();
+        self.must(&folder, &work.words)?;
+        let seconds = started.elapsed().as_secs_f64();
+        let new = State::of(&folder, work.out)?;
+        let old = match &work.before {
+            None => None,
+            Some(words) => {
+                let folder = self.root.join(format!("old-{}", work.name));
+                fs::create_dir_all(&folder)?;
+                self.must(&folder, words)?;
+                Some(State::of(&folder, work.out)?)
+            }
+        };
+        Ok(Work { new, old, seconds, ..work })
+    }
+
+    /// A folder for one run of `work`, with or without the result of a run before.
+    pub(crate) fn case(&self, work: &Work, had_old: bool) -> io::Result<PathBuf> {
+        let folder = self.root.join("case");
+        fs::create_dir_all(&folder)?;
+        if had_old {
+            let from = self.root.join(format!("old-{}", work.name)).join(work.out);
+            copy(&from, &folder.join(work.out))?;
+        }
+        Ok(folder)
+    }
+}
+
+fn copy(from: &Path, to: &Path) -> io::Result<()> {
+    if !from.is_dir() {
+        return fs::copy(from, to).map(drop);
+    }
+    fs::create_dir_all(to)?;
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        copy(&entry.path(), &to.join(entry.file_name()))?;
+    }
+    Ok(())
+}
+
+/// A floor, a wall and a lamp.
+fn room() -> Scene {
+    let quads = [
+        ("floor", [[-1., 0., 1.], [1., 0., 1.], [1., 0., -1.], [-1., 0., -1.]], 0.0),
+        ("wall", [[-1., 0., -1.], [1., 0., -1.], [1., 2., -1.], [-1., 2., -1.]], 0.0),
+        ("lamp", [[-0.4, 2., -0.4], [0.4, 2., -0.4], [0.4, 2., 0.4], [-0.4, 2., 0.4]], 4.0),
+    ];
+    let uvs = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
+    let mut scene = Scene::default();
+    for (group, (name, corners, emission)) in quads.into_iter().enumerate() {
+        let mesh = Mesh::flat(&corners.map(Vec3::from_array), &uvs, &[[0, 1, 2], [0, 2, 3]]);
+        scene.objects.push(Object { name: name.into(), group, mesh });
+        let material = Material::diffuse(Rgb::ZERO);
+        scene.groups.push(Group { name: name.into(), material, emission: Rgb::splat(emission) });
+    }
+    let (eye, target) = (Vec3::new(0.2, 1.4, 2.4), Vec3::new(0.0, 0.5, 0.0));
+    let camera = Camera::look_at("camera", eye, target, Vec3::Y, 0.8);
+    scene.cameras.push(Camera { aspect: Some(1.0), ..camera });
+    scene
+}
