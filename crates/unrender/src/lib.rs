@@ -105,7 +105,7 @@
 //! their eight dependencies, with [`cli`], [`commands`], [`check`], [`edit`] and [`report`].
 
 // What the command alone uses of the rest is not used without it.
-#![cfg_attr(not(feature = "cli"), allow(dead_code))]
+#![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod camera_numbers;
