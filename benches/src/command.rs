@@ -7,21 +7,29 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 use unrender::run::Run;
 
+/// The profile of this build: `dist` or `release`, after which its folder is called.
+fn profile() -> String {
+    let this = std::env::current_exe().unwrap_or_default();
+    let folder = this.parent().and_then(|folder| folder.file_name()).unwrap_or_default();
+    if folder == "dist" { "dist".into() } else { "release".into() }
+}
+
 /// The `unrender` command.
 pub(crate) struct Unrender(PathBuf);
 
 impl Unrender {
-    /// Builds it, which takes no time if nothing changed.
+    /// Builds it by the profile of the benchmarks themselves, which takes no time if nothing changed.
     ///
     /// # Errors
     /// If cargo cannot.
     pub(crate) fn build() -> Result<Self, Failure> {
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let mut build = Command::new(cargo);
-        build.args(["build", "--release", "--package", "unrender"]).current_dir(root());
+        let profile = profile();
+        build.args(["build", "--profile", &profile, "--package", "unrender"]).current_dir(root());
         build.env("CARGO_TARGET_DIR", peers::target_folder());
         peers::said(&mut build)?;
-        Ok(Self(peers::target_folder().join("release/unrender")))
+        Ok(Self(peers::target_folder().join(profile).join("unrender")))
     }
 
     /// The one at `path`, already built.

@@ -1,6 +1,6 @@
 //! What unrender claims of its speed, measured beside the programs that one would use instead.
 //!
-//! `cargo run --release -p unrender-benches` measures all claims, one after the other, and writes
+//! `cargo run --profile dist -p unrender-benches` measures all claims, one after the other, and writes
 //! them to `docs/validation/performance.md`; `-- traversal` and so on one of them, whose section it
 //! replaces. Ratios are of measurements that took turns in one run, so that whatever else the machine
 //! does falls on both. The other programs come from PyPI into a folder beside the build's outputs; where

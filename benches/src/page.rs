@@ -14,10 +14,10 @@ const HEAD: &str = "# Performance
 How fast unrender is beside the programs that one would use instead. This page is written by
 
 ```console
-cargo run --release -p unrender-benches
+cargo run --profile dist -p unrender-benches
 ```
 
-or, for one section, by `cargo run --release -p unrender-benches -- NAME` with the name above its
+or, for one section, by `cargo run --profile dist -p unrender-benches -- NAME` with the name above its
 first table. Everything in a table was measured in one run: what is compared took turns, round by
 round, and a ratio is the median over the rounds. `benches/src/main.rs` says how.
 ";

@@ -1,8 +1,10 @@
 //! The scenes that are measured on: Figure 8, and a room of as many triangles as wanted.
 
+mod cube;
 mod noise;
 mod room;
 
+pub(crate) use cube::blown_up_cube;
 pub(crate) use room::{Room, room};
 
 use crate::{Failure, root};

@@ -2,9 +2,9 @@
 
 use crate::Failure;
 use std::path::Path;
+use unrender::converted::convert;
 use unrender::formats::LightUnits;
 use unrender::formats::export::{self, Target};
-use unrender::recover::convert::convert;
 use unrender::scene::{Camera, Material, Scene};
 
 /// What is rendered.

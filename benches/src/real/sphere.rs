@@ -5,8 +5,8 @@
 //! radius one and its centre at the origin.
 
 use crate::Failure;
-use glam::{IVec3, Vec3};
-use std::collections::HashMap;
+use crate::scenes::blown_up_cube;
+use glam::Vec3;
 use std::path::Path;
 use unrender::formats::{atomic, gltf};
 use unrender::scene::{Camera, Group, Light, LightKind, Material, Mesh, Object, Rgb, Scene};
@@ -81,32 +81,9 @@ impl Circle {
     }
 }
 
-/// The unit sphere: a cube of `cells` x `cells` x 6 quadrilaterals projected from its centre, with
-/// exact normals.
+/// The unit sphere of `cells` x `cells` x 12 triangles, with exact normals.
 fn unit_sphere(cells: i32) -> Mesh {
-    let mut mesh = Mesh::default();
-    let mut index_of: HashMap<IVec3, u32> = HashMap::new();
-    let mut vertex = |at: IVec3| {
-        *index_of.entry(at).or_insert_with(|| {
-            mesh.positions.push(at.as_vec3().normalize());
-            mesh.positions.len() as u32 - 1
-        })
-    };
-    for (normal, across) in [(IVec3::X, IVec3::Y), (IVec3::Y, IVec3::Z), (IVec3::Z, IVec3::X)]
-        .into_iter()
-        .flat_map(|(normal, across)| [(normal, across), (-normal, across)])
-    {
-        let up = normal.cross(across);
-        for (i, j) in (0..cells).flat_map(|i| (0..cells).map(move |j| (i, j))) {
-            let mut corner = |di: i32, dj: i32| {
-                let (a, b) = (2 * (i + di) - cells, 2 * (j + dj) - cells);
-                vertex(normal * cells + across * a + up * b)
-            };
-            let corners = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
-            mesh.triangles.push([corners[0], corners[1], corners[2]]);
-            mesh.triangles.push([corners[0], corners[2], corners[3]]);
-        }
-    }
+    let mut mesh = blown_up_cube(cells, |direction| direction);
     mesh.normals.clone_from(&mesh.positions);
     mesh
 }
@@ -133,14 +110,5 @@ mod tests {
         let normal = circle.normal(73.9, 18.1).unwrap();
         assert!((normal - Vec3::new(0.6, 0.8, 0.0)).length() < 0.1, "{normal}");
         assert!(circle.normal(91.0, 50.0).is_none());
-    }
-
-    #[test]
-    fn triangles_of_the_sphere_face_outwards() {
-        let mesh = unit_sphere(4);
-        for index in 0..mesh.triangles.len() {
-            let [a, b, c] = mesh.corners(index);
-            assert!((b - a).cross(c - a).dot(a) > 0.0);
-        }
     }
 }

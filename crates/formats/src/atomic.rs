@@ -15,8 +15,7 @@ use tempfile::NamedTempFile;
 /// If the folder does not exist or cannot be written, or if the file is write-protected; nothing is
 /// left behind then.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
-    try_write(path, bytes)
-        .map_err(|error| FileError::new(path, format!("cannot be written: {error}")))
+    try_write(path, bytes).map_err(|error| FileError::because(path, "cannot be written", error))
 }
 
 /// Checks that [`write()`] could write to `path` now, by writing an empty file beside it.
@@ -27,7 +26,7 @@ pub fn check(path: &Path) -> Result<(), FileError> {
     let target = target(path);
     target
         .and_then(|(path, permissions)| beside(&path, permissions).and_then(NamedTempFile::close))
-        .map_err(|error| FileError::new(path, format!("cannot be written: {error}")))
+        .map_err(|error| FileError::because(path, "cannot be written", error))
 }
 
 fn try_write(path: &Path, bytes: &[u8]) -> io::Result<()> {
@@ -52,7 +51,7 @@ pub fn move_file(from: &Path, to: &Path) -> Result<(), FileError> {
         sync_folder(folder_of(&path));
         Ok(())
     });
-    moved.map_err(|error| FileError::new(to, format!("cannot be written: {error}")))
+    moved.map_err(|error| FileError::because(to, "cannot be written", error))
 }
 
 /// What is written when `path` is: where its links end, and the permissions of the file there.

@@ -36,6 +36,7 @@ pub enum Up {
 
 /// What an fSpy project says.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Matched {
     /// The camera, in our axes, in metres.
     pub camera: Camera,

@@ -14,17 +14,7 @@
 
 use crate::{FileError, input};
 use std::path::Path;
-
-/// A point and where it is seen.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Pair {
-    /// Its name, or `line N`.
-    pub name: String,
-    /// Pixels from the picture's top left corner, to the right and down.
-    pub pixel: [f64; 2],
-    /// Metres, world space.
-    pub point: [f64; 3],
-}
+pub use unrender_scene::Pair;
 
 const COLUMNS: [&str; 5] = ["x_px", "y_px", "x_m", "y_m", "z_m"];
 const NAME: &str = "name";
@@ -39,6 +29,13 @@ pub fn read(path: &Path) -> Result<Vec<Pair>, FileError> {
 }
 
 /// As [`read`], from the bytes of the file.
+///
+/// ```
+/// let csv = b"x_px,y_px,x_m,y_m,z_m,name\n812.5,433,0,0.74,-1.2,desk\n";
+/// let pairs = unrender_formats::points::parse(csv).unwrap();
+/// assert_eq!((pairs[0].name.as_str(), pairs[0].pixel), ("desk", [812.5, 433.0]));
+/// assert!(unrender_formats::points::parse(b"x,y\n1,2\n").is_err());
+/// ```
 ///
 /// # Errors
 /// As [`read`], in words without the file's name.

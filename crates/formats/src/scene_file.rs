@@ -27,6 +27,25 @@ impl Format {
 ///
 /// A scene without a camera is none of this function's concern.
 ///
+/// ```
+/// use unrender_formats::{gltf, load_scene};
+/// use unrender_scene::{Group, Material, Mesh, Object, Rgb, Scene};
+///
+/// let mut scene = Scene::default();
+/// let material = Material::diffuse(Rgb::splat(0.5));
+/// scene.groups.push(Group { name: "lamp".into(), material, emission: Rgb::ONE });
+/// let mesh = Mesh::sphere(glam::Vec3::ZERO, 0.1);
+/// scene.objects.push(Object { name: "bulb".into(), group: 0, mesh });
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("scene.glb");
+/// std::fs::write(&path, gltf::to_glb(&scene)?)?;
+/// let (back, warnings) = load_scene(&path)?;
+/// assert_eq!(back.groups[0].name, "lamp");
+/// assert!(warnings.0.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// If the file is missing, of no known format, damaged, or its scene unusable.
 pub fn load_scene<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileError> {
@@ -51,7 +70,7 @@ fn load(
         return Err(FileError::new(path, "does not exist"));
     }
     let (mut scene, mut warnings) = format.read(input)?;
-    let doubts = validate(&mut scene).map_err(|error| FileError::new(path, error))?;
+    let doubts = validate(&mut scene).map_err(|error| FileError::because(path, "", error))?;
     warnings.extend(doubts);
     Ok((scene, warnings))
 }

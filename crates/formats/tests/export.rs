@@ -92,7 +92,7 @@ fn kept(target: Target, files: &export::Files) -> Vec<String> {
                 .collect()
         }
         Target::Pbrt => after(&text("scene.pbrt"), "# group "),
-        Target::Gltf | Target::Mitsuba | Target::Radiance => {
+        _ => {
             let root = std::env::temp_dir().join(format!("unrender-names-{}", std::process::id()));
             export::write(&root.with_extension("glb"), target, files).unwrap();
             let main = match target {

@@ -4,7 +4,6 @@ mod support;
 
 use glam::{DMat4, DQuat, DVec3, Vec3};
 use serde_json::{Value, json};
-use std::path::Path;
 use support::{Folder, changed, triangle_bytes, triangle_json};
 use unrender_formats::load_scene;
 use unrender_scene::{LightKind, Material, Rgb, Scene, Warnings};
@@ -274,22 +273,4 @@ fn metallic_roughness_becomes_ward() {
     let chalk =
         material(json!({ "baseColorFactor": [0.5, 0.5, 0.5, 1], "metallicFactor": 0 }), json!({}));
     assert_eq!(chalk, Material::diffuse(Rgb::splat(0.5)));
-}
-
-#[test]
-fn the_scenes_of_the_outside_checks_are_read_well() {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    for (name, groups, cameras) in [("fig8", 8, 1), ("plate", 7, 1), ("iset/photo0", 0, 1)] {
-        let path = data.join(name).join("scene.glb");
-        if !path.exists() {
-            println!("skipped: {} is not there", path.display());
-            continue;
-        }
-        let (scene, warnings) = load_scene(&path).unwrap();
-        assert_eq!(warnings, Warnings::default(), "{name}");
-        assert!(groups == 0 || scene.groups.len() == groups, "{name}");
-        assert_eq!(scene.cameras.len(), cameras, "{name}");
-        assert!(scene.groups.iter().any(unrender_scene::Group::is_emitter), "{name}");
-        assert!(scene.groups.iter().all(|g| g.material.rho_s == Rgb::ZERO), "{name}");
-    }
 }

@@ -6,8 +6,7 @@
 //! end of the histogram, with pixels just below it that were not quite so bright.
 
 use crate::Transfer;
-use unrender_formats::picture::{Depth, Picture};
-use unrender_scene::{Image, Rgb};
+use unrender_scene::{Depth, Image, Picture, Rgb};
 
 /// A channel is full at its largest code if that has at least so many pixels, ...
 const SPIKE_PIXELS: usize = 64;
@@ -92,7 +91,7 @@ pub fn away_from<T>(like: &Image<T>, pixels: &[usize]) -> Image<bool> {
 mod tests {
     use super::*;
     use crate::{Curve, Response};
-    use unrender_formats::picture::Depth;
+    use unrender_scene::Depth;
 
     #[test]
     fn only_the_largest_pixel_value_is_clipped() {

@@ -6,8 +6,7 @@
 //! value: it is excluded if some of them are clipped among others that clearly are not. Regions
 //! that are black, and black pixels beside an edge, are kept.
 
-use unrender_formats::picture::Picture;
-use unrender_scene::Rgb;
+use unrender_scene::{Picture, Rgb};
 
 /// Values this far above black (of 1) are clearly not clipped: two steps of 8 bits. At one step
 /// rounding would count as noise, at four steps weak noise is missed.
@@ -47,7 +46,7 @@ fn is_dark(picture: &Picture, floor: Rgb, index: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use unrender_formats::picture::Depth;
+    use unrender_scene::Depth;
     use unrender_scene::Image;
 
     const SIDE: usize = 300;

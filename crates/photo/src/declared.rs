@@ -1,9 +1,8 @@
 //! The choice of a response: the one that a file declares against the one that the project states.
 
 use crate::{Curve, Response};
-use unrender_formats::picture::{Depth, Profile};
-use unrender_scene::Warnings;
 use unrender_scene::color::linear_from_srgb;
+use unrender_scene::{Depth, Profile, Warnings};
 
 /// Curves are the same if no linear value differs by more than this: about one step of 8 bits. Half
 /// of it separates roundings of the sRGB curve, double of it joins gammas of 2.2 and sRGB.

@@ -25,8 +25,7 @@ pub use response::Response;
 pub use transfer::Transfer;
 pub use vignetting::Vignetting;
 
-use unrender_formats::picture::Picture;
-use unrender_scene::{Image, Rgb, RgbImage};
+use unrender_scene::{Image, Picture, Rgb, RgbImage};
 
 /// Scene radiance per unit of linear pixel value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,6 +48,7 @@ impl Exposure {
 
 /// A developed photograph.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Photo {
     /// Radiance, W sr^-1 m^-2 per channel.
     pub radiance: RgbImage,
@@ -67,6 +67,18 @@ pub struct Photo {
 }
 
 /// Converts the pixel values of `picture` to radiance by the inverse of `transfer`.
+///
+/// ```
+/// use unrender_photo::{Response, Transfer, develop};
+/// use unrender_scene::{Depth, Image, Picture, Rgb};
+///
+/// // Eight bits with a gamma of 2: half of the code is a quarter of the radiance of white.
+/// let codes = Image::new(1, 1, vec![Rgb::splat(0.5)]);
+/// let transfer = Transfer::plain(Response::Gamma(2.0), Rgb::splat(8.0));
+/// let photo = develop(&Picture::new(codes, Depth::Eight), &transfer);
+/// assert!((photo.radiance.at(0, 0).x - 2.0).abs() < 1e-6);
+/// assert!(*photo.valid.at(0, 0));
+/// ```
 pub fn develop(picture: &Picture, transfer: &Transfer) -> Photo {
     let shares = transfer.vignetting.as_ref().map(Vignetting::picture);
     let share = |index: usize| shares.as_ref().map_or(1.0, |shares| shares.pixels()[index]);
@@ -95,7 +107,7 @@ pub fn develop(picture: &Picture, transfer: &Transfer) -> Photo {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use unrender_formats::picture::Depth;
+    use unrender_scene::Depth;
     use unrender_scene::color::srgb_from_linear;
 
     fn picture(depth: Depth, values: Vec<Rgb>) -> Picture {

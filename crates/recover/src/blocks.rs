@@ -39,9 +39,7 @@ fn side(pixels: usize, sampled: usize) -> usize {
 }
 
 /// Where a block lies: column and row, in units of the side of blocks like it.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize,
-)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Place {
     /// Whether it is a part of an uneven block.
     pub fine: bool,

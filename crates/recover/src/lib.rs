@@ -12,7 +12,6 @@
 //! behind the small trait [`Renderer`], and whoever wants to follow gives an [`Observer`].
 
 pub mod blocks;
-pub mod convert;
 pub mod correction;
 mod driver;
 pub mod evidence;

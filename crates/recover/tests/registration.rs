@@ -263,6 +263,7 @@ fn what_the_model_lacks_is_found_and_left_out() {
 }
 
 #[test]
+#[ignore = "slow: four recoveries"]
 fn what_the_model_lacks_is_found_whatever_the_noise() {
     let photograph = photograph(&room(Vec3::ZERO, true));
     let scene = room(Vec3::ZERO, false);

@@ -62,6 +62,28 @@ const CHUNK: usize = 256;
 impl Tracer {
     /// Renders what `camera` sees in `width` x `height` pixels. `progress` is called with the
     /// completed fraction, 0 to 1, from any thread.
+    ///
+    /// ```
+    /// use glam::Vec3;
+    /// use unrender_render::{Settings, Tracer};
+    /// use unrender_scene::{
+    ///     Camera, Environment, Group, Material, Mesh, Object, Rgb, RgbImage, Scene,
+    /// };
+    ///
+    /// // A ball of reflectance 0.5 in light of radiance one from everywhere.
+    /// let mut scene = Scene::default();
+    /// let material = Material::diffuse(Rgb::splat(0.5));
+    /// scene.groups.push(Group { name: "ball".into(), material, emission: Rgb::ZERO });
+    /// let mesh = Mesh::sphere(Vec3::ZERO, 1.0);
+    /// scene.objects.push(Object { name: "ball".into(), group: 0, mesh });
+    /// scene.environment = Some(Environment::new(RgbImage::new(1, 1, vec![Rgb::ONE]), 0.0)?);
+    /// let camera = Camera::look_at("camera", 4.0 * Vec3::Z, Vec3::ZERO, Vec3::Y, 0.2);
+    /// let tracer = Tracer::new(&scene);
+    /// let settings = Settings { spp: 64, ..Settings::default() };
+    /// let film = tracer.render(&scene.materials(), &camera, (8, 8), &settings, &|_| {});
+    /// assert!((film.mean.at(4, 4).x - 0.5).abs() < 0.02);
+    /// # Ok::<(), unrender_scene::EnvironmentError>(())
+    /// ```
     pub fn render<'a>(
         &self,
         appearance: impl Into<Appearance<'a>>,

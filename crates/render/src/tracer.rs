@@ -6,7 +6,7 @@ use crate::emitters::{Emitters, TriangleEmission};
 use crate::guiding::SpecularGuide;
 use crate::surface::{Frame, Surface};
 use glam::{Vec2, Vec3, Vec4};
-use unrender_scene::{BrdfModel, Mesh, Scene};
+use unrender_scene::{BrdfModel, Mesh, Scene, SceneError};
 
 /// A scene prepared for ray tracing.
 ///
@@ -57,8 +57,30 @@ struct Vertex {
 }
 
 impl Tracer {
-    /// Prepares `scene`, which has passed `Scene::validate`.
+    /// Prepares `scene`, which a reader of files or `Scene::validate` has checked.
+    ///
+    /// # Panics
+    /// If [`Scene::check`] finds a fault, with its message; [`Tracer::try_new`] returns it.
     pub fn new(scene: &Scene) -> Self {
+        Self::try_new(scene).unwrap_or_else(|fault| panic!("{fault}"))
+    }
+
+    /// Prepares `scene`, whoever made it.
+    ///
+    /// ```
+    /// use unrender_render::Tracer;
+    /// use unrender_scene::{Mesh, Object, Scene};
+    ///
+    /// let mut scene = Scene::default();
+    /// scene.objects.push(Object { name: "box".into(), group: 3, mesh: Mesh::default() });
+    /// let fault = Tracer::try_new(&scene).unwrap_err();
+    /// assert!(fault.to_string().contains("group 3"));
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`Scene::check`].
+    pub fn try_new(scene: &Scene) -> Result<Self, SceneError> {
+        scene.check()?;
         let mut objects = Vec::with_capacity(scene.objects.len());
         let mut faces = Vec::with_capacity(scene.triangle_count());
         let mut vertices: Vec<Vertex> = Vec::new();
@@ -91,7 +113,7 @@ impl Tracer {
             scene.environment.as_ref(),
         );
         let guide = SpecularGuide::new(scene, emitters.layout());
-        Self { accel, emitters, guide, model: scene.brdf, objects, faces, vertices }
+        Ok(Self { accel, emitters, guide, model: scene.brdf, objects, faces, vertices })
     }
 
     /// The nearest surface along the ray.

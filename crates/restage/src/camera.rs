@@ -33,6 +33,24 @@ pub struct Path {
 
 impl Path {
     /// The cameras of `frames` pictures, equally spaced in time from the first key to the last.
+    ///
+    /// ```
+    /// use glam::Vec3;
+    /// use unrender_restage::camera::{Key, Path};
+    /// use unrender_scene::Lens;
+    ///
+    /// let key = |time, x| Key {
+    ///     time,
+    ///     eye: Vec3::new(x, 1.0, 4.0),
+    ///     target: Vec3::ZERO,
+    ///     up: Vec3::Y,
+    ///     fov_y_rad: 0.6,
+    /// };
+    /// let path = Path { keys: vec![key(0.0, -1.0), key(2.0, 1.0)], lens: Lens::default() };
+    /// let cameras = path.cameras(5);
+    /// assert_eq!(cameras[4].origin().x, 1.0);
+    /// assert!(cameras[2].origin().x.abs() < 1e-6);
+    /// ```
     pub fn cameras(&self, frames: usize) -> Vec<Camera> {
         let (Some(first), Some(last)) = (self.keys.first(), self.keys.last()) else {
             return Vec::new();

@@ -26,6 +26,7 @@ pub enum Edit {
 /// Why an edit cannot be applied.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{problem}")]
+#[non_exhaustive]
 pub struct EditError {
     /// The index of the edit.
     pub edit: usize,
@@ -34,6 +35,30 @@ pub struct EditError {
 }
 
 /// Applies `edits` to `scene`, one after the other.
+///
+/// ```
+/// use unrender_restage::remove::{Bearer, Remove};
+/// use unrender_restage::repaint::{Paint, Repaint};
+/// use unrender_restage::{Edit, apply};
+/// use unrender_scene::{Group, Material, Mesh, Object, Rgb, Scene};
+///
+/// let mut scene = Scene::default();
+/// let material = Material::diffuse(Rgb::splat(0.5));
+/// scene.groups.push(Group { name: "wall".into(), material, emission: Rgb::ZERO });
+/// for name in ["left", "right"] {
+///     let mesh = Mesh::sphere(glam::Vec3::ZERO, 1.0);
+///     scene.objects.push(Object { name: name.into(), group: 0, mesh });
+/// }
+/// let paint = Paint { rho_d: Some(Rgb::new(0.6, 0.1, 0.1)), ..Paint::default() };
+/// let edits = [
+///     Edit::Remove(Remove { name: "left".into(), what: Bearer::Object }),
+///     Edit::Repaint(Repaint { group: "wall".into(), paint }),
+/// ];
+/// apply(&mut scene, &edits)?;
+/// assert_eq!(scene.objects[0].name, "right");
+/// assert_eq!(scene.groups[0].material.rho_d.x, 0.6);
+/// # Ok::<(), unrender_restage::EditError>(())
+/// ```
 ///
 /// # Errors
 /// If an edit names something missing, or adds a name that exists. The scene is then partly edited.

@@ -68,7 +68,7 @@ pub(crate) fn apply(insert: &Insert, stage: &mut Stage<'_>) -> Result<(), String
         Vec3::ZERO,
     );
     model.objects.iter_mut().for_each(|object| transform_mesh(&mut object.mesh, &turned));
-    let Some([low, high]) = bounds(&model) else {
+    let Some([low, high]) = model.bounds() else {
         return Err(format!("the model of \"{name}\" has no triangles"));
     };
     let foot = 0.5 * (low + high).with_y(2.0 * low.y);
@@ -81,7 +81,7 @@ pub(crate) fn apply(insert: &Insert, stage: &mut Stage<'_>) -> Result<(), String
     };
     let moved = Affine3A::from_translation(shift);
     model.objects.iter_mut().for_each(|object| transform_mesh(&mut object.mesh, &moved));
-    if let Some([a, b]) = bounds(scene)
+    if let Some([a, b]) = scene.bounds()
         && ((low + shift).cmpgt(b).any() || (high + shift).cmplt(a).any())
     {
         return Err(format!(
@@ -170,13 +170,4 @@ fn transform_light(light: &mut Light, transform: &Affine3A, scale: f32) {
         }
         LightKind::Directional { direction, .. } => *direction = turn(*direction),
     }
-}
-
-/// The bounding box of all triangles; none without a triangle.
-fn bounds(scene: &Scene) -> Option<[Vec3; 2]> {
-    let corners = scene
-        .objects
-        .iter()
-        .flat_map(|o| (0..o.mesh.triangles.len()).flat_map(|index| o.mesh.corners(index)));
-    corners.map(|p| [p, p]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
 }

@@ -33,6 +33,17 @@ pub struct Paint {
 impl Paint {
     /// Applies the parameters to `material`.
     ///
+    /// ```
+    /// use unrender_restage::repaint::Paint;
+    /// use unrender_scene::{Material, Rgb};
+    ///
+    /// let mut material = Material::isotropic(Rgb::splat(0.2), Rgb::splat(0.1), 0.05);
+    /// let paint = Paint { alpha_x: Some(0.3), alpha_y: Some(0.3), ..Paint::default() };
+    /// paint.onto(&mut material)?;
+    /// assert_eq!((material.rho_d, material.alpha_x), (Rgb::splat(0.2), 0.3));
+    /// # Ok::<(), String>(())
+    /// ```
+    ///
     /// # Errors
     /// If only one of the two roughnesses is zero.
     pub fn onto(&self, material: &mut Material) -> Result<(), String> {

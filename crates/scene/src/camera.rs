@@ -23,6 +23,16 @@ pub struct Camera {
 
 impl Camera {
     /// A camera at `eye` that looks at `target` with `up` upwards in the picture.
+    ///
+    /// ```
+    /// use glam::Vec3;
+    /// use unrender_scene::Camera;
+    ///
+    /// let camera = Camera::look_at("camera", Vec3::Z, Vec3::ZERO, Vec3::Y, 0.5);
+    /// let (x, y) = camera.project(Vec3::ZERO, 640, 480).unwrap();
+    /// assert!((x - 320.0).abs() < 1e-3 && (y - 240.0).abs() < 1e-3);
+    /// assert_eq!(camera.project(2.0 * Vec3::Z, 640, 480), None, "behind the camera");
+    /// ```
     pub fn look_at(name: &str, eye: Vec3, target: Vec3, up: Vec3, fov_y_rad: f32) -> Self {
         let back = (eye - target).normalize();
         let right = up.cross(back).normalize();

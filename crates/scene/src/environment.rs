@@ -27,6 +27,7 @@ pub struct Environment {
 
 /// Why a picture is no valid environment map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum EnvironmentError {
     /// It has no pixels.
     #[error("the panorama has no pixels")]

@@ -16,6 +16,8 @@ pub mod lens;
 pub mod light;
 pub mod material;
 pub mod mesh;
+pub mod picture;
+pub mod points;
 mod serial;
 pub mod validate;
 
@@ -28,8 +30,11 @@ pub use lens::Lens;
 pub use light::{Light, LightKind, Source};
 pub use material::{BrdfModel, Lobe, Material, Texture, WardModel, Wrap};
 pub use mesh::{Mesh, Object};
+pub use picture::{Depth, Picture, Profile};
+pub use points::Pair;
 pub use validate::{SceneError, Warnings};
 
+use glam::Vec3;
 use serde::Serialize;
 
 /// The objects that share one material. In glTF: all primitives with that material.
@@ -76,6 +81,15 @@ impl Scene {
     /// The materials of all groups, in the order of [`Scene::groups`].
     pub fn materials(&self) -> Vec<Material> {
         self.groups.iter().map(|g| g.material.clone()).collect()
+    }
+
+    /// The lowest and the highest corner of the box around all triangles; none without a triangle.
+    pub fn bounds(&self) -> Option<[Vec3; 2]> {
+        let corners = self
+            .objects
+            .iter()
+            .flat_map(|o| (0..o.mesh.triangles.len()).flat_map(|index| o.mesh.corners(index)));
+        corners.map(|p| [p, p]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }
 
     /// The number of triangles of all objects together.

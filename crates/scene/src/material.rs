@@ -199,7 +199,7 @@ impl Wrap {
 /// A diffuse reflectance texture, mapped by `TEXCOORD_0`.
 ///
 /// glTF's orientation: uv (0, 0) is the top left corner of the picture, (1, 1) the bottom right.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Texture {
     /// Linear reflectance, 0 to 1 per channel.
     pub image: Image<Rgb>,
@@ -211,6 +211,17 @@ pub struct Texture {
 
 impl Texture {
     /// The bilinearly interpolated reflectance at `uv`.
+    ///
+    /// ```
+    /// use glam::Vec2;
+    /// use unrender_scene::{Image, Rgb, Texture, Wrap};
+    ///
+    /// let image = Image::new(2, 1, vec![Rgb::ZERO, Rgb::ONE]);
+    /// let texture = Texture { image, wrap_u: Wrap::ClampToEdge, wrap_v: Wrap::Repeat };
+    /// assert_eq!(texture.sample(Vec2::new(0.25, 0.5)), Rgb::ZERO);
+    /// assert_eq!(texture.sample(Vec2::new(0.5, 0.5)), Rgb::splat(0.5));
+    /// assert_eq!(texture.sample(Vec2::new(7.0, 0.5)), Rgb::ONE);
+    /// ```
     pub fn sample(&self, uv: Vec2) -> Rgb {
         let (width, height) = (self.image.width(), self.image.height());
         let x = uv.x * width as f32 - 0.5;

@@ -5,6 +5,7 @@ use unrender_scene::SceneError;
 
 /// The end of a command that did not do what it was asked to.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// A file cannot be read or written, or says something impossible.
     #[error(transparent)]

@@ -98,34 +98,58 @@
 //! reads what it names, and `unrender recover` writes what came out. [`score`] compares two such
 //! results.
 
+//! # Features
+//!
+//! `cli` (on by default) is the command with its terminal, its signals and its folders of results;
+//! `report` the pages that it makes. A library needs neither: `default-features = false` leaves out
+//! their eight dependencies, with [`cli`], [`commands`], [`check`], [`edit`] and [`report`].
+
+// What the command alone uses of the rest is not used without it.
+#![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod camera_numbers;
+#[cfg(feature = "cli")]
 pub mod check;
+#[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "cli")]
 pub mod commands;
 pub mod converted;
+#[cfg(feature = "cli")]
 pub mod edit;
+#[cfg(feature = "cli")]
 mod engine;
 pub mod error;
+#[cfg(feature = "cli")]
 mod fingerprint;
+#[cfg(feature = "cli")]
 mod interrupt;
 pub mod job;
 pub mod lighting;
 mod mask;
+#[cfg(feature = "cli")]
 mod output;
+#[cfg(feature = "cli")]
 mod part;
+#[cfg(feature = "cli")]
 mod passes;
 mod photograph;
+#[cfg(feature = "cli")]
 mod progress;
 pub mod project;
+#[cfg(feature = "cli")]
 mod recovery_journal;
 mod registration;
+#[cfg(feature = "report")]
 pub mod report;
+#[cfg(feature = "cli")]
 pub mod result_folder;
+#[cfg(feature = "cli")]
 mod results;
 pub mod run;
 pub mod score;
+#[cfg(feature = "cli")]
 mod subject;
 mod toml_values;
 

@@ -12,7 +12,7 @@ const DIRECTIONS: [(&str, &[&str]); 7] = [
     ("scene", &[]),
     ("formats", &["scene"]),
     ("render", &["scene"]),
-    ("photo", &["scene", "formats"]),
+    ("photo", &["scene"]),
     ("recover", &["scene", "render"]),
     ("restage", &["scene", "render"]),
     ("unrender", &["scene", "formats", "render", "photo", "recover", "restage"]),

@@ -134,6 +134,8 @@ fn worst(found: &MaterialsFile) -> f32 {
 }
 
 const BOTH: &str = "response = \"auto\"\nvignetting = \"auto\"";
+/// The largest error of a reflectance that is found together with both.
+const BOTH_RHO: f32 = 0.005;
 const LAW: Law = Law::Radial([-0.4, 0.1, 0.0]);
 
 /// Asserts that `found` is within `deviations` standard deviations of `truth`.
@@ -143,6 +145,7 @@ fn assert_near(found: f64, truth: f64, std: f64, deviations: f64) {
 }
 
 #[test]
+#[ignore = "slow: gamma and vignetting together are found on every run"]
 fn a_gamma_comes_back_and_the_reflectances_with_it() {
     let found = Shot::new("gamma", &room(), 1.8, None, "response = \"auto\"").recover();
     let photograph = found.photograph.as_ref().unwrap();
@@ -155,8 +158,7 @@ fn a_gamma_comes_back_and_the_reflectances_with_it() {
 
 #[test]
 fn gamma_and_vignetting_come_back_together() {
-    let scene = room();
-    let found = Shot::new("both", &scene, 2.4, Some(LAW), BOTH).recover();
+    let found = Shot::new("both", &room(), 2.4, Some(LAW), BOTH).recover();
     let photograph = found.photograph.as_ref().unwrap();
     let std = photograph.std.as_ref().unwrap();
     assert_near(photograph.gamma.unwrap(), 2.4, std.gamma.unwrap(), 3.0);
@@ -166,13 +168,17 @@ fn gamma_and_vignetting_come_back_together() {
         assert_near(found, truth, std, 3.0);
     }
     assert!(std.corner.unwrap() < 0.01, "{std:?}");
-    let error = worst(&found);
-    assert!(error < 0.005, "{error}");
-    // What it costs to believe in an ordinary camera instead.
-    let believed = Shot::new("believed", &scene, 2.4, Some(LAW), "response = { gamma = 2.2 }");
-    let believed = believed.recover();
-    assert_eq!(believed.photograph, None);
-    assert!(worst(&believed) > 5.0 * error, "{} against {error}", worst(&believed));
+    assert!(worst(&found) < BOTH_RHO, "{}", worst(&found));
+}
+
+/// What it costs to believe in an ordinary camera instead.
+#[test]
+#[ignore = "slow: one more recovery"]
+fn a_wrong_gamma_spoils_the_reflectances() {
+    let ordinary = "response = { gamma = 2.2 }";
+    let found = Shot::new("believed", &room(), 2.4, Some(LAW), ordinary).recover();
+    assert_eq!(found.photograph, None);
+    assert!(worst(&found) > 5.0 * BOTH_RHO, "{}", worst(&found));
 }
 
 #[test]

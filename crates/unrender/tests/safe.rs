@@ -311,7 +311,7 @@ fn sigterm_keeps_the_checkpoint() {
 /// Faults at random moments. What is on the disk afterwards is one whole result, or is refused; inputs
 /// are untouched; the next run sets it right.
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "slow: sixty recoveries"]
 fn what_faults_leave_is_whole_or_refused() {
     const FAULTS: u32 = 60;
     let room = Room::new();

@@ -43,6 +43,7 @@ pub type Files = Vec<(String, Vec<u8>)>;
 
 /// A program that scenes can be written for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Target {
     /// Blender.
     Blender,

@@ -97,7 +97,7 @@ pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<MaterialsFile, FileError>
     let path = input.path;
     let text = crate::input::text(input).map_err(|problem| FileError::new(path, problem))?;
     let file: MaterialsFile =
-        serde_json::from_str(&text).map_err(|error| FileError::new(path, error))?;
+        serde_json::from_str(&text).map_err(|error| FileError::because(path, "", error))?;
     if file.version.is_some_and(|version| version > VERSION) {
         let problem = format!("is of a later version than {VERSION}; use a newer unrender");
         return Err(FileError::new(path, problem));
@@ -114,7 +114,7 @@ pub fn write(path: &Path, file: &MaterialsFile) -> Result<(), FileError> {
     file.groups.values_mut().for_each(GroupEntry::drop_not_finite);
     file.lights.values_mut().for_each(LightEntry::drop_not_finite);
     let mut text =
-        serde_json::to_string_pretty(&file).map_err(|error| FileError::new(path, error))?;
+        serde_json::to_string_pretty(&file).map_err(|error| FileError::because(path, "", error))?;
     text.push('\n');
     atomic::write(path, text.as_bytes())
 }

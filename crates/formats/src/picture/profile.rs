@@ -8,19 +8,7 @@ use glam::Mat3;
 use image::ImageFormat;
 use moxcms::{Chromaticity, ColorPrimaries, ColorProfile, DataColorSpace, ToneReprCurve, XyY};
 use std::io::Cursor;
-
-/// What a file declares.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Profile {
-    /// Where it says so, for messages: `its ICC profile "Display P3"`.
-    pub source: String,
-    /// Linear sRGB from the file's linear values; none if its primaries are those of sRGB.
-    pub srgb_from_file: Option<Mat3>,
-    /// The linear values of the codes 0, 1/255, 2/255 ... 1, by channel, where the file states them.
-    pub curves: Option<[Vec<f32>; 3]>,
-    /// False if there is a profile of a kind that is not understood; then the rest is empty.
-    pub understood: bool,
-}
+use unrender_scene::Profile;
 
 /// Codes at which curves are sampled.
 const SAMPLES: u16 = 256;

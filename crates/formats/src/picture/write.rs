@@ -18,6 +18,19 @@ use unrender_scene::color::srgb_from_linear;
 ///
 /// Returns how many values were not finite and were written as zero.
 ///
+/// ```
+/// use unrender_formats::picture;
+/// use unrender_scene::{Image, Rgb};
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("picture.exr");
+/// let radiance = Image::new(2, 1, vec![Rgb::splat(0.25), Rgb::splat(40.0)]);
+/// assert_eq!(picture::write(&path, &radiance)?, 0);
+/// let (back, _) = picture::read(&path)?;
+/// assert_eq!(back.to_linear(), radiance);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// If the extension is another one or the file cannot be written.
 pub fn write(path: &Path, picture: &RgbImage) -> Result<usize, FileError> {

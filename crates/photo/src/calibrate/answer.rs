@@ -6,8 +6,7 @@ use super::refine::Certainty;
 use super::robust::distance;
 use glam::{DVec3, Vec3};
 use nalgebra::{DVector, Matrix3, RowDVector, Vector2, Vector3};
-use unrender_formats::points::Pair;
-use unrender_scene::{Camera, Lens, Warnings};
+use unrender_scene::{Camera, Lens, Pair, Warnings};
 
 /// Errors of the pixels above this share of the picture's diagonal are worth a word.
 const UNUSUAL: f64 = 0.004;
@@ -23,6 +22,7 @@ pub struct Estimate {
 
 /// An outlier.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Rejected {
     /// The index of the pair.
     pub index: usize,
@@ -34,6 +34,7 @@ pub struct Rejected {
 
 /// A calibrated camera.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Calibration {
     /// The camera's centre, metres, world space.
     pub eye: [Estimate; 3],

@@ -2,6 +2,7 @@
 
 /// Why calibration failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CalibrateError {
     /// Fewer pairs than the parameters need.
     #[error(

@@ -15,6 +15,7 @@
 //! bottom) fits a mirrored world only; that is tested and reported.
 
 mod answer;
+mod doubt;
 mod error;
 mod layout;
 mod model;
@@ -25,13 +26,14 @@ mod simplex;
 mod start;
 
 pub use answer::{Calibration, Estimate, Rejected};
+pub use doubt::doubtful_pairs;
 pub use error::CalibrateError;
 
 use layout::Layout;
 use model::{Free, Model, Sight};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use robust::{Agreement, LEAST_SIGMA, agree, greatest_chance, select};
-use unrender_formats::points::Pair;
+use unrender_scene::Pair;
 
 /// Mirrored pairs must fit so many times better before the world is called mirrored ...
 const MIRRORED_BETTER: f64 = 4.0;
@@ -82,6 +84,26 @@ impl Request {
 }
 
 /// The camera that saw `pairs` in a photograph of `size` (width, height) pixels.
+///
+/// ```
+/// use glam::Vec3;
+/// use unrender_photo::calibrate::{Request, calibrate};
+/// use unrender_scene::{Camera, Pair};
+///
+/// // The corners of a box of one metre, and a camera that sees them.
+/// let truth = Camera::look_at("truth", Vec3::new(2.0, 1.5, 4.0), Vec3::splat(0.5), Vec3::Y, 0.6);
+/// let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
+/// let pairs: Vec<Pair> = (0..8)
+///     .map(|i| {
+///         let (x, y) = truth.project(corner(i), 640, 480).unwrap();
+///         let point = corner(i).as_dvec3().to_array();
+///         Pair { name: i.to_string(), pixel: [x.into(), y.into()], point }
+///     })
+///     .collect();
+/// let found = calibrate(&pairs, (640, 480), &Request::default())?;
+/// assert!(found.camera("found").origin().distance(truth.origin()) < 0.01);
+/// # Ok::<(), unrender_photo::calibrate::CalibrateError>(())
+/// ```
 ///
 /// # Errors
 /// If the pairs are too few, do not determine what is asked for, or contradict each other.

@@ -18,13 +18,13 @@ impl<F: Fn(&[f64]) -> f64> CostFunction for Cost<F> {
 /// Minimises `cost` from `start`, with a first simplex that reaches `steps` along each axis.
 ///
 /// Stops when the costs at the corners have a standard deviation below `tolerance`, or after
-/// `evaluations` turns. Returns the best parameters and their cost.
+/// `iterations` steps. Returns the best parameters and their cost.
 pub fn minimise(
     cost: impl Fn(&[f64]) -> f64,
     start: &[f64],
     steps: &[f64],
     tolerance: f64,
-    turns: u64,
+    iterations: u64,
 ) -> (Vec<f64>, f64) {
     let mut corners = vec![start.to_vec()];
     for (axis, step) in steps.iter().enumerate() {
@@ -34,7 +34,7 @@ pub fn minimise(
     }
     let fallback = cost(start);
     let run = NelderMead::new(corners).with_sd_tolerance(tolerance).and_then(|solver| {
-        Executor::new(Cost(&cost), solver).configure(|state| state.max_iters(turns)).run()
+        Executor::new(Cost(&cost), solver).configure(|state| state.max_iters(iterations)).run()
     });
     let best = run.ok().and_then(|result| {
         let state = result.state();

@@ -46,6 +46,16 @@ pub struct LobeDerivatives {
 impl WardLobe {
     /// A lobe with roughness `alpha_x` along and `alpha_y` across the anisotropy direction; both
     /// are raised to [`ALPHA_MIN`].
+    ///
+    /// ```
+    /// use glam::Vec3;
+    /// use unrender_render::WardLobe;
+    /// use unrender_scene::WardModel;
+    ///
+    /// let lobe = WardLobe::new(WardModel::Ward1992, 0.2, 0.2);
+    /// let at_normal = lobe.value(Vec3::Z, Vec3::Z);
+    /// assert!((at_normal * 4.0 * std::f32::consts::PI * 0.04 - 1.0).abs() < 1e-5);
+    /// ```
     pub fn new(model: WardModel, alpha_x: f32, alpha_y: f32) -> Self {
         let (alpha_x, alpha_y) = (alpha_x.max(ALPHA_MIN), alpha_y.max(ALPHA_MIN));
         Self {

@@ -1,7 +1,7 @@
 //! Tables on the page, each between its heading and the next.
 
 use crate::programs::Row;
-use unrender::recover::convert::Conversion;
+use unrender::converted::Conversion;
 use unrender::scene::{Material, Scene};
 
 /// The rows of a table: how bright each group is in both pictures, and what its conversion lost.

@@ -103,9 +103,7 @@ impl Subject<'_> {
 
     /// The corners of the box around the scene.
     fn bounds(&self) -> [Vec3; 2] {
-        let corners = self.job.scene.objects.iter().flat_map(|object| &object.mesh.positions);
-        let nothing = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-        corners.fold(nothing, |[low, high], &p| [low.min(p), high.max(p)])
+        self.job.scene.bounds().unwrap_or([Vec3::INFINITY, Vec3::NEG_INFINITY])
     }
 
     fn object_name(&self, object: u32) -> &str {

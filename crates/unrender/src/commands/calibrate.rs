@@ -4,18 +4,13 @@ use crate::cli::{Global, warn};
 use crate::project::{CameraTable, Project};
 use crate::{Error, interrupt, output, results};
 use clap::ValueEnum;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use unrender_formats::points::{self, Pair};
 use unrender_formats::{FileError, Input, Limits, atomic, fspy, input, picture};
-use unrender_photo::calibrate::{Calibration, Focal, Request, calibrate};
-use unrender_scene::{Lens, Scene, Warnings};
-
-/// Focal lengths that differ from the EXIF data's by more than this share are worth a word.
-const EXIF_TOLERANCE: f64 = 0.15;
-/// Measured points may lie outside the scene by this share of its size.
-const OUTSIDE: f32 = 0.1;
+use unrender_photo::calibrate::{Focal, Request, calibrate, doubtful_pairs};
+use unrender_scene::{Lens, Warnings};
 
 /// Finds the camera of a photograph from points of the scene that it shows.
 ///
@@ -209,7 +204,9 @@ fn from_points(args: &Args, path: &Path, target: &Target, limits: Limits) -> Res
     let found = calibrate(&pairs, size, &request)
         .map_err(|problem| Error::Calibrate { path: path.to_owned(), problem })?;
     warnings.extend(found.warnings.clone());
-    warnings.extend(doubtful_exif(&found, exif));
+    if let Some(exif) = exif {
+        warnings.extend(found.doubtful_exif(exif));
+    }
     warn(&warnings);
     let eye = found.camera("").origin();
     let distance = eye.distance(DVec3::from_array(found.target).as_vec3());
@@ -226,74 +223,33 @@ fn from_points(args: &Args, path: &Path, target: &Target, limits: Limits) -> Res
 
 fn focal(fov_y_deg: Option<f64>, exif: Option<f64>, height: usize) -> Result<Focal, Error> {
     match (fov_y_deg, exif) {
-        (Some(fov), _) if !(fov > 0.0 && fov < 180.0) => {
-            Err(Error::Request(format!("--fov-y-deg is {fov}; it is between 0 and 180")))
-        }
-        (Some(fov), _) => Ok(Focal::Known(0.5 * height as f64 / (0.5 * fov).to_radians().tan())),
+        (Some(fov), _) => Focal::of_fov_y_deg(fov, height).ok_or_else(|| {
+            Error::Request(format!("--fov-y-deg is {fov}; it is between 0 and 180"))
+        }),
         (None, Some(focal)) => Ok(Focal::Near(focal)),
         (None, None) => Ok(Focal::Unknown),
     }
 }
 
-fn doubtful_exif(found: &Calibration, exif: Option<f64>) -> Warnings {
-    let mut warnings = Warnings::default();
-    let focal = found.focal_px.value;
-    let tolerance = found.focal_px.std.map_or(0.0, |std| 3.0 * std);
-    if let Some(exif) = exif
-        && (focal - exif).abs() > (EXIF_TOLERANCE * exif).max(tolerance)
-    {
-        warnings.push(format!(
-            "the photo's EXIF data say a focal length of {exif:.0} px, but it is {focal:.0} px by \
-             the points; is the photo cropped, or are lengths not in metres?"
-        ));
-    }
-    warnings
-}
-
-/// Pixels beside the photo and points beside the scene.
+/// Warnings of points beside the photograph and beside the scene.
 fn doubtful_points(
     pairs: &[Pair],
-    (width, height): (usize, usize),
+    size: (usize, usize),
     scene: Option<Input<'_>>,
 ) -> Result<Warnings, Error> {
-    let mut warnings = Warnings::default();
-    let mut tell = |is_doubtful: &dyn Fn(&Pair) -> bool, what: &str| {
-        let doubtful = pairs.iter().filter(|pair| is_doubtful(pair));
-        let names: Vec<&str> = doubtful.map(|pair| pair.name.as_str()).collect();
-        if !names.is_empty() {
-            let names = names.join(", ");
-            warnings.push(format!("{what}: {names}"));
-        }
-    };
-    let sides = [width as f64, height as f64];
-    tell(
-        &|pair| (0..2).any(|n| !(0.0..=sides[n]).contains(&pair.pixel[n])),
-        &format!("points that are not in the photo of {width} x {height} pixels"),
-    );
-    let Some(scene) = scene else { return Ok(warnings) };
+    let Some(scene) = scene else { return Ok(doubtful_pairs(pairs, size, None)) };
     if !scene.path.is_file() {
         return Err(FileError::new(scene.path, "there is no such scene file").into());
     }
     // A scene that lacks its lights yet is no reason not to calibrate.
     match unrender_formats::load_scene(scene) {
-        Ok((scene, _)) => {
-            let (low, high) = bounds(&scene);
-            let margin = OUTSIDE * (high - low).max_element();
-            let away = |pair: &Pair| {
-                let point = DVec3::from_array(pair.point).as_vec3();
-                (point - point.max(low).min(high)).length() > margin
-            };
-            tell(&away, "points outside the scene; are they in its axes, in metres?");
+        Ok((scene, _)) => Ok(doubtful_pairs(pairs, size, scene.bounds())),
+        Err(error) => {
+            let mut warnings = doubtful_pairs(pairs, size, None);
+            warnings.push(format!("the points were not held against the scene: {error}"));
+            Ok(warnings)
         }
-        Err(error) => warnings.push(format!("the points were not held against the scene: {error}")),
     }
-    Ok(warnings)
-}
-
-fn bounds(scene: &Scene) -> (Vec3, Vec3) {
-    let positions = scene.objects.iter().flat_map(|object| &object.mesh.positions);
-    let empty = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    positions.fold(empty, |(low, high), p| (low.min(*p), high.max(*p)))
 }
 
 fn write_project(

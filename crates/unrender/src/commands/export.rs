@@ -2,14 +2,13 @@
 
 use crate::cli::{Global, warn};
 use crate::commands::render;
-use crate::converted::converted;
+use crate::converted::{Conversion, converted};
 use crate::run::{self, Run};
 use crate::{Error, interrupt, job, output, result_folder};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_formats::export::{self, Shot, Target};
 use unrender_formats::{Input, LightUnits, Limits, gltf, materials};
-use unrender_recover::convert::Conversion;
 use unrender_scene::{Camera, Group, Material, Scene, WardModel, Warnings};
 
 /// Writes a scene and its materials for another program.

@@ -1,14 +1,17 @@
 //! The edit file and the flags that stand for a line of it, understood.
 //!
-//! `raw` is the file as TOML has it, `sheet` one file or flag with the lines that errors name,
-//! `start` reads the scene and the photograph that the edits are made to, and `understand` turns
-//! what is written into edits of `unrender-restage`.
+//! `sheet` is one file or flag with the lines that errors name, `raw` the list of its tables. Each
+//! kind of edit (`remove`, `repaint`, `insert`, `view`) says in one file how it is written and
+//! which edit of `unrender-restage` it is; lights and environments, which projects have too, do so
+//! in `lighting`. `start` reads the scene and the photograph that the edits are made to.
 
 mod composite;
+mod insert;
 mod raw;
+mod remove;
+mod repaint;
 mod sheet;
 mod start;
-mod understand;
 mod view;
 
 pub use composite::Composite;
@@ -48,7 +51,7 @@ impl Restaging {
     /// If a file cannot be used, or an edit does not fit the scene; the message names the line.
     pub fn load(sheets: &[Sheet]) -> Result<Self, Error> {
         let (start, mut warnings) = Start::load(sheets)?;
-        let edits = understand::edits(sheets, &start, &mut warnings)?;
+        let edits = raw::edits(sheets, &start, &mut warnings)?;
         let (places, edits): (Vec<String>, Vec<Edit>) = edits.into_iter().unzip();
         let mut after = start.scene.clone();
         let mut change = unrender_restage::apply(&mut after, &edits).map_err(|error| {

@@ -1,11 +1,20 @@
-//! The edit file as TOML has it. Values are checked where they are read (`toml_values`), so that an
-//! error has the line of the value; names are checked against the scene later.
+//! The tables of an edit file. Each is read by the file of its kind of edit. Values are checked where
+//! they are read (`toml_values`), so that an error has the line of the value; names are checked
+//! against the scene later.
 
+use super::insert::RawInsert;
+use super::remove::RawRemove;
+use super::repaint::RawPaint;
+use super::sheet::Sheet;
+use super::start::Start;
+use crate::Error;
 use crate::lighting::{RawEnvironment, RawLight};
-use crate::toml_values::{Direction, Finite, NotNegative, Point, Positive, Reflectance, Size};
 use serde::Deserialize;
 use std::path::PathBuf;
 use toml::{Spanned, Value};
+use unrender_restage::Edit;
+use unrender_restage::environment::Surround;
+use unrender_scene::Warnings;
 
 /// All keys of an edit file.
 #[derive(Debug, Default, Deserialize)]
@@ -20,82 +29,72 @@ pub(super) struct RawEdits {
     #[serde(default)]
     pub(super) remove: Vec<Spanned<RawRemove>>,
     #[serde(default)]
-    pub(super) repaint: Vec<Spanned<RawRepaint>>,
+    pub(super) repaint: Vec<Spanned<RawPaint>>,
     #[serde(default)]
     pub(super) lights: Vec<Spanned<RawLight>>,
     #[serde(default)]
     pub(super) insert: Vec<Spanned<RawInsert>>,
 }
 
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RawRemove {
-    pub(super) name: Option<String>,
-    pub(super) object: Option<String>,
-    pub(super) group: Option<String>,
+/// An edit, and what messages call its place.
+type Placed = (String, Edit);
+
+/// The edits of all `sheets`: first all that is removed, then repainted, lit and inserted.
+pub(super) fn edits(
+    sheets: &[Sheet],
+    start: &Start,
+    warnings: &mut Warnings,
+) -> Result<Vec<Placed>, Error> {
+    let mut edits = Vec::new();
+    let mut told = Warnings::default();
+    for sheet in sheets {
+        collect(sheet, &sheet.raw.remove, &mut edits, &mut RawRemove::edit)?;
+    }
+    for sheet in sheets {
+        collect(sheet, &sheet.raw.repaint, &mut edits, &mut |raw| raw.edit(sheet, &mut told))?;
+    }
+    for sheet in sheets {
+        collect(sheet, &sheet.raw.lights, &mut edits, &mut light)?;
+    }
+    for sheet in sheets {
+        collect(sheet, sheet.raw.environment.as_slice(), &mut edits, &mut |raw| {
+            surround(raw, sheet, &mut told)
+        })?;
+    }
+    for sheet in sheets {
+        collect(sheet, &sheet.raw.insert, &mut edits, &mut |raw| {
+            raw.edit(sheet, start, &mut told)
+        })?;
+    }
+    warnings.extend(told);
+    Ok(edits)
 }
 
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RawRepaint {
-    pub(super) group: String,
-    pub(super) rho_d: Option<Reflectance>,
-    pub(super) rho_s: Option<Reflectance>,
-    pub(super) alpha: Option<NotNegative>,
-    pub(super) alpha_x: Option<NotNegative>,
-    pub(super) alpha_y: Option<NotNegative>,
-    pub(super) theta_deg: Option<Finite>,
-    pub(super) texture: Option<PathBuf>,
+fn collect<T>(
+    sheet: &Sheet,
+    raw: &[toml::Spanned<T>],
+    edits: &mut Vec<Placed>,
+    understand: &mut dyn FnMut(&T) -> Result<Edit, String>,
+) -> Result<(), Error> {
+    for written in raw {
+        let place = sheet.place(written.span());
+        let edit = understand(written.get_ref())
+            .map_err(|problem| Error::Request(format!("{place}: {problem}")))?;
+        edits.push((place, edit));
+    }
+    Ok(())
 }
 
-/// A material of an inserted model.
-#[derive(Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RawMaterial {
-    /// The model's own name of it; all of them if there is none.
-    pub(super) name: Option<String>,
-    pub(super) rho_d: Option<Reflectance>,
-    pub(super) rho_s: Option<Reflectance>,
-    pub(super) alpha: Option<NotNegative>,
-    pub(super) alpha_x: Option<NotNegative>,
-    pub(super) alpha_y: Option<NotNegative>,
-    pub(super) theta_deg: Option<Finite>,
-    pub(super) texture: Option<PathBuf>,
+fn light(raw: &RawLight) -> Result<Edit, String> {
+    if raw.unknown.is_some() {
+        return Err("unknown is a key of project files, where brightness can be asked for".into());
+    }
+    Ok(Edit::Light(raw.edit()?))
 }
 
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RawInsert {
-    pub(super) name: Option<String>,
-    pub(super) file: PathBuf,
-    pub(super) position: Option<Point>,
-    pub(super) on: Option<String>,
-    pub(super) at: Option<Size>,
-    pub(super) pixel: Option<Size>,
-    pub(super) rotation_deg: Option<Point>,
-    pub(super) scale: Option<Positive>,
-    #[serde(default)]
-    pub(super) material: Vec<RawMaterial>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RawCamera {
-    pub(super) eye: Option<Point>,
-    pub(super) target: Option<Point>,
-    pub(super) up: Option<Direction>,
-    pub(super) fov_y_deg: Option<Positive>,
-    #[serde(default)]
-    pub(super) keys: Vec<RawKey>,
-    pub(super) frames: Option<usize>,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RawKey {
-    pub(super) time: Option<Finite>,
-    pub(super) eye: Point,
-    pub(super) target: Point,
-    pub(super) up: Option<Direction>,
-    pub(super) fov_y_deg: Option<Positive>,
+fn surround(raw: &RawEnvironment, sheet: &Sheet, told: &mut Warnings) -> Result<Edit, String> {
+    let read = raw.choice(&|file| sheet.path(file))?.read(sheet.limits());
+    let (environment, warnings) = read.map_err(|error| error.to_string())?;
+    told.extend(warnings);
+    Ok(Edit::Surround(Surround { environment }))
 }

@@ -128,7 +128,9 @@ impl Sheet {
         let stated = stated.into_iter().flatten().map(|path| path.get_ref());
         let inserted = raw.insert.iter().map(|insert| &insert.get_ref().file);
         let around = raw.environment.iter().filter_map(|e| e.get_ref().file.as_ref());
-        let painted = raw.repaint.iter().filter_map(|r| r.get_ref().texture.as_ref());
+        let worn = raw.insert.iter().flat_map(|insert| &insert.get_ref().material);
+        let painted = raw.repaint.iter().map(|repaint| repaint.get_ref()).chain(worn);
+        let painted = painted.filter_map(|paint| paint.texture.as_ref());
         let named = stated.chain(inserted).chain(around).chain(painted);
         let own = self.text.as_ref().map(|_| PathBuf::from(&self.name));
         named.map(|path| self.path(path)).chain(own).collect()
@@ -168,7 +170,7 @@ mod tests {
         let sheet =
             Sheet::of_flag(Flag::Repaint, "my \"floor\": rho_d = [0.5, 0.1, 0], alpha = 0.1");
         let repaint = &sheet.unwrap().raw.repaint[0];
-        assert_eq!(repaint.get_ref().group, "my \"floor\"");
+        assert_eq!(repaint.get_ref().group.as_deref(), Some("my \"floor\""));
         assert_eq!(repaint.get_ref().rho_d.unwrap().0.to_array(), [0.5, 0.1, 0.0]);
         let error = Sheet::of_flag(Flag::Light, "lamp: scale = -1").unwrap_err().to_string();
         assert!(

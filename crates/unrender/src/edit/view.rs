@@ -1,13 +1,38 @@
 //! Where the new pictures are seen from.
 
-use super::raw::{RawCamera, RawKey};
 use super::sheet::Sheet;
 use super::start::Start;
+use crate::toml_values::{Direction, Finite, Point, Positive};
 use crate::{Error, job};
 use glam::Vec3;
+use serde::Deserialize;
 use toml::Value;
 use unrender_restage::camera::{Key, Path};
 use unrender_scene::{Camera, Lens};
+
+/// The table `[camera]` as TOML has it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawCamera {
+    eye: Option<Point>,
+    target: Option<Point>,
+    up: Option<Direction>,
+    fov_y_deg: Option<Positive>,
+    #[serde(default)]
+    keys: Vec<RawKey>,
+    frames: Option<usize>,
+}
+
+/// One entry of `[[camera.keys]]`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawKey {
+    time: Option<Finite>,
+    eye: Point,
+    target: Point,
+    up: Option<Direction>,
+    fov_y_deg: Option<Positive>,
+}
 
 /// The cameras of the new pictures.
 #[derive(Clone, Debug, PartialEq)]

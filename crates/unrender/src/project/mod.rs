@@ -137,6 +137,18 @@ impl Project {
 
     /// As [`Project::read`] from the file's text, without looking for the files that it names.
     ///
+    /// ```
+    /// use std::path::Path;
+    /// use unrender::Project;
+    ///
+    /// let text = "scene = \"room.glb\"\nphoto = \"room.png\"\nexposure = 1\n";
+    /// let (project, warnings) = Project::parse(Path::new("here/room.toml"), text)?;
+    /// assert_eq!(project.scene, Path::new("here/room.glb"));
+    /// let fault = Project::parse(Path::new("room.toml"), "scene = 3\n").unwrap_err();
+    /// assert!(fault.to_string().contains("line 1"), "{fault}");
+    /// # Ok::<(), unrender::formats::FileError>(())
+    /// ```
+    ///
     /// # Errors
     /// If the text is not TOML, has an unknown key or a value that cannot be meant.
     pub fn parse(path: &Path, text: &str) -> Result<(Self, Warnings), FileError> {

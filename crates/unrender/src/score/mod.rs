@@ -83,6 +83,23 @@ pub struct Limits {
 
 /// Compares `results` with `truth`; textures are relative to the folders.
 ///
+/// ```
+/// use std::path::Path;
+/// use unrender::formats::materials::{GroupEntry, MaterialsFile};
+/// use unrender::score::score;
+///
+/// let file = |rho_d| {
+///     let mut file = MaterialsFile::default();
+///     let entry = GroupEntry { rho_d: Some([rho_d; 3]), ..GroupEntry::default() };
+///     file.groups.insert("wall".into(), entry);
+///     file
+/// };
+/// let here = Path::new(".");
+/// let scores = score(&file(0.52), here, &file(0.5), here)?;
+/// assert!((scores[0].rho_d.unwrap() - 0.02).abs() < 1e-6);
+/// # Ok::<(), unrender::formats::FileError>(())
+/// ```
+///
 /// # Errors
 /// If a texture cannot be read.
 pub fn score(

@@ -15,14 +15,17 @@ pub(crate) fn beside_crates(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
 }
 
-/// Recovers the project `file` in `folder` and scores it against the folder's truth.json.
+/// Recovers the project `file` in `folder`, with `flags`, and scores it against the folder's
+/// truth.json.
 ///
 /// # Panics
 /// If the recovery fails, a hypothesis is wrong, or a number is further off than `limits` allow.
-pub(crate) fn recovers(folder: &Path, file: &str, limits: &Limits) {
-    let out = std::env::temp_dir().join(format!("unrender-{}-{file}", std::process::id()));
+pub(crate) fn recovers(folder: &Path, file: &str, flags: &[&str], limits: &Limits) {
+    let out = tempfile::tempdir().unwrap();
+    let out = out.path().join("out");
     let mut recover = Command::new(env!("CARGO_BIN_EXE_unrender"));
     recover.arg("recover").arg(folder.join(file)).arg("--out").arg(&out).arg("--quiet");
+    recover.args(flags);
     assert!(recover.status().unwrap().success(), "{file} was not recovered");
     let mut score = Command::new(env!("CARGO_BIN_EXE_unrender"));
     score.arg("score").arg(&out).arg(folder.join("truth.json"));
@@ -37,6 +40,4 @@ pub(crate) fn recovers(folder: &Path, file: &str, limits: &Limits) {
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     println!("{file}\n{}", text(&scored.stdout));
     assert!(scored.status.success(), "{file}:\n{}", text(&scored.stderr));
-    // A folder that is left behind in the temporary files does no harm.
-    let _ = std::fs::remove_dir_all(out);
 }

@@ -1,9 +1,15 @@
 //! A small scene with one of everything that an export must carry: each kind of material, a texture,
 //! smooth normals, a tangent frame, each kind of light, a shifted camera, and difficult names.
 
+#![allow(dead_code)]
+
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
+use std::path::PathBuf;
 use std::sync::Arc;
+use unrender::converted::converted;
+use unrender::formats::LightUnits;
+use unrender::formats::export::{self, Shot, Target};
 use unrender::scene::{
     Camera, Group, Image, Lens, Light, LightKind, Material, Mesh, Object, Rgb, Scene, Texture, Wrap,
 };
@@ -132,4 +138,19 @@ fn add(
     let index = scene.groups.len();
     scene.groups.push(Group { name: group.into(), material, emission });
     scene.objects.push(Object { name: object.into(), group: index, mesh });
+}
+
+/// Exports `scene` as `target` into a new folder, and says which file or folder that is.
+pub(crate) fn exported(scene: &Scene, target: Target) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(if target == Target::Gltf { "scene.glb" } else { "scene" });
+    let camera = camera();
+    let converted = converted(scene, &camera, SIZE, target.lobe(scene.brdf));
+    let materials: Vec<Material> = converted.into_iter().map(|c| c.material).collect();
+    let (camera, materials) = (&camera, &materials[..]);
+    let shot = Shot { scene, materials, camera, size: SIZE, light_units: LightUnits::Radiometric };
+    let (files, warnings) = export::export(&shot, target).unwrap();
+    assert!(warnings.0.is_empty(), "{warnings:?}");
+    export::write(&path, target, &files).unwrap();
+    (folder, path)
 }

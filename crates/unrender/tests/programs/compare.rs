@@ -1,4 +1,4 @@
-//! Two pictures of one scene, compared by the mean radiance of its groups.
+//! Two pictures of one scene, compared by the mean radiance of its groups, whole or in quarters.
 
 use unrender::render::Tracer;
 use unrender::scene::{Camera, Rgb, RgbImage, Scene};
@@ -31,6 +31,31 @@ pub(crate) fn compare(
     theirs: &RgbImage,
     least: usize,
 ) -> Vec<Row> {
+    compare_split(scene, camera, ours, theirs, least, |pixels, _| vec![pixels])
+}
+
+/// As [`compare`], with a row for each quarter of a group's part of the picture that has so many
+/// pixels: a texture that is flipped has the right mean, but not in each of them.
+pub(crate) fn compare_quadrants(
+    scene: &Scene,
+    camera: &Camera,
+    ours: &RgbImage,
+    theirs: &RgbImage,
+    least: usize,
+) -> Vec<Row> {
+    compare_split(scene, camera, ours, theirs, least, |pixels, width| {
+        quadrants(pixels, width).into_iter().filter(|quarter| quarter.len() >= least).collect()
+    })
+}
+
+fn compare_split(
+    scene: &Scene,
+    camera: &Camera,
+    ours: &RgbImage,
+    theirs: &RgbImage,
+    least: usize,
+    split: impl Fn(Vec<usize>, usize) -> Vec<Vec<usize>>,
+) -> Vec<Row> {
     let (width, height) = (ours.width(), ours.height());
     assert_eq!((theirs.width(), theirs.height()), (width, height), "pictures of one size");
     let geometry = Tracer::new(scene).geometry(camera, width, height);
@@ -38,18 +63,39 @@ pub(crate) fn compare(
     let inside = |index: &usize| {
         geometry.neighbourhood(*index).all(|beside| group_of(beside) == group_of(*index))
     };
-    let mut rows = Vec::new();
-    for group in 0..scene.groups.len() {
-        let pixels: Vec<usize> =
-            (0..width * height).filter(|&i| group_of(i) == group).filter(inside).collect();
-        if pixels.len() < least {
-            continue;
-        }
-        let mean = |picture: &RgbImage| {
-            let sum: glam::DVec3 = pixels.iter().map(|&i| picture.pixels()[i].as_dvec3()).sum();
-            (sum / pixels.len() as f64).as_vec3()
-        };
-        rows.push(Row { group, pixels: pixels.len(), ours: mean(ours), theirs: mean(theirs) });
+    let all = (0..scene.groups.len()).map(|group| {
+        let pixels = (0..width * height).filter(|&i| group_of(i) == group).filter(inside);
+        (group, pixels.collect::<Vec<usize>>())
+    });
+    all.filter(|(_, pixels)| pixels.len() >= least)
+        .flat_map(|(group, pixels)| {
+            let row = |pixels: Vec<usize>| row(group, &pixels, ours, theirs);
+            split(pixels, width).into_iter().map(row).collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+fn row(group: usize, pixels: &[usize], ours: &RgbImage, theirs: &RgbImage) -> Row {
+    let mean = |picture: &RgbImage| {
+        let sum: glam::DVec3 = pixels.iter().map(|&i| picture.pixels()[i].as_dvec3()).sum();
+        (sum / pixels.len() as f64).as_vec3()
+    };
+    Row { group, pixels: pixels.len(), ours: mean(ours), theirs: mean(theirs) }
+}
+
+/// The quarters of the box around `pixels` of a picture of this width, each with its pixels.
+fn quadrants(pixels: Vec<usize>, width: usize) -> Vec<Vec<usize>> {
+    let middle = |of: &dyn Fn(usize) -> usize| {
+        let (low, high) = pixels
+            .iter()
+            .map(|&i| of(i))
+            .fold((usize::MAX, 0), |(low, high), at| (low.min(at), high.max(at)));
+        usize::midpoint(low, high)
+    };
+    let (x, y) = (middle(&|i| i % width), middle(&|i| i / width));
+    let mut quarters = vec![Vec::new(); 4];
+    for i in pixels {
+        quarters[usize::from(i % width > x) + 2 * usize::from(i / width > y)].push(i);
     }
-    rows
+    quarters
 }

@@ -1,4 +1,5 @@
-//! Packages of PyPI and npm, each set in a folder of its own.
+//! Packages of PyPI and npm, each set in a folder of its own beside the build's outputs. Tests use
+//! what `.ci/programs` has put there; benchmarks and examples install what they lack.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -7,7 +8,19 @@ use std::sync::{Mutex, PoisonError};
 /// Tests of one binary run side by side; one of them installs at a time.
 static INSTALLING: Mutex<()> = Mutex::new(());
 
-/// A Python that has `packages` (as pip names them).
+/// The folder `name` of a program that `.ci/programs` has installed.
+///
+/// # Errors
+/// If it has not.
+pub(crate) fn installed(name: &str) -> Result<PathBuf, String> {
+    let folder = folder(name);
+    if folder.join("installed").exists() {
+        return Ok(folder);
+    }
+    Err(format!("{} is not there; run .ci/programs {name}", folder.display()))
+}
+
+/// A Python that has `packages` (as pip names them); installs them where they are missing.
 ///
 /// # Errors
 /// If there is no Python, no registry, or no such package for this machine.
@@ -19,19 +32,6 @@ pub(crate) fn python(name: &str, packages: &[&str]) -> Result<PathBuf, String> {
         run(Command::new(&python).args(["-m", "pip", "install", "--quiet"]).args(packages))
     })?;
     Ok(python)
-}
-
-/// The folder of npm's `package`.
-///
-/// # Errors
-/// If there is no npm or no registry.
-pub(crate) fn npm(package: &str) -> Result<PathBuf, String> {
-    let folder = folder(package);
-    once(&folder, || {
-        std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
-        run(Command::new("npm").args(["install", "--silent", "--prefix"]).arg(&folder).arg(package))
-    })?;
-    Ok(folder)
 }
 
 /// Runs `install` unless it has succeeded before.

@@ -1,6 +1,6 @@
 //! Pictures by other renderers, of what was exported for them; and our own.
 
-use super::install::{python, run};
+use super::install::{installed, python, run};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use unrender::formats::export::Target;
@@ -19,7 +19,21 @@ pub(crate) enum Program {
 }
 
 impl Program {
-    /// The one that renders exports for `target`.
+    /// The one that renders exports for `target`, as `.ci/programs` has installed it.
+    ///
+    /// # Errors
+    /// If it has not.
+    pub(crate) fn installed(target: Target) -> Result<Self, String> {
+        let python = |name| installed(name).map(|folder| folder.join("bin/python"));
+        match target {
+            Target::Mitsuba => python("mitsuba").map(Self::Mitsuba),
+            Target::Radiance => Self::radiance_of(python("pyradiance")?),
+            Target::Blender => python("bpy").map(Self::Blender),
+            _ => Err(format!("no renderer is known for {target}")),
+        }
+    }
+
+    /// The one that renders exports for `target`; installed, if it is not there.
     pub(crate) fn for_target(target: Target) -> Result<Self, String> {
         match target {
             Target::Mitsuba => Self::mitsuba(),
@@ -31,7 +45,10 @@ impl Program {
 
     /// Radiance, from `pyradiance` of PyPI.
     pub(crate) fn radiance() -> Result<Self, String> {
-        let python = python("pyradiance", &["pyradiance==1.3.1"])?;
+        Self::radiance_of(python("pyradiance", &["pyradiance==1.3.1"])?)
+    }
+
+    fn radiance_of(python: PathBuf) -> Result<Self, String> {
         let code = "import pyradiance, os; print(os.path.dirname(pyradiance.__file__))";
         let output = Command::new(python).args(["-c", code]).output();
         let output = output.map_err(|error| error.to_string())?;

@@ -1,7 +1,16 @@
 //! The materials of a scene in the words of another program's lobe, as one camera sees them.
+//!
+//! `fit` finds the parameters of the other lobe, `target` evaluates it, and `in_scene` corrects its
+//! brightness where the camera sees it.
+
+mod fit;
+mod in_scene;
+mod target;
+
+pub use fit::{Conversion, convert, convert_all};
+pub use in_scene::Views;
 
 use unrender_recover::View;
-use unrender_recover::convert::{Conversion, Views, convert_all};
 use unrender_render::Tracer;
 use unrender_scene::{Camera, Lobe, Scene};
 

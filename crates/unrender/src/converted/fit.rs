@@ -1,4 +1,4 @@
-//! Glossy lobes in the words of programs that have others.
+//! The fit: one material in the words of another lobe, and what is lost.
 //!
 //! A lobe `w'` with roughnesses `alpha'` takes the place of Ward's `w`. Its reflectance is
 //! `rho_s' = k rho_s`, and k makes it reflect as much of an even light as Ward's does, averaged over
@@ -15,14 +15,11 @@
 //!
 //! If `k rho_s` were above one, it is one, and less is reflected; `albedo` says how much.
 
-mod in_scene;
-mod target;
-
-use crate::fit::simplex;
+use super::in_scene::{self, Views};
+use super::target::TargetLobe;
 use glam::Vec3;
-pub use in_scene::Views;
 use std::f64::consts::{FRAC_PI_2, TAU};
-use target::TargetLobe;
+use unrender_recover::fit::simplex;
 use unrender_render::GlossyLobe;
 use unrender_scene::{BrdfModel, Lobe, Material};
 

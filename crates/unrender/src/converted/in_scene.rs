@@ -13,10 +13,10 @@
 //! converted one, rendered with the nearest lobe that the renderer has; what one group sends to
 //! another has changed in it, so it is looked for again a few times.
 
-use super::TargetLobe;
-use crate::evidence::spread;
-use crate::rerender::Renderer;
+use super::target::TargetLobe;
 use glam::Vec3;
+use unrender_recover::Renderer;
+use unrender_recover::evidence::spread;
 use unrender_render::probe::ProposalLobe;
 use unrender_render::{Appearance, ProbeSettings, Probes};
 use unrender_scene::{Lobe, Material, Rgb};
@@ -27,8 +27,8 @@ const PIXELS: usize = 1024;
 const DIRECTIONS: u32 = 24;
 /// How far the mean of what the camera sees may be off, relative.
 const TOLERANCE: f64 = 0.02;
-/// Turns between the light and the factors.
-const TURNS: usize = 4;
+/// Iterations between the light and the factors.
+const ITERATIONS: usize = 4;
 
 /// The scene as it is, and with the nearest lobe that the renderer has; both behind one camera.
 #[derive(Clone, Copy)]
@@ -58,7 +58,7 @@ pub(super) fn factors(
     let wanted: Vec<f64> =
         groups.iter().map(|&g| mean(views.original, original, from, g)).collect();
     let mut factors = vec![1.0; original.len()];
-    for _ in 0..TURNS {
+    for _ in 0..ITERATIONS {
         let with = |(m, factor): (&Material, &f64)| Material {
             rho_s: m.rho_s * *factor as f32,
             ..m.clone()

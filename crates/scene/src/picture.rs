@@ -1,0 +1,72 @@
+//! Pictures as their files have them: code values, what they were stored as, and what the file
+//! declares of its colours. `unrender-formats` reads them, `unrender-photo` makes radiance of them.
+
+use crate::{Image, Rgb};
+use glam::Mat3;
+
+/// What one channel of one pixel was stored as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Depth {
+    /// An integer of 8 bits; the codes 0 to 255 became 0 to 1.
+    Eight,
+    /// An integer of 16 bits; the codes 0 to 65535 became 0 to 1.
+    Sixteen,
+    /// A floating-point number, passed on as it is.
+    Float,
+}
+
+impl Depth {
+    /// The greatest code of an integer file; nothing for floating-point files.
+    pub fn max_code(self) -> Option<f32> {
+        match self {
+            Self::Eight => Some(255.0),
+            Self::Sixteen => Some(65535.0),
+            Self::Float => None,
+        }
+    }
+}
+
+/// A picture as its file has it, turned upright.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Code values: 0 to 1 in the file's own encoding for integer files, as stored (by custom
+    /// linear) for floating-point files. All are finite.
+    pub values: Image<Rgb>,
+    /// What the values were stored as.
+    pub depth: Depth,
+    /// Indices of the pixels that were not finite numbers in the file; `values` has zeros there.
+    pub invalid: Vec<usize>,
+    /// What the file declares of its colours, if it does.
+    pub profile: Option<Profile>,
+}
+
+impl Picture {
+    /// A picture of finite code values.
+    pub fn new(values: Image<Rgb>, depth: Depth) -> Self {
+        Self { values, depth, invalid: Vec::new(), profile: None }
+    }
+
+    /// The picture as linear values, where integer files are taken as sRGB and floating-point
+    /// files as linear already.
+    pub fn to_linear(&self) -> Image<Rgb> {
+        match self.depth {
+            Depth::Float => self.values.clone(),
+            Depth::Eight | Depth::Sixteen => self
+                .values
+                .map(|code| Rgb::from_array(code.to_array().map(crate::color::linear_from_srgb))),
+        }
+    }
+}
+
+/// What a picture file declares of its colours.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    /// Where it says so, for messages: `its ICC profile "Display P3"`.
+    pub source: String,
+    /// Linear sRGB from the file's linear values; none if its primaries are those of sRGB.
+    pub srgb_from_file: Option<Mat3>,
+    /// The linear values of the codes 0, 1/255, 2/255 ... 1, by channel, where the file states them.
+    pub curves: Option<[Vec<f32>; 3]>,
+    /// False if there is a profile of a kind that is not understood; then the rest is empty.
+    pub understood: bool,
+}

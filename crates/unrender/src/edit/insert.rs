@@ -1,0 +1,82 @@
+//! `[[insert]]`: models that are put into the scene.
+
+use super::repaint::RawPaint;
+use super::sheet::Sheet;
+use super::start::Start;
+use crate::toml_values::{Point, Positive, Size};
+use glam::{EulerRot, Quat, Vec3};
+use serde::Deserialize;
+use std::path::PathBuf;
+use unrender_formats::Input;
+use unrender_restage::Edit;
+use unrender_restage::insert::{Insert, Place};
+use unrender_scene::Warnings;
+
+/// One entry as TOML has it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawInsert {
+    name: Option<String>,
+    pub(super) file: PathBuf,
+    position: Option<Point>,
+    on: Option<String>,
+    at: Option<Size>,
+    pixel: Option<Size>,
+    rotation_deg: Option<Point>,
+    scale: Option<Positive>,
+    #[serde(default)]
+    pub(super) material: Vec<RawPaint>,
+}
+
+impl RawInsert {
+    /// The edit that it asks for; reads the model.
+    pub(super) fn edit(
+        &self,
+        sheet: &Sheet,
+        start: &Start,
+        told: &mut Warnings,
+    ) -> Result<Edit, String> {
+        let path = sheet.path(&self.file);
+        let (model, warnings) = unrender_formats::load_model(Input::new(&path, sheet.limits()))
+            .map_err(|error| error.to_string())?;
+        told.extend(warnings);
+        let stem = || self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let turn = self.rotation_deg.map_or(Vec3::ZERO, |turn| turn.0.map(f32::to_radians));
+        let paint = self.material.iter().map(|material| material.of_model(sheet, told));
+        Ok(Edit::Insert(Insert {
+            paint: paint.collect::<Result<_, String>>()?,
+            name: self.name.clone().unwrap_or_else(stem),
+            model,
+            rotation: Quat::from_euler(EulerRot::ZYX, turn.z, turn.y, turn.x),
+            scale: self.scale.map_or(1.0, |scale| scale.0),
+            place: self.place(start)?,
+        }))
+    }
+
+    fn place(&self, start: &Start) -> Result<Place, String> {
+        match (self.position, self.at, self.pixel) {
+            (Some(position), None, None) if self.on.is_none() => Ok(Place::At(position.0)),
+            (None, Some(at), None) => {
+                let group =
+                    self.on.clone().ok_or("at = [x, z] needs on = \"GROUP\" to stand on")?;
+                Ok(Place::Onto { group, x: at.0.x, z: at.0.y })
+            }
+            (None, None, Some(pixel)) => self.seen_at(pixel, start),
+            _ => Err("give one place: position = [x, y, z]; on = \"GROUP\" with at = [x, z]; or \
+                      pixel = [x, y]"
+                .into()),
+        }
+    }
+
+    /// Where the photograph shows `pixel`.
+    fn seen_at(&self, Size(pixel): Size, start: &Start) -> Result<Place, String> {
+        let photograph = start.photograph.as_ref();
+        let photograph = photograph.ok_or("pixel needs the photograph; name the project")?;
+        let (camera, (width, height)) = (&photograph.camera, photograph.size());
+        if !(0.0..width as f32).contains(&pixel.x) || !(0.0..height as f32).contains(&pixel.y) {
+            return Err(format!("pixel is {pixel}, outside the photograph of {width} x {height}"));
+        }
+        let direction = camera.direction(pixel.x, pixel.y, width, height);
+        Ok(Place::Seen { origin: camera.origin(), direction, group: self.on.clone() })
+    }
+}
