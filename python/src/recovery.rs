@@ -15,11 +15,10 @@ use unrender::commands::recover as command;
 use unrender::job::{InMemory, Job};
 use unrender::listener::{Console, Listener};
 use unrender::project::Project;
-use unrender::recover::{
-    Covariance, GroupIteration, IterationRecord, Quantity, Recovery, Termination,
-};
+use unrender::recover::{Covariance, IterationRecord, Quantity, Recovery, Termination};
 use unrender::scene::Image;
 use unrender::{Error, engine};
+use unrender_formats::materials::{GroupEntry, MaterialsFile};
 use unrender_formats::picture::{Depth, Picture};
 
 /// A recovery with the job that it was of.
@@ -101,7 +100,7 @@ pub(crate) fn recover(
     let sketch = match (&ended.result, &ended.heard.last) {
         (None, Some(record)) => {
             let names = names.lock().unwrap_or_else(PoisonError::into_inner);
-            Some(sketch(&names, record).to_string())
+            Some(sketch(&names, record).map_err(|error| request(error.to_string()))?)
         }
         _ => None,
     };
@@ -138,19 +137,28 @@ fn worked(
     Ok(Recovered { job, recovered, global: Mutex::new(global) })
 }
 
-/// Where a recovery stands after an iteration.
-fn sketch(names: &[String], record: &IterationRecord) -> Value {
-    let group = |(name, group): (&String, &GroupIteration)| {
-        let m = &group.material;
-        let value = json!({
-            "hypothesis": group.hypothesis, "status": "recovered", "error": group.error,
-            "rho_d": m.rho_d.to_array(), "rho_s": m.rho_s.to_array(), "alpha_x": m.alpha_x,
-            "alpha_y": m.alpha_y, "theta_deg": m.theta_rad.to_degrees(),
-        });
-        (name.clone(), value)
-    };
-    let groups: serde_json::Map<_, _> = names.iter().zip(&record.groups).map(group).collect();
-    json!({ "groups": groups, "iterations": record.iteration })
+/// Where a recovery stands after an iteration, as the text of a materials.json.
+fn sketch(names: &[String], record: &IterationRecord) -> serde_json::Result<String> {
+    let termination = format!(
+        "interrupted after {} global re-renderings; the results are those after the last one",
+        record.iteration
+    );
+    let mut file = MaterialsFile { termination: Some(termination), ..MaterialsFile::default() };
+    for (name, group) in names.iter().zip(&record.groups) {
+        let material = &group.material;
+        let entry = GroupEntry {
+            hypothesis: Some(group.hypothesis),
+            rho_d: Some(material.rho_d.to_array()),
+            rho_s: Some(material.rho_s.to_array()),
+            alpha_x: Some(material.alpha_x),
+            alpha_y: Some(material.alpha_y),
+            theta_deg: Some(material.theta_rad.to_degrees()),
+            error: group.error,
+            ..GroupEntry::default()
+        };
+        file.groups.insert(name.clone(), entry);
+    }
+    serde_json::to_string(&file)
 }
 
 impl Recovered {
@@ -161,10 +169,11 @@ impl Recovered {
 
 #[pymethods]
 impl Recovered {
-    /// What came out as JSON: the contents of materials.json, and beside it the records.
+    /// What came out as JSON: the text of materials.json, and beside it the records.
     fn document(&self) -> PyResult<String> {
         let recovery = self.recovery();
-        let materials = serde_json::to_value(self.recovered.materials(&self.job))
+        // As text, as in the file: values of JSON would have the digits of double precision.
+        let materials = serde_json::to_string(&self.recovered.materials(&self.job))
             .map_err(|error| request(error.to_string()))?;
         let names: Vec<&str> = recovery.groups.iter().map(|group| group.name.as_str()).collect();
         let times = self.recovered.times.iterations.iter();

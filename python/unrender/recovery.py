@@ -89,7 +89,7 @@ class Recovery:
     def _of(cls, inner: _unrender.Recovered, folder: Path | None) -> Recovery:
         document = json.loads(inner.document())
         materials = Materials()
-        materials.document = document["materials"]
+        materials.document = json.loads(document["materials"])
         for name in materials:
             found = inner.texture(name)
             if found is not None:
@@ -356,9 +356,5 @@ def recover(
 def _sketched(document: dict[str, Any]) -> Recovery:
     """Where a recovery stood when it was interrupted: its materials, without pictures."""
     materials = Materials()
-    materials.document["groups"] = document["groups"]
-    count = document["iterations"]
-    materials.document["termination"] = (
-        f"interrupted after {count} global re-renderings; the results are those after the last one"
-    )
+    materials.document = document
     return Recovery(materials, interrupted=True)
