@@ -213,13 +213,20 @@ impl Watch<'_, '_> {
         self.fail(told);
     }
 
-    /// An exception of the caller's own ends the work.
+    /// What a callback has raised ends the work.
     fn fail(&mut self, told: PyResult<Bound<'_, PyAny>>) {
-        if let Err(raised) = told
-            && self.failed.is_none()
-        {
-            self.failed = Some(raised);
-            self.stop();
+        if let Err(raised) = told {
+            self.end_by(raised);
+        }
+    }
+
+    /// Ends the work: by Ctrl-C, which may come in the middle of a callback too, or by an exception of
+    /// the caller's own.
+    fn end_by(&mut self, raised: PyErr) {
+        self.stop();
+        let py = self.control.handler.py();
+        if !raised.is_instance_of::<PyKeyboardInterrupt>(py) {
+            self.failed.get_or_insert(raised);
         }
     }
 
@@ -233,10 +240,7 @@ impl Watch<'_, '_> {
             return;
         }
         if let Err(raised) = py.check_signals() {
-            self.stop();
-            if !raised.is_instance_of::<PyKeyboardInterrupt>(py) {
-                self.failed = Some(raised);
-            }
+            self.end_by(raised);
         }
     }
 }

@@ -256,7 +256,8 @@ class Scene:
         found = {}
         for entry in self._description()["groups"]:
             entry.pop("textured")
-            found[entry.pop("name")] = Group(**entry)
+            name = entry.pop("name")
+            found[name] = Group(**entry)
         return found
 
     @property
