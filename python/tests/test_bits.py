@@ -11,6 +11,8 @@ import pytest
 import unrender
 from conftest import Command
 
+pytestmark = pytest.mark.filterwarnings("ignore::unrender.UnrenderWarning")
+
 
 def test_render_has_the_bits_of_the_command(fig8: Path, command: Command, tmp_path: Path) -> None:
     scene, truth, out = fig8 / "scene.glb", fig8 / "truth.json", tmp_path / "picture.exr"
@@ -45,7 +47,6 @@ def test_a_project_is_rendered_as_by_the_command(
     np.testing.assert_array_equal(picture, unrender.read_picture(out))
 
 
-@pytest.mark.filterwarnings("ignore::unrender.UnrenderWarning")
 @pytest.mark.parametrize("name", ["isotropic", "textured"])
 def test_recover_has_the_bits_of_the_command(
     name: str, corpus: Path, command: Command, tmp_path: Path

@@ -6,6 +6,21 @@ from typing import Protocol, final
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = [
+    "Recovered",
+    "Scene",
+    "Token",
+    "call",
+    "description",
+    "main",
+    "png_bytes",
+    "read_picture",
+    "recover",
+    "render",
+    "toml_text",
+    "write_picture",
+]
+
 class _Handler(Protocol):
     def warning(self, text: str, /) -> object: ...
     def progress(self, message: str | None, done: float, /) -> object: ...
