@@ -11,6 +11,7 @@ use unrender::formats::{
     Input, Limits, fspy, load_model, load_scene, materials, picture, planes, points,
     response_curve, wear,
 };
+use unrender::listener::Console;
 use unrender::run::Run;
 use unrender::scene::{Group, Material, Rgb, Scene};
 
@@ -18,8 +19,15 @@ use unrender::scene::{Group, Material, Rgb, Scene};
 pub(crate) const MEMORY: u64 = 256 << 20;
 
 /// The flags of commands that are run here.
-const GLOBAL: Global =
-    Global { quiet: true, threads: None, allow_outside: false, input_memory: Some(0.25) };
+fn global() -> Global {
+    Global {
+        quiet: true,
+        threads: None,
+        allow_outside: false,
+        input_memory: Some(0.25),
+        console: Console::default(),
+    }
+}
 
 /// A reader.
 #[derive(Clone, Copy, Debug)]
@@ -103,7 +111,7 @@ fn image(path: &Path) {
 fn part(path: &Path) {
     let _ = planes::read(input(path));
     let (parts, out) = (vec![path.to_owned()], path.with_file_name("merged.exr"));
-    let _ = merge::run(&merge::Args { parts, allow_gaps: true, out }, &GLOBAL);
+    let _ = merge::run(&merge::Args { parts, allow_gaps: true, out }, &global());
 }
 
 fn material_file(path: &Path) {

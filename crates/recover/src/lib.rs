@@ -44,9 +44,10 @@ pub use problem::{
     ExposureRule, GroupSpec, LadderKind, Options, Problem, RecoverError, Role, Thresholds,
 };
 pub use record::{
-    Alternative, Deviations, GroupIteration, GroupResult, IterationRecord, LightResult, Observer,
-    Recovery, Status, Termination,
+    Alternative, Covariance, Deviations, GroupIteration, GroupResult, IterationRecord, LightResult,
+    Observer, Recovery, Status, Termination,
 };
+pub use refine::{Quantity, Unknown};
 pub use rerender::{Renderer, View};
 
 use journal::Steps;

@@ -32,6 +32,7 @@ pub(crate) fn finish(
         groups,
         exposure: state.exposure,
         exposure_std: state.exposure_std,
+        covariance: state.covariance,
         lights: state.light_results,
         corrected: state.corrected,
         noise,

@@ -3,6 +3,7 @@
 use crate::correction::Corrected;
 use crate::hypothesis::Hypothesis;
 use crate::observation::PixelStatus;
+use crate::refine::Unknown;
 use crate::residual::ResidualStats;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -22,6 +23,8 @@ pub struct Recovery {
     pub lights: Vec<LightResult>,
     /// The numbers of the camera that were asked for.
     pub corrected: Corrected,
+    /// The joint covariance of all numbers that were refined; none where nothing was.
+    pub covariance: Option<Covariance>,
     /// The photograph's view rendered with the recovered materials, radiance.
     pub rerendered: RgbImage,
     /// The standard deviation that noise gives the luminance of photograph minus re-rendering, the
@@ -94,6 +97,15 @@ pub struct Deviations {
     pub ln_alpha_y: Option<f32>,
     /// Of the brushed direction, radians.
     pub theta_rad: Option<f32>,
+}
+
+/// The joint covariance of the numbers that were refined, each in the unit of its [`crate::Quantity`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Covariance {
+    /// The numbers.
+    pub of: Vec<Unknown>,
+    /// Their covariance, row by row; symmetric, the squared standard deviations on the diagonal.
+    pub matrix: Vec<Vec<f64>>,
 }
 
 /// What came out for one source of light.

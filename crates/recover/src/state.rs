@@ -10,7 +10,7 @@ use crate::likelihood::Likelihood;
 use crate::observation::{Observation, ValidPixels};
 use crate::problem::{ExposureRule, Options, Problem, RecoverError, Role};
 use crate::record::{
-    CandidateRecord, Deviations, GroupIteration, IterationRecord, LightResult, Status,
+    CandidateRecord, Covariance, Deviations, GroupIteration, IterationRecord, LightResult, Status,
 };
 use crate::residual::ResidualStats;
 use serde::{Deserialize, Serialize};
@@ -30,6 +30,8 @@ pub(crate) struct State<'a> {
     pub(crate) groups: Vec<GroupState>,
     pub(crate) exposure: Rgb,
     pub(crate) exposure_std: Option<Rgb>,
+    /// The joint covariance of what was refined.
+    pub(crate) covariance: Option<Covariance>,
     pub(crate) light_results: Vec<LightResult>,
     pub(crate) corrected: Corrected,
     pub(crate) iterations: Vec<IterationRecord>,
@@ -145,6 +147,7 @@ impl<'a> State<'a> {
             groups,
             exposure,
             exposure_std: None,
+            covariance: None,
             light_results: Vec::new(),
             corrected,
             iterations: Vec::new(),

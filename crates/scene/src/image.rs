@@ -45,6 +45,11 @@ impl<T> Image<T> {
         &self.pixels
     }
 
+    /// All pixels, row by row, as the vector that they are in.
+    pub fn into_pixels(self) -> Vec<T> {
+        self.pixels
+    }
+
     /// All pixels, row by row, to be changed.
     pub fn pixels_mut(&mut self) -> &mut [T] {
         &mut self.pixels

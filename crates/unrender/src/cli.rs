@@ -3,12 +3,14 @@
 use crate::commands::{
     calibrate, check, completions, export, man, merge, recover, render, report, restage, score,
 };
+use crate::listener::{Console, Listener};
 use crate::{Error, interrupt, output};
 use clap::{CommandFactory, Parser, Subcommand};
+use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::process::ExitCode;
+use std::sync::Arc;
 use unrender_formats::Limits;
-use unrender_scene::Warnings;
 
 /// Recovers the reflectance of every surface of a known scene from one photograph.
 #[derive(Debug, Parser)]
@@ -21,7 +23,7 @@ struct Cli {
 }
 
 /// Flags of all subcommands.
-#[derive(Clone, Copy, Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Global {
     /// Show no progress; errors and warnings are still told.
     #[arg(long, global = true)]
@@ -35,6 +37,9 @@ pub struct Global {
     /// The memory that a scene or a picture may take while it is read, GiB [default: 2].
     #[arg(long, global = true, value_name = "GIB", value_parser = gibibytes)]
     pub input_memory: Option<f64>,
+    /// Where to tell what there is to say.
+    #[arg(skip)]
+    pub console: Console,
 }
 
 impl Global {
@@ -77,7 +82,19 @@ pub fn command() -> clap::Command {
 
 /// Runs the command line that the process was started with.
 pub fn run() -> ExitCode {
-    let cli = Cli::parse();
+    run_from(std::env::args_os())
+}
+
+/// Runs the command line `words`, the first of which is the program's name.
+pub fn run_from(words: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let cli = match Cli::try_parse_from(words) {
+        Ok(cli) => cli,
+        Err(usage) => {
+            // Help and usage errors; nobody may be listening.
+            let _ = usage.print();
+            return ExitCode::from(usage.exit_code() as u8);
+        }
+    };
     match prepare(&cli.global).and_then(|()| dispatch(&cli)) {
         Ok(code) => code,
         Err(error) => {
@@ -85,6 +102,61 @@ pub fn run() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Runs the command line `words`, without the program's name, as a function: what it has to say goes
+/// to `listener`, and signals stay with the caller.
+///
+/// # Errors
+/// If the words are no command line, and those of the command.
+pub fn call(
+    words: impl IntoIterator<Item = OsString>,
+    listener: Arc<dyn Listener>,
+) -> Result<ExitCode, Error> {
+    let mut cli = parse(words)?;
+    cli.global.console = Console::new(listener);
+    dispatch(&cli)
+}
+
+/// The global flags and the arguments of one subcommand.
+fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Cli, Error> {
+    let words = std::iter::once("unrender".into()).chain(words);
+    Cli::try_parse_from(words).map_err(|usage| {
+        let text = usage.render().to_string();
+        let text = text.strip_prefix("error: ").unwrap_or(&text);
+        Error::Request(text.split("\n\n").next().unwrap_or(text).trim().to_owned())
+    })
+}
+
+/// The global flags and the arguments of `render` in the command line `words`.
+///
+/// # Errors
+/// If the words are no such command line.
+pub fn render_args(
+    words: impl IntoIterator<Item = OsString>,
+) -> Result<(Global, render::Args), Error> {
+    match parse(words)? {
+        Cli { global, command: Command::Render(args) } => Ok((global, args)),
+        _ => Err(Error::Request("this is no command line of render".into())),
+    }
+}
+
+/// The global flags and the arguments of `recover` in the command line `words`.
+///
+/// # Errors
+/// If the words are no such command line.
+pub fn recover_args(
+    words: impl IntoIterator<Item = OsString>,
+) -> Result<(Global, recover::Args), Error> {
+    match parse(words)? {
+        Cli { global, command: Command::Recover(args) } => Ok((global, args)),
+        _ => Err(Error::Request("this is no command line of recover".into())),
+    }
+}
+
+/// The command line as data: subcommands, flags, defaults and help.
+pub fn description() -> clap::Command {
+    Cli::command()
 }
 
 fn prepare(global: &Global) -> Result<(), Error> {
@@ -122,13 +194,6 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Report(args) => report::run(args, &cli.global),
         Command::Completions(args) => completions::run(args),
         Command::Man(args) => man::run(args, &cli.global),
-    }
-}
-
-/// Prints `warnings` on stderr, one a line.
-pub(crate) fn warn(warnings: &Warnings) {
-    for warning in &warnings.0 {
-        output::tell(&format!("warning: {warning}"));
     }
 }
 

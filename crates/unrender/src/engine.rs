@@ -1,46 +1,69 @@
 //! The seam to the recovery.
 
 use crate::camera_numbers::{self, Number};
-use crate::cli::warn;
 use crate::interrupt::Pausable;
 use crate::progress::Progress;
 use crate::recovery_journal::RecoveryJournal;
 use crate::registration::{self, Alignment, Laid};
-use crate::{Error, Job};
+use crate::{Error, Job, results};
 use std::time::Instant;
-use unrender_formats::materials::PhotographEntry;
+use unrender_formats::materials::{MaterialsFile, PhotographEntry};
 use unrender_photo::Exposure;
 use unrender_recover::{
     Correction, ExposureRule, GroupSpec, IterationRecord, LadderKind, Observer, Options, Problem,
     RecoverError, Recovery, Role, Thresholds, View,
 };
 use unrender_render::Tracer;
-use unrender_scene::{Image, Material, Rgb};
+use unrender_scene::{Camera, Image, Material, Rgb, Scene};
 
 /// A recovery, how it was asked for and how long it took.
-pub(crate) struct Recovered {
-    pub(crate) recovery: Recovery,
-    pub(crate) options: Options,
+pub struct Recovered {
+    /// What came out.
+    pub recovery: Recovery,
+    /// How it was asked for.
+    pub options: Options,
     /// The numbers of the camera, where they were asked for.
-    pub(crate) photograph: Option<PhotographEntry>,
+    pub photograph: Option<PhotographEntry>,
     /// How the model was found to lie on the photograph.
     pub(crate) laid: Laid,
     /// The group of every pixel, or [`unrender_render::NOTHING`].
-    pub(crate) group_map: Image<u32>,
+    pub group_map: Image<u32>,
     /// When each part of the work was done.
-    pub(crate) times: Times,
+    pub times: Times,
+}
+
+impl Recovered {
+    /// The contents of materials.json, without the names of textures.
+    pub fn materials(&self, job: &Job) -> MaterialsFile {
+        results::materials(job, self)
+    }
+
+    /// The scene of `job` with the recovered materials and lights.
+    pub fn scene(&self, job: &Job) -> Scene {
+        results::dressed(job, self)
+    }
+
+    /// The table that the command prints.
+    pub fn summary(&self, job: &Job) -> String {
+        results::summary(job, self)
+    }
+
+    /// The camera that the recovery went on with.
+    pub fn camera(&self) -> &Camera {
+        &self.laid.camera
+    }
 }
 
 /// Seconds since the beginning.
-pub(crate) struct Times {
+pub struct Times {
     /// Until the model lay on the photograph.
-    pub(crate) laid: f64,
+    pub laid: f64,
     /// Until the camera's numbers were near enough.
-    pub(crate) developed: f64,
+    pub developed: f64,
     /// Until the end of each iteration.
-    pub(crate) iterations: Vec<f64>,
+    pub iterations: Vec<f64>,
     /// Until all was done.
-    pub(crate) all: f64,
+    pub all: f64,
 }
 
 /// The camera's numbers are near enough if the photograph would change by less than this share.
@@ -60,7 +83,7 @@ pub(crate) fn recover(
     let started = Instant::now();
     let pausable = Pausable::new();
     let laid = registration::lay(job, &Tracer::new(&job.scene), alignment);
-    warn(&laid.warnings);
+    progress.warn(&laid.warnings);
     let until_laid = started.elapsed().as_secs_f64();
     let numbers = camera_numbers::asked(&job.project);
     if !numbers.is_empty() && options.refine && options.ladder == LadderKind::Default {
@@ -203,6 +226,7 @@ const PICTURE: f64 = 0.15;
 impl Observer for Teller<'_> {
     fn iteration(&mut self, record: &IterationRecord) {
         self.iterations.push(self.started.elapsed().as_secs_f64());
+        self.progress.iteration(record);
         let open = match record.open_groups.len() {
             0 => "none".to_owned(),
             n if n <= 4 => record.open_groups.join(", "),
@@ -230,7 +254,7 @@ impl Observer for Teller<'_> {
     }
 
     fn is_cancelled(&self) -> bool {
-        let is_asked = self.pausable.is_asked();
+        let is_asked = self.pausable.is_asked() || self.progress.is_cancelled();
         if is_asked {
             // What follows is not what a recovery that goes on does.
             self.journal.close();

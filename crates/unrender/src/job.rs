@@ -3,8 +3,8 @@
 use crate::project::{CameraChoice, Project};
 use crate::{Error, mask, photograph};
 use std::path::Path;
-use unrender_formats::Input;
 use unrender_formats::picture::{self, Picture};
+use unrender_formats::{FileError, Input};
 use unrender_photo::{Photo, Transfer, clipping, develop};
 use unrender_render::GeometryBuffers;
 use unrender_scene::{Camera, Image, Scene, Warnings};
@@ -37,16 +37,45 @@ pub struct Job {
     pub warnings: Warnings,
 }
 
+/// What a caller has in memory instead of the files that a project names.
+#[derive(Clone, Debug, Default)]
+pub struct InMemory {
+    /// The scene; its results are written as a glTF file of their own.
+    pub scene: Option<Scene>,
+    /// The photograph, as a file would have it.
+    pub photo: Option<Picture>,
+    /// The mask.
+    pub mask: Option<Picture>,
+}
+
 impl Job {
     /// Reads what `project` names; `warnings` are those that it was read with.
     ///
     /// # Errors
     /// If the photograph or the scene cannot be read, if they do not fit the project, or if nothing
     /// fixes the scale of unknown lights.
-    pub fn load(mut project: Project, mut warnings: Warnings) -> Result<Self, Error> {
+    pub fn load(project: Project, warnings: Warnings) -> Result<Self, Error> {
+        Self::assemble(project, warnings, InMemory::default())
+    }
+
+    /// As [`Job::load`], with what is given in memory instead of the files of those names.
+    ///
+    /// # Errors
+    /// Those of [`Job::load`].
+    pub fn assemble(
+        mut project: Project,
+        mut warnings: Warnings,
+        given: InMemory,
+    ) -> Result<Self, Error> {
         let limits = project.limits;
-        let (picture, told) = picture::read(Input::new(&project.photo, limits))?;
-        warnings.extend(told);
+        let picture = match given.photo {
+            Some(picture) => picture,
+            None => {
+                let (picture, told) = picture::read(Input::new(&project.photo, limits))?;
+                warnings.extend(told);
+                picture
+            }
+        };
         if let (Some(max), [r, g, b]) = (picture.depth.max_code(), clipping::full_codes(&picture)) {
             let codes = [("red", r), ("green", g), ("blue", b)];
             for (channel, code) in codes.iter().filter_map(|(c, code)| code.map(|code| (c, code))) {
@@ -57,7 +86,15 @@ impl Job {
             }
         }
         // Its light may be in the project alone.
-        let (mut scene, told) = unrender_formats::load_model(project.scene_input())?;
+        let (mut scene, told) = match given.scene {
+            Some(mut scene) => {
+                let told = scene
+                    .validate_meshes()
+                    .map_err(|source| Error::Scene { path: project.scene.clone(), source })?;
+                (scene, told)
+            }
+            None => unrender_formats::load_model(project.scene_input())?,
+        };
         warnings.extend(told);
         warnings.extend(project.light(&mut scene)?);
         project.check_against(&scene)?;
@@ -80,7 +117,13 @@ impl Job {
                 photo.dark
             ));
         }
-        let mask = mask::read(&project, &picture)?;
+        let mask = match given.mask {
+            Some(mask) => {
+                let counts = mask::counts(&mask, &picture.values);
+                Some(counts.map_err(|problem| FileError::new(&project.path, problem))?)
+            }
+            None => mask::read(&project, &picture)?,
+        };
         let (width, height) = (photo.radiance.width(), photo.radiance.height());
         warnings.extend(doubtful_aspect(&camera, width, height));
         if !camera.covers(width, height) {

@@ -119,7 +119,7 @@ pub mod converted;
 #[cfg(feature = "cli")]
 pub mod edit;
 #[cfg(feature = "cli")]
-mod engine;
+pub mod engine;
 pub mod error;
 #[cfg(feature = "cli")]
 mod fingerprint;
@@ -127,6 +127,8 @@ mod fingerprint;
 mod interrupt;
 pub mod job;
 pub mod lighting;
+#[cfg(feature = "cli")]
+pub mod listener;
 mod mask;
 #[cfg(feature = "cli")]
 mod output;

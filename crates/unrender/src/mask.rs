@@ -17,7 +17,11 @@ pub(crate) fn read(project: &Project, photo: &Picture) -> Result<Option<Image<bo
     Ok(Some(counts))
 }
 
-fn counts(mask: &Picture, photo: &Image<Rgb>) -> Result<Image<bool>, String> {
+/// As [`read`], of a mask that is there already.
+///
+/// # Errors
+/// If it is of another size than the photograph, or black everywhere.
+pub(crate) fn counts(mask: &Picture, photo: &Image<Rgb>) -> Result<Image<bool>, String> {
     let size = |image: &Image<Rgb>| (image.width(), image.height());
     let ((width, height), (wide, high)) = (size(&mask.values), size(photo));
     if (width, height) != (wide, high) {

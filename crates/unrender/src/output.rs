@@ -5,7 +5,6 @@
 //! work: what cannot be told is not told.
 
 use crate::Error;
-use crate::cli::warn;
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
@@ -48,9 +47,14 @@ pub(crate) fn check_picture(path: &Path) -> Result<(), FileError> {
     check_file(path, &["exr", "hdr", "png"], "end the name of the picture in .exr, .hdr or .png")
 }
 
-/// Writes the picture that `tally` has come to, and tells what in it is no number.
-pub(crate) fn write_picture(path: &Path, tally: &Accumulator) -> Result<(), FileError> {
+/// Writes the picture that `tally` has come to; the warnings tell what in it is no number.
+pub(crate) fn write_picture(path: &Path, tally: &Accumulator) -> Result<Warnings, FileError> {
     picture::write(path, &tally.mean())?;
+    Ok(doubts(tally))
+}
+
+/// What in `tally` is no number.
+pub(crate) fn doubts(tally: &Accumulator) -> Warnings {
     let mut warnings = Warnings::default();
     if tally.faulty() > 0 {
         warnings.push(format!(
@@ -58,8 +62,7 @@ pub(crate) fn write_picture(path: &Path, tally: &Accumulator) -> Result<(), File
             tally.faulty()
         ));
     }
-    warn(&warnings);
-    Ok(())
+    warnings
 }
 
 /// Checks that a file can be written to `path`, whose extension is one of `extensions`; `remedy`

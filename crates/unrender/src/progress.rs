@@ -1,10 +1,14 @@
 //! How far a command has come, on stderr: a bar on a terminal, now and then a line elsewhere.
 
+use crate::cli::Global;
+use crate::listener::{Console, Listener};
 use crate::output;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
+use unrender_recover::IterationRecord;
+use unrender_scene::Warnings;
 
 const BETWEEN_LINES: Duration = Duration::from_secs(2);
 const BAR_STEPS: u64 = 1000;
@@ -14,6 +18,7 @@ pub(crate) struct Progress {
     what: String,
     started: Instant,
     sink: Sink,
+    console: Console,
 }
 
 enum Sink {
@@ -21,20 +26,46 @@ enum Sink {
     Bar(ProgressBar),
     /// The time of the last line.
     Lines(Mutex<Instant>),
+    Listener(Arc<dyn Listener>),
 }
 
 impl Progress {
     /// Starts the clock of the work called `what`.
-    pub(crate) fn new(what: &str, quiet: bool) -> Self {
+    pub(crate) fn new(what: &str, global: &Global) -> Self {
         let started = Instant::now();
-        let sink = if quiet {
+        let console = global.console.clone();
+        let sink = if let Some(listener) = console.listener() {
+            Sink::Listener(Arc::clone(listener))
+        } else if global.quiet {
             Sink::Silent
         } else if std::io::stderr().is_terminal() {
             Sink::Bar(bar(what))
         } else {
             Sink::Lines(Mutex::new(started))
         };
-        Self { what: what.to_owned(), started, sink }
+        Self { what: what.to_owned(), started, sink, console }
+    }
+
+    /// Tells `warnings`.
+    pub(crate) fn warn(&self, warnings: &Warnings) {
+        self.console.warn(warnings);
+    }
+
+    /// Whether a listener asks for an end; Ctrl-C is not looked at.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.console.is_cancelled()
+    }
+
+    /// Whether somebody else than the terminal listens, who may ask for an end at any time.
+    pub(crate) fn has_listener(&self) -> bool {
+        self.console.listener().is_some()
+    }
+
+    /// Hands out the record of a recovery's iteration to a listener.
+    pub(crate) fn iteration(&self, record: &IterationRecord) {
+        if let Sink::Listener(listener) = &self.sink {
+            listener.iteration(record);
+        }
     }
 
     /// Tells what has just been done, with the share done by then.
@@ -42,6 +73,9 @@ impl Progress {
         match &self.sink {
             Sink::Silent => {}
             Sink::Bar(bar) => bar.set_message(what),
+            Sink::Listener(listener) => {
+                return listener.progress(Some(&what), done.clamp(0.0, 1.0));
+            }
             Sink::Lines(last) => {
                 *last.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
                 output::tell(&line(&what, self.started.elapsed(), done.clamp(0.0, 1.0)));
@@ -56,6 +90,7 @@ impl Progress {
         match &self.sink {
             Sink::Silent => {}
             Sink::Bar(bar) => bar.set_position((done * BAR_STEPS as f64) as u64),
+            Sink::Listener(listener) => listener.progress(None, done),
             Sink::Lines(last) => {
                 let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
                 if last.elapsed() >= BETWEEN_LINES {

@@ -29,7 +29,7 @@ const BEFORE: usize = 8 + 32;
 const LINE: u64 = 1 << 14;
 
 /// What a recovery is of.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Head {
     /// The version of unrender, and SHA-256 of the program.
     program: String,
@@ -94,6 +94,12 @@ struct Writing {
 }
 
 impl RecoveryJournal {
+    /// One that keeps nothing.
+    pub(crate) fn none() -> Self {
+        let writing = Writing { file: None, at: 0, number: 0, recalling: false, closed: true };
+        Self { path: PathBuf::new(), head: Head::default(), writing: Mutex::new(writing) }
+    }
+
     /// The journal in the folder of results `folder`. With `resume`, the one that an interrupted
     /// recovery has left there goes on; else the first step replaces it.
     ///

@@ -26,7 +26,8 @@ use nalgebra::{DMatrix, DVector};
 use normal::Normal;
 use passes::{COARSE, Passes};
 use system::System;
-use unknowns::{Quantity, Unknowns};
+use unknowns::Unknowns;
+pub use unknowns::{Quantity, Unknown};
 use unrender_render::Settings;
 use unrender_render::sampler::mix;
 

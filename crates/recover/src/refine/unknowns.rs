@@ -15,7 +15,7 @@ use unrender_scene::Rgb;
 
 /// One kind of number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Quantity {
+pub enum Quantity {
     /// Diffuse reflectance.
     RhoD,
     /// Specular reflectance.
@@ -45,13 +45,13 @@ impl Quantity {
 
 /// One free number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Unknown {
+pub struct Unknown {
     /// Its kind.
-    pub(crate) quantity: Quantity,
+    pub quantity: Quantity,
     /// The group, the source of light or the number of the camera; zero for the exposure.
-    pub(crate) of: usize,
+    pub of: usize,
     /// Its channel; none for numbers that all channels share.
-    pub(crate) channel: Option<usize>,
+    pub channel: Option<usize>,
 }
 
 /// All free numbers, and the derivatives to ask for.

@@ -10,7 +10,7 @@
 use super::Solution;
 use super::unknowns::{Quantity, Unknown};
 use crate::hypothesis::{Hypothesis, anisotropic};
-use crate::record::{Deviations, LightResult, Status};
+use crate::record::{Covariance, Deviations, LightResult, Status};
 use crate::selection::STRONG;
 use crate::state::State;
 use unrender_scene::{Material, Rgb};
@@ -113,14 +113,16 @@ fn assume_white(state: &mut State<'_>, group: usize) {
 
 /// Writes down how well each number is known.
 pub(super) fn record(state: &mut State<'_>, solution: &Solution) {
+    let matrix = solution.covariance.row_iter().map(|row| row.iter().copied().collect()).collect();
+    let mut covariance = Covariance { of: solution.unknowns.list.clone(), matrix };
     for group in 0..state.materials.len() {
         let verdict = Verdict { solution, group };
         if !verdict.is_free() {
             continue;
         }
         state.groups[group].std = Some(verdict.deviations());
-        if state.groups[group].hypothesis == Hypothesis::Anisotropic {
-            canonical(state, group);
+        if state.groups[group].hypothesis == Hypothesis::Anisotropic && canonical(state, group) {
+            covariance.of.iter_mut().filter(|u| u.of == group).for_each(swap_alphas);
         }
         if state.observation.pixels_of_group[group].is_empty() {
             let told = verdict.largest(Quantity::RhoD) <= UNSEEN_MAX;
@@ -148,10 +150,21 @@ pub(super) fn record(state: &mut State<'_>, solution: &Solution) {
         .collect();
     let row = |i: &usize| places.iter().map(|j| solution.covariance[(*i, *j)]).collect();
     state.corrected.covariance = places.iter().map(row).collect();
+    state.covariance = Some(covariance);
 }
 
-/// The smoother direction comes first, and the angle lies within half a turn.
-fn canonical(state: &mut State<'_>, group: usize) {
+/// Names the two roughnesses of a group the other way round.
+fn swap_alphas(unknown: &mut Unknown) {
+    unknown.quantity = match unknown.quantity {
+        Quantity::AlphaX => Quantity::AlphaY,
+        Quantity::AlphaY => Quantity::AlphaX,
+        other => other,
+    };
+}
+
+/// The smoother direction comes first, and the angle lies within half a turn; whether the two
+/// directions changed places.
+fn canonical(state: &mut State<'_>, group: usize) -> bool {
     let material = &mut state.materials[group];
     let swapped = material.alpha_x > material.alpha_y;
     let shape = [material.alpha_x, material.alpha_y, material.theta_rad];
@@ -159,6 +172,7 @@ fn canonical(state: &mut State<'_>, group: usize) {
     if let Some(std) = state.groups[group].std.as_mut().filter(|_| swapped) {
         std::mem::swap(&mut std.ln_alpha_x, &mut std.ln_alpha_y);
     }
+    swapped
 }
 
 impl Solution {

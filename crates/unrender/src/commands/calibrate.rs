@@ -1,6 +1,6 @@
 //! `unrender calibrate`: from measured points, or an fSpy project, to the camera of a photograph.
 
-use crate::cli::{Global, warn};
+use crate::cli::Global;
 use crate::project::{CameraTable, Project};
 use crate::{Error, interrupt, output, results};
 use clap::ValueEnum;
@@ -94,10 +94,10 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     // A project or a scene that is there already gets the camera; nothing else of it changes.
     let inputs = [&args.points, &args.fspy, &args.photo];
     output::check_inputs(&args.out, inputs.into_iter().flatten().map(PathBuf::as_path))?;
-    let target = target(args)?;
+    let target = target(args, global)?;
     let (table, origin, summary) = match (&args.fspy, &args.points) {
-        (Some(path), _) => from_fspy(args, path, global.limits())?,
-        (None, Some(path)) => from_points(args, path, &target, global.limits())?,
+        (Some(path), _) => from_fspy(args, path, global)?,
+        (None, Some(path)) => from_points(args, path, &target, global)?,
         (None, None) => return Err(Error::Request("give --points or --fspy".into())),
     };
     let _until_written = interrupt::writing();
@@ -107,13 +107,13 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         write_scene(args, &target, &table, global.limits())?;
     }
     if !global.quiet {
-        output::print(&summary);
+        global.console.print(&summary);
     }
     Ok(ExitCode::SUCCESS)
 }
 
 /// The photograph and the scene, by the arguments or by the project that is there already.
-fn target(args: &Args) -> Result<Target, Error> {
+fn target(args: &Args, global: &Global) -> Result<Target, Error> {
     let mut target = Target { project: None, photo: args.photo.clone(), scene: args.scene.clone() };
     if output::extension(&args.out) != "toml" || !args.out.exists() {
         if target.scene.is_none() {
@@ -139,14 +139,14 @@ fn target(args: &Args) -> Result<Target, Error> {
         }
         given.get_or_insert(stated);
     }
-    warn(&warnings);
+    global.console.warn(&warnings);
     target.project = Some(text);
     Ok(target)
 }
 
 type Found = (CameraTable, String, String);
 
-fn from_fspy(args: &Args, path: &Path, limits: Limits) -> Result<Found, Error> {
+fn from_fspy(args: &Args, path: &Path, global: &Global) -> Result<Found, Error> {
     let up = args.fspy_up.map(|up| match up {
         UpAxis::Y => fspy::Up::Y,
         UpAxis::Z => fspy::Up::Z,
@@ -154,7 +154,7 @@ fn from_fspy(args: &Args, path: &Path, limits: Limits) -> Result<Found, Error> {
     let (matched, mut warnings) = fspy::read(path, up)?;
     let (width, height) = matched.size;
     if let Some(photo) = &args.photo {
-        let (picture, _) = picture::read(Input::new(photo, limits))?;
+        let (picture, _) = picture::read(Input::new(photo, global.limits()))?;
         let size = (picture.values.width(), picture.values.height());
         if size.0 * height != size.1 * width {
             warnings.push(format!(
@@ -166,7 +166,7 @@ fn from_fspy(args: &Args, path: &Path, limits: Limits) -> Result<Found, Error> {
             ));
         }
     }
-    warn(&warnings);
+    global.console.warn(&warnings);
     // fSpy's origin is a point that somebody marked in the picture.
     let distance = matched.camera.origin().length().max(0.1);
     let table = CameraTable::of(&matched.camera, distance);
@@ -183,7 +183,8 @@ fn from_fspy(args: &Args, path: &Path, limits: Limits) -> Result<Found, Error> {
     Ok((table, format!("by fSpy: {}.", file_name(path)), summary))
 }
 
-fn from_points(args: &Args, path: &Path, target: &Target, limits: Limits) -> Result<Found, Error> {
+fn from_points(args: &Args, path: &Path, target: &Target, global: &Global) -> Result<Found, Error> {
+    let limits = global.limits();
     let Some(photo) = &target.photo else {
         return Err(Error::Request("give the photo whose pixels the points are in".into()));
     };
@@ -207,7 +208,7 @@ fn from_points(args: &Args, path: &Path, target: &Target, limits: Limits) -> Res
     if let Some(exif) = exif {
         warnings.extend(found.doubtful_exif(exif));
     }
-    warn(&warnings);
+    global.console.warn(&warnings);
     let eye = found.camera("").origin();
     let distance = eye.distance(DVec3::from_array(found.target).as_vec3());
     let table = CameraTable::of(&found.camera("photo"), distance.max(0.1));

@@ -55,6 +55,6 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     } else {
         table(&checkup, &args.out)
     };
-    output::print(&text);
+    global.console.print(&text);
     Ok(ExitCode::SUCCESS)
 }

@@ -1,6 +1,6 @@
 //! `unrender export`: a scene with its materials, for another program.
 
-use crate::cli::{Global, warn};
+use crate::cli::Global;
 use crate::commands::render;
 use crate::converted::{Conversion, converted};
 use crate::run::{self, Run};
@@ -62,10 +62,10 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     check_inputs(args)?;
     let (scene, camera, size, warnings) = input(args, global.limits())?;
     let light_units = light_units(args, global.limits())?;
-    warn(&warnings);
+    global.console.warn(&warnings);
     let conversions = converted(&scene, &camera, size, args.to.lobe(scene.brdf));
     if !global.quiet {
-        tell(&scene, &conversions);
+        tell(&scene, &conversions, global);
     }
     let mut doubts = Warnings::default();
     let is_bent = |(group, c): (&Group, &Conversion)| c.material != group.material;
@@ -82,11 +82,11 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let (files, told) = export::export(&shot, args.to)
         .map_err(|problem| Error::Request(format!("the scene cannot be exported: {problem}")))?;
     doubts.extend(told);
-    warn(&doubts);
+    global.console.warn(&doubts);
     let _until_written = interrupt::writing();
     export::write(&args.out, args.to, &files)?;
     if !global.quiet {
-        output::print(&(args.to.next_step(&args.out) + "\n"));
+        global.console.print(&(args.to.next_step(&args.out) + "\n"));
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -99,14 +99,14 @@ fn check_inputs(args: &Args) -> Result<(), Error> {
 }
 
 /// Prints on stderr what became of the lobes that the target does not know.
-fn tell(scene: &Scene, conversions: &[Conversion]) {
+fn tell(scene: &Scene, conversions: &[Conversion], global: &Global) {
     for (group, conversion) in scene.groups.iter().zip(conversions) {
         let (from, to) = (&group.material, &conversion.material);
         if from == to {
             continue;
         }
         let alphas = |m: &Material| format!("alpha {:.4} {:.4}", m.alpha_x, m.alpha_y);
-        output::tell(&format!(
+        global.console.tell(&format!(
             "{}: {} of {} became {}, rho_s {:.4} times; over the lobe the reflected radiance is \
              {:.1} % off, and {:.1} % of it is there",
             group.name,

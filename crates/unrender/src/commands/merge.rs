@@ -1,6 +1,6 @@
 //! `unrender merge`: parts of a rendering become the picture that one run would have made.
 
-use crate::cli::{Global, warn};
+use crate::cli::Global;
 use crate::{Error, interrupt, output, part, passes};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -43,11 +43,11 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         )
         .into());
     };
-    warn(&warnings);
+    global.console.warn(&warnings);
     if !global.quiet {
-        output::tell(&passes::in_words(sum.head.samples.end, tally));
+        global.console.tell(&passes::in_words(sum.head.samples.end, tally));
     }
     let _until_written = interrupt::writing();
-    output::write_picture(&args.out, tally)?;
+    global.console.warn(&output::write_picture(&args.out, tally)?);
     Ok(ExitCode::SUCCESS)
 }

@@ -1,7 +1,7 @@
 //! `unrender recover`: from a project to the materials of its groups.
 
-use crate::cli::{Global, warn};
-use crate::engine;
+use crate::cli::Global;
+use crate::engine::{self, Recovered};
 use crate::progress::Progress;
 use crate::recovery_journal::{Head, RecoveryJournal};
 use crate::registration::Alignment;
@@ -9,7 +9,7 @@ use crate::result_folder::ResultFolder;
 use crate::{Error, Job, Project, interrupt, output, results};
 use clap::ValueEnum;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use unrender_formats::Limits;
 use unrender_recover::{LadderKind, Options, Termination};
@@ -83,24 +83,18 @@ pub enum Ladder {
 /// If the input cannot be used or the results cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let (mut project, warnings) = Project::read(&args.project)?;
-    if let Some(rung) = args.max_rung {
-        (project.max_rung, project.max_rungs) = (Some(rung), BTreeMap::new());
-    }
-    project.limits = global.limits();
+    settle(args, &mut project, global);
     let folder = ResultFolder::open(&args.out, "recover", &results::writes, &project.inputs())?;
     let mut job = Job::load(project, warnings)?;
-    warn(&job.warnings);
-    let options = options(args, &job.project);
     let head = Head::of(&job, args, global.limits());
     let journal = RecoveryJournal::open(&args.out, head, args.resume)?;
-    let progress = Progress::new("recover", global.quiet);
-    let recovered = engine::recover(&mut job, &options, alignment(args), &progress, &journal)?;
-    drop(progress);
-    let run = folder.write(false, |place| results::write(&job, &recovered, place))?;
+    let recovered = recovered_with(args, &mut job, global, &journal)?;
+    let run =
+        folder.write(false, |place| results::write(&job, &recovered, place, &global.console))?;
     if args.json {
-        output::print(&run.to_text()?);
+        global.console.print(&run.to_text()?);
     } else if !global.quiet {
-        output::print(&results::summary(&job, &recovered));
+        global.console.print(&results::summary(&job, &recovered));
     }
     if recovered.recovery.termination == Termination::Interrupted {
         output::tell("the same command with --resume goes on from here");
@@ -118,6 +112,53 @@ impl Args {
         let flags = (no_refine, refine_camera, keep_camera, no_filter, limits.outside);
         format!("{ladder:?} {seed} {spp:?} {bounces:?} {max_rung:?} {flags:?}")
     }
+}
+
+/// What [`run`] recovers from `job`, written nowhere. Warnings and progress go to the console.
+///
+/// # Errors
+/// If the camera sees nothing, or the anchor cannot fix the exposure.
+pub fn recovered(args: &Args, job: &mut Job, global: &Global) -> Result<Recovered, Error> {
+    recovered_with(args, job, global, &RecoveryJournal::none())
+}
+
+fn recovered_with(
+    args: &Args,
+    job: &mut Job,
+    global: &Global,
+    journal: &RecoveryJournal,
+) -> Result<Recovered, Error> {
+    global.console.warn(&job.warnings);
+    let options = options(args, &job.project);
+    engine::recover(job, &options, alignment(args), &Progress::new("recover", global), journal)
+}
+
+/// Makes the arguments' rung that of `project`, and `global`'s limits its own.
+pub fn settle(args: &Args, project: &mut Project, global: &Global) {
+    if let Some(rung) = args.max_rung {
+        (project.max_rung, project.max_rungs) = (Some(rung), BTreeMap::new());
+    }
+    project.limits = global.limits();
+}
+
+/// Asks, before the work, whether results can be written into the folder at `out`.
+///
+/// # Errors
+/// Those of [`write`].
+pub fn check(project: &Project, out: &Path) -> Result<(), Error> {
+    ResultFolder::open(out, "recover", &results::writes, &project.inputs()).map(drop)
+}
+
+/// Writes the results of a recovery, as [`run`] does, into the folder that is made at `out` where it is
+/// missing.
+///
+/// # Errors
+/// If they cannot be written, or would replace an input of the recovery or what is not ours.
+pub fn write(job: &Job, recovered: &Recovered, out: &Path, global: &Global) -> Result<(), Error> {
+    let inputs = job.project.inputs();
+    let folder = ResultFolder::open(out, "recover", &results::writes, &inputs)?;
+    folder.write(false, |place| results::write(job, recovered, place, &global.console))?;
+    Ok(())
 }
 
 fn alignment(args: &Args) -> Alignment {

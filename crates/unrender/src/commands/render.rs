@@ -1,16 +1,18 @@
 //! `unrender render`: a picture of a scene, with its own materials or those of a file.
 
 use super::effort::{Effort, positive};
-use crate::cli::{Global, warn};
+use crate::cli::Global;
 use crate::part;
 use crate::passes::{self, Job};
 use crate::progress::Progress;
 use crate::subject::Picture;
 use crate::{Error, Project, interrupt, job, output};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use unrender_formats::{Input, LightUnits, Limits, materials, picture};
-use unrender_scene::{Camera, Scene, Warnings};
+use unrender_render::Accumulator;
+use unrender_scene::{Camera, RgbImage, Scene, Warnings};
 
 const DEFAULT_HEIGHT: usize = 512;
 const MAX_SIDE: usize = 65_536;
@@ -75,21 +77,15 @@ pub struct Args {
 /// If the input cannot be used or the picture cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     check_outputs(args)?;
-    let (scene, camera, photo, warnings) = load(args, global.limits())?;
-    let size = match (args.width, args.height, photo) {
-        (None, None, Some(photo)) => photo,
-        (width, height, _) => size(width, height, &camera)?,
-    };
-    warn(&warnings);
-    let subject = Picture::new(&scene, &camera, args.effort.settings());
-    let identity = args.effort.identity(&scene, &camera, size);
-    let job = Job { subject: &subject, identity };
-    let goal = args.effort.goal();
-    let progress = Progress::new("render", global.quiet);
-    let rendered = passes::run(&job, &goal, &progress)?;
+    let shot = Shot::load(args, InMemory::default(), global.limits())?;
+    global.console.warn(&shot.warnings);
+    let subject = Picture::new(&shot.scene, &shot.camera, args.effort.settings());
+    let job = shot.job(args, &subject);
+    let progress = Progress::new("render", global);
+    let rendered = passes::run(&job, &args.effort.goal(), &progress)?;
     drop(progress);
     if rendered.interrupted {
-        return Ok(rendered.goodbye());
+        return Ok(rendered.goodbye(&global.console));
     }
     let _until_written = interrupt::writing();
     if args.effort.samples.is_some() {
@@ -98,10 +94,73 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     }
     let tally = &rendered.layers[0];
     if args.effort.is_open() && !global.quiet {
-        output::tell(&passes::in_words(rendered.samples.end, tally));
+        global.console.tell(&passes::in_words(rendered.samples.end, tally));
     }
-    output::write_picture(&args.out, tally)?;
+    global.console.warn(&output::write_picture(&args.out, tally)?);
     Ok(ExitCode::SUCCESS)
+}
+
+/// What a caller has in memory instead of files.
+#[derive(Default)]
+pub struct InMemory<'a> {
+    /// The scene, instead of the one that the arguments name.
+    pub scene: Option<Scene>,
+    /// Puts materials onto the scene, after those of the file that the arguments name.
+    pub materials: Option<&'a dyn Fn(&mut Scene) -> Result<Warnings, Error>>,
+}
+
+/// The picture that [`run`] would write. Its warnings and its progress go to the console.
+///
+/// # Errors
+/// If the input cannot be used.
+pub fn picture(args: &Args, given: InMemory<'_>, global: &Global) -> Result<Rendering, Error> {
+    let shot = Shot::load(args, given, global.limits())?;
+    global.console.warn(&shot.warnings);
+    let subject = Picture::new(&shot.scene, &shot.camera, args.effort.settings());
+    let job = shot.job(args, &subject);
+    let progress = Progress::new("render", global);
+    let rendered = passes::run(&job, &args.effort.goal(), &progress)?;
+    let tally: &Accumulator = &rendered.layers[0];
+    global.console.warn(&output::doubts(tally));
+    let (samples, interrupted) = (rendered.samples.clone(), rendered.interrupted);
+    Ok(Rendering { radiance: tally.mean(), noise: tally.noise(), samples, interrupted })
+}
+
+/// A picture, and how far it came.
+#[derive(Clone, Debug)]
+pub struct Rendering {
+    /// Radiance, W sr^-1 m^-2 per channel.
+    pub radiance: RgbImage,
+    /// Its relative standard error: the root mean square of the standard errors over the mean.
+    pub noise: f64,
+    /// The numbers of its samples; with adaptive sampling, of a pixel of mean noise.
+    pub samples: Range<u32>,
+    /// Whether it was ended before its goal.
+    pub interrupted: bool,
+}
+
+/// What is rendered.
+struct Shot {
+    scene: Scene,
+    camera: Camera,
+    size: (usize, usize),
+    warnings: Warnings,
+}
+
+impl Shot {
+    /// What `args` ask for, with what is given in memory.
+    fn load(args: &Args, given: InMemory<'_>, limits: Limits) -> Result<Self, Error> {
+        let (scene, camera, photo, warnings) = load(args, given, limits)?;
+        let size = match (args.width, args.height, photo) {
+            (None, None, Some(photo)) => photo,
+            (width, height, _) => size(width, height, &camera)?,
+        };
+        Ok(Self { scene, camera, size, warnings })
+    }
+
+    fn job<'a>(&self, args: &Args, subject: &'a Picture<'_>) -> Job<'a> {
+        Job { subject, identity: args.effort.identity(&self.scene, &self.camera, self.size) }
+    }
 }
 
 /// Asks, before the work, whether its results can be written.
@@ -127,11 +186,17 @@ type Loaded = (Scene, Camera, Option<(usize, usize)>, Warnings);
 
 /// The scene with the materials and the environment asked for, the camera, and the size of the
 /// project's photograph.
-fn load(args: &Args, limits: Limits) -> Result<Loaded, Error> {
-    let (mut scene, own, path, mut warnings) = match (&args.project, &args.scene) {
-        (Some(project), _) => of_project(args, project, limits)?,
-        (None, scene) => {
-            let path = scene.clone().unwrap_or_default();
+fn load(args: &Args, given: InMemory<'_>, limits: Limits) -> Result<Loaded, Error> {
+    let (mut scene, own, path, mut warnings) = match (given.scene, &args.project) {
+        (Some(mut scene), _) => {
+            let path = args.scene.clone().unwrap_or_default();
+            let invalid = |source| Error::Scene { path: path.clone(), source };
+            let warnings = scene.validate_meshes().map_err(invalid)?;
+            (scene, None, path, warnings)
+        }
+        (None, Some(project)) => of_project(args, project, limits)?,
+        (None, None) => {
+            let path = args.scene.clone().unwrap_or_default();
             // Its light may be the environment that is asked for.
             let (scene, warnings) = unrender_formats::load_model(
                 Input::new(&path, limits).in_light_units(args.light_units),
@@ -141,6 +206,9 @@ fn load(args: &Args, limits: Limits) -> Result<Loaded, Error> {
     };
     if let Some(path) = &args.materials {
         warnings.extend(materials::apply_from(Input::new(path, limits), &mut scene)?);
+    }
+    if let Some(put) = given.materials {
+        warnings.extend(put(&mut scene)?);
     }
     if let Some(path) = &args.environment {
         let rotation_rad = args.environment_rotation.to_radians();

@@ -47,7 +47,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         result_folder::note(run, report::FILE, "recover")?;
     }
     if !global.quiet {
-        output::tell(&format!("{} is written", out.display()));
+        global.console.tell(&format!("{} is written", out.display()));
     }
     Ok(ExitCode::SUCCESS)
 }

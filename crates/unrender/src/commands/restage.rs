@@ -2,7 +2,8 @@
 
 use super::effort::{self, Effort};
 use super::render::size;
-use crate::cli::{Global, warn};
+use crate::Error;
+use crate::cli::Global;
 use crate::edit::{Composite, Flag, Photograph, Restaging, Sheet, View};
 use crate::part::{self, Identity};
 use crate::passes::{self, Job};
@@ -10,7 +11,6 @@ use crate::progress::Progress;
 use crate::result_folder::ResultFolder;
 use crate::results::restaged;
 use crate::subject::Picture;
-use crate::{Error, output};
 use serde::Serialize;
 use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
@@ -112,7 +112,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let restaging = Restaging::load(&sheets)?;
     let photograph = photograph(args, &restaging)?;
     let folder = folder(args, &sheets)?;
-    warn(&restaging.warnings);
+    global.console.warn(&restaging.warnings);
     match photograph {
         Some(photograph) => composite(args, global, &restaging, photograph, &folder),
         None => synthetic(args, global, &restaging, &folder),
@@ -202,7 +202,7 @@ fn composite(
     let paired = pair::paired(&layers);
     let composite = Composite::new(restaging, photograph, paired, Gain::Auto, grain);
     let write = |place: &Path| restaged::write_composite(&composite, photograph, place);
-    tell(folder.write(true, write)?);
+    tell(folder.write(true, write)?, global);
     Ok(ExitCode::SUCCESS)
 }
 
@@ -244,9 +244,10 @@ fn synthetic(
         };
         let number = is_sequence.then_some(frame as usize);
         let radiance = layers[0].mean();
-        tell(folder.write(true, |place| {
+        let bad = folder.write(true, |place| {
             Ok(restaged::write_synthetic(&radiance, photograph, place, number)?)
-        })?);
+        })?;
+        tell(bad, global);
         written.push(number);
     }
     folder.write(true, |place| restaged::write_gallery(&args.out, place, &written))?;
@@ -274,7 +275,7 @@ fn samples(
 ) -> Result<ControlFlow<ExitCode, Vec<Accumulator>>, Error> {
     if !args.parts.is_empty() {
         let (part, warnings) = part::join(&args.parts, false)?;
-        warn(&warnings);
+        global.console.warn(&warnings);
         passes::check(job, &part.head).map_err(|problem| {
             Error::Request(format!(
                 "{}: is a part of another picture: {problem}",
@@ -283,11 +284,11 @@ fn samples(
         })?;
         return Ok(ControlFlow::Continue(part.layers));
     }
-    let progress = Progress::new("restage", global.quiet);
+    let progress = Progress::new("restage", global);
     let rendered = passes::run(job, &args.effort.goal(), &progress)?;
     drop(progress);
     if rendered.interrupted {
-        return Ok(ControlFlow::Break(rendered.goodbye()));
+        return Ok(ControlFlow::Break(rendered.goodbye(&global.console)));
     }
     if let Some(samples) = &args.effort.samples {
         folder.write(true, |place| {
@@ -296,15 +297,15 @@ fn samples(
         return Ok(ControlFlow::Break(ExitCode::SUCCESS));
     }
     if args.effort.is_open() && !global.quiet {
-        output::tell(&passes::in_words(rendered.samples.end, &rendered.layers[0]));
+        global.console.tell(&passes::in_words(rendered.samples.end, &rendered.layers[0]));
     }
     Ok(ControlFlow::Continue(rendered.layers))
 }
 
-fn tell(bad: usize) {
+fn tell(bad: usize, global: &Global) {
     if bad > 0 {
         let mut warnings = Warnings::default();
         warnings.push(format!("{bad} value(s) were not finite numbers and were written as zero"));
-        warn(&warnings);
+        global.console.warn(&warnings);
     }
 }

@@ -2,7 +2,6 @@
 
 use crate::Error;
 use crate::cli::Global;
-use crate::output::{print, tell};
 use crate::score::{
     Certainty, GroupScore, LightScore, Limits, Worst, certainty, score, score_lights, table, worst,
 };
@@ -77,15 +76,15 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         let json = Json { groups, lights, worst, certainty, exceeded };
         let text = serde_json::to_string_pretty(&json)
             .map_err(|error| Error::Request(format!("the scores cannot be written: {error}")))?;
-        print(&(text + "\n"));
+        global.console.print(&(text + "\n"));
     } else {
         let tables = [
             Some(table::table(&scores, &worst)),
             Some(table::lights(&lights)).filter(|text| !text.is_empty()),
             certainty.map(|certainty| table::parameters(&scores, &lights, &certainty)),
         ];
-        print(&tables.into_iter().flatten().collect::<Vec<_>>().join("\n"));
+        global.console.print(&tables.into_iter().flatten().collect::<Vec<_>>().join("\n"));
     }
-    exceeded.iter().for_each(|fault| tell(&format!("error: {fault}")));
+    exceeded.iter().for_each(|fault| global.console.tell(&format!("error: {fault}")));
     Ok(if exceeded.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

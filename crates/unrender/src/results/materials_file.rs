@@ -12,12 +12,22 @@ use unrender_recover::{Alternative, Deviations, GroupResult};
 use unrender_scene::{Hypothesis, Image, Material, Rgb, RgbImage};
 
 /// The contents of materials.json; writes the textures beside it and counts bad values in `bad`.
-pub(super) fn build(
+pub(super) fn write_textures(
     job: &Job,
     recovered: &Recovered,
     folder: &Path,
     bad: &mut usize,
 ) -> Result<MaterialsFile, Error> {
+    let mut file = build(job, recovered);
+    let groups = recovered.recovery.groups.iter().enumerate();
+    for ((index, group), entry) in groups.zip(file.groups.values_mut()) {
+        entry.texture = write_texture(group, index, folder, bad)?;
+    }
+    Ok(file)
+}
+
+/// The contents of materials.json without the names of textures.
+pub(crate) fn build(job: &Job, recovered: &Recovered) -> MaterialsFile {
     let recovery = &recovered.recovery;
     let mut file = MaterialsFile {
         version: Some(VERSION),
@@ -37,14 +47,13 @@ pub(super) fn build(
         };
         file.lights.insert(source.name.to_owned(), entry);
     }
-    for (index, group) in recovery.groups.iter().enumerate() {
-        let texture = write_texture(group, index, folder, bad)?;
-        file.groups.insert(group.name.clone(), entry(group, texture));
+    for group in &recovery.groups {
+        file.groups.insert(group.name.clone(), entry(group));
     }
-    Ok(file)
+    file
 }
 
-fn entry(group: &GroupResult, texture: Option<String>) -> GroupEntry {
+fn entry(group: &GroupResult) -> GroupEntry {
     let material = &group.material;
     let anisotropic = group.hypothesis == Hypothesis::Anisotropic;
     GroupEntry {
@@ -56,7 +65,7 @@ fn entry(group: &GroupResult, texture: Option<String>) -> GroupEntry {
         alpha_y: Some(material.alpha_y),
         theta_deg: Some(material.theta_rad.to_degrees()),
         direction: group.direction.filter(|_| anisotropic).map(|d| Vec3::to_array(&d)),
-        texture,
+        texture: None,
         std: group.std.map(|std| std_entry(&std, material)),
         pixels: Some(group.pixels as u64),
         error: group.error,

@@ -13,10 +13,12 @@ mod status_picture;
 mod summary;
 
 pub(crate) use calibration::calibration;
+pub(crate) use materials_file::build as materials;
 pub(crate) use summary::{summary, table};
 
 use crate::check::uvs;
 use crate::engine::Recovered;
+use crate::listener::Console;
 use crate::run::{Pictures, Run};
 use crate::{Error, Job, report};
 use std::path::Path;
@@ -38,11 +40,16 @@ pub(crate) fn writes(name: &str) -> bool {
 }
 
 /// Writes all files of a recovery into `folder`, which exists, and returns what it said of itself.
-pub(crate) fn write(job: &Job, recovered: &Recovered, folder: &Path) -> Result<Run, Error> {
+pub(crate) fn write(
+    job: &Job,
+    recovered: &Recovered,
+    folder: &Path,
+    console: &Console,
+) -> Result<Run, Error> {
     crate::output::prepare_folder(&folder.join(REPORT_FOLDER))?;
     let recovery = &recovered.recovery;
     let mut bad = 0;
-    let file = materials_file::build(job, recovered, folder, &mut bad)?;
+    let file = materials_file::write_textures(job, recovered, folder, &mut bad)?;
     bad += picture::write_exr(&folder.join("rerendered.exr"), &recovery.rerendered)?;
     let pictures = write_pictures(job, recovered, folder, &mut bad)?;
     let balls = ball::write(job, recovery, folder)?;
@@ -55,13 +62,13 @@ pub(crate) fn write(job: &Job, recovered: &Recovered, folder: &Path) -> Result<R
             uvs::doubt(&job.scene, index).into_iter().for_each(|doubt| doubts.push(doubt));
         }
     }
-    crate::cli::warn(&doubts);
+    console.warn(&doubts);
     warnings.extend(doubts);
     if bad > 0 {
         let told = format!("{bad} value(s) were not finite numbers and were written as zero");
         let mut late = Warnings::default();
         late.push(told);
-        crate::cli::warn(&late);
+        console.warn(&late);
         warnings.extend(late);
     }
     let run = run_file::build(job, recovered, &file, (pictures, balls), warnings);
@@ -112,14 +119,15 @@ fn hex(color: Rgb) -> String {
 /// lights elsewhere than it has them.
 fn scene_file(job: &Job, recovered: &Recovered) -> Result<Vec<u8>, FileError> {
     let (scene, path) = (dressed(job, recovered), &job.project.scene);
-    if job.project.rebuilds_lights() {
+    // A scene that was handed over in memory has no file.
+    if job.project.rebuilds_lights() || !path.exists() {
         return gltf::to_glb(&scene).map_err(|error| FileError::new(path, error));
     }
     unrender_formats::wear(job.project.scene_input(), &scene)
 }
 
 /// The scene with the recovered materials on.
-fn dressed(job: &Job, recovered: &Recovered) -> Scene {
+pub(crate) fn dressed(job: &Job, recovered: &Recovered) -> Scene {
     let mut scene = job.scene.clone();
     for (group, result) in scene.groups.iter_mut().zip(&recovered.recovery.groups) {
         group.material = result.material.clone();

@@ -1,0 +1,310 @@
+//! `unrender recover` as a function that hands over what came out.
+
+use crate::arrays::{image, picture, raster};
+use crate::error::{exception, request};
+use crate::scene::{Scene, camera_out};
+use crate::supervise::{Control, supervise};
+use numpy::{PyArray2, PyArray3, PyReadonlyArray3};
+use pyo3::prelude::*;
+use serde_json::{Value, json};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use unrender::cli::{self, Global};
+use unrender::commands::recover as command;
+use unrender::job::{InMemory, Job};
+use unrender::listener::{Console, Listener};
+use unrender::project::Project;
+use unrender::recover::{Covariance, IterationRecord, Quantity, Recovery, Termination};
+use unrender::scene::Image;
+use unrender::{Error, engine};
+use unrender_formats::materials::{GroupEntry, MaterialsFile};
+use unrender_formats::picture::{Depth, Picture};
+
+/// A recovery with the job that it was of.
+#[pyclass(module = "unrender._unrender", frozen)]
+pub(crate) struct Recovered {
+    job: Job,
+    recovered: engine::Recovered,
+    global: Mutex<Global>,
+}
+
+/// A project in memory: its text, where it would lie, and what it has as arrays.
+#[derive(FromPyObject)]
+pub(crate) struct ProjectParts<'py> {
+    path: PathBuf,
+    text: String,
+    scene: Option<Bound<'py, Scene>>,
+    photo: Option<PyReadonlyArray3<'py, f32>>,
+    /// Bits of the integers that the photograph's codes were; zero for floating-point numbers.
+    bits: u32,
+    mask: Option<PyReadonlyArray3<'py, f32>>,
+}
+
+/// The same without Python.
+struct PlainParts {
+    path: PathBuf,
+    text: String,
+    given: InMemory,
+}
+
+impl ProjectParts<'_> {
+    fn read(&self) -> PyResult<PlainParts> {
+        let depth = match self.bits {
+            8 => Depth::Eight,
+            16 => Depth::Sixteen,
+            _ => Depth::Float,
+        };
+        let taken = |array: &Option<PyReadonlyArray3<'_, f32>>, depth| {
+            let read = array.as_ref().map(|array| image(array).map(|image| coded(&image, depth)));
+            read.transpose()
+        };
+        let given = InMemory {
+            scene: self.scene.as_ref().map(|scene| scene.get().plain().clone()),
+            photo: taken(&self.photo, depth)?,
+            mask: taken(&self.mask, Depth::Float)?,
+        };
+        Ok(PlainParts { path: self.path.clone(), text: self.text.clone(), given })
+    }
+}
+
+/// A picture as its file would have it: pixels that are no finite numbers do not count.
+fn coded(image: &unrender::scene::RgbImage, depth: Depth) -> Picture {
+    let pixels = image.pixels().iter().enumerate();
+    let invalid = pixels.filter(|(_, rgb)| !rgb.is_finite()).map(|(index, _)| index).collect();
+    let values = image.map(|rgb| if rgb.is_finite() { *rgb } else { unrender::scene::Rgb::ZERO });
+    Picture { invalid, ..Picture::new(values, depth) }
+}
+
+/// What came out; if Ctrl-C was pressed and the work did not end in time, where it stood after the last
+/// iteration, as JSON; and whether Ctrl-C was pressed.
+type Out = (Option<Recovered>, Option<String>, bool);
+
+/// Recovers by the command line `words` of `recover`; the `project` in memory, where that is given. What
+/// came out is written into the folder `out`, where that is given.
+#[pyfunction]
+#[pyo3(signature = (words, project, out, control))]
+pub(crate) fn recover(
+    py: Python<'_>,
+    words: Vec<OsString>,
+    project: Option<ProjectParts<'_>>,
+    out: Option<PathBuf>,
+    control: Control<'_>,
+) -> PyResult<Out> {
+    let project = project.map(|project| project.read()).transpose()?;
+    let names = Arc::new(Mutex::new(Vec::new()));
+    let told = Arc::clone(&names);
+    let ended = supervise(py, &control, move |listener| {
+        worked(words, project, out.as_deref(), listener, &told)
+    })?;
+    let sketch = match (&ended.result, &ended.heard.last) {
+        (None, Some(record)) => {
+            let names = names.lock().unwrap_or_else(PoisonError::into_inner);
+            Some(sketch(&names, record).map_err(|error| request(error.to_string()))?)
+        }
+        _ => None,
+    };
+    Ok((ended.result, sketch, ended.signalled))
+}
+
+fn worked(
+    words: Vec<OsString>,
+    project: Option<PlainParts>,
+    out: Option<&Path>,
+    listener: Arc<dyn Listener>,
+    names: &Mutex<Vec<String>>,
+) -> Result<Recovered, Error> {
+    let (mut global, args) = cli::recover_args(words)?;
+    global.console = Console::new(listener);
+    let ((mut project, warnings), given) = match project {
+        None => (Project::read(&args.project)?, InMemory::default()),
+        Some(PlainParts { path, text, given }) => (Project::parse(&path, &text)?, given),
+    };
+    command::settle(&args, &mut project, &global);
+    if let Some(out) = out {
+        command::check(&project, out)?;
+    }
+    let mut job = Job::assemble(project, warnings, given)?;
+    let groups = job.scene.groups.iter().map(|group| group.name.clone());
+    *names.lock().unwrap_or_else(PoisonError::into_inner) = groups.collect();
+    let recovered = command::recovered(&args, &mut job, &global)?;
+    if let Some(out) = out {
+        command::write(&job, &recovered, out, &global)?;
+    }
+    // Nobody listens any more.
+    global.console = Console::default();
+    global.quiet = true;
+    Ok(Recovered { job, recovered, global: Mutex::new(global) })
+}
+
+/// Where a recovery stands after an iteration, as the text of a materials.json.
+fn sketch(names: &[String], record: &IterationRecord) -> serde_json::Result<String> {
+    let termination = format!(
+        "interrupted after {} global re-renderings; the results are those after the last one",
+        record.iteration
+    );
+    let mut file = MaterialsFile { termination: Some(termination), ..MaterialsFile::default() };
+    for (name, group) in names.iter().zip(&record.groups) {
+        let material = &group.material;
+        let entry = GroupEntry {
+            hypothesis: Some(group.hypothesis),
+            rho_d: Some(material.rho_d.to_array()),
+            rho_s: Some(material.rho_s.to_array()),
+            alpha_x: Some(material.alpha_x),
+            alpha_y: Some(material.alpha_y),
+            theta_deg: Some(material.theta_rad.to_degrees()),
+            error: group.error,
+            ..GroupEntry::default()
+        };
+        file.groups.insert(name.clone(), entry);
+    }
+    serde_json::to_string(&file)
+}
+
+impl Recovered {
+    fn recovery(&self) -> &Recovery {
+        &self.recovered.recovery
+    }
+}
+
+#[pymethods]
+impl Recovered {
+    /// What came out as JSON: the text of materials.json, and beside it the records.
+    fn document(&self) -> PyResult<String> {
+        let recovery = self.recovery();
+        // As text, as in the file: values of JSON would have the digits of double precision.
+        let materials = serde_json::to_string(&self.recovered.materials(&self.job))
+            .map_err(|error| request(error.to_string()))?;
+        let names: Vec<&str> = recovery.groups.iter().map(|group| group.name.as_str()).collect();
+        let times = self.recovered.times.iterations.iter();
+        let iterations = recovery.iterations.iter().zip(times);
+        let iterations = iterations.map(|(record, seconds)| iteration(&names, record, *seconds));
+        let valid = recovery.groups.iter().map(|g| (g.name.clone(), g.valid_pixels.into()));
+        Ok(json!({
+            "materials": materials,
+            "interrupted": recovery.termination == Termination::Interrupted,
+            "exposure_std": recovery.exposure_std.map(|std| std.to_array()),
+            "iterations": iterations.collect::<Vec<_>>(),
+            "valid_pixels": valid.collect::<serde_json::Map<_, _>>(),
+            "camera": camera_out(self.recovered.camera()),
+            "warnings": self.job.warnings.0,
+            "summary": self.recovered.summary(&self.job),
+            "brdf": self.job.scene.brdf.name(),
+        })
+        .to_string())
+    }
+
+    /// One of the pictures `rerendered`, `photo` (both radiance).
+    fn picture<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray3<f32>>> {
+        let image = match name {
+            "rerendered" => &self.recovery().rerendered,
+            "photo" => &self.job.photo.radiance,
+            _ => return Err(request(format!("there is no picture \"{name}\""))),
+        };
+        picture(py, image.clone())
+    }
+
+    /// The standard deviation of the noise (H, W).
+    fn noise<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        raster(py, self.recovery().noise.clone())
+    }
+
+    /// The group of every pixel (H, W), -1 for none.
+    fn group_map<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i32>>> {
+        raster(py, self.recovered.group_map.map(|group| i32::try_from(*group).unwrap_or(-1)))
+    }
+
+    /// Which pixels counted (H, W): 0 for those that did, else why not.
+    fn status_map<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u8>>> {
+        raster(py, self.recovery().status.map(|status| *status as u8))
+    }
+
+    /// The texture of a group (H, W, 3) and which of its texels were seen (H, W), if it has one.
+    #[allow(clippy::type_complexity)]
+    fn texture<'py>(
+        &self,
+        py: Python<'py>,
+        group: &str,
+    ) -> PyResult<Option<(Bound<'py, PyArray3<f32>>, Option<Bound<'py, PyArray2<bool>>>)>> {
+        let found = self.recovery().groups.iter().find(|result| result.name == group);
+        let Some(result) = found else { return Err(request(format!("there is no group {group}"))) };
+        let Some(texture) = &result.material.texture else { return Ok(None) };
+        let seen = result.seen_texels.clone().map(|seen: Image<bool>| raster(py, seen));
+        Ok(Some((picture(py, texture.image.clone())?, seen.transpose()?)))
+    }
+
+    /// The names of the numbers that were refined, as JSON, and their covariance (N, N).
+    #[allow(clippy::type_complexity)]
+    fn covariance<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<Option<(String, Bound<'py, PyArray2<f64>>)>> {
+        let Some(covariance) = &self.recovery().covariance else { return Ok(None) };
+        let (names, units): (Vec<Value>, Vec<f64>) = self.named(covariance).into_iter().unzip();
+        let rows = covariance.matrix.iter().zip(&units);
+        let scaled = rows.flat_map(|(row, a)| row.iter().zip(&units).map(move |(v, b)| a * v * b));
+        let matrix = Image::new(names.len(), names.len(), scaled.collect());
+        Ok(Some((Value::from(names).to_string(), raster(py, matrix)?)))
+    }
+
+    /// The scene with what was recovered on it.
+    fn scene(&self) -> Scene {
+        Scene::new(self.recovered.scene(&self.job))
+    }
+
+    /// Writes the results into a folder, as the command does.
+    fn save(&self, py: Python<'_>, out: PathBuf) -> PyResult<()> {
+        let global = self.global.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let written = py.detach(|| command::write(&self.job, &self.recovered, &out, &global));
+        written.map_err(|error| exception(py, &error))
+    }
+}
+
+impl Recovered {
+    /// What each number of `covariance` is, and what makes its unit that of materials.json.
+    fn named(&self, covariance: &Covariance) -> Vec<(Value, f64)> {
+        let groups = &self.recovery().groups;
+        let sources: Vec<_> = self.job.scene.sources().collect();
+        let one = |unknown: &unrender::recover::Unknown| {
+            let of = unknown.of;
+            let material = groups.get(of).map(|group| &group.material);
+            let alpha = |f: fn(&unrender::scene::Material) -> f32| material.map_or(1.0, f);
+            let strength = |rgb: unrender::scene::Rgb| rgb[unknown.channel.unwrap_or(0)];
+            let (name, unit) = match unknown.quantity {
+                Quantity::RhoD => ("rho_d", 1.0),
+                Quantity::RhoS => ("rho_s", 1.0),
+                Quantity::Alpha => ("alpha", alpha(|m| m.alpha_x)),
+                Quantity::AlphaX => ("alpha_x", alpha(|m| m.alpha_x)),
+                Quantity::AlphaY => ("alpha_y", alpha(|m| m.alpha_y)),
+                Quantity::Theta => ("theta_deg", 1f32.to_degrees()),
+                Quantity::Light => {
+                    let source = sources.iter().find(|source| source.index == of);
+                    ("intensity", source.map_or(1.0, |source| strength(source.strength)))
+                }
+                Quantity::Exposure => ("exposure", strength(self.recovery().exposure)),
+                Quantity::Camera => ("camera", 1.0),
+            };
+            let owner = match unknown.quantity {
+                Quantity::Light => {
+                    sources.iter().find(|source| source.index == of).map(|source| source.name)
+                }
+                Quantity::Exposure | Quantity::Camera => None,
+                _ => groups.get(of).map(|group| group.name.as_str()),
+            };
+            (json!([name, owner, unknown.channel]), f64::from(unit))
+        };
+        covariance.of.iter().map(one).collect()
+    }
+}
+
+/// A global re-rendering as JSON.
+fn iteration(names: &[&str], record: &IterationRecord, seconds: f64) -> Value {
+    let errors = names.iter().zip(&record.groups);
+    let errors = errors.map(|(name, group)| ((*name).to_owned(), json!(group.error)));
+    json!({
+        "iteration": record.iteration, "refining": record.refining, "seconds": seconds,
+        "change": record.change, "worst_error": record.worst_error,
+        "open_groups": record.open_groups,
+        "errors": errors.collect::<serde_json::Map<_, _>>(),
+    })
+}

@@ -1,0 +1,388 @@
+//! Scenes: from files, or from arrays and what belongs to them as JSON.
+
+use crate::arrays::{image, picture, rows, rows2, rows3, triangles};
+use crate::error::{exception, request};
+use glam::{Affine3A, Vec2, Vec3};
+use numpy::{PyArray2, PyArray3, PyReadonlyArray2, PyReadonlyArray3};
+use pyo3::prelude::*;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+use unrender::Error;
+use unrender::scene as plain;
+use unrender::scene::{
+    Camera, Environment, Group, Lens, Light, LightKind, Material, Mesh, Object, Rgb, RgbImage,
+    Texture, Wrap,
+};
+use unrender_formats::materials::{self, MaterialsFile};
+use unrender_formats::{FileError, Input, LightUnits, Limits, atomic, gltf};
+
+/// The meshes, groups, lights and cameras of a scene.
+#[pyclass(module = "unrender._unrender", frozen)]
+pub(crate) struct Scene {
+    scene: Arc<plain::Scene>,
+}
+
+/// One mesh as arrays: positions, triangles, and if they are there normals and texture coordinates.
+#[derive(FromPyObject)]
+pub(crate) struct MeshArrays<'py> {
+    positions: PyReadonlyArray2<'py, f32>,
+    triangles: PyReadonlyArray2<'py, u32>,
+    normals: Option<PyReadonlyArray2<'py, f32>>,
+    uvs: Option<PyReadonlyArray2<'py, f32>>,
+}
+
+/// The arrays of a mesh on the way to Python, in the order of [`MeshArrays`].
+type MeshOut<'py> = (
+    Bound<'py, PyArray2<f32>>,
+    Bound<'py, PyArray2<u32>>,
+    Bound<'py, PyArray2<f32>>,
+    Option<Bound<'py, PyArray2<f32>>>,
+);
+
+impl Scene {
+    pub(crate) fn new(scene: plain::Scene) -> Self {
+        Self { scene: Arc::new(scene) }
+    }
+
+    pub(crate) fn plain(&self) -> &plain::Scene {
+        &self.scene
+    }
+}
+
+#[pymethods]
+impl Scene {
+    /// Reads a scene file; the scene and what is doubtful about it.
+    #[staticmethod]
+    fn read(
+        py: Python<'_>,
+        path: PathBuf,
+        light_units: Option<&str>,
+        allow_outside: bool,
+    ) -> PyResult<(Self, Vec<String>)> {
+        let units = light_units.map(str::parse::<LightUnits>).transpose().map_err(request)?;
+        let limits = Limits { outside: allow_outside, ..Limits::default() };
+        let input = || Input::new(&path, limits).in_light_units(units);
+        let read = py.detach(|| unrender_formats::load_model(input()));
+        let (scene, warnings) = read.map_err(|error| exception(py, &Error::File(error)))?;
+        Ok((Self::new(scene), warnings.0))
+    }
+
+    /// A scene of arrays: `json` has the objects, groups, lights, cameras and the environment,
+    /// `meshes` the arrays of the objects in their order. Its warnings are doubts about it.
+    #[staticmethod]
+    fn build(
+        py: Python<'_>,
+        json: &str,
+        meshes: Vec<MeshArrays<'_>>,
+        textures: BTreeMap<String, PyReadonlyArray3<'_, f32>>,
+    ) -> PyResult<(Self, Vec<String>)> {
+        let value: Value = serde_json::from_str(json).map_err(|e| request(e.to_string()))?;
+        let mut scene = built(&value, &meshes)?;
+        for (name, texture) in &textures {
+            put_texture(&mut scene, name, image(texture)?)?;
+        }
+        let warnings = scene
+            .validate_meshes()
+            .map_err(|error| exception(py, &Error::Request(format!("the scene: {error}"))))?;
+        Ok((Self::new(scene), warnings.0))
+    }
+
+    /// All but the arrays, as JSON.
+    fn describe(&self) -> String {
+        let scene = self.plain();
+        let group = |group: &Group| {
+            let m = &group.material;
+            json!({
+                "name": group.name, "rho_d": m.rho_d.to_array(), "rho_s": m.rho_s.to_array(),
+                "alpha_x": m.alpha_x, "alpha_y": m.alpha_y, "theta_deg": m.theta_rad.to_degrees(),
+                "textured": m.texture.is_some(), "emission": group.emission.to_array(),
+            })
+        };
+        let object = |o: &Object| {
+            json!({
+                "name": o.name, "group": scene.groups[o.group].name,
+                "vertices": o.mesh.positions.len(), "triangles": o.mesh.triangles.len(),
+            })
+        };
+        json!({
+            "objects": scene.objects.iter().map(object).collect::<Vec<_>>(),
+            "groups": scene.groups.iter().map(group).collect::<Vec<_>>(),
+            "lights": scene.lights.iter().map(light_out).collect::<Vec<_>>(),
+            "cameras": scene.cameras.iter().map(camera_out).collect::<Vec<_>>(),
+            "environment": scene.environment.is_some(),
+            "brdf": scene.brdf.name(),
+        })
+        .to_string()
+    }
+
+    /// The arrays of an object's mesh: positions (N, 3) in metres, triangles (M, 3), normals (N, 3),
+    /// texture coordinates (N, 2) or none.
+    fn mesh<'py>(&self, py: Python<'py>, object: usize) -> PyResult<MeshOut<'py>> {
+        let objects = &self.plain().objects;
+        let object = objects.get(object).ok_or_else(|| request("there is no such object"))?;
+        let Mesh { positions, normals, uvs, triangles: corners, .. } = object.mesh.clone();
+        let uvs = if uvs.is_empty() { None } else { Some(rows2(py, uvs)?) };
+        Ok((rows3(py, positions)?, triangles(py, corners)?, rows3(py, normals)?, uvs))
+    }
+
+    /// The texture of a group's diffuse reflectance (H, W, 3), linear.
+    fn texture<'py>(
+        &self,
+        py: Python<'py>,
+        group: &str,
+    ) -> PyResult<Option<Bound<'py, PyArray3<f32>>>> {
+        let scene = self.plain();
+        let index = scene.group_index(group).ok_or_else(|| no_group(group))?;
+        let texture = scene.groups[index].material.texture.as_ref();
+        texture.map(|texture| picture(py, texture.image.clone())).transpose()
+    }
+
+    /// The same scene with `materials` on it, and what is doubtful about that.
+    fn with_materials(
+        &self,
+        py: Python<'_>,
+        materials: Materials<'_>,
+    ) -> PyResult<(Self, Vec<String>)> {
+        let mut scene = self.plain().clone();
+        let put = materials.read()?.put_onto(&mut scene);
+        let warnings = put.map_err(|error| exception(py, &error))?;
+        Ok((Self::new(scene), warnings.0))
+    }
+
+    /// The same scene with one camera more, which replaces one of its name.
+    fn with_camera(&self, json: &str) -> PyResult<Self> {
+        let value: Value = serde_json::from_str(json).map_err(|e| request(e.to_string()))?;
+        let camera = camera_in(&value)?;
+        let mut scene = self.plain().clone();
+        scene.cameras.retain(|other| other.name != camera.name);
+        scene.cameras.push(camera);
+        Ok(Self::new(scene))
+    }
+
+    /// Writes the scene as glTF to a .glb file.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let written = py.detach(|| {
+            let bytes = gltf::to_glb(self.plain()).map_err(|e| FileError::new(&path, e))?;
+            atomic::write(&path, &bytes)
+        });
+        written.map_err(|error| exception(py, &Error::File(error)))
+    }
+}
+
+/// What is put onto a scene: the text of a `materials.json`, the folder that its texture paths start
+/// from, and textures by the names of their groups.
+#[derive(FromPyObject)]
+pub(crate) struct Materials<'py> {
+    json: String,
+    folder: PathBuf,
+    textures: BTreeMap<String, PyReadonlyArray3<'py, f32>>,
+}
+
+/// The same without Python.
+pub(crate) struct PlainMaterials {
+    file: MaterialsFile,
+    folder: PathBuf,
+    textures: Vec<(String, RgbImage)>,
+}
+
+impl Materials<'_> {
+    /// The numbers and pictures.
+    pub(crate) fn read(&self) -> PyResult<PlainMaterials> {
+        let file = serde_json::from_str(&self.json)
+            .map_err(|error| request(format!("the materials: {error}")))?;
+        let textures = self.textures.iter();
+        let textures = textures.map(|(name, texture)| Ok((name.clone(), image(texture)?)));
+        let textures = textures.collect::<PyResult<_>>()?;
+        Ok(PlainMaterials { file, folder: self.folder.clone(), textures })
+    }
+}
+
+impl PlainMaterials {
+    pub(crate) fn put_onto(&self, scene: &mut plain::Scene) -> Result<plain::Warnings, Error> {
+        let wraps: Vec<_> = scene.groups.iter().map(|group| wrap(&group.material)).collect();
+        let warnings = materials::apply(&self.file, &self.folder, scene)?;
+        for (name, texture) in &self.textures {
+            let index = scene
+                .group_index(name)
+                .ok_or_else(|| Error::Request(format!("the scene has no group \"{name}\"")))?;
+            let texture = wrapped(texture.clone(), wraps[index]);
+            scene.groups[index].material.texture = Some(texture);
+        }
+        Ok(warnings)
+    }
+}
+
+/// How the texture of a material continues beyond its edges.
+fn wrap(material: &Material) -> [Wrap; 2] {
+    material.texture.as_ref().map_or([Wrap::default(); 2], |old| [old.wrap_u, old.wrap_v])
+}
+
+fn wrapped(image: RgbImage, [wrap_u, wrap_v]: [Wrap; 2]) -> Arc<Texture> {
+    let image = image.map(|rho| rho.clamp(Rgb::ZERO, Rgb::ONE));
+    Arc::new(Texture { image, wrap_u, wrap_v })
+}
+
+fn no_group(name: &str) -> PyErr {
+    request(format!("the scene has no group \"{name}\""))
+}
+
+fn put_texture(scene: &mut plain::Scene, group: &str, texture: RgbImage) -> PyResult<()> {
+    let index = scene.group_index(group).ok_or_else(|| no_group(group))?;
+    let material = &mut scene.groups[index].material;
+    material.rho_d = materials::mean_of(&texture);
+    material.texture = Some(wrapped(texture, [Wrap::default(); 2]));
+    Ok(())
+}
+
+fn built(value: &Value, meshes: &[MeshArrays<'_>]) -> PyResult<plain::Scene> {
+    let mut scene = plain::Scene::default();
+    let list = |key: &str| value[key].as_array().cloned().unwrap_or_default();
+    for group in list("groups") {
+        let theta_rad = number(&group, "theta_deg")?.to_radians();
+        let material = Material {
+            rho_d: triple(&group, "rho_d")?.into(),
+            rho_s: triple(&group, "rho_s")?.into(),
+            alpha_x: number(&group, "alpha_x")?,
+            alpha_y: number(&group, "alpha_y")?,
+            theta_rad,
+            texture: None,
+        };
+        let emission = triple(&group, "emission")?.into();
+        scene.groups.push(Group { name: name(&group)?, material, emission });
+    }
+    for (object, arrays) in list("objects").iter().zip(meshes) {
+        let group = object["group"].as_str().unwrap_or_default();
+        let group = scene.group_index(group).ok_or_else(|| no_group(group))?;
+        scene.objects.push(Object { name: name(object)?, group, mesh: mesh(arrays)? });
+    }
+    for light in list("lights") {
+        scene.lights.push(light_in(&light)?);
+    }
+    for camera in list("cameras") {
+        scene.cameras.push(camera_in(&camera)?);
+    }
+    if !value["environment"].is_null() {
+        let radiance: Rgb = triple(value, "environment")?.into();
+        let environment = Environment::new(RgbImage::new(2, 1, vec![radiance; 2]), 0.0);
+        scene.environment = Some(environment.map_err(|error| request(error.to_string()))?);
+    }
+    Ok(scene)
+}
+
+fn mesh(arrays: &MeshArrays<'_>) -> PyResult<Mesh> {
+    let vec3 = |rows: Vec<[f32; 3]>| rows.into_iter().map(Vec3::from_array).collect::<Vec<_>>();
+    let positions = vec3(rows(&arrays.positions, "vertices")?);
+    let triangles: Vec<[u32; 3]> = rows(&arrays.triangles, "faces")?;
+    let uvs = arrays.uvs.as_ref().map(|uvs| rows::<f32, 2>(uvs, "uvs")).transpose()?;
+    let uvs: Vec<Vec2> = uvs.unwrap_or_default().into_iter().map(Vec2::from_array).collect();
+    let count = positions.len();
+    if let Some(corner) = triangles.as_flattened().iter().find(|c| **c as usize >= count) {
+        return Err(request(format!("faces name vertex {corner}, but there are only {count}")));
+    }
+    if !uvs.is_empty() && uvs.len() != count {
+        return Err(request(format!("there are {count} vertices, but {} uvs", uvs.len())));
+    }
+    let Some(normals) = &arrays.normals else {
+        return Ok(Mesh::flat(&positions, &uvs, &triangles));
+    };
+    let normals = vec3(rows(normals, "normals")?);
+    if normals.len() != count {
+        return Err(request(format!("there are {count} vertices, but {} normals", normals.len())));
+    }
+    let normals = normals.iter().map(|n| n.normalize_or(Vec3::Y)).collect();
+    Ok(Mesh { positions, normals, uvs, tangents: Vec::new(), triangles })
+}
+
+fn name(of: &Value) -> PyResult<String> {
+    of["name"].as_str().map(str::to_owned).ok_or_else(|| request("a name is missing"))
+}
+
+fn number(of: &Value, key: &str) -> PyResult<f32> {
+    let number = of[key].as_f64().filter(|number| number.is_finite());
+    number.map(|n| n as f32).ok_or_else(|| request(format!("{key} must be a finite number")))
+}
+
+fn triple(of: &Value, key: &str) -> PyResult<[f32; 3]> {
+    let problem = || request(format!("{key} must be three finite numbers"));
+    let list = of[key].as_array().filter(|list| list.len() == 3).ok_or_else(problem)?;
+    let one = |k: usize| list[k].as_f64().filter(|n| n.is_finite()).map(|n| n as f32);
+    one(0).zip(one(1)).zip(one(2)).map(|((a, b), c)| [a, b, c]).ok_or_else(problem)
+}
+
+fn light_in(light: &Value) -> PyResult<Light> {
+    let vec = |key: &str| triple(light, key).map(Vec3::from_array);
+    let strength: Rgb = triple(light, "strength")?.into();
+    let kind = match light["kind"].as_str() {
+        Some("point") => LightKind::Point { position: vec("position")?, intensity: strength },
+        Some("spot") => LightKind::Spot {
+            position: vec("position")?,
+            direction: vec("direction")?.normalize_or(Vec3::NEG_Y),
+            intensity: strength,
+            inner_rad: number(light, "inner_deg")?.to_radians(),
+            outer_rad: number(light, "outer_deg")?.to_radians(),
+        },
+        Some("directional") => LightKind::Directional {
+            direction: vec("direction")?.normalize_or(Vec3::NEG_Y),
+            irradiance: strength,
+        },
+        _ => return Err(request("a light is of the kind point, spot or directional")),
+    };
+    Ok(Light { name: name(light)?, kind })
+}
+
+fn light_out(light: &Light) -> Value {
+    let mut value = match light.kind {
+        LightKind::Point { position, intensity } => json!({
+            "kind": "point", "position": position.to_array(), "strength": intensity.to_array(),
+        }),
+        LightKind::Spot { position, direction, intensity, inner_rad, outer_rad } => json!({
+            "kind": "spot", "position": position.to_array(), "direction": direction.to_array(),
+            "strength": intensity.to_array(), "inner_deg": inner_rad.to_degrees(),
+            "outer_deg": outer_rad.to_degrees(),
+        }),
+        LightKind::Directional { direction, irradiance } => json!({
+            "kind": "directional", "direction": direction.to_array(),
+            "strength": irradiance.to_array(),
+        }),
+    };
+    value["name"] = json!(light.name);
+    value
+}
+
+/// A camera of its pose (12 numbers, column by column), or of where it stands and looks.
+fn camera_in(camera: &Value) -> PyResult<Camera> {
+    let fov_y_rad = number(camera, "fov_y_deg")?.to_radians();
+    let vec = |key: &str| triple(camera, key).map(Vec3::from_array);
+    let (eye, target, up) = (vec("eye")?, vec("target")?, vec("up")?);
+    let mut made = Camera::look_at(&name(camera)?, eye, target, up, fov_y_rad);
+    if let Some(pose) = camera["world_from_camera"].as_array().filter(|pose| pose.len() == 12) {
+        let mut columns = [0.0; 12];
+        for (to, from) in columns.iter_mut().zip(pose) {
+            *to = from.as_f64().unwrap_or_default() as f32;
+        }
+        made.world_from_camera = Affine3A::from_cols_array(&columns);
+    }
+    if !made.world_from_camera.is_finite() {
+        return Err(request("the camera's eye, target and up leave its direction open"));
+    }
+    made.aspect = camera["aspect"].as_f64().map(|aspect| aspect as f32);
+    let point = camera["principal_point"].as_array().cloned().unwrap_or_default();
+    let part = |k: usize| point.get(k).and_then(Value::as_f64).unwrap_or_default() as f32;
+    let [k1, k2] = ["k1", "k2"].map(|key| camera[key].as_f64().unwrap_or_default() as f32);
+    made.lens = Lens { principal_point: [part(0), part(1)], k1, k2 };
+    Ok(made)
+}
+
+pub(crate) fn camera_out(camera: &Camera) -> Value {
+    let axes = camera.world_from_camera.matrix3;
+    let eye = camera.origin();
+    json!({
+        "name": camera.name, "fov_y_deg": camera.fov_y_rad.to_degrees(), "aspect": camera.aspect,
+        "eye": eye.to_array(), "target": (eye - Vec3::from(axes.z_axis)).to_array(),
+        "up": Vec3::from(axes.y_axis).to_array(),
+        "world_from_camera": camera.world_from_camera.to_cols_array(),
+        "principal_point": camera.lens.principal_point, "k1": camera.lens.k1, "k2": camera.lens.k2,
+    })
+}

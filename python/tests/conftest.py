@@ -1,0 +1,43 @@
+"""What the tests share: the repository's examples, and the command that Cargo built."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+Command = Callable[..., str]
+
+
+@pytest.fixture(scope="session")
+def corpus() -> Path:
+    """Tiny scenes with photographs and true materials."""
+    return ROOT / "examples" / "corpus"
+
+
+@pytest.fixture(scope="session")
+def fig8() -> Path:
+    """The Cornell box with a brushed floor."""
+    return ROOT / "examples" / "fig8"
+
+
+@pytest.fixture(scope="session")
+def command() -> Command:
+    """Runs the command that Cargo built, not the one in the package: what it printed."""
+    places = [ROOT / "target" / profile / "unrender" for profile in ("debug", "release")]
+    built = [path for path in places if path.is_file()]
+    named = os.environ.get("UNRENDER_BINARY")
+    binary = Path(named) if named else (built[0] if built else None)
+    if binary is None:
+        pytest.fail("build the command first (cargo build), or name it in UNRENDER_BINARY")
+
+    def run(*words: object) -> str:
+        line = [str(binary), *map(str, words), "--quiet"]
+        return subprocess.run(line, check=True, capture_output=True, text=True).stdout
+
+    return run

@@ -1,0 +1,117 @@
+"""The verbs: their signatures are the flags of the command, and what they do is what it does."""
+
+from __future__ import annotations
+
+import inspect
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import unrender
+from unrender import _unrender
+
+pytestmark = pytest.mark.filterwarnings("ignore::unrender.UnrenderWarning")
+
+VERBS: dict[str, Callable[..., object]] = {
+    "calibrate": unrender.calibrate,
+    "check": unrender.check,
+    "export": unrender.export,
+    "merge": unrender.merge,
+    "recover": unrender.recover,
+    "render": unrender.render,
+    "report": unrender.report,
+    "restage": unrender.restage,
+    "score": unrender.score,
+}
+# Functions answer with values instead of printing them.
+ONLY_COMMAND = {"json", "help", "version", "quiet"}
+ONLY_PYTHON = {"progress", "cancel"}
+GLOBAL = {"threads", "allow_outside", "input_memory"}
+
+
+def described() -> dict[str, Any]:
+    commands: dict[str, Any] = json.loads(_unrender.description())
+    return {name: command for name, command in commands.items() if name != "help"}
+
+
+def test_there_is_a_verb_for_every_subcommand() -> None:
+    assert set(described()) == set(VERBS)
+
+
+@pytest.mark.parametrize("verb", sorted(VERBS))
+def test_options_have_the_names_and_defaults_of_flags(verb: str) -> None:
+    flags = {flag["name"]: flag for flag in described()[verb]["flags"]}
+    parameters = inspect.signature(VERBS[verb]).parameters
+    own = set(flags) - ONLY_COMMAND - GLOBAL
+    assert own <= set(parameters), own - set(parameters)
+    assert set(parameters) <= own | GLOBAL | ONLY_PYTHON, set(parameters) - own
+    for name in own:
+        flag, default = flags[name], parameters[name].default
+        if flag["switch"]:
+            assert default is False, name
+        elif flag["default"] is not None and name != "out":
+            same = default == flag["default"] or float(default) == float(flag["default"])
+            assert same, (name, default, flag["default"])
+        else:
+            assert default in (None, inspect.Parameter.empty), name
+
+
+@pytest.fixture(scope="module")
+def recovery(corpus: Path) -> unrender.Recovery:
+    return unrender.recover(corpus / "plastic" / "project.toml", spp=4, no_refine=True)
+
+
+def test_check_says_what_to_mend(corpus: Path) -> None:
+    checkup = unrender.check(corpus / "plastic" / "project.toml")
+    assert checkup.document["groups"]
+    assert checkup.edges.ndim == 3
+    assert checkup._repr_png_() is not None
+
+
+def test_score_compares_with_the_truth(recovery: unrender.Recovery, corpus: Path) -> None:
+    truth = corpus / "plastic" / "truth.json"
+    scored = unrender.score(recovery, truth)
+    assert scored.groups
+    assert scored.exceeded == []
+    assert unrender.score(recovery, truth, max_rho=1e-9).exceeded
+    assert unrender.score(truth, truth).worst["rho_d"] == 0.0
+
+
+def test_report_and_export_write_their_files(recovery: unrender.Recovery, tmp_path: Path) -> None:
+    page = unrender.report(recovery, out=tmp_path / "page.html")
+    assert "<html" in page.read_text(encoding="utf-8")
+    folder = recovery.save(tmp_path / "results")
+    assert unrender.report(folder) == folder / "report.html"
+    glb = unrender.export(recovery, to="gltf", out=tmp_path / "scene.glb")
+    assert glb.read_bytes()[:4] == b"glTF"
+    with pytest.raises(unrender.RequestError, match="to"):
+        unrender.export(recovery, to="paper", out=tmp_path / "x")
+
+
+def test_restage_makes_new_pictures(recovery: unrender.Recovery, corpus: Path) -> None:
+    group = next(iter(recovery.materials))
+    repaint = [f"{group}: rho_d = [0.1, 0.1, 0.8]"]
+    project = corpus / "plastic" / "project.toml"
+    made = unrender.restage(recovered=recovery, project=project, repaint=repaint, spp=2)
+    assert made.folder is None
+    picture = next(iter(made.pictures.values()))
+    assert picture.shape == recovery.rerendered.shape
+    assert np.isfinite(picture).all()
+
+
+def test_calibrate_finds_the_camera_of_points_in_arrays(corpus: Path, tmp_path: Path) -> None:
+    scene = corpus / "plastic" / "scene.glb"
+    photo = tmp_path / "photo.png"
+    unrender.render(scene, width=160, height=120, spp=1, out=photo)
+    camera = unrender.Camera(eye=(0.5, 1.5, 4), target=(0, 1, 0), fov_y_deg=40)
+    metres = np.random.default_rng(1).uniform(-1, 1, (12, 3)) + [0, 1, 0]
+    pixels = camera.project(metres, 160, 120)
+    found = unrender.calibrate(photo, scene=scene, points=(pixels, metres))
+    np.testing.assert_allclose(np.asarray(found.camera.eye), camera.eye, atol=0.02)
+    assert found.camera.fov_y_deg == pytest.approx(40, abs=0.2)
+    assert "12" in found.summary
+    with pytest.raises(unrender.CalibrateError):
+        unrender.calibrate(photo, scene=scene, points=(pixels[:3], metres[:3]))

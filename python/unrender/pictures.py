@@ -1,0 +1,61 @@
+"""Pictures: arrays that show themselves in a notebook."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _unrender
+from ._control import StrPath, warn
+
+__all__ = ["Picture", "read_picture"]
+
+
+class Picture(np.ndarray[Any, np.dtype[np.float32]]):
+    """A picture: a ``float32`` array (H, W, 3) of linear RGB with the primaries of sRGB.
+
+    Row 0 is the top one. Renderings are radiances in W sr^-1 m^-2 per channel. It is a
+    :class:`numpy.ndarray` in every respect; beside that it shows itself in a notebook, and can be
+    saved.
+    """
+
+    def __new__(cls, values: ArrayLike) -> Picture:
+        """The picture of ``values`` (H, W, 3); without a copy if they are float32."""
+        return np.asarray(values, dtype=np.float32).view(cls)
+
+    def save(self, path: StrPath) -> None:
+        """Writes the picture to a .exr or .hdr file (linear values), or to .png (8-bit sRGB)."""
+        bad = _unrender.write_picture(os.fspath(path), plain(self))
+        if bad > 0:
+            warn(f"{bad} value(s) were not finite numbers and were written as zero")
+
+    def srgb(self) -> NDArray[np.float32]:
+        """The code values (H, W, 3) of sRGB, 0 to 1; what is beyond is clipped."""
+        linear = np.clip(np.nan_to_num(np.asarray(self)), 0.0, 1.0)
+        curve = 1.055 * np.power(linear, 1 / 2.4) - 0.055
+        codes = np.where(linear <= 0.0031308, 12.92 * linear, curve)
+        return codes.astype(np.float32)
+
+    def _repr_png_(self) -> bytes | None:
+        if self.ndim != 3 or self.shape[2] != 3 or self.size == 0:
+            return None
+        return _unrender.png_bytes(np.ascontiguousarray(self.srgb()))
+
+
+def read_picture(path: StrPath) -> Picture:
+    """The picture in a file as linear values (H, W, 3).
+
+    PNG, JPEG and TIFF files are taken as sRGB; EXR and HDR files as linear already.
+    """
+    values, doubts = _unrender.read_picture(os.fspath(path))
+    for doubt in doubts:
+        warn(doubt)
+    return Picture(values)
+
+
+def plain(values: ArrayLike) -> NDArray[np.float32]:
+    """``values`` as a contiguous float32 array; without a copy if they are one."""
+    return np.ascontiguousarray(values, dtype=np.float32).view(np.ndarray)

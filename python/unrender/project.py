@@ -1,0 +1,222 @@
+"""Projects: which scene, which photograph, what is known already."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+import tomllib
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _unrender
+from ._control import StrPath
+from .errors import FileError, RequestError
+from .materials import jsonable
+from .pictures import Picture, plain
+from .scene import Camera, Scene
+
+__all__ = ["Project"]
+
+IN_MEMORY = "(in memory)"
+
+
+class Project:
+    """What a recovery starts from, as a project file says it; from a file, or built in memory.
+
+    The keys are those of the project file (README, "The project file"); what is left out here is
+    left out there.
+
+    Attributes:
+        document: The project file as a dict.
+        folder: Where its relative paths start.
+        path: The file that it was read from, if it was and nothing was changed since.
+    """
+
+    document: dict[str, Any]
+    folder: Path
+    path: Path | None
+
+    def __init__(
+        self,
+        scene: Scene | StrPath,
+        photo: ArrayLike | StrPath,
+        *,
+        response: str | Mapping[str, float] | None = None,
+        exposure: float | ArrayLike | str | None = None,
+        anchor: Mapping[str, Any] | None = None,
+        groups: Mapping[str, Mapping[str, Any]] | None = None,
+        lights: Mapping[str, Mapping[str, Any]] | list[Mapping[str, Any]] | None = None,
+        environment: Mapping[str, Any] | None = None,
+        camera: Camera | str | None = None,
+        mask: ArrayLike | StrPath | None = None,
+        recover: Mapping[str, Any] | None = None,
+        folder: StrPath = ".",
+        **keys: Any,
+    ) -> None:
+        """A project in memory.
+
+        Args:
+            scene: A scene, or the path of its file.
+            photo: The path of the photograph; or an array (H, W, 3) of its codes: float32 (by
+                default taken as linear), or uint8 or uint16 (by default taken as sRGB).
+            response: How codes follow from linear values: "srgb", "linear", {"gamma": 2.2}, the path
+                of a curve, or "auto".
+            exposure: Scene radiance of a linear pixel value of one: a number, three, or "auto".
+            anchor: The group that fixes an unknown scale: {"group": ..., "rho_d": [...]}.
+            groups: What is known of groups: {"ceil": {"known": {"rho_d": [1, 1, 1]}}}.
+            lights: {"lamp": {"unknown": True}}, or a list of lights that the model lacks.
+            environment: Light from all around: {"color": [...]} or {"panorama": path}.
+            camera: The photograph's camera, or the name of one of the scene.
+            mask: The path of a mask, or an array (H, W): what is zero or False does not count.
+            recover: {"brdf": ..., "max_rung": ..., "thresholds": {...}}.
+            folder: Where relative paths start.
+            keys: Further keys of the project file.
+        """
+        self.folder, self.path = Path(folder).absolute(), None
+        self._scene = scene if isinstance(scene, Scene) else None
+        self._photo = None if isinstance(photo, (str, os.PathLike)) else np.asarray(photo)
+        is_mask = mask is not None and not isinstance(mask, (str, os.PathLike))
+        self._mask = np.asarray(mask) if is_mask else None
+        document = {
+            "scene": IN_MEMORY if isinstance(scene, Scene) else os.fspath(scene),
+            "photo": os.fspath(photo) if isinstance(photo, (str, os.PathLike)) else IN_MEMORY,
+            "mask": os.fspath(mask) if isinstance(mask, (str, os.PathLike)) else None,
+            "response": response,
+            "exposure": exposure,
+            "camera": camera.table() if isinstance(camera, Camera) else camera,
+            **keys,
+            "anchor": anchor,
+            "groups": groups,
+            "lights": lights,
+            "environment": environment,
+            "recover": recover,
+        }
+        filled = {key: value for key, value in document.items() if value is not None}
+        self.document = jsonable(filled)
+
+    @classmethod
+    def read(cls, path: StrPath) -> Project:
+        """The project in a file."""
+        file = Path(path)
+        try:
+            document = tomllib.loads(file.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise FileError(f"{file}: cannot be read: {error}", file) from error
+        made = cls.__new__(cls)
+        made.document, made.folder, made.path = document, file.parent.absolute(), file
+        made._scene = made._photo = made._mask = None
+        return made
+
+    @classmethod
+    def of(cls, value: Project | StrPath) -> Project:
+        """A project, or the one in the file of this path."""
+        return value if isinstance(value, Project) else cls.read(value)
+
+    @property
+    def text(self) -> str:
+        """The text of the project file."""
+        return _unrender.toml_text(json.dumps(self.document))
+
+    @property
+    def is_in_memory(self) -> bool:
+        """Whether scene, photograph or mask are no files."""
+        return not (self._scene is None and self._photo is None and self._mask is None)
+
+    def scene(self) -> Scene:
+        """The scene, without the lights that the project adds."""
+        return self._scene or Scene.read(self.folder / self.document["scene"])
+
+    def save(self, path: StrPath) -> Path:
+        """Writes the project file, with scene, photograph and mask beside it where they are in
+        memory; its path."""
+        file = Path(path).absolute()
+        file.parent.mkdir(parents=True, exist_ok=True)
+        document = json.loads(json.dumps(self.document))
+        for key in ("scene", "photo", "mask", "response"):
+            value = document.get(key)
+            is_file = isinstance(value, str) and (self.folder / value).is_file()
+            if is_file and not Path(value).is_absolute():
+                document[key] = os.path.relpath(self.folder / value, file.parent)
+        panorama = document.get("environment", {}).get("panorama")
+        if panorama and not Path(panorama).is_absolute():
+            document["environment"]["panorama"] = os.path.relpath(
+                self.folder / panorama, file.parent
+            )
+        if self._scene is not None:
+            document["scene"] = f"{file.stem}.glb"
+            self._scene.save(file.with_suffix(".glb"))
+        if self._photo is not None:
+            self._save_photo(document, file)
+        if self._mask is not None:
+            document["mask"] = f"{file.stem}_mask.exr"
+            Picture(mask_picture(self._mask)).save(file.with_name(document["mask"]))
+        file.write_text(_unrender.toml_text(json.dumps(document)), encoding="utf-8")
+        return file
+
+    def _save_photo(self, document: dict[str, Any], file: Path) -> None:
+        values, bits = codes(self._photo)
+        if bits:
+            raise RequestError(
+                "a project with integer codes in memory cannot be written; write the photo as a "
+                "PNG yourself, and name it"
+            )
+        document["photo"] = f"{file.stem}_photo.exr"
+        document.setdefault("response", "linear")
+        Picture(values).save(file.with_name(document["photo"]))
+
+    @contextmanager
+    def as_file(self) -> Generator[Path, None, None]:
+        """The path of a file of the project: its own, or one that is removed again."""
+        if self.path is not None:
+            yield self.path
+            return
+        with tempfile.TemporaryDirectory(prefix="unrender-") as folder:
+            yield self.save(Path(folder) / "project.toml")
+
+    def __repr__(self) -> str:
+        return f"<Project {self.path or IN_MEMORY}: {', '.join(self.document)}>"
+
+
+class ProjectParts:
+    """A project as the compiled half takes it."""
+
+    def __init__(self, project: Project) -> None:
+        self.path = os.fspath(project.path or project.folder / "project.toml")
+        self.text = project.text
+        inner = project._scene
+        self.scene = inner._inner if inner is not None else None
+        self.photo: NDArray[np.float32] | None = None
+        self.bits = 0
+        if project._photo is not None:
+            self.photo, self.bits = codes(project._photo)
+        self.mask = None if project._mask is None else mask_picture(project._mask)
+        for key, held in (("scene", self.scene), ("photo", self.photo)):
+            file = project.folder / project.document[key]
+            if held is None and not file.is_file():
+                raise FileError(f"{self.path}: {key}: there is no file {file}", self.path)
+
+
+def codes(photo: Any) -> tuple[NDArray[np.float32], int]:
+    """The code values of a photograph, 0 to 1 for integers, and the bits of those."""
+    array = np.asarray(photo)
+    if array.ndim != 3 or array.shape[2] != 3:
+        raise RequestError(f"the photo is an array (H, W, 3), not of the shape {array.shape}")
+    if array.dtype == np.uint8:
+        return plain(array.astype(np.float32) / np.float32(255)), 8
+    if array.dtype == np.uint16:
+        return plain(array.astype(np.float32) / np.float32(65535)), 16
+    return plain(array), 0
+
+
+def mask_picture(mask: NDArray[Any]) -> NDArray[np.float32]:
+    """A mask (H, W) as a picture, white where it counts."""
+    if mask.ndim != 2:
+        raise RequestError(f"the mask is an array (H, W), not of the shape {mask.shape}")
+    white = (mask != 0).astype(np.float32)
+    return plain(np.repeat(white[:, :, None], 3, axis=2))

@@ -1,0 +1,360 @@
+"""``unrender recover`` as a function, and what it hands over."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Generator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _tables, _unrender
+from ._control import CancelToken, Progress, StrPath, control, words
+from .errors import Interrupted, RequestError
+from .materials import Materials
+from .pictures import Picture, read_picture
+from .project import Project, ProjectParts
+from .scene import Camera, Scene
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+__all__ = ["Covariance", "Recovery", "recover"]
+
+
+@dataclass(frozen=True)
+class Covariance:
+    """The joint covariance of all numbers that were refined.
+
+    Attributes:
+        names: What each number is: ("rho_d", "floor", 0) is the red of the floor's diffuse
+            reflectance. The first is "rho_d", "rho_s", "alpha" (of a round lobe), "alpha_x",
+            "alpha_y", "theta_deg", "intensity", "exposure" or "camera"; the second the group or the
+            light, or None; the third the channel, or None.
+        matrix: Their covariance, (N, N), in the units of materials.json: degrees for directions.
+    """
+
+    names: list[tuple[str, str | None, int | None]]
+    matrix: NDArray[np.float64]
+
+    @property
+    def std(self) -> NDArray[np.float64]:
+        """The standard deviations, (N,)."""
+        return np.sqrt(np.maximum(np.diag(self.matrix), 0.0))
+
+    @property
+    def correlation(self) -> NDArray[np.float64]:
+        """The correlations, (N, N)."""
+        std = self.std
+        scale = np.outer(std, std)
+        return np.divide(self.matrix, scale, out=np.zeros_like(self.matrix), where=scale > 0.0)
+
+
+class Recovery:
+    """What came out of a photograph.
+
+    Attributes:
+        materials: The parameters of every group with their standard deviations: what materials.json
+            says; textures in ``materials.textures``.
+        interrupted: Whether it was ended before its end.
+        folder: The folder of the results, if they were written or read.
+    """
+
+    materials: Materials
+    interrupted: bool
+    folder: Path | None
+
+    def __init__(
+        self,
+        materials: Materials,
+        *,
+        document: dict[str, Any] | None = None,
+        inner: _unrender.Recovered | None = None,
+        interrupted: bool = False,
+        folder: Path | None = None,
+    ) -> None:
+        """As :func:`recover` and :meth:`read` make it."""
+        self.materials, self.interrupted, self.folder = materials, interrupted, folder
+        self._document, self._inner = document or {}, inner
+
+    @classmethod
+    def _of(cls, inner: _unrender.Recovered, folder: Path | None) -> Recovery:
+        document = json.loads(inner.document())
+        materials = Materials()
+        materials.document = json.loads(document["materials"])
+        for name in materials:
+            found = inner.texture(name)
+            if found is not None:
+                materials.textures[name] = found[0]
+        if folder is not None:
+            materials.folder = folder
+        interrupted = document["interrupted"]
+        return cls(
+            materials, document=document, inner=inner, interrupted=interrupted, folder=folder
+        )
+
+    @classmethod
+    def read(cls, folder: StrPath) -> Recovery:
+        """The recovery in a folder of results."""
+        place = Path(folder)
+        materials = Materials.read(place)
+        run: dict[str, Any] = {}
+        if (place / "run.json").is_file():
+            run = json.loads((place / "run.json").read_text(encoding="utf-8"))
+        interrupted = "interrupted" in str(materials.document.get("termination", ""))
+        return cls(materials, document=run, interrupted=interrupted, folder=place)
+
+    @property
+    def exposure(self) -> NDArray[np.float32]:
+        """Scene radiance per unit of linear pixel value, by channel, (3,)."""
+        return np.array(self.materials.document.get("exposure", [np.nan] * 3), dtype=np.float32)
+
+    @property
+    def exposure_std(self) -> NDArray[np.float32] | None:
+        """Its standard deviation, where the exposure was asked for, (3,)."""
+        std = self._document.get("exposure_std")
+        return None if std is None else np.array(std, dtype=np.float32)
+
+    @property
+    def lights(self) -> dict[str, dict[str, Any]]:
+        """The lights whose brightness was asked for, by name: ``intensity`` and ``std``."""
+        return self.materials.lights
+
+    @property
+    def photograph(self) -> dict[str, Any] | None:
+        """The numbers of the camera that were asked for: ``gamma``, ``vignetting``, ``corner``."""
+        return self.materials.document.get("photograph")
+
+    @property
+    def seconds(self) -> float:
+        """How long it took."""
+        return float(self.materials.document.get("seconds", np.nan))
+
+    @property
+    def termination(self) -> str:
+        """Why it ended, a sentence."""
+        return str(self.materials.document.get("termination", ""))
+
+    @property
+    def summary(self) -> str:
+        """The table that the command prints."""
+        return str(self._document.get("summary", ""))
+
+    @property
+    def warnings(self) -> list[str]:
+        """What was doubtful about the input."""
+        return list(self._document.get("warnings", []))
+
+    @property
+    def iterations(self) -> list[dict[str, Any]]:
+        """The global re-renderings in their order, with the errors of the groups after each."""
+        return list(self._document.get("iterations", []))
+
+    @property
+    def camera(self) -> Camera | None:
+        """The camera that it went on with, which may have been moved onto the photograph."""
+        entry = dict(self._document.get("camera") or {})
+        if not entry:
+            return None
+        entry["world_from_camera"] = tuple(entry["world_from_camera"])
+        return Camera(**entry)
+
+    @cached_property
+    def rerendered(self) -> Picture:
+        """The photograph's view with the recovered materials: radiance, (H, W, 3)."""
+        if self._inner is None and self.folder is not None:
+            return read_picture(self.folder / "rerendered.exr")
+        return Picture(self._whole().picture("rerendered"))
+
+    @cached_property
+    def photo(self) -> Picture:
+        """The photograph as radiance, (H, W, 3); with exposure "auto", for an exposure of one."""
+        return Picture(self._whole().picture("photo"))
+
+    @cached_property
+    def noise(self) -> NDArray[np.float32]:
+        """The standard deviation that noise gives the luminance of photograph minus re-rendering,
+        radiance, (H, W)."""
+        return self._whole().noise()
+
+    @cached_property
+    def group_map(self) -> NDArray[np.int32]:
+        """The number of every pixel's group in the order of ``materials``, -1 for none, (H, W)."""
+        return self._whole().group_map()
+
+    @cached_property
+    def valid(self) -> NDArray[np.bool_]:
+        """Which pixels of the photograph counted, (H, W)."""
+        return np.asarray(self.status_map == 0)
+
+    @cached_property
+    def status_map(self) -> NDArray[np.uint8]:
+        """Why a pixel did not count, (H, W): 0 it did, 1 no model there, 2 clipped or left out, 3 too
+        close to an edge, 4 a single bright pixel, 5 what the model lacks."""
+        return self._whole().status_map()
+
+    def texture(self, group: str) -> NDArray[np.float32] | None:
+        """The texture of a group's rho_d, linear (H, W, 3); None if it has none."""
+        return self.materials.texture(group)
+
+    def seen_texels(self, group: str) -> NDArray[np.bool_] | None:
+        """Which texels of a group's texture the photograph shows, (H, W)."""
+        found = self._whole().texture(group)
+        return None if found is None else found[1]
+
+    @cached_property
+    def covariance(self) -> Covariance | None:
+        """The joint covariance of all numbers that were refined; None where nothing was."""
+        found = self._whole().covariance()
+        if found is None:
+            return None
+        names = [(name, owner, channel) for name, owner, channel in json.loads(found[0])]
+        return Covariance(names, found[1])
+
+    def scene(self) -> Scene:
+        """The scene with the recovered materials and lights."""
+        if self._inner is None and self.folder is not None:
+            return Scene.read(self.folder / "scene.glb").with_materials(self.materials)
+        return Scene._of(self._whole().scene())
+
+    def save(self, out: StrPath) -> Path:
+        """Writes the results into a folder as the command does: materials.json, pictures, scene.glb,
+        report.html, run.json. The folder's path."""
+        self._whole().save(os.fspath(out))
+        self.folder = Path(out)
+        return self.folder
+
+    @contextmanager
+    def as_folder(self) -> Generator[Path, None, None]:
+        """A folder of the results: its own, or one that is removed again."""
+        if self.folder is not None:
+            yield self.folder
+            return
+        with tempfile.TemporaryDirectory(prefix="unrender-") as folder:
+            place = Path(folder) / "results"
+            self._whole().save(os.fspath(place))
+            yield place
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A table with a row a group and a column a number; its standard deviations in ``std_*``."""
+        return _tables.frame(self.materials)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The parameters over group and channel, their standard deviations, and the pictures over
+        row, column and channel."""
+        return _tables.dataset(self)
+
+    def _whole(self) -> _unrender.Recovered:
+        if self._inner is None:
+            raise RequestError(
+                "this is not known of a recovery that was read from files or interrupted early"
+            )
+        return self._inner
+
+    def __repr__(self) -> str:
+        groups = (f"{name}: {entry.get('hypothesis')}" for name, entry in self.materials.items())
+        return f"<Recovery {', '.join(groups)}; {self.termination}>"
+
+    def _repr_html_(self) -> str:
+        return _tables.recovery_html(self)
+
+    def _repr_png_(self) -> bytes | None:
+        if self._inner is None and self.folder is None:
+            return None
+        return Picture(np.asarray(self.rerendered) / self.exposure)._repr_png_()
+
+
+def recover(
+    project: Project | StrPath,
+    *,
+    out: StrPath | None = None,
+    ladder: str = "default",
+    seed: int = 0,
+    spp: int | None = None,
+    bounces: int | None = None,
+    no_refine: bool = False,
+    max_rung: str | None = None,
+    refine_camera: bool = False,
+    keep_camera: bool = False,
+    no_filter: bool = False,
+    progress: Progress = None,
+    cancel: CancelToken | None = None,
+    threads: int | None = None,
+    allow_outside: bool = False,
+    input_memory: float | None = None,
+) -> Recovery:
+    """Recovers the materials of a project's groups from its photograph.
+
+    What comes out has the bits of ``unrender recover PROJECT.toml --out DIR`` with the same
+    arguments, whatever the number of threads.
+
+    Args:
+        project: A project, or the path of its file.
+        out: A folder for the results, as the command writes them; by default they are not written.
+        ladder: The ladder of hypotheses: "default", or "paper" for the method of Boivin and
+            Gagalowicz (2002) as written.
+        seed: Chooses the noise of the renderings.
+        spp: Paths a pixel of the final re-rendering; by default 64.
+        bounces: The most reflections of a path; by default until it carries nothing more.
+        no_refine: Leave out the joint refinement, and with it the standard deviations.
+        max_rung: The most complex hypothesis that a group may have: "diffuse", "mirror",
+            "partial-mirror", "diffuse-specular", "isotropic", "anisotropic" or "textured".
+        refine_camera: Move the camera to where the model's edges lie on the photograph's, however
+            little; by default if it is clearly off.
+        keep_camera: Keep the camera as it is given.
+        no_filter: Take the model as if it fitted to the pixel, and all that the photograph shows as
+            part of it.
+        progress: A callback ``f(done, message)``; or True for a bar of tqdm.
+        cancel: A token; when it is cancelled, the best state so far comes back, ``interrupted``.
+        threads: How many threads to use; by default one a core.
+        allow_outside: Whether scenes may name files outside their folder.
+        input_memory: The memory that a scene or a picture may take while it is read, GiB.
+
+    Raises:
+        Error: If the input cannot be used or the results cannot be written.
+        Interrupted: On Ctrl-C, within a second, with the best state so far in ``recovery``.
+    """
+    flags = {
+        "out": "(in memory)",
+        "ladder": ladder,
+        "seed": seed,
+        "spp": spp,
+        "bounces": bounces,
+        "no_refine": no_refine,
+        "max_rung": max_rung,
+        "refine_camera": refine_camera,
+        "keep_camera": keep_camera,
+        "no_filter": no_filter,
+    }
+    path: StrPath = project.path or "(in memory)" if isinstance(project, Project) else project
+    parts = None
+    if isinstance(project, Project) and project.path is None:
+        parts = ProjectParts(project)
+    folder = None if out is None else os.fspath(out)
+    line = words("recover", [path], flags, allow_outside, input_memory)
+    with control(progress, cancel, threads) as controls:
+        inner, sketch, signalled = _unrender.recover(line, parts, folder, controls)
+    written = Path(folder) if folder is not None and inner is not None else None
+    found = None
+    if inner is not None:
+        found = Recovery._of(inner, written)
+    elif sketch is not None:
+        found = _sketched(json.loads(sketch))
+    if signalled or found is None:
+        raise Interrupted(recovery=found)
+    return found
+
+
+def _sketched(document: dict[str, Any]) -> Recovery:
+    """Where a recovery stood when it was interrupted: its materials, without pictures."""
+    materials = Materials()
+    materials.document = document
+    return Recovery(materials, interrupted=True)

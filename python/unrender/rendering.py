@@ -1,0 +1,211 @@
+"""``unrender render`` as a function."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from . import _unrender
+from ._control import CancelToken, Progress, Samples, StrPath, control, words
+from .errors import Cancelled, Interrupted, RequestError
+from .materials import Materials, Parts
+from .pictures import Picture, read_picture
+from .project import Project
+from .recovery import Recovery
+from .scene import Camera, Scene
+
+__all__ = ["render"]
+
+_UNNAMED = "(in memory)"
+
+
+def render(
+    scene: Scene | StrPath | None = None,
+    *,
+    project: Project | StrPath | None = None,
+    materials: Materials | Recovery | Mapping[str, Any] | StrPath | None = None,
+    light_units: str | None = None,
+    environment: StrPath | None = None,
+    environment_rotation: float = 0.0,
+    environment_scale: float = 1.0,
+    camera: Camera | str | None = None,
+    width: int | None = None,
+    height: int | None = None,
+    spp: int | None = None,
+    time: float | None = None,
+    noise: float | None = None,
+    adaptive: bool = False,
+    samples: Samples | None = None,
+    checkpoint: StrPath | None = None,
+    seed: int = 0,
+    independent: bool = False,
+    bounces: int | None = None,
+    out: StrPath | None = None,
+    progress: Progress = None,
+    cancel: CancelToken | None = None,
+    threads: int | None = None,
+    allow_outside: bool = False,
+    input_memory: float | None = None,
+) -> Picture:
+    """Renders a scene, or the scene of a project.
+
+    The picture has the bits of ``unrender render --out FILE.exr`` with the same arguments, whatever
+    the number of threads.
+
+    Args:
+        scene: A scene, or the path of its file.
+        project: Instead of a scene: a project's scene with its lights and its environment, by its
+            camera, as large as its photograph.
+        materials: Materials to put onto the scene's groups: the path of a materials.json or of a
+            folder of results, a dict like it or like its groups, Materials, or a Recovery.
+        light_units: The units of a glTF file's lights: "blender-standard", "unitless",
+            "blender-raw" or "radiometric"; by default as its generator writes them.
+        environment: A panorama that lights the scene from all around (.hdr, .exr).
+        environment_rotation: Turns it about +y, counter-clockwise seen from above, degrees.
+        environment_scale: Multiplies its radiance.
+        camera: A camera, or the name of one of the scene; by default the project's, else the
+            scene's first.
+        width: Pixels in a row; by default by the height and the camera's aspect.
+        height: Rows; by default by the width and the camera's aspect, else 512.
+        spp: Samples a pixel, on average; with ``time`` or ``noise`` the most. By default 64 without
+            those.
+        time: Stop after so many seconds; how far that is depends on the machine.
+        noise: Stop when the relative standard error of the picture is at most this.
+        adaptive: Take more samples where the picture is noisy.
+        samples: Render the samples (A, B) alone, B not included. With ``out``, which is a .exr file
+            then, it becomes a part that :func:`merge` puts together with others.
+        checkpoint: Keep the samples in this .exr file, and go on from there.
+        seed: Chooses the noise.
+        independent: Let every pixel have paths of its own.
+        bounces: The most reflections of a path; by default until it carries nothing more.
+        out: A file to write the picture to as well: .exr, .hdr or .png.
+        progress: A callback ``f(done, message)``; or True for a bar of tqdm.
+        cancel: A token; when it is cancelled, the picture comes with the samples that it has.
+        threads: How many threads to use; by default one a core.
+        allow_outside: Whether scenes and materials may name files outside their folder.
+        input_memory: The memory that a scene or a picture may take while it is read, GiB.
+
+    Returns:
+        Radiance in W sr^-1 m^-2 per channel of linear RGB: float32, (H, W, 3), the top row first.
+
+    Raises:
+        Error: If the input cannot be used.
+        Interrupted: On Ctrl-C, with the samples so far in ``picture``.
+    """
+    if (scene is None) == (project is None):
+        raise RequestError("give either a scene or a project")
+    flags: dict[str, object] = {
+        "light_units": light_units,
+        "environment": environment,
+        "width": width,
+        "height": height,
+        "spp": spp,
+        "time": time,
+        "noise": noise,
+        "adaptive": adaptive,
+        "samples": samples,
+        "checkpoint": checkpoint,
+        "seed": seed,
+        "independent": independent,
+        "bounces": bounces,
+    }
+    if environment is not None or (environment_rotation, environment_scale) != (0.0, 1.0):
+        flags["environment_rotation"] = environment_rotation
+        flags["environment_scale"] = environment_scale
+    if isinstance(camera, Camera):
+        if project is not None:
+            raise RequestError("a project has its own camera; name one of its scene, or give a scene")
+        scene = _scene(scene, light_units, allow_outside).with_camera(camera)
+        flags["light_units"] = None
+        flags["camera"] = camera.name
+    else:
+        flags["camera"] = camera
+    parts = None if materials is None else Parts(_materials(materials))
+    inner = scene._inner if isinstance(scene, Scene) else None
+    positional = [] if scene is None else [_UNNAMED if isinstance(scene, Scene) else scene]
+    with control(progress, cancel, threads) as controls:
+        if project is None:
+            return _rendered(positional, flags, (inner, parts), out, controls, allow_outside, input_memory)
+        with Project.of(project).as_file() as file:
+            flags["project"] = file
+            return _rendered([], flags, (None, parts), out, controls, allow_outside, input_memory)
+
+
+def merge(
+    parts: list[StrPath] | list[str] | list[Path],
+    *,
+    allow_gaps: bool = False,
+    out: StrPath,
+) -> Picture:
+    """Puts parts of a rendering together: to the bit the picture that one run would have made.
+
+    Args:
+        parts: The files that ``render(..., samples=(A, B), out=...)`` wrote, in any order.
+        allow_gaps: Take it that samples are missing between the parts.
+        out: The picture to write: .exr, .hdr or .png.
+
+    Returns:
+        The picture in that file, (H, W, 3).
+    """
+    with control(None, None, None) as controls:
+        line = words("merge", list(parts), {"allow_gaps": allow_gaps, "out": out})
+        _unrender.call(line, controls)
+    return read_picture(out)
+
+
+def _rendered(
+    positional: list[Any],
+    flags: dict[str, object],
+    given: tuple[_unrender.Scene | None, Parts | None],
+    out: StrPath | None,
+    controls: Any,
+    allow_outside: bool,
+    input_memory: float | None,
+) -> Picture:
+    if out is not None and flags["samples"] is not None:
+        return _part(positional, flags, given, os.fspath(out), controls, allow_outside, input_memory)
+    flags["out"] = "(in memory).exr"
+    line = words("render", positional, flags, allow_outside, input_memory)
+    radiance, _, _, _, signalled = _unrender.render(line, *given, controls)
+    picture = None if radiance is None else Picture(radiance)
+    if signalled or picture is None:
+        raise Interrupted(picture=picture)
+    if out is not None:
+        picture.save(out)
+    return picture
+
+
+def _part(
+    positional: list[Any],
+    flags: dict[str, object],
+    given: tuple[_unrender.Scene | None, Parts | None],
+    out: str,
+    controls: Any,
+    allow_outside: bool,
+    input_memory: float | None,
+) -> Picture:
+    """A part is what the command makes of files."""
+    if given != (None, None):
+        raise RequestError("samples are written from files: give the paths of scene and materials")
+    flags["out"] = out
+    line = words("render", positional, flags, allow_outside, input_memory)
+    _, succeeded, signalled = _unrender.call(line, controls)
+    if signalled:
+        raise Interrupted
+    if not succeeded:
+        raise Cancelled("the work was ended before it had a result")
+    return read_picture(out)
+
+
+def _scene(scene: Scene | StrPath | None, light_units: str | None, allow_outside: bool) -> Scene:
+    if isinstance(scene, Scene):
+        return scene
+    if scene is None:
+        raise RequestError("give a scene")
+    return Scene.read(scene, light_units=light_units, allow_outside=allow_outside)
+
+
+def _materials(value: Materials | Recovery | Mapping[str, Any] | StrPath) -> Materials:
+    return value.materials if isinstance(value, Recovery) else Materials.of(value)

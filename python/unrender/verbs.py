@@ -1,0 +1,477 @@
+"""The other subcommands as functions; their options are those of the command line."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Generator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _unrender
+from ._control import CancelToken, Control, Progress, Samples, StrPath, control, words
+from .errors import Cancelled, Interrupted, RequestError
+from .materials import Materials
+from .pictures import Picture, read_picture
+from .project import Project
+from .recovery import Recovery
+from .scene import Camera, Scene
+
+__all__ = ["Calibration", "Checkup", "Restaging", "Score", "calibrate", "check", "export", "report",
+           "restage", "score"]
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """The camera of a photograph.
+
+    Attributes:
+        camera: The camera.
+        summary: The errors of the pairs and the standard deviations, as the command prints them.
+    """
+
+    camera: Camera
+    summary: str
+
+
+def calibrate(
+    photo: StrPath | None = None,
+    *,
+    scene: StrPath | None = None,
+    points: StrPath | tuple[ArrayLike, ArrayLike] | None = None,
+    fspy: StrPath | None = None,
+    fspy_up: str | None = None,
+    principal_point: bool = False,
+    distortion: bool = False,
+    fov_y_deg: float | None = None,
+    seed: int = 0,
+    name: str = "calibrated",
+    out: StrPath | None = None,
+    allow_outside: bool = False,
+    input_memory: float | None = None,
+) -> Calibration:
+    """Finds the camera of a photograph from points of the scene that it shows.
+
+    Args:
+        photo: The photograph; by default that of the project in ``out``.
+        scene: The scene file; by default that of the project in ``out``.
+        points: The path of a CSV file (x_px,y_px,x_m,y_m,z_m,name); or two arrays: pixels (N, 2),
+            (0, 0) the photo's top left corner, and the same points in the scene, metres (N, 3).
+        fspy: Take the camera of an fSpy project instead.
+        fspy_up: The axis of the fSpy project that points upwards, "y" or "z".
+        principal_point: Find the principal point too.
+        distortion: Find the radial distortion k1, k2 too.
+        fov_y_deg: The vertical field of view, degrees, if it is known.
+        seed: Chooses the subsets of pairs that are tried.
+        name: The camera's name in a .glb.
+        out: A project file (.toml), which is made or whose camera is replaced, or the scene with the
+            camera in it (.glb); by default nothing is written.
+        allow_outside: Whether scenes may name files outside their folder.
+        input_memory: The memory that a scene or a picture may take while it is read, GiB.
+
+    Raises:
+        CalibrateError: If the points give no camera.
+    """
+    with ExitStack() as stack:
+        temporary = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="unrender-")))
+        if isinstance(points, tuple):
+            points = _points_file(temporary / "points.csv", *points)
+        target = temporary / "project.toml" if out is None else Path(out)
+        flags = {
+            "scene": scene,
+            "points": points,
+            "fspy": fspy,
+            "fspy_up": fspy_up,
+            "principal_point": principal_point,
+            "distortion": distortion,
+            "fov_y_deg": fov_y_deg,
+            "seed": seed if fspy is None else None,
+            "name": name,
+            "out": target,
+        }
+        line = words("calibrate", [] if photo is None else [photo], flags, allow_outside, input_memory)
+        summary = _called(line, None, None, None)
+        if target.suffix == ".toml":
+            camera = Camera(**Project.read(target).document["camera"])
+        else:
+            camera = next(c for c in Scene.read(target).cameras if c.name == name)
+    return Calibration(camera, summary)
+
+
+def _points_file(path: Path, pixels: ArrayLike, metres: ArrayLike) -> Path:
+    seen, there = np.asarray(pixels, dtype=float), np.asarray(metres, dtype=float)
+    if seen.ndim != 2 or seen.shape[1] != 2 or there.shape != (len(seen), 3):
+        raise RequestError(
+            f"points are pixels (N, 2) and metres (N, 3), not {seen.shape} and {there.shape}"
+        )
+    rows = np.column_stack([seen, there]).tolist()
+    lines = (",".join(map(repr, row)) + f",point {k}" for k, row in enumerate(rows, 1))
+    path.write_text("\n".join(["x_px,y_px,x_m,y_m,z_m,name", *lines]) + "\n", encoding="utf-8")
+    return path
+
+
+@dataclass(frozen=True)
+class Checkup:
+    """What of a project would spoil its recovery.
+
+    Attributes:
+        document: What ``unrender check --json`` prints.
+        edges: The model's edges over the photo: green where it has them too, red where it has them
+            elsewhere and yellow there, blue where it shows none.
+    """
+
+    document: dict[str, Any]
+    edges: Picture = field(repr=False)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What looks wrong, and what to do about it."""
+        return list(self.document.get("warnings", []))
+
+    def _repr_png_(self) -> bytes | None:
+        return self.edges._repr_png_()
+
+
+def check(
+    project: Project | StrPath,
+    *,
+    out: StrPath | None = None,
+    threads: int | None = None,
+    allow_outside: bool = False,
+    input_memory: float | None = None,
+) -> Checkup:
+    """Looks at a project before it is recovered, and says what to mend.
+
+    Args:
+        project: A project, or the path of its file.
+        out: A .png file for the picture of the model's edges; by default it is not written.
+        threads: How many threads to use; by default one a core.
+        allow_outside: Whether scenes may name files outside their folder.
+        input_memory: The memory that a scene or a picture may take while it is read, GiB.
+    """
+    with ExitStack() as stack:
+        temporary = stack.enter_context(tempfile.TemporaryDirectory(prefix="unrender-"))
+        path = stack.enter_context(_project_file(project))
+        picture = Path(temporary) / "check.png" if out is None else Path(out)
+        line = words("check", [path], {"out": picture, "json": True}, allow_outside, input_memory)
+        document = json.loads(_called(line, None, None, threads))
+        return Checkup(document, read_picture(picture))
+
+
+@dataclass(frozen=True)
+class Restaging:
+    """New pictures of a recovered scene.
+
+    Attributes:
+        pictures: The pictures by the names of their files without extension, linear (H, W, 3).
+        folder: The folder that they were written to, if they were kept.
+    """
+
+    pictures: dict[str, Picture] = field(repr=False)
+    folder: Path | None
+
+    def _repr_png_(self) -> bytes | None:
+        return next(iter(self.pictures.values()))._repr_png_() if self.pictures else None
+
+
+def restage(
+    edits: StrPath | None = None,
+    *,
+    out: StrPath | None = None,
+    composite: bool = False,
+    grain: bool = False,
+    recovered: Recovery | StrPath | None = None,
+    project: Project | StrPath | None = None,
+    scene: StrPath | None = None,
+    light_units: str | None = None,
+    materials: StrPath | None = None,
+    remove: list[str] | None = None,
+    repaint: list[str] | None = None,
+    light: list[str] | None = None,
+    environment: str | None = None,
+    insert: list[str] | None = None,
+    camera: str | None = None,
+    width: int | None = None,
+    height: int | None = None,
+    frames: Samples | None = None,
+    parts: list[StrPath] | None = None,
+    spp: int | None = None,
+    time: float | None = None,
+    noise: float | None = None,
+    adaptive: bool = False,
+    samples: Samples | None = None,
+    checkpoint: StrPath | None = None,
+    seed: int = 0,
+    independent: bool = False,
+    bounces: int | None = None,
+    progress: Progress = None,
+    cancel: CancelToken | None = None,
+    threads: int | None = None,
+    allow_outside: bool = False,
+    input_memory: float | None = None,
+) -> Restaging:
+    """Renders a recovered scene with edits, or puts them into its photograph.
+
+    Args:
+        edits: The edit file (docs/restage.md).
+        out: A folder for the pictures; by default they are not kept.
+        composite: Put the change into the photograph, and leave the rest of it as it is.
+        grain: Give what is synthetic in the composite the noise of the photograph.
+        recovered: A recovery to start from, or the folder of one.
+        project: The project that was recovered, for its photograph.
+        scene: Start from a scene file.
+        light_units: The units of a glTF file's lights.
+        materials: Materials to put onto the scene's groups.
+        remove: Objects, or groups with all of theirs, to take away.
+        repaint: Changes of how groups reflect: "GROUP: rho_d = [0.5, 0.1, 0.1]".
+        light: Changes of lights: "NAME: scale = 0.5".
+        environment: A panorama: "FILE.hdr: rotation_deg = 90".
+        insert: Models to put into the scene: "FILE: on = 'GROUP', at = [x, z]".
+        camera: The scene's camera to look through; by default the photograph's.
+        width: Pixels in a row; by default the photograph's.
+        height: Rows; by default the photograph's.
+        frames: Of a sequence, the pictures (A, B) alone, counted from 1, B not included.
+        parts: Take the samples of these parts instead of rendering.
+        spp: Samples a pixel; by default 64 without ``time`` and ``noise``.
+        time: Stop after so many seconds.
+        noise: Stop at this relative standard error.
+        adaptive: Take more samples where the picture is noisy.
+        samples: Render the samples (A, B) alone, as a part in ``out``.
+        checkpoint: Keep the samples in this .exr file, and go on from there.
+        seed: Chooses the noise.
+        independent: Let every pixel have paths of its own.
+        bounces: The most reflections of a path.
+        progress: A callback ``f(done, message)``; or True for a bar of tqdm.
+        cancel: A token that ends the work.
+        threads: How many threads to use; by default one a core.
+        allow_outside: Whether scenes may name files outside their folder.
+        input_memory: The memory that a scene or a picture may take while it is read, GiB.
+    """
+    with ExitStack() as stack:
+        place = Path(out) if out is not None else None
+        if place is None:
+            place = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="unrender-")))
+        flags: dict[str, object] = {
+            "out": place,
+            "composite": composite,
+            "grain": grain,
+            "recovered": stack.enter_context(_results(recovered)),
+            "project": None if project is None else stack.enter_context(_project_file(project)),
+            "scene": scene,
+            "light_units": light_units,
+            "materials": materials,
+            "remove": remove,
+            "repaint": repaint,
+            "light": light,
+            "environment": environment,
+            "insert": insert,
+            "camera": camera,
+            "width": width,
+            "height": height,
+            "frames": frames,
+            "parts": parts,
+            "spp": spp,
+            "time": time,
+            "noise": noise,
+            "adaptive": adaptive,
+            "samples": samples,
+            "checkpoint": checkpoint,
+            "seed": seed,
+            "independent": independent,
+            "bounces": bounces,
+        }
+        line = words("restage", [] if edits is None else [edits], flags, allow_outside, input_memory)
+        _called(line, progress, cancel, threads)
+        files = sorted(place.glob("*.exr")) if samples is None else []
+        pictures = {file.stem: read_picture(file) for file in files}
+        return Restaging(pictures, None if out is None else place)
+
+
+def export(
+    results: Recovery | StrPath | None = None,
+    *,
+    scene: StrPath | None = None,
+    materials: StrPath | None = None,
+    light_units: str | None = None,
+    to: str,
+    out: StrPath,
+    camera: str | None = None,
+    width: int | None = None,
+    height: int | None = None,
+    allow_outside: bool = False,
+    input_memory: float | None = None,
+) -> Path:
+    """Writes a scene and its materials for another program.
+
+    Args:
+        results: A recovery, or the folder of one.
+        scene: The scene file, instead of a recovery.
+        materials: Materials to put onto the groups of ``scene``.
+        light_units: The units of a glTF file's lights.
+        to: "blender", "gltf", "materialx", "mitsuba", "pbrt" or "radiance".
+        out: The folder to write, or for gltf the .glb file.
+        camera: The camera's name; by default the photograph's, else the scene's first.
+        width: Pixels in a row; by default the photograph's.
+        height: Rows; by default the photograph's.
+        allow_outside: Whether scenes may name files outside their folder.
+        input_memory: The memory that a scene may take while it is read, GiB.
+
+    Returns:
+        The path that was written.
+    """
+    flags = {
+        "scene": scene,
+        "materials": materials,
+        "light_units": light_units,
+        "to": to,
+        "out": out,
+        "camera": camera,
+        "width": width,
+        "height": height,
+    }
+    with _results(results) as folder:
+        positional = [] if folder is None else [folder]
+        _called(words("export", positional, flags, allow_outside, input_memory), None, None, None)
+    return Path(out)
+
+
+@dataclass(frozen=True)
+class Score:
+    """Recovered materials against the truth.
+
+    Attributes:
+        document: What ``unrender score --json`` prints.
+    """
+
+    document: dict[str, Any]
+
+    @property
+    def groups(self) -> Any:
+        """The errors of every group."""
+        return self.document["groups"]
+
+    @property
+    def worst(self) -> dict[str, Any]:
+        """The worst errors of all groups that count."""
+        worst: dict[str, Any] = self.document["worst"]
+        return worst
+
+    @property
+    def exceeded(self) -> list[str]:
+        """Which limits were not held, and by what."""
+        return list(self.document["exceeded"])
+
+
+def score(
+    results: Recovery | Materials | Mapping[str, Any] | StrPath,
+    truth: Materials | Mapping[str, Any] | StrPath,
+    *,
+    max_rho: float | None = None,
+    max_alpha_percent: float | None = None,
+    max_degrees: float | None = None,
+    allow_outside: bool = False,
+    input_memory: float | None = None,
+) -> Score:
+    """Compares the materials of a recovery with known ones.
+
+    Args:
+        results: A recovery, its materials, the folder of results, or its materials.json.
+        truth: The true materials, likewise.
+        max_rho: The largest good error of rho_d and rho_s.
+        max_alpha_percent: The largest good error of alpha_x and alpha_y, percent.
+        max_degrees: The largest good error of the anisotropy direction, degrees.
+        allow_outside: Whether materials may name files outside their folder.
+        input_memory: The memory that a texture may take while it is read, GiB.
+    """
+    limits: dict[str, object] = {
+        "max_rho": max_rho,
+        "max_alpha_percent": max_alpha_percent,
+        "max_degrees": max_degrees,
+        "json": True,
+    }
+    with ExitStack() as stack:
+        temporary = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="unrender-")))
+        both = [
+            _materials_file(value, temporary / f"{name}.json")
+            for value, name in ((results, "results"), (truth, "truth"))
+        ]
+        line = words("score", both, limits, allow_outside, input_memory)
+        return Score(json.loads(_called(line, None, None, None, may_fail=True)))
+
+
+def report(
+    runs: Recovery | StrPath | list[StrPath],
+    *,
+    out: StrPath | None = None,
+) -> Path:
+    """Makes the page of a recovery anew, or one that compares several.
+
+    Args:
+        runs: A recovery, or the folder of one; or several folders.
+        out: The page (.html); by default, for a single folder: its report.html.
+
+    Returns:
+        The path of the page.
+    """
+    if isinstance(runs, Recovery) and runs.folder is None and out is None:
+        raise RequestError("this recovery has no folder; name the page by out=, or save it first")
+    with ExitStack() as stack:
+        if isinstance(runs, list):
+            folders = [Path(run) for run in runs]
+        else:
+            folder = stack.enter_context(_results(runs))
+            folders = [] if folder is None else [folder]
+        _called(words("report", folders, {"out": out}), None, None, None)
+        return Path(out) if out is not None else folders[0] / "report.html"
+
+
+def _called(
+    line: list[str],
+    progress: Progress,
+    cancel: CancelToken | None,
+    threads: int | None,
+    may_fail: bool = False,
+) -> str:
+    """What a command printed."""
+    controls: Control
+    with control(progress, cancel, threads) as controls:
+        text, succeeded, signalled = _unrender.call(line, controls)
+    if signalled:
+        raise Interrupted
+    if not succeeded and not may_fail:
+        raise Cancelled("the work was ended before it had a result")
+    return text
+
+
+@contextmanager
+def _project_file(project: Project | StrPath) -> Generator[Path, None, None]:
+    if isinstance(project, Project):
+        with project.as_file() as path:
+            yield path
+    else:
+        yield Path(project)
+
+
+@contextmanager
+def _results(results: Recovery | StrPath | None) -> Generator[Path | None, None, None]:
+    if isinstance(results, Recovery):
+        with results.as_folder() as folder:
+            yield folder
+    else:
+        yield None if results is None else Path(results)
+
+
+def _materials_file(
+    value: Recovery | Materials | Mapping[str, Any] | StrPath, temporary: Path
+) -> Path:
+    if isinstance(value, (str, os.PathLike)):
+        return Path(value)
+    materials = value.materials if isinstance(value, Recovery) else Materials.of(value)
+    materials.write(temporary)
+    return temporary
