@@ -132,7 +132,8 @@ fn is_core(path: &str) -> bool {
 #[test]
 fn the_core_touches_no_file_clock_or_terminal() {
     let words = ["std::fs", "File::", "std::env", "std::net", "std::process", "std::io"];
-    assert_absent(&words, is_core, &[]);
+    // Which of its box tests is taken may be asked for, so that their bits can be compared.
+    assert_absent(&words, is_core, &["crates/render/src/accel/mod.rs"]);
     assert_absent(&["Instant", "SystemTime"], is_core, &[]);
     assert_absent(&["println!", "print!", "dbg!"], is_core, &[]);
 }
@@ -140,7 +141,9 @@ fn the_core_touches_no_file_clock_or_terminal() {
 #[test]
 fn files_are_written_in_one_place() {
     let words = ["fs::write", "fs::rename", "File::create", "OpenOptions"];
-    let places = ["crates/formats/src/atomic.rs", "crates/unrender/src/output.rs"];
+    // The journal of a recovery grows by a record at a time, which no file that is swapped can.
+    let journal = "crates/unrender/src/recovery_journal.rs";
+    let places = ["crates/formats/src/atomic.rs", "crates/unrender/src/output.rs", journal];
     assert_absent(&words, |_| true, &places);
 }
 

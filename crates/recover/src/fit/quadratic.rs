@@ -2,7 +2,7 @@
 //!
 //! The problem `min s.H s / 2 - g.s` with `A s <= b`: from the minimum without bounds, the most violated
 //! bound joins the active ones, and those whose multipliers would become negative leave, until none is
-//! violated [Goldfarb & Idnani 1983]. It ends after finitely many exchanges, also where bounds depend on
+//! violated [Goldfarb and Idnani 1983]. It ends after finitely many exchanges, also where bounds depend on
 //! each other (a group that reflects everything has three of them in one corner).
 
 use nalgebra::{DMatrix, DVector};

@@ -64,10 +64,7 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, explained: f6
                 let note = "its diffuse part is not significant";
                 step_down(state, group, hypothesis, material, note);
             }
-            Hypothesis::Anisotropic
-                if !verdict.is_brushed(state)
-                    && state.groups[group].evidence_against(Hypothesis::Isotropic) < STRONG =>
-            {
+            Hypothesis::Anisotropic if !verdict.is_brushed(state) => {
                 let mut material = state.materials[group].clone();
                 let alpha = (material.alpha_x * material.alpha_y).sqrt();
                 (material.alpha_x, material.alpha_y, material.theta_rad) = (alpha, alpha, 0.0);

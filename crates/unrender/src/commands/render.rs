@@ -100,13 +100,16 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// Puts materials onto a scene.
+pub type Dress<'a> = &'a dyn Fn(&mut Scene) -> Result<Warnings, Error>;
+
 /// What a caller has in memory instead of files.
 #[derive(Default)]
 pub struct InMemory<'a> {
     /// The scene, instead of the one that the arguments name.
     pub scene: Option<Scene>,
     /// Puts materials onto the scene, after those of the file that the arguments name.
-    pub materials: Option<&'a dyn Fn(&mut Scene) -> Result<Warnings, Error>>,
+    pub materials: Option<Dress<'a>>,
 }
 
 /// The picture that [`run`] would write. Its warnings and its progress go to the console.

@@ -161,7 +161,14 @@ fn schemas_of_edits_have_the_readers_keys() {
             Err(error) => error.to_string(),
             Ok(sheet) => Restaging::load(&[sheet]).unwrap_err().to_string(),
         };
-        assert_eq!(expected(&error), keys(name, pointer), "{name}{pointer}");
+        let mut readers = expected(&error);
+        // One reader has both, and refuses each other's key in words of its own.
+        match pointer {
+            "/$defs/repaint" => _ = readers.remove("name"),
+            "/$defs/material" => _ = readers.remove("group"),
+            _ => {}
+        }
+        assert_eq!(readers, keys(name, pointer), "{name}{pointer}");
     }
 }
 

@@ -41,7 +41,7 @@ fn renders_alike(scene: &Scene, target: Target, spp: u32, limit: impl Fn(&Scene,
     }
 }
 
-/// What Radiance's own sampling of glossy surfaces leaves (see `docs/exports.md`), and noise.
+/// What Radiance's own sampling of glossy surfaces leaves (see `docs/guides/export.md`), and noise.
 #[test]
 #[ignore = "slow: needs Radiance, which .ci/programs installs"]
 fn radiance_makes_the_same_picture() {
