@@ -13,6 +13,7 @@ pub(crate) fn exception(py: Python<'_>, error: &Error) -> PyErr {
         Error::Calibrate { path, .. } => ("CalibrateError", Some(path.as_path())),
         Error::Request(_) => ("RequestError", None),
         Error::Recover(_) => ("RecoverError", None),
+        _ => ("Error", None),
     };
     made(py, kind, &message(error), path).unwrap_or_else(|failed| failed)
 }

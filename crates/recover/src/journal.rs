@@ -13,7 +13,7 @@
 //! changes the state is kept as the parts of the state that it changed. Numbers are kept as their
 //! bits.
 //!
-//! To add a step: wrap it into [`Steps::value`] if it only finds something, or [`State::step`] if it
+//! To add a step: wrap it into `Steps::value` if it only finds something, or `State::step` if it
 //! changes materials, groups, lights, exposure or the camera's numbers. It must change nothing else
 //! of the state. What is not wrapped is done again, and costs time alone.
 

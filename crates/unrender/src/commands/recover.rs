@@ -144,7 +144,7 @@ pub fn settle(args: &Args, project: &mut Project, global: &Global) {
 /// Asks, before the work, whether results can be written into the folder at `out`.
 ///
 /// # Errors
-/// Those of [`write`].
+/// Those of [`write()`].
 pub fn check(project: &Project, out: &Path) -> Result<(), Error> {
     ResultFolder::open(out, "recover", &results::writes, &project.inputs()).map(drop)
 }
