@@ -27,14 +27,17 @@ VERBS: dict[str, Callable[..., object]] = {
     "score": unrender.score,
 }
 # Functions answer with values instead of printing them.
-ONLY_COMMAND = {"json", "help", "version", "quiet"}
+# `resume` goes on from what a killed process has left in a folder.
+ONLY_COMMAND = {"json", "help", "version", "quiet", "resume"}
+# They are about the command itself.
+NO_VERBS = {"help", "completions", "man"}
 ONLY_PYTHON = {"progress", "cancel"}
 GLOBAL = {"threads", "allow_outside", "input_memory"}
 
 
 def described() -> dict[str, Any]:
     commands: dict[str, Any] = json.loads(_unrender.description())
-    return {name: command for name, command in commands.items() if name != "help"}
+    return {name: command for name, command in commands.items() if name not in NO_VERBS}
 
 
 def test_there_is_a_verb_for_every_subcommand() -> None:
