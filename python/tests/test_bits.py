@@ -59,8 +59,8 @@ def test_recover_has_the_bits_of_the_command(
     np.testing.assert_array_equal(recovery.rerendered, by_command.rerendered)
     np.testing.assert_array_equal(by_python.rerendered, by_command.rerendered)
     assert by_python.materials.document["groups"] == by_command.materials.document["groups"]
-    for group, entry in by_command.materials.items():
-        got = dict(recovery.materials[group])
+    for group, of_command in by_command.materials.items():
+        entry, got = dict(of_command), dict(recovery.materials[group])
         texture = entry.pop("texture")
         got.pop("texture")
         assert got == entry

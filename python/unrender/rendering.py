@@ -122,6 +122,11 @@ def render(
         flags["camera"] = camera.name
     else:
         flags["camera"] = camera
+    if samples is not None and out is not None and isinstance(materials, (str, os.PathLike)):
+        # A part names its inputs, which the command reads itself.
+        path = Path(materials)
+        flags["materials"] = path / "materials.json" if path.is_dir() else path
+        materials = None
     parts = None if materials is None else Parts(_materials(materials))
     inner = scene._inner if isinstance(scene, Scene) else None
     positional = [] if scene is None else [_UNNAMED if isinstance(scene, Scene) else scene]
