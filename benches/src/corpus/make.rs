@@ -138,7 +138,7 @@ pub(crate) fn jpeg(radiance: &RgbImage, exposure: f32) -> Result<Vec<u8>, Failur
 
 /// Truth, models and projects of all dials that the scene has.
 fn write_models(plan: &Plan, folder: &Folder, meta: &Meta) -> Result<(), Failure> {
-    let given = store::given(plan);
+    let given = plan.given();
     store::write_truth(folder, plan, &given)?;
     for dial in Dial::ALL {
         let Some(spoilt) = dial.spoilt(plan) else { continue };

@@ -18,10 +18,6 @@ use unrender::scene::{Material, Rgb, Scene};
 
 /// What unknown groups reflect in the scenes that are recovered from.
 const NEUTRAL: f32 = 0.5;
-/// Groups of fewer inner pixels than this share of the picture are given, as a user would give what
-/// the picture does not show: 65 of 43 200. Half of it asks for groups of a few pixels, twice it gives away
-/// groups that could be recovered.
-const GIVEN_SHARE: f32 = 1.5e-3;
 
 /// How the photograph is stored.
 #[derive(
@@ -147,13 +143,6 @@ pub(crate) fn write_neutral(path: &Path, scene: &Scene) -> Result<(), Failure> {
         group.material = Material::diffuse(Rgb::splat(NEUTRAL));
     });
     Ok(atomic::write(path, &gltf::to_glb(&scene)?)?)
-}
-
-/// The groups of which the picture shows too little to ask for them.
-pub(crate) fn given(plan: &Plan) -> Vec<usize> {
-    let least = (GIVEN_SHARE * (plan.size.0 * plan.size.1) as f32) as usize;
-    let inner = plan.inner_pixels();
-    (0..plan.groups.len()).filter(|&group| inner[group] < least).collect()
 }
 
 /// Writes `truth.json` and its textures.

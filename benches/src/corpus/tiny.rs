@@ -140,7 +140,7 @@ fn write(wanted: &Wanted, plan: &Plan, folder: &Folder) -> Result<(), Failure> {
         }
         Format::Jpeg => atomic::write(&photo, &make::jpeg(&radiance, exposure)?)?,
     }
-    let given = store::given(plan);
+    let given = plan.given();
     store::write_truth(folder, plan, &given)?;
     store::write_neutral(&folder.path("scene.glb"), &scene)?;
     let head = format!(

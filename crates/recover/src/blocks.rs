@@ -12,7 +12,7 @@
 use crate::evidence::spread;
 use crate::observation::Observation;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use unrender_scene::Rgb;
 
 /// Blocks of a group at most, about, before uneven ones are divided. Half as many tell small
@@ -70,13 +70,14 @@ impl Place {
 pub struct Grid {
     width: usize,
     side: usize,
-    uneven: BTreeSet<(usize, usize)>,
+    /// Whether each block is uneven, row by row, as far as the last one that is.
+    uneven: Vec<bool>,
 }
 
 impl Grid {
     /// Blocks of one `side`, pixels, in a picture of `width` columns.
     pub fn even(width: usize, side: usize) -> Self {
-        Self { width, side, uneven: BTreeSet::new() }
+        Self { width, side, uneven: Vec::new() }
     }
 
     /// For `pixels` of `group`, of which at most `count` are looked at.
@@ -94,33 +95,45 @@ impl Grid {
         group: usize,
         pixels: &[u32],
     ) -> Self {
-        let mut blocks: BTreeMap<(usize, usize), Spread> = BTreeMap::new();
+        let last = pixels.iter().map(|pixel| self.number_of(*pixel)).max();
+        let mut blocks = vec![Spread::default(); last.map_or(0, |last| last + 1)];
         let mut all = Spread::default();
         for &pixel in pixels {
             let value = observation.picture.values.pixels()[pixel as usize];
             let noise = observation.noise(group, pixel, Rgb::ONE).variance(value);
-            blocks.entry(self.block_of(pixel)).or_default().add(value, noise);
+            blocks[self.number_of(pixel)].add(value, noise);
             all.add(value, noise);
         }
         let mean = all.mean();
-        let uneven = blocks.into_iter().filter(|(_, spread)| spread.is_uneven(mean));
-        self.uneven = uneven.map(|(place, _)| place).collect();
+        self.uneven = blocks.iter().map(|spread| spread.is_uneven(mean)).collect();
         self
     }
 
+    /// Column and row of a pixel's undivided block.
     fn block_of(&self, pixel: u32) -> (usize, usize) {
         let (x, y) = (pixel as usize % self.width, pixel as usize / self.width);
         (x / self.side, y / self.side)
     }
 
+    /// The number of a pixel's undivided block, row by row.
+    fn number_of(&self, pixel: u32) -> usize {
+        let (column, row) = self.block_of(pixel);
+        row * self.width.div_ceil(self.side) + column
+    }
+
+    /// Whether a pixel's block is uneven.
+    fn is_uneven(&self, pixel: u32) -> bool {
+        self.uneven.get(self.number_of(pixel)).is_some_and(|uneven| *uneven)
+    }
+
     /// The place of a pixel's block.
     pub fn place(&self, pixel: u32) -> Place {
-        let (column, row) = self.block_of(pixel);
-        if self.uneven.contains(&(column, row)) {
+        if self.is_uneven(pixel) {
             let side = (self.side / PARTS).max(1);
             let (x, y) = (pixel as usize % self.width, pixel as usize / self.width);
             return Place { fine: true, column: x / side, row: y / side };
         }
+        let (column, row) = self.block_of(pixel);
         Place { fine: false, column, row }
     }
 
@@ -133,7 +146,7 @@ impl Grid {
             return all;
         }
         let (uneven, even): (Vec<u32>, Vec<u32>) =
-            pixels.iter().partition(|pixel| self.uneven.contains(&self.block_of(**pixel)));
+            pixels.iter().partition(|pixel| self.is_uneven(**pixel));
         let share = (uneven.len() as f32 / pixels.len() as f32).max(UNEVEN_SHARE);
         let of_uneven = ((share * count as f32) as usize).min(uneven.len());
         let mut sample = spread(&uneven, of_uneven, seed);

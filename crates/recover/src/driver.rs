@@ -118,6 +118,8 @@ impl Driver<'_> {
             if let Some(found) = self.try_one(state, &proposals, best, follow, observer)? {
                 proposals.iter().for_each(|proposal| proposal.record(state, true));
                 (*best, accepted) = (found, true);
+                let next = proposals.into_iter().filter_map(|proposal| proposal.afterwards(state));
+                waiting.extend(next.map(|next| vec![next]));
                 continue;
             }
             state.restore(&best.snapshot);

@@ -2,8 +2,9 @@
 //! that arrives there, gathered twice with independent noise.
 //!
 //! Two sets, A and B, because the noise of a rendering is not the model's fault: the product of the
-//! two residuals `(B - L_A)(B - L_B)` has the mean `(B - L)^2`, without the variance of either. All
-//! fits minimise that product, and no noise of ours biases them.
+//! two residuals `(B - L_A)(B - L_B)` has the mean `(B - L)^2`, without the variance of either.
+//! Reflectances minimise that product, and no noise of ours biases them ([`crate::fit::linear`]); the
+//! shapes of lobes are searched by the deviance ([`crate::likelihood`]), which knows of the noise.
 //!
 //! A residual is weighted by the inverse of its variance under the observation model
 //! ([`crate::model_error`]): the photograph's noise at the *model's* brightness and the model error.
@@ -87,6 +88,8 @@ pub struct Stage<'a> {
 pub struct Effort {
     /// Pixels of the group at most.
     pub pixels: usize,
+    /// The seed of their choice; the same seed chooses the same pixels.
+    pub pixels_seed: u64,
     /// How well the light can be known at this effort.
     pub allowance: Allowance,
     /// The rest.
@@ -104,7 +107,7 @@ impl Evidence {
     ) -> Self {
         let Stage { observation, exposure, renderer, seen: known } = *stage;
         let grid = Grid::of(observation, group, pixels, effort.pixels);
-        let wanted = grid.sample(pixels, effort.pixels, effort.probe.seed ^ group as u64);
+        let wanted = grid.sample(pixels, effort.pixels, effort.pixels_seed ^ group as u64);
         let sets = [0u64, 1].map(|half| {
             let seed = mix(effort.probe.seed).wrapping_add(half);
             let settings = ProbeSettings { seed, ..effort.probe.clone() };

@@ -12,7 +12,8 @@
 //! behind the small trait [`Renderer`], and whoever wants to follow gives an [`Observer`].
 
 pub mod blocks;
-pub mod correction;
+pub mod contrast;
+mod correction;
 mod driver;
 pub mod evidence;
 pub mod fit;

@@ -39,11 +39,12 @@ const LIGHT_STEPS: i32 = 4;
 
 impl Likelihood {
     /// The likelihood of `residuals`, with the most likely sizes of the model error's two parts: the
-    /// share at least `floor`, the light's error at least that of `field`; the latter's amplitudes are
+    /// share at least `floor`, the light's error within the limits of `field`; the latter's amplitudes are
     /// integrated out.
     pub fn of(residuals: &BlockResiduals, field: &LightField, floor: ModelError) -> Self {
         let lights: Vec<LightError> = (0..=LIGHT_STEPS)
             .map(|step| LightError { share: field.least.share * LIGHT_STEP.powi(step) })
+            .filter(|light| light.share <= field.most.share.max(field.least.share))
             .collect();
         let at = |share: f64| Self::best_of(residuals, field, &lights, ModelError { share });
         let mut best = at(floor.share);
@@ -244,6 +245,8 @@ mod tests {
         BlockResiduals {
             residual: (0..n).map(|k| Rgb::splat(f(k))).collect(),
             noise: vec![Rgb::splat(noise * noise); n],
+            rendering: vec![Rgb::splat(noise * noise); n],
+            half: vec![Rgb::ZERO; n],
             missing: vec![Rgb::ZERO; n],
             level2: vec![Rgb::ONE; n],
             light: vec![Rgb::ONE; n],

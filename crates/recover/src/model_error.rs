@@ -89,6 +89,10 @@ pub struct BlockResiduals {
     pub residual: Vec<Rgb>,
     /// The variance of that by the photograph's and the renderings' noise.
     pub noise: Vec<Rgb>,
+    /// The part of that by the renderings' noise alone.
+    pub rendering: Vec<Rgb>,
+    /// The first half's rendering less the mean of both.
+    pub half: Vec<Rgb>,
     /// The part of `noise` that the residual does not have: what it was raised by for the sake of a
     /// comparison.
     pub missing: Vec<Rgb>,
@@ -108,6 +112,12 @@ impl BlockResiduals {
             Some(least) => residuals.with_noise(least),
             None => residuals,
         }
+    }
+
+    /// Photograph less each of the two renderings, of every block.
+    pub fn halves(&self) -> [Vec<Rgb>; 2] {
+        let both = || self.residual.iter().zip(&self.half);
+        [both().map(|(r, h)| *r - *h).collect(), both().map(|(r, h)| *r + *h).collect()]
     }
 
     /// The same residuals with at least the noise `least`, as if they had it.
@@ -130,31 +140,34 @@ impl BlockResiduals {
             let dark = || (smooth[blocks.of_pixel[i] as usize]).cmplt(pixels[i].radiance).any();
             pixels[i].reading == Reading::Value || dark()
         };
-        let rendering = |i: usize| 0.25 * (model[0][i] - model[1][i]).powf(2.0);
-        let rendering: Vec<Rgb> = (0..n).map(rendering).collect();
+        let half: Vec<Rgb> = (0..n).map(|i| 0.5 * (model[0][i] - model[1][i])).collect();
+        let rendering: Vec<Rgb> = half.iter().map(|half| *half * *half).collect();
         let photograph: Vec<Rgb> = pixels.iter().map(|p| p.variance).collect();
         let level2: Vec<Rgb> = pixels.iter().map(|p| p.level * p.level).collect();
         let mut level2 = blocks.mean_where(&level2, |_| true);
-        let rendering = pooled(&blocks.smooth(&rendering), &level2);
+        let rendering = pooled(&blocks.smooth(&rendering), &smooth);
         blocks.spread_over_parts(&mut level2);
         let photograph = blocks.mean_where(&photograph, counts);
-        let noise = (0..blocks.len())
-            .map(|k| (photograph[k] + rendering[k]) / blocks.sizes[k] as f32)
-            .collect();
+        let size = |k: usize| blocks.sizes[k] as f32;
+        let rendering: Vec<Rgb> = (0..blocks.len()).map(|k| rendering[k] / size(k)).collect();
+        let noise = (0..blocks.len()).map(|k| photograph[k] / size(k) + rendering[k]).collect();
         let missing = vec![Rgb::ZERO; blocks.len()];
         let residual = blocks.mean_where(&residual, counts);
-        Self { residual, noise, missing, level2, light: smooth }
+        let half = blocks.mean_where(&half, counts);
+        Self { residual, noise, rendering, half, missing, level2, light: smooth }
     }
 }
 
-/// The variance of the rendering noise of a pixel in every block: half of it as measured around the
-/// block, half as in the whole group relative to the level. The first alone is small where by chance
-/// no bright path was found.
-pub(crate) fn pooled(measured: &[Rgb], level2: &[Rgb]) -> Vec<Rgb> {
-    let relative = |(v, level2): (&Rgb, &Rgb)| *v / *level2;
-    let sum: Rgb = measured.iter().zip(level2).map(relative).sum();
-    let mean = sum / measured.len().max(1) as f32;
-    measured.iter().zip(level2).map(|(v, level2)| 0.5 * (*v + mean * *level2)).collect()
+/// The variance of the rendering noise of a pixel in every block: half of it as `measured` around the
+/// block, half as in the whole group relative to the model's own `light` there. The first alone is small
+/// where by chance no bright path was found. Relative to anything else, a mirror that shows a lamp
+/// somewhere would be noise everywhere, and nothing could speak against it.
+pub(crate) fn pooled(measured: &[Rgb], light: &[Rgb]) -> Vec<Rgb> {
+    let variance: Rgb = measured.iter().sum();
+    let squares: Rgb = light.iter().map(|light| *light * *light).sum();
+    let relative = variance / squares.max(Rgb::splat(f32::MIN_POSITIVE));
+    let of_block = |(v, light): (&Rgb, &Rgb)| 0.5 * (*v + relative * *light * *light);
+    measured.iter().zip(light).map(of_block).collect()
 }
 
 /// The standard deviation of the incident light's error that changes slowly over a surface, as a
@@ -177,8 +190,9 @@ pub struct LightField {
     pub(crate) rows: Vec<[f64; FUNCTIONS]>,
     /// The number of functions.
     pub(crate) count: usize,
-    /// The least standard deviation of the whole field.
+    /// The least standard deviation of the whole field, and the largest.
     pub(crate) least: LightError,
+    pub(crate) most: LightError,
 }
 
 impl LightField {
@@ -232,7 +246,7 @@ impl LightField {
                 count += 1;
             }
         }
-        Self { rows, count, least }
+        Self { rows, count, least, most: LightError { share: f64::INFINITY } }
     }
 }
 

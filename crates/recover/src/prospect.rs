@@ -67,7 +67,7 @@ pub fn prospect(
             appearance,
             group,
             pixels,
-            &Effort { pixels: count, allowance: ALLOWANCE, probe },
+            &Effort { pixels: count, pixels_seed: probe.seed, allowance: ALLOWANCE, probe },
         )
     };
     // The same seed sends the same rays through the same pixels.

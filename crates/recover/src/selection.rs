@@ -3,26 +3,21 @@
 //!
 //! A pure step: fits of one group on the same evidence go in, a decision with its numbers comes out.
 //! Hypotheses are compared by the Bayesian information criterion [Schwarz 1978]
-//! `IC = (N_eff / N) deviance + p ln N_eff`, with `p` free parameters. The deviance is that of the
-//! observation model ([`crate::model_error`]); `N` is the number of blocks and `N_eff` the number of
-//! independent ones among them, from the correlation `r` of neighbouring blocks' residuals under the
-//! best hypothesis: `N_eff = N ((1 - r) / (1 + r))^2`.
-//!
-//! Two hypotheses are compared under a common rendering noise, the larger one of theirs in every
-//! block: that one of them happens to be sampled well is no evidence for it, and one whose rendering
-//! is mostly noise explains nothing better than another does under as much noise.
+//! `IC = (N_eff / N) D + p ln N_eff`, with `p` free parameters. `D` is the sum of the squared residuals in
+//! units of their covariance, the same for both of the hypotheses that are compared
+//! ([`crate::contrast`]); `N` is the number of blocks and `N_eff` the number of independent ones among
+//! them, from the correlation `r` of neighbouring blocks' residuals under the best hypothesis:
+//! `N_eff = N ((1 - r) / (1 + r))^2`.
 
-use crate::blocks::Blocks;
+use crate::contrast::{Contrast, Side, independent_share};
 use crate::evidence::Evidence;
 use crate::hypothesis::{Fit, Hypothesis};
-use crate::likelihood::{Likelihood, standardised};
+use crate::likelihood::standardised;
 use std::collections::BTreeMap;
 
 /// A simpler hypothesis stands unless a more complex one has an information criterion lower by this:
 /// strong evidence [Kass and Raftery 1995]. Half of it is called positive, double of it decisive.
 pub(crate) const STRONG: f64 = 6.0;
-/// No fewer blocks than this share are taken as independent: the correlation is an estimate.
-const LEAST_INDEPENDENT: f64 = 0.05;
 
 /// What was decided for one group, and by which numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,48 +98,28 @@ impl<'a> Comparison<'a> {
         let [a, b] = [&self.fits[i], &self.fits[j]];
         let scale = self.independent / self.evidence.blocks.len().max(1) as f64;
         let parameters = parameters(a.hypothesis) - parameters(b.hypothesis);
-        let difference = scale * deviance_difference(a, b, self.evidence)
-            + parameters * self.independent.max(1.0).ln();
+        let difference =
+            scale * difference(a, b, self.evidence) + parameters * self.independent.max(1.0).ln();
         self.differences.insert((i, j), difference);
         difference
     }
 }
 
-/// The deviance of `a` less that of `b`, under their common noise.
-fn deviance_difference(a: &Fit, b: &Fit, evidence: &Evidence) -> f64 {
-    let deviance = |one: &Fit, other: &Fit| {
-        let residuals = one.residuals.with_noise(&other.residuals.noise);
-        Likelihood::of(&residuals, &evidence.field, evidence.allowance.floor).deviance
-    };
-    deviance(a, b) - deviance(b, a)
+/// The squared residuals of `a` less those of `b`, in units of their covariance.
+fn difference(a: &Fit, b: &Fit, evidence: &Evidence) -> f64 {
+    let (field, floor) = (&evidence.field, evidence.allowance.floor);
+    let sides = [a, b].map(|fit| Side { residuals: &fit.residuals, field, floor });
+    Contrast::of(&evidence.blocks, sides.each_ref()).difference
 }
 
 /// Whether `fit` explains the evidence no worse than `best` does, as far as it tells.
 pub fn explains_alike(fit: &Fit, best: &Fit, evidence: &Evidence) -> bool {
     let scale = independent_blocks(best, evidence) / evidence.blocks.len().max(1) as f64;
-    scale * deviance_difference(fit, best, evidence) <= STRONG
+    scale * difference(fit, best, evidence) <= STRONG
 }
 
 /// How many of the blocks are independent of each other under `fit`.
 fn independent_blocks(fit: &Fit, evidence: &Evidence) -> f64 {
     let residuals = standardised(&fit.residuals, &evidence.field, &fit.likelihood);
     evidence.blocks.len() as f64 * independent_share(&evidence.blocks, &residuals)
-}
-
-/// The share of the blocks that are independent of each other, from their standardised `residuals`.
-pub(crate) fn independent_share(blocks: &Blocks, residuals: &[glam::DVec3]) -> f64 {
-    let correlation = neighbour_correlation(blocks, residuals);
-    ((1.0 - correlation) / (1.0 + correlation)).powi(2).max(LEAST_INDEPENDENT)
-}
-
-/// The correlation of the values of neighbouring blocks, 0 to 1.
-fn neighbour_correlation(blocks: &Blocks, values: &[glam::DVec3]) -> f64 {
-    let pairs = blocks.neighbours();
-    if pairs.is_empty() {
-        return 0.0;
-    }
-    let product = pairs.iter().map(|&(i, j)| values[i].dot(values[j])).sum::<f64>();
-    let square = values.iter().map(|v| v.length_squared()).sum::<f64>();
-    let mean = square / values.len() as f64;
-    if mean > 0.0 { (product / pairs.len() as f64 / mean).clamp(0.0, 1.0) } else { 0.0 }
 }

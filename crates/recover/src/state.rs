@@ -86,12 +86,13 @@ impl GroupState {
         }
     }
 
-    /// Writes into the selection log whether the last candidate with `hypothesis` was accepted, after
-    /// the re-rendering was asked.
+    /// Writes into the selection log, after the re-rendering was asked, whether the one that was `tried`
+    /// of the candidates that were compared last was accepted; the others were not.
     pub(crate) fn set_accepted(&mut self, tried: Hypothesis, accepted: bool) {
-        let last = self.selection_log.iter_mut().rev().take(hypothesis::UNIFORM.len());
-        if let Some(trial) = last.into_iter().find(|trial| trial.hypothesis == tried) {
-            trial.accepted = accepted;
+        let Some(last) = self.selection_log.last().map(|trial| trial.iteration) else { return };
+        let of_last = self.selection_log.iter_mut().rev().take(hypothesis::UNIFORM.len());
+        for trial in of_last.filter(|trial| trial.iteration == last) {
+            trial.accepted = accepted && trial.hypothesis == tried;
         }
     }
 
@@ -326,6 +327,7 @@ impl<'a> State<'a> {
         self.lights.clone_from(&snapshot.lights);
         self.exposure = snapshot.exposure;
         self.corrected.clone_from(&snapshot.corrected);
+        self.covariance = None;
         self.observation.restore_valid_pixels(&snapshot.valid);
     }
 }

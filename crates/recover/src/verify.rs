@@ -2,19 +2,18 @@
 //!
 //! A sample of every group's pixels is rendered again, with all interreflection and without any cache,
 //! always the same pixels and the same random numbers, so that two states differ by what they are and
-//! not by noise. Each group counts by the deviance of its blocks under the observation model
-//! ([`crate::likelihood`]), the sizes of its model error being estimated: what one group gains does not
-//! drown in what another has always lacked. Residuals are in units of the photograph's values, so
+//! not by noise. Each group counts by the squared residuals of its blocks, as products of two renderings,
+//! in units of their covariance under the observation model ([`crate::contrast`]), the sizes of its
+//! model error being estimated: what one group gains does not drown in what another has always lacked. Residuals are in units of the photograph's values, so
 //! that states of different exposure can be compared. A group whose hypothesis became more complex is
 //! asked by itself too: its own pixels have to bear the change out.
 
 use crate::blocks::{Blocks, Grid};
+use crate::contrast::{Contrast, Side};
 use crate::hypothesis::Hypothesis;
-use crate::likelihood::{Likelihood, product, standardised};
 use crate::model_error::{BlockResiduals, LightError, LightField, ModelError, level2, pooled};
 use crate::observation::{PixelStatus, Reading};
 use crate::problem::{Options, Role};
-use crate::selection::independent_share;
 use crate::state::{Snapshot, State};
 use serde::{Deserialize, Serialize};
 use unrender_render::sampler::mix;
@@ -45,14 +44,6 @@ const LIGHT: f64 = 1.5;
 /// fitted in this light. At half of it the noise of the renderings speaks, at double faint lobes are
 /// taken back.
 const OWN_FLOOR: f64 = 0.005;
-/// Two models that are less far apart than so many standard deviations, of the residuals or of the
-/// renderings' noise, are not told apart by the sample. At half of it chance takes faint lobes back, at
-/// double it lets wrong ones pass.
-const UNDECIDED: f64 = 3.0;
-/// The variance of the difference of two products of residuals, each of two halves with independent
-/// noise, in units of the square of the mean's variance: each half has twice the mean's, which gives
-/// four for a product; the common random numbers leave about half of the sum of two.
-const PRODUCT: f64 = 4.0;
 /// A texture explains whatever it is asked to: what it explains beyond this share does not count.
 const TEXTURED_FLOOR: f64 = 0.05;
 /// What an outlier costs in every channel, in squared standard deviations of its block: the same under
@@ -86,10 +77,7 @@ pub(crate) struct Score {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct GroupScore {
     residuals: BlockResiduals,
-    /// The variance of the residuals by the renderings' noise alone.
-    rendering: Vec<Rgb>,
-    /// The first half's rendering less the mean of both.
-    half: Vec<Rgb>,
+    /// Whether most of a block's pixels are outliers: its residuals are zero then.
     outlier: Vec<bool>,
     /// The share of model error below which nothing counts.
     floor: f64,
@@ -182,7 +170,7 @@ impl Verifier {
         };
         let photograph: Vec<Rgb> = (0..n).map(photograph).collect();
         let rendering: Vec<Rgb> = half.iter().map(|half| *half * *half).collect();
-        let rendering = pooled(&blocks.smooth(&rendering), &sample.level2);
+        let rendering = pooled(&blocks.smooth(&rendering), &smooth);
         let counts = |i: usize| {
             let at = sample.pixels[i];
             let outlier = observation.status.pixels()[at as usize] == PixelStatus::Outlier;
@@ -207,8 +195,9 @@ impl Verifier {
         let textured = state.groups[sample.group].hypothesis == Hypothesis::Textured;
         let floor = if textured { TEXTURED_FLOOR.max(self.floor) } else { self.floor };
         let missing = vec![Rgb::ZERO; blocks.len()];
-        let residuals = BlockResiduals { residual, noise, missing, level2, light: smooth };
-        GroupScore { residuals, rendering, half, outlier, floor }
+        let light = smooth;
+        let residuals = BlockResiduals { residual, noise, rendering, half, missing, level2, light };
+        GroupScore { residuals, outlier, floor }
     }
 
     /// The score `mine` beside `other`.
@@ -222,7 +211,8 @@ impl Verifier {
 
     /// Whether the picture of `group` in `state` bears out its material beside the one it had `before`,
     /// with `adds` free parameters less: it has the lower information criterion ([`crate::selection`]),
-    /// or the sample is too small to tell the two apart.
+    /// or the sample does not tell that it is wrong. A texture, which fits every block, has to gain
+    /// significantly more than it would from residuals that are chance.
     pub(crate) fn bears_out(
         &self,
         state: &State<'_>,
@@ -245,81 +235,35 @@ impl Verifier {
         };
         let [mine, other] = &state.steps.value("own verification", rendered);
         let contrast = sample.contrast(mine, other);
-        let criterion = contrast.criterion + adds * contrast.independent.max(1.0).ln();
-        let least = UNDECIDED * UNDECIDED.max(contrast.noise.sqrt());
-        contrast.separation < least || criterion < 0.0
-    }
-}
-
-/// What the picture of one group says of two states.
-struct Contrast {
-    /// The squared residuals of the one state less those of the other, in units of their covariance.
-    difference: f64,
-    /// The same over as many blocks as are independent.
-    criterion: f64,
-    /// How far the two models are apart, squared, in units of the residuals' covariance: what the true
-    /// one of them gains on the mean. It is the product of the two halves' differences, free of the
-    /// renderings' noise.
-    separation: f64,
-    /// The variance of the difference by the renderings' noise.
-    noise: f64,
-    /// Blocks that are independent of each other.
-    independent: f64,
-}
-
-impl GroupScore {
-    /// Photograph less each of the two renderings, of every block.
-    fn halves(&self) -> [Vec<Rgb>; 2] {
-        let both = || self.residuals.residual.iter().zip(&self.half);
-        [both().map(|(r, h)| *r - *h).collect(), both().map(|(r, h)| *r + *h).collect()]
+        let independent = contrast.independent * sample.blocks.len() as f64;
+        let is_textured = state.groups[group].hypothesis == Hypothesis::Textured;
+        let asks = if is_textured {
+            // The squares of as many residuals as it can take away, and chance.
+            3.0 * independent + WORSE * (2.0 * 3.0 * independent).sqrt()
+        } else {
+            adds * independent.max(1.0).ln()
+        };
+        let criterion = contrast.independent * contrast.difference + asks;
+        criterion < 0.0 || !is_textured && contrast.may_be_right()
     }
 }
 
 impl Sample {
-    /// One state beside another, both under the covariance of the one that is explained better, with
-    /// the larger one of the two rendering noises: that one of them happens to be sampled well is no
-    /// evidence for it. Squares are the products of the two halves' residuals: a state whose rendering
-    /// is noisier is not further from the photograph for it.
+    /// One state beside another. What an outlier costs is the same under both.
     fn contrast(&self, mine: &GroupScore, other: &GroupScore) -> Contrast {
-        let fitted = |score: &GroupScore, other: &GroupScore| {
-            let residuals = score.residuals.with_noise(&other.residuals.noise);
+        let field = |score: &GroupScore| {
             let least = LightError { share: LIGHT * score.floor };
-            let field = LightField { least, ..self.field.clone() };
+            LightField { least, ..self.field.clone() }
+        };
+        let fields = [field(mine), field(other)];
+        let sides = [(mine, &fields[0]), (other, &fields[1])].map(|(score, field)| {
             let floor = ModelError { share: score.floor };
-            let likelihood = Likelihood::of(&residuals, &field, floor);
-            (residuals, field, likelihood)
-        };
-        let (a, b) = (fitted(mine, other), fitted(other, mine));
-        let (residuals, field, likelihood) = if a.2.deviance < b.2.deviance { a } else { b };
-        let product = |a: &[Rgb], b: &[Rgb]| product(&residuals, &field, &likelihood, [a, b]);
-        let (of_mine, of_other) = (mine.halves(), other.halves());
-        let outliers = |score: &GroupScore| score.outlier.iter().filter(|o| **o).count() as f64;
-        let difference = product(&of_mine[0], &of_mine[1]) - product(&of_other[0], &of_other[1])
-            + 3.0 * OUTLIER * (outliers(mine) - outliers(other));
-        let apart = [0, 1].map(|half: usize| {
-            let none = |k: usize| mine.outlier[k] || other.outlier[k];
-            let at = |k: usize| of_mine[half][k] - of_other[half][k];
-            let of_block = |k| if none(k) { Rgb::ZERO } else { at(k) };
-            (0..self.blocks.len()).map(of_block).collect::<Vec<Rgb>>()
+            Side { residuals: &score.residuals, field, floor }
         });
-        let separation = product(&apart[0], &apart[1]);
-        let share = (likelihood.error.share * likelihood.error.share) as f32;
-        let of_rendering = |k: usize| {
-            let rendering = mine.rendering[k].max(other.rendering[k]);
-            let variance = residuals.noise[k] + share * residuals.level2[k];
-            let part = rendering / variance.max(Rgb::splat(f32::MIN_POSITIVE));
-            f64::from((part * part).element_sum())
-        };
-        let noise = PRODUCT * (0..self.blocks.len()).map(of_rendering).sum::<f64>();
-        let standardised = standardised(&residuals, &field, &likelihood);
-        let share = independent_share(&self.blocks, &standardised);
-        Contrast {
-            difference,
-            criterion: share * difference,
-            separation,
-            noise,
-            independent: share * self.blocks.len() as f64,
-        }
+        let contrast = Contrast::of(&self.blocks, sides.each_ref());
+        let outliers = |score: &GroupScore| score.outlier.iter().filter(|o| **o).count() as f64;
+        let difference = contrast.difference + 3.0 * OUTLIER * (outliers(mine) - outliers(other));
+        Contrast { difference, ..contrast }
     }
 }
 
@@ -335,8 +279,7 @@ impl Comparison {
     /// worse than not.
     pub(crate) fn is_worse(&self) -> bool {
         let difference: f64 = self.groups.iter().map(|(_, c)| c.difference).sum();
-        let variance = |c: &Contrast| 4.0 * c.separation.max(0.0) + c.noise;
-        difference > WORSE * self.groups.iter().map(|(_, c)| variance(c)).sum::<f64>().sqrt()
+        difference > WORSE * self.groups.iter().map(|(_, c)| c.variance()).sum::<f64>().sqrt()
     }
 
     /// Whether the picture of `groups` alone is explained better.

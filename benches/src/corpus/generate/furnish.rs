@@ -78,6 +78,10 @@ pub(crate) fn plan(seed: u64, style: Style, size: (usize, usize), segments: u32)
     let left = wanted.saturating_sub(plan.groups.len()).max(1);
     furnish(&mut plan, &mut dice, &mut paint, &stage, rules, (left, segments));
     drop_unseen(&mut plan);
+    // What is given is given as one colour.
+    for group in plan.given() {
+        plan.groups[group].material.texture = None;
+    }
     plan
 }
 

@@ -54,8 +54,8 @@ fn anywhere(evidence: &Evidence) -> f32 {
 pub(super) const LIKELY: f64 = 0.5;
 
 /// The deviance of a lobe of the shape `[alpha_x, alpha_y, theta]` with the reflectances that fit
-/// best. A global search goes by it and not by the objective, which may be anything where a sharp
-/// lobe is hardly sampled: the deviance knows of the rendering noise.
+/// best. Searches go by it and not by the product of the residuals of two renderings, which may be
+/// anything where a sharp lobe is hardly sampled: the deviance knows of the rendering noise.
 pub(super) fn deviance(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], shape: [f32; 3]) -> f64 {
     let [x, y, theta] = shape;
     let alpha = |alpha: f32| alpha.clamp(ALPHA_RANGE[0], ALPHA_RANGE[1]);

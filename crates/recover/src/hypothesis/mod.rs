@@ -15,7 +15,6 @@ pub mod partial_mirror;
 pub mod textured;
 
 use crate::evidence::Evidence;
-use crate::fit::linear::{self, LinearFit, Terms};
 use crate::likelihood::Likelihood;
 use crate::model_error::BlockResiduals;
 use crate::residual::{ResidualStats, residual_stats};
@@ -106,20 +105,8 @@ fn judged(
     Fit { hypothesis, material, residual, residuals, likelihood }
 }
 
-/// What the lobe of `material`, with the reflectances that fit best beside it, leaves unexplained.
-pub(crate) fn cost_of_shape(evidence: &Evidence, material: &Material) -> f64 {
+/// The deviance of the lobe of `material` with the reflectances that fit best beside it.
+pub(crate) fn deviance_of_shape(evidence: &Evidence, material: &Material) -> f64 {
     let Material { alpha_x, alpha_y, theta_rad, .. } = *material;
-    fit_lobe(evidence, &evidence.diffuse(), alpha_x, alpha_y, theta_rad).objective
-}
-
-/// The reflectances that fit best beside a lobe of the given shape.
-fn fit_lobe(
-    evidence: &Evidence,
-    diffuse: &[Vec<Rgb>; 2],
-    alpha_x: f32,
-    alpha_y: f32,
-    theta_rad: f32,
-) -> LinearFit {
-    let specular = evidence.lobe(alpha_x, alpha_y, theta_rad);
-    linear::fit(evidence, diffuse, Some(&specular), Terms::Both)
+    isotropic::deviance(evidence, &evidence.diffuse(), [alpha_x, alpha_y, theta_rad])
 }

@@ -50,8 +50,7 @@ pub fn extract(
     let geometry = stage.renderer.geometry();
     let valid = &stage.observation.pixels_of_group[group];
     let (width, height) = resolution(geometry, valid)?;
-    let evidence = Evidence::gather(stage, appearance, group, valid, effort);
-    let diffuse = smoothed(geometry, &evidence, evidence.diffuse());
+    let (evidence, diffuse) = lit(stage, appearance, group, effort);
     let shine = evidence.specular(specular);
     let mut extracted: Option<Extracted> = None;
     for _ in 0..STEPS {
@@ -67,6 +66,45 @@ pub fn extract(
     }
     let deviation = deviation(&evidence, &diffuse);
     extracted.map(|extracted| Extracted { deviation, ..extracted })
+}
+
+/// The relative noise of the light that a texture is divided by. At half of it dim groups cost four times
+/// as many paths; at double the noise shows in their textures, and speaks against them.
+const NOISE: f32 = 0.03;
+/// The light is gathered again with at most so many times the samples.
+const MORE_MAX: f32 = 16.0;
+
+/// The evidence on all pixels of a group, and the light there, smoothed: gathered again with more samples
+/// where a dim group's is too noisy.
+fn lit(
+    stage: &Stage<'_>,
+    appearance: Appearance<'_>,
+    group: usize,
+    effort: &Effort,
+) -> (Evidence, [Vec<Rgb>; 2]) {
+    let geometry = stage.renderer.geometry();
+    let valid = &stage.observation.pixels_of_group[group];
+    let gather = |effort: &Effort| {
+        let evidence = Evidence::gather(stage, appearance, group, valid, effort);
+        let diffuse = smoothed(geometry, &evidence, evidence.diffuse());
+        (evidence, diffuse)
+    };
+    let found = gather(effort);
+    let more = (noise(&found.1) / NOISE).powi(2).min(MORE_MAX);
+    if more <= 1.0 {
+        return found;
+    }
+    let mut again = effort.clone();
+    again.probe.cosine = (effort.probe.cosine as f32 * more).ceil() as u32;
+    gather(&again)
+}
+
+/// The relative noise of the mean of both halves of a light.
+fn noise([a, b]: &[Vec<Rgb>; 2]) -> f32 {
+    let pairs = || a.iter().zip(b);
+    let difference: Rgb = pairs().map(|(a, b)| (*a - *b) * (*a - *b)).sum();
+    let sum: Rgb = pairs().map(|(a, b)| (*a + *b) * (*a + *b)).sum();
+    (difference / sum.max(Rgb::splat(f32::MIN_POSITIVE))).max_element().sqrt()
 }
 
 /// The standard deviation of a texel, root mean square over the pixels: `q = B/D` has the relative
@@ -244,4 +282,49 @@ pub fn mean(extracted: &Extracted) -> Rgb {
         .filter(|(_, seen)| **seen)
         .fold((DVec3::ZERO, 0.0), |(sum, count), (value, _)| (sum + value.as_dvec3(), count + 1.0));
     (sum / f64::max(count, 1.0)).as_vec3()
+}
+
+/// The share of the texels that no pixel shows, nor one beside them.
+pub(crate) fn unseen_share(seen: &Image<bool>) -> f32 {
+    let unseen = unseen(seen).into_iter().filter(|unseen| *unseen).count();
+    unseen as f32 / seen.pixels().len().max(1) as f32
+}
+
+/// A texel with a seen one within this distance, texels, is known from it.
+const BESIDE: usize = 2;
+
+/// Whether each texel is one that no pixel shows, nor one beside it.
+fn unseen(seen: &Image<bool>) -> Vec<bool> {
+    let (width, height) = (seen.width(), seen.height());
+    let near = |at: usize, end: usize| at.saturating_sub(BESIDE)..(at + BESIDE + 1).min(end);
+    let is_unseen = |i: usize| {
+        let (x, y) = (i % width, i / width);
+        near(y, height).all(|y| near(x, width).all(|x| !*seen.at(x, y)))
+    };
+    (0..width * height).map(is_unseen).collect()
+}
+
+/// Fewer unseen texels than this share do not answer for what light the group sends: at half of it a
+/// percent of that light doubles or blackens them, at double nothing changes.
+const ANSWERING: f32 = 0.05;
+/// The mean of a texture counts as at least this: a factor on what is black changes nothing.
+pub(crate) const MEAN_MIN: f32 = 1e-4;
+
+/// Whether enough of a texture is unseen to answer for the light that it sends to other groups.
+pub(crate) fn is_partly_unseen(seen: &Image<bool>) -> bool {
+    unseen_share(seen) >= ANSWERING
+}
+
+/// Gives one channel of a texture the mean `rho_d`, as the light that it sends to other groups says: its
+/// unseen texels change, since the photograph shows the others.
+pub(crate) fn set_mean(material: &mut Material, seen: &Image<bool>, channel: usize, rho_d: f32) {
+    let sent = rho_d / material.rho_d[channel].max(MEAN_MIN);
+    material.rho_d[channel] = rho_d;
+    let Some(texture) = &mut material.texture else { return };
+    let unseen = unseen(seen);
+    let factor = 1.0 + (sent - 1.0) / unseen_share(seen).max(ANSWERING);
+    let texels = Arc::make_mut(texture).image.pixels_mut().iter_mut().zip(unseen);
+    for (texel, _) in texels.filter(|(_, unseen)| *unseen) {
+        texel[channel] = (factor * texel[channel]).clamp(0.0, 1.0);
+    }
 }

@@ -6,12 +6,12 @@
 //! neighbours: once it is right, their errors may be gone. A proposal changes nothing by itself; the
 //! driver accepts it if the re-rendering of the whole picture is not worse for it.
 
-use super::settle::gather;
+use super::trial::Trial;
 use super::{effort, textures};
 use crate::evidence::Evidence;
-use crate::hypothesis::{self, Fit, Hypothesis, Search, brushed};
+use crate::hypothesis::{Fit, Hypothesis};
 use crate::likelihood::Likelihood;
-use crate::model_error::ModelError;
+use crate::model_error::LightError;
 use crate::outliers;
 use crate::problem::Options;
 use crate::record::{CandidateRecord, Status};
@@ -39,16 +39,18 @@ const BETTER: f64 = 0.25;
 /// quartile a real scene's rough lamps make lobes, at the upper one faint lobes wait until every group
 /// is right.
 const MIDDLE: f64 = 0.5;
+/// The incident light of a group is wrong by at most so many times the error of that of the middle one
+/// of the other groups: it comes from the same lamps and walls. At half of it the group beside a wrong
+/// one gets a lobe, at double broad faint lobes pass for errors of the light.
+const LIKE_OTHERS: f64 = 2.0;
 /// The model error of the better groups is taken as at least this: a real scene is not known better.
 const TYPICAL_MIN: f64 = 0.01;
-/// The search goes on for so many of the most likely candidates: the accepted one and its rival.
-const PROMISING: usize = 2;
 /// Outliers are looked for so often, each time without those before.
 const OUTLIER_ROUNDS: usize = 3;
 
-/// So many simpler candidates are kept for where the picture speaks against what was chosen. At none, a
+/// So many other candidates are kept for where the picture speaks against what was chosen. At none, a
 /// group whose best candidate overfits stays as it is; more are hardly ever reached.
-const SIMPLER: usize = 2;
+const OTHERS: usize = 2;
 
 /// Another hypothesis for one group.
 #[derive(Clone, Serialize, Deserialize)]
@@ -66,6 +68,9 @@ pub(crate) struct Proposal {
     outliers: Vec<u32>,
     /// What is to be tried where the picture speaks against it.
     next: Option<Box<Proposal>>,
+    /// What is to be tried after it, whatever became of it: the group without outliers, or a texture, which
+    /// explain more than any uniform hypothesis and have to be compared with the best of these.
+    then: Option<Box<Proposal>>,
 }
 
 impl Proposal {
@@ -87,6 +92,7 @@ impl Proposal {
             likelihood: fit.likelihood,
             outliers: outliers.to_vec(),
             next,
+            then: None,
         }
     }
 
@@ -97,7 +103,19 @@ impl Proposal {
 
     /// What is to be tried where the picture speaks against this, if it changes anything of `state`.
     pub(crate) fn otherwise(self, state: &State<'_>) -> Option<Self> {
-        self.next.map(|next| *next).filter(|next| next.moves(state))
+        let next = self.next.map(|next| *next).filter(|next| next.moves(state));
+        match next {
+            Some(next) => Some(Self { then: self.then, ..next }),
+            None => self.then.map(|then| *then),
+        }
+    }
+
+    /// What is to be tried after this was accepted, which is what `state` has now.
+    pub(crate) fn afterwards(self, state: &State<'_>) -> Option<Self> {
+        let then = *self.then?;
+        let present = state.groups[then.group].hypothesis;
+        let is_more_complex = then.hypothesis > present;
+        Some(Self { is_more_complex, adds: added(present, then.hypothesis), ..then })
     }
 
     /// Writes into the group's selection log whether the picture bore the change out.
@@ -227,46 +245,60 @@ impl<'o> Candidates<'o> {
         // What the model of the other groups gets wrong, it may get wrong here.
         let floor = &mut effort.allowance.floor;
         floor.share = floor.share.max(error_of_others(state, group, MIDDLE));
-        let evidence = gather(state, self.options, group, effort);
-        if evidence.is_empty() {
+        let trial =
+            Trial::gather(state, self.options, (group, light_of_others(state, group)), effort)?;
+        let (trial, fits) = trial.fit_all(state, group);
+        let decisions = self.decide(&fits, &trial.judging, group);
+        let limit = UNEXPLAINED * error_of_others(state, group, BETTER).max(TYPICAL_MIN);
+        let chosen = fits[decisions[0].chosen].clone();
+        log(state, group, &fits, &decisions[0]);
+        let uniform = chain(state, group, &Fitted { fits, decisions, outliers: Vec::new() })?;
+        let after = if level > 0 && !is_explained(&chosen, self.textured_above(limit).min(limit)) {
+            self.beyond_uniform(state, group, trial, (chosen, limit))
+        } else {
+            None
+        };
+        let is_textured = state.groups[group].hypothesis == Hypothesis::Textured;
+        if uniform.moves(state) && !(is_textured && after.is_some()) {
+            return Some(Proposal { then: after.map(Box::new), ..uniform });
+        }
+        after.filter(|after| after.moves(state))
+    }
+
+    /// The model error above which a group is textured.
+    fn textured_above(&self, limit: f64) -> f64 {
+        self.options.thresholds.textured.unwrap_or(limit)
+    }
+
+    /// What may explain a group that no uniform hypothesis explains: one of these without outliers, or a
+    /// texture.
+    fn beyond_uniform(
+        &self,
+        state: &mut State<'_>,
+        group: usize,
+        trial: Trial,
+        (chosen, limit): (Fit, f64),
+    ) -> Option<Proposal> {
+        let textured_above = self.textured_above(limit);
+        if self.options.outliers && !is_explained(&chosen, limit) {
+            let left = self.without_outliers(state, group, trial, chosen.clone(), limit);
+            let best = |left: &Fitted| left.fits[left.decisions[0].chosen].clone();
+            if let Some(left) = left.filter(|left| is_explained(&best(left), textured_above)) {
+                return chain(state, group, &left);
+            }
+        }
+        if is_explained(&chosen, textured_above) || !self.may_be_textured(state, group) {
             return None;
         }
-        let (evidence, fits) = fit_all(evidence, state, group);
-        let decisions = self.decide(&fits, &evidence, group);
-        let limit = UNEXPLAINED * error_of_others(state, group, BETTER).max(TYPICAL_MIN);
-        let chosen = &fits[decisions[0].chosen];
-        let may_be_outliers = self.options.outliers && level > 0 && !is_explained(chosen, limit);
-        let left = may_be_outliers
-            .then(|| self.without_outliers(state, group, evidence, chosen.clone(), limit))
-            .flatten();
-        let Fitted { fits, decisions, outliers } =
-            left.unwrap_or(Fitted { fits, decisions, outliers: Vec::new() });
-        log(state, group, &fits, &decisions[0]);
-        let mut proposal: Option<Proposal> = None;
-        for decision in decisions.iter().rev() {
-            let next = proposal.map(Box::new);
-            proposal =
-                Some(Proposal::uniform(state, group, &fits[decision.chosen], &outliers, next));
-        }
-        let best = &fits[decisions[0].chosen];
-        let textured_above = self.options.thresholds.textured.unwrap_or(limit);
-        if level > 0
-            && self.may_be_textured(state, group)
-            && !is_explained(best, textured_above)
-            && let Some(material) = textures::extract(state, self.options, group, false)
-        {
-            let textured = Hypothesis::Textured;
-            let uniform = proposal.clone().map(Box::new);
-            proposal = proposal.map(|p| Proposal {
-                hypothesis: textured,
-                is_more_complex: state.groups[group].hypothesis < textured,
-                adds: added(state.groups[group].hypothesis, textured),
-                material,
-                next: uniform,
-                ..p
-            });
-        }
-        proposal.filter(|proposal| proposal.moves(state))
+        let material = textures::extract(state, self.options, group, false)?;
+        let present = state.groups[group].hypothesis;
+        Some(Proposal {
+            hypothesis: Hypothesis::Textured,
+            is_more_complex: present < Hypothesis::Textured,
+            adds: added(present, Hypothesis::Textured),
+            material,
+            ..Proposal::uniform(state, group, &chosen, &[], None)
+        })
     }
 
     fn may_be_textured(&self, state: &State<'_>, group: usize) -> bool {
@@ -286,19 +318,20 @@ impl<'o> Candidates<'o> {
     }
 
     /// Model selection among the candidates that the user allows and the picture did not speak
-    /// against; then among those simpler than that, as often as [`SIMPLER`] says.
+    /// against; then among what is left without that one, as often as [`OTHERS`] says.
     fn decide(&self, fits: &[Fit], evidence: &Evidence, group: usize) -> Vec<Decision> {
         let mut comparison = Comparison::new(fits, evidence);
         let mut decisions: Vec<Decision> = Vec::new();
         let simpler = self.options.thresholds.simpler;
-        for _ in 0..=SIMPLER {
-            let before = decisions.last().map_or(fits.len(), |decision| decision.chosen);
-            if before == 0 {
+        for _ in 0..=OTHERS {
+            let is_left = |i: usize| decisions.iter().all(|decision| decision.chosen != i);
+            let allowed =
+                |i: usize| is_left(i) && !self.rejected[group].contains(&fits[i].hypothesis);
+            let next = comparison.choose(&allowed, simpler);
+            if !is_left(next.chosen) {
                 break;
             }
-            let allowed =
-                |i: usize| i < before && !self.rejected[group].contains(&fits[i].hypothesis);
-            decisions.push(comparison.choose(&allowed, simpler));
+            decisions.push(next);
         }
         decisions
     }
@@ -308,26 +341,25 @@ impl<'o> Candidates<'o> {
         &self,
         state: &State<'_>,
         group: usize,
-        mut evidence: Evidence,
+        mut trial: Trial,
         mut fit: Fit,
         limit: f64,
     ) -> Option<Fitted> {
         let geometry = state.problem.renderer.geometry();
         let mut found = Vec::new();
         let valid = &state.observation.pixels_of_group[group];
-        let side = outliers::cell_side(geometry, valid.len(), evidence.pixels.len());
+        let side = outliers::cell_side(geometry, valid.len(), trial.judging.pixels.len());
         for _ in 0..OUTLIER_ROUNDS {
             let dispersion = self.options.thresholds.dispersion;
-            let flags = outliers::find(&evidence, &fit, geometry, dispersion, side)?;
-            let sampled: Vec<u32> = evidence.pixels.iter().map(|p| p.pixel).collect();
+            let flags = outliers::find(&trial.judging, &fit, geometry, dispersion, side)?;
+            let sampled: Vec<u32> = trial.judging.pixels.iter().map(|p| p.pixel).collect();
             found.extend(outliers::spread_out(&sampled, &flags, valid, geometry, side));
             if found.len() as f32 > outliers::SHARE_MAX * valid.len() as f32 {
                 return None;
             }
-            evidence = evidence.without(&flags);
-            let (left, fits) = fit_all(evidence, state, group);
-            evidence = left;
-            let decisions = self.decide(&fits, &evidence, group);
+            let (left, fits) = trial.without(&flags).fit_all(state, group);
+            trial = left;
+            let decisions = self.decide(&fits, &trial.judging, group);
             let chosen = &fits[decisions[0].chosen];
             if is_explained(chosen, limit) {
                 return Some(Fitted { fits, decisions, outliers: found });
@@ -341,11 +373,28 @@ impl<'o> Candidates<'o> {
 /// The model error of the groups other than `group` below which a `share` of them lies; zero without
 /// others.
 fn error_of_others(state: &State<'_>, group: usize, share: f64) -> f64 {
+    of_others(state, group, share, |likelihood| likelihood.error.share).unwrap_or(0.0)
+}
+
+/// The quantile at `share` of what `of` says of the other groups; none without others.
+fn of_others(
+    state: &State<'_>,
+    group: usize,
+    share: f64,
+    of: impl Fn(&Likelihood) -> f64,
+) -> Option<f64> {
     let others = state.visible_unknowns().into_iter().filter(|g| *g != group);
-    let mut errors: Vec<f64> =
-        others.filter_map(|g| state.groups[g].likelihood.map(|l| l.error.share)).collect();
-    errors.sort_by(f64::total_cmp);
-    errors.get((share * errors.len() as f64) as usize).copied().unwrap_or(0.0)
+    let mut values: Vec<f64> =
+        others.filter_map(|g| state.groups[g].likelihood.as_ref().map(&of)).collect();
+    values.sort_by(f64::total_cmp);
+    values.get((share * values.len() as f64) as usize).copied()
+}
+
+/// The largest error of the incident light that candidates for `group` may call upon; no limit without
+/// others.
+fn light_of_others(state: &State<'_>, group: usize) -> LightError {
+    let others = of_others(state, group, MIDDLE, |likelihood| likelihood.light.share);
+    LightError { share: others.map_or(f64::INFINITY, |share| LIKE_OTHERS * share) }
 }
 
 /// Whether `fit` leaves no more model error than `limit`, from block to block or from pixel to
@@ -355,43 +404,14 @@ fn is_explained(fit: &Fit, limit: f64) -> bool {
     fit.likelihood.error.share <= limit && of_pixels <= limit * limit
 }
 
-/// All uniform rungs that the group may have, fitted to one cache under common weights: those of the
-/// most likely fit's light.
-fn fit_all(mut evidence: Evidence, state: &State<'_>, group: usize) -> (Evidence, Vec<Fit>) {
-    let geometry = state.problem.renderer.geometry();
-    let theta_rad = brushed::direction(&evidence, geometry).unwrap_or(0.0);
-    let max_rung = state.problem.groups[group].max_rung;
-    let rungs = || hypothesis::UNIFORM.into_iter().filter(|rung| *rung <= max_rung);
-    let diffuse = hypothesis::diffuse::fit(&evidence);
-    evidence.reweigh(&diffuse.material, ModelError::START);
-    evidence.least_noise = Some(hypothesis::diffuse::fit(&evidence).residuals.noise);
-    let mut fits: Vec<Fit> = Vec::new();
-    for rung in rungs() {
-        let mut start = fits.last().map_or(diffuse.material.clone(), |f| f.material.clone());
-        if rung == Hypothesis::Anisotropic {
-            start.theta_rad = theta_rad;
-        }
-        fits.push(hypothesis::fit(rung, &evidence, &start, Search::Global));
-    }
-    let deviance = |fit: &Fit| fit.likelihood.deviance;
-    let best = fits.iter().min_by(|a, b| deviance(a).total_cmp(&deviance(b)));
-    if let Some((material, error)) = best.map(|b| (b.material.clone(), b.likelihood.error)) {
-        let mut ranked: Vec<f64> = fits.iter().map(deviance).collect();
-        ranked.sort_by(f64::total_cmp);
-        let promising = ranked[ranked.len().min(PROMISING) - 1];
-        evidence.reweigh(&material, error);
-        evidence.least_noise = None;
-        evidence.least_noise = Some(hypothesis::diffuse::fit(&evidence).residuals.noise);
-        for fit in &mut fits {
-            let is_promising = deviance(fit) <= promising;
-            let again = |search| hypothesis::fit(fit.hypothesis, &evidence, &fit.material, search);
-            let kept = again(Search::Kept);
-            let polished = is_promising.then(|| again(Search::Local));
-            let better = polished.filter(|polished| deviance(polished) < deviance(&kept));
-            *fit = better.unwrap_or(kept);
-        }
-    }
-    (evidence, fits)
+/// The changes to what was chosen of `fitted`, each to be tried where the picture speaks against the one
+/// before.
+fn chain(state: &State<'_>, group: usize, fitted: &Fitted) -> Option<Proposal> {
+    let Fitted { fits, decisions, outliers } = fitted;
+    let chosen = decisions.iter().rev().map(|decision| &fits[decision.chosen]);
+    chosen.fold(None, |next, fit| {
+        Some(Proposal::uniform(state, group, fit, outliers, next.map(Box::new)))
+    })
 }
 
 /// Free parameters that `next` has more than `present`.

@@ -45,7 +45,12 @@ const TRIAL_PIXELS: usize = 2400;
 pub fn diffuse(level: usize, options: &Options) -> Effort {
     let probe =
         ProbeSettings { cosine: COSINE[level], seed: options.seed, ..ProbeSettings::default() };
-    Effort { pixels: PIXELS[level], allowance: allowance(level, options), probe }
+    Effort {
+        pixels: PIXELS[level],
+        pixels_seed: options.seed,
+        allowance: allowance(level, options),
+        probe,
+    }
 }
 
 /// For a group whose lobe is nearly known, or that mirrors.
@@ -66,7 +71,12 @@ pub fn specular(level: usize, options: &Options, material: &Material) -> Effort 
         seed: options.seed,
         ..ProbeSettings::default()
     };
-    Effort { pixels: GLOSSY_PIXELS[level], allowance: allowance(level, options), probe }
+    Effort {
+        pixels: GLOSSY_PIXELS[level],
+        pixels_seed: options.seed,
+        allowance: allowance(level, options),
+        probe,
+    }
 }
 
 /// For trying all rungs.
@@ -81,12 +91,22 @@ pub fn trial(level: usize, options: &Options) -> Effort {
         seed: options.seed,
         ..ProbeSettings::default()
     };
-    Effort { pixels: TRIAL_PIXELS, allowance: allowance(level, options), probe }
+    Effort {
+        pixels: TRIAL_PIXELS,
+        pixels_seed: options.seed,
+        allowance: allowance(level, options),
+        probe,
+    }
 }
 
 /// For a texture, at every pixel of its group: while the light still changes, and at the end.
 pub fn texture(last: bool, options: &Options) -> Effort {
     let cosine = if last { 48 } else { 4 };
     let probe = ProbeSettings { cosine, seed: options.seed, ..ProbeSettings::default() };
-    Effort { pixels: usize::MAX, allowance: allowance(FINEST, options), probe }
+    Effort {
+        pixels: usize::MAX,
+        pixels_seed: options.seed,
+        allowance: allowance(FINEST, options),
+        probe,
+    }
 }

@@ -10,3 +10,4 @@ pub mod effort;
 pub(crate) mod paper;
 pub(crate) mod settle;
 pub(crate) mod textures;
+mod trial;

@@ -285,7 +285,7 @@ impl PaperIteration<'_> {
         };
         let pixels = &state.observation.pixels_of_group[group];
         let allowance = effort::allowance(effort::FINEST, self.options);
-        let effort = Effort { pixels: ITERATION_PIXELS, allowance, probe };
+        let effort = Effort { pixels: ITERATION_PIXELS, pixels_seed: probe.seed, allowance, probe };
         Evidence::gather(&state.stage(), state.appearance(), group, pixels, &effort)
     }
 

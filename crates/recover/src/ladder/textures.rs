@@ -43,13 +43,22 @@ pub(crate) fn extract(
     Some(Material { texture: Some(extracted.texture), rho_d: mean, ..plain })
 }
 
-/// The textures once more, with more light samples, under the final light.
+/// The textures once more, with more light samples, under the final light. What a joint refinement found
+/// of the light that a texture sends to others is laid upon the texels that no pixel shows.
 pub(crate) fn finish(state: &mut State<'_>, options: &Options) {
     for group in state.visible_unknowns() {
-        if state.groups[group].hypothesis == Hypothesis::Textured
-            && let Some(material) = extract(state, options, group, true)
-        {
-            state.materials[group] = material;
+        if state.groups[group].hypothesis != Hypothesis::Textured {
+            continue;
         }
+        let sent = state.covariance.is_some().then(|| state.materials[group].rho_d);
+        let Some(mut material) = extract(state, options, group, true) else { continue };
+        if let (Some(sent), Some(seen)) = (sent, &state.groups[group].seen_texels)
+            && textured::is_partly_unseen(seen)
+        {
+            let shown = material.rho_d;
+            (0..3).for_each(|c| textured::set_mean(&mut material, seen, c, sent[c]));
+            material.rho_d = shown;
+        }
+        state.materials[group] = material;
     }
 }

@@ -62,7 +62,7 @@ fn others(hypothesis: Hypothesis, evidence: &Evidence, answer: &Material) -> Vec
     let best = hypothesis::fit(hypothesis, evidence, answer, Search::Local);
     let starts = starts(hypothesis, answer);
     let costs: Vec<f64> =
-        starts.iter().map(|start| hypothesis::cost_of_shape(evidence, start)).collect();
+        starts.iter().map(|start| hypothesis::deviance_of_shape(evidence, start)).collect();
     let n = starts.len();
     let ring = hypothesis == Hypothesis::Anisotropic;
     let cost = |i: usize, step: usize| match (i + n + step).checked_sub(1) {

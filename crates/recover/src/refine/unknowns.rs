@@ -6,9 +6,10 @@
 use crate::fit::quadratic::Bounds;
 use crate::hypothesis::Hypothesis;
 use crate::hypothesis::isotropic::ALPHA_RANGE;
+use crate::hypothesis::textured;
 use crate::problem::{ExposureRule, Role};
 use crate::record::Status;
-use crate::state::State;
+use crate::state::{GroupState, State};
 use nalgebra::DVector;
 use unrender_render::Parameter;
 use unrender_scene::Rgb;
@@ -16,7 +17,7 @@ use unrender_scene::Rgb;
 /// One kind of number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// Diffuse reflectance.
+    /// Diffuse reflectance; of a texture the mean, by the light that it sends to other groups.
     RhoD,
     /// Specular reflectance.
     RhoS,
@@ -86,10 +87,21 @@ const STEP_THETA: f64 = 0.3;
 /// ... and no light by more than this share of itself.
 const STEP_LIGHT: f64 = 0.7;
 
+/// The standard deviation of the prior of a texture's mean: its seen texels are known to about a percent
+/// from its own pixels, which the refinement does not ask; the others are guesses from these. At half or
+/// double of either, the groups that it lights are said to be surer or less sure than they are.
+const TEXTURE: f64 = 0.003;
+const UNSEEN: f64 = 0.15;
+
 /// The standard deviation of the prior of a number: so
 /// wide that it only speaks where the photograph is silent.
 fn prior_deviation(state: &State<'_>, u: &Unknown) -> f64 {
     match u.quantity {
+        Quantity::RhoD if state.groups[u.of].hypothesis == Hypothesis::Textured => {
+            let seen = state.groups[u.of].seen_texels.as_ref();
+            let unseen = f64::from(seen.map_or(0.0, textured::unseen_share));
+            TEXTURE + UNSEEN * unseen
+        }
         Quantity::RhoD | Quantity::RhoS => 0.5,
         Quantity::Alpha | Quantity::AlphaX | Quantity::AlphaY | Quantity::Theta => 1.0,
         Quantity::Light | Quantity::Exposure => 2.0,
@@ -97,12 +109,17 @@ fn prior_deviation(state: &State<'_>, u: &Unknown) -> f64 {
     }
 }
 
-/// The kinds of numbers that a group on this rung has.
-fn quantities(hypothesis: Hypothesis) -> &'static [Quantity] {
+/// The kinds of numbers that a group has: those of its rung, and of a texture the mean where some of it is
+/// unseen.
+fn quantities(of_group: &GroupState) -> &'static [Quantity] {
     use Quantity::{Alpha, AlphaX, AlphaY, RhoD, RhoS, Theta};
-    match hypothesis {
+    match of_group.hypothesis {
+        Hypothesis::Textured => match &of_group.seen_texels {
+            Some(seen) if textured::is_partly_unseen(seen) => &[RhoD],
+            _ => &[],
+        },
         Hypothesis::Diffuse => &[RhoD],
-        Hypothesis::Mirror | Hypothesis::Textured => &[],
+        Hypothesis::Mirror => &[],
         Hypothesis::PartialMirror => &[RhoS],
         Hypothesis::DiffuseSpecular => &[RhoD, RhoS],
         Hypothesis::Isotropic => &[RhoD, RhoS, Alpha],
@@ -118,7 +135,7 @@ impl Unknowns {
         for (group, spec) in state.problem.groups.iter().enumerate() {
             let of_group = &state.groups[group];
             if spec.role == Role::Unknown && of_group.status != Status::Assumed {
-                for &quantity in quantities(of_group.hypothesis) {
+                for &quantity in quantities(of_group) {
                     push(&mut list, quantity, group);
                 }
             }
@@ -207,6 +224,10 @@ impl Unknowns {
     /// The derivative of (rendering - photograph) by the unknown, from the renderer's `derivative`.
     fn scaled(&self, state: &State<'_>, u: &Unknown, derivative: f64, radiance: f64) -> f64 {
         match u.quantity {
+            // The renderer's is by a factor on the texture.
+            Quantity::RhoD if state.materials[u.of].texture.is_some() => {
+                derivative / self.value(state, u).max(f64::from(textured::MEAN_MIN))
+            }
             Quantity::Alpha | Quantity::AlphaX => {
                 derivative * f64::from(state.materials[u.of].alpha_x)
             }
@@ -286,7 +307,12 @@ impl Unknowns {
             let value = (self.value(state, u) + step) as f32;
             let channel = u.channel.unwrap_or(0);
             match u.quantity {
-                Quantity::RhoD => state.materials[u.of].rho_d[channel] = value,
+                Quantity::RhoD => match &state.groups[u.of].seen_texels {
+                    Some(seen) => {
+                        textured::set_mean(&mut state.materials[u.of], seen, channel, value);
+                    }
+                    None => state.materials[u.of].rho_d[channel] = value,
+                },
                 Quantity::RhoS => state.materials[u.of].rho_s[channel] = value,
                 Quantity::Alpha => {
                     state.materials[u.of].alpha_x = value.exp();

@@ -117,7 +117,10 @@ pub(super) fn record(state: &mut State<'_>, solution: &Solution) {
         if !verdict.is_free() {
             continue;
         }
-        state.groups[group].std = Some(verdict.deviations());
+        // Those of a texture are its texels', known when it is extracted at the end.
+        if state.groups[group].hypothesis != Hypothesis::Textured {
+            state.groups[group].std = Some(verdict.deviations());
+        }
         if state.groups[group].hypothesis == Hypothesis::Anisotropic && canonical(state, group) {
             covariance.of.iter_mut().filter(|u| u.of == group).for_each(swap_alphas);
         }

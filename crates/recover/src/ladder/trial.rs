@@ -1,0 +1,115 @@
+//! A trial: all uniform rungs fitted to one group under the present light.
+
+use super::settle::gather;
+use crate::evidence::{Effort, Evidence};
+use crate::hypothesis::{self, Fit, Hypothesis, Search, brushed};
+use crate::model_error::{LightError, ModelError};
+use crate::problem::Options;
+use crate::state::State;
+use std::collections::HashSet;
+use unrender_scene::Material;
+
+/// The search goes on for so many of the most likely candidates: the accepted one and its rival.
+const PROMISING: usize = 2;
+/// Makes the light samples by which hypotheses are compared others than those of the search.
+const JUDGING: u64 = 0x7D6E;
+
+/// The evidence on one group, gathered twice: shapes of lobes are searched by the one, and hypotheses are
+/// compared by the other. A search finds the shape that fits the noise of its light samples best, and the
+/// more shapes there are, the better it fits; the noise of other samples knows nothing of that.
+pub(super) struct Trial {
+    searching: Evidence,
+    pub(super) judging: Evidence,
+}
+
+impl Trial {
+    /// None where nothing was seen of the group.
+    /// `most` is the largest error of the incident light that candidates may call upon.
+    pub(super) fn gather(
+        state: &State<'_>,
+        options: &Options,
+        (group, most): (usize, LightError),
+        effort: Effort,
+    ) -> Option<Self> {
+        let mut again = effort.clone();
+        again.probe.seed ^= JUDGING;
+        let [searching, judging] = [effort, again].map(|effort| {
+            let mut evidence = gather(state, options, group, effort);
+            evidence.field.most = most;
+            evidence
+        });
+        let is_seen = !searching.is_empty() && !judging.is_empty();
+        is_seen.then_some(Self { searching, judging })
+    }
+
+    /// The same without the pixels of `judging` that are flagged.
+    pub(super) fn without(self, flags: &[bool]) -> Self {
+        let flagged = self.judging.pixels.iter().zip(flags).filter(|(_, flag)| **flag);
+        let flagged: HashSet<u32> = flagged.map(|(seen, _)| seen.pixel).collect();
+        let of_searching: Vec<bool> =
+            self.searching.pixels.iter().map(|seen| flagged.contains(&seen.pixel)).collect();
+        Self {
+            searching: self.searching.without(&of_searching),
+            judging: self.judging.without(flags),
+        }
+    }
+
+    /// All uniform rungs that the group may have, under common weights: those of the most likely fit's
+    /// light. Shapes are from one half, reflectances and likelihoods from the other.
+    pub(super) fn fit_all(mut self, state: &State<'_>, group: usize) -> (Self, Vec<Fit>) {
+        let fits = search_all(&mut self.searching, state, group);
+        let best = fits.iter().min_by(|a, b| {
+            let [a, b] = [a, b].map(|fit| fit.likelihood.deviance);
+            a.total_cmp(&b)
+        });
+        if let Some(Fit { material, likelihood, .. }) = best {
+            share_weights(&mut self.judging, material, likelihood.error);
+        }
+        let again =
+            |fit: &Fit| hypothesis::fit(fit.hypothesis, &self.judging, &fit.material, Search::Kept);
+        let fits = fits.iter().map(again).collect();
+        (self, fits)
+    }
+}
+
+/// Weights for all candidates: those under the light of `material`, and no less noise than that of a
+/// diffuse surface.
+fn share_weights(evidence: &mut Evidence, material: &Material, error: ModelError) {
+    evidence.reweigh(material, error);
+    evidence.least_noise = None;
+    evidence.least_noise = Some(hypothesis::diffuse::fit(evidence).residuals.noise);
+}
+
+/// All uniform rungs that the group may have, searched for everywhere and then near the most likely ones.
+fn search_all(evidence: &mut Evidence, state: &State<'_>, group: usize) -> Vec<Fit> {
+    let geometry = state.problem.renderer.geometry();
+    let theta_rad = brushed::direction(evidence, geometry).unwrap_or(0.0);
+    let max_rung = state.problem.groups[group].max_rung;
+    let diffuse = hypothesis::diffuse::fit(evidence);
+    share_weights(evidence, &diffuse.material, ModelError::START);
+    let mut fits: Vec<Fit> = Vec::new();
+    for rung in hypothesis::UNIFORM.into_iter().filter(|rung| *rung <= max_rung) {
+        let mut start = fits.last().map_or(diffuse.material.clone(), |f| f.material.clone());
+        if rung == Hypothesis::Anisotropic {
+            start.theta_rad = theta_rad;
+        }
+        fits.push(hypothesis::fit(rung, evidence, &start, Search::Global));
+    }
+    let deviance = |fit: &Fit| fit.likelihood.deviance;
+    let best = fits.iter().min_by(|a, b| deviance(a).total_cmp(&deviance(b)));
+    if let Some((material, error)) = best.map(|b| (b.material.clone(), b.likelihood.error)) {
+        let mut ranked: Vec<f64> = fits.iter().map(deviance).collect();
+        ranked.sort_by(f64::total_cmp);
+        let promising = ranked[ranked.len().min(PROMISING) - 1];
+        share_weights(evidence, &material, error);
+        for fit in &mut fits {
+            let is_promising = deviance(fit) <= promising;
+            let again = |search| hypothesis::fit(fit.hypothesis, evidence, &fit.material, search);
+            let kept = again(Search::Kept);
+            let polished = is_promising.then(|| again(Search::Local));
+            let better = polished.filter(|polished| deviance(polished) < deviance(&kept));
+            *fit = better.unwrap_or(kept);
+        }
+    }
+    fits
+}
