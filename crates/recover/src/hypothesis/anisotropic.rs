@@ -12,10 +12,15 @@ use crate::fit::simplex;
 use std::f32::consts::PI;
 use unrender_scene::{Material, Rgb};
 
-/// Directions that the global search starts from, over half a turn.
-const DIRECTIONS: usize = 6;
-/// The elongation that it starts with: `alpha_y / alpha_x` is its square.
-const ELONGATION: f32 = 1.4;
+/// Directions that the global search starts from, over half a turn. With half as many, the nearest is up
+/// to 45 degrees off and its basin is missed; double costs twice the time.
+const DIRECTIONS: usize = 5;
+/// The elongations that it starts with: `alpha_y / alpha_x` is their square. With the first alone, lobes
+/// that are three times as wide as long are not found.
+const ELONGATIONS: [f32; 2] = [1.4, 2.0];
+/// The mean roughnesses that it starts with, beside that of the isotropic answer: where a round lobe
+/// explains nothing, its roughness says nothing of an elongated one's.
+const ALPHAS: [f32; 3] = [0.05, 0.15, 0.4];
 
 /// The first step of a local search, of the logarithms of both roughnesses.
 const STEP: f64 = 0.04;
@@ -50,15 +55,18 @@ fn shape_of(p: &[f64]) -> [f32; 3] {
 
 /// The most likely shape: the best of a ring of directions, and downhill from there.
 fn anywhere(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], start: &Material) -> [f32; 3] {
-    let alpha = (start.alpha_x * start.alpha_y).sqrt().clamp(ALPHA_RANGE[0], ALPHA_RANGE[1]);
-    let (narrow, wide) = (alpha / ELONGATION, alpha * ELONGATION);
-    let ring = (0..DIRECTIONS).map(|i| PI * i as f32 / DIRECTIONS as f32);
-    let thetas = std::iter::once(start.theta_rad).chain(ring);
-    let ranked = thetas.map(|theta| {
-        let shape = [narrow, wide, theta];
-        (isotropic::deviance(evidence, diffuse, shape), shape)
+    let known = (start.alpha_x * start.alpha_y).sqrt().clamp(ALPHA_RANGE[0], ALPHA_RANGE[1]);
+    let first = [known / ELONGATIONS[0], known * ELONGATIONS[0], start.theta_rad];
+    let shapes = std::iter::once(known).chain(ALPHAS).flat_map(|alpha| {
+        ELONGATIONS.into_iter().flat_map(move |longer| {
+            let ring = (0..DIRECTIONS).map(|i| PI * i as f32 / DIRECTIONS as f32);
+            ring.map(move |theta| [alpha / longer, alpha * longer, theta])
+        })
     });
-    let best = ranked.min_by(|a, b| a.0.total_cmp(&b.0)).map_or([narrow, wide, 0.0], |b| b.1);
+    let ranked = std::iter::once(first)
+        .chain(shapes)
+        .map(|shape| (isotropic::deviance(evidence, diffuse, shape), shape));
+    let best = ranked.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(first, |b| b.1);
     let cost = |p: &[f64]| isotropic::deviance(evidence, diffuse, shape_of(p));
     let first = [f64::from(best[0]).ln(), f64::from(best[1]).ln(), f64::from(best[2])];
     let size = [0.2, 0.2, 0.3];
