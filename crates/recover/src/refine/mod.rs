@@ -132,7 +132,7 @@ fn adjust_nuisances(state: &mut State<'_>, options: &Options) {
     };
     let gather = || means::gather(state, &unknowns, &cells, &spp, &settings);
     let means = state.steps.value("nuisances", gather);
-    let normal = Normal::of(&means, &unknowns.are_specular(), state.materials.len());
+    let normal = Normal::of(&means, &unknowns, state.materials.len());
     let system = System::new(&unknowns, &normal, &DVector::zeros(unknowns.len()));
     if let Some(step) = system.step(0.0, &unknowns.bounds(state)) {
         unknowns.apply(state, &step);

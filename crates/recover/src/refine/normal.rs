@@ -8,11 +8,13 @@
 //! of the model around the cell.
 //!
 //! `g` is a sum over cells. From their spread comes its covariance, whatever the noise is and
-//! however it hangs together within a cell: `G = m/(m - n) sum g_b g_b^T` for `m` cells and `n`
-//! unknowns, which make the residuals smaller than the noise [Huber 1967; White 1982; MacKinnon
-//! and White 1985].
+//! however it hangs together within a cell: `G = sum g_b g_b^T` [Huber 1967; White 1982]. The fit makes
+//! residuals smaller than the noise, most where a cell has the leverage `h_b = w J_b H^-1 J_b^T`, as the few
+//! cells of a highlight have: the residuals of `g_b` are those over `sqrt(1 - h_b)` [MacKinnon and White
+//! 1985, HC2].
 
 use super::means::Mean;
+use super::unknowns::Unknowns;
 use nalgebra::{DMatrix, DVector};
 use unrender_scene::Rgb;
 
@@ -41,14 +43,18 @@ const MISFIT_MIN: f32 = 1e-6;
 /// firefly is not the group's noise.
 const OUTLIER: f32 = 30.0;
 
+/// A cell's residual is raised for what the fit took of it as if it had at most this leverage: derivatives
+/// are noisy, and with them the leverages near one.
+const LEVERAGE_MAX: f64 = 0.9;
+
 impl Normal {
-    /// The equations for `n` unknowns of a scene with `groups` groups; `specular` says for each
-    /// unknown whether it is a specular reflectance.
-    pub(crate) fn of(means: &[Mean], specular: &[bool], groups: usize) -> Self {
-        let n = specular.len();
+    /// The equations for `unknowns` of a scene with `groups` groups.
+    pub(crate) fn of(means: &[Mean], unknowns: &Unknowns, groups: usize) -> Self {
+        let n = unknowns.len();
         let noise: Vec<Noise> = (0..groups).map(|group| Noise::of(means, group)).collect();
         let shrinkage = shrinkage(means, n, groups);
-        let specular = Specular::of(means, specular, groups);
+        let are_specular = unknowns.are_specular();
+        let specular = Specular::of(means, &are_specular, groups);
         let mut normal = Self {
             h: DMatrix::zeros(n, n),
             g: DVector::zeros(n),
@@ -66,44 +72,49 @@ impl Normal {
                 let deviations = (0.5 * (a + b)).abs() / variance.map(f32::sqrt);
                 (HUBER / deviations.max_element()).min(1.0)
             };
+            let weight = robust * variance.recip();
             let shrink = |k: usize| shrinkage[(mean.group, k)];
-            let (mut g, mut g_rendering) = (DVector::zeros(n), DVector::zeros(n));
             for channel in 0..3 {
-                let weight = f64::from(robust / variance[channel]);
-                let residuals = [f64::from(a[channel]), f64::from(b[channel])];
-                let row = &mean.rows[channel];
-                normal.add_row(row, shrink, weight, residuals, &mut g);
-                // The difference of the two has the noise of their mean and nothing else.
-                let noise = 0.5 * weight * (residuals[0] - residuals[1]);
-                row.iter()
-                    .for_each(|&(k, a, b)| g_rendering[k] += shrink(k) * noise * 0.5 * (a + b));
+                normal.add_row(&mean.rows[channel], shrink, f64::from(weight[channel]));
             }
-            normal.g_covariance.syger(1.0, &g, &g, 1.0);
-            normal.g_rendering.syger(1.0, &g_rendering, &g_rendering, 1.0);
-            normal.g += g;
+            normal.g += gradient(mean, weight, &shrinkage, |_, residual| residual);
             let error = f64::from((robust * a * b / mean.level2).element_sum());
             normal.errors.push(error * mean.pixels);
-            normal.weights.push(robust * variance.recip());
+            normal.weights.push(weight);
         }
-        let free = means.len().saturating_sub(n).max(1);
-        normal.g_covariance *= means.len() as f64 / free as f64;
         normal.h.fill_upper_triangle_with_lower_triangle();
-        normal.g_covariance.fill_upper_triangle_with_lower_triangle();
-        normal.g_rendering.fill_upper_triangle_with_lower_triangle();
+        normal.add_covariances(means, &shrinkage, &unknowns.deviations);
         normal
     }
 
-    /// Adds one cell in one channel to the lower triangle of `h`, and to the cell's `g`.
-    fn add_row(
-        &mut self,
-        row: &[(usize, f64, f64)],
-        shrink: impl Fn(usize) -> f64,
-        weight: f64,
-        [ra, rb]: [f64; 2],
-        g: &mut DVector<f64>,
-    ) {
+    /// The covariances of `g`, with the standard deviations of the prior.
+    fn add_covariances(&mut self, means: &[Mean], shrinkage: &DMatrix<f64>, prior: &[f64]) {
+        let n = self.g.len();
+        let known = DVector::from_iterator(n, prior.iter().map(|std| std.powi(-2)));
+        let h = &self.h + DMatrix::from_diagonal(&known);
+        let inverse = h.cholesky().map_or(DMatrix::zeros(n, n), |factors| factors.inverse());
+        for (mean, weight) in means.iter().zip(&self.weights) {
+            let shrink = |k: usize| shrinkage[(mean.group, k)];
+            let left = |channel: usize, [a, b]: [f64; 2]| {
+                let weight = f64::from(weight[channel]);
+                let leverage = weight * leverage(&mean.rows[channel], shrink, &inverse);
+                let raised = (1.0 - leverage.clamp(0.0, LEVERAGE_MAX)).sqrt().recip();
+                [raised * a, raised * b]
+            };
+            // The difference of the two has the noise of their mean and nothing else.
+            let noise = |_, [a, b]: [f64; 2]| [0.5 * (a - b); 2];
+            let g = gradient(mean, *weight, shrinkage, left);
+            let g_rendering = gradient(mean, *weight, shrinkage, noise);
+            self.g_covariance.syger(1.0, &g, &g, 1.0);
+            self.g_rendering.syger(1.0, &g_rendering, &g_rendering, 1.0);
+        }
+        self.g_covariance.fill_upper_triangle_with_lower_triangle();
+        self.g_rendering.fill_upper_triangle_with_lower_triangle();
+    }
+
+    /// Adds one cell in one channel to the lower triangle of `h`.
+    fn add_row(&mut self, row: &[(usize, f64, f64)], shrink: impl Fn(usize) -> f64, weight: f64) {
         for (k, &(i, ai, bi)) in row.iter().enumerate() {
-            g[i] += 0.5 * weight * shrink(i) * (ai * rb + bi * ra);
             for &(j, aj, bj) in &row[..=k] {
                 let (low, high) = (i.max(j), i.min(j));
                 let shrinkage = (shrink(i) * shrink(j)).sqrt();
@@ -111,6 +122,38 @@ impl Normal {
             }
         }
     }
+}
+
+/// What one cell adds to `g`, with the residuals that `of` makes of the cell's in each channel.
+fn gradient(
+    mean: &Mean,
+    weight: Rgb,
+    shrinkage: &DMatrix<f64>,
+    of: impl Fn(usize, [f64; 2]) -> [f64; 2],
+) -> DVector<f64> {
+    let mut g = DVector::zeros(shrinkage.ncols());
+    for (channel, row) in mean.rows.iter().enumerate() {
+        let [ra, rb] = of(channel, mean.residuals.map(|residual| f64::from(residual[channel])));
+        let weight = f64::from(weight[channel]);
+        for &(i, a, b) in row {
+            g[i] += 0.5 * weight * shrinkage[(mean.group, i)] * (a * rb + b * ra);
+        }
+    }
+    g
+}
+
+/// By how much the fit follows a row's residual, over its weight: `J H^-1 J^T`.
+fn leverage(
+    row: &[(usize, f64, f64)],
+    shrink: impl Fn(usize) -> f64,
+    inverse: &DMatrix<f64>,
+) -> f64 {
+    let of_row = |&(i, ai, _): &(usize, f64, f64)| {
+        let with =
+            |&(j, _, bj): &(usize, f64, f64)| (shrink(i) * shrink(j)).sqrt() * inverse[(i, j)] * bj;
+        ai * row.iter().map(with).sum::<f64>()
+    };
+    row.iter().map(of_row).sum()
 }
 
 /// For each group and unknown: how much of the group's derivatives by the unknown is signal.

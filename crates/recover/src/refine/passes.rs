@@ -120,7 +120,7 @@ impl<'o> Passes<'o> {
             state.look_at_photograph();
             let cells = sample::all(state, COARSE.0, seed);
             let means = self.pass(state, unknowns, &cells, (&spp, seed));
-            let normal = Normal::of(&means, &unknowns.are_specular(), state.materials.len());
+            let normal = Normal::of(&means, unknowns, state.materials.len());
             let error = relative_error(&normal, &means);
             let worse = last.as_ref().is_some_and(|last| last.is_better_than(&means));
             let place = match last.take() {
@@ -169,7 +169,7 @@ impl<'o> Passes<'o> {
             let seed = self.seed();
             let found = self.pass(state, &unknowns, &cells, (&spp, seed));
             means::average(&mut average, found);
-            let normal = Normal::of(&average, &unknowns.are_specular(), state.materials.len());
+            let normal = Normal::of(&average, &unknowns, state.materials.len());
             let to_prior = prior - unknowns.values(state);
             let system = System::new(&unknowns, &normal, &to_prior);
             covariance = system.covariance();
