@@ -57,19 +57,21 @@ impl Trial {
     /// All uniform rungs that the group may have, under common weights: those of the most likely fit's
     /// light. Shapes are from one half, reflectances and likelihoods from the other.
     pub(super) fn fit_all(mut self, state: &State<'_>, group: usize) -> (Self, Vec<Fit>) {
-        let fits = search_all(&mut self.searching, state, group);
-        let best = fits.iter().min_by(|a, b| {
-            let [a, b] = [a, b].map(|fit| fit.likelihood.deviance);
-            a.total_cmp(&b)
-        });
-        if let Some(Fit { material, likelihood, .. }) = best {
-            share_weights(&mut self.judging, material, likelihood.error);
-        }
+        let Found { fits, material, error } = search_all(&mut self.searching, state, group);
+        share_weights(&mut self.judging, &material, error);
         let again =
             |fit: &Fit| hypothesis::fit(fit.hypothesis, &self.judging, &fit.material, Search::Kept);
         let fits = fits.iter().map(again).collect();
         (self, fits)
     }
+}
+
+/// What a search found: the fits, and the most likely material and model error that their weights are
+/// from.
+struct Found {
+    fits: Vec<Fit>,
+    material: Material,
+    error: ModelError,
 }
 
 /// Weights for all candidates: those under the light of `material`, and no less noise than that of a
@@ -81,7 +83,7 @@ fn share_weights(evidence: &mut Evidence, material: &Material, error: ModelError
 }
 
 /// All uniform rungs that the group may have, searched for everywhere and then near the most likely ones.
-fn search_all(evidence: &mut Evidence, state: &State<'_>, group: usize) -> Vec<Fit> {
+fn search_all(evidence: &mut Evidence, state: &State<'_>, group: usize) -> Found {
     let geometry = state.problem.renderer.geometry();
     let theta_rad = brushed::direction(evidence, geometry).unwrap_or(0.0);
     let max_rung = state.problem.groups[group].max_rung;
@@ -97,19 +99,20 @@ fn search_all(evidence: &mut Evidence, state: &State<'_>, group: usize) -> Vec<F
     }
     let deviance = |fit: &Fit| fit.likelihood.deviance;
     let best = fits.iter().min_by(|a, b| deviance(a).total_cmp(&deviance(b)));
-    if let Some((material, error)) = best.map(|b| (b.material.clone(), b.likelihood.error)) {
-        let mut ranked: Vec<f64> = fits.iter().map(deviance).collect();
-        ranked.sort_by(f64::total_cmp);
-        let promising = ranked[ranked.len().min(PROMISING) - 1];
-        share_weights(evidence, &material, error);
-        for fit in &mut fits {
-            let is_promising = deviance(fit) <= promising;
-            let again = |search| hypothesis::fit(fit.hypothesis, evidence, &fit.material, search);
-            let kept = again(Search::Kept);
-            let polished = is_promising.then(|| again(Search::Local));
-            let better = polished.filter(|polished| deviance(polished) < deviance(&kept));
-            *fit = better.unwrap_or(kept);
-        }
+    let (material, error) = best.map_or((diffuse.material, ModelError::START), |b| {
+        (b.material.clone(), b.likelihood.error)
+    });
+    let mut ranked: Vec<f64> = fits.iter().map(deviance).collect();
+    ranked.sort_by(f64::total_cmp);
+    let promising = ranked.get(PROMISING - 1).copied().unwrap_or(f64::INFINITY);
+    share_weights(evidence, &material, error);
+    for fit in &mut fits {
+        let is_promising = deviance(fit) <= promising;
+        let again = |search| hypothesis::fit(fit.hypothesis, evidence, &fit.material, search);
+        let kept = again(Search::Kept);
+        let polished = is_promising.then(|| again(Search::Local));
+        let better = polished.filter(|polished| deviance(polished) < deviance(&kept));
+        *fit = better.unwrap_or(kept);
     }
-    fits
+    Found { fits, material, error }
 }
