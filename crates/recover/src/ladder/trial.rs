@@ -7,6 +7,7 @@ use crate::model_error::{LightError, ModelError};
 use crate::problem::Options;
 use crate::state::State;
 use std::collections::HashSet;
+use std::f32::consts::FRAC_PI_2;
 use unrender_scene::Material;
 
 /// The search goes on for so many of the most likely candidates: the accepted one and its rival.
@@ -57,11 +58,17 @@ impl Trial {
     /// All uniform rungs that the group may have, under common weights: those of the most likely fit's
     /// light. Shapes are from one half, reflectances and likelihoods from the other.
     pub(super) fn fit_all(mut self, state: &State<'_>, group: usize) -> (Self, Vec<Fit>) {
-        let Found { fits, material, error } = search_all(&mut self.searching, state, group);
+        let Found { fits, broad, material, error } = search_all(&mut self.searching, state, group);
         share_weights(&mut self.judging, &material, error);
         let again =
             |fit: &Fit| hypothesis::fit(fit.hypothesis, &self.judging, &fit.material, Search::Kept);
-        let fits = fits.iter().map(again).collect();
+        let mut fits: Vec<Fit> = fits.iter().map(again).collect();
+        for other in broad.iter().map(again) {
+            let same = fits.iter_mut().find(|fit| fit.hypothesis == other.hypothesis);
+            if let Some(fit) = same.filter(|f| other.likelihood.deviance < f.likelihood.deviance) {
+                *fit = other;
+            }
+        }
         (self, fits)
     }
 }
@@ -70,6 +77,8 @@ impl Trial {
 /// from.
 struct Found {
     fits: Vec<Fit>,
+    /// Broader lobes beside the sharp ones among these.
+    broad: Vec<Fit>,
     material: Material,
     error: ModelError,
 }
@@ -114,5 +123,32 @@ fn search_all(evidence: &mut Evidence, state: &State<'_>, group: usize) -> Found
         let better = polished.filter(|polished| deviance(polished) < deviance(&kept));
         *fit = better.unwrap_or(kept);
     }
-    Found { fits, material, error }
+    let broad = fits.iter().flat_map(|fit| broader(fit, evidence)).collect();
+    Found { fits, broad, material, error }
+}
+
+/// A lobe is sharp below this mean roughness. At half of it few of those are that fit noise, at double
+/// all lobes are.
+const SHARP: f32 = 0.12;
+/// The roughness that a broader one is looked for from.
+const BROAD: f32 = 0.3;
+/// The elongation that it is looked for from, if it is anisotropic.
+const LONGER: f32 = 1.5;
+
+/// Where the search came to a sharp lobe: the best broad ones. Few light samples find a sharp lobe, so that
+/// what they find fits anything; on other samples a broad one may be the better.
+fn broader(fit: &Fit, evidence: &Evidence) -> Vec<Fit> {
+    let Material { alpha_x, alpha_y, theta_rad, .. } = fit.material;
+    if !fit.material.is_glossy() || (alpha_x * alpha_y).sqrt() > SHARP {
+        return Vec::new();
+    }
+    let near = |alpha_x: f32, alpha_y: f32, theta_rad: f32| {
+        let start = Material { alpha_x, alpha_y, theta_rad, ..fit.material.clone() };
+        hypothesis::fit(fit.hypothesis, evidence, &start, Search::Local)
+    };
+    if fit.hypothesis == Hypothesis::Isotropic {
+        return vec![near(BROAD, BROAD, 0.0)];
+    }
+    let turned = |theta_rad: f32| near(BROAD / LONGER, BROAD * LONGER, theta_rad);
+    vec![turned(theta_rad), turned(theta_rad + FRAC_PI_2)]
 }
