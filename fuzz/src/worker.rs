@@ -9,10 +9,11 @@ use std::fs;
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-/// What the process may take of memory, bytes: what inputs may, as often as a reader keeps it in
-/// another form, and what the program itself takes of addresses.
+/// What the process may take of memory, bytes: what inputs may, once more for what is made of them, and
+/// what the program and its threads take of addresses. With half of it, honest files fail; with double, a
+/// reader that allocates four times what inputs may is not found.
 #[cfg(unix)]
-const MEMORY: u64 = 4 * crate::targets::MEMORY + (1 << 30);
+const MEMORY: u64 = 2 * crate::targets::MEMORY + (512 << 20);
 
 /// The file of case `index`; the first ones are the seeds themselves.
 pub(crate) fn case(target: &Target, seeds: &[Vec<u8>], seed: u64, index: u64) -> Vec<u8> {
