@@ -68,7 +68,7 @@ fn split(words: &str) -> Vec<String> {
 pub(crate) fn all() -> Vec<Work> {
     let recover = "recover ../in/p.toml --spp 1 --out out";
     let restage = "restage --recovered ../in/base --height 24 --spp 256 --out out";
-    let render = "render ../in/scene.glb --height 24 --spp 1024 --checkpoint c.exr --out a.exr";
+    let render = "render ../in/shown.glb --height 24 --spp 1024 --checkpoint c.exr --out a.exr";
     let gltf = "export ../in/base --to gltf --out a.glb";
     let with_resume = |mut work: Work| {
         work.again.push("--resume".into());
@@ -81,13 +81,13 @@ pub(crate) fn all() -> Vec<Work> {
             "render",
             "a.exr",
             render,
-            Some("render ../in/scene.glb --height 24 --spp 1 --seed 1 --out a.exr"),
+            Some("render ../in/shown.glb --height 24 --spp 1 --seed 1 --out a.exr"),
         ),
         Work::new(
             "merge",
             "a.exr",
             "merge ../in/part1.exr ../in/part2.exr --out a.exr",
-            Some("render ../in/scene.glb --height 24 --spp 1 --seed 1 --out a.exr"),
+            Some("render ../in/shown.glb --height 24 --spp 1 --seed 1 --out a.exr"),
         ),
         Work::new(
             "export",
@@ -122,6 +122,8 @@ impl Bench {
         let mut shown = scene.clone();
         shown.groups[0].material = Material::diffuse(Rgb::new(0.6, 0.4, 0.2));
         shown.groups[1].material = Material::isotropic(Rgb::splat(0.3), Rgb::splat(0.2), 0.15);
+        let glb = gltf::to_glb(&shown).map_err(io::Error::other)?;
+        fs::write(inputs.join("shown.glb"), glb)?;
         let settings = Settings { spp: 64, ..Settings::default() };
         let tracer = Tracer::new(&shown);
         let size = (SIDE, SIDE);
@@ -131,7 +133,7 @@ impl Bench {
             "scene = \"scene.glb\"\nphoto = \"photo.png\"\nexposure = 1\nresponse = \"srgb\"\n";
         fs::write(inputs.join("p.toml"), project)?;
         user.owns(&inputs)?;
-        let render = "render scene.glb --height 24 --samples";
+        let render = "render shown.glb --height 24 --samples";
         for words in [
             "recover p.toml --spp 1 --no-refine --out base".to_owned(),
             format!("{render} 0..4 --out part1.exr"),
