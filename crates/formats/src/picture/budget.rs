@@ -85,7 +85,9 @@ pub(crate) fn exr_block(header: &Header, file_bytes: u64) -> Result<u64, String>
     };
     let block = bytes_of(header, width as u64, height as u64);
     block.filter(|block| *block <= believed(file_bytes)).ok_or_else(|| {
-        format!("claims blocks of {width} x {height} pixels, which its {file_bytes} bytes cannot hold")
+        format!(
+            "claims blocks of {width} x {height} pixels, which its {file_bytes} bytes cannot hold"
+        )
     })
 }
 
