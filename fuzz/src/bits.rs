@@ -81,6 +81,7 @@ fn state(
 ) -> io::Result<State> {
     let folder = root.join("way");
     fs::create_dir_all(&folder)?;
+    bench.user.owns(&folder)?;
     let words = [&work.words[..], &["--threads".to_owned(), threads.to_owned()]].concat();
     let output = bench.command(&folder, &words).envs(variable).output()?;
     if !output.status.success() {

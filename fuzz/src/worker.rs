@@ -9,10 +9,30 @@ use std::fs;
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-/// What the process may take of memory, bytes: what inputs may, as often as a reader keeps it in
-/// another form, and what the program itself takes of addresses.
+/// What the process may take of memory, bytes: what inputs may, once more for what is made of them, and
+/// what the program and its threads take of addresses. With half of it, honest files fail; with double, a
+/// reader that allocates four times what inputs may is not found.
 #[cfg(unix)]
-const MEMORY: u64 = 4 * crate::targets::MEMORY + (1 << 30);
+const MEMORY: u64 = 2 * crate::targets::MEMORY + (512 << 20);
+
+/// What a file may take of processor time, seconds. The slowest honest one of 64 KiB takes one; with half of
+/// it nothing changes, with double, a reader that is twice as slow is not found.
+pub(crate) const SECONDS: u64 = 10;
+
+/// Ends this process, by SIGXCPU, if the next file takes more processor time than it may.
+///
+/// # Errors
+/// If there are no limits here.
+#[cfg(unix)]
+fn limit_time() -> std::io::Result<()> {
+    use nix::sys::resource::{Resource, UsageWho, getrlimit, getrusage, setrlimit};
+    let used = getrusage(UsageWho::RUSAGE_SELF)?;
+    let used = used.user_time().tv_sec() + used.system_time().tv_sec();
+    let (_, hard) = getrlimit(Resource::RLIMIT_CPU)?;
+    // The two were rounded down.
+    setrlimit(Resource::RLIMIT_CPU, (used as u64 + 2 + SECONDS).min(hard), hard)?;
+    Ok(())
+}
 
 /// The file of case `index`; the first ones are the seeds themselves.
 pub(crate) fn case(target: &Target, seeds: &[Vec<u8>], seed: u64, index: u64) -> Vec<u8> {
@@ -52,6 +72,8 @@ pub(crate) fn run(target: &Target, seed: u64, first: u64, time: Duration) -> std
         fs::write(&path, case(target, &seeds, seed, index))?;
         writeln!(stdout, "{index}")?;
         stdout.flush()?;
+        #[cfg(unix)]
+        limit_time()?;
         (target.read)(&path);
         index += 1;
     }

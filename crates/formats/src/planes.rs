@@ -5,7 +5,7 @@
 //! is a text in the header's attribute `unrender`.
 
 use crate::input::{Input, Scope};
-use crate::{FileError, atomic};
+use crate::{FileError, atomic, picture};
 use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
 use exr::prelude::*;
@@ -97,7 +97,8 @@ pub fn read<'a>(input: impl Into<Input<'a>>) -> std::result::Result<Planes, File
     if width.saturating_mul(height) > MAX_PIXELS || unpacked > believed {
         return Err(fault(format!("claims {width} x {height} pixels, which it cannot hold")));
     }
-    scope.charge(unpacked as u64).map_err(fault)?;
+    let block = picture::exr_block(header, bytes.len() as u64).map_err(fault)?;
+    scope.charge(unpacked as u64 + 2 * block).map_err(fault)?;
     let image = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()

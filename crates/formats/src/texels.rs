@@ -20,7 +20,7 @@ pub(crate) fn decode(scope: &Scope, bytes: &[u8]) -> Result<Image<Rgb>, String> 
     if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
         return Err("is neither PNG nor JPEG; convert it".into());
     }
-    picture::check_budget(bytes, reader.format())?;
+    picture::check_budget(scope, bytes, reader.format())?;
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);

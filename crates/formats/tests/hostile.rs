@@ -100,6 +100,8 @@ fn links_and_pipes_are_seen_through() {
 #[test]
 fn counts_are_checked_before_memory_is_asked_for() {
     assert!(refusal(data().join("mem85.exr")).contains("cannot hold"));
+    assert!(refusal(data().join("tile.exr")).contains("blocks of 64 x 8388608 pixels"));
+    assert!(refusal(data().join("tile-overflow.exr")).contains("cannot hold"));
     assert!(refusal(data().join("plyn.xml")).contains("cannot hold"));
     assert!(refusal(data().join("plye.xml")).contains("cannot hold"));
     assert!(refusal(data().join("prog4600.jpg")).contains("cannot hold"));

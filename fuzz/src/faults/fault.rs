@@ -20,9 +20,13 @@ pub(crate) enum Fault {
     Kill,
     /// SIGTERM at a random moment.
     Terminate,
+    /// SIGINT, which is Ctrl-C, at a random moment.
+    Interrupt,
     /// Files cannot grow beyond a random size.
+    Limited,
+    /// The disk is full after a random number of bytes.
     Full,
-    /// What is there is write-protected.
+    /// What is there is write-protected, or also the folder around it.
     ReadOnly,
     /// Standard output and error are closed at a random moment, or are full from the beginning.
     Closed,
@@ -47,16 +51,31 @@ const LARGEST: usize = 60_000;
 
 impl Fault {
     /// Kills come twice: they are what most is asked about.
-    pub(crate) const ALL: [Self; 8] = [
+    pub(crate) const ALL: [Self; 10] = [
         Self::Kill,
         Self::Kill,
         Self::Terminate,
+        Self::Interrupt,
+        Self::Limited,
         Self::Full,
         Self::ReadOnly,
         Self::Closed,
         Self::Two,
         Self::NoTerminal,
     ];
+
+    /// Whether the machine has this fault; what is missing, if not.
+    pub(crate) fn missing(self, bench: &Bench) -> Option<&'static str> {
+        match self {
+            Self::ReadOnly if !bench.user.is_held_back() => {
+                Some("root may write everywhere, and no other user can run this program")
+            }
+            Self::Full if !bench.has_disks() => {
+                Some("only root has file systems of a few kilobytes")
+            }
+            _ => None,
+        }
+    }
 
     /// Runs `work` in `folder` with this fault after `moment`.
     ///
@@ -73,28 +92,27 @@ impl Fault {
         let mut command = bench.command(folder, &work.words);
         command.stdout(Stdio::null()).stderr(Stdio::piped());
         match self {
-            Self::Kill => {
-                let mut running = command.spawn()?;
-                sleep(moment);
-                // It may have ended by itself.
-                let _ = running.kill();
-                self.ended(running, &[0])
-            }
-            Self::Terminate => {
-                let running = command.spawn()?;
-                sleep(moment);
-                let _ = kill(Pid::from_raw(running.id() as i32), Signal::SIGTERM);
-                self.ended(running, &[0, 143])
-            }
-            Self::Full => {
+            Self::Kill => self.signalled(command.spawn()?, moment, Signal::SIGKILL, &[0]),
+            Self::Terminate => self.signalled(command.spawn()?, moment, Signal::SIGTERM, &[0, 143]),
+            Self::Interrupt => self.signalled(command.spawn()?, moment, Signal::SIGINT, &[0, 130]),
+            Self::Limited => {
                 let running = with_limit(random.below(LARGEST) as u64, &mut command)?;
                 self.ended(running, &[0, 1])
             }
+            // The disk is as `folder` finds it.
+            Self::Full => self.ended(command.spawn()?, &[0, 1]),
             Self::ReadOnly => {
-                protect(&folder.join(work.out), true)?;
+                let result = folder.join(work.out);
+                let is_all = random.below(2) == 0 || !result.exists();
+                let place = if is_all { folder.to_owned() } else { result };
+                protect(&place, true)?;
                 let told = self.ended(command.spawn()?, &[0, 1]);
-                protect(&folder.join(work.out), false)?;
-                told
+                protect(&place, false)?;
+                let mut told = told?;
+                if is_all && told.succeeded {
+                    told.problems.push("it wrote into a folder that is write-protected".into());
+                }
+                Ok(told)
             }
             Self::Closed if random.below(2) == 0 => {
                 let full = || OpenOptions::new().write(true).open("/dev/full");
@@ -120,13 +138,25 @@ impl Fault {
                 Ok(Told { succeeded, problems })
             }
             Self::NoTerminal => {
-                let mut session = Command::new("setsid");
-                session.arg("--wait").arg(command.get_program()).args(command.get_args());
-                session.current_dir(folder).env(super::work::AS_COMMAND, "1").env_remove("TERM");
-                session.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+                let mut session = bench.in_session(folder, &work.words);
+                session.stdout(Stdio::null()).stderr(Stdio::piped());
                 self.ended(session.spawn()?, &[0])
             }
         }
+    }
+
+    /// Sends `signal` after `moment`, and waits for the end.
+    fn signalled(
+        self,
+        running: Child,
+        moment: Duration,
+        signal: Signal,
+        codes: &[i32],
+    ) -> io::Result<Told> {
+        sleep(moment);
+        // It may have ended by itself.
+        let _ = kill(Pid::from_raw(running.id() as i32), signal);
+        self.ended(running, codes)
     }
 
     /// Waits for the end of `running`, which is one of `codes`, or its death by the signal.
@@ -150,10 +180,12 @@ impl Fault {
         let said = said.join().unwrap_or_default();
         let is_expected = match status.code() {
             Some(code) => codes.contains(&code),
-            // SIGTERM may come before the program can hear it.
-            None => matches!(self, Self::Kill | Self::Terminate),
+            // Signals may come before the program can hear them.
+            None => matches!(self, Self::Kill | Self::Terminate | Self::Interrupt),
         };
-        if !is_expected || said.contains("panicked") {
+        // Where nobody can hear it, nothing is said.
+        let says_why = self == Self::Closed || status.code() != Some(1) || said.contains("error");
+        if !is_expected || !says_why || said.contains("panicked") {
             problems.push(format!("{status}: {}", said.trim()));
         }
         Ok(Told { succeeded: status.success(), problems })

@@ -5,14 +5,18 @@
 //! result, of this run or of the one before, or none, or refused by those who read it? And does the same
 //! command, or `recover --resume`, end with the bits of a run without a fault?
 //!
-//! A full disk is a limit on the size of files (`RLIMIT_FSIZE`), which needs no rights.
+//! Write protection holds nobody back who is root: root lets another user run the commands. A full disk is a
+//! file system in memory, which only root may make; a limit on the size of files (`RLIMIT_FSIZE`) needs no
+//! rights. What a machine cannot do is left out, and said.
 
 mod fault;
+mod rights;
 pub(crate) mod state;
 pub(crate) mod work;
 
 use crate::random::Random;
 use fault::Fault;
+use rights::Disk;
 use state::{State, files_of, is_hidden};
 use std::collections::BTreeMap;
 use std::fs;
@@ -35,6 +39,9 @@ pub(crate) struct Args {
     #[arg(long, value_name = "NAME")]
     only: Option<String>,
 }
+
+/// What a command may write after a disk was full, bytes: a hundred times what any does here.
+const ROOM: u64 = 64 << 20;
 
 /// What lies there after a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -66,13 +73,18 @@ pub(crate) fn run(args: &Args) -> io::Result<ExitCode> {
     if works.is_empty() {
         return Err(io::Error::other("there is no such command"));
     }
+    let faults: Vec<Fault> =
+        Fault::ALL.into_iter().filter(|fault| fault.missing(&bench).is_none()).collect();
+    for (fault, reason) in Fault::ALL.iter().filter_map(|f| f.missing(&bench).map(|r| (f, r))) {
+        println!("left out: {fault:?}, as {reason}");
+    }
     let inputs = files_of(&bench.inputs())?;
     let mut counts: BTreeMap<(&str, Fault, Left), u64> = BTreeMap::new();
     let mut findings = 0;
     for number in 0..args.count {
         let mut random = Random::new(args.seed, number);
         let work = &works[(number % works.len() as u64) as usize];
-        let fault = *random.one(&Fault::ALL);
+        let fault = *random.one(&faults);
         let (found, problems) = one(&bench, work, fault, &mut random)?;
         *counts.entry((work.name, fault, found)).or_default() += 1;
         let mut problems: Vec<String> = problems;
@@ -100,12 +112,20 @@ fn one(
     random: &mut Random,
 ) -> io::Result<(Left, Vec<String>)> {
     let had_old = work.old.is_some() && random.below(2) == 0;
-    let folder = bench.case(work, had_old)?;
+    let folder = bench.case()?;
+    let disk = (fault == Fault::Full).then(|| Disk::at(&folder)).transpose()?;
+    bench.fill(&folder, work, had_old)?;
     // Half of them at the end, where results are written.
     let share = random.below(1000) as f64 / 1000.0;
     let share = if random.below(2) == 0 { 1.1 * share } else { 0.8 + 0.3 * share };
     let moment = Duration::from_secs_f64(share * work.seconds);
+    if let Some(disk) = &disk {
+        disk.leave(random.below(2 * work.bytes as usize) as u64)?;
+    }
     let told = fault.strike(bench, work, &folder, moment, random)?;
+    if let Some(disk) = &disk {
+        disk.leave(ROOM)?;
+    }
     let mut problems = told.problems;
     let state = State::of(&folder, work.out)?;
     let left = left_by(work, fault, had_old, &folder.join(work.out), &state);
@@ -137,6 +157,7 @@ fn one(
             problems.push(format!("left over: {left_over:?}"));
         }
     }
+    drop(disk);
     fs::remove_dir_all(folder)?;
     Ok((left, problems))
 }
@@ -158,7 +179,7 @@ fn left_by(work: &Work, fault: Fault, had_old: bool, out: &Path, state: &State) 
     if unrender::result_folder::check(out).is_err() {
         return Some(Left::Refused);
     }
-    let was_asked = fault == Fault::Terminate && work.name == "recover";
+    let was_asked = matches!(fault, Fault::Terminate | Fault::Interrupt) && work.name == "recover";
     let run = unrender::run::Run::read(out).ok()?;
     (was_asked && run.termination.starts_with("interrupted")).then_some(Left::Interrupted)
 }

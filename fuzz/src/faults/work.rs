@@ -1,9 +1,11 @@
 //! The commands that faults strike, with their inputs and what they write without a fault.
 
-use super::state::State;
+use super::rights::{Disk, User};
+use super::state::{State, files_of};
 use glam::{Vec2, Vec3};
-use std::fs;
+use std::fs::{self, Permissions};
 use std::io;
+use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
@@ -32,6 +34,8 @@ pub(crate) struct Work {
     pub(crate) old: Option<State>,
     /// How long it takes.
     pub(crate) seconds: f64,
+    /// How much it writes, bytes.
+    pub(crate) bytes: u64,
 }
 
 impl Work {
@@ -46,6 +50,7 @@ impl Work {
             new: State::default(),
             old: None,
             seconds: 0.0,
+            bytes: 0,
         }
     }
 
@@ -63,7 +68,7 @@ fn split(words: &str) -> Vec<String> {
 pub(crate) fn all() -> Vec<Work> {
     let recover = "recover ../in/p.toml --spp 1 --out out";
     let restage = "restage --recovered ../in/base --height 24 --spp 256 --out out";
-    let render = "render ../in/scene.glb --height 24 --spp 1024 --checkpoint c.exr --out a.exr";
+    let render = "render ../in/shown.glb --height 24 --spp 1024 --checkpoint c.exr --out a.exr";
     let gltf = "export ../in/base --to gltf --out a.glb";
     let with_resume = |mut work: Work| {
         work.again.push("--resume".into());
@@ -76,13 +81,13 @@ pub(crate) fn all() -> Vec<Work> {
             "render",
             "a.exr",
             render,
-            Some("render ../in/scene.glb --height 24 --spp 1 --seed 1 --out a.exr"),
+            Some("render ../in/shown.glb --height 24 --spp 1 --seed 1 --out a.exr"),
         ),
         Work::new(
             "merge",
             "a.exr",
             "merge ../in/part1.exr ../in/part2.exr --out a.exr",
-            Some("render ../in/scene.glb --height 24 --spp 1 --seed 1 --out a.exr"),
+            Some("render ../in/shown.glb --height 24 --spp 1 --seed 1 --out a.exr"),
         ),
         Work::new(
             "export",
@@ -97,12 +102,18 @@ pub(crate) fn all() -> Vec<Work> {
 /// Where the commands run: inputs in one folder, each command in a folder beside it.
 pub(crate) struct Bench {
     root: PathBuf,
+    program: PathBuf,
+    pub(crate) user: User,
 }
 
 impl Bench {
     /// Makes the inputs.
     pub(crate) fn new(root: &Path) -> io::Result<Self> {
-        let bench = Self { root: root.to_owned() };
+        let program = std::env::current_exe()?;
+        let user = User::choose(&program, root)?;
+        // Other users look into it.
+        fs::set_permissions(root, Permissions::from_mode(0o755))?;
+        let bench = Self { root: root.to_owned(), program, user };
         let inputs = bench.inputs();
         fs::create_dir_all(&inputs)?;
         let scene = room();
@@ -111,6 +122,8 @@ impl Bench {
         let mut shown = scene.clone();
         shown.groups[0].material = Material::diffuse(Rgb::new(0.6, 0.4, 0.2));
         shown.groups[1].material = Material::isotropic(Rgb::splat(0.3), Rgb::splat(0.2), 0.15);
+        let glb = gltf::to_glb(&shown).map_err(io::Error::other)?;
+        fs::write(inputs.join("shown.glb"), glb)?;
         let settings = Settings { spp: 64, ..Settings::default() };
         let tracer = Tracer::new(&shown);
         let size = (SIDE, SIDE);
@@ -119,7 +132,8 @@ impl Bench {
         let project =
             "scene = \"scene.glb\"\nphoto = \"photo.png\"\nexposure = 1\nresponse = \"srgb\"\n";
         fs::write(inputs.join("p.toml"), project)?;
-        let render = "render scene.glb --height 24 --samples";
+        user.owns(&inputs)?;
+        let render = "render shown.glb --height 24 --samples";
         for words in [
             "recover p.toml --spp 1 --no-refine --out base".to_owned(),
             format!("{render} 0..4 --out part1.exr"),
@@ -130,15 +144,30 @@ impl Bench {
         Ok(bench)
     }
 
+    /// Whether there can be file systems of a few kilobytes.
+    pub(crate) fn has_disks(&self) -> bool {
+        self.case().is_ok_and(|folder| Disk::at(&folder).is_ok())
+    }
+
     pub(crate) fn inputs(&self) -> PathBuf {
         self.root.join("in")
     }
 
     /// `unrender` with `words`, in `folder`, where nobody listens.
     pub(crate) fn command(&self, folder: &Path, words: &[String]) -> Command {
-        let program = std::env::current_exe().unwrap_or_default();
-        let mut command = Command::new(program);
+        self.prepared_command(Command::new(&self.program), folder, words)
+    }
+
+    /// The same in a session of its own, without a terminal.
+    pub(crate) fn in_session(&self, folder: &Path, words: &[String]) -> Command {
+        let mut session = Command::new("setsid");
+        session.arg("--wait").arg(&self.program).env_remove("TERM");
+        self.prepared_command(session, folder, words)
+    }
+
+    fn prepared_command(&self, mut command: Command, folder: &Path, words: &[String]) -> Command {
         command.current_dir(folder).args(words).env(AS_COMMAND, "1").stdin(Stdio::null());
+        self.user.runs(&mut command);
         command
     }
 
@@ -153,31 +182,39 @@ impl Bench {
     pub(crate) fn prepared(&self, work: Work) -> io::Result<Work> {
         let folder = self.root.join(format!("new-{}", work.name));
         fs::create_dir_all(&folder)?;
+        self.user.owns(&folder)?;
         let started = Instant::now();
         self.must(&folder, &work.words)?;
         let seconds = started.elapsed().as_secs_f64();
         let new = State::of(&folder, work.out)?;
+        let bytes = files_of(&folder)?.iter().map(|(_, bytes)| bytes.len() as u64).sum();
         let old = match &work.before {
             None => None,
             Some(words) => {
                 let folder = self.root.join(format!("old-{}", work.name));
                 fs::create_dir_all(&folder)?;
+                self.user.owns(&folder)?;
                 self.must(&folder, words)?;
                 Some(State::of(&folder, work.out)?)
             }
         };
-        Ok(Work { new, old, seconds, ..work })
+        Ok(Work { new, old, seconds, bytes, ..work })
     }
 
-    /// A folder for one run of `work`, with or without the result of a run before.
-    pub(crate) fn case(&self, work: &Work, had_old: bool) -> io::Result<PathBuf> {
+    /// A folder for one run of a command.
+    pub(crate) fn case(&self) -> io::Result<PathBuf> {
         let folder = self.root.join("case");
         fs::create_dir_all(&folder)?;
+        Ok(folder)
+    }
+
+    /// Fills it: with the result of a run before, or with nothing.
+    pub(crate) fn fill(&self, folder: &Path, work: &Work, had_old: bool) -> io::Result<()> {
         if had_old {
             let from = self.root.join(format!("old-{}", work.name)).join(work.out);
             copy(&from, &folder.join(work.out))?;
         }
-        Ok(folder)
+        self.user.owns(folder)
     }
 }
 

@@ -1,7 +1,9 @@
 //! What a picture file claims, asked before its decoder allocates or works for it.
 
 use super::read::{ALWAYS_BELIEVED_BYTES, MAX_UNPACKING};
-use exr::meta::MetaData;
+use crate::input::Scope;
+use exr::meta::header::Header;
+use exr::meta::{BlockDescription, MetaData};
 use image::ImageDecoder;
 use image::ImageFormat;
 use image::codecs::jpeg::JpegDecoder;
@@ -21,11 +23,15 @@ const JPEG_PIXELS_A_BYTE: u64 = 2048;
 /// bit, which is as many as this. Each takes a walk over all blocks.
 const JPEG_SCANS: usize = 1000;
 
-/// Refuses what the bytes of the file cannot hold.
-pub(crate) fn check(bytes: &[u8], format: Option<ImageFormat>) -> Result<(), String> {
+/// Refuses what the bytes of the file cannot hold, and counts what a decoder takes beside the pixels.
+pub(crate) fn check(
+    scope: &Scope,
+    bytes: &[u8],
+    format: Option<ImageFormat>,
+) -> Result<(), String> {
     match format {
         Some(ImageFormat::Jpeg) => jpeg(bytes),
-        Some(ImageFormat::OpenExr) => exr(bytes),
+        Some(ImageFormat::OpenExr) => exr(scope, bytes),
         _ => Ok(()),
     }
 }
@@ -50,18 +56,49 @@ fn jpeg(bytes: &[u8]) -> Result<(), String> {
 }
 
 /// Decoders allocate for the data window, which need not be the display window.
-fn exr(bytes: &[u8]) -> Result<(), String> {
+fn exr(scope: &Scope, bytes: &[u8]) -> Result<(), String> {
     let Ok(meta) = MetaData::read_from_buffered(Cursor::new(bytes), false) else { return Ok(()) };
     let length = bytes.len() as u64;
-    let believed = ALWAYS_BELIEVED_BYTES.max(length.saturating_mul(MAX_UNPACKING));
+    let mut largest = 0;
     for header in &meta.headers {
         let [width, height] = [header.layer_size.x(), header.layer_size.y()].map(|n| n as u64);
-        let samples = header.channels.list.iter().map(|c| c.sample_type.bytes_per_sample() as u64);
-        let each: u64 = samples.sum();
-        let unpacked = width.checked_mul(height).and_then(|n| n.checked_mul(each.max(1)));
-        if unpacked.is_none_or(|unpacked| unpacked > believed) {
+        let unpacked = bytes_of(header, width, height);
+        if unpacked.is_none_or(|unpacked| unpacked > believed(length)) {
             return Err(unbelievable(width, height, length));
         }
+        largest = largest.max(exr_block(header, length)?);
     }
-    Ok(())
+    scope.charge(2 * largest)
+}
+
+/// The bytes of the largest block of an EXR, unpacked: a tile, or some scan lines. Decoders work on one
+/// at a time, and allocate as much for its packed bytes, too, however small the picture is.
+///
+/// # Errors
+/// If the file cannot hold such a block.
+pub(crate) fn exr_block(header: &Header, file_bytes: u64) -> Result<u64, String> {
+    let (width, height) = match header.blocks {
+        BlockDescription::Tiles(tiles) => (tiles.tile_size.x(), tiles.tile_size.y()),
+        BlockDescription::ScanLines => {
+            (header.layer_size.x(), header.compression.scan_lines_per_block())
+        }
+    };
+    let block = bytes_of(header, width as u64, height as u64);
+    block.filter(|block| *block <= believed(file_bytes)).ok_or_else(|| {
+        format!(
+            "claims blocks of {width} x {height} pixels, which its {file_bytes} bytes cannot hold"
+        )
+    })
+}
+
+/// The unpacked bytes of so many pixels with all channels; none if that overflows.
+fn bytes_of(header: &Header, width: u64, height: u64) -> Option<u64> {
+    let samples = header.channels.list.iter().map(|c| c.sample_type.bytes_per_sample() as u64);
+    let each: u64 = samples.sum();
+    width.checked_mul(height).and_then(|pixels| pixels.checked_mul(each.max(1)))
+}
+
+/// How many unpacked bytes a file of so many bytes may claim.
+pub(super) fn believed(file_bytes: u64) -> u64 {
+    ALWAYS_BELIEVED_BYTES.max(file_bytes.saturating_mul(MAX_UNPACKING))
 }

@@ -12,7 +12,7 @@ mod profile;
 mod read;
 mod write;
 
-pub(crate) use budget::check as check_budget;
+pub(crate) use budget::{check as check_budget, exr_block};
 pub use embed::{jpeg_bytes, png_bytes};
 pub use exif::exif_focal_px;
 pub use panorama::read_environment;

@@ -93,7 +93,7 @@ fn pixels_of(
         // Radiance's header tells by how much the picture was multiplied after the fact.
         scale = decoder.metadata().exposure.filter(|e| e.is_finite() && *e > 0.0).unwrap_or(1.0);
     }
-    budget::check(bytes, Some(format))?;
+    budget::check(scope, bytes, Some(format))?;
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(budget::BESIDE_PIXELS);
@@ -138,8 +138,7 @@ fn check_size(decoder: &impl ImageDecoder, file_bytes: u64) -> Result<(), String
         return Err("has no pixels".into());
     }
     let unpacked = pixels.saturating_mul(u64::from(decoder.color_type().bytes_per_pixel()));
-    let believed = ALWAYS_BELIEVED_BYTES.max(file_bytes.saturating_mul(MAX_UNPACKING));
-    if pixels > MAX_PIXELS || unpacked > believed {
+    if pixels > MAX_PIXELS || unpacked > budget::believed(file_bytes) {
         return Err(budget::unbelievable(width.into(), height.into(), file_bytes));
     }
     Ok(())
