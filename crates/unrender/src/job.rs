@@ -106,7 +106,7 @@ impl Job {
             }
         }
         warnings.extend(validate(&mut scene, &project.scene)?);
-        let (camera, told) = choose_camera(&project, &scene)?;
+        let (camera, told) = choose_camera(&project, &scene, &picture)?;
         warnings.extend(told);
         let (transfer, told) = photograph::transfer(&project, &picture, &camera)?;
         warnings.extend(told);
@@ -128,9 +128,9 @@ impl Job {
         warnings.extend(doubtful_aspect(&camera, width, height));
         if !camera.covers(width, height) {
             warnings.push(format!(
-                "the distortion of camera \"{}\" (k1 = {}, k2 = {}) folds over before the corners \
-                 of the photo; what lies beyond is not shown right",
-                camera.name, camera.lens.k1, camera.lens.k2
+                "the distortion of camera \"{}\" (k1 = {}, k2 = {}, k3 = {}) folds over before the \
+                 corners of the photo; what lies beyond is not shown right",
+                camera.name, camera.lens.k1, camera.lens.k2, camera.lens.k3
             ));
         }
         let unknown_lights = project.unknown_sources(&scene);
@@ -165,8 +165,21 @@ pub(crate) fn validate(scene: &mut Scene, path: &Path) -> Result<Warnings, Error
     scene.validate().map_err(|source| Error::Scene { path: path.to_owned(), source })
 }
 
-fn choose_camera(project: &Project, scene: &Scene) -> Result<(Camera, Warnings), Error> {
+fn choose_camera(
+    project: &Project,
+    scene: &Scene,
+    picture: &Picture,
+) -> Result<(Camera, Warnings), Error> {
+    let size = (picture.values.width(), picture.values.height());
     match &project.camera {
+        CameraChoice::InPixels { world_from_camera, intrinsics } => {
+            let camera = intrinsics.camera("project", *world_from_camera, size);
+            let fault = |problem| FileError::new(&project.path, format!("camera: {problem}"));
+            Ok((camera.map_err(fault)?, Warnings::default()))
+        }
+        CameraChoice::Calibrated(calibrated) => {
+            Ok((calibrated.read(size, project.limits)?, Warnings::default()))
+        }
         CameraChoice::Placed(camera) => Ok((camera.clone(), Warnings::default())),
         CameraChoice::Named(name) => named_camera(scene, Some(name), &project.scene),
         CameraChoice::First => named_camera(scene, None, &project.scene),

@@ -4,12 +4,14 @@
 //! the scene by [`Project::check_against`], once that is read.
 
 mod camera;
+mod camera_choice;
 mod lights;
 mod parse;
 mod photograph;
 mod raw;
 
 pub use camera::CameraTable;
+pub use camera_choice::{CalibratedCamera, CameraChoice, CameraFile};
 pub use photograph::{ResponseChoice, VignettingChoice};
 
 use crate::lighting::EnvironmentChoice;
@@ -19,7 +21,7 @@ use unrender_formats::{FileError, Input, LightUnits, Limits, input};
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
 use unrender_restage::light::LightEdit;
-use unrender_scene::{BrdfModel, Camera, Hypothesis, Material, Rgb, Scene, Warnings};
+use unrender_scene::{BrdfModel, Hypothesis, Material, Rgb, Scene, Warnings};
 
 /// A project file with its paths made whole and its numbers checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,17 +108,6 @@ impl Known {
     }
 }
 
-/// Which camera took the photograph.
-#[derive(Clone, Debug, PartialEq)]
-pub enum CameraChoice {
-    /// The scene's first.
-    First,
-    /// The scene's camera of this name.
-    Named(String),
-    /// One that the project describes itself.
-    Placed(Camera),
-}
-
 impl Project {
     /// Reads the project file at `path` and checks it as far as that goes without the scene.
     ///
@@ -135,7 +126,7 @@ impl Project {
         Ok((project, warnings))
     }
 
-    /// As [`Project::read`] from the file's text, without looking for the files that it names.
+    /// As [`Project::read`] from the file's text, without reading the files that it names.
     ///
     /// ```
     /// use std::path::Path;
@@ -182,7 +173,8 @@ impl Project {
         let mask = self.mask.as_deref().map(|file| ("mask", file));
         let always = [("scene", self.scene.as_path()), ("photo", self.photo.as_path())];
         let panorama = panorama.map(|file| ("environment.panorama", file));
-        always.into_iter().chain(mask).chain(response).chain(panorama).collect()
+        let of_camera = self.camera.files();
+        always.into_iter().chain(mask).chain(response).chain(panorama).chain(of_camera).collect()
     }
 
     /// Checks that the names in the project are names in `scene`.

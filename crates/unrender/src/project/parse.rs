@@ -1,9 +1,8 @@
 //! From the raw project to one whose values are understood; every fault names its key.
 
-use super::raw::{RawAnchor, RawCamera, RawGroup, RawKnown, RawProject};
-use super::{Anchor, CameraChoice, CameraTable, Known, Project, photograph};
+use super::raw::{RawAnchor, RawGroup, RawKnown, RawProject};
+use super::{Anchor, CameraChoice, Known, Project, camera_choice, photograph};
 use crate::lighting::RawLight;
-use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use toml::Value;
@@ -11,7 +10,7 @@ use unrender_formats::{LightUnits, Limits};
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
 use unrender_restage::light::LightEdit;
-use unrender_scene::{BrdfModel, Hypothesis, Lens, Rgb, Warnings};
+use unrender_scene::{BrdfModel, Hypothesis, Rgb, Warnings};
 
 pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), String> {
     let raw: RawProject = toml::from_str(text).map_err(|error| with_line(&error, text))?;
@@ -77,7 +76,10 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         max_rungs,
         light_units: light_units.map_err(|problem| format!("light_units: {problem}"))?,
         limits: Limits::default(),
-        camera: raw.camera.map_or(Ok(CameraChoice::First), camera)?,
+        camera: match raw.camera {
+            Some(value) => camera_choice::parse(value, folder, &raw.photo)?,
+            None => CameraChoice::First,
+        },
     };
     Ok((project, warnings))
 }
@@ -217,48 +219,6 @@ fn thresholds(raw: &BTreeMap<String, f64>) -> Result<Thresholds, String> {
         }
     }
     Ok(thresholds)
-}
-
-fn camera(value: Value) -> Result<CameraChoice, String> {
-    let table = match value {
-        Value::String(name) => return Ok(CameraChoice::Named(name)),
-        Value::Table(table) => table,
-        _ => return Err("camera: give a name or a table with eye, target, up, fov_y_deg".into()),
-    };
-    let raw: RawCamera = table
-        .try_into()
-        .map_err(|error: toml::de::Error| format!("camera: {}", error.message()))?;
-    let [eye, target, up] =
-        [raw.eye, raw.target, raw.up.unwrap_or([0.0, 1.0, 0.0])].map(Vec3::from_array);
-    if !(raw.fov_y_deg > 0.0 && raw.fov_y_deg < 180.0) {
-        return Err(format!("camera.fov_y_deg is {}; it is between 0 and 180", raw.fov_y_deg));
-    }
-    if !(eye.is_finite() && target.is_finite() && up.is_finite()) || eye == target {
-        return Err("camera: eye and target must be two points".into());
-    }
-    let sideways = up.normalize_or_zero().cross((eye - target).normalize_or_zero());
-    if sideways.length() < 1e-4 {
-        return Err("camera.up: it must not point along the line of sight".into());
-    }
-    let table = CameraTable { eye, target, up, fov_y_deg: raw.fov_y_deg, lens: lens(&raw)? };
-    Ok(CameraChoice::Placed(table.camera("project")))
-}
-
-fn lens(raw: &RawCamera) -> Result<Lens, String> {
-    let principal_point = raw.principal_point.unwrap_or_default();
-    if !principal_point.iter().all(|shift| shift.abs() <= 2.0) {
-        return Err(format!(
-            "camera.principal_point is {principal_point:?}; it is its way from the picture's \
-             centre, right and down, in heights of the picture"
-        ));
-    }
-    let (k1, k2) = (raw.k1.unwrap_or_default(), raw.k2.unwrap_or_default());
-    for (name, k) in [("k1", k1), ("k2", k2)] {
-        if !k.is_finite() {
-            return Err(format!("camera.{name} is {k}; it is a finite number, mostly below one"));
-        }
-    }
-    Ok(Lens { principal_point, k1, k2 })
 }
 
 fn reflectance(key: &str, value: &Value) -> Result<Rgb, String> {

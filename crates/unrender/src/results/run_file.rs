@@ -137,8 +137,12 @@ fn registration(recovered: &Recovered) -> RegistrationEntry {
         "up": table.up.to_array(),
         "fov_y_deg": table.fov_y_deg,
         "principal_point": lens.principal_point,
+        "fx_over_fy": lens.fx_over_fy,
         "k1": lens.k1,
         "k2": lens.k2,
+        "k3": lens.k3,
+        "p1": lens.p1,
+        "p2": lens.p2,
     });
     let found = laid.registration.as_ref();
     RegistrationEntry {
