@@ -75,7 +75,7 @@ fn refined(scene: &Scene, tracer: &Tracer, clean: &RgbImage, realisation: u64) -
             _ => Role::Unknown,
         },
         material: group.material.clone(),
-        max_rung: Hypothesis::Textured,
+        rungs: Hypothesis::ALL.to_vec(),
     };
     let problem = Problem {
         corrections: &[],

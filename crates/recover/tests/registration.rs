@@ -202,7 +202,7 @@ fn recovered_as(
         name: group.name.clone(),
         role: if group.is_emitter() { Role::Emitter } else { Role::Unknown },
         material: group.material.clone(),
-        max_rung: Hypothesis::Textured,
+        rungs: Hypothesis::ALL.to_vec(),
     };
     let problem = Problem {
         corrections: &[],

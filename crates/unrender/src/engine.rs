@@ -5,7 +5,7 @@ use crate::interrupt::Pausable;
 use crate::progress::Progress;
 use crate::recovery_journal::RecoveryJournal;
 use crate::registration::{self, Alignment, Laid};
-use crate::{Error, Job, results};
+use crate::{Error, Job, results, same_as};
 use std::time::Instant;
 use unrender_formats::materials::{MaterialsFile, PhotographEntry};
 use unrender_photo::Exposure;
@@ -106,6 +106,7 @@ pub(crate) fn recover(
         // The photograph was developed with it.
         recovery.exposure = exposure;
     }
+    same_as::share(&job.project, &mut recovery.groups);
     let photograph =
         (!numbers.is_empty()).then(|| camera_numbers::found(job, &numbers, &recovery.corrected));
     let all = started.elapsed().as_secs_f64();
@@ -175,6 +176,7 @@ pub(crate) fn spec(job: &Job, group: usize) -> GroupSpec {
         (Role::Known, Material::diffuse(anchor.rho_d))
     } else if job.project.known.contains_key(&of_scene.name)
         || job.project.ignored.contains(&of_scene.name)
+        || job.project.same_as.contains_key(&of_scene.name)
     {
         (Role::Known, of_scene.material.clone())
     } else {
@@ -184,7 +186,7 @@ pub(crate) fn spec(job: &Job, group: usize) -> GroupSpec {
         name: of_scene.name.clone(),
         role,
         material,
-        max_rung: job.project.max_rung_of(&of_scene.name),
+        rungs: job.project.rungs_of(&of_scene.name),
     }
 }
 

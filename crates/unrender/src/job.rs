@@ -1,7 +1,7 @@
 //! Everything a recovery starts from, read and checked.
 
 use crate::project::{CameraChoice, Project};
-use crate::{Error, mask, photograph};
+use crate::{Error, mask, photograph, same_as};
 use std::path::Path;
 use unrender_formats::picture::{self, Picture};
 use unrender_formats::{FileError, Input};
@@ -33,6 +33,9 @@ pub struct Job {
     /// The sources whose brightness is asked for, ascending: a group's index for area lights, and
     /// for the others the number of groups plus the index among the scene's lights.
     pub unknown_lights: Vec<usize>,
+    /// The group of every object in the scene's file; `scene` counts objects of groups with `same_as`
+    /// to the groups that are named there.
+    pub own_groups: Vec<usize>,
     /// What is doubtful about all of it.
     pub warnings: Warnings,
 }
@@ -106,6 +109,7 @@ impl Job {
             }
         }
         warnings.extend(validate(&mut scene, &project.scene)?);
+        let own_groups = same_as::merge(&project, &mut scene);
         let (camera, told) = choose_camera(&project, &scene, &picture)?;
         warnings.extend(told);
         let (transfer, told) = photograph::transfer(&project, &picture, &camera)?;
@@ -143,6 +147,7 @@ impl Job {
             transfer,
             project,
             unknown_lights,
+            own_groups,
             warnings,
         })
     }

@@ -70,7 +70,7 @@
 //!     name: group.name.clone(),
 //!     role: if group.is_emitter() { Role::Emitter } else { Role::Unknown },
 //!     material: group.material.clone(),
-//!     max_rung: Hypothesis::Textured,
+//!     rungs: Hypothesis::ALL.to_vec(),
 //! };
 //! let problem = Problem {
 //!     observation: &observation,
@@ -150,6 +150,7 @@ pub mod result_folder;
 #[cfg(feature = "cli")]
 mod results;
 pub mod run;
+mod same_as;
 pub mod score;
 #[cfg(feature = "cli")]
 mod subject;

@@ -7,7 +7,8 @@ use unrender::photo::vignetting::Law;
 use unrender::photo::{Exposure, Response};
 use unrender::project::{CameraChoice, ResponseChoice, VignettingChoice};
 use unrender::scene::{
-    Environment, Group, Lens, Light, LightKind, Material, Rgb, RgbImage, Scene, WardModel, Warnings,
+    Environment, Group, Hypothesis, Lens, Light, LightKind, Material, Rgb, RgbImage, Scene,
+    WardModel, Warnings,
 };
 use unrender::{Job, Project};
 
@@ -48,6 +49,19 @@ fn a_full_project_is_understood() {
         camera.lens,
         Lens { principal_point: [0.01, -0.02], k1: -0.1, k2: 0.01, ..Lens::default() }
     );
+}
+
+#[test]
+fn rungs_are_a_list_or_all_up_to_one() {
+    use Hypothesis::{Anisotropic, Diffuse, Isotropic, Mirror};
+    let project = good(
+        "[recover]\nmax_rung = \"mirror\"\n[groups.a]\nrungs = [\"anisotropic\", \"isotropic\"]\n\
+         [groups.b]\nsame_as = \"a\"\n",
+    );
+    assert_eq!(project.rungs_of("wall"), [Diffuse, Mirror]);
+    assert_eq!(project.rungs_of("a"), [Isotropic, Anisotropic]);
+    assert_eq!(project.same_as["b"], "a");
+    assert_eq!(good("").rungs_of("wall"), Hypothesis::ALL);
 }
 
 #[test]
@@ -181,6 +195,23 @@ fn every_fault_names_its_key_or_line() {
         ("[lights.a]", "line 3: missing field `unknown`"),
         ("[lights.a]\nunknown = 1", "line 4: invalid type"),
         ("[lights.a]\nunkown = true", "line 4: unknown field `unkown`"),
+        ("[groups.a]\nrungs = \"diffuse\"", "line 4: invalid type"),
+        ("[groups.a]\nrungs = []", "groups.a.rungs: it is empty"),
+        ("[groups.a]\nrungs = [\"shiny\"]", "groups.a.rungs: "),
+        ("[groups.a]\nrungs = [\"mirror\"]\nmax_rung = \"mirror\"", "groups.a: rungs and max_rung"),
+        ("[groups.a]\nrungs = [\"mirror\"]\nignore = true", "leave out rungs"),
+        ("[recover]\nrungs = [\"shiny\"]", "recover.rungs: "),
+        ("[groups.a]\nsame_as = \"a\"", "groups.a.same_as: it names the group itself"),
+        (
+            "[groups.a]\nsame_as = \"b\"\n[groups.b]\nsame_as = \"c\"",
+            "groups.a.same_as: groups.b has same_as = \"c\" itself",
+        ),
+        ("[groups.a]\nsame_as = \"b\"\nknown = { rho_d = 1 }", "known is said of groups.b"),
+        ("[groups.a]\nsame_as = \"b\"\nmax_rung = \"diffuse\"", "max_rung is said of groups.b"),
+        (
+            "[groups.a]\nsame_as = \"b\"\n[anchor]\ngroup = \"a\"\nrho_d = 1",
+            "anchor.group: groups.a has same_as = \"b\"; take that one",
+        ),
         ("[recover]\nbrdf = \"phong\"", "recover.brdf: unknown brdf \"phong\""),
         ("[recover]\nthresholds = { shiny = 1 }", "recover.thresholds.shiny"),
         ("[recover]\nthresholds = { diffuse = 0 }", "recover.thresholds.diffuse is 0"),
@@ -230,6 +261,10 @@ fn names_are_checked_against_the_scene() {
     assert!(error.contains("groups.wal: ") && error.contains("it has wall, lamp"), "{error}");
     let error = check("[anchor]\ngroup = \"lamp\"\nrho_d = 1").unwrap_err();
     assert!(error.contains("anchor.group: the group emits"), "{error}");
+    let error = check("[groups.wall]\nsame_as = \"floor\"").unwrap_err();
+    assert!(error.contains("groups.wall.same_as: the scene has no group \"floor\""), "{error}");
+    let error = check("[groups.wall]\nsame_as = \"lamp\"").unwrap_err();
+    assert!(error.contains("groups.wall.same_as: one of the two emits light"), "{error}");
     let error = check("camera = \"door\"").unwrap_err();
     assert!(error.contains("camera: the scene has no \"door\"; it has none"), "{error}");
 }

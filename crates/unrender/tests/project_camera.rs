@@ -5,9 +5,9 @@ use glam::Vec3;
 use std::path::Path;
 use unrender::formats::picture::{Depth, Picture};
 use unrender::formats::points::Pair;
+use unrender::job::InMemory;
 use unrender::photo::calibrate::{Request, calibrate};
 use unrender::scene::{Camera, Image, Light, LightKind, Rgb, Scene};
-use unrender::job::InMemory;
 use unrender::{Job, Project};
 
 const FILES: &str = "scene = \"s.glb\"\nphoto = \"p.png\"\n";

@@ -209,6 +209,19 @@ impl<'o> Candidates<'o> {
         }
     }
 
+    /// Gives groups whose hypothesis is not among those that they may have the best one that is: nothing
+    /// that the picture says speaks for the other.
+    pub(crate) fn enforce(&mut self, state: &mut State<'_>, level: usize) {
+        for group in state.visible_unknowns() {
+            if state.problem.groups[group].allows(state.groups[group].hypothesis) {
+                continue;
+            }
+            if let Some(proposal) = self.propose(state, group, level) {
+                proposal.apply(state);
+            }
+        }
+    }
+
     /// Another hypothesis for `group`; none if the present one stands.
     pub(crate) fn propose(
         &mut self,
@@ -250,9 +263,9 @@ impl<'o> Candidates<'o> {
         }
         let best = &fits[decisions[0].chosen];
         let textured_above = self.options.thresholds.textured.unwrap_or(limit);
-        if level > 0
+        let must_be_textured = !state.problem.groups[group].allows(best.hypothesis);
+        if (level > 0 && !is_explained(best, textured_above) || must_be_textured)
             && self.may_be_textured(state, group)
-            && !is_explained(best, textured_above)
             && let Some(material) = textures::extract(state, self.options, group, false)
         {
             let textured = Hypothesis::Textured;
@@ -270,7 +283,7 @@ impl<'o> Candidates<'o> {
     }
 
     fn may_be_textured(&self, state: &State<'_>, group: usize) -> bool {
-        state.problem.groups[group].max_rung >= Hypothesis::Textured
+        state.problem.groups[group].allows(Hypothesis::Textured)
             && !self.rejected[group].contains(&Hypothesis::Textured)
     }
 
@@ -296,8 +309,10 @@ impl<'o> Candidates<'o> {
             if before == 0 {
                 break;
             }
-            let allowed =
-                |i: usize| i < before && !self.rejected[group].contains(&fits[i].hypothesis);
+            let was_rejected = |i: usize| self.rejected[group].contains(&fits[i].hypothesis);
+            // Where the user allows only what the picture speaks against, something stands all the same.
+            let none_is_left = (0..before).all(was_rejected);
+            let allowed = |i: usize| i < before && (none_is_left || !was_rejected(i));
             decisions.push(comparison.choose(&allowed, simpler));
         }
         decisions
@@ -360,13 +375,12 @@ fn is_explained(fit: &Fit, limit: f64) -> bool {
 fn fit_all(mut evidence: Evidence, state: &State<'_>, group: usize) -> (Evidence, Vec<Fit>) {
     let geometry = state.problem.renderer.geometry();
     let theta_rad = brushed::direction(&evidence, geometry).unwrap_or(0.0);
-    let max_rung = state.problem.groups[group].max_rung;
-    let rungs = || hypothesis::UNIFORM.into_iter().filter(|rung| *rung <= max_rung);
+    let rungs = state.problem.groups[group].uniform_rungs();
     let diffuse = hypothesis::diffuse::fit(&evidence);
     evidence.reweigh(&diffuse.material, ModelError::START);
     evidence.least_noise = Some(hypothesis::diffuse::fit(&evidence).residuals.noise);
     let mut fits: Vec<Fit> = Vec::new();
-    for rung in rungs() {
+    for rung in rungs {
         let mut start = fits.last().map_or(diffuse.material.clone(), |f| f.material.clone());
         if rung == Hypothesis::Anisotropic {
             start.theta_rad = theta_rad;

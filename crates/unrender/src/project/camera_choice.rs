@@ -174,8 +174,9 @@ fn calibrated(raw: &RawCamera, file: CameraFile) -> Result<CalibratedCamera, Str
         ("principal_point", raw.principal_point.is_some()),
         ("fx_over_fy", raw.fx_over_fy.is_some()),
     ];
-    let numbers = raw.in_pixels().into_iter().chain(raw.distortion());
-    let numbers = numbers.map(|(key, number)| (key, number.is_some()));
+    let pixels = raw.in_pixels().map(|(key, number)| (key, number.is_some()));
+    let terms = raw.distortion().map(|(key, number)| (key, number.is_some()));
+    let numbers = pixels.into_iter().chain(terms);
     if let Some((key, _)) = stated.into_iter().chain(numbers).find(|(_, is_there)| *is_there) {
         return Err(format!(
             "camera.{key}: the file says it; leave out {key}, or opencv and colmap"

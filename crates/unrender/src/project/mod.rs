@@ -9,10 +9,12 @@ mod lights;
 mod parse;
 mod photograph;
 mod raw;
+mod rungs;
 
 pub use camera::CameraTable;
 pub use camera_choice::{CalibratedCamera, CameraChoice, CameraFile};
 pub use photograph::{ResponseChoice, VignettingChoice};
+pub(crate) use rungs::up_to;
 
 use crate::lighting::EnvironmentChoice;
 use std::collections::{BTreeMap, BTreeSet};
@@ -64,10 +66,12 @@ pub struct Project {
     pub brdf: BrdfModel,
     /// When a hypothesis is good enough.
     pub thresholds: Thresholds,
-    /// The most complex hypothesis that a group may have, where the project says so.
-    pub max_rung: Option<Hypothesis>,
+    /// The hypotheses that groups may have, where the project says so.
+    pub rungs: Option<Vec<Hypothesis>>,
     /// The same for single groups.
-    pub max_rungs: BTreeMap<String, Hypothesis>,
+    pub group_rungs: BTreeMap<String, Vec<Hypothesis>>,
+    /// The groups that have one material with another, and that other's name.
+    pub same_as: BTreeMap<String, String>,
     /// The camera of the photograph.
     pub camera: CameraChoice,
     /// The units of the scene's lights, where the project says so.
@@ -146,10 +150,10 @@ impl Project {
         parse::parse(path, text).map_err(|problem| FileError::new(path, problem))
     }
 
-    /// The most complex hypothesis that `group` may have.
-    pub fn max_rung_of(&self, group: &str) -> Hypothesis {
-        let own = self.max_rungs.get(group).copied();
-        own.or(self.max_rung).unwrap_or(Hypothesis::Textured)
+    /// The hypotheses that `group` may have.
+    pub fn rungs_of(&self, group: &str) -> Vec<Hypothesis> {
+        let stated = self.group_rungs.get(group).or(self.rungs.as_ref());
+        stated.cloned().unwrap_or_else(|| Hypothesis::ALL.to_vec())
     }
 
     /// The scene file as it is to be read.
@@ -185,9 +189,12 @@ impl Project {
         let fault = |problem: String| Err(FileError::new(&self.path, problem));
         let known = self.known.keys().map(|name| (format!("groups.{name}"), name));
         let anchor = self.anchor.iter().map(|a| ("anchor.group".to_owned(), &a.group));
-        let rungs = self.max_rungs.keys().map(|name| (format!("groups.{name}"), name));
+        let rungs = self.group_rungs.keys().map(|name| (format!("groups.{name}"), name));
+        let same = self.same_as.iter().flat_map(|(name, other)| {
+            [(format!("groups.{name}"), name), (format!("groups.{name}.same_as"), other)]
+        });
         let ignored = self.ignored.iter().map(|name| (format!("groups.{name}"), name));
-        for (key, name) in known.chain(anchor).chain(rungs).chain(ignored) {
+        for (key, name) in known.chain(anchor).chain(rungs).chain(ignored).chain(same) {
             if scene.group_index(name).is_none() {
                 let names = scene.groups.iter().map(|g| g.name.as_str());
                 let there = some_names(names);
@@ -199,6 +206,15 @@ impl Project {
             return fault(
                 "anchor.group: the group emits light; take one that only reflects".into(),
             );
+        }
+        let emits = |name: &String| {
+            scene.group_index(name).is_some_and(|index| scene.groups[index].is_emitter())
+        };
+        if let Some((name, _)) = self.same_as.iter().find(|(a, b)| emits(a) || emits(b)) {
+            return fault(format!(
+                "groups.{name}.same_as: one of the two emits light; only groups that reflect have \
+                 one material"
+            ));
         }
         lights::check(self, scene).or_else(fault)?;
         if let CameraChoice::Named(name) = &self.camera

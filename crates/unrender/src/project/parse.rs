@@ -1,7 +1,7 @@
 //! From the raw project to one whose values are understood; every fault names its key.
 
 use super::raw::{RawAnchor, RawGroup, RawKnown, RawProject};
-use super::{Anchor, CameraChoice, Known, Project, camera_choice, photograph};
+use super::{Anchor, CameraChoice, Known, Project, camera_choice, photograph, rungs};
 use crate::lighting::RawLight;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -10,7 +10,7 @@ use unrender_formats::{LightUnits, Limits};
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
 use unrender_restage::light::LightEdit;
-use unrender_scene::{BrdfModel, Hypothesis, Rgb, Warnings};
+use unrender_scene::{BrdfModel, Rgb, Warnings};
 
 pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), String> {
     let raw: RawProject = toml::from_str(text).map_err(|error| with_line(&error, text))?;
@@ -28,19 +28,27 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
             all_known.insert(name.clone(), known(&format!("groups.{name}.known"), raw_known)?);
         }
     }
-    let mut max_rungs = BTreeMap::new();
+    let mut group_rungs = BTreeMap::new();
     for (name, group) in &raw.groups {
-        if let Some(text) = &group.max_rung {
-            max_rungs.insert(name.clone(), rung(&format!("groups.{name}.max_rung"), text)?);
+        let (list, max) = (group.rungs.as_deref(), group.max_rung.as_deref());
+        if let Some(list) = rungs::read(&format!("groups.{name}"), list, max)? {
+            group_rungs.insert(name.clone(), list);
         }
     }
     let ignored = ignored(&raw.groups)?;
+    let same_as = same_as(&raw.groups)?;
+    if let Some(anchor) = anchor.as_ref().filter(|anchor| same_as.contains_key(&anchor.group)) {
+        let (name, other) = (&anchor.group, &same_as[&anchor.group]);
+        return Err(format!(
+            "anchor.group: groups.{name} has same_as = \"{other}\"; take that one"
+        ));
+    }
     if let Some(anchor) = anchor.as_ref().filter(|anchor| ignored.contains(&anchor.group)) {
         let name = &anchor.group;
         return Err(format!("anchor.group: groups.{name} has ignore = true; take another group"));
     }
-    let max_rung = raw.recover.max_rung.as_deref();
-    let max_rung = max_rung.map(|text| rung("recover.max_rung", text)).transpose()?;
+    let (list, max) = (raw.recover.rungs.as_deref(), raw.recover.max_rung.as_deref());
+    let rungs = rungs::read("recover", list, max)?;
     let lights = |unknown| {
         let named = raw.lights.unknown.iter().filter(move |(_, is)| *is == unknown);
         named.map(|(name, _)| name.clone()).collect()
@@ -72,8 +80,9 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         environment: environment.transpose()?,
         brdf: brdf.map_err(|problem| format!("recover.brdf: {problem}"))?.unwrap_or_default(),
         thresholds: thresholds(&raw.recover.thresholds)?,
-        max_rung,
-        max_rungs,
+        rungs,
+        group_rungs,
+        same_as,
         light_units: light_units.map_err(|problem| format!("light_units: {problem}"))?,
         limits: Limits::default(),
         camera: match raw.camera {
@@ -95,13 +104,40 @@ fn with_line(error: &toml::de::Error, text: &str) -> String {
 /// The groups that are not counted.
 fn ignored(groups: &BTreeMap<String, RawGroup>) -> Result<BTreeSet<String>, String> {
     let ignored = groups.iter().filter(|(_, group)| group.ignore);
-    let name = |(name, group): (&String, &RawGroup)| match group.max_rung {
-        Some(_) => Err(format!(
-            "groups.{name}: with ignore = true nothing is asked for; leave out max_rung"
-        )),
+    let name = |(name, group): (&String, &RawGroup)| match &group.rungs_key() {
+        Some(key) => {
+            Err(format!("groups.{name}: with ignore = true nothing is asked for; leave out {key}"))
+        }
         None => Ok(name.clone()),
     };
     ignored.map(name).collect()
+}
+
+/// The groups that have another's material, by their names.
+fn same_as(groups: &BTreeMap<String, RawGroup>) -> Result<BTreeMap<String, String>, String> {
+    let mut same_as = BTreeMap::new();
+    for (name, group) in groups {
+        let Some(other) = &group.same_as else { continue };
+        let fault = |problem: &str| Err(format!("groups.{name}.same_as: {problem}"));
+        if other == name {
+            return fault("it names the group itself; name another");
+        }
+        if let Some(third) = groups.get(other).and_then(|other| other.same_as.as_ref()) {
+            return fault(&format!(
+                "groups.{other} has same_as = \"{third}\" itself; name one group in all of them"
+            ));
+        }
+        let stated = [
+            ("known", group.known.is_some()),
+            ("ignore", group.ignore),
+            (group.rungs_key().unwrap_or_default(), group.rungs_key().is_some()),
+        ];
+        if let Some((key, _)) = stated.iter().find(|(_, is_there)| *is_there) {
+            return fault(&format!("{key} is said of groups.{other}, and holds for both"));
+        }
+        same_as.insert(name.clone(), other.clone());
+    }
+    Ok(same_as)
 }
 
 /// The changes of the scene's lights, each light once.
@@ -188,10 +224,6 @@ fn known(key: &str, raw: &RawKnown) -> Result<Known, String> {
         alpha_y,
         theta_rad: theta_deg.to_radians(),
     })
-}
-
-fn rung(key: &str, text: &str) -> Result<Hypothesis, String> {
-    text.parse().map_err(|problem| format!("{key}: {problem}"))
 }
 
 /// The table `[recover] thresholds`: the default ladder's by their names, the paper's by the rung

@@ -43,8 +43,21 @@ pub(super) struct RawAnchor {
 pub(super) struct RawGroup {
     pub(super) known: Option<RawKnown>,
     pub(super) max_rung: Option<String>,
+    pub(super) rungs: Option<Vec<String>>,
+    pub(super) same_as: Option<String>,
     #[serde(default)]
     pub(super) ignore: bool,
+}
+
+impl RawGroup {
+    /// The key that says which hypotheses the group may have, if one does.
+    pub(super) fn rungs_key(&self) -> Option<&'static str> {
+        match (&self.rungs, &self.max_rung) {
+            (Some(_), _) => Some("rungs"),
+            (None, Some(_)) => Some("max_rung"),
+            (None, None) => None,
+        }
+    }
 }
 
 /// What a project says of lights: `[lights.NAME]`, or a list `[[lights]]`. Of two entries for one
@@ -113,6 +126,7 @@ pub(super) struct RawKnown {
 pub(super) struct RawRecover {
     pub(super) brdf: Option<String>,
     pub(super) max_rung: Option<String>,
+    pub(super) rungs: Option<Vec<String>>,
     #[serde(default)]
     pub(super) thresholds: BTreeMap<String, f64>,
 }

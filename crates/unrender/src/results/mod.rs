@@ -129,6 +129,9 @@ fn scene_file(job: &Job, recovered: &Recovered) -> Result<Vec<u8>, FileError> {
 /// The scene with the recovered materials on.
 pub(crate) fn dressed(job: &Job, recovered: &Recovered) -> Scene {
     let mut scene = job.scene.clone();
+    for (object, group) in scene.objects.iter_mut().zip(&job.own_groups) {
+        object.group = *group;
+    }
     for (group, result) in scene.groups.iter_mut().zip(&recovered.recovery.groups) {
         group.material = result.material.clone();
     }
