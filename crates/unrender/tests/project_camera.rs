@@ -7,15 +7,26 @@ use unrender::formats::picture::{Depth, Picture};
 use unrender::formats::points::Pair;
 use unrender::job::InMemory;
 use unrender::photo::calibrate::{Request, calibrate};
-use unrender::scene::{Camera, Image, Light, LightKind, Rgb, Scene};
+use unrender::scene::{Camera, Group, Image, Light, LightKind, Material, Mesh, Object, Rgb, Scene};
 use unrender::{Job, Project};
 
 const FILES: &str = "scene = \"s.glb\"\nphoto = \"p.png\"\n";
 
-/// A scene of a light alone.
+/// A scene of a triangle and a light.
 fn lit() -> Scene {
     let kind = LightKind::Directional { direction: Vec3::NEG_Y, irradiance: Rgb::ONE };
-    Scene { lights: vec![Light { name: "sun".into(), kind }], ..Scene::default() }
+    let group = Group {
+        name: "floor".into(),
+        material: Material::diffuse(Rgb::splat(0.5)),
+        emission: Rgb::ZERO,
+    };
+    let mesh = Mesh::flat(&[Vec3::ZERO, Vec3::Z, Vec3::X], &[], &[[0, 1, 2]]);
+    Scene {
+        objects: vec![Object { name: "floor".into(), group: 0, mesh }],
+        groups: vec![group],
+        lights: vec![Light { name: "sun".into(), kind }],
+        ..Scene::default()
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! What `recover` leaves in its folder, and the tables that it and `calibrate` print.
 
+mod alike;
 mod ball;
 mod calibration;
 mod error_picture;

@@ -1,6 +1,6 @@
 //! The records of a recovery as run.json has them.
 
-use super::memory;
+use super::{alike, memory};
 use crate::Job;
 use crate::engine::Recovered;
 use crate::lighting::EnvironmentChoice;
@@ -26,13 +26,16 @@ pub(super) fn build(
 ) -> Run {
     let recovery = &recovered.recovery;
     let iterations = recovery.iterations.iter().zip(&recovered.times.iterations);
+    let alike = alike::find(&job.project, &recovery.groups);
     let groups = recovery.groups.iter().enumerate().map(|(index, result)| {
+        let agrees_with = alike.get(result.name.as_str()).into_iter().flatten();
         let entry = materials.groups.get(&result.name).cloned().unwrap_or_default();
         let of_group = recovered.group_map.pixels().iter().zip(recovery.status.pixels());
         let status = of_group.filter(|(group, _)| **group as usize == index).map(|(_, t)| t);
         let group = RunGroup {
             entry,
             asked: result.status != Status::Known,
+            agrees_with: agrees_with.map(|name| (*name).to_owned()).collect(),
             error_share: result.error_share.filter(|share| share.is_finite()),
             counted: LeftOut::count(status),
             map_color: super::hex(super::group_picture::color(index)),
