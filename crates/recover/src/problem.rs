@@ -19,6 +19,8 @@ pub struct Problem<'a> {
     /// The sources of light whose brightness is asked for too, numbered as in
     /// [`unrender_render::Appearance::lights`].
     pub unknown_lights: Vec<usize>,
+    /// Those among them whose colour is known: one factor holds for all channels.
+    pub coloured_lights: Vec<usize>,
     /// The numbers of the camera that are asked for too.
     pub corrections: &'a [Correction],
 }

@@ -43,6 +43,7 @@ fn recovered(scene: &Scene) -> Recovery {
         groups: scene.groups.iter().enumerate().map(spec).collect(),
         exposure: ExposureRule::Fixed(Rgb::ONE),
         unknown_lights: Vec::new(),
+        coloured_lights: Vec::new(),
     };
     recover(&problem, &Options::default(), &mut ()).unwrap()
 }

@@ -259,6 +259,7 @@ fn with_problem(
         groups: (0..groups).map(spec).collect(),
         exposure,
         unknown_lights: Vec::new(),
+        coloured_lights: Vec::new(),
     };
     solve(&problem)
 }

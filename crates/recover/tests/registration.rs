@@ -211,6 +211,7 @@ fn recovered_as(
         groups: scene.groups.iter().map(spec).collect(),
         exposure: ExposureRule::Fixed(Rgb::ONE),
         unknown_lights: Vec::new(),
+        coloured_lights: Vec::new(),
     };
     recover(&problem, options, &mut ()).unwrap()
 }

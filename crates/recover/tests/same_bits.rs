@@ -113,6 +113,7 @@ fn solved<T>(role_of_floor: Role, solve: impl Fn(&Problem<'_>) -> T) -> T {
             _ => ExposureRule::Fixed(Rgb::ONE),
         },
         unknown_lights: Vec::new(),
+        coloured_lights: Vec::new(),
         corrections: &[],
     })
 }

@@ -162,6 +162,7 @@ fn with_problem<T>(
         groups: (0..job.scene.groups.len()).map(|group| spec(job, group)).collect(),
         exposure: exposure_rule(job),
         unknown_lights: job.unknown_lights.clone(),
+        coloured_lights: job.project.coloured_sources(&job.scene),
         corrections,
     })
 }

@@ -78,6 +78,7 @@
 //!     groups: scene.groups.iter().map(spec).collect(),
 //!     exposure: ExposureRule::Fixed(Rgb::ONE),
 //!     unknown_lights: Vec::new(),
+//!     coloured_lights: Vec::new(),
 //!     corrections: &[],
 //! };
 //! // The observer `()` does not listen to the iterations.

@@ -137,6 +137,25 @@ fn faults_of_light_and_of_what_counts_name_their_key_or_line() {
         ("[[lights]]\nname = \"a\"\nposition = [0, 1, 0]", "lights.a: move = [x, y, z] moves"),
         ("[[lights]]\nname = \"a\"\n[[lights]]\nname = \"a\"", "lights.a: the list [[lights]] has"),
         ("[[lights]]\nname = \"a\"\nremove = true\nunknown = true", "lights.a: a light that is"),
+        (
+            "[[lights]]\nname = \"a\"\ncolor = 1",
+            "lights.a: color and same_color_as are for lights with",
+        ),
+        ("[[lights]]\nname = \"a\"\nunknown = true\ncolour = 0", "lights.a.color: black is no"),
+        ("[[lights]]\nname = \"a\"\nunknown = true\ncolor = -1", "line 6: -1 cannot be"),
+        (
+            "[[lights]]\nname = \"a\"\nunknown = true\ncolor = 1\nsame_color_as = \"b\"",
+            "lights.a: give color or same_color_as, not both",
+        ),
+        (
+            "[[lights]]\nname = \"a\"\nunknown = true\nsame_colour_as = \"a\"",
+            "lights.a.same_color_as: it names the light itself",
+        ),
+        (
+            "[[lights]]\nname = \"a\"\nunknown = true\nsame_color_as = \"b\"\n[[lights]]\nname = \"b\"\n\
+             unknown = true",
+            "lights.a.same_color_as: the colour of \"b\" is unknown too",
+        ),
         ("[environment]", "environment: give one of a panorama"),
         ("[environment]\nfile = \"a.hdr\"\npanorama = \"a.hdr\"", "line 3: duplicate field `file`"),
         ("[environment]\nfile = \"a.hdr\"\ncolor = 1", "environment: give one of a panorama"),

@@ -206,6 +206,30 @@ fn lights_of_a_project_may_be_unknown() {
 }
 
 #[test]
+fn of_lights_of_known_colour_one_factor_is_unknown() {
+    let folder = Folder::new("colour");
+    let text = LIGHTS.replace("[4, 4, 4]", "[1, 2, 3]\nunknown = true\ncolor = [5, 5, 5]");
+    folder.write("project.toml", &format!("{HEAD}{text}"));
+    folder.succeeds(&["recover", "project.toml", "--spp", "16", "--out", "out"]);
+    let found = materials::read(&folder.path("out/materials.json")).unwrap();
+    let bulb = &found.lights["bulb"];
+    let [r, g, b] = bulb.intensity.unwrap();
+    assert!((r - 4.0).abs() < 0.2 && r == g && r == b, "{r} {g} {b}");
+    let std = bulb.std.unwrap();
+    assert!(std[0] > 0.0 && std[0] == std[1], "{std:?}");
+    // The colour of another light, at its own brightness.
+    let twin = "[[lights]]\nname = \"twin\"\nadd = \"point\"\nposition = [1, 1, 0]\n\
+        strength = 6\nunknown = true\nsame_color_as = \"bulb\"\n";
+    let red = LIGHTS.replace("[4, 4, 4]", "[4, 2, 0]");
+    folder.write("project.toml", &format!("{HEAD}{red}{twin}"));
+    let (project, warnings) = Project::read(&folder.path("project.toml")).unwrap();
+    let job = Job::load(project, warnings).unwrap();
+    assert_eq!(job.scene.lights[0].kind.strength(), Rgb::new(12.0, 6.0, 0.0));
+    assert_eq!(job.project.coloured_sources(&job.scene), job.unknown_lights);
+    folder.refuses(&twin.replace("\"bulb\"", "\"none\""), "the scene has no light \"none\"");
+}
+
+#[test]
 fn edits_have_the_same_lights_and_environments() {
     let folder = Folder::new("edits");
     let lit = LIGHTS.replace("4, 4, 4", "1, 2, 4");
@@ -227,6 +251,8 @@ fn edits_have_the_same_lights_and_environments() {
     };
     let told = edit("[[lights]]\nname = \"bulb\"\nunknown = true\n");
     assert!(told.contains("edit.toml: line 2: unknown is a key of project files"), "{told}");
+    let told = edit("[[lights]]\nname = \"bulb\"\ncolor = 1\n");
+    assert!(told.contains("line 2: color and same_color_as are keys of project files"), "{told}");
     let told = edit("[environment]\ncolor = 1\nrotation_deg = 3\n");
     assert!(told.contains("edit.toml: line 2: environment: rotation_deg and scale"), "{told}");
     let told = edit(

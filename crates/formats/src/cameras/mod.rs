@@ -68,7 +68,8 @@ impl Pose {
         let angle = vector.length();
         let rotation = match vector.try_normalize() {
             Some(axis) => DMat3::from_axis_angle(axis, angle),
-            None => DMat3::IDENTITY,
+            None if vector.is_finite() => DMat3::IDENTITY,
+            None => DMat3::NAN,
         };
         Self::new(rotation, translation)
     }
@@ -263,9 +264,9 @@ mod tests {
             assert!(off < 2e-3, "{point}: {small:?}");
         }
         let cut = K.cropped([100.0, 40.0]);
-        let cut = cut.camera("c", pose.world_from_camera(&DAffine3::IDENTITY), (300, 200)).unwrap();
+        let cut = cut.camera("c", pose.world_from_camera(&DAffine3::IDENTITY), (300, 240)).unwrap();
         let (x, y) = camera.project(Vec3::ZERO, 640, 480).unwrap();
-        let seen = cut.project(Vec3::ZERO, 300, 200).unwrap();
+        let seen = cut.project(Vec3::ZERO, 300, 240).unwrap();
         assert!((seen.0 + 100.0 - x).abs() < 1e-3 && (seen.1 + 40.0 - y).abs() < 1e-3);
     }
 

@@ -204,7 +204,9 @@ mod tests {
             let problem = parse(text, extension).unwrap_err();
             assert!(problem.contains(told), "{text}: {problem}");
         }
-        assert!(parse(&"[".repeat(100_000), "yml").unwrap_err().contains("nests deeper"));
+        assert!(parse(&"[".repeat(100), "yml").unwrap_err().contains("nests deeper"));
+        assert!(parse(&"[".repeat(100_000), "yml").is_err());
+        assert!(parse(&"- ".repeat(100_000), "yml").is_err());
         let wrong = parse("{\"K\": {\"rows\": 3, \"cols\": 3, \"data\": [1]}}", "json").unwrap();
         assert_eq!(wrong.get("K").unwrap().matrix(), None);
     }

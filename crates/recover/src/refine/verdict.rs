@@ -191,7 +191,9 @@ impl Solution {
 
     /// The standard deviations of a quantity with three channels.
     fn rgb(&self, quantity: Quantity, of: usize) -> Option<Rgb> {
-        let std = |c: usize| self.index(quantity, of, Some(c)).map(|i| self.deviation(i) as f32);
+        let index =
+            |c: usize| self.index(quantity, of, Some(c)).or_else(|| self.index(quantity, of, None));
+        let std = |c: usize| index(c).map(|i| self.deviation(i) as f32);
         Some(Rgb::new(std(0)?, std(1)?, std(2)?))
     }
 

@@ -13,6 +13,7 @@ mod rungs;
 
 pub use camera::CameraTable;
 pub use camera_choice::{CalibratedCamera, CameraChoice, CameraFile};
+pub use lights::LightColor;
 pub use photograph::{ResponseChoice, VignettingChoice};
 pub(crate) use rungs::up_to;
 
@@ -58,6 +59,8 @@ pub struct Project {
     pub unknown_lights: BTreeSet<String>,
     /// The lights that the project calls known, as lights are by default.
     pub known_lights: BTreeSet<String>,
+    /// The colours of unknown lights, where the project says them: only how bright they are is asked.
+    pub light_colors: BTreeMap<String, LightColor>,
     /// The lights that are added to the scene, changed in it or taken out of it.
     pub light_edits: Vec<LightEdit>,
     /// What lights the scene from all around, where the project says so.

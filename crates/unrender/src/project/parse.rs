@@ -1,7 +1,7 @@
 //! From the raw project to one whose values are understood; every fault names its key.
 
 use super::raw::{RawAnchor, RawGroup, RawKnown, RawProject};
-use super::{Anchor, CameraChoice, Known, Project, camera_choice, photograph, rungs};
+use super::{Anchor, CameraChoice, Known, Project, camera_choice, lights, photograph, rungs};
 use crate::lighting::RawLight;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -49,7 +49,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     }
     let (list, max) = (raw.recover.rungs.as_deref(), raw.recover.max_rung.as_deref());
     let rungs = rungs::read("recover", list, max)?;
-    let lights = |unknown| {
+    let named_lights = |unknown| {
         let named = raw.lights.unknown.iter().filter(move |(_, is)| *is == unknown);
         named.map(|(name, _)| name.clone()).collect()
     };
@@ -74,8 +74,9 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         anchor,
         known: all_known,
         ignored,
-        unknown_lights: lights(true),
-        known_lights: lights(false),
+        unknown_lights: named_lights(true),
+        known_lights: named_lights(false),
+        light_colors: lights::colors(&raw.lights.list)?,
         light_edits: light_edits(&raw.lights.list)?,
         environment: environment.transpose()?,
         brdf: brdf.map_err(|problem| format!("recover.brdf: {problem}"))?.unwrap_or_default(),
