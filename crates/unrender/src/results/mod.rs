@@ -7,6 +7,7 @@ mod error_picture;
 mod group_picture;
 mod materials_file;
 mod memory;
+pub(crate) mod parts;
 pub(crate) mod restaged;
 mod run_file;
 mod scale_bar;

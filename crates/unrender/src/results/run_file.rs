@@ -1,6 +1,6 @@
 //! The records of a recovery as run.json has them.
 
-use super::{alike, memory};
+use super::{alike, memory, parts};
 use crate::Job;
 use crate::engine::Recovered;
 use crate::lighting::EnvironmentChoice;
@@ -26,6 +26,8 @@ pub(super) fn build(
 ) -> Run {
     let recovery = &recovered.recovery;
     let iterations = recovery.iterations.iter().zip(&recovered.times.iterations);
+    let (parts, labels) = (parts::find(job, recovered), parts::labels(&job.scene));
+    let named = |part: &Vec<usize>| part.iter().map(|object| labels[*object].clone()).collect();
     let alike = alike::find(&job.project, &recovery.groups);
     let groups = recovery.groups.iter().enumerate().map(|(index, result)| {
         let agrees_with = alike.get(result.name.as_str()).into_iter().flatten();
@@ -35,6 +37,7 @@ pub(super) fn build(
         let group = RunGroup {
             entry,
             asked: result.status != Status::Known,
+            parts: parts.get(&index).into_iter().flatten().map(named).collect(),
             agrees_with: agrees_with.map(|name| (*name).to_owned()).collect(),
             error_share: result.error_share.filter(|share| share.is_finite()),
             counted: LeftOut::count(status),
