@@ -187,3 +187,26 @@ fn cameras_of_other_pictures_are_cut_or_refused() {
     let told = Project::read(&project).unwrap_err().to_string();
     assert!(told.contains("a.toml: camera.opencv: there is no file"), "{told}");
 }
+
+/// The camera of the room's file, as other programs would have written it.
+#[test]
+fn the_examples_have_the_camera_of_their_scene() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/room");
+    let camera = |name: &str| {
+        let (project, warnings) = Project::read(&folder.join(name)).unwrap();
+        Job::load(project, warnings).unwrap().camera
+    };
+    let truth = camera("room.toml");
+    for name in ["opencv.toml", "colmap.toml", "pixels.toml"] {
+        let found = camera(name);
+        assert!(found.origin().distance(truth.origin()) < 1e-5, "{name}: {found:?}");
+        for (x, y) in [(0.5, 0.5), (479.5, 0.5), (100.0, 300.0), (479.5, 359.5)] {
+            let [a, b] = [&found, &truth].map(|camera| camera.direction(x, y, 480, 360));
+            assert!(a.distance(b) < 1e-5, "{name}: {a} {b}");
+        }
+    }
+    let (project, warnings) = Project::read(&folder.join("known.toml")).unwrap();
+    let job = Job::load(project, warnings).unwrap();
+    assert_eq!(job.project.coloured_sources(&job.scene), job.unknown_lights);
+    assert_eq!(job.project.same_as["wardrobe"], "oak");
+}

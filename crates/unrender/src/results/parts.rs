@@ -73,16 +73,19 @@ pub(crate) fn labels(scene: &Scene) -> Vec<String> {
     labels
 }
 
-/// Objects whose factors agree with the first one of a part, part by part.
+/// Objects whose factors agree with the first one of a part, part by part, that with the most pixels
+/// first.
 fn parts(seen: &[Seen]) -> Vec<Vec<usize>> {
-    let mut parts: Vec<(&Seen, Vec<usize>)> = Vec::new();
+    let mut parts: Vec<Vec<&Seen>> = Vec::new();
     for object in seen {
-        match parts.iter_mut().find(|(first, _)| agree(first, object)) {
-            Some((_, part)) => part.push(object.object),
-            None => parts.push((object, vec![object.object])),
+        match parts.iter_mut().find(|part| agree(part[0], object)) {
+            Some(part) => part.push(object),
+            None => parts.push(vec![object]),
         }
     }
-    parts.into_iter().map(|(_, part)| part).collect()
+    let pixels = |part: &Vec<&Seen>| part.iter().map(|seen| seen.pixels).sum::<usize>();
+    parts.sort_by_key(|part| std::cmp::Reverse(pixels(part)));
+    parts.iter().map(|part| part.iter().map(|seen| seen.object).collect()).collect()
 }
 
 fn agree(a: &Seen, b: &Seen) -> bool {
