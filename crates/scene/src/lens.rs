@@ -160,11 +160,12 @@ impl Lens {
             let step_x = (yy * off_x - xy * off_y) / determinant;
             let step_y = (xx * off_y - xy * off_x) / determinant;
             // Beyond the fold there is no solution; the radial one stays.
-            if !(step_x.hypot(step_y) < 1.0) {
+            let step = step_x.hypot(step_y);
+            if step.is_nan() || step >= 1.0 {
                 return (start[0] as f32, start[1] as f32);
             }
             (x, y) = (x + step_x, y + step_y);
-            if step_x.hypot(step_y) < CLOSE {
+            if step < CLOSE {
                 break;
             }
         }
