@@ -418,7 +418,8 @@ def split(results: Recovery | StrPath, *, out: StrPath, group: str | None = None
     """
     flags = {"group": group, "out": out}
     with _results(results) as folder:
-        _called(words("split", [folder], flags, False, None), None, None, None)
+        positional = [] if folder is None else [folder]
+        _called(words("split", positional, flags, False, None), None, None, None)
     return Path(out)
 
 
