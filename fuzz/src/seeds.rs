@@ -43,6 +43,18 @@ const OBJ: &str = "o a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\ns 
 const MTL: &str =
     "newmtl m\nKd 0.5 0.4 0.3\nKs 0.1 0.1 0.1\nNs 20\nillum 2\nKe 0 0 0\nmap_Kd seed.png\n";
 
+const CALIBRATIONS: [&str; 3] = [
+    "%YAML:1.0\n---\nimage_width: 4\nimage_height: 3\ncamera_matrix: !!opencv-matrix\n   rows: 3\n   \
+     cols: 3\n   dt: d\n   data: [ 5., 0., 2., 0., 5., 1., 0., 0., 1. ]\nD: [0.1, 0, 0, 0, 0]\n\
+     rvec: [1, 2, 3]\ntvec: [1, 2, 3]\n",
+    "{\"K\": [[5, 0, 2], [0, 5, 1], [0, 0, 1]], \"extrinsic_parameters\": [[1, 2, 3, 4, 5, 6]]}",
+    "<opencv_storage><K><rows>3</rows><cols>3</cols><data>5 0 2 0 5 1 0 0 1</data></K></opencv_storage>",
+];
+const RECONSTRUCTIONS: [&str; 2] = [
+    "# cameras\n1 OPENCV 640 480 500 510 321 241 -0.1 0.02 0.001 -0.002\n",
+    "# images\n1 1 0 0 0 0.5 0 2 1 hall/a.jpg\n100.5 20.25 -1\n",
+];
+
 /// The seeds of the target called `name`.
 pub(crate) fn of(name: &str) -> Vec<Vec<u8>> {
     let mut seeds = match name {
@@ -52,6 +64,9 @@ pub(crate) fn of(name: &str) -> Vec<Vec<u8>> {
         "obj" => vec![OBJ.into()],
         "mtl" => vec![MTL.into()],
         "fspy" => vec![fspy()],
+        "opencv" => CALIBRATIONS.map(Into::into).to_vec(),
+        "colmap" => RECONSTRUCTIONS.map(Into::into).to_vec(),
+        "colmap_bin" => vec![colmap_images()],
         "part" => vec![part()],
         "glb" => gltf::to_glb(&scene()).into_iter().collect(),
         "ply" | "xml" | "rad" | "vf" => exported(name),
@@ -133,4 +148,16 @@ fn fspy() -> Vec<u8> {
     let number = |n: usize| (n as u32).to_le_bytes();
     let head = [*b"fspy", number(1), number(state.len()), number(0)].concat();
     [head, state.as_bytes().to_vec()].concat()
+}
+
+/// A file of one image, as COLMAP writes it: pose, camera, name, and a point.
+fn colmap_images() -> Vec<u8> {
+    let mut bytes = 1u64.to_le_bytes().to_vec();
+    bytes.extend(1i32.to_le_bytes());
+    [1.0f64, 0.0, 0.0, 0.0, 0.5, 0.0, 2.0].iter().for_each(|n| bytes.extend(n.to_le_bytes()));
+    bytes.extend(1i32.to_le_bytes());
+    bytes.extend(b"a.jpg\0");
+    bytes.extend(1u64.to_le_bytes());
+    bytes.extend([7; 24]);
+    bytes
 }

@@ -7,6 +7,7 @@ use unrender::Project;
 use unrender::cli::Global;
 use unrender::commands::merge;
 use unrender::edit::Sheet;
+use unrender::formats::cameras::{colmap, opencv};
 use unrender::formats::{
     Input, Limits, fspy, load_model, load_scene, materials, picture, planes, points,
     response_curve, wear,
@@ -41,7 +42,7 @@ pub(crate) struct Target {
 }
 
 /// All of them.
-pub(crate) const ALL: [Target; 21] = [
+pub(crate) const ALL: [Target; 24] = [
     Target { name: "gltf", kind: Kind::Json, read: scene },
     Target { name: "glb", kind: Kind::Glb, read: scene },
     Target { name: "obj", kind: Kind::Words, read: scene },
@@ -63,6 +64,9 @@ pub(crate) const ALL: [Target; 21] = [
     Target { name: "edit", kind: Kind::Toml, read: edit },
     Target { name: "csv", kind: Kind::Words, read: tables },
     Target { name: "fspy", kind: Kind::Bytes, read: fspy_project },
+    Target { name: "opencv", kind: Kind::Words, read: calibration },
+    Target { name: "colmap", kind: Kind::Words, read: reconstruction },
+    Target { name: "colmap_bin", kind: Kind::Bytes, read: reconstruction },
 ];
 
 fn input(path: &Path) -> Input<'_> {
@@ -165,5 +169,24 @@ fn tables(path: &Path) {
 fn fspy_project(path: &Path) {
     if let Ok(bytes) = fs::read(path) {
         let _ = fspy::parse(&bytes, None);
+    }
+}
+
+fn calibration(path: &Path) {
+    if let Ok(text) = fs::read_to_string(path) {
+        for extension in ["yml", "json", "xml"] {
+            let _ = opencv::parse(&text, extension, Some(0));
+        }
+    }
+}
+
+/// The same bytes as the file of cameras and as that of images.
+fn reconstruction(path: &Path) {
+    for extension in ["txt", "bin"] {
+        let file = path.with_extension(extension);
+        if fs::copy(path, &file).is_ok() {
+            let limits = Limits { memory: MEMORY, ..Limits::default() };
+            let _ = colmap::read(&file, &file, "a.jpg", limits);
+        }
     }
 }

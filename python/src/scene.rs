@@ -370,8 +370,10 @@ fn camera_in(camera: &Value) -> PyResult<Camera> {
     made.aspect = camera["aspect"].as_f64().map(|aspect| aspect as f32);
     let point = camera["principal_point"].as_array().cloned().unwrap_or_default();
     let part = |k: usize| point.get(k).and_then(Value::as_f64).unwrap_or_default() as f32;
-    let [k1, k2] = ["k1", "k2"].map(|key| camera[key].as_f64().unwrap_or_default() as f32);
-    made.lens = Lens { principal_point: [part(0), part(1)], k1, k2 };
+    let or = |key: &str, usual: f64| camera[key].as_f64().unwrap_or(usual) as f32;
+    let [k1, k2, k3, p1, p2] = ["k1", "k2", "k3", "p1", "p2"].map(|key| or(key, 0.0));
+    let fx_over_fy = or("fx_over_fy", 1.0);
+    made.lens = Lens { principal_point: [part(0), part(1)], fx_over_fy, k1, k2, k3, p1, p2 };
     Ok(made)
 }
 
@@ -383,6 +385,8 @@ pub(crate) fn camera_out(camera: &Camera) -> Value {
         "eye": eye.to_array(), "target": (eye - Vec3::from(axes.z_axis)).to_array(),
         "up": Vec3::from(axes.y_axis).to_array(),
         "world_from_camera": camera.world_from_camera.to_cols_array(),
-        "principal_point": camera.lens.principal_point, "k1": camera.lens.k1, "k2": camera.lens.k2,
+        "principal_point": camera.lens.principal_point, "fx_over_fy": camera.lens.fx_over_fy,
+        "k1": camera.lens.k1, "k2": camera.lens.k2, "k3": camera.lens.k3,
+        "p1": camera.lens.p1, "p2": camera.lens.p2,
     })
 }

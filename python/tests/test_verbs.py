@@ -25,6 +25,7 @@ VERBS: dict[str, Callable[..., object]] = {
     "report": unrender.report,
     "restage": unrender.restage,
     "score": unrender.score,
+    "split": unrender.split,
 }
 # Functions answer with values instead of printing them.
 # `resume` goes on from what a killed process has left in a folder.

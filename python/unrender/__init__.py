@@ -43,6 +43,7 @@ from .verbs import (
     report,
     restage,
     score,
+    split,
 )
 
 __all__ = [
@@ -81,4 +82,5 @@ __all__ = [
     "report",
     "restage",
     "score",
+    "split",
 ]

@@ -40,6 +40,10 @@ class Camera:
         principal_point: From the picture's centre to the right and downwards, in heights of it.
         k1: Radial distortion, the coefficient of the squared distance from the axis.
         k2: The coefficient of its fourth power.
+        k3: The coefficient of its sixth power.
+        p1: Tangential distortion, of a lens tilted about the horizontal axis.
+        p2: Tangential distortion, of a lens tilted about the vertical axis.
+        fx_over_fy: The focal length in pixels across over that in pixels down.
         aspect: Width over height, where it is stated.
         world_from_camera: The exact pose that a file states, 12 numbers, column by column; eye,
             target and up say the same to rounding.
@@ -53,6 +57,10 @@ class Camera:
     principal_point: Sequence[float] = (0.0, 0.0)
     k1: float = 0.0
     k2: float = 0.0
+    k3: float = 0.0
+    p1: float = 0.0
+    p2: float = 0.0
+    fx_over_fy: float = 1.0
     aspect: float | None = None
     world_from_camera: tuple[float, ...] | None = field(default=None, repr=False)
 
@@ -67,8 +75,14 @@ class Camera:
                 "principal_point": list(self.principal_point),
                 "k1": self.k1,
                 "k2": self.k2,
+                "k3": self.k3,
+                "p1": self.p1,
+                "p2": self.p2,
+                "fx_over_fy": self.fx_over_fy,
             }
         )
+        if self.fx_over_fy == 1.0:
+            del table["fx_over_fy"]
         return {key: value for key, value in table.items() if value not in (0.0, [0.0, 0.0])}
 
     def project(
@@ -85,7 +99,11 @@ class Camera:
         depth = np.where(depth > 0.0, depth, np.nan)
         plane = np.stack([at @ right, -(at @ np.cross(back, right))], axis=1) / depth[:, None]
         r2 = np.sum(plane**2, axis=1, keepdims=True)
-        plane = plane * (1.0 + self.k1 * r2 + self.k2 * r2**2)
+        xy = plane[:, :1] * plane[:, 1:]
+        tilt = np.array([[self.p2, self.p1]]) * (r2 + 2.0 * plane**2)
+        tilt += 2.0 * np.array([[self.p1, self.p2]]) * xy
+        plane = plane * (1.0 + self.k1 * r2 + self.k2 * r2**2 + self.k3 * r2**3) + tilt
+        plane = plane * np.array([[self.fx_over_fy, 1.0]])
         focal = 0.5 * height / np.tan(np.radians(0.5 * self.fov_y_deg))
         centre = np.array([0.5 * width, 0.5 * height]) + height * np.asarray(self.principal_point)
         return np.asarray(plane * focal + centre)

@@ -405,6 +405,24 @@ def score(
         return Score(json.loads(_called(line, None, None, None, may_fail=True)))
 
 
+def split(results: Recovery | StrPath, *, out: StrPath, group: str | None = None) -> Path:
+    """Writes the scene with groups apart that hold two materials.
+
+    Args:
+        results: A recovery, or the folder of one.
+        out: The .glb file to write.
+        group: Only this group; by default all that fall apart.
+
+    Returns:
+        The path that was written.
+    """
+    flags = {"group": group, "out": out}
+    with _results(results) as folder:
+        positional = [] if folder is None else [folder]
+        _called(words("split", positional, flags, False, None), None, None, None)
+    return Path(out)
+
+
 def report(
     runs: Recovery | StrPath | list[StrPath],
     *,

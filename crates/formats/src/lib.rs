@@ -7,6 +7,7 @@
 //! Writers never leave half a file: see [`atomic`].
 
 pub mod atomic;
+pub mod cameras;
 pub mod error;
 pub mod export;
 pub mod fspy;

@@ -73,6 +73,7 @@ impl Driver<'_> {
         for level in 0..=last {
             let settler = Settler::new(state, self.options, level);
             self.settle(state, &settler, observer)?;
+            self.candidates.enforce(state, level);
             let mut best = self.verifier.verify(state);
             while self.left > 0 && !observer.is_cancelled() {
                 let proposals = self.candidates.propose_worst(state, level);

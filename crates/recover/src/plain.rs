@@ -26,7 +26,8 @@ const BETTER: f64 = 3.0;
 pub(crate) fn replace_worse(state: &mut State<'_>, options: &Options) {
     for group in state.visible_unknowns() {
         let hypothesis = state.groups[group].hypothesis;
-        if hypothesis == Hypothesis::Diffuse {
+        let may_be_plain = state.problem.groups[group].allows(Hypothesis::Diffuse);
+        if hypothesis == Hypothesis::Diffuse || !may_be_plain {
             continue;
         }
         let effort = effort::diffuse(effort::FINEST, options);

@@ -19,6 +19,8 @@ pub struct Problem<'a> {
     /// The sources of light whose brightness is asked for too, numbered as in
     /// [`unrender_render::Appearance::lights`].
     pub unknown_lights: Vec<usize>,
+    /// Those among them whose colour is known: one factor holds for all channels.
+    pub coloured_lights: Vec<usize>,
     /// The numbers of the camera that are asked for too.
     pub corrections: &'a [Correction],
 }
@@ -32,8 +34,23 @@ pub struct GroupSpec {
     pub role: Role,
     /// The reflectance of known groups and emitters; ignored for unknown ones.
     pub material: Material,
-    /// The most complex hypothesis that an unknown group may have.
-    pub max_rung: Hypothesis,
+    /// The hypotheses that an unknown group may have, in any order.
+    pub rungs: Vec<Hypothesis>,
+}
+
+impl GroupSpec {
+    /// Whether the group may have `hypothesis`.
+    pub(crate) fn allows(&self, hypothesis: Hypothesis) -> bool {
+        self.rungs.contains(&hypothesis)
+    }
+
+    /// The hypotheses without a texture that it may have; where there is none, the diffuse one, which
+    /// every texture begins with.
+    pub(crate) fn uniform_rungs(&self) -> Vec<Hypothesis> {
+        let mut rungs = crate::hypothesis::UNIFORM.to_vec();
+        rungs.retain(|rung| self.allows(*rung));
+        if rungs.is_empty() { vec![Hypothesis::Diffuse] } else { rungs }
+    }
 }
 
 /// Whether a group's reflectance is asked for.

@@ -75,7 +75,7 @@ fn refined(scene: &Scene, tracer: &Tracer, clean: &RgbImage, realisation: u64) -
             _ => Role::Unknown,
         },
         material: group.material.clone(),
-        max_rung: Hypothesis::Textured,
+        rungs: Hypothesis::ALL.to_vec(),
     };
     let problem = Problem {
         corrections: &[],
@@ -88,6 +88,7 @@ fn refined(scene: &Scene, tracer: &Tracer, clean: &RgbImage, realisation: u64) -
             ExposureRule::Anchor { group: LEFT, rho_d: truth()[LEFT].rho_d }
         },
         unknown_lights: if unknown_lamp { vec![LAMP] } else { Vec::new() },
+        coloured_lights: Vec::new(),
     };
     let options = Options { seed: realisation, spp: 2, ..Options::default() };
     refine_from(&problem, &start(), &options, &mut ()).unwrap()

@@ -34,7 +34,7 @@ fn recovered(scene: &Scene) -> Recovery {
         name: group.name.clone(),
         role: if i == LAMP { Role::Emitter } else { Role::Unknown },
         material: group.material.clone(),
-        max_rung: Hypothesis::Textured,
+        rungs: Hypothesis::ALL.to_vec(),
     };
     let problem = Problem {
         corrections: &[],
@@ -43,6 +43,7 @@ fn recovered(scene: &Scene) -> Recovery {
         groups: scene.groups.iter().enumerate().map(spec).collect(),
         exposure: ExposureRule::Fixed(Rgb::ONE),
         unknown_lights: Vec::new(),
+        coloured_lights: Vec::new(),
     };
     recover(&problem, &Options::default(), &mut ()).unwrap()
 }

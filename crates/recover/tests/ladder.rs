@@ -250,7 +250,7 @@ fn with_problem(
         name: format!("stripe {group}"),
         role: if anchor == Some(group) { Role::Known } else { Role::Unknown },
         material: Material::diffuse(Rgb::new(0.2, 0.5, 0.8)),
-        max_rung: Hypothesis::Textured,
+        rungs: Hypothesis::ALL.to_vec(),
     };
     let problem = Problem {
         corrections: &[],
@@ -259,6 +259,7 @@ fn with_problem(
         groups: (0..groups).map(spec).collect(),
         exposure,
         unknown_lights: Vec::new(),
+        coloured_lights: Vec::new(),
     };
     solve(&problem)
 }

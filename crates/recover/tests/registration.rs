@@ -202,7 +202,7 @@ fn recovered_as(
         name: group.name.clone(),
         role: if group.is_emitter() { Role::Emitter } else { Role::Unknown },
         material: group.material.clone(),
-        max_rung: Hypothesis::Textured,
+        rungs: Hypothesis::ALL.to_vec(),
     };
     let problem = Problem {
         corrections: &[],
@@ -211,6 +211,7 @@ fn recovered_as(
         groups: scene.groups.iter().map(spec).collect(),
         exposure: ExposureRule::Fixed(Rgb::ONE),
         unknown_lights: Vec::new(),
+        coloured_lights: Vec::new(),
     };
     recover(&problem, options, &mut ()).unwrap()
 }

@@ -101,7 +101,7 @@ fn solved<T>(role_of_floor: Role, solve: impl Fn(&Problem<'_>) -> T) -> T {
             _ => Role::Unknown,
         },
         material: of_scene.material.clone(),
-        max_rung: Hypothesis::Textured,
+        rungs: Hypothesis::ALL.to_vec(),
     };
     let rho_d = Rgb::new(0.5, 0.3, 0.2);
     solve(&Problem {
@@ -113,6 +113,7 @@ fn solved<T>(role_of_floor: Role, solve: impl Fn(&Problem<'_>) -> T) -> T {
             _ => ExposureRule::Fixed(Rgb::ONE),
         },
         unknown_lights: Vec::new(),
+        coloured_lights: Vec::new(),
         corrections: &[],
     })
 }

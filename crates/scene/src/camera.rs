@@ -13,7 +13,8 @@ pub struct Camera {
     /// The pose: a rigid transform from camera to world coordinates.
     pub world_from_camera: Affine3A,
     /// Full vertical field of view, radians, of the pinhole with its axis through the picture's
-    /// centre: 2 atan(height / (2 focal length)). Independent of the picture's aspect.
+    /// centre: 2 atan(height / (2 fy)), fy the focal length in pixels down. Independent of the
+    /// picture's aspect.
     pub fov_y_rad: f32,
     /// The aspect (width over height) that the scene file states, if any.
     pub aspect: Option<f32>,
@@ -55,12 +56,16 @@ impl Camera {
         let depth = -to_point.dot(axes.z_axis.into());
         let half_height = (0.5 * self.fov_y_rad).tan();
         let (right, up) = (to_point.dot(axes.x_axis.into()), to_point.dot(axes.y_axis.into()));
-        let mut pixels = 0.5 * height as f32 / (half_height * depth);
-        if self.lens.distorts() {
-            pixels *= self.lens.factor((right * right + up * up) / (depth * depth))?;
-        }
+        let (right, down) = if self.lens.distorts() {
+            let pixels = 0.5 * height as f32 / half_height;
+            let (right, down) = self.lens.distorted(right / depth, -up / depth)?;
+            (right * pixels, down * pixels)
+        } else {
+            let pixels = 0.5 * height as f32 / (half_height * depth);
+            (right * pixels, -up * pixels)
+        };
         let (centre_x, centre_y) = self.principal_point(width, height);
-        let (x, y) = (centre_x + right * pixels, centre_y - up * pixels);
+        let (x, y) = (centre_x + right * self.lens.fx_over_fy, centre_y + down);
         let inside =
             depth > 0.0 && (0.0..width as f32).contains(&x) && (0.0..height as f32).contains(&y);
         inside.then_some((x, y))
@@ -73,9 +78,9 @@ impl Camera {
         let half_height = (0.5 * self.fov_y_rad).tan();
         let pixel = 2.0 * half_height / height as f32;
         let (centre_x, centre_y) = self.principal_point(width, height);
-        let on_plane = ((x - centre_x) * pixel, (centre_y - y) * pixel);
-        let (right, up) = self.lens.undistorted(on_plane.0, on_plane.1);
-        let in_camera = Vec3::new(right, up, -1.0);
+        let (right, up) = ((x - centre_x) * pixel / self.lens.fx_over_fy, (centre_y - y) * pixel);
+        let (right, down) = self.lens.undistorted(right, -up);
+        let in_camera = Vec3::new(right, -down, -1.0);
         self.world_from_camera.transform_vector3(in_camera).normalize()
     }
 
@@ -85,7 +90,7 @@ impl Camera {
         let pixel = 2.0 * (0.5 * self.fov_y_rad).tan() / height as f32;
         let (x, y) = self.principal_point(width, height);
         let (side_x, side_y) = (x.max(width as f32 - x), y.max(height as f32 - y));
-        self.lens.reaches(pixel * side_x.hypot(side_y))
+        self.lens.reaches(pixel * (side_x / self.lens.fx_over_fy).hypot(side_y))
     }
 
     /// The principal point of a picture of `width` x `height` pixels, in pixels from the top left.
@@ -127,13 +132,21 @@ mod tests {
     fn a_lens_shifts_and_bends_and_projection_follows() {
         let target = Vec3::new(0.2, 0.1, -1.0);
         let mut camera = Camera::look_at("c", Vec3::new(1.0, 2.0, 3.0), target, Vec3::Y, 0.9);
-        camera.lens = Lens { principal_point: [0.05, -0.03], k1: -0.15, k2: 0.02 };
+        camera.lens =
+            Lens { principal_point: [0.05, -0.03], k1: -0.15, k2: 0.02, ..Lens::default() };
         let (w, h) = (640, 480);
         let axis = camera.direction(320.0 + 0.05 * 480.0, 240.0 - 0.03 * 480.0, w, h);
         assert!((axis - (target - camera.origin()).normalize()).length() < 1e-6);
         for (x, y) in [(0.5, 0.5), (639.5, 479.5), (17.25, 300.5), (344.0, 225.6)] {
             let point = camera.origin() + 4.0 * camera.direction(x, y, w, h);
             let back = camera.project(point, w, h).unwrap();
+            assert!((back.0 - x).abs() < 2e-3 && (back.1 - y).abs() < 2e-3, "{back:?}");
+        }
+        let all = Lens { fx_over_fy: 1.1, k3: 0.01, p1: 2e-3, p2: -1e-3, ..camera.lens };
+        let all = Camera { lens: all, ..camera.clone() };
+        for (x, y) in [(0.5, 0.5), (639.5, 479.5), (17.25, 300.5), (344.0, 225.6)] {
+            let point = all.origin() + 4.0 * all.direction(x, y, w, h);
+            let back = all.project(point, w, h).unwrap();
             assert!((back.0 - x).abs() < 2e-3 && (back.1 - y).abs() < 2e-3, "{back:?}");
         }
         // Barrel distortion enlarges the field of view.
@@ -143,6 +156,19 @@ mod tests {
         assert!(camera.covers(w, h));
         camera.lens.k1 = -0.9;
         assert!(!camera.covers(w, h));
+    }
+
+    #[test]
+    fn pixels_may_be_wider_than_high() {
+        let camera = Camera::look_at("c", Vec3::ZERO, Vec3::NEG_Z, Vec3::Y, 1.0);
+        let lens = Lens { fx_over_fy: 0.5, ..Lens::default() };
+        let wide = Camera { lens, ..camera.clone() };
+        let (w, h) = (40, 20);
+        let point = Vec3::new(0.3, 0.2, -1.0);
+        let (x, y) = camera.project(point, w, h).unwrap();
+        let (wide_x, wide_y) = wide.project(point, w, h).unwrap();
+        assert!((wide_x - 20.0 - 0.5 * (x - 20.0)).abs() < 1e-5 && wide_y == y);
+        assert!((wide.direction(wide_x, y, w, h) - point.normalize()).length() < 1e-6);
     }
 
     #[test]

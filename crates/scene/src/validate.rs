@@ -272,12 +272,10 @@ fn check_light(light: &Light) -> Result<(), SceneError> {
 
 fn check_camera(camera: &Camera) -> Result<(), SceneError> {
     let fov = camera.fov_y_rad;
-    let lens = &camera.lens;
-    let [x, y] = lens.principal_point;
     let quantities = [
         ("its pose", camera.world_from_camera.is_finite()),
         ("its field of view", fov.is_finite() && fov > 0.0),
-        ("its lens", [x, y, lens.k1, lens.k2].iter().all(|number| number.is_finite())),
+        ("its lens", camera.lens.is_valid()),
     ];
     check_numbers(|| format!("camera \"{}\"", camera.name), &quantities)
 }

@@ -2,6 +2,7 @@
 
 use crate::commands::{
     calibrate, check, completions, export, man, merge, recover, render, report, restage, score,
+    split,
 };
 use crate::listener::{Console, Listener};
 use crate::{Error, interrupt, output};
@@ -69,6 +70,7 @@ enum Command {
     Merge(merge::Args),
     Restage(restage::Args),
     Score(score::Args),
+    Split(split::Args),
     Export(export::Args),
     Report(report::Args),
     Completions(completions::Args),
@@ -190,6 +192,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Merge(args) => merge::run(args, &cli.global),
         Command::Restage(args) => restage::run(args, &cli.global),
         Command::Score(args) => score::run(args, &cli.global),
+        Command::Split(args) => split::run(args, &cli.global),
         Command::Export(args) => export::run(args, &cli.global),
         Command::Report(args) => report::run(args, &cli.global),
         Command::Completions(args) => completions::run(args),

@@ -5,7 +5,7 @@ use crate::interrupt::Pausable;
 use crate::progress::Progress;
 use crate::recovery_journal::RecoveryJournal;
 use crate::registration::{self, Alignment, Laid};
-use crate::{Error, Job, results};
+use crate::{Error, Job, results, same_as};
 use std::time::Instant;
 use unrender_formats::materials::{MaterialsFile, PhotographEntry};
 use unrender_photo::Exposure;
@@ -28,6 +28,8 @@ pub struct Recovered {
     pub(crate) laid: Laid,
     /// The group of every pixel, or [`unrender_render::NOTHING`].
     pub group_map: Image<u32>,
+    /// The object of every pixel, likewise.
+    pub object_map: Image<u32>,
     /// When each part of the work was done.
     pub times: Times,
 }
@@ -100,23 +102,33 @@ pub(crate) fn recover(
     }
     let developed = started.elapsed().as_secs_f64();
     let mut teller = Teller::new(progress, options, started, (&pausable, journal));
-    let Once { mut recovery, group_map, .. } =
+    let Once { mut recovery, group_map, object_map, .. } =
         recover_once(job, &laid, &numbers, options, &mut teller)?;
     if let Exposure::Fixed(exposure) = job.project.exposure {
         // The photograph was developed with it.
         recovery.exposure = exposure;
     }
+    same_as::share(&job.project, &mut recovery.groups);
     let photograph =
         (!numbers.is_empty()).then(|| camera_numbers::found(job, &numbers, &recovery.corrected));
     let all = started.elapsed().as_secs_f64();
     let times = Times { laid: until_laid, developed, iterations: teller.iterations, all };
-    Ok(Recovered { recovery, options: options.clone(), photograph, laid, group_map, times })
+    Ok(Recovered {
+        recovery,
+        options: options.clone(),
+        photograph,
+        laid,
+        group_map,
+        object_map,
+        times,
+    })
 }
 
 /// What came out once.
 struct Once {
     recovery: Recovery,
     group_map: Image<u32>,
+    object_map: Image<u32>,
     /// The share by which developing the photograph anew changed it.
     change: f64,
 }
@@ -131,17 +143,18 @@ fn recover_once(
 ) -> Result<Once, Error> {
     let corrections = camera_numbers::corrections(job, numbers);
     let recover = |problem: &Problem<'_>| {
-        let group_map = problem.renderer.geometry().map(|pixel| pixel.group);
+        let geometry = problem.renderer.geometry();
+        let maps = (geometry.map(|pixel| pixel.group), geometry.map(|pixel| pixel.object));
         let journal = teller.journal;
-        Ok((unrender_recover::recover_with(problem, options, teller, journal)?, group_map))
+        Ok((unrender_recover::recover_with(problem, options, teller, journal)?, maps))
     };
-    let (recovery, group_map) = with_problem(job, laid, &corrections, recover)?;
+    let (recovery, (group_map, object_map)) = with_problem(job, laid, &corrections, recover)?;
     let change = if numbers.is_empty() {
         0.0
     } else {
         camera_numbers::apply(job, numbers, &recovery.corrected.steps)
     };
-    Ok(Once { recovery, group_map, change })
+    Ok(Once { recovery, group_map, object_map, change })
 }
 
 /// What `solve` makes of the problem that `job` poses, its model laid as `laid` says.
@@ -161,6 +174,7 @@ fn with_problem<T>(
         groups: (0..job.scene.groups.len()).map(|group| spec(job, group)).collect(),
         exposure: exposure_rule(job),
         unknown_lights: job.unknown_lights.clone(),
+        coloured_lights: job.project.coloured_sources(&job.scene),
         corrections,
     })
 }
@@ -175,6 +189,7 @@ pub(crate) fn spec(job: &Job, group: usize) -> GroupSpec {
         (Role::Known, Material::diffuse(anchor.rho_d))
     } else if job.project.known.contains_key(&of_scene.name)
         || job.project.ignored.contains(&of_scene.name)
+        || job.project.same_as.contains_key(&of_scene.name)
     {
         (Role::Known, of_scene.material.clone())
     } else {
@@ -184,7 +199,7 @@ pub(crate) fn spec(job: &Job, group: usize) -> GroupSpec {
         name: of_scene.name.clone(),
         role,
         material,
-        max_rung: job.project.max_rung_of(&of_scene.name),
+        rungs: job.project.rungs_of(&of_scene.name),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Everything a recovery starts from, read and checked.
 
 use crate::project::{CameraChoice, Project};
-use crate::{Error, mask, photograph};
+use crate::{Error, mask, photograph, same_as};
 use std::path::Path;
 use unrender_formats::picture::{self, Picture};
 use unrender_formats::{FileError, Input};
@@ -33,6 +33,9 @@ pub struct Job {
     /// The sources whose brightness is asked for, ascending: a group's index for area lights, and
     /// for the others the number of groups plus the index among the scene's lights.
     pub unknown_lights: Vec<usize>,
+    /// The group of every object in the scene's file; `scene` counts objects of groups with `same_as`
+    /// to the groups that are named there.
+    pub own_groups: Vec<usize>,
     /// What is doubtful about all of it.
     pub warnings: Warnings,
 }
@@ -106,7 +109,8 @@ impl Job {
             }
         }
         warnings.extend(validate(&mut scene, &project.scene)?);
-        let (camera, told) = choose_camera(&project, &scene)?;
+        let own_groups = same_as::merge(&project, &mut scene);
+        let (camera, told) = choose_camera(&project, &scene, &picture)?;
         warnings.extend(told);
         let (transfer, told) = photograph::transfer(&project, &picture, &camera)?;
         warnings.extend(told);
@@ -128,9 +132,9 @@ impl Job {
         warnings.extend(doubtful_aspect(&camera, width, height));
         if !camera.covers(width, height) {
             warnings.push(format!(
-                "the distortion of camera \"{}\" (k1 = {}, k2 = {}) folds over before the corners \
-                 of the photo; what lies beyond is not shown right",
-                camera.name, camera.lens.k1, camera.lens.k2
+                "the distortion of camera \"{}\" (k1 = {}, k2 = {}, k3 = {}) folds over before the \
+                 corners of the photo; what lies beyond is not shown right",
+                camera.name, camera.lens.k1, camera.lens.k2, camera.lens.k3
             ));
         }
         let unknown_lights = project.unknown_sources(&scene);
@@ -143,6 +147,7 @@ impl Job {
             transfer,
             project,
             unknown_lights,
+            own_groups,
             warnings,
         })
     }
@@ -165,8 +170,21 @@ pub(crate) fn validate(scene: &mut Scene, path: &Path) -> Result<Warnings, Error
     scene.validate().map_err(|source| Error::Scene { path: path.to_owned(), source })
 }
 
-fn choose_camera(project: &Project, scene: &Scene) -> Result<(Camera, Warnings), Error> {
+fn choose_camera(
+    project: &Project,
+    scene: &Scene,
+    picture: &Picture,
+) -> Result<(Camera, Warnings), Error> {
+    let size = (picture.values.width(), picture.values.height());
     match &project.camera {
+        CameraChoice::InPixels { world_from_camera, intrinsics } => {
+            let camera = intrinsics.camera("project", *world_from_camera, size);
+            let fault = |problem| FileError::new(&project.path, format!("camera: {problem}"));
+            Ok((camera.map_err(fault)?, Warnings::default()))
+        }
+        CameraChoice::Calibrated(calibrated) => {
+            Ok((calibrated.read(size, project.limits)?, Warnings::default()))
+        }
         CameraChoice::Placed(camera) => Ok((camera.clone(), Warnings::default())),
         CameraChoice::Named(name) => named_camera(scene, Some(name), &project.scene),
         CameraChoice::First => named_camera(scene, None, &project.scene),

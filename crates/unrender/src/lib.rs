@@ -70,7 +70,7 @@
 //!     name: group.name.clone(),
 //!     role: if group.is_emitter() { Role::Emitter } else { Role::Unknown },
 //!     material: group.material.clone(),
-//!     max_rung: Hypothesis::Textured,
+//!     rungs: Hypothesis::ALL.to_vec(),
 //! };
 //! let problem = Problem {
 //!     observation: &observation,
@@ -78,6 +78,7 @@
 //!     groups: scene.groups.iter().map(spec).collect(),
 //!     exposure: ExposureRule::Fixed(Rgb::ONE),
 //!     unknown_lights: Vec::new(),
+//!     coloured_lights: Vec::new(),
 //!     corrections: &[],
 //! };
 //! // The observer `()` does not listen to the iterations.
@@ -150,6 +151,7 @@ pub mod result_folder;
 #[cfg(feature = "cli")]
 mod results;
 pub mod run;
+mod same_as;
 pub mod score;
 #[cfg(feature = "cli")]
 mod subject;

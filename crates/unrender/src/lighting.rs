@@ -19,6 +19,12 @@ pub(crate) struct RawLight {
     pub(crate) name: String,
     /// Of project files alone: whether the brightness is asked for.
     pub(crate) unknown: Option<bool>,
+    /// Of project files alone: the colour of an unknown light.
+    #[serde(alias = "colour")]
+    pub(crate) color: Option<Channels>,
+    /// Of project files alone: another light that has the colour.
+    #[serde(alias = "same_colour_as")]
+    pub(crate) same_color_as: Option<String>,
     add: Option<Kind>,
     #[serde(default)]
     pub(crate) remove: bool,

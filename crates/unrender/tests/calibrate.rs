@@ -98,7 +98,7 @@ fn view() -> Camera {
 }
 
 fn bent() -> Camera {
-    let lens = Lens { principal_point: [0.02, -0.015], k1: -0.2, k2: 0.05 };
+    let lens = Lens { principal_point: [0.02, -0.015], k1: -0.2, k2: 0.05, ..Lens::default() };
     Camera { lens, ..view() }
 }
 

@@ -123,6 +123,7 @@ impl Input {
         let photo = develop(&codes, &transfer);
         let (scene, warnings) = (scene.clone(), Warnings::default());
         let unknown_lights = project.unknown_sources(&scene);
+        let own_groups = scene.objects.iter().map(|object| object.group).collect();
         let picture = codes;
         let mask = None;
         Self(Job {
@@ -134,6 +135,7 @@ impl Input {
             transfer,
             project,
             unknown_lights,
+            own_groups,
             warnings,
         })
     }

@@ -7,7 +7,8 @@ use unrender::photo::vignetting::Law;
 use unrender::photo::{Exposure, Response};
 use unrender::project::{CameraChoice, ResponseChoice, VignettingChoice};
 use unrender::scene::{
-    Environment, Group, Lens, Light, LightKind, Material, Rgb, RgbImage, Scene, WardModel, Warnings,
+    Environment, Group, Hypothesis, Lens, Light, LightKind, Material, Rgb, RgbImage, Scene,
+    WardModel, Warnings,
 };
 use unrender::{Job, Project};
 
@@ -44,7 +45,23 @@ fn a_full_project_is_understood() {
     assert!((floor.theta_rad - std::f32::consts::PI).abs() < 1e-6);
     let CameraChoice::Placed(camera) = project.camera else { panic!("a placed camera") };
     assert!((camera.fov_y_rad.to_degrees() - 40.0).abs() < 1e-4);
-    assert_eq!(camera.lens, Lens { principal_point: [0.01, -0.02], k1: -0.1, k2: 0.01 });
+    assert_eq!(
+        camera.lens,
+        Lens { principal_point: [0.01, -0.02], k1: -0.1, k2: 0.01, ..Lens::default() }
+    );
+}
+
+#[test]
+fn rungs_are_a_list_or_all_up_to_one() {
+    use Hypothesis::{Anisotropic, Diffuse, Isotropic, Mirror};
+    let project = good(
+        "[recover]\nmax_rung = \"mirror\"\n[groups.a]\nrungs = [\"anisotropic\", \"isotropic\"]\n\
+         [groups.b]\nsame_as = \"a\"\n",
+    );
+    assert_eq!(project.rungs_of("wall"), [Diffuse, Mirror]);
+    assert_eq!(project.rungs_of("a"), [Isotropic, Anisotropic]);
+    assert_eq!(project.same_as["b"], "a");
+    assert_eq!(good("").rungs_of("wall"), Hypothesis::ALL);
 }
 
 #[test]
@@ -120,6 +137,25 @@ fn faults_of_light_and_of_what_counts_name_their_key_or_line() {
         ("[[lights]]\nname = \"a\"\nposition = [0, 1, 0]", "lights.a: move = [x, y, z] moves"),
         ("[[lights]]\nname = \"a\"\n[[lights]]\nname = \"a\"", "lights.a: the list [[lights]] has"),
         ("[[lights]]\nname = \"a\"\nremove = true\nunknown = true", "lights.a: a light that is"),
+        (
+            "[[lights]]\nname = \"a\"\ncolor = 1",
+            "lights.a: color and same_color_as are for lights with",
+        ),
+        ("[[lights]]\nname = \"a\"\nunknown = true\ncolour = 0", "lights.a.color: black is no"),
+        ("[[lights]]\nname = \"a\"\nunknown = true\ncolor = -1", "line 6: -1 cannot be"),
+        (
+            "[[lights]]\nname = \"a\"\nunknown = true\ncolor = 1\nsame_color_as = \"b\"",
+            "lights.a: give color or same_color_as, not both",
+        ),
+        (
+            "[[lights]]\nname = \"a\"\nunknown = true\nsame_colour_as = \"a\"",
+            "lights.a.same_color_as: it names the light itself",
+        ),
+        (
+            "[[lights]]\nname = \"a\"\nunknown = true\nsame_color_as = \"b\"\n[[lights]]\nname = \"b\"\n\
+             unknown = true",
+            "lights.a.same_color_as: the colour of \"b\" is unknown too",
+        ),
         ("[environment]", "environment: give one of a panorama"),
         ("[environment]\nfile = \"a.hdr\"\npanorama = \"a.hdr\"", "line 3: duplicate field `file`"),
         ("[environment]\nfile = \"a.hdr\"\ncolor = 1", "environment: give one of a panorama"),
@@ -128,6 +164,29 @@ fn faults_of_light_and_of_what_counts_name_their_key_or_line() {
         ("[environment]\ncolor = 1\nscale = 2", "rotation_deg and scale are for a panorama"),
         ("[environment]\nfile = \"a.hdr\"\nscale = 0", "line 5: 0 is not above zero"),
         ("[environment]\nunknown = true", "line 4: unknown field `unknown`"),
+    ]);
+}
+
+#[test]
+fn faults_of_what_is_known_of_groups_name_their_key() {
+    are_told(&[
+        ("[groups.a]\nrungs = \"diffuse\"", "line 4: invalid type"),
+        ("[groups.a]\nrungs = []", "groups.a.rungs: it is empty"),
+        ("[groups.a]\nrungs = [\"shiny\"]", "groups.a.rungs: "),
+        ("[groups.a]\nrungs = [\"mirror\"]\nmax_rung = \"mirror\"", "groups.a: rungs and max_rung"),
+        ("[groups.a]\nrungs = [\"mirror\"]\nignore = true", "leave out rungs"),
+        ("[recover]\nrungs = [\"shiny\"]", "recover.rungs: "),
+        ("[groups.a]\nsame_as = \"a\"", "groups.a.same_as: it names the group itself"),
+        (
+            "[groups.a]\nsame_as = \"b\"\n[groups.b]\nsame_as = \"c\"",
+            "groups.a.same_as: groups.b has same_as = \"c\" itself",
+        ),
+        ("[groups.a]\nsame_as = \"b\"\nknown = { rho_d = 1 }", "known is said of groups.b"),
+        ("[groups.a]\nsame_as = \"b\"\nmax_rung = \"diffuse\"", "max_rung is said of groups.b"),
+        (
+            "[groups.a]\nsame_as = \"b\"\n[anchor]\ngroup = \"a\"\nrho_d = 1",
+            "anchor.group: groups.a has same_as = \"b\"; take that one",
+        ),
     ]);
 }
 
@@ -182,7 +241,7 @@ fn every_fault_names_its_key_or_line() {
         ("[recover]\nthresholds = { shiny = 1 }", "recover.thresholds.shiny"),
         ("[recover]\nthresholds = { diffuse = 0 }", "recover.thresholds.diffuse is 0"),
         ("camera = 3", "camera: give a name"),
-        ("camera = { eye = [0, 0, 0] }", "camera: missing field"),
+        ("camera = { eye = [0, 0, 0] }", "camera: give eye and target with"),
         ("camera = { eye = [0,0,1], target = [0,0,1], fov_y_deg = 40 }", "camera: eye and"),
         ("camera = { eye = [0,5,0], target = [0,0,0], fov_y_deg = 40 }", "camera.up"),
         ("camera = { eye = [0,0,5], target = [0,0,0], fov_y_deg = 180 }", "camera.fov_y_deg"),
@@ -191,6 +250,10 @@ fn every_fault_names_its_key_or_line() {
             "camera.principal_point is [320.0, 9.0]",
         ),
         ("camera = { eye = [0,0,5], target = [0,0,0], fov_y_deg = 40, k1 = nan }", "camera.k1 is"),
+        (
+            "camera = { eye = [0,0,5], target = [0,0,0], fov_y_deg = 40, fx_over_fy = 0 }",
+            "is 0; it",
+        ),
     ];
     are_told(&faults);
     let error = Project::parse(Path::new("a.toml"), "photo = \"p\"").unwrap_err();
@@ -223,6 +286,10 @@ fn names_are_checked_against_the_scene() {
     assert!(error.contains("groups.wal: ") && error.contains("it has wall, lamp"), "{error}");
     let error = check("[anchor]\ngroup = \"lamp\"\nrho_d = 1").unwrap_err();
     assert!(error.contains("anchor.group: the group emits"), "{error}");
+    let error = check("[groups.wall]\nsame_as = \"floor\"").unwrap_err();
+    assert!(error.contains("groups.wall.same_as: the scene has no group \"floor\""), "{error}");
+    let error = check("[groups.wall]\nsame_as = \"lamp\"").unwrap_err();
+    assert!(error.contains("groups.wall.same_as: one of the two emits light"), "{error}");
     let error = check("camera = \"door\"").unwrap_err();
     assert!(error.contains("camera: the scene has no \"door\"; it has none"), "{error}");
 }

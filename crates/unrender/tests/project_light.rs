@@ -9,7 +9,7 @@ use unrender::formats::{gltf, materials};
 use unrender::render::{Settings, Tracer};
 use unrender::scene::color::srgb_from_linear;
 use unrender::scene::{
-    Camera, Environment, Group, LightKind, Material, Mesh, Object, Rgb, RgbImage, Scene,
+    Camera, Environment, Group, Hypothesis, LightKind, Material, Mesh, Object, Rgb, RgbImage, Scene,
 };
 use unrender::{Job, Project};
 
@@ -206,6 +206,30 @@ fn lights_of_a_project_may_be_unknown() {
 }
 
 #[test]
+fn of_lights_of_known_colour_one_factor_is_unknown() {
+    let folder = Folder::new("colour");
+    let text = LIGHTS.replace("[4, 4, 4]", "[1, 2, 3]\nunknown = true\ncolor = [5, 5, 5]");
+    folder.write("project.toml", &format!("{HEAD}{text}"));
+    folder.succeeds(&["recover", "project.toml", "--spp", "16", "--out", "out"]);
+    let found = materials::read(&folder.path("out/materials.json")).unwrap();
+    let bulb = &found.lights["bulb"];
+    let [r, g, b] = bulb.intensity.unwrap();
+    assert!((r - 4.0).abs() < 0.2 && r == g && r == b, "{r} {g} {b}");
+    let std = bulb.std.unwrap();
+    assert!(std[0] > 0.0 && std[0] == std[1], "{std:?}");
+    // The colour of another light, at its own brightness.
+    let twin = "[[lights]]\nname = \"twin\"\nadd = \"point\"\nposition = [1, 1, 0]\n\
+        strength = 6\nunknown = true\nsame_color_as = \"bulb\"\n";
+    let red = LIGHTS.replace("[4, 4, 4]", "[4, 2, 0]");
+    folder.write("project.toml", &format!("{HEAD}{red}{twin}"));
+    let (project, warnings) = Project::read(&folder.path("project.toml")).unwrap();
+    let job = Job::load(project, warnings).unwrap();
+    assert_eq!(job.scene.lights[0].kind.strength(), Rgb::new(12.0, 6.0, 0.0));
+    assert_eq!(job.project.coloured_sources(&job.scene), job.unknown_lights);
+    folder.refuses(&twin.replace("\"bulb\"", "\"none\""), "the scene has no light \"none\"");
+}
+
+#[test]
 fn edits_have_the_same_lights_and_environments() {
     let folder = Folder::new("edits");
     let lit = LIGHTS.replace("4, 4, 4", "1, 2, 4");
@@ -227,6 +251,8 @@ fn edits_have_the_same_lights_and_environments() {
     };
     let told = edit("[[lights]]\nname = \"bulb\"\nunknown = true\n");
     assert!(told.contains("edit.toml: line 2: unknown is a key of project files"), "{told}");
+    let told = edit("[[lights]]\nname = \"bulb\"\ncolor = 1\n");
+    assert!(told.contains("line 2: color and same_color_as are keys of project files"), "{told}");
     let told = edit("[environment]\ncolor = 1\nrotation_deg = 3\n");
     assert!(told.contains("edit.toml: line 2: environment: rotation_deg and scale"), "{told}");
     let told = edit(
@@ -324,6 +350,61 @@ fn ignored_groups_are_not_asked_for_and_not_counted() {
     let wall = &run["groups"]["wall"];
     assert_eq!((&wall["asked"], &wall["counted"]["valid"]), (&false.into(), &0.into()));
     assert!(run["groups"]["floor"]["counted"]["valid"].as_u64() > Some(100));
+}
+
+#[test]
+fn groups_have_the_hypotheses_that_are_allowed() {
+    let folder = Folder::new("rungs");
+    let rungs = "[recover]\nrungs = [\"diffuse\"]\n[groups.floor]\nrungs = [\"isotropic\"]\n";
+    folder.write("project.toml", &format!("{HEAD}{LIGHTS}{rungs}"));
+    folder.succeeds(&["recover", "project.toml", "--spp", "4", "--out", "out"]);
+    let found = materials::read(&folder.path("out/materials.json")).unwrap();
+    for (name, truth, hypothesis) in
+        [("floor", FLOOR, Hypothesis::Isotropic), ("wall", WALL, Hypothesis::Diffuse)]
+    {
+        let entry = &found.groups[name];
+        assert_eq!(entry.hypothesis, Some(hypothesis), "{name}: {:?}", entry.note);
+        let rho_d = Rgb::from_array(entry.rho_d.unwrap());
+        assert!((rho_d - truth).abs().max_element() < 0.05, "{name}: {rho_d}");
+    }
+    folder.succeeds(&[
+        "recover",
+        "project.toml",
+        "--max-rung",
+        "diffuse",
+        "--no-refine",
+        "--spp",
+        "1",
+        "--out",
+        "plain",
+    ]);
+    let found = materials::read(&folder.path("plain/materials.json")).unwrap();
+    assert_eq!(found.groups["floor"].hypothesis, Some(Hypothesis::Diffuse));
+}
+
+#[test]
+fn groups_of_one_material_are_recovered_as_one() {
+    let folder = Folder::new("same");
+    let same = "[groups.wall]\nsame_as = \"floor\"\n[recover]\nmax_rung = \"diffuse\"\n";
+    folder.write("project.toml", &format!("{HEAD}{LIGHTS}{same}"));
+    folder.succeeds(&["check", "project.toml"]);
+    folder.succeeds(&["recover", "project.toml", "--spp", "4", "--out", "out"]);
+    let found = materials::read(&folder.path("out/materials.json")).unwrap();
+    let [floor, wall] = ["floor", "wall"].map(|name| &found.groups[name]);
+    assert_eq!((floor.rho_d, floor.hypothesis), (wall.rho_d, wall.hypothesis));
+    assert_eq!(floor.std, wall.std);
+    let red = floor.rho_d.unwrap()[0];
+    assert!(red > WALL.x + 0.02 && red < FLOOR.x - 0.02, "between both: {red}");
+    let note = wall.note.as_deref().unwrap();
+    assert!(note.starts_with("one material with \"floor\", as the project says"), "{note}");
+    // The scene keeps both groups, each with its own objects.
+    let written = unrender::formats::load_model(&folder.path("out/scene.glb")).unwrap().0;
+    let truth = corner();
+    for (object, was) in written.objects.iter().zip(&truth.objects) {
+        assert_eq!(written.groups[object.group].name, truth.groups[was.group].name);
+    }
+    let [a, b] = ["floor", "wall"].map(|name| &written.groups[written.group_index(name).unwrap()]);
+    assert_eq!(a.material.rho_d, b.material.rho_d);
 }
 
 #[test]

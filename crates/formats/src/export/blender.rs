@@ -52,6 +52,12 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
             shot.camera.name
         ));
     }
+    if shot.camera.lens.fx_over_fy != 1.0 {
+        warnings.push(format!(
+            "camera \"{}\": Blender's pixels are left square; the picture is not stretched by {}",
+            shot.camera.name, shot.camera.lens.fx_over_fy
+        ));
+    }
     let lights: Vec<Value> =
         shot.scene.lights.iter().map(|light| light_json(&light.name, &light.kind)).collect();
     let scene = json!({

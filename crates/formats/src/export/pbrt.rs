@@ -76,7 +76,9 @@ fn camera(shot: &Shot, warnings: &mut Warnings) -> String {
     let (width, height) = shot.size;
     let (x, y) = camera.principal_point(width, height);
     let pixel = 2.0 * (0.5 * camera.fov_y_rad).tan() / height as f32;
-    let window = [-x, width as f32 - x, y - height as f32, y].map(|v| (v * pixel).to_string());
+    let across = pixel / camera.lens.fx_over_fy;
+    let window = [-x * across, (width as f32 - x) * across, (y - height as f32) * pixel, y * pixel];
+    let window = window.map(|edge| edge.to_string());
     format!(
         "Transform [ {numbers} ]\n\
          # camera {}\n\

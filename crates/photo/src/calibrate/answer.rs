@@ -88,6 +88,7 @@ impl Calibration {
             principal_point: self.principal_point(),
             k1: self.k1.value as f32,
             k2: self.k2.value as f32,
+            ..Lens::default()
         };
         let aspect = Some(self.size.0 as f32 / self.size.1 as f32);
         Camera { lens, aspect, ..camera }

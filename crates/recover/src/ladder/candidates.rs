@@ -227,6 +227,19 @@ impl<'o> Candidates<'o> {
         }
     }
 
+    /// Gives groups whose hypothesis is not among those that they may have the best one that is: nothing
+    /// that the picture says speaks for the other.
+    pub(crate) fn enforce(&mut self, state: &mut State<'_>, level: usize) {
+        for group in state.visible_unknowns() {
+            if state.problem.groups[group].allows(state.groups[group].hypothesis) {
+                continue;
+            }
+            if let Some(proposal) = self.propose(state, group, level) {
+                proposal.apply(state);
+            }
+        }
+    }
+
     /// Another hypothesis for `group`; none if the present one stands.
     pub(crate) fn propose(
         &mut self,
@@ -253,6 +266,9 @@ impl<'o> Candidates<'o> {
         let chosen = fits[decisions[0].chosen].clone();
         log(state, group, &fits, &decisions[0]);
         let uniform = chain(state, group, &Fitted { fits, decisions, outliers: Vec::new() })?;
+        if !state.problem.groups[group].allows(chosen.hypothesis) {
+            return self.texture(state, group, &chosen).filter(|texture| texture.moves(state));
+        }
         let after = if level > 0 && !is_explained(&chosen, self.textured_above(limit).min(limit)) {
             self.beyond_uniform(state, group, trial, (chosen, limit))
         } else {
@@ -287,7 +303,15 @@ impl<'o> Candidates<'o> {
                 return chain(state, group, &left);
             }
         }
-        if is_explained(&chosen, textured_above) || !self.may_be_textured(state, group) {
+        if is_explained(&chosen, textured_above) {
+            return None;
+        }
+        self.texture(state, group, &chosen)
+    }
+
+    /// A texture for a group that `uniform` explains best of the uniform hypotheses.
+    fn texture(&self, state: &mut State<'_>, group: usize, uniform: &Fit) -> Option<Proposal> {
+        if !self.may_be_textured(state, group) {
             return None;
         }
         let material = textures::extract(state, self.options, group, false)?;
@@ -297,12 +321,12 @@ impl<'o> Candidates<'o> {
             is_more_complex: present < Hypothesis::Textured,
             adds: added(present, Hypothesis::Textured),
             material,
-            ..Proposal::uniform(state, group, &chosen, &[], None)
+            ..Proposal::uniform(state, group, uniform, &[], None)
         })
     }
 
     fn may_be_textured(&self, state: &State<'_>, group: usize) -> bool {
-        state.problem.groups[group].max_rung >= Hypothesis::Textured
+        state.problem.groups[group].allows(Hypothesis::Textured)
             && !self.rejected[group].contains(&Hypothesis::Textured)
     }
 

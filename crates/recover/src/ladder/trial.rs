@@ -95,11 +95,11 @@ fn share_weights(evidence: &mut Evidence, material: &Material, error: ModelError
 fn search_all(evidence: &mut Evidence, state: &State<'_>, group: usize) -> Found {
     let geometry = state.problem.renderer.geometry();
     let theta_rad = brushed::direction(evidence, geometry).unwrap_or(0.0);
-    let max_rung = state.problem.groups[group].max_rung;
+    let rungs = state.problem.groups[group].uniform_rungs();
     let diffuse = hypothesis::diffuse::fit(evidence);
     share_weights(evidence, &diffuse.material, ModelError::START);
     let mut fits: Vec<Fit> = Vec::new();
-    for rung in hypothesis::UNIFORM.into_iter().filter(|rung| *rung <= max_rung) {
+    for rung in rungs {
         let mut start = fits.last().map_or(diffuse.material.clone(), |f| f.material.clone());
         if rung == Hypothesis::Anisotropic {
             start.theta_rad = theta_rad;

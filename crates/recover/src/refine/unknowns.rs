@@ -152,7 +152,11 @@ impl Unknowns {
 
     fn add_nuisances(mut list: Vec<Unknown>, state: &State<'_>) -> Vec<Unknown> {
         for &source in &state.problem.unknown_lights {
-            push(&mut list, Quantity::Light, source);
+            if state.problem.coloured_lights.contains(&source) {
+                list.push(Unknown { quantity: Quantity::Light, of: source, channel: None });
+            } else {
+                push(&mut list, Quantity::Light, source);
+            }
         }
         if matches!(state.problem.exposure, ExposureRule::Anchor { .. }) {
             push(&mut list, Quantity::Exposure, 0);
@@ -321,7 +325,10 @@ impl Unknowns {
                 Quantity::AlphaX => state.materials[u.of].alpha_x = value.exp(),
                 Quantity::AlphaY => state.materials[u.of].alpha_y = value.exp(),
                 Quantity::Theta => state.materials[u.of].theta_rad = value,
-                Quantity::Light => state.set_light(u.of, channel, value),
+                Quantity::Light => match u.channel {
+                    Some(channel) => state.set_light(u.of, channel, value),
+                    None => (0..3).for_each(|channel| state.set_light(u.of, channel, value)),
+                },
                 Quantity::Camera => state.corrected.steps[u.of] += step,
                 Quantity::Exposure => {
                     state.exposure[channel] = value * self.exposure_start[channel];

@@ -48,7 +48,9 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, explained: f6
             {
                 let material = Material::diffuse(state.materials[group].rho_d);
                 let note = "its specular part is not determined by this photograph";
-                step_down(state, group, Hypothesis::Diffuse, material, note);
+                if !step_down(state, group, Hypothesis::Diffuse, material, note) {
+                    continue;
+                }
             }
             Hypothesis::DiffuseSpecular
                 if !verdict.is_told_from_zero(state, Quantity::RhoD)
@@ -62,7 +64,9 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, explained: f6
                     (Hypothesis::PartialMirror, material)
                 };
                 let note = "its diffuse part is not significant";
-                step_down(state, group, hypothesis, material, note);
+                if !step_down(state, group, hypothesis, material, note) {
+                    continue;
+                }
             }
             Hypothesis::Anisotropic if !verdict.is_brushed(state) => {
                 let mut material = state.materials[group].clone();
@@ -70,7 +74,9 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, explained: f6
                 (material.alpha_x, material.alpha_y, material.theta_rad) = (alpha, alpha, 0.0);
                 let note =
                     "the difference of its two roughnesses is not determined by this photograph";
-                step_down(state, group, Hypothesis::Isotropic, material, note);
+                if !step_down(state, group, Hypothesis::Isotropic, material, note) {
+                    continue;
+                }
             }
             _ => continue,
         }
@@ -90,11 +96,15 @@ fn step_down(
     hypothesis: Hypothesis,
     material: Material,
     note: &str,
-) {
+) -> bool {
+    if !state.problem.groups[group].allows(hypothesis) {
+        return false;
+    }
     state.materials[group] = material;
     let of_group = &mut state.groups[group];
     of_group.hypothesis = hypothesis;
     of_group.add_note(format!("{note}: taken as {hypothesis}"));
+    true
 }
 
 fn assume_white(state: &mut State<'_>, group: usize) {
@@ -184,7 +194,9 @@ impl Solution {
 
     /// The standard deviations of a quantity with three channels.
     fn rgb(&self, quantity: Quantity, of: usize) -> Option<Rgb> {
-        let std = |c: usize| self.index(quantity, of, Some(c)).map(|i| self.deviation(i) as f32);
+        let index =
+            |c: usize| self.index(quantity, of, Some(c)).or_else(|| self.index(quantity, of, None));
+        let std = |c: usize| index(c).map(|i| self.deviation(i) as f32);
         Some(Rgb::new(std(0)?, std(1)?, std(2)?))
     }
 

@@ -13,3 +13,4 @@ pub mod render;
 pub mod report;
 pub mod restage;
 pub mod score;
+pub mod split;

@@ -136,7 +136,8 @@ fn recovered_with(
 /// Makes the arguments' rung that of `project`, and `global`'s limits its own.
 pub fn settle(args: &Args, project: &mut Project, global: &Global) {
     if let Some(rung) = args.max_rung {
-        (project.max_rung, project.max_rungs) = (Some(rung), BTreeMap::new());
+        project.rungs = Some(crate::project::up_to(rung));
+        project.group_rungs = BTreeMap::new();
     }
     project.limits = global.limits();
 }

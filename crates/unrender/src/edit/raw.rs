@@ -89,6 +89,11 @@ fn light(raw: &RawLight) -> Result<Edit, String> {
     if raw.unknown.is_some() {
         return Err("unknown is a key of project files, where brightness can be asked for".into());
     }
+    if raw.color.is_some() || raw.same_color_as.is_some() {
+        return Err("color and same_color_as are keys of project files, for unknown lights; \
+                    strength = [r, g, b] gives a light its colour"
+            .into());
+    }
     Ok(Edit::Light(raw.edit()?))
 }
 

@@ -74,10 +74,16 @@ impl CameraTable {
         table.insert("target", triple(self.target));
         table.insert("up", triple(self.up));
         table.insert("fov_y_deg", Item::Value(number(self.fov_y_deg)));
-        let Lens { principal_point, k1, k2 } = self.lens;
+        let Lens { principal_point, fx_over_fy, k1, k2, k3, p1, p2 } = self.lens;
         let shift = (principal_point != [0.0; 2]).then(|| list(&principal_point));
+        let ratio = (fx_over_fy != 1.0).then(|| number(fx_over_fy));
         let bend = |k: f32| self.lens.distorts().then(|| number(k));
-        for (key, value) in [("principal_point", shift), ("k1", bend(k1)), ("k2", bend(k2))] {
+        let rare = |k: f32| (k != 0.0).then(|| number(k));
+        let terms = [("k1", bend(k1)), ("k2", bend(k2)), ("k3", rare(k3))];
+        let terms = terms.into_iter().chain([("p1", rare(p1)), ("p2", rare(p2))]);
+        let others = OTHER_FORMS.map(|key| (key, None));
+        let optional = [("principal_point", shift), ("fx_over_fy", ratio)].into_iter();
+        for (key, value) in optional.chain(terms).chain(others) {
             match value {
                 Some(value) => table.insert(key, Item::Value(value)),
                 None => table.remove(key),
@@ -85,6 +91,10 @@ impl CameraTable {
         }
     }
 }
+
+/// The keys by which a table says the same otherwise.
+const OTHER_FORMS: [&str; 10] =
+    ["fx", "fy", "cx", "cy", "opencv", "view", "colmap", "image", "scene_from_world", "crop"];
 
 /// How the line begins that says where the camera comes from.
 const ORIGIN: &str = "# Calibrated ";
@@ -110,7 +120,7 @@ mod tests {
             target: Vec3::new(-0.3, 1.2, 0.0),
             up: Vec3::new(0.01, 0.99, -0.1),
             fov_y_deg: 39.6,
-            lens: Lens { principal_point: [0.01, -0.02], k1: -0.1, k2: 0.0 },
+            lens: Lens { principal_point: [0.01, -0.02], k1: -0.1, ..Lens::default() },
         }
     }
 
@@ -132,6 +142,11 @@ mod tests {
         let once = put(&format!("{head}camera = \"door\"\n{tail}"));
         assert_eq!(once, expected);
         assert_eq!(put(&once), once, "again changes nothing");
+        let other = "\n[camera]\ncolmap = \"sparse/0\"\nimage = \"a.jpg\"\ncrop = [1, 2]\n";
+        assert_eq!(put(&format!("{head}{other}")).replace("\n\n#", "\n#"), {
+            let table = &expected[expected.find("# Calibrated").unwrap()..];
+            format!("{head}{table}")
+        });
         let inline = "camera = { eye = [0, 0, 1], target = [0, 0, 0], fov_y_deg = 40 }\n";
         assert_eq!(put(&format!("{head}{inline}{tail}")), expected);
     }

@@ -2,15 +2,67 @@
 //!
 //! Lights twice as bright on surfaces that reflect half as much make nearly the same picture. So
 //! wherever a light is unknown, something else must fix the scale, channel by channel: another
-//! light, a known group, or an anchor.
+//! light, a known group, or an anchor. Of a light of known colour only one factor is unknown.
 
 use super::{Anchor, Project, some_names};
+use crate::lighting::RawLight;
 use glam::Vec3;
+use std::collections::BTreeMap;
 use unrender_formats::FileError;
 use unrender_photo::Exposure;
 use unrender_restage::Edit;
 use unrender_restage::light::LightChange;
 use unrender_scene::{Rgb, Scene, Source, Warnings};
+
+/// What colour an unknown light has.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LightColor {
+    /// This one, at any brightness.
+    Stated(Rgb),
+    /// That of the light of this name, which is known or has a stated colour.
+    Of(String),
+}
+
+/// The colours of the lights in `list` that have one.
+pub(super) fn colors(list: &[RawLight]) -> Result<BTreeMap<String, LightColor>, String> {
+    let mut colors = BTreeMap::new();
+    for raw in list {
+        let name = &raw.name;
+        let color = match (raw.color, &raw.same_color_as) {
+            (None, None) => continue,
+            (Some(color), None) => LightColor::Stated(color.0),
+            (None, Some(other)) => LightColor::Of(other.clone()),
+            (Some(_), Some(_)) => {
+                return Err(format!("lights.{name}: give color or same_color_as, not both"));
+            }
+        };
+        if raw.unknown != Some(true) {
+            return Err(format!(
+                "lights.{name}: color and same_color_as are for lights with unknown = true; strength \
+                 says colour and brightness of a known one"
+            ));
+        }
+        if color == LightColor::Stated(Rgb::ZERO) {
+            return Err(format!("lights.{name}.color: black is no colour of a light"));
+        }
+        colors.insert(name.clone(), color);
+    }
+    for (name, color) in &colors {
+        let LightColor::Of(other) = color else { continue };
+        let fault = |problem: &str| Err(format!("lights.{name}.same_color_as: {problem}"));
+        if other == name {
+            return fault("it names the light itself; name another");
+        }
+        let unknown = |raw: &RawLight| raw.name == *other && raw.unknown == Some(true);
+        if list.iter().any(unknown) && !matches!(colors.get(other), Some(LightColor::Stated(_))) {
+            return fault(&format!(
+                "the colour of \"{other}\" is unknown too; give one of them its color, or name a \
+                 known light"
+            ));
+        }
+    }
+    Ok(colors)
+}
 
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
@@ -26,6 +78,7 @@ impl Project {
             FileError::new(&self.path, format!("lights.{name}: {}", error.problem))
         })?;
         let mut warnings = std::mem::take(&mut change.warnings);
+        color_lights(self, scene).map_err(|problem| FileError::new(&self.path, problem))?;
         if let Some(choice) = &self.environment {
             let (environment, told) = choice.read(self.limits)?;
             scene.environment = environment;
@@ -55,6 +108,12 @@ impl Project {
         unknown.map(|source| source.index).collect()
     }
 
+    /// Those of [`Project::unknown_sources`] whose colour the project says.
+    pub fn coloured_sources(&self, scene: &Scene) -> Vec<usize> {
+        let coloured = scene.sources().filter(|source| self.light_colors.contains_key(source.name));
+        coloured.map(|source| source.index).collect()
+    }
+
     /// Makes sure that light and reflectance can be told apart in `scene`. Where exposure and all
     /// lights are unknown, brightness is only relative: the exposure becomes one, with a warning.
     ///
@@ -63,6 +122,28 @@ impl Project {
     pub fn settle_scale(&mut self, scene: &Scene) -> Result<Warnings, FileError> {
         settle_scale(self, scene).map_err(|problem| FileError::new(&self.path, problem))
     }
+}
+
+/// Gives lights the colours that `project` says, at their brightness in `scene`.
+fn color_lights(project: &Project, scene: &mut Scene) -> Result<(), String> {
+    for (name, color) in &project.light_colors {
+        let color = match color {
+            LightColor::Stated(color) => *color,
+            LightColor::Of(other) => match project.light_colors.get(other) {
+                Some(LightColor::Stated(color)) => *color,
+                _ => find(other, scene)?.strength,
+            },
+        };
+        if color.max_element() <= 0.0 {
+            return Err(format!("lights.{name}.same_color_as: that light is black"));
+        }
+        let source = find(name, scene)?;
+        let (index, brightness) = (source.index, source.strength.element_sum());
+        if let Some(strength) = scene.strength_mut(index) {
+            *strength = color * (brightness / color.element_sum());
+        }
+    }
+    Ok(())
 }
 
 /// Checks that the lights in `project` are lights of `scene`.
@@ -133,7 +214,11 @@ fn settle_scale(project: &mut Project, scene: &Scene) -> Result<Warnings, String
         let known = known.filter(|(name, _)| reflects(scene, name));
         let reflecting = channels(known.map(|(_, known)| known.rho_d + known.rho_s));
         let loose: [bool; 3] = std::array::from_fn(|c| open[c] && !reflecting[c]);
-        if loose != [false; 3] {
+        // Where all colours are known, what fixes one channel fixes all.
+        let mut unknown = project.unknown_lights.iter();
+        let is_tied = unknown.all(|name| project.light_colors.contains_key(name));
+        let is_fixed = (0..3).any(|c| lit[c] && !loose[c]);
+        if loose != [false; 3] && !(is_tied && is_fixed) {
             return Err(format!(
                 "{}every light is unknown and no reflectance is known: light and reflectance can \
                  only be told apart up to one common factor. Give an [anchor], a known group, or \

@@ -4,13 +4,18 @@
 //! the scene by [`Project::check_against`], once that is read.
 
 mod camera;
+mod camera_choice;
 mod lights;
 mod parse;
 mod photograph;
 mod raw;
+mod rungs;
 
 pub use camera::CameraTable;
+pub use camera_choice::{CalibratedCamera, CameraChoice, CameraFile};
+pub use lights::LightColor;
 pub use photograph::{ResponseChoice, VignettingChoice};
+pub(crate) use rungs::up_to;
 
 use crate::lighting::EnvironmentChoice;
 use std::collections::{BTreeMap, BTreeSet};
@@ -19,7 +24,7 @@ use unrender_formats::{FileError, Input, LightUnits, Limits, input};
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
 use unrender_restage::light::LightEdit;
-use unrender_scene::{BrdfModel, Camera, Hypothesis, Material, Rgb, Scene, Warnings};
+use unrender_scene::{BrdfModel, Hypothesis, Material, Rgb, Scene, Warnings};
 
 /// A project file with its paths made whole and its numbers checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +59,8 @@ pub struct Project {
     pub unknown_lights: BTreeSet<String>,
     /// The lights that the project calls known, as lights are by default.
     pub known_lights: BTreeSet<String>,
+    /// The colours of unknown lights, where the project says them: only how bright they are is asked.
+    pub light_colors: BTreeMap<String, LightColor>,
     /// The lights that are added to the scene, changed in it or taken out of it.
     pub light_edits: Vec<LightEdit>,
     /// What lights the scene from all around, where the project says so.
@@ -62,10 +69,12 @@ pub struct Project {
     pub brdf: BrdfModel,
     /// When a hypothesis is good enough.
     pub thresholds: Thresholds,
-    /// The most complex hypothesis that a group may have, where the project says so.
-    pub max_rung: Option<Hypothesis>,
+    /// The hypotheses that groups may have, where the project says so.
+    pub rungs: Option<Vec<Hypothesis>>,
     /// The same for single groups.
-    pub max_rungs: BTreeMap<String, Hypothesis>,
+    pub group_rungs: BTreeMap<String, Vec<Hypothesis>>,
+    /// The groups that have one material with another, and that other's name.
+    pub same_as: BTreeMap<String, String>,
     /// The camera of the photograph.
     pub camera: CameraChoice,
     /// The units of the scene's lights, where the project says so.
@@ -106,17 +115,6 @@ impl Known {
     }
 }
 
-/// Which camera took the photograph.
-#[derive(Clone, Debug, PartialEq)]
-pub enum CameraChoice {
-    /// The scene's first.
-    First,
-    /// The scene's camera of this name.
-    Named(String),
-    /// One that the project describes itself.
-    Placed(Camera),
-}
-
 impl Project {
     /// Reads the project file at `path` and checks it as far as that goes without the scene.
     ///
@@ -135,7 +133,7 @@ impl Project {
         Ok((project, warnings))
     }
 
-    /// As [`Project::read`] from the file's text, without looking for the files that it names.
+    /// As [`Project::read`] from the file's text, without reading the files that it names.
     ///
     /// ```
     /// use std::path::Path;
@@ -155,10 +153,10 @@ impl Project {
         parse::parse(path, text).map_err(|problem| FileError::new(path, problem))
     }
 
-    /// The most complex hypothesis that `group` may have.
-    pub fn max_rung_of(&self, group: &str) -> Hypothesis {
-        let own = self.max_rungs.get(group).copied();
-        own.or(self.max_rung).unwrap_or(Hypothesis::Textured)
+    /// The hypotheses that `group` may have.
+    pub fn rungs_of(&self, group: &str) -> Vec<Hypothesis> {
+        let stated = self.group_rungs.get(group).or(self.rungs.as_ref());
+        stated.cloned().unwrap_or_else(|| Hypothesis::ALL.to_vec())
     }
 
     /// The scene file as it is to be read.
@@ -182,7 +180,8 @@ impl Project {
         let mask = self.mask.as_deref().map(|file| ("mask", file));
         let always = [("scene", self.scene.as_path()), ("photo", self.photo.as_path())];
         let panorama = panorama.map(|file| ("environment.panorama", file));
-        always.into_iter().chain(mask).chain(response).chain(panorama).collect()
+        let of_camera = self.camera.files();
+        always.into_iter().chain(mask).chain(response).chain(panorama).chain(of_camera).collect()
     }
 
     /// Checks that the names in the project are names in `scene`.
@@ -193,9 +192,12 @@ impl Project {
         let fault = |problem: String| Err(FileError::new(&self.path, problem));
         let known = self.known.keys().map(|name| (format!("groups.{name}"), name));
         let anchor = self.anchor.iter().map(|a| ("anchor.group".to_owned(), &a.group));
-        let rungs = self.max_rungs.keys().map(|name| (format!("groups.{name}"), name));
+        let rungs = self.group_rungs.keys().map(|name| (format!("groups.{name}"), name));
+        let same = self.same_as.iter().flat_map(|(name, other)| {
+            [(format!("groups.{name}"), name), (format!("groups.{name}.same_as"), other)]
+        });
         let ignored = self.ignored.iter().map(|name| (format!("groups.{name}"), name));
-        for (key, name) in known.chain(anchor).chain(rungs).chain(ignored) {
+        for (key, name) in known.chain(anchor).chain(rungs).chain(ignored).chain(same) {
             if scene.group_index(name).is_none() {
                 let names = scene.groups.iter().map(|g| g.name.as_str());
                 let there = some_names(names);
@@ -207,6 +209,15 @@ impl Project {
             return fault(
                 "anchor.group: the group emits light; take one that only reflects".into(),
             );
+        }
+        let emits = |name: &String| {
+            scene.group_index(name).is_some_and(|index| scene.groups[index].is_emitter())
+        };
+        if let Some((name, _)) = self.same_as.iter().find(|(a, b)| emits(a) || emits(b)) {
+            return fault(format!(
+                "groups.{name}.same_as: one of the two emits light; only groups that reflect have \
+                 one material"
+            ));
         }
         lights::check(self, scene).or_else(fault)?;
         if let CameraChoice::Named(name) = &self.camera

@@ -1,9 +1,8 @@
 //! From the raw project to one whose values are understood; every fault names its key.
 
-use super::raw::{RawAnchor, RawCamera, RawGroup, RawKnown, RawProject};
-use super::{Anchor, CameraChoice, CameraTable, Known, Project, photograph};
+use super::raw::{RawAnchor, RawGroup, RawKnown, RawProject};
+use super::{Anchor, CameraChoice, Known, Project, camera_choice, lights, photograph, rungs};
 use crate::lighting::RawLight;
-use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use toml::Value;
@@ -11,7 +10,7 @@ use unrender_formats::{LightUnits, Limits};
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
 use unrender_restage::light::LightEdit;
-use unrender_scene::{BrdfModel, Hypothesis, Lens, Rgb, Warnings};
+use unrender_scene::{BrdfModel, Rgb, Warnings};
 
 pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), String> {
     let raw: RawProject = toml::from_str(text).map_err(|error| with_line(&error, text))?;
@@ -29,20 +28,28 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
             all_known.insert(name.clone(), known(&format!("groups.{name}.known"), raw_known)?);
         }
     }
-    let mut max_rungs = BTreeMap::new();
+    let mut group_rungs = BTreeMap::new();
     for (name, group) in &raw.groups {
-        if let Some(text) = &group.max_rung {
-            max_rungs.insert(name.clone(), rung(&format!("groups.{name}.max_rung"), text)?);
+        let (list, max) = (group.rungs.as_deref(), group.max_rung.as_deref());
+        if let Some(list) = rungs::read(&format!("groups.{name}"), list, max)? {
+            group_rungs.insert(name.clone(), list);
         }
     }
     let ignored = ignored(&raw.groups)?;
+    let same_as = same_as(&raw.groups)?;
+    if let Some(anchor) = anchor.as_ref().filter(|anchor| same_as.contains_key(&anchor.group)) {
+        let (name, other) = (&anchor.group, &same_as[&anchor.group]);
+        return Err(format!(
+            "anchor.group: groups.{name} has same_as = \"{other}\"; take that one"
+        ));
+    }
     if let Some(anchor) = anchor.as_ref().filter(|anchor| ignored.contains(&anchor.group)) {
         let name = &anchor.group;
         return Err(format!("anchor.group: groups.{name} has ignore = true; take another group"));
     }
-    let max_rung = raw.recover.max_rung.as_deref();
-    let max_rung = max_rung.map(|text| rung("recover.max_rung", text)).transpose()?;
-    let lights = |unknown| {
+    let (list, max) = (raw.recover.rungs.as_deref(), raw.recover.max_rung.as_deref());
+    let rungs = rungs::read("recover", list, max)?;
+    let named_lights = |unknown| {
         let named = raw.lights.unknown.iter().filter(move |(_, is)| *is == unknown);
         named.map(|(name, _)| name.clone()).collect()
     };
@@ -67,17 +74,22 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         anchor,
         known: all_known,
         ignored,
-        unknown_lights: lights(true),
-        known_lights: lights(false),
+        unknown_lights: named_lights(true),
+        known_lights: named_lights(false),
+        light_colors: lights::colors(&raw.lights.list)?,
         light_edits: light_edits(&raw.lights.list)?,
         environment: environment.transpose()?,
         brdf: brdf.map_err(|problem| format!("recover.brdf: {problem}"))?.unwrap_or_default(),
         thresholds: thresholds(&raw.recover.thresholds)?,
-        max_rung,
-        max_rungs,
+        rungs,
+        group_rungs,
+        same_as,
         light_units: light_units.map_err(|problem| format!("light_units: {problem}"))?,
         limits: Limits::default(),
-        camera: raw.camera.map_or(Ok(CameraChoice::First), camera)?,
+        camera: match raw.camera {
+            Some(value) => camera_choice::parse(value, folder, &raw.photo)?,
+            None => CameraChoice::First,
+        },
     };
     Ok((project, warnings))
 }
@@ -93,13 +105,40 @@ fn with_line(error: &toml::de::Error, text: &str) -> String {
 /// The groups that are not counted.
 fn ignored(groups: &BTreeMap<String, RawGroup>) -> Result<BTreeSet<String>, String> {
     let ignored = groups.iter().filter(|(_, group)| group.ignore);
-    let name = |(name, group): (&String, &RawGroup)| match group.max_rung {
-        Some(_) => Err(format!(
-            "groups.{name}: with ignore = true nothing is asked for; leave out max_rung"
-        )),
+    let name = |(name, group): (&String, &RawGroup)| match &group.rungs_key() {
+        Some(key) => {
+            Err(format!("groups.{name}: with ignore = true nothing is asked for; leave out {key}"))
+        }
         None => Ok(name.clone()),
     };
     ignored.map(name).collect()
+}
+
+/// The groups that have another's material, by their names.
+fn same_as(groups: &BTreeMap<String, RawGroup>) -> Result<BTreeMap<String, String>, String> {
+    let mut same_as = BTreeMap::new();
+    for (name, group) in groups {
+        let Some(other) = &group.same_as else { continue };
+        let fault = |problem: &str| Err(format!("groups.{name}.same_as: {problem}"));
+        if other == name {
+            return fault("it names the group itself; name another");
+        }
+        if let Some(third) = groups.get(other).and_then(|other| other.same_as.as_ref()) {
+            return fault(&format!(
+                "groups.{other} has same_as = \"{third}\" itself; name one group in all of them"
+            ));
+        }
+        let stated = [
+            ("known", group.known.is_some()),
+            ("ignore", group.ignore),
+            (group.rungs_key().unwrap_or_default(), group.rungs_key().is_some()),
+        ];
+        if let Some((key, _)) = stated.iter().find(|(_, is_there)| *is_there) {
+            return fault(&format!("{key} is said of groups.{other}, and holds for both"));
+        }
+        same_as.insert(name.clone(), other.clone());
+    }
+    Ok(same_as)
 }
 
 /// The changes of the scene's lights, each light once.
@@ -188,10 +227,6 @@ fn known(key: &str, raw: &RawKnown) -> Result<Known, String> {
     })
 }
 
-fn rung(key: &str, text: &str) -> Result<Hypothesis, String> {
-    text.parse().map_err(|problem| format!("{key}: {problem}"))
-}
-
 /// The table `[recover] thresholds`: the default ladder's by their names, the paper's by the rung
 /// that a group leaves above them.
 fn thresholds(raw: &BTreeMap<String, f64>) -> Result<Thresholds, String> {
@@ -217,48 +252,6 @@ fn thresholds(raw: &BTreeMap<String, f64>) -> Result<Thresholds, String> {
         }
     }
     Ok(thresholds)
-}
-
-fn camera(value: Value) -> Result<CameraChoice, String> {
-    let table = match value {
-        Value::String(name) => return Ok(CameraChoice::Named(name)),
-        Value::Table(table) => table,
-        _ => return Err("camera: give a name or a table with eye, target, up, fov_y_deg".into()),
-    };
-    let raw: RawCamera = table
-        .try_into()
-        .map_err(|error: toml::de::Error| format!("camera: {}", error.message()))?;
-    let [eye, target, up] =
-        [raw.eye, raw.target, raw.up.unwrap_or([0.0, 1.0, 0.0])].map(Vec3::from_array);
-    if !(raw.fov_y_deg > 0.0 && raw.fov_y_deg < 180.0) {
-        return Err(format!("camera.fov_y_deg is {}; it is between 0 and 180", raw.fov_y_deg));
-    }
-    if !(eye.is_finite() && target.is_finite() && up.is_finite()) || eye == target {
-        return Err("camera: eye and target must be two points".into());
-    }
-    let sideways = up.normalize_or_zero().cross((eye - target).normalize_or_zero());
-    if sideways.length() < 1e-4 {
-        return Err("camera.up: it must not point along the line of sight".into());
-    }
-    let table = CameraTable { eye, target, up, fov_y_deg: raw.fov_y_deg, lens: lens(&raw)? };
-    Ok(CameraChoice::Placed(table.camera("project")))
-}
-
-fn lens(raw: &RawCamera) -> Result<Lens, String> {
-    let principal_point = raw.principal_point.unwrap_or_default();
-    if !principal_point.iter().all(|shift| shift.abs() <= 2.0) {
-        return Err(format!(
-            "camera.principal_point is {principal_point:?}; it is its way from the picture's \
-             centre, right and down, in heights of the picture"
-        ));
-    }
-    let (k1, k2) = (raw.k1.unwrap_or_default(), raw.k2.unwrap_or_default());
-    for (name, k) in [("k1", k1), ("k2", k2)] {
-        if !k.is_finite() {
-            return Err(format!("camera.{name} is {k}; it is a finite number, mostly below one"));
-        }
-    }
-    Ok(Lens { principal_point, k1, k2 })
 }
 
 fn reflectance(key: &str, value: &Value) -> Result<Rgb, String> {

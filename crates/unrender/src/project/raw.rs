@@ -43,8 +43,21 @@ pub(super) struct RawAnchor {
 pub(super) struct RawGroup {
     pub(super) known: Option<RawKnown>,
     pub(super) max_rung: Option<String>,
+    pub(super) rungs: Option<Vec<String>>,
+    pub(super) same_as: Option<String>,
     #[serde(default)]
     pub(super) ignore: bool,
+}
+
+impl RawGroup {
+    /// The key that says which hypotheses the group may have, if one does.
+    pub(super) fn rungs_key(&self) -> Option<&'static str> {
+        match (&self.rungs, &self.max_rung) {
+            (Some(_), _) => Some("rungs"),
+            (None, Some(_)) => Some("max_rung"),
+            (None, None) => None,
+        }
+    }
 }
 
 /// What a project says of lights: `[lights.NAME]`, or a list `[[lights]]`. Of two entries for one
@@ -113,6 +126,7 @@ pub(super) struct RawKnown {
 pub(super) struct RawRecover {
     pub(super) brdf: Option<String>,
     pub(super) max_rung: Option<String>,
+    pub(super) rungs: Option<Vec<String>>,
     #[serde(default)]
     pub(super) thresholds: BTreeMap<String, f64>,
 }
@@ -120,11 +134,38 @@ pub(super) struct RawRecover {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawCamera {
-    pub(super) eye: [f32; 3],
-    pub(super) target: [f32; 3],
+    pub(super) eye: Option<[f32; 3]>,
+    pub(super) target: Option<[f32; 3]>,
     pub(super) up: Option<[f32; 3]>,
-    pub(super) fov_y_deg: f32,
+    pub(super) fov_y_deg: Option<f32>,
     pub(super) principal_point: Option<[f32; 2]>,
+    pub(super) fx_over_fy: Option<f32>,
+    pub(super) fx: Option<f64>,
+    pub(super) fy: Option<f64>,
+    pub(super) cx: Option<f64>,
+    pub(super) cy: Option<f64>,
     pub(super) k1: Option<f32>,
     pub(super) k2: Option<f32>,
+    pub(super) k3: Option<f32>,
+    pub(super) p1: Option<f32>,
+    pub(super) p2: Option<f32>,
+    pub(super) opencv: Option<PathBuf>,
+    pub(super) view: Option<usize>,
+    pub(super) colmap: Option<PathBuf>,
+    pub(super) image: Option<String>,
+    pub(super) scene_from_world: Option<Value>,
+    pub(super) crop: Option<[f64; 2]>,
+}
+
+impl RawCamera {
+    /// Focal lengths and principal point in pixels, by their keys.
+    pub(super) fn in_pixels(&self) -> [(&'static str, Option<f64>); 4] {
+        [("fx", self.fx), ("fy", self.fy), ("cx", self.cx), ("cy", self.cy)]
+    }
+
+    /// The terms of the distortion, by their keys.
+    pub(super) fn distortion(&self) -> [(&'static str, Option<f32>); 5] {
+        let Self { k1, k2, k3, p1, p2, .. } = *self;
+        [("k1", k1), ("k2", k2), ("k3", k3), ("p1", p1), ("p2", p2)]
+    }
 }

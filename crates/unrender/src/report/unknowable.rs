@@ -17,7 +17,12 @@ pub(super) fn section(told: &Told<'_>) -> Markup {
     let ambiguous: Vec<(&String, &RunGroup)> =
         groups().filter(|(_, g)| !g.entry.alternatives.is_empty()).collect();
     let (assumed, noted): (Vec<_>, Vec<_>) = (assumed.collect(), noted.collect());
-    let nothing = assumed.is_empty() && noted.is_empty() && ambiguous.is_empty();
+    let alike: Vec<(&String, &RunGroup)> =
+        groups().filter(|(_, g)| !g.agrees_with.is_empty()).collect();
+    let nothing =
+        assumed.is_empty() && noted.is_empty() && ambiguous.is_empty() && alike.is_empty();
+    let apart: Vec<(&String, &RunGroup)> = groups().filter(|(_, g)| g.parts.len() > 1).collect();
+    let nothing = nothing && apart.is_empty();
     let content = html! {
         @if nothing { p { "Nothing that the program noticed." } }
         ul class="unknowable" {
@@ -27,6 +32,16 @@ pub(super) fn section(told: &Told<'_>) -> Markup {
             }
             @for (name, group) in noted {
                 li { strong { (name) } ": " (group.entry.note.as_deref().unwrap_or_default()) }
+            }
+            @for (name, group) in apart {
+                li { strong { (name) } " seems to be of several materials, as one does not explain all \
+                    its objects: "
+                    (group.parts.iter().map(|part| part.join(", ")).collect::<Vec<_>>().join("; "))
+                    ". " code { "unrender split" } " writes them apart." }
+            }
+            @for (name, group) in alike {
+                li { strong { (name) } " agrees with " (group.agrees_with.join(", "))
+                    " within the standard deviations; they may be of one material." }
             }
             @for (name, group) in ambiguous {
                 li { strong { (name) } " may as well be this:"

@@ -1,11 +1,13 @@
 //! What `recover` leaves in its folder, and the tables that it and `calibrate` print.
 
+mod alike;
 mod ball;
 mod calibration;
 mod error_picture;
 mod group_picture;
 mod materials_file;
 mod memory;
+pub(crate) mod parts;
 pub(crate) mod restaged;
 mod run_file;
 mod scale_bar;
@@ -129,6 +131,9 @@ fn scene_file(job: &Job, recovered: &Recovered) -> Result<Vec<u8>, FileError> {
 /// The scene with the recovered materials on.
 pub(crate) fn dressed(job: &Job, recovered: &Recovered) -> Scene {
     let mut scene = job.scene.clone();
+    for (object, group) in scene.objects.iter_mut().zip(&job.own_groups) {
+        object.group = *group;
+    }
     for (group, result) in scene.groups.iter_mut().zip(&recovered.recovery.groups) {
         group.material = result.material.clone();
     }

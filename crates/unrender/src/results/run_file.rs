@@ -1,6 +1,6 @@
 //! The records of a recovery as run.json has them.
 
-use super::memory;
+use super::{alike, memory, parts};
 use crate::Job;
 use crate::engine::Recovered;
 use crate::lighting::EnvironmentChoice;
@@ -26,13 +26,19 @@ pub(super) fn build(
 ) -> Run {
     let recovery = &recovered.recovery;
     let iterations = recovery.iterations.iter().zip(&recovered.times.iterations);
+    let (parts, labels) = (parts::find(job, recovered), parts::labels(&job.scene));
+    let named = |part: &Vec<usize>| part.iter().map(|object| labels[*object].clone()).collect();
+    let alike = alike::find(&job.project, &recovery.groups);
     let groups = recovery.groups.iter().enumerate().map(|(index, result)| {
+        let agrees_with = alike.get(result.name.as_str()).into_iter().flatten();
         let entry = materials.groups.get(&result.name).cloned().unwrap_or_default();
         let of_group = recovered.group_map.pixels().iter().zip(recovery.status.pixels());
         let status = of_group.filter(|(group, _)| **group as usize == index).map(|(_, t)| t);
         let group = RunGroup {
             entry,
             asked: result.status != Status::Known,
+            parts: parts.get(&index).into_iter().flatten().map(named).collect(),
+            agrees_with: agrees_with.map(|name| (*name).to_owned()).collect(),
             error_share: result.error_share.filter(|share| share.is_finite()),
             counted: LeftOut::count(status),
             map_color: super::hex(super::group_picture::color(index)),
@@ -137,8 +143,12 @@ fn registration(recovered: &Recovered) -> RegistrationEntry {
         "up": table.up.to_array(),
         "fov_y_deg": table.fov_y_deg,
         "principal_point": lens.principal_point,
+        "fx_over_fy": lens.fx_over_fy,
         "k1": lens.k1,
         "k2": lens.k2,
+        "k3": lens.k3,
+        "p1": lens.p1,
+        "p2": lens.p2,
     });
     let found = laid.registration.as_ref();
     RegistrationEntry {

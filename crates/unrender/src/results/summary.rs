@@ -1,5 +1,6 @@
 //! The table at the end: what a person wants to know in ten seconds. Black lamps are left out.
 
+use super::{alike, parts};
 use crate::Job;
 use crate::engine::Recovered;
 use unrender_formats::materials::PhotographEntry;
@@ -34,6 +35,29 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
     for group in &recovery.groups {
         if let Some(note) = &group.note {
             text.push_str(&format!("{}: {note}\n", group.name));
+        }
+    }
+    let labels = parts::labels(&job.scene);
+    for (group, parts) in parts::find(job, recovered) {
+        let named = |part: &Vec<usize>| {
+            part.iter().map(|object| labels[*object].as_str()).collect::<Vec<_>>().join(", ")
+        };
+        text.push_str(&format!(
+            "{}: one material does not explain all its objects: {}; unrender split writes them \
+             apart\n",
+            recovery.groups[group].name,
+            parts.iter().map(named).collect::<Vec<_>>().join(" | ")
+        ));
+    }
+    for (name, others) in alike::find(&job.project, &recovery.groups) {
+        // Each pair once.
+        let others: Vec<&str> = others.into_iter().filter(|other| *other > name).collect();
+        if !others.is_empty() {
+            text.push_str(&format!(
+                "{name}: agrees with {} within the standard deviations; if they are one material, \
+                 say so by same_as\n",
+                others.join(", ")
+            ));
         }
     }
     let doubtful: Vec<&str> = recovery

@@ -23,7 +23,11 @@ pub(crate) fn recovered_camera(path: &Path) -> Result<Option<CameraTable>, FileE
     let table = || {
         let [right, down] = [0, 1].map(|index| number(&camera["principal_point"][index]));
         let (k1, k2) = (number(&camera["k1"])?, number(&camera["k2"])?);
-        let lens = Lens { principal_point: [right?, down?], k1, k2 };
+        // Files of earlier versions have no more than these.
+        let or = |key: &str, usual: f32| number(&camera[key]).unwrap_or(usual);
+        let [k3, p1, p2] = ["k3", "p1", "p2"].map(|key| or(key, 0.0));
+        let fx_over_fy = or("fx_over_fy", 1.0);
+        let lens = Lens { principal_point: [right?, down?], fx_over_fy, k1, k2, k3, p1, p2 };
         let (eye, target, up) = (vector("eye")?, vector("target")?, vector("up")?);
         Some(CameraTable { eye, target, up, fov_y_deg: number(&camera["fov_y_deg"])?, lens })
     };

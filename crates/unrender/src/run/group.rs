@@ -13,6 +13,12 @@ pub struct RunGroup {
     pub entry: GroupEntry,
     /// Whether it was asked for and emits no light.
     pub asked: bool,
+    /// The groups that agree with it within their standard deviations, and may be of one material.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub agrees_with: Vec<String>,
+    /// Its objects in parts that one reflectance does not explain together; empty where one does.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<Vec<String>>,
     /// The group's share, 0 to 1, of the squared error of all groups.
     pub error_share: Option<f64>,
     /// How many of its pixels counted, and how many did not, by reason.

@@ -143,6 +143,8 @@ fn group(index: usize, name: &str) -> RunGroup {
         entry,
         selection_log,
         asked: true,
+        parts: if index == 4 { vec![vec!["a".into()], vec!["b".into()]] } else { Vec::new() },
+        agrees_with: if index == 2 { vec![FAILED.to_owned()] } else { Vec::new() },
         error_share: Some(noise(index + 800)),
         ..known(index)
     }

@@ -16,6 +16,12 @@ pub(super) fn text(shot: &Shot, warnings: &mut Warnings) -> String {
             camera.name
         ));
     }
+    if camera.lens.fx_over_fy != 1.0 {
+        warnings.push(format!(
+            "camera \"{}\": Mitsuba's pixels are square; the picture is not stretched by {}",
+            camera.name, camera.lens.fx_over_fy
+        ));
+    }
     let axes = Mat3::from(camera.world_from_camera.matrix3);
     let axes = Mat3::from_cols(-axes.x_axis, axes.y_axis, -axes.z_axis);
     let place = Affine3A::from_mat3_translation(axes, camera.origin());

@@ -14,7 +14,7 @@ pub(super) fn text(shot: &Shot, warnings: &mut Warnings) -> String {
     let camera = shot.camera;
     let (width, height) = (shot.size.0 as f32, shot.size.1 as f32);
     let half_height = (0.5 * camera.fov_y_rad).tan();
-    let fov_x_rad = 2.0 * (half_height * width / height).atan();
+    let fov_x_rad = 2.0 * (half_height * width / (height * camera.lens.fx_over_fy)).atan();
     if camera.lens.distorts() {
         warnings.push(format!(
             "camera \"{}\": Radiance knows no distortion; the picture is that of the pinhole",

@@ -1,0 +1,325 @@
+//! The key `camera` of a project file: a name, numbers, or the file of another program's calibration.
+
+use super::CameraTable;
+use super::raw::RawCamera;
+use glam::{Affine3A, DAffine3, Vec3};
+use std::path::{Path, PathBuf};
+use toml::Value;
+use unrender_formats::cameras::{self, Intrinsics, colmap, opencv};
+use unrender_formats::{FileError, Input, Limits};
+use unrender_scene::{Camera, Lens};
+
+/// What the camera of a project is called in messages.
+const NAME: &str = "project";
+
+/// Which camera took the photograph.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CameraChoice {
+    /// The scene's first.
+    First,
+    /// The scene's camera of this name.
+    Named(String),
+    /// One that the project describes itself.
+    Placed(Camera),
+    /// The same in pixels of the photograph, whose size is not in the project.
+    InPixels {
+        /// Its pose.
+        world_from_camera: Affine3A,
+        /// Its focal lengths, axis and distortion.
+        intrinsics: Intrinsics,
+    },
+    /// One that another program calibrated.
+    Calibrated(CalibratedCamera),
+}
+
+/// A camera in the file of another program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CalibratedCamera {
+    /// The file.
+    pub file: CameraFile,
+    /// From the world of the calibration to the scene: a similarity.
+    pub scene_from_world: DAffine3,
+    /// The pose, where the project states it and not the file.
+    pub world_from_camera: Option<Affine3A>,
+    /// Where the upper left corner of the photograph lies in the picture of the calibration, pixels;
+    /// none if the photograph is all of it, at any size.
+    pub crop: Option<[f64; 2]>,
+}
+
+/// The file of another program, and which of its cameras it is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CameraFile {
+    /// By OpenCV.
+    Opencv {
+        /// The file.
+        path: PathBuf,
+        /// Which of its poses, from zero.
+        view: Option<usize>,
+    },
+    /// By COLMAP.
+    Colmap {
+        /// The file of cameras.
+        cameras: PathBuf,
+        /// The file of images.
+        images: PathBuf,
+        /// The image's name in it.
+        image: String,
+    },
+}
+
+impl CameraChoice {
+    /// The files that it names, with their key.
+    pub(super) fn files(&self) -> Vec<(&'static str, &Path)> {
+        let Self::Calibrated(calibrated) = self else { return vec![] };
+        match &calibrated.file {
+            CameraFile::Opencv { path, .. } => vec![("camera.opencv", path)],
+            CameraFile::Colmap { cameras, images, .. } => {
+                vec![("camera.colmap", cameras), ("camera.colmap", images)]
+            }
+        }
+    }
+}
+
+impl CalibratedCamera {
+    /// The camera of a photograph of `size`.
+    ///
+    /// # Errors
+    /// If a file cannot be read, or has no such camera, or one of another picture.
+    pub(crate) fn read(&self, size: (usize, usize), limits: Limits) -> Result<Camera, FileError> {
+        let (path, intrinsics, pose) = match &self.file {
+            CameraFile::Opencv { path, view } => {
+                let (intrinsics, pose) = opencv::read(Input::new(path, limits), *view)?;
+                (path, intrinsics, pose)
+            }
+            CameraFile::Colmap { cameras, images, image } => {
+                let (intrinsics, pose) = colmap::read(cameras, images, image, limits)?;
+                (cameras, intrinsics, Some(pose))
+            }
+        };
+        let fault = |problem: String| FileError::new(path, problem);
+        let of_file = pose.map(|pose| pose.world_from_camera(&self.scene_from_world));
+        let pose = self.world_from_camera.or(of_file).ok_or_else(|| {
+            fault(
+                "has no pose: write rvec and tvec into it as cv2.solvePnP gives them, or give eye \
+                 and target in [camera]"
+                    .into(),
+            )
+        })?;
+        let intrinsics = match self.crop {
+            Some(corner) => within(&intrinsics, corner, size).map_err(fault)?,
+            None => intrinsics,
+        };
+        intrinsics.camera(NAME, pose, size).map_err(fault)
+    }
+}
+
+/// The intrinsics of a photograph of `size` that was cut out at `corner`.
+fn within(
+    intrinsics: &Intrinsics,
+    corner: [f64; 2],
+    (width, height): (usize, usize),
+) -> Result<Intrinsics, String> {
+    let [left, top] = corner;
+    if let Some([w, h]) = intrinsics.size
+        && (left + width as f64 > w || top + height as f64 > h)
+    {
+        return Err(format!(
+            "it is of a picture of {w} x {h} pixels, and camera.crop lets the photo's {width} x \
+             {height} begin at {left}, {top}; cut the photo out without making it smaller or larger"
+        ));
+    }
+    Ok(intrinsics.cropped(corner))
+}
+
+/// The key `camera`; files are relative to `folder`, and an image of COLMAP is called as `photo` is.
+pub(super) fn parse(value: Value, folder: &Path, photo: &Path) -> Result<CameraChoice, String> {
+    let table = match value {
+        Value::String(name) => return Ok(CameraChoice::Named(name)),
+        Value::Table(table) => table,
+        _ => return Err("camera: give a name or a table with eye, target, up, fov_y_deg".into()),
+    };
+    let raw: RawCamera = table
+        .try_into()
+        .map_err(|error: toml::de::Error| format!("camera: {}", error.message()))?;
+    match file(&raw, folder, photo)? {
+        Some(file) => calibrated(&raw, file).map(CameraChoice::Calibrated),
+        None => described(&raw),
+    }
+}
+
+/// The file that the table names.
+fn file(raw: &RawCamera, folder: &Path, photo: &Path) -> Result<Option<CameraFile>, String> {
+    match (&raw.opencv, &raw.colmap) {
+        (Some(_), Some(_)) => Err("camera: give opencv or colmap, not both".into()),
+        (Some(path), None) if raw.image.is_none() => {
+            Ok(Some(CameraFile::Opencv { path: folder.join(path), view: raw.view }))
+        }
+        (None, Some(path)) if raw.view.is_none() => {
+            let [cameras, images] = colmap::files(&folder.join(path));
+            let of_photo = || photo.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let image = raw.image.clone().unwrap_or_else(of_photo);
+            Ok(Some(CameraFile::Colmap { cameras, images, image }))
+        }
+        (Some(_), None) => Err("camera.image: it is for colmap; view = 0 is for opencv".into()),
+        (None, Some(_)) => {
+            Err("camera.view: it is for opencv; image = \"name\" is for colmap".into())
+        }
+        (None, None) => Ok(None),
+    }
+}
+
+fn calibrated(raw: &RawCamera, file: CameraFile) -> Result<CalibratedCamera, String> {
+    let stated = [
+        ("fov_y_deg", raw.fov_y_deg.is_some()),
+        ("principal_point", raw.principal_point.is_some()),
+        ("fx_over_fy", raw.fx_over_fy.is_some()),
+    ];
+    let pixels = raw.in_pixels().map(|(key, number)| (key, number.is_some()));
+    let terms = raw.distortion().map(|(key, number)| (key, number.is_some()));
+    let numbers = pixels.into_iter().chain(terms);
+    if let Some((key, _)) = stated.into_iter().chain(numbers).find(|(_, is_there)| *is_there) {
+        return Err(format!(
+            "camera.{key}: the file says it; leave out {key}, or opencv and colmap"
+        ));
+    }
+    let has_pose = raw.eye.is_some() || raw.target.is_some() || raw.up.is_some();
+    if has_pose && matches!(file, CameraFile::Colmap { .. }) {
+        return Err(
+            "camera.eye: COLMAP's file says where the camera stood; leave out eye, target \
+                    and up, and bring its world into the scene by scene_from_world"
+                .into(),
+        );
+    }
+    if has_pose && raw.scene_from_world.is_some() {
+        return Err(
+            "camera.scene_from_world: it is for poses of a file; leave it out, or eye and \
+                    target"
+                .into(),
+        );
+    }
+    let crop = raw.crop.filter(|crop| !crop.iter().all(|side| side.is_finite() && *side >= 0.0));
+    if let Some([left, top]) = crop {
+        return Err(format!(
+            "camera.crop is [{left}, {top}]; it is where the photo's upper left corner lies in the \
+             picture that was calibrated, pixels from its own"
+        ));
+    }
+    Ok(CalibratedCamera {
+        file,
+        scene_from_world: scene_from_world(raw.scene_from_world.as_ref())?,
+        world_from_camera: if has_pose { Some(pose(raw)?) } else { None },
+        crop: raw.crop,
+    })
+}
+
+fn scene_from_world(value: Option<&Value>) -> Result<DAffine3, String> {
+    let fault = || {
+        "camera.scene_from_world: give \"y-up\", \"z-up\", or a matrix as three or four rows of \
+         four numbers"
+            .to_owned()
+    };
+    let Some(value) = value else { return Ok(DAffine3::IDENTITY) };
+    match value.as_str() {
+        Some("y-up") => return Ok(DAffine3::IDENTITY),
+        Some("z-up") => return Ok(cameras::Z_UP),
+        Some(_) => return Err(fault()),
+        None => (),
+    }
+    let double = |value: &Value| {
+        value.as_float().or_else(|| value.as_integer().map(|integer| integer as f64))
+    };
+    let row = |row: &Value| -> Option<[f64; 4]> {
+        let numbers = row.as_array()?.iter().map(double).collect::<Option<Vec<f64>>>()?;
+        numbers.try_into().ok()
+    };
+    let rows = value.as_array().map(|rows| rows.iter().map(row).collect::<Option<Vec<_>>>());
+    let rows = rows.flatten().ok_or_else(fault)?;
+    cameras::similarity(&rows).map_err(|problem| format!("camera.scene_from_world: {problem}"))
+}
+
+/// A camera in the project's own numbers.
+fn described(raw: &RawCamera) -> Result<CameraChoice, String> {
+    let of_files =
+        [("scene_from_world", raw.scene_from_world.is_some()), ("crop", raw.crop.is_some())];
+    let of_files =
+        of_files.into_iter().chain([("view", raw.view.is_some()), ("image", raw.image.is_some())]);
+    if let Some((key, _)) = of_files.into_iter().find(|(_, is_there)| *is_there) {
+        return Err(format!("camera.{key}: it goes with a file; give opencv or colmap too"));
+    }
+    let lens = lens(raw)?;
+    let pixels = raw.in_pixels().map(|(_, number)| number);
+    match (raw.fov_y_deg, pixels) {
+        (Some(fov_y_deg), [None, None, None, None]) => {
+            if !(fov_y_deg > 0.0 && fov_y_deg < 180.0) {
+                return Err(format!("camera.fov_y_deg is {fov_y_deg}; it is between 0 and 180"));
+            }
+            let (eye, target, up) = points(raw)?;
+            let table = CameraTable { eye, target, up, fov_y_deg, lens };
+            Ok(CameraChoice::Placed(table.camera(NAME)))
+        }
+        (None, [Some(fx), Some(fy), Some(cx), Some(cy)]) => {
+            if raw.principal_point.is_some() || raw.fx_over_fy.is_some() {
+                return Err(
+                    "camera: fx, fy, cx and cy say principal_point and fx_over_fy already; \
+                            leave these out"
+                        .into(),
+                );
+            }
+            if !(fx > 0.0 && fy > 0.0 && [fx, fy, cx, cy].iter().all(|side| side.is_finite())) {
+                return Err(format!(
+                    "camera: fx, fy, cx, cy are {fx}, {fy}, {cx}, {cy}; focal lengths are positive, \
+                     and all are finite numbers of pixels"
+                ));
+            }
+            let distortion = [lens.k1, lens.k2, lens.p1, lens.p2, lens.k3].map(f64::from);
+            let intrinsics = Intrinsics { fx, fy, cx, cy, distortion, size: None };
+            Ok(CameraChoice::InPixels { world_from_camera: pose(raw)?, intrinsics })
+        }
+        _ => Err("camera: give eye and target with fov_y_deg or with all of fx, fy, cx, cy; or a \
+                  file, by opencv or colmap"
+            .into()),
+    }
+}
+
+/// The camera's centre, its target and upwards.
+fn points(raw: &RawCamera) -> Result<(Vec3, Vec3, Vec3), String> {
+    let (Some(eye), Some(target)) = (raw.eye, raw.target) else {
+        return Err("camera: eye and target are missing, where it stood and a point ahead".into());
+    };
+    let [eye, target, up] = [eye, target, raw.up.unwrap_or([0.0, 1.0, 0.0])].map(Vec3::from_array);
+    if !(eye.is_finite() && target.is_finite() && up.is_finite()) || eye == target {
+        return Err("camera: eye and target must be two points".into());
+    }
+    let sideways = up.normalize_or_zero().cross((eye - target).normalize_or_zero());
+    if sideways.length() < 1e-4 {
+        return Err("camera.up: it must not point along the line of sight".into());
+    }
+    Ok((eye, target, up))
+}
+
+fn pose(raw: &RawCamera) -> Result<Affine3A, String> {
+    let (eye, target, up) = points(raw)?;
+    Ok(Camera::look_at(NAME, eye, target, up, 1.0).world_from_camera)
+}
+
+fn lens(raw: &RawCamera) -> Result<Lens, String> {
+    let principal_point = raw.principal_point.unwrap_or_default();
+    if !principal_point.iter().all(|shift| shift.abs() <= 2.0) {
+        return Err(format!(
+            "camera.principal_point is {principal_point:?}; it is its way from the picture's \
+             centre, right and down, in heights of the picture"
+        ));
+    }
+    for (name, k) in raw.distortion() {
+        if k.is_some_and(|k| !k.is_finite()) {
+            let k = k.unwrap_or_default();
+            return Err(format!("camera.{name} is {k}; it is a finite number, mostly below one"));
+        }
+    }
+    let fx_over_fy = raw.fx_over_fy.unwrap_or(1.0);
+    if !(fx_over_fy.is_finite() && fx_over_fy > 0.0) {
+        return Err(format!("camera.fx_over_fy is {fx_over_fy}; it is positive, and 1 is square"));
+    }
+    let [k1, k2, k3, p1, p2] = raw.distortion().map(|(_, k)| k.unwrap_or_default());
+    Ok(Lens { principal_point, fx_over_fy, k1, k2, k3, p1, p2 })
+}

@@ -1,0 +1,175 @@
+//! Groups whose residuals fall apart by object: two materials under one name.
+//!
+//! One reflectance for objects of two leaves one of them too dark and the other too bright. For every
+//! object of a group, this finds by what factor the photograph is brighter than the re-rendering,
+//! channel by channel, with its standard error from squares of pixels, inside which errors of the model
+//! are alike. Objects whose factors agree are one part.
+
+use crate::Job;
+use crate::engine::Recovered;
+use std::collections::BTreeMap;
+use unrender_recover::{PixelStatus, Status};
+use unrender_scene::{Rgb, Scene};
+
+/// Parts differ by more than this share: twice what is called notable of a model's error in one place.
+/// At half of it, light that is a little off makes parts of objects far from each other; at double,
+/// two paints of 0.5 and 0.6 are one.
+const NOTABLE: f64 = 0.1;
+/// And by so many standard errors. At half of it one group of forty falls apart by chance; at double,
+/// objects of a few squares never do.
+const ERRORS: f64 = 4.0;
+/// The side of the squares, as a share of the picture's height: a 40th is 12 pixels of 480. At half of it
+/// errors reach over several squares and the standard error is too small; at double, small objects have
+/// too few.
+const SQUARE: f32 = 1.0 / 40.0;
+/// An object with fewer squares says nothing by itself: of three, the scatter is known to a half.
+const SQUARES_MIN: usize = 4;
+
+/// By what factor the photograph is brighter where it shows an object.
+struct Seen {
+    object: usize,
+    pixels: usize,
+    factor: [f64; 3],
+    error: [f64; 3],
+}
+
+/// For each group that falls apart, by its index: the objects of its parts, the one with the most pixels
+/// first, each in the scene's order. Objects that are not seen well enough are with the first.
+pub(super) fn find(job: &Job, recovered: &Recovered) -> BTreeMap<usize, Vec<Vec<usize>>> {
+    let mut found = BTreeMap::new();
+    for (group, result) in recovered.recovery.groups.iter().enumerate() {
+        // Of groups that the project has made one, each is looked at by itself.
+        let objects: Vec<usize> =
+            (0..job.own_groups.len()).filter(|object| job.own_groups[*object] == group).collect();
+        if result.status == Status::Known || objects.len() < 2 {
+            continue;
+        }
+        let mut seen: Vec<Seen> =
+            objects.iter().filter_map(|object| look(job, recovered, *object)).collect();
+        seen.sort_by_key(|seen| std::cmp::Reverse(seen.pixels));
+        let mut parts = parts(&seen);
+        if parts.len() > 1 {
+            let rest = objects.iter().filter(|o| !parts.iter().flatten().any(|p| p == *o));
+            let rest: Vec<usize> = rest.copied().collect();
+            parts[0].extend(rest);
+            parts.iter_mut().for_each(|part| part.sort_unstable());
+            found.insert(group, parts);
+        }
+    }
+    found
+}
+
+/// The objects of `scene` by names that are given once: behind the second and later uses of a name stands
+/// which of them it is.
+pub(crate) fn labels(scene: &Scene) -> Vec<String> {
+    let mut uses: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut labels = Vec::with_capacity(scene.objects.len());
+    for object in &scene.objects {
+        let count = uses.entry(&object.name).or_default();
+        *count += 1;
+        let name = &object.name;
+        labels.push(if *count == 1 { name.clone() } else { format!("{name} ({count})") });
+    }
+    labels
+}
+
+/// Objects whose factors agree with the first one of a part, part by part, that with the most pixels
+/// first.
+fn parts(seen: &[Seen]) -> Vec<Vec<usize>> {
+    let mut parts: Vec<Vec<&Seen>> = Vec::new();
+    for object in seen {
+        match parts.iter_mut().find(|part| agree(part[0], object)) {
+            Some(part) => part.push(object),
+            None => parts.push(vec![object]),
+        }
+    }
+    let pixels = |part: &Vec<&Seen>| part.iter().map(|seen| seen.pixels).sum::<usize>();
+    parts.sort_by_key(|part| std::cmp::Reverse(pixels(part)));
+    parts.iter().map(|part| part.iter().map(|seen| seen.object).collect()).collect()
+}
+
+fn agree(a: &Seen, b: &Seen) -> bool {
+    (0..3).all(|c| {
+        let difference = (a.factor[c] - b.factor[c]).abs();
+        let smaller = a.factor[c].min(b.factor[c]);
+        difference <= NOTABLE * smaller || difference <= ERRORS * a.error[c].hypot(b.error[c])
+    })
+}
+
+/// What the photograph shows of `object`; none if that is too little.
+fn look(job: &Job, recovered: &Recovered, object: usize) -> Option<Seen> {
+    let recovery = &recovered.recovery;
+    let radiance = &job.photo.radiance;
+    let (width, height) = (radiance.width(), radiance.height());
+    let side = ((SQUARE * height as f32) as usize).max(1);
+    // In each square: the photograph, the re-rendering, and the pixels.
+    let mut squares: BTreeMap<usize, (Rgb, Rgb, usize)> = BTreeMap::new();
+    // The photograph was developed with a stated exposure, and for an exposure of one else.
+    let fixed = matches!(job.project.exposure, unrender_photo::Exposure::Fixed(_));
+    let exposure = if fixed { Rgb::ONE } else { recovery.exposure };
+    for (index, of) in recovered.object_map.pixels().iter().enumerate() {
+        // What was taken for something that the model lacks may be the other material.
+        let counts =
+            matches!(recovery.status.pixels()[index], PixelStatus::Valid | PixelStatus::Outlier);
+        if *of as usize != object || !counts {
+            continue;
+        }
+        let square = (index / width / side) * width + (index % width) / side;
+        let sums = squares.entry(square).or_insert((Rgb::ZERO, Rgb::ZERO, 0));
+        sums.0 += exposure * radiance.pixels()[index];
+        sums.1 += recovery.rerendered.pixels()[index];
+        sums.2 += 1;
+    }
+    seen(object, &squares.into_values().collect::<Vec<_>>())
+}
+
+/// The ratio of the sums over all squares, with its standard error from the scatter of the squares
+/// [Cochran 1977, section 6.3].
+fn seen(object: usize, squares: &[(Rgb, Rgb, usize)]) -> Option<Seen> {
+    let count = squares.len();
+    if count < SQUARES_MIN {
+        return None;
+    }
+    let (mut factor, mut error) = ([0.0; 3], [0.0; 3]);
+    for c in 0..3 {
+        let pairs =
+            squares.iter().map(|(photo, model, _)| (f64::from(photo[c]), f64::from(model[c])));
+        let [photo, model] = pairs.clone().fold([0.0; 2], |[p, m], (x, y)| [p + x, m + y]);
+        if !(photo > 0.0 && model > 0.0) {
+            return None;
+        }
+        factor[c] = photo / model;
+        let squared: f64 = pairs.map(|(x, y)| (x - factor[c] * y).powi(2)).sum();
+        error[c] = (squared * count as f64 / (count as f64 - 1.0)).sqrt() / model;
+    }
+    let pixels = squares.iter().map(|square| square.2).sum();
+    Some(Seen { object, pixels, factor, error })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(object: usize, factor: f64, error: f64) -> Seen {
+        Seen { object, pixels: 100, factor: [factor; 3], error: [error; 3] }
+    }
+
+    #[test]
+    fn objects_with_one_factor_are_one_part() {
+        let seen = [of(4, 1.3, 0.01), of(1, 0.8, 0.01), of(2, 1.32, 0.01), of(3, 0.9, 0.05)];
+        assert_eq!(parts(&seen), [vec![4, 2], vec![1, 3]]);
+        assert_eq!(parts(&seen[..1]), [vec![4]]);
+    }
+
+    #[test]
+    fn the_ratio_has_the_scatter_of_its_squares() {
+        let square = |photo: f32| (Rgb::splat(photo), Rgb::splat(10.0), 25);
+        let squares = [11.0, 13.0, 11.0, 13.0].map(square);
+        let found = seen(0, &squares).unwrap();
+        assert!((found.factor[1] - 1.2).abs() < 1e-6 && found.pixels == 100);
+        // Four residuals of one each: sqrt(4 * 4 / 3) / 40.
+        assert!((found.error[2] - (16.0f64 / 3.0).sqrt() / 40.0).abs() < 1e-6);
+        assert!(seen(0, &squares[..3]).is_none());
+        assert!(seen(0, &[square(0.0); 4]).is_none());
+    }
+}
