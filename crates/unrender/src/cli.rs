@@ -1,7 +1,8 @@
 //! The command line: global flags, the subcommands, and what becomes of errors.
 
 use crate::commands::{
-    calibrate, check, completions, export, man, merge, recover, render, report, restage, score,
+    calibrate, check, completions, export, farm, man, merge, recover, render, report, restage,
+    score,
 };
 use crate::listener::{Console, Listener};
 use crate::{Error, interrupt, output};
@@ -67,6 +68,7 @@ enum Command {
     Check(check::Args),
     Render(render::Args),
     Merge(merge::Args),
+    Farm(farm::Args),
     Restage(restage::Args),
     Score(score::Args),
     Export(export::Args),
@@ -188,6 +190,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Check(args) => check::run(args, &cli.global),
         Command::Render(args) => render::run(args, &cli.global),
         Command::Merge(args) => merge::run(args, &cli.global),
+        Command::Farm(args) => farm::run(args, &cli.global),
         Command::Restage(args) => restage::run(args, &cli.global),
         Command::Score(args) => score::run(args, &cli.global),
         Command::Export(args) => export::run(args, &cli.global),

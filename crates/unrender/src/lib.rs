@@ -122,6 +122,8 @@ pub mod edit;
 pub mod engine;
 pub mod error;
 #[cfg(feature = "cli")]
+mod farm;
+#[cfg(feature = "cli")]
 mod fingerprint;
 #[cfg(feature = "cli")]
 mod interrupt;

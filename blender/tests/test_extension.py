@@ -1,0 +1,312 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From an empty file to applied materials and a composite, by the operators of the installed extension."""
+
+import importlib
+import pathlib
+
+import bpy
+import numpy as np
+import pytest
+import studio
+from mathutils import Vector
+
+MODULE = "bl_ext.user_default.unrender"
+SAMPLES = 96
+"""Of the photograph: group means are then within 0.3 %."""
+
+
+def module(name):
+    """A module of the installed extension."""
+    return importlib.import_module(f"{MODULE}.{name}")
+
+
+@pytest.fixture(scope="module")
+def desk(extension, tmp_path_factory):
+    """The scene with its photograph, all materials grey, and a camera that knows nothing."""
+    folder = tmp_path_factory.mktemp("desk")
+    scene = studio.build()
+    studio.colour()
+    studio.render(scene, folder / "photo.exr", SAMPLES)
+    studio.bleach()
+    seen = {tuple(point): studio.project(scene, point) for point in studio.corners(scene)}
+    true = scene.camera.matrix_world.copy(), scene.camera.data.angle_y
+    bpy.data.objects.remove(scene.camera)
+    scene.unrender.folder = str(folder / "work")
+    return {"scene": scene, "folder": folder, "seen": seen, "true": true}
+
+
+def test_it_is_installed_from_its_archive(extension, archive):
+    import unrender
+
+    where = pathlib.Path(unrender.__file__)
+    assert "extensions" in where.parts, where
+    assert hasattr(bpy.ops.unrender, "recover")
+    assert hasattr(bpy.types, "UNRENDER_PT_match")
+
+
+def test_1_match_camera(desk):
+    scene, settings = desk["scene"], desk["scene"].unrender
+    assert bpy.ops.unrender.load_photo(filepath=str(desk["folder"] / "photo.exr")) == {"FINISHED"}
+    assert tuple(settings.size) == studio.SIZE
+    assert settings.response == "linear"
+    assert scene.camera.data.background_images[0].image.name == "unrender photograph"
+    with pytest.raises(RuntimeError, match="5 pairs at least"):
+        bpy.ops.unrender.match_camera()
+    for number, (point, pixel) in enumerate(desk["seen"].items()):
+        # One of them is wrong.
+        off = 25.0 if number == 3 else 0.0
+        bpy.ops.unrender.add_pair(point=point, pixel=(pixel[0] + off, pixel[1]))
+    assert bpy.ops.unrender.match_camera() == {"FINISHED"}
+    assert [pair.rejected for pair in settings.pairs] == [k == 3 for k in range(len(settings.pairs))]
+    assert settings.pairs[3].error == pytest.approx(25.0, abs=1.0)
+    assert max(pair.error for pair in settings.pairs if not pair.rejected) < 0.3
+    assert "standard deviation" in settings.focal
+    place, angle = desk["true"]
+    assert (scene.camera.matrix_world.translation - place.translation).length < 0.005
+    assert scene.camera.data.angle_y == pytest.approx(angle, abs=0.002)
+    bpy.ops.unrender.remove_pair(index=3)
+    assert len(settings.pairs) == len(desk["seen"]) - 1
+
+
+def test_1_a_click_takes_the_vertex_in_front(desk):
+    pick = module("pick")
+    scene, size = desk["scene"], (400, 300)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    camera = scene.camera
+    lens = camera.calc_matrix_camera(depsgraph, x=size[0], y=size[1])
+    view = lens @ camera.matrix_world.inverted()
+    corner = Vector((-0.65, 0.05, 0.0))
+    clip = view @ corner.to_4d()
+    mouse = [(clip[k] / clip.w + 1.0) * 0.5 * size[k] + 3.0 for k in (0, 1)]
+    found = pick.nearest_vertex(depsgraph, view, size, mouse)
+    assert (found - corner).length < 1e-5
+    assert pick.nearest_vertex(depsgraph, view, size, (-500.0, -500.0)) is None
+    assert pick.pixel_of((0.25, 0.75), (160, 120)) == (40.0, 30.0)
+
+
+def test_1_cameras_come_back_as_they_went(desk):
+    frames = module("frames")
+    thing = desk["scene"].camera
+    kept = thing.matrix_world.copy(), thing.data.angle_y
+    thing.data.shift_x, thing.data.shift_y = 0.07, -0.03
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    camera = frames.camera_of(thing, depsgraph, studio.SIZE)
+    for point in desk["seen"]:
+        ours = camera.project(frames.y_up([point]), *studio.SIZE)[0]
+        assert np.allclose(ours, studio.project(desk["scene"], Vector(point)), atol=0.01)
+    frames.place_camera(thing, camera)
+    assert (thing.data.shift_x, thing.data.shift_y) == pytest.approx((0.07, -0.03), abs=1e-5)
+    assert np.allclose(thing.matrix_world, kept[0], atol=1e-5)
+    thing.data.shift_x = thing.data.shift_y = 0.0
+    assert thing.data.angle_y == pytest.approx(kept[1], abs=1e-5)
+
+
+def test_2_prepare(desk):
+    settings = desk["scene"].unrender
+    bpy.ops.unrender.list_groups()
+    assert [item.name for item in settings.groups] == ["ball", "box", "floor", "wall"]
+    assert bpy.ops.unrender.check(wait=True) == {"FINISHED"}
+    assert settings.message.startswith("Check")
+    assert all(item.pixels > 200 for item in settings.groups), [g.pixels for g in settings.groups]
+    overlay = bpy.data.images["unrender check"]
+    assert tuple(overlay.size) == studio.SIZE
+    entries = {e.image.name: e for e in desk["scene"].camera.data.background_images}
+    assert entries["unrender check"].display_depth == "FRONT"
+    bpy.ops.unrender.toggle_overlay()
+    assert not entries["unrender check"].show_background_image
+
+
+def test_2_what_is_known_or_ignored_goes_over(desk):
+    import unrender
+
+    model, settings = module("model"), desk["scene"].unrender
+    settings.groups["wall"].known = settings.groups["ball"].ignored = True
+    path, materials, _ = model.project_of(bpy.context)
+    project = unrender.Project.read(path)
+    assert project.document["groups"]["wall"]["known"]["rho_d"] == pytest.approx([0.5] * 3)
+    assert "ball" not in project.scene().groups
+    bpy.ops.unrender.list_groups()
+    assert settings.groups["wall"].known, "ticks stay"
+    settings.groups["wall"].known = settings.groups["ball"].ignored = False
+
+
+def test_3_a_recovery_can_be_cancelled(desk):
+    job = module("job")
+    scene = desk["scene"]
+    path, *_ = module("model").project_of(bpy.context)
+    import unrender
+
+    def work(progress, token):
+        return unrender.recover(path, progress=progress, cancel=token)
+
+    ended = []
+    started = job.start("Recover", scene, work, ended.append)
+    assert scene.unrender.running == "Recover"
+    assert not bpy.ops.unrender.recover.poll()
+    assert bpy.ops.unrender.cancel() == {"FINISHED"}
+    try:
+        started.wait()
+    except unrender.Cancelled:
+        pass
+    else:
+        assert ended[0].result.interrupted
+    assert scene.unrender.running == ""
+    assert bpy.ops.unrender.recover.poll()
+
+
+def test_3_recover(desk):
+    settings = desk["scene"].unrender
+    settings.max_rung, settings.spp = "isotropic", 16
+    assert bpy.ops.unrender.recover(wait=True) == {"FINISHED"}
+    assert {item.name for item in settings.results} == set(studio.TRUTH)
+    by_name = {item.name: item for item in settings.results}
+    assert by_name["ball"].hypothesis == "isotropic", by_name["ball"].numbers
+    assert "±" in by_name["ball"].numbers
+    assert settings.progress == 1.0
+    assert bpy.data.images["unrender re-rendering"].size[0] == studio.SIZE[0]
+    import unrender
+
+    recovery = unrender.Recovery.read(desk["folder"] / "work" / "result")
+    for name, (rho_d, _, _) in studio.TRUTH.items():
+        assert np.allclose(recovery.materials[name]["rho_d"], rho_d, atol=0.02), name
+
+
+def test_4_apply_and_back(desk):
+    scene, settings = desk["scene"], desk["scene"].unrender
+    before = {o.name: [s.material for s in o.material_slots] for o in bpy.data.objects}
+    assert bpy.ops.unrender.apply() == {"FINISHED"}
+    assert bpy.data.objects["ball"].material_slots[0].material.name == "ball (recovered)"
+    assert bpy.data.materials["ball"].node_tree is not None, "the old one is still there"
+    assert settings.is_applied
+    same_picture(desk)
+    assert bpy.ops.unrender.revert() == {"FINISHED"}
+    after = {o.name: [s.material for s in o.material_slots] for o in bpy.data.objects}
+    assert before == after
+    assert bpy.data.materials["ball (recovered)"].use_fake_user
+    # Again, and nothing doubles.
+    bpy.ops.unrender.apply()
+    assert "ball (recovered).001" not in bpy.data.materials
+    assert scene.objects["floor"].material_slots[0].material.name == "floor (recovered)"
+
+
+def same_picture(desk):
+    """Cycles with the applied materials against our own rendering: group means within 3 %."""
+    import unrender
+
+    folder = desk["folder"]
+    studio.render(desk["scene"], folder / "applied.exr", SAMPLES)
+    theirs = unrender.read_picture(folder / "applied.exr")
+    work = folder / "work"
+    ours = unrender.render(project=work / "project.toml", materials=work / "result", spp=SAMPLES, independent=True)
+    means = compared(desk, theirs, ours)
+    print({name: f"{100 * off:.2f} %" for name, off in means.items()})
+    assert max(means.values()) < 0.03, means
+    # And the photograph, which both of them are like.
+    means = compared(desk, unrender.read_picture(folder / "photo.exr"), ours)
+    print({name: f"{100 * off:.2f} %" for name, off in means.items()})
+
+
+def compared(desk, theirs, ours):
+    """The difference of the mean radiance of every group, relative, of the channel that is worst."""
+    names, groups = group_map(desk)
+    left, right = (studio.group_means(np.asarray(p), groups) for p in (theirs, ours))
+    return {names[k]: float(np.max(np.abs(left[k] / right[k] - 1.0))) for k in left}
+
+
+def group_map(desk):
+    """Which group a pixel shows: the picture of the scene with a colour of its own for each."""
+    import unrender
+
+    work = desk["folder"] / "work"
+    scene = unrender.Scene.read(work / "project.glb")
+    names = [name for name in scene.groups if name in studio.TRUTH]
+    groups = {
+        name: unrender.Group(rho_d=(0, 0, 0), emission=(names.index(name) + 1.0,) * 3)
+        if name in names else unrender.Group(rho_d=(0, 0, 0))
+        for name in scene.groups
+    }
+    meshes = [scene.mesh(k) for k in range(len(scene.objects))]
+    flat = unrender.Scene(meshes, groups=groups, cameras=[unrender.Project.read(work / "project.toml").document and camera_of(work)])
+    seen = np.asarray(unrender.render(flat, width=studio.SIZE[0], height=studio.SIZE[1], spp=4))[:, :, 0]
+    whole = np.abs(seen - np.round(seen)) < 1e-3
+    return names, np.where(whole & (seen > 0.5), np.round(seen).astype(int) - 1, -1)
+
+
+def camera_of(work):
+    """The project's camera."""
+    import unrender
+
+    return unrender.Camera(**unrender.Project.read(work / "project.toml").document["camera"])
+
+
+def test_5_composite(desk):
+    scene, settings = desk["scene"], desk["scene"].unrender
+    bpy.ops.object.select_all(action="DESELECT")
+    with pytest.raises(RuntimeError, match="Select objects"):
+        bpy.ops.unrender.composite(wait=True)
+    cube = studio.add("new", studio.material("new"), bpy.ops.mesh.primitive_cube_add, size=0.2, location=(0.55, -0.1, 0.1))
+    cube.select_set(True)
+    assert bpy.ops.unrender.mark_inserted() == {"FINISHED"}
+    settings.spp = 16
+    assert bpy.ops.unrender.composite(wait=True) == {"FINISHED"}, settings.message
+    import unrender
+
+    photo = np.asarray(unrender.read_picture(desk["folder"] / "photo.exr"))
+    made = np.asarray(unrender.read_picture(desk["folder"] / "work" / "composite" / "composite.exr"))
+    changed = np.any(photo != made, axis=2)
+    assert 0.01 < changed.mean() < 0.6, changed.mean()
+    x, y = (int(v) for v in studio.project(scene, Vector((0.55, -0.1, 0.1))))
+    assert changed[y - 2 : y + 3, x - 2 : x + 3].all()
+    assert "unrender composite" in bpy.data.images
+    # It is no part of the model.
+    model = module("model")
+    shapes, materials, *_ = model.scene_of(bpy.context)
+    assert "new" not in materials
+    bpy.ops.unrender.mark_inserted(clear=True)
+    _, materials, *_ = model.scene_of(bpy.context)
+    assert "new" in materials
+
+
+def test_the_panel_draws_in_every_state(desk):
+    panel = module("panel")
+
+    class Layout:
+        """Takes whatever a panel draws; keeps its texts."""
+
+        texts = []
+
+        def __getattr__(self, name):
+            def drawn(*words, **options):
+                self.texts.append(str(options.get("text", "")))
+                return Layout()
+
+            return drawn
+
+        def __setattr__(self, name, value):
+            pass
+
+    class Panel:
+        layout = Layout()
+
+    settings = desk["scene"].unrender
+    for running in ("", "Recover"):
+        settings.running = running
+        for made in panel.CLASSES:
+            if issubclass(made, bpy.types.Panel):
+                made.draw(Panel(), bpy.context)
+            else:
+                items = {"pairs": settings.pairs, "groups": settings.groups, "results": settings.results}
+                for item in items[made.__name__.split("_")[-1]]:
+                    made.draw_item(Panel(), bpy.context, Layout(), None, item, 0, None, "")
+    settings.running = ""
+    assert any("isotropic" in text for text in Layout.texts)
+    assert any("px" in text for text in Layout.texts)
+
+
+def test_it_can_be_disabled_and_enabled_again(desk):
+    import addon_utils
+
+    addon_utils.disable(MODULE)
+    assert not hasattr(bpy.types, "UNRENDER_PT_match")
+    addon_utils.enable(MODULE)
+    assert hasattr(bpy.types, "UNRENDER_PT_match")
