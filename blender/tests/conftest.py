@@ -17,7 +17,7 @@ os.environ["BLENDER_USER_RESOURCES"] = PROFILE.name
 import addon_utils  # noqa: E402  (bpy puts it onto the path)
 import bpy  # noqa: E402
 
-sys.path.insert(0, str(HERE))
+sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 MODULE = "bl_ext.user_default.unrender"
 

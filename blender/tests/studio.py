@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-SIZE = (160, 120)
+SIZE = (96, 72)
 # rho_d, rho_s, alpha.
 TRUTH = {
     "floor": ((0.36, 0.22, 0.12), None, 0.0),
@@ -161,7 +161,7 @@ def project(scene, point):
     return (x * scene.render.resolution_x, (1.0 - y) * scene.render.resolution_y)
 
 
-def group_means(picture, groups, least=60):
+def group_means(picture, groups, least=30):
     """The mean radiance of every group's inner pixels."""
     found = {}
     for number in np.unique(groups):

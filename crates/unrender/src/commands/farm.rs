@@ -21,7 +21,9 @@ use unrender_formats::{FileError, atomic};
     bash room_job/job.sh --cpus-per-task=16\n  \
     unrender farm --project room.toml --materials out/materials.json --spp 4096 --out room.exr \\\n      \
     --to openjd --parts 64 --job room_job\n  \
-    openjd run room_job/template.json")]
+    openjd run room_job/template.json -p file://room_job/parameters.json")]
+// The flags of `render` are a group of the same name.
+#[group(id = "farm")]
 pub struct Args {
     /// What is rendered.
     #[command(flatten)]
@@ -47,7 +49,8 @@ const MOST_PARTS: u16 = 1000;
 /// Programs that distribute work over machines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Target {
-    /// A job template of Open Job Description, 2023-09: template.json.
+    /// A job template of Open Job Description, 2023-09: template.json, and parameters.json with the
+    /// files that it takes.
     Openjd,
     /// A script that submits an array of jobs and a job that waits for it: job.sh.
     Slurm,
@@ -61,22 +64,28 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     render::check(&args.render, global)?;
     let folder = folder(args);
     let job = Job::new(&args.render, global, args.parts, &folder)?;
-    let (name, text) = match args.to {
-        Target::Openjd => ("template.json", openjd::template(&job)?),
-        Target::Slurm => ("job.sh", slurm::script(&job)),
+    let file = |name: &str| folder.join(name);
+    let (files, start) = match args.to {
+        Target::Openjd => {
+            let (template, parameters) = openjd::template(&job)?;
+            let (named, given) = (file("template.json"), file("parameters.json"));
+            let start = format!("openjd run {} -p file://{}", named.display(), given.display());
+            (vec![(named, template), (given, parameters)], start)
+        }
+        Target::Slurm => {
+            let script = file("job.sh");
+            let start = format!("bash {}", script.display());
+            (vec![(script, slurm::script(&job))], start)
+        }
     };
-    let file = folder.join(name);
     let _until_written = interrupt::writing();
     std::fs::create_dir_all(&folder)
         .map_err(|error| FileError::because(&folder, "cannot be made", error))?;
-    atomic::write(&file, text.as_bytes())?;
+    for (path, text) in files {
+        atomic::write(&path, text.as_bytes())?;
+    }
     if !global.quiet {
-        let start = match args.to {
-            Target::Openjd => "openjd run",
-            Target::Slurm => "bash",
-        };
-        let parts = job.samples.len();
-        global.console.tell(&format!("{parts} parts; start them by: {start} {}", file.display()));
+        global.console.tell(&format!("{} parts; start them by: {start}", job.samples.len()));
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -2,21 +2,23 @@
 //! [Open Job Description, Template Schemas 2023-09]
 //!
 //! Files are `PATH` parameters, so that a scheduler may map them onto the disks of its machines, and a
-//! user may replace them; files below the template's folder are named relative to it.
+//! user may replace them. A template names files in its own folder alone, relative to it; the others
+//! are values in a file beside it.
 
 use super::{Job, Word, text};
 use crate::Error;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::path::Path;
 
 /// Each task's parameter.
 const SAMPLES: &str = "{{Task.Param.Samples}}";
 
-/// The template of `job`, as JSON.
+/// The template of `job` and the values of its parameters, as JSON.
 ///
 /// # Errors
 /// If a word of it has two braces.
-pub(crate) fn template(job: &Job) -> Result<String, Error> {
+pub(crate) fn template(job: &Job) -> Result<(String, String), Error> {
+    let mut values = Map::new();
     let mut parameters = vec![json!({
         "name": "Unrender",
         "type": "STRING",
@@ -28,13 +30,16 @@ pub(crate) fn template(job: &Job) -> Result<String, Error> {
         match word {
             Word::Plain(word) => render.push(json!(unbraced(word)?)),
             Word::Input(name, path) => {
-                parameters.push(path_parameter(name, "FILE", "IN", &relative(job, path)));
+                parameters.push(file_parameter(job, name, "IN", path, &mut values));
                 render.push(json!(format!("{{{{Param.{name}}}}}")));
             }
         }
     }
-    parameters.push(path_parameter("Parts", "DIRECTORY", "INOUT", "."));
-    parameters.push(path_parameter("Picture", "FILE", "OUT", &relative(job, &job.out)));
+    parameters.push(json!({
+        "name": "Parts", "type": "PATH", "objectType": "DIRECTORY", "dataFlow": "INOUT",
+        "default": ".",
+    }));
+    parameters.push(file_parameter(job, "Picture", "OUT", &job.out, &mut values));
     let file = |name: String| json!(format!("{{{{Param.Parts}}}}/{name}"));
     render.extend([json!("--quiet"), json!("--samples"), json!(SAMPLES)]);
     render.extend([json!("--checkpoint"), file(Job::checkpoint(SAMPLES))]);
@@ -62,23 +67,30 @@ pub(crate) fn template(job: &Job) -> Result<String, Error> {
             },
         ],
     });
-    Ok(format!("{template:#}\n"))
+    Ok((format!("{template:#}\n"), format!("{:#}\n", Value::Object(values))))
 }
 
 fn script(words: Vec<Value>) -> Value {
     json!({ "actions": { "onRun": { "command": "{{Param.Unrender}}", "args": words } } })
 }
 
-fn path_parameter(name: &str, kind: &str, flow: &str, default: &str) -> Value {
-    json!({
-        "name": name, "type": "PATH", "objectType": kind, "dataFlow": flow, "default": default,
-    })
-}
-
-/// `path` as seen from the template, if it lies beneath its folder; a template may not name others
-/// relatively.
-fn relative(job: &Job, path: &Path) -> String {
-    text(path.strip_prefix(&job.folder).unwrap_or(path))
+/// The parameter of the file `path`: with a default, if it lies in the job's folder, else with a value.
+fn file_parameter(
+    job: &Job,
+    name: &str,
+    flow: &str,
+    path: &Path,
+    values: &mut Map<String, Value>,
+) -> Value {
+    let mut parameter =
+        json!({ "name": name, "type": "PATH", "objectType": "FILE", "dataFlow": flow });
+    match path.strip_prefix(&job.folder) {
+        Ok(inside) => parameter["default"] = json!(text(inside)),
+        Err(_) => {
+            values.insert(name.to_owned(), json!(text(path)));
+        }
+    }
+    parameter
 }
 
 /// `text`, which stands in a template for itself.

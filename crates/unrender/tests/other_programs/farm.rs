@@ -36,6 +36,8 @@ fn openjd_makes_the_picture_of_one_run() {
     succeeds(Command::new(&openjd).arg("check").arg(&template));
     let mut run = Command::new(&openjd);
     run.arg("run").arg(&template);
+    let given = folder.path().join("picture_job/parameters.json");
+    run.arg("-p").arg(format!("file://{}", given.display()));
     run.arg("-p").arg(format!("Unrender={}", env!("CARGO_BIN_EXE_unrender")));
     succeeds(&mut run);
     let bytes = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
