@@ -4,6 +4,7 @@
 import json
 import os
 import tempfile
+import warnings
 
 import bpy
 import unrender
@@ -67,7 +68,10 @@ class UNRENDER_OT_revert(bpy.types.Operator):
 def exported(result, folder):
     """What Cycles needs of every group, with its parameters: (entry, group) by name."""
     recovery = unrender.Recovery.read(result)
-    unrender.export(result, to="blender", out=os.path.join(folder, "export"))
+    with warnings.catch_warnings():
+        # They are about what a scene of its own would lack; here lamps and world are there.
+        warnings.simplefilter("ignore", unrender.UnrenderWarning)
+        unrender.export(result, to="blender", out=os.path.join(folder, "export"))
     with open(os.path.join(folder, "export", "scene.json"), encoding="utf-8") as file:
         document = json.load(file)
     found = {}
@@ -87,30 +91,30 @@ def make(item, entry, group, folder):
         item.made.unrender_original = item.material
         # It stays in the file without users, once the old one is back.
         item.made.use_fake_user = True
-    users = [thing for thing in bpy.data.objects if has_material(thing, item.material)]
+    both = {item.material, item.made}
+    users = [thing for thing in bpy.data.objects if has_one_of(thing, both)]
     has_uvs = any(getattr(thing.data, "uv_layers", None) for thing in users)
     nodes.build(item.made, entry, group, os.path.join(folder, "export"), has_uvs)
 
 
-def has_material(thing, material):
-    """Whether an object has this material in a slot."""
-    return any(slot.material == material for slot in thing.material_slots)
+def has_one_of(thing, materials):
+    """Whether an object has one of the materials in a slot."""
+    return any(slot.material in materials for slot in thing.material_slots)
 
 
 def exchange(swaps):
-    """Puts other materials into the slots; the names of those that no slot had."""
-    missed = {material.name: material for material in swaps}
+    """Puts other materials into the slots; the names of those that then no slot has."""
+    missed = {made: material.name for material, made in swaps.items()}
     for thing in bpy.data.objects:
         for slot in thing.material_slots:
-            if slot.material not in swaps:
-                continue
-            made = swaps[slot.material]
-            if slot.link == "DATA" and thing.data.library is not None and thing.library is None:
-                slot.link = "OBJECT"
-            missed.pop(slot.material.name, None)
-            if thing.library is None:
+            made = swaps.get(slot.material)
+            if made is not None and thing.library is None:
+                if slot.link == "DATA" and thing.data.library is not None:
+                    # The slot becomes that of the object, which is ours.
+                    slot.link = "OBJECT"
                 slot.material = made
-    return set(missed)
+            missed.pop(slot.material, None)
+    return set(missed.values())
 
 
 CLASSES = (UNRENDER_OT_apply, UNRENDER_OT_revert)

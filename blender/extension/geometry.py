@@ -17,8 +17,13 @@ INSERTED = "unrender_insert"
 
 
 def group_name(material):
-    """The group of what has this material."""
-    return NO_MATERIAL if material is None else material.name_full
+    """The group of what has this material; one that was recovered stands for the one that it is beside."""
+    return NO_MATERIAL if material is None else first(material).name_full
+
+
+def first(material):
+    """The user's own material, of which a recovered one was made."""
+    return getattr(material, "unrender_original", None) or material
 
 
 def unused(name, taken):

@@ -3,6 +3,7 @@
 
 import os
 import re
+import warnings
 
 import bpy
 import numpy as np
@@ -114,12 +115,16 @@ class UNRENDER_OT_match_camera(bpy.types.Operator):
             self.report({"ERROR"}, f"{least(settings)} pairs at least, and twice as many show which are wrong")
             return {"CANCELLED"}
         try:
-            if not self.keep:
-                calibrate(context)
+            with warnings.catch_warnings(record=True) as told:
+                warnings.simplefilter("always", unrender.UnrenderWarning)
+                if not self.keep:
+                    calibrate(context)
             measure(context)
         except (unrender.Error, model.Missing) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        for warning in told:
+            self.report({"WARNING"}, str(warning.message))
         self.report({"INFO"}, settings.focal)
         return {"FINISHED"}
 

@@ -31,7 +31,8 @@ def refresh(context):
     settings.groups.clear()
     for name, material in sorted(materials.items()):
         item = settings.groups.add()
-        item.name, item.material = name, material.original if material else None
+        item.name = name
+        item.material = geometry.first(material.original) if material else None
         item.known, item.ignored = ticks.get(name, (False, False))
         item.emits = shaders.brightness(shaders.group_of(material, []).emission) > 0.0
 

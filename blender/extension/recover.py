@@ -28,7 +28,7 @@ class UNRENDER_OT_recover(bpy.types.Operator):
         if not context.scene.unrender.groups:
             prepare.refresh(context)
         try:
-            path, materials, doubts = model.project_of(context)
+            path, _, doubts = model.project_of(context)
         except (unrender.Error, model.Missing) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -37,8 +37,7 @@ class UNRENDER_OT_recover(bpy.types.Operator):
         def work(progress, token):
             return unrender.recover(path, out=out, spp=spp, progress=progress, cancel=token)
 
-        names = {name: material.name_full for name, material in materials.items() if material}
-        started = job.start("Recover", context.scene, work, lambda ended: show(ended, names, doubts))
+        started = job.start("Recover", context.scene, work, lambda ended: show(ended, doubts))
         return job.finish(self, started, self.wait)
 
 
@@ -57,14 +56,14 @@ class UNRENDER_OT_cancel(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def show(ended, names, doubts):
+def show(ended, doubts):
     """The recovery in the panel, its re-rendering in the image editor."""
     scene = bpy.data.scenes[ended.scene]
     settings, recovery = scene.unrender, ended.result
     settings.results.clear()
     made = {m.unrender_original: m for m in bpy.data.materials if m.unrender_original is not None}
     for name, entry in recovery.materials.items():
-        material = by_full_name(names.get(name))
+        material = by_full_name(name)
         if material is None or entry.get("status") == "known":
             continue
         item = settings.results.add()

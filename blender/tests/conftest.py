@@ -14,8 +14,9 @@ HERE = pathlib.Path(__file__).resolve().parent
 PROFILE = tempfile.TemporaryDirectory(prefix="unrender-profile-")
 os.environ["BLENDER_USER_RESOURCES"] = PROFILE.name
 
-import addon_utils  # noqa: E402  (bpy puts it onto the path)
 import bpy  # noqa: E402
+
+import addon_utils  # noqa: E402  isort: skip  (bpy puts it onto the path)
 
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 

@@ -69,6 +69,8 @@ def sheet(folder, out):
 
     files = ["photo.exr", "work/check.png", "applied.exr", "work/composite/composite.exr"]
     pictures = [np.asarray(unrender.read_picture(folder / file)) for file in files]
+    # The check enlarges small photographs.
+    pictures = [p[:: p.shape[0] // pictures[0].shape[0], :: p.shape[0] // pictures[0].shape[0]] for p in pictures]
     gap = np.ones((pictures[0].shape[0], 4, 3), dtype=np.float32)
     row = np.concatenate([p for picture in pictures for p in (picture, gap)][:-1], axis=1)
     unrender.Picture(np.ascontiguousarray(row)).save(folder / "sheet.png")

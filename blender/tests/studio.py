@@ -37,7 +37,8 @@ def add(name, stuff, make, **where):
 
 def build():
     """The scene, all of it grey: a modifier, an instanced collection, an area light and a bulb."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    # Extensions stay enabled, as they do not with read_factory_settings.
+    bpy.ops.wm.read_homefile(use_empty=True)
     plane, cube = bpy.ops.mesh.primitive_plane_add, bpy.ops.mesh.primitive_cube_add
     stuff = {name: material(name) for name in TRUTH}
     add("floor", stuff["floor"], plane, size=2.4)
@@ -105,7 +106,7 @@ def settle(scene):
 
 
 def colour():
-    """Gives the materials their true reflectances; what they were, for :func:`bleach`."""
+    """Gives the materials their true reflectances."""
     for name, (rho_d, rho_s, alpha) in TRUTH.items():
         tree = bpy.data.materials[name].node_tree
         output = tree.nodes["Material Output"].inputs["Surface"]
@@ -143,14 +144,18 @@ def render(scene, path, samples):
 
 
 def corners(scene):
-    """Points of the scene, in world space: corners and what is between them."""
-    return [
-        Vector(p)
-        for p in [
-            (-1.2, 0.6, 0.0), (1.2, 0.6, 0.0), (-0.9, -0.3, 0.0), (0.9, -0.3, 0.0), (0.0, 0.6, 1.0),
-            (-0.65, 0.25, 0.4), (-0.45, 0.05, 0.4), (0.25, -0.05, 0.4), (0.7, 0.6, 0.7), (-0.9, 0.6, 0.9),
-        ]
+    """Points of the scene that its camera shows, in world space: on floor, wall and boxes."""
+    points = [
+        (-0.6, 0.6, 0.0), (0.6, 0.6, 0.0), (-0.5, 0.0, 0.0), (0.5, 0.0, 0.0), (0.0, 0.6, 0.7), (0.55, 0.6, 0.5),
+        (-0.65, 0.05, 0.2), (-0.45, 0.05, 0.4), (-0.45, 0.25, 0.4), (0.25, -0.05, 0.4), (0.0, 0.3, 0.0),
+        (-0.6, 0.6, 0.6),
     ]
+    inside = []
+    for point in map(Vector, points):
+        x, y = project(scene, point)
+        if 0.0 <= x <= SIZE[0] and 0.0 <= y <= SIZE[1]:
+            inside.append(point)
+    return inside
 
 
 def project(scene, point):

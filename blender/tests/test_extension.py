@@ -29,7 +29,9 @@ def desk(extension, tmp_path_factory):
     studio.render(scene, folder / "photo.exr", SAMPLES)
     studio.bleach()
     seen = {tuple(point): studio.project(scene, point) for point in studio.corners(scene)}
-    true = scene.camera.matrix_world.copy(), scene.camera.data.angle_y
+    assert len(seen) >= 8
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    true = scene.camera.matrix_world.copy(), module("frames").camera_of(scene.camera, depsgraph, studio.SIZE)
     bpy.data.objects.remove(scene.camera)
     scene.unrender.folder = str(folder / "work")
     return {"scene": scene, "folder": folder, "seen": seen, "true": true}
@@ -61,9 +63,9 @@ def test_1_match_camera(desk):
     assert settings.pairs[3].error == pytest.approx(25.0, abs=1.0)
     assert max(pair.error for pair in settings.pairs if not pair.rejected) < 0.3
     assert "standard deviation" in settings.focal
-    place, angle = desk["true"]
+    place, camera = desk["true"]
     assert (scene.camera.matrix_world.translation - place.translation).length < 0.005
-    assert scene.camera.data.angle_y == pytest.approx(angle, abs=0.002)
+    assert np.degrees(scene.camera.data.angle_y) == pytest.approx(camera.fov_y_deg, abs=0.1)
     bpy.ops.unrender.remove_pair(index=3)
     assert len(settings.pairs) == len(desk["seen"]) - 1
 
@@ -109,7 +111,8 @@ def test_2_prepare(desk):
     assert settings.message.startswith("Check")
     assert all(item.pixels > 100 for item in settings.groups), [g.pixels for g in settings.groups]
     overlay = bpy.data.images["unrender check"]
-    assert tuple(overlay.size) == studio.SIZE
+    # Small photographs are enlarged.
+    assert overlay.size[0] % studio.SIZE[0] == 0
     entries = {e.image.name: e for e in desk["scene"].camera.data.background_images}
     assert entries["unrender check"].display_depth == "FRONT"
     bpy.ops.unrender.toggle_overlay()
@@ -183,8 +186,11 @@ def test_4_apply_and_back(desk):
     after = {o.name: [s.material for s in o.material_slots] for o in bpy.data.objects}
     assert before == after
     assert bpy.data.materials["ball (recovered)"].use_fake_user
-    # Again, and nothing doubles.
+    # Again and again, and nothing doubles.
     bpy.ops.unrender.apply()
+    bpy.ops.unrender.apply()
+    bpy.ops.unrender.list_groups()
+    assert [item.name for item in settings.groups] == ["ball", "box", "floor", "wall"]
     assert "ball (recovered).001" not in bpy.data.materials
     assert scene.objects["floor"].material_slots[0].material.name == "floor (recovered)"
 
@@ -226,17 +232,73 @@ def group_map(desk):
         for name in scene.groups
     }
     meshes = [scene.mesh(k) for k in range(len(scene.objects))]
-    flat = unrender.Scene(meshes, groups=groups, cameras=[unrender.Project.read(work / "project.toml").document and camera_of(work)])
+    camera = unrender.Camera(**unrender.Project.read(work / "project.toml").document["camera"])
+    flat = unrender.Scene(meshes, groups=groups, cameras=[camera])
     seen = np.asarray(unrender.render(flat, width=studio.SIZE[0], height=studio.SIZE[1], spp=4))[:, :, 0]
     whole = np.abs(seen - np.round(seen)) < 1e-3
     return names, np.where(whole & (seen > 0.5), np.round(seen).astype(int) - 1, -1)
 
 
-def camera_of(work):
-    """The project's camera."""
+BRUSHED = {"rho_d": [0.05] * 3, "rho_s": [0.6] * 3, "alpha_x": 0.08, "alpha_y": 0.35}
+
+
+def blocks(picture, groups, number, size=6):
+    """The means of a group's pixels in squares of the picture, those that have enough of them."""
+    inside = groups == number
+    rows, columns = (length // size for length in inside.shape)
+    cut = (slice(0, rows * size), slice(0, columns * size))
+    count = inside[cut].reshape(rows, size, columns, size).sum((1, 3))
+    light = np.where(inside, picture.mean(axis=2), 0.0)[cut].reshape(rows, size, columns, size).sum((1, 3))
+    return (light / np.maximum(count, 1))[count >= size * size // 2]
+
+
+@pytest.mark.parametrize("has_uvs", [True, False])
+def test_4_textures_and_anisotropic_lobes_are_those_of_our_rendering(desk, has_uvs):
+    import json
+
     import unrender
 
-    return unrender.Camera(**unrender.Project.read(work / "project.toml").document["camera"])
+    scene, folder, nodes, apply = desk["scene"], desk["folder"] / f"brushed{has_uvs}", module("nodes"), module("apply")
+    folder.mkdir()
+    floor = scene.objects["floor"]
+    if not has_uvs:
+        floor.data.uv_layers.remove(floor.data.uv_layers[0])
+    project, *_ = module("model").project_of(bpy.context)
+    texture = np.full((8, 8, 3), 0.1, np.float32)
+    texture[:3, :5] = (0.7, 0.5, 0.2)
+    means = {}
+    for theta in (25.0, 115.0):
+        groups = {
+            "floor": {**BRUSHED, "theta_deg": theta},
+            "wall": {"rho_d": [0.3] * 3, "rho_s": [0.0] * 3, "alpha_x": 0.0, "alpha_y": 0.0, "theta_deg": 0.0},
+        }
+        materials = unrender.Materials(groups, brdf="ggx", textures={"wall": texture})
+        materials.write(folder / "materials.json")
+        glb = project.with_suffix(".glb")
+        unrender.export(scene=glb, materials=folder / "materials.json", to="blender", out=folder / "export",
+                        width=studio.SIZE[0], height=studio.SIZE[1])
+        document = json.loads((folder / "export" / "scene.json").read_text())
+        made = {}
+        for entry in document["groups"]:
+            if entry["name"] in groups:
+                old = scene.objects[entry["name"]].material_slots[0].material
+                made[old] = bpy.data.materials.new(entry["name"])
+                nodes.build(made[old], entry, groups[entry["name"]], str(folder / "export"),
+                            has_uvs or entry["name"] == "wall")
+        apply.exchange(made)
+        studio.render(scene, folder / "theirs.exr", 128)
+        apply.exchange({new: old for old, new in made.items()})
+        ours = unrender.render(project=project, materials=folder / "materials.json", spp=128, independent=True)
+        theirs = unrender.read_picture(folder / "theirs.exr")
+        names, seen = group_map(desk)
+        for name in groups:
+            left, right = (blocks(np.asarray(p), seen, names.index(name)) for p in (theirs, ours))
+            off = float(np.abs(left - right).mean() / right.mean())
+            print(f"{name}, {theta} degrees: {100 * off:.2f} % by squares")
+            assert off < 0.04, (name, theta, off)
+            means[name, theta] = right
+    turned = np.abs(means["floor", 25.0] - means["floor", 115.0]).mean() / means["floor", 25.0].mean()
+    assert turned > 0.15, "the direction would not show"
 
 
 def test_5_composite(desk):
