@@ -55,6 +55,11 @@ def lights(depsgraph, wanted):
 def colour_of(light, name, doubts):
     """Power or irradiance by channel; of nodes, a plain emission is understood."""
     colour = np.array(light.color, dtype=float) * light.energy * 2.0 ** getattr(light, "exposure", 0.0)
+    # Temperature and the switch of normalisation came with Blender 4.5.
+    if getattr(light, "use_temperature", False):
+        colour *= np.array(light.temperature_color)
+    if not getattr(light, "normalize", True):
+        doubts.append(f'light "{name}": its power is taken as normalised by its area')
     if light.use_nodes and light.node_tree is not None:
         nodes = [node for node in light.node_tree.nodes if node.type == "EMISSION"]
         linked = any(link.to_node.type == "EMISSION" for link in light.node_tree.links)

@@ -29,7 +29,7 @@ def photograph(folder):
     """The scene, grey, without a camera; its photograph; points and where it shows them."""
     scene = studio.build()
     studio.colour()
-    studio.render(scene, folder / "photo.exr", 128)
+    studio.render(scene, folder / "photo.exr", 64)
     studio.bleach()
     pairs = [(point, studio.project(scene, point)) for point in studio.corners(scene)]
     bpy.data.objects.remove(scene.camera)
@@ -48,12 +48,12 @@ def work(folder):
     print(settings.calibration)
     bpy.ops.unrender.check(wait=True)
     print(settings.message, settings.messages, sep="\n")
-    settings.max_rung, settings.spp = "isotropic", 32
+    settings.max_rung, settings.spp = "isotropic", 16
     bpy.ops.unrender.recover(wait=True)
     for item in settings.results:
         print(f"{item.name}: {item.hypothesis}, {item.status}", item.numbers, item.note, sep="\n    ")
     bpy.ops.unrender.apply()
-    studio.render(scene, folder / "applied.exr", 128)
+    studio.render(scene, folder / "applied.exr", 64)
     bpy.ops.object.select_all(action="DESELECT")
     stuff = studio.material("new")
     stuff.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.6, 0.3, 0.02, 1.0)
@@ -81,7 +81,7 @@ def sheet(folder, out):
 
 def main():
     out = pathlib.Path(sys.argv[1]).absolute()
-    studio.SIZE = (240, 180)
+    studio.SIZE = (200, 150)
     install()
     with tempfile.TemporaryDirectory(prefix="unrender-session-") as name:
         work(pathlib.Path(name))

@@ -57,7 +57,7 @@ def test_1_match_camera(desk):
     for number, (point, pixel) in enumerate(desk["seen"].items()):
         # One of them is wrong.
         off = 25.0 if number == 3 else 0.0
-        bpy.ops.unrender.add_pair(point=point, pixel=(pixel[0] + off, pixel[1]))
+        bpy.ops.unrender.add_pair(point=point, pixel=(pixel[0], pixel[1] - off))
     assert bpy.ops.unrender.match_camera() == {"FINISHED"}
     assert [pair.rejected for pair in settings.pairs] == [k == 3 for k in range(len(settings.pairs))]
     assert settings.pairs[3].error == pytest.approx(25.0, abs=1.0)
@@ -131,6 +131,32 @@ def test_2_what_is_known_or_ignored_goes_over(desk):
     bpy.ops.unrender.list_groups()
     assert settings.groups["wall"].known, "ticks stay"
     settings.groups["wall"].known = settings.groups["ball"].ignored = False
+
+
+def test_2_a_world_of_nodes_becomes_a_panorama(extension, tmp_path, monkeypatch):
+    import unrender
+
+    world = module("world")
+    monkeypatch.setattr(world, "PANORAMA_HEIGHT", 32)
+    made = bpy.data.worlds.new("red to +x, green to +y, blue to +z")
+    made.use_nodes = True
+    nodes, links = made.node_tree.nodes, made.node_tree.links
+    positive = nodes.new("ShaderNodeVectorMath")
+    positive.operation = "MAXIMUM"
+    links.new(nodes.new("ShaderNodeTexCoord").outputs["Generated"], positive.inputs[0])
+    links.new(positive.outputs[0], nodes["Background"].inputs["Color"])
+    scenes = len(bpy.data.scenes)
+    found = world.environment(made, str(tmp_path / "world.exr"))
+    assert len(bpy.data.scenes) == scenes
+    speck = unrender.Mesh("speck", [(0, 9, 0), (0.01, 9, 0), (0, 9, 0.01)], [(0, 1, 2)])
+    for axis, color in (((1, 0, 0), (1, 0, 0)), ((0, 1, 0), (0, 1, 0)), ((0, 0, 1), (0, 0, 1))):
+        target = module("frames").y_up_one(axis)
+        up = (0, 1, 0) if axis != (0, 0, 1) else (1, 0, 0)
+        camera = unrender.Camera(eye=(0, 0, 0), target=target, up=up, fov_y_deg=8)
+        seen = unrender.render(
+            unrender.Scene([speck], cameras=[camera]), environment=found["panorama"], width=4, height=4, spp=4
+        )
+        assert np.allclose(np.asarray(seen).mean((0, 1)), color, atol=0.08), (axis, seen.mean((0, 1)))
 
 
 def test_3_a_recovery_can_be_cancelled(desk):
@@ -275,15 +301,15 @@ def test_4_textures_and_anisotropic_lobes_are_those_of_our_rendering(desk, has_u
         materials = unrender.Materials(groups, brdf="ggx", textures={"wall": texture})
         materials.write(folder / "materials.json")
         glb = project.with_suffix(".glb")
-        unrender.export(scene=glb, materials=folder / "materials.json", to="blender", out=folder / "export",
+        unrender.export(scene=glb, materials=folder / "materials.json", to="blender", out=folder / f"export{theta}",
                         width=studio.SIZE[0], height=studio.SIZE[1])
-        document = json.loads((folder / "export" / "scene.json").read_text())
+        document = json.loads((folder / f"export{theta}" / "scene.json").read_text())
         made = {}
         for entry in document["groups"]:
             if entry["name"] in groups:
                 old = scene.objects[entry["name"]].material_slots[0].material
                 made[old] = bpy.data.materials.new(entry["name"])
-                nodes.build(made[old], entry, groups[entry["name"]], str(folder / "export"),
+                nodes.build(made[old], entry, groups[entry["name"]], str(folder / f"export{theta}"),
                             has_uvs or entry["name"] == "wall")
         apply.exchange(made)
         studio.render(scene, folder / "theirs.exr", 128)
