@@ -107,7 +107,7 @@ named = {o['unrender_name']: o for o in made.objects if 'unrender_name' in o}
 theirs = named['ball']
 assert theirs.name == 'ball.001' and theirs.parent == parent and mine.parent == parent
 bpy.data.scenes['unrender'].view_layers[0].update()
-assert max(abs(theirs.matrix_world.translation)) < 1e-5, theirs.matrix_world
+assert theirs.matrix_world.translation.length < 1e-5, theirs.matrix_world
 assert made.camera['unrender_name'] == 'the \"camera\"'
 cameras = [o for o in made.objects if o.type == 'CAMERA']
 assert len(cameras) == 2 and cameras[1]['unrender_name'] == 'door', cameras
