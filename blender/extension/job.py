@@ -51,6 +51,9 @@ class Job:
             return False
         goes_on = self._thread.is_alive()
         scene = bpy.data.scenes.get(self.scene)
+        if scene is not None and scene.unrender.running != self.title:
+            # Another file was loaded, which has a scene of the same name.
+            scene = None
         if scene is not None:
             scene.unrender.progress = self.fraction
             scene.unrender.message = self.message
@@ -79,7 +82,11 @@ def start(title, scene, work, done):
     global current
     current = Job(title, scene, work, done)
     made = current
-    bpy.app.timers.register(lambda: INTERVAL if made.poll() else None, first_interval=INTERVAL)
+
+    def look():
+        return INTERVAL if made.poll() else None
+
+    bpy.app.timers.register(look, first_interval=INTERVAL, persistent=True)
     return made
 
 

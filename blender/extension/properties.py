@@ -105,13 +105,22 @@ class UnrenderSettings(bpy.types.PropertyGroup):
 CLASSES = (UnrenderPair, UnrenderGroup, UnrenderResult, UnrenderSettings)
 
 
+@bpy.app.handlers.persistent
+def forget_work(*_):
+    """Work does not go on in another file, and a file that was saved meanwhile remembers it."""
+    for scene in bpy.data.scenes:
+        scene.unrender.running = ""
+
+
 def register():
     for made in CLASSES:
         bpy.utils.register_class(made)
     bpy.types.Scene.unrender = PointerProperty(type=UnrenderSettings)
+    bpy.app.handlers.load_post.append(forget_work)
 
 
 def unregister():
+    bpy.app.handlers.load_post.remove(forget_work)
     del bpy.types.Scene.unrender
     for made in reversed(CLASSES):
         bpy.utils.unregister_class(made)

@@ -355,6 +355,16 @@ def test_5_composite(desk):
     assert "new" in materials
 
 
+def test_work_does_not_end_in_another_file(desk):
+    job, settings = module("job"), desk["scene"].unrender
+    ended = []
+    started = job.start("Check", desk["scene"], lambda progress, token: None, ended.append)
+    # As loading another file has it.
+    module("properties").forget_work()
+    started.wait()
+    assert not ended and not job.is_running() and settings.running == ""
+
+
 def test_the_panel_draws_in_every_state(desk):
     panel = module("panel")
 
