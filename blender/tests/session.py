@@ -57,8 +57,7 @@ def work(folder):
     bpy.ops.object.select_all(action="DESELECT")
     stuff = studio.material("new")
     stuff.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.6, 0.3, 0.02, 1.0)
-    studio.add("new", stuff, bpy.ops.mesh.primitive_cube_add, size=0.16, location=(-0.12, -0.35, 0.08))
-    settings.spp = 48
+    studio.add("new", stuff, bpy.ops.mesh.primitive_cube_add, size=0.22, location=(0.6, -0.2, 0.11))
     bpy.ops.unrender.mark_inserted()
     bpy.ops.unrender.composite(wait=True)
     print(settings.message)
