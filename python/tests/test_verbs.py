@@ -30,8 +30,8 @@ VERBS: dict[str, Callable[..., object]] = {
 # Functions answer with values instead of printing them.
 # `resume` goes on from what a killed process has left in a folder.
 ONLY_COMMAND = {"json", "help", "version", "quiet", "resume"}
-# They are about the command itself.
-NO_VERBS = {"help", "completions", "man"}
+# They are about the command itself; Python has unrender.dask in the place of `farm`.
+NO_VERBS = {"help", "completions", "farm", "man"}
 ONLY_PYTHON = {"progress", "cancel"}
 GLOBAL = {"threads", "allow_outside", "input_memory"}
 

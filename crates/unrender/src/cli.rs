@@ -1,8 +1,8 @@
 //! The command line: global flags, the subcommands, and what becomes of errors.
 
 use crate::commands::{
-    calibrate, check, completions, export, man, merge, recover, render, report, restage, score,
-    split,
+    calibrate, check, completions, export, farm, man, merge, recover, render, report, restage,
+    score, split,
 };
 use crate::listener::{Console, Listener};
 use crate::{Error, interrupt, output};
@@ -68,6 +68,7 @@ enum Command {
     Check(check::Args),
     Render(render::Args),
     Merge(merge::Args),
+    Farm(farm::Args),
     Restage(restage::Args),
     Score(score::Args),
     Split(split::Args),
@@ -190,6 +191,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Check(args) => check::run(args, &cli.global),
         Command::Render(args) => render::run(args, &cli.global),
         Command::Merge(args) => merge::run(args, &cli.global),
+        Command::Farm(args) => farm::run(args, &cli.global),
         Command::Restage(args) => restage::run(args, &cli.global),
         Command::Score(args) => score::run(args, &cli.global),
         Command::Split(args) => split::run(args, &cli.global),

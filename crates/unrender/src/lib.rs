@@ -123,6 +123,8 @@ pub mod edit;
 pub mod engine;
 pub mod error;
 #[cfg(feature = "cli")]
+mod farm;
+#[cfg(feature = "cli")]
 mod fingerprint;
 #[cfg(feature = "cli")]
 mod interrupt;

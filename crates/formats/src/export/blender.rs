@@ -1,5 +1,5 @@
-//! Blender: `scene.py`, which builds the scene of `scene.json` and its meshes and pictures, run by
-//! Blender or with the package `bpy`.
+//! Blender: `scene.py`, which adds the scene of `scene.json` with its meshes and pictures to the open
+//! file as a scene of its own, run by Blender or with the package `bpy`.
 //!
 //! A material is the sum of a Principled BSDF, the diffuse part, and a Glossy BSDF of Beckmann's
 //! microfacets, which reflects alike at all angles; Principled's own shine grows towards grazing
@@ -60,9 +60,11 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
     }
     let lights: Vec<Value> =
         shot.scene.lights.iter().map(|light| light_json(&light.name, &light.kind)).collect();
+    let others = shot.scene.cameras.iter().filter(|other| other.name != shot.camera.name);
+    let cameras: Vec<Value> = std::iter::once(shot.camera).chain(others).map(camera).collect();
     let scene = json!({
         "size": [shot.size.0, shot.size.1],
-        "camera": camera(shot.camera),
+        "cameras": cameras,
         "groups": groups,
         "objects": objects,
         "lights": lights,

@@ -6,6 +6,7 @@ pub mod check;
 pub mod completions;
 pub mod effort;
 pub mod export;
+pub mod farm;
 pub mod man;
 pub mod merge;
 pub mod recover;

@@ -166,6 +166,17 @@ impl Shot {
     }
 }
 
+/// Reads the input of `args`, and throws it away again: whether it can be rendered.
+///
+/// # Errors
+/// If it cannot, or the picture could not be written.
+pub(crate) fn check(args: &Args, global: &Global) -> Result<(), Error> {
+    check_outputs(args)?;
+    let shot = Shot::load(args, InMemory::default(), global.limits())?;
+    global.console.warn(&shot.warnings);
+    Ok(())
+}
+
 /// Asks, before the work, whether its results can be written.
 fn check_outputs(args: &Args) -> Result<(), Error> {
     let inputs = [&args.scene, &args.project, &args.materials, &args.environment];

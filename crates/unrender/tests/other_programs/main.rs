@@ -18,6 +18,7 @@ mod recovered;
 mod synthetic;
 
 mod browser;
+mod farm;
 mod measured;
 mod renderers;
 mod validators;

@@ -1,9 +1,12 @@
-"""Builds the scene of scene.json in Blender, and renders or saves it.
+"""Adds the scene of scene.json to the open file, as a scene of its own, and renders or saves it.
 
     blender --background --python scene.py -- picture.exr
     python scene.py picture.exr                  (with the package bpy)
 
-PICTURE.exr is rendered by Cycles, SCENE.blend is saved; --spp N sets the samples of a pixel.
+PICTURE.exr is rendered by Cycles, SCENE.blend is saved; --spp N sets the samples of a pixel. In an open
+file, run it from the text editor. What is there already stays as it is: where a name is taken, Blender
+puts a number behind ours, and the property "unrender_name" keeps it. An object whose name is taken by an
+object with a parent gets that parent, and stays where it is.
 """
 
 import json
@@ -15,7 +18,16 @@ import bpy
 import numpy
 from mathutils import Matrix
 
-HERE = os.path.dirname(os.path.abspath(__file__))
+
+
+def folder():
+    """The folder of this script; in the text editor, __file__ is the name of the text."""
+    files = [__file__, *(bpy.path.abspath(text.filepath) for text in bpy.data.texts)]
+    folders = [os.path.dirname(os.path.abspath(file)) for file in files if file]
+    return next((f for f in folders if os.path.exists(os.path.join(f, "scene.json"))), folders[0])
+
+
+HERE = folder()
 # Blender's z points up, ours is its y.
 Z_UP = Matrix(((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, 1)))
 
@@ -37,7 +49,14 @@ def read_ply(path):
     return vertices, numpy.frombuffer(body, face, count[b"face"], 4 * floats)["corners"]
 
 
-def add_object(item, materials):
+def named(thing, item):
+    """Blender may have to put a number behind a name; the name itself is kept, too."""
+    thing["unrender_name"] = item["name"]
+    return thing
+
+
+def add_object(scene, item, materials):
+    parent = getattr(bpy.data.objects.get(item["name"]), "parent", None)
     vertices, triangles = read_ply(item["mesh"])
     mesh = bpy.data.meshes.new(item["name"])
     mesh.from_pydata(z_up(vertices).tolist(), [], triangles.tolist())
@@ -47,7 +66,11 @@ def add_object(item, materials):
     mesh.shade_smooth()
     mesh.normals_split_custom_set_from_vertices(z_up(vertices[:, 3:6]).tolist())
     mesh.materials.append(materials[item["group"]])
-    bpy.context.collection.objects.link(bpy.data.objects.new(item["name"], mesh))
+    thing = named(bpy.data.objects.new(item["name"], mesh), item)
+    scene.collection.objects.link(thing)
+    if parent is not None:
+        thing.parent = parent
+        thing.matrix_parent_inverse = parent.matrix_world.inverted()
 
 
 def matte(nodes, color):
@@ -83,7 +106,7 @@ def shiny(nodes, links, group):
 
 
 def add_material(group):
-    material = bpy.data.materials.new(group["name"])
+    material = named(bpy.data.materials.new(group["name"]), group)
     material.use_nodes = True
     nodes, links = material.node_tree.nodes, material.node_tree.links
     nodes.clear()
@@ -143,15 +166,15 @@ def fall_off(light, axis, cos_inner, cos_outer):
     links.new(square.outputs[0], emission.inputs["Strength"])
 
 
-def add_light(item):
+def add_light(scene, item):
     kind = "SUN" if item["kind"] == "directional" else "POINT"
     light = bpy.data.lights.new(item["name"], kind)
     strength = max(item["strength"])
     light.color = [c / max(strength, 1e-30) for c in item["strength"]]
     # Watts into all directions, for watts a steradian; of suns watts a square metre.
     light.energy = strength if kind == "SUN" else 4 * math.pi * strength
-    thing = bpy.data.objects.new(item["name"], light)
-    bpy.context.collection.objects.link(thing)
+    thing = named(bpy.data.objects.new(item["name"], light), item)
+    scene.collection.objects.link(thing)
     if kind == "SUN":
         light.angle = 0
     else:
@@ -165,31 +188,31 @@ def add_light(item):
             fall_off(light, axis, item["cos_inner"], item["cos_outer"])
 
 
-def add_camera(item):
+def add_camera(scene, item):
     camera = bpy.data.cameras.new(item["name"])
     camera.sensor_fit = "VERTICAL"
     camera.angle_y = item["fov_y"]
     # An axis right of the middle has the frame moved to the left, in heights of it.
     camera.shift_x, camera.shift_y = -item["principal_point"][0], item["principal_point"][1]
     camera.clip_start, camera.clip_end = 0.001, 1e5
-    thing = bpy.data.objects.new(item["name"], camera)
+    thing = named(bpy.data.objects.new(item["name"], camera), item)
     thing.matrix_world = Z_UP @ Matrix(item["world_from_camera"])
-    bpy.context.collection.objects.link(thing)
+    scene.collection.objects.link(thing)
     return thing
 
 
 def build():
     with open(os.path.join(HERE, "scene.json"), encoding="utf-8") as file:
         data = json.load(file)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    scene = bpy.context.scene
+    scene = bpy.data.scenes.new("unrender")
     materials = [add_material(group) for group in data["groups"]]
     for item in data["objects"]:
-        add_object(item, materials)
+        add_object(scene, item, materials)
     for item in data["lights"]:
-        add_light(item)
-    scene.camera = add_camera(data["camera"])
-    scene.world = bpy.data.worlds.new("dark")
+        add_light(scene, item)
+    cameras = [add_camera(scene, item) for item in data["cameras"]]
+    scene.camera = cameras[0]
+    scene.world = bpy.data.worlds.new("unrender, dark")
     scene.world.use_nodes = True
     scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0
     scene.render.engine = "CYCLES"
@@ -206,9 +229,18 @@ def build():
     return scene
 
 
+def arguments():
+    """Blender has words of its own in front of "--"; the package bpy has none."""
+    if "--" in sys.argv:
+        return sys.argv[sys.argv.index("--") + 1:]
+    return [] if bpy.app.binary_path else sys.argv[1:]
+
+
 def main():
-    words = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else sys.argv[1:]
+    words = arguments()
     scene = build()
+    if bpy.context.window is not None:
+        bpy.context.window.scene = scene
     if "--spp" in words:
         at = words.index("--spp")
         scene.cycles.samples = int(words[at + 1])
@@ -220,7 +252,7 @@ def main():
         scene.render.image_settings.file_format = "OPEN_EXR"
         scene.render.image_settings.color_depth = "32"
         scene.render.filepath = path
-        bpy.ops.render.render(write_still=True)
+        bpy.ops.render.render(write_still=True, scene=scene.name)
 
 
 main()

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panel shows and asks for, kept with the scene in the file."""
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+UNKNOWN = -1.0
+
+
+class UnrenderPair(bpy.types.PropertyGroup):
+    """A point of the scene and where the photograph shows it."""
+
+    point: FloatVectorProperty(name="Point", size=3, subtype="XYZ", unit="LENGTH")
+    pixel: FloatVectorProperty(name="Pixel", size=2, description="From the photograph's top left corner")
+    error: FloatProperty(name="Error", default=UNKNOWN, description="Distance in the photograph, pixels")
+    rejected: BoolProperty(name="Wrong", description="The camera was found without this pair")
+
+
+class UnrenderGroup(bpy.types.PropertyGroup):
+    """A material of the scene: what has it, reflects alike."""
+
+    material: PointerProperty(type=bpy.types.Material)
+    known: BoolProperty(name="Known", description="Keep this material as it is in Blender")
+    ignored: BoolProperty(name="Ignore", description="Leave out what has this material")
+    emits: BoolProperty(name="Emits")
+    pixels: IntProperty(name="Pixels", description="Pixels of the photograph that show it")
+
+
+class UnrenderResult(bpy.types.PropertyGroup):
+    """What came out for a material."""
+
+    material: PointerProperty(type=bpy.types.Material)
+    made: PointerProperty(type=bpy.types.Material)
+    hypothesis: StringProperty()
+    status: StringProperty()
+    note: StringProperty()
+    numbers: StringProperty(description="Parameters with their standard deviations, a line each")
+
+
+class UnrenderSettings(bpy.types.PropertyGroup):
+    """The state of the five steps."""
+
+    photo: StringProperty(name="Photograph", subtype="FILE_PATH")
+    size: bpy.props.IntVectorProperty(name="Size", size=2)
+    folder: StringProperty(
+        name="Folder",
+        subtype="DIR_PATH",
+        description="Where project and results are written; by default beside the .blend file",
+    )
+    pairs: CollectionProperty(type=UnrenderPair)
+    pair: IntProperty(name="Pair")
+    held_fov: BoolProperty(name="Known lens", description="Keep the camera's field of view")
+    principal_point: BoolProperty(name="Find the shift", description="For cropped photographs")
+    calibration: StringProperty(name="Calibration")
+    focal: StringProperty(name="Focal length")
+
+    groups: CollectionProperty(type=UnrenderGroup)
+    group: IntProperty(name="Material")
+    messages: StringProperty(name="Messages", description="A line each")
+
+    response: EnumProperty(
+        name="Response",
+        items=[
+            ("srgb", "sRGB", "JPEG or PNG as cameras write them"),
+            ("linear", "Linear", "EXR or HDR"),
+            ("auto", "Find", "Find the camera's curve"),
+        ],
+        default="srgb",
+    )
+    exposure: FloatProperty(
+        name="Exposure", default=1.0, min=1e-9, description="Scene radiance of a linear pixel value of one"
+    )
+    is_anchored: BoolProperty(
+        name="Unknown exposure", description="One known material fixes it, the anchor"
+    )
+    anchor: StringProperty(name="Anchor", description="A diffuse material whose colour is known")
+    max_rung: EnumProperty(
+        name="Up to",
+        items=[
+            ("all", "All", "All hypotheses"),
+            ("isotropic", "Gloss", "No anisotropy and no textures"),
+            ("diffuse", "Diffuse", "Diffuse reflectance alone"),
+        ],
+        default="all",
+    )
+    spp: IntProperty(name="Samples", default=64, min=1, description="Of the pictures that are rendered")
+    running: StringProperty(name="Running")
+    progress: FloatProperty(name="Progress", min=0.0, max=1.0, subtype="FACTOR")
+    message: StringProperty(name="Message")
+    results: CollectionProperty(type=UnrenderResult)
+    result: IntProperty(name="Result")
+    is_applied: BoolProperty(name="Applied")
+    grain: BoolProperty(name="Grain", description="Give what is put in the photograph's noise")
+
+
+CLASSES = (UnrenderPair, UnrenderGroup, UnrenderResult, UnrenderSettings)
+
+
+@bpy.app.handlers.persistent
+def forget_work(*_):
+    """Work does not go on in another file, and a file that was saved meanwhile remembers it."""
+    for scene in bpy.data.scenes:
+        scene.unrender.running = ""
+
+
+def register():
+    for made in CLASSES:
+        bpy.utils.register_class(made)
+    bpy.types.Scene.unrender = PointerProperty(type=UnrenderSettings)
+    bpy.app.handlers.load_post.append(forget_work)
+
+
+def unregister():
+    bpy.app.handlers.load_post.remove(forget_work)
+    del bpy.types.Scene.unrender
+    for made in reversed(CLASSES):
+        bpy.utils.unregister_class(made)

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A session in Blender by script, from an empty file to a composite, and the pictures of the tutorial.
+
+    UNRENDER_WHEEL=FILE.whl python blender/tests/session.py docs/images/from-blender.jpg
+
+makes docs/tutorials/from-blender.md's picture: photograph, check, Cycles with the applied materials,
+composite. It prints what the panel shows.
+"""
+
+import pathlib
+import sys
+import tempfile
+
+import conftest  # An empty profile; it comes before bpy.
+
+import bpy  # isort: skip
+import build
+import numpy as np
+import studio
+
+
+def install():
+    """The extension, built and installed."""
+    archive = build.build([conftest.wheel()], pathlib.Path(conftest.PROFILE.name) / "zip")
+    bpy.ops.extensions.package_install_files(filepath=str(archive), repo="user_default", enable_on_install=True)
+
+
+def photograph(folder):
+    """The scene, grey, without a camera; its photograph; points and where it shows them."""
+    scene = studio.build()
+    studio.colour()
+    studio.render(scene, folder / "photo.exr", 64)
+    studio.bleach()
+    pairs = [(point, studio.project(scene, point)) for point in studio.corners(scene)]
+    bpy.data.objects.remove(scene.camera)
+    scene.unrender.folder = str(folder / "work")
+    return scene, pairs
+
+
+def work(folder):
+    """The five steps."""
+    scene, pairs = photograph(folder)
+    settings = scene.unrender
+    bpy.ops.unrender.load_photo(filepath=str(folder / "photo.exr"))
+    for point, pixel in pairs:
+        bpy.ops.unrender.add_pair(point=point, pixel=pixel)
+    bpy.ops.unrender.match_camera()
+    print(settings.calibration)
+    bpy.ops.unrender.check(wait=True)
+    print(settings.message, settings.messages, sep="\n")
+    settings.max_rung, settings.spp = "isotropic", 16
+    bpy.ops.unrender.recover(wait=True)
+    for item in settings.results:
+        print(f"{item.name}: {item.hypothesis}, {item.status}", item.numbers, item.note, sep="\n    ")
+    bpy.ops.unrender.apply()
+    studio.render(scene, folder / "applied.exr", 64)
+    bpy.ops.object.select_all(action="DESELECT")
+    stuff = studio.material("new")
+    stuff.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.6, 0.3, 0.02, 1.0)
+    studio.add("new", stuff, bpy.ops.mesh.primitive_cube_add, size=0.22, location=(0.6, -0.2, 0.11))
+    bpy.ops.unrender.mark_inserted()
+    bpy.ops.unrender.composite(wait=True)
+    print(settings.message)
+
+
+def sheet(folder, out):
+    """The four pictures in a row."""
+    import unrender
+
+    files = ["photo.exr", "work/check.png", "applied.exr", "work/composite/composite.exr"]
+    pictures = [np.asarray(unrender.read_picture(folder / file)) for file in files]
+    # The check enlarges small photographs.
+    pictures = [p[:: p.shape[0] // pictures[0].shape[0], :: p.shape[0] // pictures[0].shape[0]] for p in pictures]
+    gap = np.ones((pictures[0].shape[0], 4, 3), dtype=np.float32)
+    row = np.concatenate([p for picture in pictures for p in (picture, gap)][:-1], axis=1)
+    unrender.Picture(np.ascontiguousarray(row)).save(folder / "sheet.png")
+    image = bpy.data.images.load(str(folder / "sheet.png"))
+    image.file_format = "JPEG"
+    image.save(filepath=str(out), quality=88)
+
+
+def main():
+    out = pathlib.Path(sys.argv[1]).absolute()
+    studio.SIZE = (200, 150)
+    install()
+    with tempfile.TemporaryDirectory(prefix="unrender-session-") as name:
+        work(pathlib.Path(name))
+        sheet(pathlib.Path(name), out)
+
+
+main()

@@ -1,0 +1,99 @@
+//! `unrender farm`: a rendering as a job for many machines.
+
+use super::render;
+use crate::cli::Global;
+use crate::farm::{Job, openjd, slurm};
+use crate::{Error, interrupt, output};
+use clap::ValueEnum;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use unrender_formats::{FileError, atomic};
+
+/// Writes a job that renders on many machines what `unrender render` renders on one.
+///
+/// Take a command line of `render`, put `farm --to slurm` or `farm --to openjd` in the place of
+/// `render`, and --spp for how much is rendered. The samples are cut into parts; the last task puts
+/// the parts together, to the bits of one machine. Every machine needs this command, in the same
+/// build, and sees the files under the same paths.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  \
+    unrender farm room.glb --spp 4096 --out room.exr --to slurm\n  \
+    bash room_job/job.sh --cpus-per-task=16\n  \
+    unrender farm --project room.toml --materials out/materials.json --spp 4096 --out room.exr \\\n      \
+    --to openjd --parts 64 --job room_job\n  \
+    openjd run room_job/template.json -p file://room_job/parameters.json")]
+// The flags of `render` are a group of the same name.
+#[group(id = "farm")]
+pub struct Args {
+    /// What is rendered.
+    #[command(flatten)]
+    pub render: render::Args,
+    /// Who distributes the work.
+    #[arg(long, value_enum)]
+    pub to: Target,
+    /// Into how many parts the samples are cut.
+    // Of eight machines, the last to end keeps the others waiting for at most half of their time with
+    // this, for all of it with half; with double, the scene is read twice as often.
+    #[arg(long, value_name = "N", default_value_t = 16)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_PARTS)))]
+    pub parts: u32,
+    /// The folder for the job and its parts [default: the picture's name with _job behind it].
+    #[arg(long, value_name = "DIR")]
+    pub job: Option<PathBuf>,
+}
+
+/// Slurm numbers the tasks of an array up to 1000, where nobody has changed `MaxArraySize`; Open Job
+/// Description takes 1024 values. Half of it would limit farms of that size; double would be refused.
+const MOST_PARTS: u16 = 1000;
+
+/// Programs that distribute work over machines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Target {
+    /// A job template of Open Job Description, 2023-09: template.json, and parameters.json with the
+    /// files that it takes.
+    Openjd,
+    /// A script that submits an array of jobs and a job that waits for it: job.sh.
+    Slurm,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// If the input cannot be rendered, or the job cannot be written.
+pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
+    render::check(&args.render, global)?;
+    let folder = folder(args);
+    let job = Job::new(&args.render, global, args.parts, &folder)?;
+    let file = |name: &str| folder.join(name);
+    let (files, start) = match args.to {
+        Target::Openjd => {
+            let (template, parameters) = openjd::template(&job)?;
+            let (named, given) = (file("template.json"), file("parameters.json"));
+            let start = format!("openjd run {} -p file://{}", named.display(), given.display());
+            (vec![(named, template), (given, parameters)], start)
+        }
+        Target::Slurm => {
+            let script = file("job.sh");
+            let start = format!("bash {}", script.display());
+            (vec![(script, slurm::script(&job))], start)
+        }
+    };
+    let _until_written = interrupt::writing();
+    std::fs::create_dir_all(&folder)
+        .map_err(|error| FileError::because(&folder, "cannot be made", error))?;
+    for (path, text) in files {
+        atomic::write(&path, text.as_bytes())?;
+    }
+    if !global.quiet {
+        global.console.tell(&format!("{} parts; start them by: {start}", job.samples.len()));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The folder of the job.
+fn folder(args: &Args) -> PathBuf {
+    args.job.clone().unwrap_or_else(|| {
+        let stem = args.render.out.file_stem().unwrap_or_default().to_string_lossy();
+        output::folder(&args.render.out).join(format!("{stem}_job"))
+    })
+}

@@ -1,0 +1,160 @@
+//! A rendering cut into parts for many machines: its command lines, as data.
+//!
+//! A task renders a range of samples, `unrender render ... --samples A..B`; the last task puts the
+//! parts together, `unrender merge`. Samples are numbered, and their sums exact integers, so that the
+//! picture does not depend on where the cuts are.
+
+pub(crate) mod openjd;
+pub(crate) mod slurm;
+
+use crate::Error;
+use crate::cli::Global;
+use crate::commands::render;
+use std::ops::Range;
+use std::path::{Path, PathBuf, absolute};
+use unrender_formats::FileError;
+
+/// A rendering, cut into parts.
+pub(crate) struct Job {
+    /// The picture's name, without what could not stand in a job's name.
+    pub(crate) name: String,
+    /// The words of each task behind `unrender render`, without samples and output.
+    pub(crate) words: Vec<Word>,
+    /// The samples of the tasks.
+    pub(crate) samples: Vec<Range<u32>>,
+    /// The folder of the job and its parts.
+    pub(crate) folder: PathBuf,
+    /// The picture.
+    pub(crate) out: PathBuf,
+}
+
+/// A word of a command line.
+pub(crate) enum Word {
+    /// As it stands.
+    Plain(String),
+    /// An input file, with what it is.
+    Input(&'static str, PathBuf),
+}
+
+impl Job {
+    /// The job of rendering `args` in `parts` parts, whose files go into `folder`.
+    pub(crate) fn new(
+        args: &render::Args,
+        global: &Global,
+        parts: u32,
+        folder: &Path,
+    ) -> Result<Self, Error> {
+        let effort = &args.effort;
+        let refused = [
+            ("--time", effort.time.is_some()),
+            ("--noise", effort.noise.is_some()),
+            ("--adaptive", effort.adaptive),
+            ("--samples", effort.samples.is_some()),
+            ("--checkpoint", effort.checkpoint.is_some()),
+        ];
+        if let Some((flag, _)) = refused.into_iter().find(|(_, is_given)| *is_given) {
+            return Err(Error::Request(format!(
+                "{flag} cannot be cut into parts beforehand; say by --spp how much is rendered"
+            )));
+        }
+        let name = args.out.file_stem().unwrap_or_default().to_string_lossy();
+        Ok(Self {
+            name: name.chars().filter(|c| !c.is_control()).take(LONGEST_NAME).collect(),
+            words: words(args, global)?,
+            samples: cut(effort.goal().samples.end, parts),
+            folder: whole(folder)?,
+            out: whole(&args.out)?,
+        })
+    }
+
+    /// The name of a task's part in the folder.
+    pub(crate) fn part(samples: &str) -> String {
+        format!("part_{samples}.exr")
+    }
+
+    /// The name of a task's checkpoint in the folder, from which a task goes on that was ended early.
+    pub(crate) fn checkpoint(samples: &str) -> String {
+        format!("checkpoint_{samples}.exr")
+    }
+}
+
+/// Open Job Description takes 128 characters for a job's name; the rest are ours.
+const LONGEST_NAME: usize = 100;
+
+/// `samples` samples in at most `parts` ranges of equal length, but for one sample.
+fn cut(samples: u32, parts: u32) -> Vec<Range<u32>> {
+    let parts = u64::from(parts.min(samples).max(1));
+    let edge = |k: u64| (u64::from(samples) * k / parts) as u32;
+    (0..parts).map(|k| edge(k)..edge(k + 1)).collect()
+}
+
+/// The command line of `args` again, with whole paths.
+fn words(args: &render::Args, global: &Global) -> Result<Vec<Word>, Error> {
+    let mut words = Vec::new();
+    let mut input = |flag: &str, what, path: &Option<PathBuf>| {
+        if let Some(path) = path {
+            if !flag.is_empty() {
+                words.push(Word::Plain(flag.to_owned()));
+            }
+            words.push(Word::Input(what, whole(path)?));
+        }
+        Ok::<(), Error>(())
+    };
+    input("", "Scene", &args.scene)?;
+    input("--project", "Project", &args.project)?;
+    input("--materials", "Materials", &args.materials)?;
+    input("--environment", "Environment", &args.environment)?;
+    let effort = &args.effort;
+    let is_lit = args.environment.is_some();
+    let values = [
+        ("environment-rotation", is_lit.then(|| args.environment_rotation.to_string())),
+        ("environment-scale", is_lit.then(|| args.environment_scale.to_string())),
+        ("light-units", args.light_units.map(|units| units.to_string())),
+        ("camera", args.camera.clone()),
+        ("width", args.width.map(|n| n.to_string())),
+        ("height", args.height.map(|n| n.to_string())),
+        ("seed", Some(effort.seed.to_string())),
+        ("bounces", effort.bounces.map(|n| n.to_string())),
+        ("threads", global.threads.map(|n| n.to_string())),
+        ("input-memory", global.input_memory.map(|gib| gib.to_string())),
+    ];
+    let values =
+        values.into_iter().filter_map(|(flag, value)| Some(format!("--{flag}={}", value?)));
+    words.extend(values.map(Word::Plain));
+    let switches = [("independent", effort.independent), ("allow-outside", global.allow_outside)];
+    let switches = switches.into_iter().filter(|(_, is_on)| *is_on);
+    words.extend(switches.map(|(flag, _)| Word::Plain(format!("--{flag}"))));
+    Ok(words)
+}
+
+/// `path` from the root of the file system, so that it holds wherever a task is started.
+fn whole(path: &Path) -> Result<PathBuf, Error> {
+    let path = absolute(path).map_err(|error| FileError::because(path, "is no path", error))?;
+    if path.to_str().is_none() {
+        let problem = "is not UTF-8, which jobs are written in; rename it";
+        return Err(FileError::new(&path, problem).into());
+    }
+    Ok(path)
+}
+
+/// `path` as text; [`whole`] has seen to it that it is.
+fn text(path: &Path) -> String {
+    path.to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_have_all_samples_and_nothing_twice() {
+        for (samples, parts) in [(1, 1), (1, 16), (16, 16), (1000, 7), (u32::MAX, 1000)] {
+            let cut = cut(samples, parts);
+            assert_eq!(cut.len(), parts.min(samples) as usize);
+            assert_eq!((cut[0].start, cut[cut.len() - 1].end), (0, samples));
+            assert!(cut.windows(2).all(|pair| pair[0].end == pair[1].start));
+            let lengths = cut.iter().map(|r| r.end - r.start);
+            assert!(lengths.clone().max().unwrap() - lengths.min().unwrap() <= 1);
+        }
+    }
+}
