@@ -130,7 +130,8 @@ fn densities_agree_with_those_of_the_samples() {
 
 #[test]
 fn a_pool_draws_the_light_whose_share_holds_the_number() {
-    let strength = |i: u32| if i.is_multiple_of(7) { 0.0 } else { 0.01 + uniform(u64::from(i)).powi(6) };
+    let strength =
+        |i: u32| if i.is_multiple_of(7) { 0.0 } else { 0.01 + uniform(u64::from(i)).powi(6) };
     let lights: Vec<_> = (0..500).map(|i| (Emitter::Triangle(i), strength(i))).collect();
     let pool = Pool::new(&lights);
     let by_search = |u: f32| pool.lights.partition_point(|light| light.until <= u).min(499);
