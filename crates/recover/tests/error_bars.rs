@@ -193,11 +193,8 @@ fn the_truth_lies_within_two_standard_deviations_as_often_as_it_should() {
     for (kind, errors) in &all {
         let n = errors.len() as f32;
         let within = errors.iter().filter(|e| e.abs() <= 2.0).count() as f32 / n;
-        // The three channels of one number are wrong together: they see the same paths.
-        let has_channels = !kind.starts_with("alpha") && !kind.starts_with("theta");
-        let independent = if has_channels { n / 3.0 } else { n };
-        // Three standard deviations of how many of them there are.
-        let deviation = (NORMAL_WITHIN_TWO * (1.0 - NORMAL_WITHIN_TWO) / independent).sqrt();
+        // Three standard deviations of how many of n there are.
+        let deviation = (NORMAL_WITHIN_TWO * (1.0 - NORMAL_WITHIN_TWO) / n).sqrt();
         assert!((within - NORMAL_WITHIN_TWO).abs() <= 3.0 * deviation, "{kind}: {within}");
     }
 }
