@@ -118,13 +118,4 @@ def exchange(swaps):
 
 
 CLASSES = (UNRENDER_OT_apply, UNRENDER_OT_revert)
-
-
-def register():
-    for made in CLASSES:
-        bpy.utils.register_class(made)
-
-
-def unregister():
-    for made in reversed(CLASSES):
-        bpy.utils.unregister_class(made)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -105,13 +105,4 @@ def show(ended, doubts):
 
 
 CLASSES = (UNRENDER_OT_mark_inserted, UNRENDER_OT_composite)
-
-
-def register():
-    for made in CLASSES:
-        bpy.utils.register_class(made)
-
-
-def unregister():
-    for made in reversed(CLASSES):
-        bpy.utils.unregister_class(made)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

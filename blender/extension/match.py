@@ -175,13 +175,4 @@ def focal_length(summary):
 
 
 CLASSES = (UNRENDER_OT_load_photo, UNRENDER_OT_add_pair, UNRENDER_OT_remove_pair, UNRENDER_OT_match_camera)
-
-
-def register():
-    for made in CLASSES:
-        bpy.utils.register_class(made)
-
-
-def unregister():
-    for made in reversed(CLASSES):
-        bpy.utils.unregister_class(made)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -178,13 +178,4 @@ CLASSES = (
     UNRENDER_PT_apply,
     UNRENDER_PT_composite,
 )
-
-
-def register():
-    for made in CLASSES:
-        bpy.utils.register_class(made)
-
-
-def unregister():
-    for made in reversed(CLASSES):
-        bpy.utils.unregister_class(made)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

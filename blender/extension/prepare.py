@@ -99,13 +99,4 @@ class UNRENDER_OT_toggle_overlay(bpy.types.Operator):
 
 
 CLASSES = (UNRENDER_OT_list_groups, UNRENDER_OT_check, UNRENDER_OT_toggle_overlay)
-
-
-def register():
-    for made in CLASSES:
-        bpy.utils.register_class(made)
-
-
-def unregister():
-    for made in reversed(CLASSES):
-        bpy.utils.unregister_class(made)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -5,8 +5,8 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-/// Eight bits by Radiance, 6 groups, of which all have the right hypothesis; the largest error of a
-/// reflectance is 0.0197.
+/// Eight bits by Radiance, 6 groups, of which all have the right hypothesis; the largest errors are 0.0053 of
+/// rho_d and 0.0197 of rho_s.
 #[test]
 fn glossy_groups_of_a_tiny_photograph_by_another_renderer_are_recovered() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/corpus/isotropic");
@@ -25,9 +25,9 @@ fn glossy_groups_of_a_tiny_photograph_by_another_renderer_are_recovered() {
     assert_eq!(counted.len(), 6);
     assert_eq!(right, 6, "{scored}");
     for group in counted {
-        for reflectance in ["rho_d", "rho_s"] {
+        for (reflectance, most) in [("rho_d", 0.006), ("rho_s", 0.022)] {
             let error = group[reflectance].as_f64().unwrap();
-            assert!(error < 0.022, "{reflectance} of {} is {error} off", group["group"]);
+            assert!(error < most, "{reflectance} of {} is {error} off", group["group"]);
         }
     }
 }

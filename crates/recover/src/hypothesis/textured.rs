@@ -286,8 +286,11 @@ pub fn mean(extracted: &Extracted) -> Rgb {
 
 /// The share of the texels that no pixel shows, nor one beside them.
 pub(crate) fn unseen_share(seen: &Image<bool>) -> f32 {
-    let unseen = unseen(seen).into_iter().filter(|unseen| *unseen).count();
-    unseen as f32 / seen.pixels().len().max(1) as f32
+    share(&unseen(seen))
+}
+
+fn share(flags: &[bool]) -> f32 {
+    flags.iter().filter(|flag| **flag).count() as f32 / flags.len().max(1) as f32
 }
 
 /// A texel with a seen one within this distance, texels, is known from it.
@@ -322,7 +325,7 @@ pub(crate) fn set_mean(material: &mut Material, seen: &Image<bool>, channel: usi
     material.rho_d[channel] = rho_d;
     let Some(texture) = &mut material.texture else { return };
     let unseen = unseen(seen);
-    let factor = 1.0 + (sent - 1.0) / unseen_share(seen).max(ANSWERING);
+    let factor = 1.0 + (sent - 1.0) / share(&unseen).max(ANSWERING);
     let texels = Arc::make_mut(texture).image.pixels_mut().iter_mut().zip(unseen);
     for (texel, _) in texels.filter(|(_, unseen)| *unseen) {
         texel[channel] = (factor * texel[channel]).clamp(0.0, 1.0);

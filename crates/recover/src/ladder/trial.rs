@@ -24,8 +24,8 @@ pub(super) struct Trial {
 }
 
 impl Trial {
-    /// None where nothing was seen of the group.
-    /// `most` is the largest error of the incident light that candidates may call upon.
+    /// The evidence on `group`, twice; none where nothing was seen of it. Candidates may explain residuals by
+    /// an error of the incident light of at most `most`.
     pub(super) fn gather(
         state: &State<'_>,
         options: &Options,
@@ -127,12 +127,14 @@ fn search_all(evidence: &mut Evidence, state: &State<'_>, group: usize) -> Found
     Found { fits, broad, material, error }
 }
 
-/// A lobe is sharp below this mean roughness. At half of it few of those are that fit noise, at double
-/// all lobes are.
+/// A lobe is sharp below this mean roughness. At half of it lobes that fit noise pass for broad ones, at double
+/// broad lobes are searched for twice.
 const SHARP: f32 = 0.12;
-/// The roughness that a broader one is looked for from.
+/// The mean roughness at which the search for a broader one starts. Half of it is hardly broader, double of it
+/// is hardly told from diffuse.
 const BROAD: f32 = 0.3;
-/// The elongation that it is looked for from, if it is anisotropic.
+/// If it is anisotropic: the square root of `alpha_y / alpha_x` at the start. At one the direction has no
+/// effect, at double the start is far from most lobes.
 const LONGER: f32 = 1.5;
 
 /// Where the search came to a sharp lobe: the best broad ones. Few light samples find a sharp lobe, so that

@@ -10,8 +10,8 @@
 //! `g` is a sum over cells. From their spread comes its covariance, whatever the noise is and
 //! however it hangs together within a cell: `G = sum g_b g_b^T` [Huber 1967; White 1982]. The fit makes
 //! residuals smaller than the noise, most where a cell has the leverage `h_b = w J_b H^-1 J_b^T`, as the few
-//! cells of a highlight have: the residuals of `g_b` are those over `sqrt(1 - h_b)` [MacKinnon and White
-//! 1985, HC2].
+//! cells of a highlight have: the residuals of `g_b` are those over `1 - h_b`, about what they would be if the
+//! cell had been left out of the fit [MacKinnon and White 1985, HC3].
 
 use super::means::Mean;
 use super::unknowns::Unknowns;
@@ -98,7 +98,7 @@ impl Normal {
             let left = |channel: usize, [a, b]: [f64; 2]| {
                 let weight = f64::from(weight[channel]);
                 let leverage = weight * leverage(&mean.rows[channel], shrink, &inverse);
-                let raised = (1.0 - leverage.clamp(0.0, LEVERAGE_MAX)).sqrt().recip();
+                let raised = (1.0 - leverage.clamp(0.0, LEVERAGE_MAX)).recip();
                 [raised * a, raised * b]
             };
             // The difference of the two has the noise of their mean and nothing else.

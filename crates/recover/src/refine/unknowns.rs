@@ -87,9 +87,10 @@ const STEP_THETA: f64 = 0.3;
 /// ... and no light by more than this share of itself.
 const STEP_LIGHT: f64 = 0.7;
 
-/// The standard deviation of the prior of a texture's mean: its seen texels are known to about a percent
-/// from its own pixels, which the refinement does not ask; the others are guesses from these. At half or
-/// double of either, the groups that it lights are said to be surer or less sure than they are.
+/// The standard deviation of the prior of a texture's mean, for a texture that is seen as a whole, and what
+/// is added if nothing of it is seen: seen texels are known from their own pixels, which the refinement does
+/// not use, and the others are guesses from these. At half or double of either, the groups that it lights are
+/// said to be surer or less sure than they are.
 const TEXTURE: f64 = 0.003;
 const UNSEEN: f64 = 0.15;
 
