@@ -60,5 +60,5 @@ for line in sys.stdin:
     scene.cycles.samples, scene.cycles.seed = asked["spp"], asked["seed"]
     scene.render.filepath = asked["picture"]
     started = time.perf_counter()
-    bpy.ops.render.render(write_still=True)
+    bpy.ops.render.render(write_still=True, scene=scene.name)
     say({"seconds": time.perf_counter() - started})
