@@ -307,8 +307,8 @@ def recover(
         no_refine: Leave out the joint refinement, and with it the standard deviations.
         max_rung: The most complex hypothesis that a group may have: "diffuse", "mirror",
             "partial-mirror", "diffuse-specular", "isotropic", "anisotropic" or "textured".
-        refine_camera: Move the camera to where the model's edges lie on the photograph's, however
-            little; by default if it is clearly off.
+        refine_camera: Move the camera to where the model's edges lie on the photograph's; by
+            default if a quick rendering is nearer to the photograph there.
         keep_camera: Keep the camera as it is given.
         no_filter: Take the model as if it fitted to the pixel, and all that the photograph shows as
             part of it.

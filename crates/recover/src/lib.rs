@@ -34,6 +34,7 @@ pub mod register;
 pub mod rerender;
 pub mod residual;
 pub mod selection;
+pub mod sketch;
 mod state;
 mod verify;
 

@@ -213,6 +213,19 @@ impl Observation {
         self.informative_of_group[group]
             .retain(|&p| status.pixels()[p as usize] != PixelStatus::Outlier);
     }
+
+    /// Counts the outliers of `group` again.
+    pub fn forget_outliers(&mut self, group: usize) {
+        let status = self.status.pixels_mut();
+        let is_outlier = |p: &&u32| status[**p as usize] == PixelStatus::Outlier;
+        let all = &self.all_pixels_of_group[group];
+        let outliers: Vec<u32> = all.iter().filter(is_outlier).copied().collect();
+        outliers.iter().for_each(|&p| status[p as usize] = PixelStatus::Valid);
+        for pixels in [&mut self.pixels_of_group[group], &mut self.informative_of_group[group]] {
+            pixels.extend(&outliers);
+            pixels.sort_unstable();
+        }
+    }
 }
 
 /// Which pixels count, to come back to.
@@ -221,6 +234,13 @@ pub(crate) struct ValidPixels {
     status: Image<PixelStatus>,
     pixels: Vec<Vec<u32>>,
     informative: Vec<Vec<u32>>,
+}
+
+impl ValidPixels {
+    /// For each pixel: whether it counts.
+    pub(crate) fn status(&self) -> &Image<PixelStatus> {
+        &self.status
+    }
 }
 
 impl Observation {

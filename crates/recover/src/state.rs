@@ -7,7 +7,7 @@ use crate::hypothesis::{self, Fit, Hypothesis};
 use crate::journal::Steps;
 use crate::ladder::effort;
 use crate::likelihood::Likelihood;
-use crate::observation::{Observation, ValidPixels};
+use crate::observation::{Observation, PixelStatus, ValidPixels};
 use crate::problem::{ExposureRule, Options, Problem, RecoverError, Role};
 use crate::record::{
     CandidateRecord, Covariance, Deviations, GroupIteration, IterationRecord, LightResult, Status,
@@ -347,6 +347,11 @@ impl Snapshot {
     /// What `group` was made of.
     pub(crate) fn material(&self, group: usize) -> &Material {
         &self.materials[group]
+    }
+
+    /// For each pixel: whether it counted.
+    pub(crate) fn status(&self) -> &Image<PixelStatus> {
+        self.valid.status()
     }
 }
 

@@ -18,7 +18,7 @@ use crate::state::{Snapshot, State};
 use serde::{Deserialize, Serialize};
 use unrender_render::sampler::mix;
 use unrender_render::{Appearance, Settings};
-use unrender_scene::Rgb;
+use unrender_scene::{Image, Rgb};
 
 /// Pixels of a group that are rendered again, and paths a pixel in each of two halves. At half of
 /// either, changes below a percent of a group's light are missed; double costs more than an
@@ -135,7 +135,8 @@ impl Verifier {
         let of_group = |sample: &Sample| {
             let range = start..start + sample.pixels.len();
             start = range.end;
-            self.group(state, sample, halves.each_ref().map(|half| &half[range.clone()]))
+            let halves = halves.each_ref().map(|half| &half[range.clone()]);
+            self.group(state, &state.observation.status, sample, halves)
         };
         Score { groups: self.groups.iter().map(of_group).collect() }
     }
@@ -155,7 +156,14 @@ impl Verifier {
         })
     }
 
-    fn group(&self, state: &State<'_>, sample: &Sample, halves: [&[Rgb]; 2]) -> GroupScore {
+    /// The score of one group's sample, of which the pixels count that `status` says.
+    fn group(
+        &self,
+        state: &State<'_>,
+        status: &Image<PixelStatus>,
+        sample: &Sample,
+        halves: [&[Rgb]; 2],
+    ) -> GroupScore {
         let observation = &state.observation;
         let (blocks, n) = (&sample.blocks, sample.pixels.len());
         let model = halves.map(|h| h.iter().map(|v| *v / state.exposure).collect::<Vec<Rgb>>());
@@ -173,7 +181,7 @@ impl Verifier {
         let rendering = pooled(&blocks.smooth(&rendering), &smooth);
         let counts = |i: usize| {
             let at = sample.pixels[i];
-            let outlier = observation.status.pixels()[at as usize] == PixelStatus::Outlier;
+            let outlier = status.pixels()[at as usize] == PixelStatus::Outlier;
             !outlier && observation.reading(at) == Reading::Value
         };
         let mut valid = vec![0u32; blocks.len()];
@@ -225,11 +233,12 @@ impl Verifier {
         };
         let rendered = || {
             let mut materials = state.materials.clone();
-            [&state.materials[group], before.material(group)].map(|material| {
+            let now = (&state.materials[group], &state.observation.status);
+            [now, (before.material(group), before.status())].map(|(material, status)| {
                 materials[group].clone_from(material);
                 let appearance = Appearance { materials: &materials, lights: &state.lights };
                 let halves = self.render(appearance, state, &sample.pixels, OWN_SPP);
-                let score = self.group(state, sample, halves.each_ref().map(Vec::as_slice));
+                let score = self.group(state, status, sample, halves.each_ref().map(Vec::as_slice));
                 GroupScore { floor: score.floor.min(OWN_FLOOR), ..score }
             })
         };

@@ -2,19 +2,20 @@
 
 use crate::camera_numbers::{self, Number};
 use crate::interrupt::Pausable;
+use crate::laid::Laid;
+use crate::problem::with_problem;
 use crate::progress::Progress;
 use crate::recovery_journal::RecoveryJournal;
-use crate::registration::{self, Alignment, Laid};
+use crate::registration::{self, Alignment};
 use crate::{Error, Job, results, same_as};
 use std::time::Instant;
 use unrender_formats::materials::{MaterialsFile, PhotographEntry};
 use unrender_photo::Exposure;
 use unrender_recover::{
-    Correction, ExposureRule, GroupSpec, IterationRecord, LadderKind, Observer, Options, Problem,
-    RecoverError, Recovery, Role, Thresholds, View,
+    IterationRecord, LadderKind, Observer, Options, Problem, Recovery, Thresholds,
 };
 use unrender_render::Tracer;
-use unrender_scene::{Camera, Image, Material, Rgb, Scene};
+use unrender_scene::{Camera, Image, Scene};
 
 /// A recovery, how it was asked for and how long it took.
 pub struct Recovered {
@@ -148,68 +149,14 @@ fn recover_once(
         let journal = teller.journal;
         Ok((unrender_recover::recover_with(problem, options, teller, journal)?, maps))
     };
-    let (recovery, (group_map, object_map)) = with_problem(job, laid, &corrections, recover)?;
+    let (recovery, (group_map, object_map)) =
+        with_problem(job, &Tracer::new(&job.scene), laid, &corrections, recover)?;
     let change = if numbers.is_empty() {
         0.0
     } else {
         camera_numbers::apply(job, numbers, &recovery.corrected.steps)
     };
     Ok(Once { recovery, group_map, object_map, change })
-}
-
-/// What `solve` makes of the problem that `job` poses, its model laid as `laid` says.
-fn with_problem<T>(
-    job: &Job,
-    laid: &Laid,
-    corrections: &[Correction],
-    solve: impl FnOnce(&Problem<'_>) -> Result<T, RecoverError>,
-) -> Result<T, RecoverError> {
-    let tracer = Tracer::new(&job.scene);
-    let size = (job.photo.radiance.width(), job.photo.radiance.height());
-    let view = View::new(&tracer, &laid.camera, size, job.scene.brdf);
-    let observation = laid.observe(job, unrender_recover::Renderer::geometry(&view));
-    solve(&Problem {
-        observation: &observation,
-        renderer: &view,
-        groups: (0..job.scene.groups.len()).map(|group| spec(job, group)).collect(),
-        exposure: exposure_rule(job),
-        unknown_lights: job.unknown_lights.clone(),
-        coloured_lights: job.project.coloured_sources(&job.scene),
-        corrections,
-    })
-}
-
-/// What the project says of a group.
-pub(crate) fn spec(job: &Job, group: usize) -> GroupSpec {
-    let of_scene = &job.scene.groups[group];
-    let anchored = job.project.used_anchor().filter(|a| a.group == of_scene.name);
-    let (role, material) = if of_scene.is_emitter() {
-        (Role::Emitter, of_scene.material.clone())
-    } else if let Some(anchor) = anchored {
-        (Role::Known, Material::diffuse(anchor.rho_d))
-    } else if job.project.known.contains_key(&of_scene.name)
-        || job.project.ignored.contains(&of_scene.name)
-        || job.project.same_as.contains_key(&of_scene.name)
-    {
-        (Role::Known, of_scene.material.clone())
-    } else {
-        (Role::Unknown, of_scene.material.clone())
-    };
-    GroupSpec {
-        name: of_scene.name.clone(),
-        role,
-        material,
-        rungs: job.project.rungs_of(&of_scene.name),
-    }
-}
-
-fn exposure_rule(job: &Job) -> ExposureRule {
-    let anchor = job.project.anchor.as_ref();
-    let index = anchor.and_then(|a| job.scene.group_index(&a.group).map(|i| (i, a.rho_d)));
-    match (job.project.exposure, index) {
-        (Exposure::Auto, Some((group, rho_d))) => ExposureRule::Anchor { group, rho_d },
-        _ => ExposureRule::Fixed(Rgb::ONE),
-    }
 }
 
 /// Passes a recovery's progress on to the terminal, and keeps the time of its iterations.

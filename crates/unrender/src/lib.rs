@@ -129,6 +129,7 @@ mod fingerprint;
 #[cfg(feature = "cli")]
 mod interrupt;
 pub mod job;
+mod laid;
 pub mod lighting;
 #[cfg(feature = "cli")]
 pub mod listener;
@@ -140,6 +141,7 @@ mod part;
 #[cfg(feature = "cli")]
 mod passes;
 mod photograph;
+mod problem;
 #[cfg(feature = "cli")]
 mod progress;
 pub mod project;

@@ -2,18 +2,21 @@
 //! makes of the pixels at edges, and the camera that fits better.
 
 use crate::Job;
+use crate::laid::Laid;
+use crate::problem::with_problem;
 use unrender_recover::register::{Registration, margin, register};
-use unrender_recover::{Observation, Picture};
-use unrender_render::{GeometryBuffers, Tracer};
-use unrender_scene::{Camera, Image, Warnings};
+use unrender_recover::{Options, RecoverError, sketch};
+use unrender_render::Tracer;
+use unrender_scene::{Camera, Warnings};
 
 /// What to do about a model that is off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub(crate) enum Alignment {
-    /// Move the camera if it is clearly off, and leave out the pixels that are doubtful still.
+    /// Move the camera if a sketch is nearer to the photograph for it, and leave out the pixels that
+    /// are doubtful still.
     #[default]
     Auto,
-    /// Move the camera, however little.
+    /// Move the camera to where the edges fit.
     RefineCamera,
     /// Keep the camera, and leave out the pixels that it makes doubtful.
     KeepCamera,
@@ -21,79 +24,97 @@ pub(crate) enum Alignment {
     Ignore,
 }
 
-impl Alignment {
-    /// Whether to move the camera to where `found` says.
-    fn moves(self, found: &Registration) -> bool {
-        match self {
-            Self::Auto => {
-                let off = found.displacement;
-                off > CLEAR && off > CERTAIN * found.uncertainty && off > found.deviation
-            }
-            Self::RefineCamera => true,
-            Self::KeepCamera | Self::Ignore => false,
-        }
-    }
+/// What became of the camera.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Verdict {
+    /// It stays, and may be off.
+    Kept,
+    /// It stays, since it is not off, whatever some edges of the photograph say.
+    Right,
+    /// It moves to where the edges fit.
+    Moved,
 }
 
-/// How the model lies, and with what camera the recovery goes on.
-pub(crate) struct Laid {
-    /// That camera.
-    pub(crate) camera: Camera,
-    /// How close to an edge no pixel is valid.
-    pub(crate) margins: Image<f32>,
-    /// How the model lies under the camera as given, if the photograph shows it.
-    pub(crate) registration: Option<Registration>,
-    /// What the user should know.
-    pub(crate) warnings: Warnings,
-}
-
-impl Laid {
-    /// The photograph of `job` sorted by the groups of `geometry`, which is what the camera sees.
-    pub(crate) fn observe(&self, job: &Job, geometry: &GeometryBuffers) -> Observation {
-        let mut picture = Picture {
-            values: job.photo.radiance.clone(),
-            valid: job.photo.valid.clone(),
-            saturated: job.photo.saturated.clone(),
-            quantum: job.photo.quantisation_step.clone(),
-        };
-        for (index, counts) in job.counts(geometry).into_iter().enumerate() {
-            // What does not count is no lower bound either.
-            picture.valid.pixels_mut()[index] &= counts;
-            picture.saturated.pixels_mut()[index] &= counts;
-        }
-        Observation::with_margins(picture, geometry, &self.margins, job.scene.groups.len())
-    }
-}
-
-/// A camera is clearly off from this displacement on, pixels ...
+/// A user wants to know of a displacement from this one on, pixels.
 pub(crate) const CLEAR: f32 = 0.75;
-/// ... if that is so many times what is uncertain of it.
-const CERTAIN: f32 = 5.0;
+/// A displacement of fewer standard deviations is none. At half of it every photograph is sketched twice, at
+/// double small errors of the camera stay.
+const NOTABLE: f32 = 2.0;
+/// The pictures tell two cameras apart if one is nearer to the photograph by so many standard deviations.
+const PREFERRED: f64 = 3.0;
 /// An object by itself may be off by this much, pixels.
 pub(crate) const OBJECT_NOTABLE: f32 = 1.5;
 
 /// Lays the model of `job` onto its photograph.
 pub(crate) fn lay(job: &Job, tracer: &Tracer, alignment: Alignment) -> Laid {
     let values = &job.photo.radiance;
-    let (width, height) = (values.width(), values.height());
     let geometry_of = |camera: &Camera, width, height| tracer.geometry(camera, width, height);
     let found = match alignment {
         Alignment::Ignore => None,
         _ => register(values, &job.camera, &geometry_of),
     };
-    let warnings = warnings(job, found.as_ref(), alignment);
-    let moved = found.as_ref().filter(|found| alignment.moves(found));
-    let camera = moved.map_or(&job.camera, |found| &found.camera).clone();
-    let geometry = tracer.geometry(&camera, width, height);
-    let remaining = match moved {
-        Some(found) => Some(found.clone().taken()),
-        None => found.clone(),
+    let verdict = match (&found, alignment) {
+        (Some(_), Alignment::RefineCamera) => Verdict::Moved,
+        (Some(found), Alignment::Auto) => judge(job, tracer, found),
+        _ => Verdict::Kept,
     };
-    let margins = margin::margins(&geometry, remaining.as_ref());
-    Laid { camera, margins, registration: found, warnings }
+    Laid {
+        warnings: warnings(job, found.as_ref(), alignment, verdict),
+        ..laid(job, tracer, found, verdict)
+    }
 }
 
-fn warnings(job: &Job, found: Option<&Registration>, alignment: Alignment) -> Warnings {
+/// The model under the camera that `verdict` says.
+fn laid(job: &Job, tracer: &Tracer, found: Option<Registration>, verdict: Verdict) -> Laid {
+    let moved = found.as_ref().filter(|_| verdict == Verdict::Moved);
+    let camera = moved.map_or(&job.camera, |found| &found.camera).clone();
+    let (width, height) = (job.photo.radiance.width(), job.photo.radiance.height());
+    let geometry = tracer.geometry(&camera, width, height);
+    let remaining = match verdict {
+        Verdict::Kept => found.clone(),
+        Verdict::Right | Verdict::Moved => found.clone().map(Registration::taken),
+    };
+    let margins = margin::margins(&geometry, remaining.as_ref());
+    Laid { camera, margins, registration: found, warnings: Warnings::default() }
+}
+
+/// Whether the camera is where it is given or where the edges fit: where the sketch of the photograph is
+/// nearer to it.
+fn judge(job: &Job, tracer: &Tracer, found: &Registration) -> Verdict {
+    if found.displacement <= NOTABLE * found.uncertainty {
+        return Verdict::Kept;
+    }
+    match preference(job, tracer, found) {
+        Ok(preference) if preference > PREFERRED => Verdict::Moved,
+        Ok(preference) if preference < -PREFERRED => Verdict::Right,
+        // What keeps a sketch from being made keeps the recovery from it too, which says so.
+        Ok(_) | Err(_) => Verdict::Kept,
+    }
+}
+
+/// By how many standard deviations the photograph's sketch with the camera that was `found` is nearer to it
+/// than with the given one.
+fn preference(job: &Job, tracer: &Tracer, found: &Registration) -> Result<f64, RecoverError> {
+    let (width, height) = (job.photo.radiance.width(), job.photo.radiance.height());
+    let geometries =
+        [&job.camera, &found.camera].map(|camera| tracer.geometry(camera, width, height));
+    let pixels = sketch::edge_pixels(geometries.each_ref());
+    let differences = |verdict: Verdict| {
+        let laid = laid(job, tracer, Some(found.clone()), verdict);
+        with_problem(job, tracer, &laid, &[], |problem| {
+            sketch::differences(problem, &Options::default(), &pixels)
+        })
+    };
+    let (kept, moved) = (differences(Verdict::Kept)?, differences(Verdict::Moved)?);
+    Ok(sketch::preference(&kept, &moved, &pixels, width))
+}
+
+fn warnings(
+    job: &Job,
+    found: Option<&Registration>,
+    alignment: Alignment,
+    verdict: Verdict,
+) -> Warnings {
     let mut warnings = Warnings::default();
     let Some(found) = found else {
         if alignment == Alignment::RefineCamera {
@@ -104,14 +125,15 @@ fn warnings(job: &Job, found: Option<&Registration>, alignment: Alignment) -> Wa
         }
         return warnings;
     };
-    if found.displacement > CLEAR {
-        let done = if alignment.moves(found) {
+    let is_off = found.displacement > CLEAR && verdict != Verdict::Right;
+    if is_off || verdict == Verdict::Moved && alignment == Alignment::Auto {
+        let done = if verdict == Verdict::Moved {
             "the camera was moved there; --keep-camera leaves it"
         } else {
             "pixels that close to an edge do not count; --refine-camera moves the camera"
         };
         warnings.push(format!(
-            "the model's edges lie {:.1} pixels from the photo's (on the median; the place where \
+            "the model's edges lie {:.2} pixels from the photo's (on the median; the place where \
              they fit is known to {:.2} pixels): {done}",
             found.displacement, found.uncertainty
         ));

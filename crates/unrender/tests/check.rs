@@ -111,6 +111,24 @@ fn photo_of_room() -> RgbImage {
     PHOTO.get_or_init(|| photograph(&room(), &camera())).clone()
 }
 
+/// `examples/room` with its camera's axis so many pixels to the right of where it is.
+fn room_beside(pixels: f64) -> Checkup {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/room/pixels.toml");
+    let (project, warnings) = Project::read(&path).unwrap();
+    let job = Job::load(project, warnings).unwrap();
+    let (width, height) = (job.photo.radiance.width(), job.photo.radiance.height());
+    assert_eq!((width, height), (480, 360));
+    let mut camera = job.camera.clone();
+    camera.lens.principal_point[0] += (pixels / height as f64) as f32;
+    check(&Job { camera, ..job })
+}
+
+#[test]
+fn a_camera_is_moved_for_a_fifth_of_a_pixel_and_left_where_it_is_right() {
+    assert!(room_beside(0.2).edges.camera_is_off);
+    assert!(!room_beside(0.0).edges.camera_is_off);
+}
+
 /// A project and all that it names.
 struct Input(Job);
 

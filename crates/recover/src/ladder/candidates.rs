@@ -125,6 +125,9 @@ impl Proposal {
 
     /// Makes the change.
     pub(crate) fn apply(&self, state: &mut State<'_>) {
+        if self.hypothesis == Hypothesis::Textured {
+            state.observation.forget_outliers(self.group);
+        }
         state.observation.mark_outliers(self.group, &self.outliers);
         let outliers = state.observation.outlier_share(self.group);
         let of_group = &mut state.groups[self.group];
@@ -286,8 +289,8 @@ impl<'o> Candidates<'o> {
         self.options.thresholds.textured.unwrap_or(limit)
     }
 
-    /// What may explain a group that no uniform hypothesis explains: one of these without outliers, or a
-    /// texture.
+    /// What may explain a group that no uniform hypothesis explains: one of these without outliers, and a
+    /// texture, which is compared with it: an outlier costs as much as some texels.
     fn beyond_uniform(
         &self,
         state: &mut State<'_>,
@@ -300,7 +303,8 @@ impl<'o> Candidates<'o> {
             let left = self.without_outliers(state, group, trial, chosen.clone(), limit);
             let best = |left: &Fitted| left.fits[left.decisions[0].chosen].clone();
             if let Some(left) = left.filter(|left| is_explained(&best(left), textured_above)) {
-                return chain(state, group, &left);
+                let texture = self.texture(state, group, &chosen).map(Box::new);
+                return chain(state, group, &left).map(|best| Proposal { then: texture, ..best });
             }
         }
         if is_explained(&chosen, textured_above) {
@@ -309,12 +313,17 @@ impl<'o> Candidates<'o> {
         self.texture(state, group, &chosen)
     }
 
-    /// A texture for a group that `uniform` explains best of the uniform hypotheses.
+    /// A texture for a group that `uniform` explains best of the uniform hypotheses. It has no outliers: a
+    /// texture explains every pixel.
     fn texture(&self, state: &mut State<'_>, group: usize, uniform: &Fit) -> Option<Proposal> {
         if !self.may_be_textured(state, group) {
             return None;
         }
-        let material = textures::extract(state, self.options, group, false)?;
+        let valid = state.observation.valid_pixels();
+        state.observation.forget_outliers(group);
+        let material = textures::extract(state, self.options, group, false);
+        state.observation.restore_valid_pixels(&valid);
+        let material = material?;
         let present = state.groups[group].hypothesis;
         Some(Proposal {
             hypothesis: Hypothesis::Textured,

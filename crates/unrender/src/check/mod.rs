@@ -20,8 +20,9 @@ pub use picture::edge_picture;
 pub use table::{json, table};
 
 use crate::Job;
-use crate::engine;
-use crate::registration::{self, Alignment, Laid};
+use crate::laid::Laid;
+use crate::problem;
+use crate::registration::{self, Alignment};
 use glam::Vec3;
 use unrender_recover::evidence::Stage;
 use unrender_recover::prospect::{Prospect, prospect};
@@ -57,7 +58,7 @@ pub fn check(job: &Job) -> Checkup {
     let geometry = unrender_recover::Renderer::geometry(&view);
     let observation = laid.observe(job, geometry);
     let specs: Vec<GroupSpec> =
-        (0..job.scene.groups.len()).map(|group| engine::spec(job, group)).collect();
+        (0..job.scene.groups.len()).map(|group| problem::spec(job, group)).collect();
     let prospects = prospects(&view, &observation, &specs);
     let subject = Subject {
         job,

@@ -53,8 +53,8 @@ pub struct Args {
     /// that others are compared with [default: as the project says, else textured].
     #[arg(long, value_name = "RUNG")]
     pub max_rung: Option<Hypothesis>,
-    /// Move the camera to where the model's edges lie on the photograph's, however little [default:
-    /// if it is clearly off].
+    /// Move the camera to where the model's edges lie on the photograph's [default: if a quick
+    /// rendering is nearer to the photograph there].
     #[arg(long, conflicts_with_all = ["keep_camera", "no_filter"])]
     pub refine_camera: bool,
     /// Keep the camera as it is given; pixels that may belong to something else do not count.

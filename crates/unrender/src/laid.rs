@@ -1,0 +1,37 @@
+//! The model as it lies on the photograph.
+
+use crate::Job;
+use unrender_recover::register::Registration;
+use unrender_recover::{Observation, Picture};
+use unrender_render::GeometryBuffers;
+use unrender_scene::{Camera, Image, Warnings};
+
+/// How the model lies, and with what camera the recovery goes on.
+pub(crate) struct Laid {
+    /// That camera.
+    pub(crate) camera: Camera,
+    /// How close to an edge no pixel is valid.
+    pub(crate) margins: Image<f32>,
+    /// How the model lies under the camera as given, if the photograph shows it.
+    pub(crate) registration: Option<Registration>,
+    /// What the user should know.
+    pub(crate) warnings: Warnings,
+}
+
+impl Laid {
+    /// The photograph of `job` sorted by the groups of `geometry`, which is what the camera sees.
+    pub(crate) fn observe(&self, job: &Job, geometry: &GeometryBuffers) -> Observation {
+        let mut picture = Picture {
+            values: job.photo.radiance.clone(),
+            valid: job.photo.valid.clone(),
+            saturated: job.photo.saturated.clone(),
+            quantum: job.photo.quantisation_step.clone(),
+        };
+        for (index, counts) in job.counts(geometry).into_iter().enumerate() {
+            // What does not count is no lower bound either.
+            picture.valid.pixels_mut()[index] &= counts;
+            picture.saturated.pixels_mut()[index] &= counts;
+        }
+        Observation::with_margins(picture, geometry, &self.margins, job.scene.groups.len())
+    }
+}
