@@ -91,10 +91,14 @@ impl Contrast {
     }
 }
 
-/// The share of the blocks that are independent of each other, from their standardised `residuals` and
-/// the correlation `r` of neighbours: `((1 - r) / (1 + r))^2`.
+/// The share of the blocks that are independent of each other, from their standardised `residuals`.
 pub fn independent_share(blocks: &Blocks, residuals: &[glam::DVec3]) -> f64 {
-    let correlation = neighbour_correlation(blocks, residuals);
+    share_at(neighbour_correlation(blocks, residuals))
+}
+
+/// The share of residuals that are independent of each other where neighbours have the `correlation` r:
+/// `((1 - r) / (1 + r))^2`, once for each direction of the picture.
+pub(crate) fn share_at(correlation: f64) -> f64 {
     ((1.0 - correlation) / (1.0 + correlation)).powi(2).max(LEAST_INDEPENDENT)
 }
 

@@ -151,8 +151,7 @@ impl Driver<'_> {
     ) -> Result<Option<Verified>, RecoverError> {
         proposals.iter().for_each(|proposal| proposal.apply(state));
         let is_borne_out = |proposal: &Proposal| {
-            let Proposal { group, adds, is_more_complex, .. } = *proposal;
-            !is_more_complex || self.verifier.bears_out(state, &best.snapshot, group, adds)
+            !proposal.is_more_complex || self.verifier.bears_out(state, &best.snapshot, proposal)
         };
         if !proposals.iter().all(is_borne_out) {
             return Ok(None);

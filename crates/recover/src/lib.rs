@@ -37,6 +37,7 @@ pub mod selection;
 pub mod sketch;
 mod state;
 mod verify;
+mod within;
 
 pub use correction::{Corrected, Correction};
 pub use hypothesis::Hypothesis;

@@ -11,10 +11,12 @@
 use crate::blocks::{Blocks, Grid};
 use crate::contrast::{Contrast, Side};
 use crate::hypothesis::Hypothesis;
+use crate::ladder::candidates::Proposal;
 use crate::model_error::{BlockResiduals, LightError, LightField, ModelError, level2, pooled};
 use crate::observation::{PixelStatus, Reading};
 use crate::problem::{Options, Role};
 use crate::state::{Snapshot, State};
+use crate::within::Within;
 use serde::{Deserialize, Serialize};
 use unrender_render::sampler::mix;
 use unrender_render::{Appearance, Settings};
@@ -81,6 +83,8 @@ struct GroupScore {
     outlier: Vec<bool>,
     /// The share of model error below which nothing counts.
     floor: f64,
+    /// What is left within blocks.
+    within: Within,
 }
 
 /// A state that was verified, with its score.
@@ -136,7 +140,9 @@ impl Verifier {
             let range = start..start + sample.pixels.len();
             start = range.end;
             let halves = halves.each_ref().map(|half| &half[range.clone()]);
-            self.group(state, &state.observation.status, sample, halves)
+            let is_textured = state.groups[sample.group].hypothesis == Hypothesis::Textured;
+            let floor = if is_textured { TEXTURED_FLOOR.max(self.floor) } else { self.floor };
+            self.group(state, (&state.observation.status, floor), sample, halves)
         };
         Score { groups: self.groups.iter().map(of_group).collect() }
     }
@@ -156,11 +162,12 @@ impl Verifier {
         })
     }
 
-    /// The score of one group's sample, of which the pixels count that `status` says.
+    /// The score of one group's sample, of which the pixels count that `status` says, if nothing counts below
+    /// the share `floor`.
     fn group(
         &self,
         state: &State<'_>,
-        status: &Image<PixelStatus>,
+        (status, floor): (&Image<PixelStatus>, f64),
         sample: &Sample,
         halves: [&[Rgb]; 2],
     ) -> GroupScore {
@@ -192,6 +199,12 @@ impl Verifier {
             means.iter_mut().zip(&outlier).filter(|(_, o)| **o).for_each(|(m, _)| *m = Rgb::ZERO);
             means
         };
+        let of_half = |half: &Vec<Rgb>| (0..n).map(|i| value(i) - half[i]).collect::<Vec<Rgb>>();
+        let of_halves = model.each_ref().map(of_half);
+        let model_error = (floor * floor) as f32;
+        let variance =
+            |i: usize| photograph[i] + model_error * sample.level2[blocks.of_pixel[i] as usize];
+        let within = Within::of(blocks, of_halves.each_ref().map(Vec::as_slice), variance, counts);
         let photograph = blocks.mean_where(&photograph, counts);
         let pixels = |k: usize| valid[k].max(1) as f32;
         let rendering: Vec<Rgb> = (0..blocks.len()).map(|k| rendering[k] / pixels(k)).collect();
@@ -200,12 +213,10 @@ impl Verifier {
         let (residual, half) = (of_blocks(&residual), of_blocks(&half));
         let mut level2 = sample.level2.clone();
         blocks.spread_over_parts(&mut level2);
-        let textured = state.groups[sample.group].hypothesis == Hypothesis::Textured;
-        let floor = if textured { TEXTURED_FLOOR.max(self.floor) } else { self.floor };
         let missing = vec![Rgb::ZERO; blocks.len()];
         let light = smooth;
         let residuals = BlockResiduals { residual, noise, rendering, half, missing, level2, light };
-        GroupScore { residuals, outlier, floor }
+        GroupScore { residuals, outlier, floor, within }
     }
 
     /// The score `mine` beside `other`.
@@ -217,17 +228,18 @@ impl Verifier {
         Comparison { groups: both.map(of_group).collect() }
     }
 
-    /// Whether the picture of `group` in `state` bears out its material beside the one it had `before`,
-    /// with `adds` free parameters less: it has the lower information criterion ([`crate::selection`]),
-    /// or the sample does not tell that it is wrong. A texture, which fits every block, has to gain
-    /// significantly more than it would from residuals that are chance.
+    /// Whether the picture of a group in `state` bears out what `proposal` made of it beside what it was
+    /// `before`: it has the lower information criterion ([`crate::selection`]), or the sample does not
+    /// tell that it is wrong. A texture, which fits every block, has to gain significantly more than it
+    /// would from residuals that are chance, or that the better ones of the other groups have too; from block
+    /// to block, or from pixel to pixel within blocks.
     pub(crate) fn bears_out(
         &self,
         state: &State<'_>,
         before: &Snapshot,
-        group: usize,
-        adds: f64,
+        proposal: &Proposal,
     ) -> bool {
+        let Proposal { group, adds, least, .. } = *proposal;
         let Some(sample) = self.groups.iter().find(|sample| sample.group == group) else {
             return true;
         };
@@ -238,8 +250,8 @@ impl Verifier {
                 materials[group].clone_from(material);
                 let appearance = Appearance { materials: &materials, lights: &state.lights };
                 let halves = self.render(appearance, state, &sample.pixels, OWN_SPP);
-                let score = self.group(state, status, sample, halves.each_ref().map(Vec::as_slice));
-                GroupScore { floor: score.floor.min(OWN_FLOOR), ..score }
+                let floor = least.unwrap_or(OWN_FLOOR);
+                self.group(state, (status, floor), sample, halves.each_ref().map(Vec::as_slice))
             })
         };
         let [mine, other] = &state.steps.value("own verification", rendered);
@@ -253,7 +265,9 @@ impl Verifier {
             adds * independent.max(1.0).ln()
         };
         let criterion = contrast.independent * contrast.difference + asks;
-        criterion < 0.0 || !is_textured && contrast.may_be_right()
+        let is_fine_pattern =
+            || is_textured && mine.within.gains(&other.within, mine.within.count, WORSE);
+        criterion < 0.0 || is_fine_pattern() || !is_textured && contrast.may_be_right()
     }
 }
 

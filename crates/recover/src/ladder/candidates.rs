@@ -28,10 +28,14 @@ const WORST: f64 = 0.5;
 const ASKED_MAX: usize = 6;
 /// A diffuse group is open if its model error is this many times what is always allowed for.
 const CLEARLY: f64 = 1.5;
-/// A uniform hypothesis does not explain a group if its model error is this many times that of the
-/// scene's better groups: at half of it shadows of things that the model lacks become textures, at
-/// double faint textures become noise.
+/// What a uniform hypothesis leaves of a group may be outliers if its model error is this many times that of
+/// the scene's better groups: at half of it shadows of things that the model lacks are left out, at double
+/// small outliers count.
 const UNEXPLAINED: f64 = 6.0;
+/// A texture is tried where the model error is this many times that of the better groups, and has to gain more
+/// than from residuals of that size ([`crate::verify`]). At half of it time goes to textures that are not borne
+/// out, and shadows become textures; at double faint textures become noise.
+const TEXTURED: f64 = 2.0;
 /// The scene's better groups: those below this quantile of the model errors. A group that no hypothesis
 /// explains yet does not make the others' textures explained.
 const BETTER: f64 = 0.25;
@@ -66,6 +70,8 @@ pub(crate) struct Proposal {
     likelihood: Likelihood,
     /// Pixels that show something that is not in the model.
     outliers: Vec<u32>,
+    /// The share of model error below which what it gains does not count, if not that of all changes.
+    pub(crate) least: Option<f64>,
     /// What is to be tried where the picture speaks against it.
     next: Option<Box<Proposal>>,
     /// What is to be tried after it, whatever became of it: the group without outliers, or a texture, which
@@ -91,6 +97,7 @@ impl Proposal {
             residual: fit.residual,
             likelihood: fit.likelihood,
             outliers: outliers.to_vec(),
+            least: None,
             next,
             then: None,
         }
@@ -265,18 +272,16 @@ impl<'o> Candidates<'o> {
             Trial::gather(state, self.options, (group, light_of_others(state, group)), effort)?;
         let (trial, fits) = trial.fit_all(state, group);
         let decisions = self.decide(&fits, &trial.judging, group);
-        let limit = UNEXPLAINED * error_of_others(state, group, BETTER).max(TYPICAL_MIN);
+        let typical = error_of_others(state, group, BETTER).max(TYPICAL_MIN);
         let chosen = fits[decisions[0].chosen].clone();
         log(state, group, &fits, &decisions[0]);
         let uniform = chain(state, group, &Fitted { fits, decisions, outliers: Vec::new() })?;
         if !state.problem.groups[group].allows(chosen.hypothesis) {
             return self.texture(state, group, &chosen).filter(|texture| texture.moves(state));
         }
-        let after = if level > 0 && !is_explained(&chosen, self.textured_above(limit).min(limit)) {
-            self.beyond_uniform(state, group, trial, (chosen, limit))
-        } else {
-            None
-        };
+        let after = (level > 0)
+            .then(|| self.beyond_uniform(state, group, trial, (chosen, typical)))
+            .flatten();
         let is_textured = state.groups[group].hypothesis == Hypothesis::Textured;
         if uniform.moves(state) && !(is_textured && after.is_some()) {
             return Some(Proposal { then: after.map(Box::new), ..uniform });
@@ -284,33 +289,36 @@ impl<'o> Candidates<'o> {
         after.filter(|after| after.moves(state))
     }
 
-    /// The model error above which a group is textured.
-    fn textured_above(&self, limit: f64) -> f64 {
-        self.options.thresholds.textured.unwrap_or(limit)
-    }
-
     /// What may explain a group that no uniform hypothesis explains: one of these without outliers, and a
-    /// texture, which is compared with it: an outlier costs as much as some texels.
+    /// texture, which is compared with it: an outlier costs as much as some texels. The better ones of the
+    /// other groups have the model error `typical`.
     fn beyond_uniform(
         &self,
         state: &mut State<'_>,
         group: usize,
         trial: Trial,
-        (chosen, limit): (Fit, f64),
+        (chosen, typical): (Fit, f64),
     ) -> Option<Proposal> {
-        let textured_above = self.textured_above(limit);
-        if self.options.outliers && !is_explained(&chosen, limit) {
-            let left = self.without_outliers(state, group, trial, chosen.clone(), limit);
-            let best = |left: &Fitted| left.fits[left.decisions[0].chosen].clone();
-            if let Some(left) = left.filter(|left| is_explained(&best(left), textured_above)) {
-                let texture = self.texture(state, group, &chosen).map(Box::new);
-                return chain(state, group, &left).map(|best| Proposal { then: texture, ..best });
+        let asked = self.options.thresholds.textured;
+        let (limit, textured_above) = (UNEXPLAINED * typical, asked.unwrap_or(TEXTURED * typical));
+        let texture = if is_explained(&chosen, textured_above) {
+            None
+        } else {
+            let gain = asked.is_none().then_some(TEXTURED * typical);
+            self.texture(state, group, &chosen).map(|texture| Proposal { least: gain, ..texture })
+        };
+        if !self.options.outliers || is_explained(&chosen, limit) {
+            return texture;
+        }
+        let left = self.without_outliers(state, group, trial, chosen, limit);
+        let best = |left: &Fitted| left.fits[left.decisions[0].chosen].clone();
+        match left.filter(|left| is_explained(&best(left), asked.unwrap_or(limit))) {
+            Some(left) => {
+                let then = texture.map(Box::new);
+                chain(state, group, &left).map(|best| Proposal { then, ..best })
             }
+            None => texture,
         }
-        if is_explained(&chosen, textured_above) {
-            return None;
-        }
-        self.texture(state, group, &chosen)
     }
 
     /// A texture for a group that `uniform` explains best of the uniform hypotheses. It has no outliers: a

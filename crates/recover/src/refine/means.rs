@@ -27,7 +27,7 @@ use unrender_scene::Rgb;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Mean {
     pub(crate) group: usize,
-    place: Place,
+    pub(crate) place: Place,
     /// Whether the photograph is only known to be at least so bright there.
     pub(crate) bound: bool,
     /// Pixels in the mean.

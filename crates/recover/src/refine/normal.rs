@@ -15,7 +15,10 @@
 
 use super::means::Mean;
 use super::unknowns::Unknowns;
+use crate::blocks::Place;
+use crate::contrast::share_at;
 use nalgebra::{DMatrix, DVector};
+use std::collections::BTreeMap;
 use unrender_scene::Rgb;
 
 /// The normal equations and how good the fit was where they were taken.
@@ -93,6 +96,7 @@ impl Normal {
         let known = DVector::from_iterator(n, prior.iter().map(|std| std.powi(-2)));
         let h = &self.h + DMatrix::from_diagonal(&known);
         let inverse = h.cholesky().map_or(DMatrix::zeros(n, n), |factors| factors.inverse());
+        let dependence = dependence(means, &self.weights);
         for (mean, weight) in means.iter().zip(&self.weights) {
             let shrink = |k: usize| shrinkage[(mean.group, k)];
             let left = |channel: usize, [a, b]: [f64; 2]| {
@@ -105,7 +109,7 @@ impl Normal {
             let noise = |_, [a, b]: [f64; 2]| [0.5 * (a - b); 2];
             let g = gradient(mean, *weight, shrinkage, left);
             let g_rendering = gradient(mean, *weight, shrinkage, noise);
-            self.g_covariance.syger(1.0, &g, &g, 1.0);
+            self.g_covariance.syger(dependence[&mean.group], &g, &g, 1.0);
             self.g_rendering.syger(1.0, &g_rendering, &g_rendering, 1.0);
         }
         self.g_covariance.fill_upper_triangle_with_lower_triangle();
@@ -121,6 +125,61 @@ impl Normal {
                 self.h[(low, high)] += 0.5 * weight * shrinkage * (ai * bj + bi * aj);
             }
         }
+    }
+}
+
+/// For each group: of how many cells one is independent of the others, by the correlation of neighbours'
+/// residuals.
+fn dependence(means: &[Mean], weights: &[Rgb]) -> BTreeMap<usize, f64> {
+    let standardised = |(mean, weight): (&Mean, &Rgb)| {
+        let [a, b] = mean.residuals;
+        let deviations = 0.5 * (a + b) * weight.map(f32::sqrt);
+        ((mean.group, mean.place), deviations)
+    };
+    let cells: BTreeMap<(usize, Place), Rgb> =
+        means.iter().zip(weights).filter(|(m, _)| !m.bound).map(standardised).collect();
+    let mut sums: BTreeMap<usize, Correlation> = BTreeMap::new();
+    for mean in means {
+        sums.entry(mean.group).or_default();
+    }
+    for (&(group, place), deviations) in &cells {
+        let sums = sums.entry(group).or_default();
+        sums.squares.add(deviations.length_squared());
+        let Place { column, row, .. } = place;
+        let beside = [Place { column: column + 1, ..place }, Place { row: row + 1, ..place }];
+        for other in beside.into_iter().filter_map(|place| cells.get(&(group, place))) {
+            sums.products.add(deviations.dot(*other));
+        }
+    }
+    sums.into_iter().map(|(group, sums)| (group, share_at(sums.value()).recip())).collect()
+}
+
+/// The correlation of neighbours.
+#[derive(Clone, Copy, Default)]
+struct Correlation {
+    products: Sum,
+    squares: Sum,
+}
+
+/// A sum and the number of its terms.
+#[derive(Clone, Copy, Default)]
+struct Sum(f64, f64);
+
+impl Sum {
+    fn add(&mut self, term: f32) {
+        *self = Self(self.0 + f64::from(term), self.1 + 1.0);
+    }
+
+    fn mean(self) -> f64 {
+        self.0 / self.1.max(1.0)
+    }
+}
+
+impl Correlation {
+    /// 0 to 1.
+    fn value(self) -> f64 {
+        let square = self.squares.mean();
+        if square > 0.0 { (self.products.mean() / square).clamp(0.0, 1.0) } else { 0.0 }
     }
 }
 
