@@ -27,8 +27,10 @@ pub(crate) struct Normal {
     pub(crate) h: DMatrix<f64>,
     /// The negative of its gradient: where to go.
     pub(crate) g: DVector<f64>,
-    /// The covariance of `g`.
+    /// The covariance of `g` if all cells were independent.
     pub(crate) g_covariance: DMatrix<f64>,
+    /// The covariance of `g` with what neighbours have in common.
+    pub(crate) g_dependent: DMatrix<f64>,
     /// The part of it that the renderings' noise has.
     pub(crate) g_rendering: DMatrix<f64>,
     /// What each cell contributes to the relative squared error that both renderings see.
@@ -62,6 +64,7 @@ impl Normal {
             h: DMatrix::zeros(n, n),
             g: DVector::zeros(n),
             g_covariance: DMatrix::zeros(n, n),
+            g_dependent: DMatrix::zeros(n, n),
             g_rendering: DMatrix::zeros(n, n),
             errors: Vec::with_capacity(means.len()),
             weights: Vec::with_capacity(means.len()),
@@ -109,10 +112,12 @@ impl Normal {
             let noise = |_, [a, b]: [f64; 2]| [0.5 * (a - b); 2];
             let g = gradient(mean, *weight, shrinkage, left);
             let g_rendering = gradient(mean, *weight, shrinkage, noise);
-            self.g_covariance.syger(dependence[&mean.group], &g, &g, 1.0);
+            self.g_covariance.syger(1.0, &g, &g, 1.0);
+            self.g_dependent.syger(dependence[&mean.group], &g, &g, 1.0);
             self.g_rendering.syger(1.0, &g_rendering, &g_rendering, 1.0);
         }
         self.g_covariance.fill_upper_triangle_with_lower_triangle();
+        self.g_dependent.fill_upper_triangle_with_lower_triangle();
         self.g_rendering.fill_upper_triangle_with_lower_triangle();
     }
 

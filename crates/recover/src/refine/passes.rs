@@ -157,7 +157,7 @@ impl<'o> Passes<'o> {
     ) -> Solution {
         let mut spp = vec![FINE.1; state.materials.len()];
         let mut average: Vec<Mean> = Vec::new();
-        let mut covariance = DMatrix::zeros(unknowns.len(), unknowns.len());
+        let mut stated = DMatrix::zeros(unknowns.len(), unknowns.len());
         let pixels_seed = self.seed();
         let (mut settled, mut failed) = (false, false);
         for pass in 1..=PASSES_MAX[1] {
@@ -172,7 +172,8 @@ impl<'o> Passes<'o> {
             let normal = Normal::of(&average, &unknowns, state.materials.len());
             let to_prior = prior - unknowns.values(state);
             let system = System::new(&unknowns, &normal, &to_prior);
-            covariance = system.covariance();
+            let covariance = system.covariance();
+            stated = system.stated_covariance();
             let Some(step) = system.step(0.0, &unknowns.bounds(state)) else {
                 failed = true;
                 break;
@@ -196,7 +197,7 @@ impl<'o> Passes<'o> {
             }
             spp = allocate(state, &unknowns, &rendering, &cells);
         }
-        Solution { unknowns, covariance, settled, failed }
+        Solution { unknowns, covariance: stated, settled, failed }
     }
 
     fn seed(&mut self) -> u64 {

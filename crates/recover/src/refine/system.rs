@@ -15,6 +15,7 @@ pub(super) struct System {
     h: DMatrix<f64>,
     g: DVector<f64>,
     g_covariance: DMatrix<f64>,
+    g_dependent: DMatrix<f64>,
     g_rendering: DMatrix<f64>,
 }
 
@@ -31,8 +32,9 @@ impl System {
         let one = DMatrix::identity(n, n);
         let h = eigen.recompose() + &one;
         let g = normal.g.component_mul(&unit) + to_belief.component_div(&unit);
-        let g_covariance = scaled(&normal.g_covariance) + one;
-        Self { h, g, g_covariance, g_rendering: scaled(&normal.g_rendering), unit }
+        let g_covariance = scaled(&normal.g_covariance) + &one;
+        let g_dependent = scaled(&normal.g_dependent) + one;
+        Self { h, g, g_covariance, g_dependent, g_rendering: scaled(&normal.g_rendering), unit }
     }
 
     /// The step to the minimum within `bounds`; `damping` shortens it.
@@ -46,9 +48,15 @@ impl System {
         quadratic::minimise(&h, &self.g.component_div(&self.unit), bounds)
     }
 
-    /// The covariance of the minimum.
+    /// The covariance of the minimum if all cells were independent: what steps are judged by, and how many
+    /// paths are worth their time.
     pub(super) fn covariance(&self) -> DMatrix<f64> {
         self.sandwich(&self.g_covariance)
+    }
+
+    /// The covariance of the minimum, as it is stated.
+    pub(super) fn stated_covariance(&self) -> DMatrix<f64> {
+        self.sandwich(&self.g_dependent)
     }
 
     /// The part of its diagonal that comes from the noise of the renderings.
