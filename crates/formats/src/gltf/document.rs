@@ -173,6 +173,8 @@ pub(super) struct Material {
     pub(super) emissive_factor: [f64; 3],
     pub(super) alpha_mode: Option<String>,
     #[serde(default)]
+    pub(super) double_sided: bool,
+    #[serde(default)]
     pub(super) extensions: MaterialExtensions,
     #[serde(default)]
     pub(super) extras: Value,

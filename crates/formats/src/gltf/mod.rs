@@ -24,6 +24,7 @@ mod read;
 mod source;
 mod texture;
 mod transform;
+mod two_sided;
 mod units;
 mod ward;
 mod write;

@@ -4,7 +4,7 @@ use super::extensions::{self, UNDERSTOOD};
 use super::graph::{Placed, placed_nodes};
 use super::names::{given, group_names, holder};
 use super::source::{Source, get};
-use super::{Problem, geometry, lights, material, units};
+use super::{Problem, geometry, lights, material, two_sided, units};
 use crate::{FileError, Input};
 use std::collections::BTreeMap;
 use unrender_scene::{BrdfModel, Object, Scene, Warnings};
@@ -69,7 +69,8 @@ fn read_node(
     }
     if let Some(punctual) = &node.extensions.punctual {
         let json = get(&document.extensions.punctual.lights, punctual.light, "light")?;
-        scene.lights.push(lights::light(json, name, placed, source.light_units, warnings)?);
+        let written = (source.light_units, units::is_by_blender(&document.asset));
+        scene.lights.push(lights::light(json, name, placed, written, warnings)?);
     }
     Ok(())
 }
@@ -104,6 +105,9 @@ fn objects(
             .map_err(in_node)?;
         let Some(mut mesh) = mesh.filter(|mesh| !mesh.triangles.is_empty()) else { continue };
         geometry::repair_handedness(&mut mesh.tangents, warnings);
+        if document.materials.get(group).is_some_and(two_sided::emits) {
+            two_sided::add_back(&mut mesh).map_err(in_node)?;
+        }
         let kind = (group, mesh.uvs.is_empty(), mesh.tangents.is_empty());
         match places.get(&kind) {
             Some(&place) => {

@@ -44,6 +44,11 @@ fn noted(asset: &Asset) -> Option<LightUnits> {
     asset.extras[EXTRAS_KEY][NOTE].as_str()?.parse().ok()
 }
 
+/// Whether Blender's exporter wrote the file.
+pub(super) fn is_by_blender(asset: &Asset) -> bool {
+    asset.generator.as_str().is_some_and(|generator| generator.starts_with(BLENDER))
+}
+
 fn by_generator(generator: &str) -> LightUnits {
     let Some(version) = generator.strip_prefix(BLENDER) else { return LightUnits::Radiometric };
     let mut numbers = version.split('.').map(|number| number.parse().unwrap_or(0));

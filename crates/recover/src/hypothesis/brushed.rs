@@ -6,6 +6,10 @@
 //! the mirrored surface with the largest `Area(S) / d(S, P)`. Then directions about the normal are
 //! tried: the difference is cut into lines along each, and the direction wins along whose lines
 //! its standard deviation is least on average.
+//!
+//! On a plane that mirrors a room this says where the mirrored edges lie: it comes out the same for all
+//! brushed directions, and for none (`docs/method/paper.md`, made by the example `paper_direction`). It
+//! is one of the starts of the default ladder's search, and nothing more.
 
 use crate::evidence::Evidence;
 use glam::{Vec2, Vec3};
@@ -14,8 +18,8 @@ use std::f32::consts::PI;
 use unrender_render::{GeometryBuffers, Probe};
 use unrender_scene::color::luminance;
 
-/// Directions tried over half a turn.
-const DIRECTIONS: usize = 60;
+/// Directions tried over half a turn: steps of 2.8 degrees, the paper's own error.
+pub const DIRECTIONS: usize = 64;
 /// The window about the mirrored surface is this many times its half extent.
 const WINDOW: f32 = 1.5;
 /// Lines with fewer pixels say nothing about a deviation.
@@ -25,45 +29,32 @@ const PIXELS_PER_LINE: usize = 5;
 /// nothing. The evidence must hold the mirror's radiance.
 pub fn direction(evidence: &Evidence, geometry: &GeometryBuffers) -> Option<f32> {
     let points = difference_on_plane(evidence, geometry);
-    let reference = reference_surface(evidence)?;
-    let window = window_of(&points, reference)?;
-    let inside: Vec<&OnPlane> = points.iter().filter(|p| window.contains(p.position)).collect();
-    let score = |theta: f32| mean_deviation(&inside, theta, window.half_extent);
-    (0..DIRECTIONS)
-        .map(|i| PI * i as f32 / DIRECTIONS as f32)
-        .filter_map(|theta| score(theta).map(|s| (s, theta)))
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|best| best.1)
-}
-
-/// A pixel of the difference picture, in the coordinates of the surface's tangent plane.
-struct OnPlane {
-    position: Vec2,
-    difference: f32,
-    mirrored: Option<u32>,
-}
-
-fn difference_on_plane(evidence: &Evidence, geometry: &GeometryBuffers) -> Vec<OnPlane> {
     let probes: Vec<&Probe> = evidence.sets[0].first().collect();
+    let reference = reference_surface(&probes)?;
+    let mirrors = |i: &usize| probes[*i].mirrored.is_some_and(|m| m.object == reference);
+    let of_reference = (0..points.len()).filter(mirrors).map(|i| points[i].0);
+    let window = Window::around(of_reference, WINDOW)?;
+    let inside: Vec<(Vec2, f32)> = points.into_iter().filter(|p| window.contains(p.0)).collect();
+    least(&deviations(&inside))
+}
+
+/// The pixels of the difference picture: where each lies in the surface's tangent plane, and the
+/// luminance of photograph minus mirror.
+fn difference_on_plane(evidence: &Evidence, geometry: &GeometryBuffers) -> Vec<(Vec2, f32)> {
     let mirror = evidence.mirror();
-    let one = |i: usize| {
+    let one = |(i, probe): (usize, &Probe)| {
         let at = geometry.pixels()[evidence.pixels[i].pixel as usize];
         let front_normal = if at.front { at.normal } else { -at.normal };
         let bitangent = front_normal.cross(at.tangent);
-        let point = probes[i].point;
         let shown = 0.5 * (mirror[0][i] + mirror[1][i]);
-        OnPlane {
-            position: Vec2::new(point.dot(at.tangent), point.dot(bitangent)),
-            difference: luminance(evidence.pixels[i].radiance - shown),
-            mirrored: probes[i].mirrored.map(|m| m.object),
-        }
+        let position = Vec2::new(probe.point.dot(at.tangent), probe.point.dot(bitangent));
+        (position, luminance(evidence.pixels[i].radiance - shown))
     };
-    (0..evidence.pixels.len()).map(one).collect()
+    evidence.sets[0].first().enumerate().map(one).collect()
 }
 
 /// The mirrored object with the largest `Area(S) / d(S, P)`.
-fn reference_surface(evidence: &Evidence) -> Option<u32> {
-    let probes: Vec<&Probe> = evidence.sets[0].first().collect();
+pub fn reference_surface(probes: &[&Probe]) -> Option<u32> {
     let own_centre = probes.iter().map(|p| p.point).sum::<Vec3>() / probes.len().max(1) as f32;
     let mut seen: BTreeMap<u32, (f32, Vec3)> = BTreeMap::new();
     for mirrored in probes.iter().filter_map(|p| p.mirrored) {
@@ -75,39 +66,58 @@ fn reference_surface(evidence: &Evidence) -> Option<u32> {
     seen.into_iter().max_by(|a, b| merit(&a.1).total_cmp(&merit(&b.1))).map(|best| best.0)
 }
 
-struct Window {
+/// An upright rectangle of the plane.
+#[derive(Clone, Copy, Debug)]
+pub struct Window {
     centre: Vec2,
     half_extent: Vec2,
 }
 
 impl Window {
-    fn contains(&self, position: Vec2) -> bool {
+    /// The one around `points`, `scale` times as wide and high; none without points.
+    pub fn around(points: impl Iterator<Item = Vec2>, scale: f32) -> Option<Self> {
+        let corners = points.fold(None, |corners: Option<(Vec2, Vec2)>, point| {
+            let (low, high) = corners.unwrap_or((point, point));
+            Some((low.min(point), high.max(point)))
+        });
+        let (low, high) = corners?;
+        let half_extent = (0.5 * scale * (high - low)).max(Vec2::splat(1e-6));
+        Some(Self { centre: 0.5 * (low + high), half_extent })
+    }
+
+    /// Whether it has `position` in it.
+    pub fn contains(&self, position: Vec2) -> bool {
         (position - self.centre).abs().cmple(self.half_extent).all()
     }
 }
 
-fn window_of(points: &[OnPlane], reference: u32) -> Option<Window> {
-    let of_reference = points.iter().filter(|p| p.mirrored == Some(reference));
-    let corners = of_reference.fold(None, |corners: Option<(Vec2, Vec2)>, p| {
-        let (low, high) = corners.unwrap_or((p.position, p.position));
-        Some((low.min(p.position), high.max(p.position)))
-    });
-    let (low, high) = corners?;
-    let half_extent = (0.5 * WINDOW * (high - low)).max(Vec2::splat(1e-6));
-    Some(Window { centre: 0.5 * (low + high), half_extent })
+/// For each of [`DIRECTIONS`], the mean over all lines along it of the standard deviation of the values
+/// on them; infinite where no line has enough points.
+pub fn deviations(points: &[(Vec2, f32)]) -> Vec<f32> {
+    let window = Window::around(points.iter().map(|point| point.0), 1.0);
+    let size = window.map_or(0.0, |window| 2.0 * window.half_extent.length());
+    let width = (size / (points.len() as f32).sqrt().max(1.0)).max(f32::MIN_POSITIVE);
+    (0..DIRECTIONS).map(|i| mean_deviation(points, angle(i), width)).collect()
 }
 
-/// The mean over all lines along `theta` of the standard deviation of the difference on them.
-fn mean_deviation(points: &[&OnPlane], theta: f32, half_extent: Vec2) -> Option<f32> {
+/// The direction of the least of these deviations, radians from the tangent.
+pub fn least(deviations: &[f32]) -> Option<f32> {
+    let finite = deviations.iter().enumerate().filter(|(_, deviation)| deviation.is_finite());
+    finite.min_by(|a, b| a.1.total_cmp(b.1)).map(|(i, _)| angle(i))
+}
+
+fn angle(index: usize) -> f32 {
+    PI * index as f32 / DIRECTIONS as f32
+}
+
+fn mean_deviation(points: &[(Vec2, f32)], theta: f32, width: f32) -> f32 {
     let across = Vec2::new(-theta.sin(), theta.cos());
-    let lines = (points.len() as f32).sqrt().max(1.0);
-    let width = 2.0 * half_extent.length() / lines;
     let mut sums: BTreeMap<i32, (f32, f32, usize)> = BTreeMap::new();
-    for point in points {
-        let line = (point.position.dot(across) / width).floor() as i32;
+    for (position, value) in points {
+        let line = (position.dot(across) / width).floor() as i32;
         let entry = sums.entry(line).or_default();
-        entry.0 += point.difference;
-        entry.1 += point.difference * point.difference;
+        entry.0 += value;
+        entry.1 += value * value;
         entry.2 += 1;
     }
     let full: Vec<_> = sums.values().filter(|s| s.2 >= PIXELS_PER_LINE).collect();
@@ -116,7 +126,8 @@ fn mean_deviation(points: &[&OnPlane], theta: f32, half_extent: Vec2) -> Option<
         let mean = sum / n as f32;
         (squares / n as f32 - mean * mean).max(0.0).sqrt() * n as f32
     };
-    (count > 0).then(|| full.iter().map(deviation).sum::<f32>() / count as f32)
+    let sum = full.iter().map(deviation).sum::<f32>();
+    if count > 0 { sum / count as f32 } else { f32::INFINITY }
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ pub mod align;
 pub mod edges;
 pub mod margin;
 pub mod offset;
+mod own;
 pub mod steep;
 
 use align::{Alignment, Offset, align, median, vote};
@@ -29,8 +30,6 @@ const STEPS_MAX: usize = 8;
 const ARRIVED: f32 = 0.05;
 /// Edges along fewer pixels than this fix no camera.
 const EDGELS_MIN: usize = 60;
-/// With edges along fewer pixels than this, an object says nothing of its own place.
-const FEW: usize = 20;
 
 /// Traces what a camera sees in a picture of so many columns and rows.
 pub type GeometryOf<'a> = &'a dyn Fn(&Camera, usize, usize) -> GeometryBuffers;
@@ -143,7 +142,6 @@ impl Search<'_> {
         };
         let of_edges = self.edgels(camera);
         let of_edges = of_edges.iter().map(|e| moved(&e.at, e.point, &found.camera, self.size));
-        let left = self.offsets(&found.camera, REACH_PIXELS[0]);
         let objects = geometry.pixels().iter().map(|p| p.object).filter(|&o| o != NOTHING);
         let objects = objects.max().map_or(0, |last| last + 1);
         Registration {
@@ -152,24 +150,10 @@ impl Search<'_> {
             uncertainty: found.uncertainty as f32,
             confirmed: found.inliers,
             displacements: Image::from_fn(width, height, displacement),
-            own: (0..objects)
-                .map(|object| own_displacement(&left, object, FEW * self.finer))
-                .collect(),
+            own: own::displacements(self, &found.camera, objects),
             camera: found.camera,
         }
     }
-}
-
-/// How far an object's edges are from the photograph's, if most of them agree on it.
-fn own_displacement(left: &[Offset], object: u32, few: usize) -> f32 {
-    const MOST: f32 = 0.8;
-    let own: Vec<Offset> = left.iter().filter(|o| o.edgel.object == object).copied().collect();
-    if own.len() < few {
-        return 0.0;
-    }
-    let (shift, share) = vote(&own, REACH_PIXELS[0]);
-    let across = median(own.iter().map(|o| o.edgel.across.dot(shift).abs()));
-    if share > MOST { across.unwrap_or(0.0) } else { 0.0 }
 }
 
 /// How far a point that was seen at `at` is from there under `camera`; zero where it leaves the

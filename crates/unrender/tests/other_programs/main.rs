@@ -17,6 +17,7 @@ mod recovered;
 #[path = "../report_browser/synthetic.rs"]
 mod synthetic;
 
+mod blender_room;
 mod browser;
 mod farm;
 mod measured;

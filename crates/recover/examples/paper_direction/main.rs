@@ -1,0 +1,68 @@
+//! What the paper's mirror difference says of the brushed direction, step by step, on the floor of its
+//! Figure 8: `cargo run --release -p unrender-recover --example paper_direction -- docs/images`, from the
+//! repository's root.
+//!
+//! The floor is rendered without a direction and with four. Printed is the direction that is read off
+//! each, for every mirrored surface, in a table for `docs/method/paper.md`. Written are
+//! `paper-steps.png`, and `paper-directions.svg`: the difference's mean deviation against the direction.
+
+#[path = "../../tests/cornell_box/mod.rs"]
+mod cornell_box;
+mod floor;
+mod plots;
+
+use floor::{Brushed, Floor};
+use std::error::Error;
+use std::path::Path;
+use unrender_recover::hypothesis::brushed;
+
+/// The floors: how each is brushed, degrees.
+const FLOORS: [Brushed; 5] = [None, Some(0.0), Some(30.0), Some(60.0), Some(90.0)];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let out = std::env::args().nth(1).ok_or("usage: paper_direction FOLDER")?;
+    let scene = cornell_box::scene(&cornell_box::truth(0.0));
+    let floor = Floor::of(&scene);
+    let mirror = floor.as_mirror();
+    let photographs = FLOORS.map(|brushed| floor.photograph(brushed));
+    let differences: Vec<Vec<f32>> =
+        photographs.iter().map(|photograph| floor.difference(photograph, &mirror)).collect();
+    let reference = floor.reference().ok_or("the floor mirrors nothing")?;
+    print_readings(&floor, &differences, reference);
+    let steps = floor.steps(&photographs[1], &mirror, &differences[1], reference);
+    steps.save(Path::new(&out).join("paper-steps.png"))?;
+
+    let around = floor.around(reference);
+    let by_mirror = |values: &Vec<f32>| brushed::deviations(&floor.on_plane(&around, values));
+    let deviations: Vec<Vec<f32>> = differences.iter().map(by_mirror).collect();
+    plots::write(&Path::new(&out).join("paper-directions.svg"), &FLOORS, &deviations)
+}
+
+/// One row a reading of the text: which surface is the reference, which pixels count, and whether lines
+/// are drawn on the floor or in the picture.
+fn print_readings(floor: &Floor<'_>, differences: &[Vec<f32>], reference: u32) {
+    println!("| reference | pixels | lines on | round | 0 | 30 | 60 | 90 |");
+    println!("|---|---|---|---|---|---|---|---|");
+    let whole = ("-".to_owned(), "the floor", floor.all());
+    let surfaces = floor.mirrored().into_iter().flat_map(|object| {
+        let mark = if object == reference { ", largest Area/d" } else { "" };
+        let name = format!("{}{mark}", floor.name(object));
+        let (own, around) = (floor.mirrors(object), floor.around(object));
+        [(name.clone(), "its mirror image", own), (name, "a window around it", around)]
+    });
+    for (name, pixels, chosen) in surfaces.chain([whole]) {
+        for (lines, in_picture) in [("the floor", false), ("the picture", true)] {
+            let read = |values: &Vec<f32>| {
+                let points = if in_picture {
+                    floor.in_picture(&chosen, values)
+                } else {
+                    floor.on_plane(&chosen, values)
+                };
+                let least = brushed::least(&brushed::deviations(&points));
+                least.map_or("-".to_owned(), |theta| format!("{:.0}", theta.to_degrees()))
+            };
+            let row: Vec<String> = differences.iter().map(read).collect();
+            println!("| {name} | {pixels} | {lines} | {} |", row.join(" | "));
+        }
+    }
+}

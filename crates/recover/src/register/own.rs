@@ -1,0 +1,118 @@
+//! How far each object lies from where the photograph has it, by itself.
+//!
+//! The photograph's edge that is clearest near an edge of the model need not be that edge: where two
+//! surfaces look alike it is faint or missing, and beside it lies a shadow or the edge of another object.
+//! So an edge of the photograph says nothing here if the model has another edge at its place, and an
+//! edge point of the model is in place if the photograph changes there, more clearly elsewhere or not.
+
+use super::align::{Offset, median, vote};
+use super::edges::Edgel;
+use super::{REACH_PIXELS, Search};
+use glam::Vec2;
+use std::collections::HashMap;
+use unrender_scene::Camera;
+
+/// With edges along fewer pixels than this, an object says nothing of its own place.
+const FEW: usize = 20;
+/// So large a share of its edge points must agree on a shift.
+const MOST: f32 = 0.8;
+/// Edges closer than this are one, pixels: the photograph's blur moves an edge by about half of it, and at
+/// double, displacements that are noted (1.5) would pass for edges in place.
+const SAME: f32 = 0.75;
+/// ... if the directions across them differ by less than the angle of this cosine, 45 degrees.
+const SAME_DIRECTION: f32 = 0.7;
+
+/// For each of the first `objects`: how far its own edges are off under `camera`, pixels; zero where its
+/// edge points are too few to tell.
+pub(super) fn displacements(search: &Search<'_>, camera: &Camera, objects: u32) -> Vec<f32> {
+    let edgels = search.edgels(camera);
+    let of_model = OfModel::new(&edgels);
+    let mut of_objects = vec![Vec::new(); objects as usize];
+    for edgel in &edgels {
+        let Some(of_object) = of_objects.get_mut(edgel.object as usize) else { continue };
+        let Some(distance) = search.picture.offset(edgel, REACH_PIXELS[0]) else { continue };
+        let offset = Offset { edgel: *edgel, distance };
+        if distance.abs() <= SAME {
+            of_object.push(offset);
+        } else if search.picture.has_edge(edgel, SAME) {
+            of_object.push(Offset { distance: 0.0, ..offset });
+        } else if !of_model.explains(&offset) {
+            of_object.push(offset);
+        }
+    }
+    of_objects.iter().map(|own| displacement(own, FEW * search.finer)).collect()
+}
+
+/// How far these edge points of one object are off, if most of them agree on it.
+fn displacement(own: &[Offset], few: usize) -> f32 {
+    if own.len() < few {
+        return 0.0;
+    }
+    let (shift, share) = vote(own, REACH_PIXELS[0]);
+    let across = median(own.iter().map(|o| o.edgel.across.dot(shift).abs()));
+    if share > MOST { across.unwrap_or(0.0) } else { 0.0 }
+}
+
+/// The model's edge points, by the squares of the picture that they lie in.
+struct OfModel<'e>(HashMap<[i32; 2], Vec<&'e Edgel>>);
+
+impl<'e> OfModel<'e> {
+    fn new(edgels: &'e [Edgel]) -> Self {
+        let mut cells: HashMap<[i32; 2], Vec<&Edgel>> = HashMap::new();
+        for edgel in edgels {
+            cells.entry(cell(edgel.at)).or_default().push(edgel);
+        }
+        Self(cells)
+    }
+
+    /// Whether the edge that the photograph has beside this one is another of the model's.
+    fn explains(&self, offset: &Offset) -> bool {
+        let Offset { edgel, distance } = offset;
+        let there = edgel.at + edgel.across * *distance;
+        let [x, y] = cell(there);
+        let near = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| [x + dx, y + dy]));
+        near.filter_map(|cell| self.0.get(&cell)).flatten().any(|other| {
+            let apart = other.across.dot(there - other.at).abs();
+            let alike = other.across.dot(edgel.across).abs() > SAME_DIRECTION;
+            // Further along the same edge the photograph's is its own.
+            alike && apart <= SAME && other.across.dot(edgel.at - other.at).abs() > SAME
+        })
+    }
+}
+
+/// The square of one pixel that a point lies in.
+fn cell(at: Vec2) -> [i32; 2] {
+    [at.x.floor() as i32, at.y.floor() as i32]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    fn edgel(x: f32, y: f32, object: u32) -> Edgel {
+        Edgel { at: Vec2::new(x, y), across: Vec2::X, point: Vec3::ZERO, object }
+    }
+
+    #[test]
+    fn the_photographs_edge_is_that_of_the_model_which_lies_there() {
+        let edgels = [edgel(10.0, 20.0, 0), edgel(10.0, 21.0, 0), edgel(13.0, 20.4, 1)];
+        let of_model = OfModel::new(&edgels);
+        let explains = |distance: f32| of_model.explains(&Offset { edgel: edgels[0], distance });
+        assert!(explains(3.0) && explains(2.5));
+        assert!(!explains(-3.0) && !explains(1.5) && !explains(0.3));
+    }
+
+    #[test]
+    fn edges_that_agree_on_a_shift_are_off_by_it() {
+        let offsets = |distance: f32| {
+            (0..30).map(move |y| Offset { edgel: edgel(10.0, y as f32, 0), distance })
+        };
+        let own: Vec<Offset> = offsets(2.5).collect();
+        // Of the shifts that fit alike the nearest is taken, and they fit to 0.75.
+        assert!((displacement(&own, 20) - 2.5).abs() < 0.75);
+        assert_eq!(displacement(&own[..10], 20), 0.0);
+        let half: Vec<Offset> = offsets(2.5).chain(offsets(0.0)).collect();
+        assert_eq!(displacement(&half, 20), 0.0);
+    }
+}
