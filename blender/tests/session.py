@@ -4,9 +4,10 @@
     UNRENDER_WHEEL=FILE.whl python blender/tests/session.py docs/images/from-blender.jpg
 
 makes docs/tutorials/from-blender.md's picture: photograph, check, Cycles with the applied materials,
-composite. It prints what the panel shows.
+composite; and beside it from-blender-panel.svg, the panel after each step. It prints what the panel shows.
 """
 
+import importlib
 import pathlib
 import sys
 import tempfile
@@ -15,6 +16,7 @@ import conftest  # An empty profile; it comes before bpy.
 
 import bpy  # isort: skip
 import build
+import drawn
 import numpy as np
 import studio
 
@@ -37,8 +39,29 @@ def photograph(folder):
     return scene, pairs
 
 
+def panel(step):
+    """What the panel of a step shows now."""
+    return drawn.captured(getattr(bpy.types, f"UNRENDER_PT_{step}"))
+
+
+def recovered(settings):
+    """Step 3; what its panel showed halfway, and the re-rendering as it stood then."""
+    job = importlib.import_module("bl_ext.user_default.unrender.job")
+    halfway, redraw = [], job.redraw
+
+    def watched():
+        redraw()
+        if settings.running and settings.progress > 0.4 and not halfway:
+            halfway.append(panel("recover"))
+
+    job.redraw = watched
+    bpy.ops.unrender.recover(wait=True)
+    job.redraw = redraw
+    return (halfway or [panel("recover")])[0]
+
+
 def work(folder):
-    """The five steps."""
+    """The five steps; the panel after each."""
     scene, pairs = photograph(folder)
     settings = scene.unrender
     bpy.ops.unrender.load_photo(filepath=str(folder / "photo.exr"))
@@ -46,13 +69,16 @@ def work(folder):
         bpy.ops.unrender.add_pair(point=point, pixel=pixel)
     bpy.ops.unrender.match_camera()
     print(settings.calibration)
+    match = panel("match")
     bpy.ops.unrender.check(wait=True)
     print(settings.message, settings.messages, sep="\n")
     settings.max_rung, settings.spp = "isotropic", 16
-    bpy.ops.unrender.recover(wait=True)
+    prepare = panel("prepare")
+    recover = recovered(settings)
     for item in settings.results:
         print(f"{item.name}: {item.hypothesis}, {item.status}", item.numbers, item.note, sep="\n    ")
     bpy.ops.unrender.apply()
+    applied = panel("apply")
     studio.render(scene, folder / "applied.exr", 64)
     bpy.ops.object.select_all(action="DESELECT")
     stuff = studio.material("new")
@@ -61,6 +87,7 @@ def work(folder):
     bpy.ops.unrender.mark_inserted()
     bpy.ops.unrender.composite(wait=True)
     print(settings.message)
+    return drawn.svg([[match], [prepare], [recover, applied], [panel("composite")]])
 
 
 def sheet(folder, out):
@@ -84,7 +111,8 @@ def main():
     studio.SIZE = (200, 150)
     install()
     with tempfile.TemporaryDirectory(prefix="unrender-session-") as name:
-        work(pathlib.Path(name))
+        panels = work(pathlib.Path(name))
+        out.with_name(out.stem + "-panel.svg").write_text(panels, encoding="utf-8")
         sheet(pathlib.Path(name), out)
 
 

@@ -9,9 +9,10 @@ use crate::{Error, Job, results, same_as};
 use std::time::Instant;
 use unrender_formats::materials::{MaterialsFile, PhotographEntry};
 use unrender_photo::Exposure;
+use unrender_recover::remote::{Remote, Workers};
 use unrender_recover::{
     Correction, ExposureRule, GroupSpec, IterationRecord, LadderKind, Observer, Options, Problem,
-    RecoverError, Recovery, Role, Thresholds, View,
+    RecoverError, Recovery, Renderer, Role, Thresholds, View,
 };
 use unrender_render::Tracer;
 use unrender_scene::{Camera, Image, Material, Rgb, Scene};
@@ -74,13 +75,14 @@ const NEAR: f64 = 0.005;
 const ROUNDS_MAX: usize = 6;
 
 /// Recovers the materials of `job`'s groups. Where the project asks for numbers of the camera, they
-/// are found too, and the photograph of `job` ends as developed with them.
+/// are found too, and the photograph of `job` ends as developed with them. The renderer's work is done
+/// by `workers`, where they are given.
 pub(crate) fn recover(
     job: &mut Job,
-    options: &Options,
-    alignment: Alignment,
+    (options, alignment): (&Options, Alignment),
     progress: &Progress,
     journal: &RecoveryJournal,
+    workers: Option<&dyn Workers>,
 ) -> Result<Recovered, Error> {
     let started = Instant::now();
     let pausable = Pausable::new();
@@ -94,7 +96,8 @@ pub(crate) fn recover(
         let rough = Options { thresholds, spp: 1, ..options.clone() };
         for _ in 0..ROUNDS_MAX {
             let mut teller = Teller::new(progress, options, started, (&pausable, journal));
-            let change = recover_once(job, &laid, &numbers, &rough, &mut teller)?.change;
+            let asked = (&rough, workers);
+            let change = recover_once(job, &laid, &numbers, asked, &mut teller)?.change;
             if change < NEAR || teller.is_cancelled() {
                 break;
             }
@@ -103,7 +106,7 @@ pub(crate) fn recover(
     let developed = started.elapsed().as_secs_f64();
     let mut teller = Teller::new(progress, options, started, (&pausable, journal));
     let Once { mut recovery, group_map, object_map, .. } =
-        recover_once(job, &laid, &numbers, options, &mut teller)?;
+        recover_once(job, &laid, &numbers, (options, workers), &mut teller)?;
     if let Exposure::Fixed(exposure) = job.project.exposure {
         // The photograph was developed with it.
         recovery.exposure = exposure;
@@ -138,7 +141,7 @@ fn recover_once(
     job: &mut Job,
     laid: &Laid,
     numbers: &[Number],
-    options: &Options,
+    (options, workers): (&Options, Option<&dyn Workers>),
     teller: &mut Teller<'_>,
 ) -> Result<Once, Error> {
     let corrections = camera_numbers::corrections(job, numbers);
@@ -148,7 +151,7 @@ fn recover_once(
         let journal = teller.journal;
         Ok((unrender_recover::recover_with(problem, options, teller, journal)?, maps))
     };
-    let (recovery, (group_map, object_map)) = with_problem(job, laid, &corrections, recover)?;
+    let (recovery, (group_map, object_map)) = with_problem(job, laid, &corrections, workers, recover)?;
     let change = if numbers.is_empty() {
         0.0
     } else {
@@ -162,15 +165,20 @@ fn with_problem<T>(
     job: &Job,
     laid: &Laid,
     corrections: &[Correction],
+    workers: Option<&dyn Workers>,
     solve: impl FnOnce(&Problem<'_>) -> Result<T, RecoverError>,
 ) -> Result<T, RecoverError> {
     let tracer = Tracer::new(&job.scene);
     let size = (job.photo.radiance.width(), job.photo.radiance.height());
     let view = View::new(&tracer, &laid.camera, size, job.scene.brdf);
-    let observation = laid.observe(job, unrender_recover::Renderer::geometry(&view));
+    let observation = laid.observe(job, view.geometry());
+    let renderer: Box<dyn Renderer> = match workers {
+        Some(workers) => Box::new(Remote::new(view, &job.scene, workers)),
+        None => Box::new(view),
+    };
     solve(&Problem {
         observation: &observation,
-        renderer: &view,
+        renderer: &*renderer,
         groups: (0..job.scene.groups.len()).map(|group| spec(job, group)).collect(),
         exposure: exposure_rule(job),
         unknown_lights: job.unknown_lights.clone(),
