@@ -2,7 +2,7 @@
 
     python python/tests/cluster.py [PROJECT.toml] [--runs 50] [--spp 2] [--pairs 3]
 
-prints SHA-256 of what one process finds, of what one, two and three workers find, and of ``--runs`` runs with
+takes a room of 32 x 32 pixels where no project is given. It prints SHA-256 of what one process finds, of what one, two and three workers find, and of ``--runs`` runs with
 workers killed at random; then the time of one process and of one worker, ``--pairs`` times in turn, with the
 requests and bytes of a recovery. Workers are processes of this machine with the threads that the one process
 has.
@@ -32,7 +32,25 @@ from unrender._workers import Workers
 
 distributed: Any = pytest.importorskip("distributed")
 
-ROOT = Path(__file__).resolve().parents[2]
+
+def room() -> unrender.Project:
+    """A floor with a gloss, a wall and a lamp, and their photograph of 32 x 32 pixels."""
+    square, faces = np.array([[-1, 0, 1], [1, 0, 1], [1, 0, -1], [-1, 0, -1]]), [[0, 1, 2], [0, 2, 3]]
+    wall = np.array([[-1, 0, -1], [1, 0, -1], [1, 2, -1], [-1, 2, -1]])
+    meshes = [
+        unrender.Mesh("floor", square, faces),
+        unrender.Mesh("wall", wall, faces),
+        unrender.Mesh("lamp", square * 0.3 + [0, 2, 0], [[0, 2, 1], [0, 3, 2]]),
+    ]
+    groups = {
+        "floor": unrender.Group(rho_d=(0.4, 0.3, 0.2), rho_s=(0.2, 0.2, 0.2), alpha_x=0.2, alpha_y=0.2),
+        "wall": unrender.Group(rho_d=(0.6, 0.6, 0.5)),
+        "lamp": unrender.Group(rho_d=(0, 0, 0), emission=(9, 9, 9)),
+    }
+    camera = unrender.Camera(eye=(0.3, 1.3, 2.6), target=(0, 0.5, 0))
+    scene = unrender.Scene(meshes, groups=groups, cameras=[camera])
+    photo = unrender.render(scene, width=32, height=32, spp=64)
+    return unrender.Project(scene, photo, response="linear", exposure=1.0)
 
 
 def sha256(recovery: unrender.Recovery) -> str:
@@ -79,7 +97,7 @@ class Killer(threading.Thread):
         return self.killed
 
 
-def same_bits(project: Path, options: dict[str, Any], runs: int, pause: float) -> None:
+def same_bits(project: Path | unrender.Project, options: dict[str, Any], runs: int, pause: float) -> None:
     """Of one process, of one, two and three workers, and with workers killed."""
     alone = sha256(unrender.recover(project, **options))
     print(f"one process:     {alone}")
@@ -110,7 +128,7 @@ def cpu(pids: list[int]) -> float:
     return ticks / os.sysconf("SC_CLK_TCK")
 
 
-def overhead(project: Path, options: dict[str, Any], pairs: int) -> None:
+def overhead(project: Path | unrender.Project, options: dict[str, Any], pairs: int) -> None:
     """Of one worker, against one process, in turn."""
     ratios, shares = [], []
     with cluster(1) as made, distributed.Client(made) as client:
@@ -138,7 +156,7 @@ def overhead(project: Path, options: dict[str, Any], pairs: int) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("project", nargs="?", type=Path, default=ROOT / "examples/corpus/isotropic/project.toml")
+    parser.add_argument("project", nargs="?", type=Path)
     parser.add_argument("--runs", type=int, default=50)
     parser.add_argument("--spp", type=int, default=2)
     parser.add_argument("--pause", type=float, default=1.0, help="seconds between two kills, on the mean")
@@ -147,11 +165,12 @@ def main() -> None:
     parser.add_argument("--only", choices=["bits", "overhead"])
     words = parser.parse_args()
     warnings.simplefilter("ignore", unrender.UnrenderWarning)
+    project = words.project or room()
     options = {"spp": words.spp, "no_refine": words.no_refine}
     if words.only != "overhead":
-        same_bits(words.project, options, words.runs, words.pause)
+        same_bits(project, options, words.runs, words.pause)
     if words.only != "bits":
-        overhead(words.project, options, words.pairs)
+        overhead(project, options, words.pairs)
 
 
 if __name__ == "__main__":
