@@ -31,8 +31,11 @@ impl Called {
 
 impl Workers for Called {
     fn count(&self) -> usize {
-        let count = |py| self.object.bind(py).call_method0("count")?.extract();
-        Python::attach(|py| count(py).unwrap_or_else(|error: PyErr| none(py, &error)))
+        Python::attach(|py| {
+            let count = self.object.bind(py).call_method0("count");
+            let count = count.and_then(|count| count.extract());
+            count.unwrap_or_else(|error| none(py, &error))
+        })
     }
 
     fn answers(&self, shared: &[Shared; 3], requests: &[Vec<u8>]) -> Option<Vec<Vec<u8>>> {
