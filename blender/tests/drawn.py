@@ -9,7 +9,7 @@ import html
 
 import bpy
 
-WIDTH, LINE, GAP, PAD = 250, 20, 4, 8
+WIDTH, LINE, GAP, PAD = 270, 20, 4, 8
 """Pixels: of a panel, the height of an item, between items, at the edges; about those of Blender."""
 
 TEXT, FIELD, BUTTON, BACK, HEAD, BAR, RED = "#e6e6e6", "#1d1d1d", "#545454", "#303030", "#3d3d3d", "#4772b3", "#a83232"
@@ -86,7 +86,7 @@ class Drawing:
         self.parts.append(f'<rect x="{x:.0f}" y="{y:.0f}" width="{w:.0f}" height="{h:.0f}" rx="{radius}" fill="{fill}"/>')
 
     def text(self, x, y, words, w, anchor="start", size=11):
-        room = max(3, int(w / (0.54 * size)))
+        room = max(3, int(w / (0.5 * size)))
         words = words if len(words) <= room else words[: room - 1] + "…"
         self.parts.append(
             f'<text x="{x:.0f}" y="{y + 0.68 * LINE:.0f}" font-size="{size}" text-anchor="{anchor}">'

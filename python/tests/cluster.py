@@ -97,16 +97,24 @@ class Killer(threading.Thread):
         return self.killed
 
 
-def same_bits(project: Path | unrender.Project, options: dict[str, Any], runs: int, pause: float) -> None:
+def same_bits(
+    project: Path | unrender.Project,
+    options: dict[str, Any],
+    runs: int,
+    pause: float,
+    workers: list[int],
+) -> None:
     """Of one process, of one, two and three workers, and with workers killed."""
     alone = sha256(unrender.recover(project, **options))
     print(f"one process:     {alone}")
-    for count in (1, 2, 3):
+    for count in workers:
         with cluster(count) as made, distributed.Client(made) as client:
             there = sha256(unrender.dask.recover(project, client=client, **options))
         print(f"{count} worker{'s' if count > 1 else ' '}:       {there}", "same" if there == alone else "OTHER", flush=True)
     found: collections.Counter[str] = collections.Counter()
-    killed, without = 0, 0
+    killed, without, begun = 0, 0, time.perf_counter()
+    if not runs:
+        return
     with cluster(2) as made, distributed.Client(made) as client:
         for run in range(runs):
             killer = Killer(made, run, pause)
@@ -115,6 +123,9 @@ def same_bits(project: Path | unrender.Project, options: dict[str, Any], runs: i
                 found[sha256(unrender.dask.recover(project, client=client, **options))] += 1
             without += any("without its workers" in str(warning.message) for warning in told)
             killed += killer.end()
+            seconds = time.perf_counter() - begun
+            so_far = ", ".join(f"{number} x {name[:12]}" for name, number in found.items())
+            print(f"{run + 1} runs, {killed} workers killed, {seconds:.0f} s: {so_far}", flush=True)
     print(f"{runs} runs, {killed} workers killed: {dict(found)}", "all the same" if set(found) <= {alone} else "OTHER")
     print(f"runs that went on without workers: {without}")
 
@@ -158,6 +169,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("project", nargs="?", type=Path)
     parser.add_argument("--runs", type=int, default=50)
+    parser.add_argument("--workers", type=int, nargs="*", default=[1, 2, 3])
     parser.add_argument("--spp", type=int, default=2)
     parser.add_argument("--pause", type=float, default=1.0, help="seconds between two kills, on the mean")
     parser.add_argument("--pairs", type=int, default=3)
@@ -168,7 +180,7 @@ def main() -> None:
     project = words.project or room()
     options = {"spp": words.spp, "no_refine": words.no_refine}
     if words.only != "overhead":
-        same_bits(project, options, words.runs, words.pause)
+        same_bits(project, options, words.runs, words.pause, words.workers)
     if words.only != "bits":
         overhead(project, options, words.pairs)
 
