@@ -9,6 +9,7 @@ re-rendering as it stood during the recovery and at its end. It prints what the 
 """
 
 import importlib
+import os
 import pathlib
 import sys
 import tempfile
@@ -133,6 +134,9 @@ def main():
         sheet(pathlib.Path(name), out)
         first = looks[: 1 if len(looks) < 4 else 3]
         write(pathlib.Path(name), [*first, looks[-1]], out.with_name(out.stem + "-growing.jpg"))
+    sys.stdout.flush()
+    # Blender as a module may never come to an end of taking itself down.
+    os._exit(0)
 
 
 main()

@@ -107,7 +107,10 @@ pub(crate) fn recover(
     let sketch = match (&ended.result, &ended.heard.last) {
         (None, Some(record)) => {
             let names = names.lock().unwrap_or_else(PoisonError::into_inner);
-            Some(sketch(&names, record, "interrupted ").map_err(|error| request(error.to_string()))?)
+            Some(
+                sketch(&names, record, "interrupted ")
+                    .map_err(|error| request(error.to_string()))?,
+            )
         }
         _ => None,
     };

@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import collections
 import hashlib
+import importlib
 import json
 import os
 import random
@@ -23,6 +24,9 @@ import time
 import warnings
 from pathlib import Path
 from typing import Any
+
+# A worker that is started again is a copy of a process that has imported all, and there at once.
+os.environ.setdefault("DASK_DISTRIBUTED__WORKER__MULTIPROCESSING_METHOD", "forkserver")
 
 import numpy as np
 import pytest
@@ -65,6 +69,8 @@ def sha256(recovery: unrender.Recovery) -> str:
 
 def cluster(workers: int) -> Any:
     """Worker processes on this machine."""
+    utils: Any = importlib.import_module("distributed.utils")
+    utils.get_mp_context().set_forkserver_preload(["distributed", "unrender.dask"])
     return distributed.LocalCluster(
         n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=50
     )

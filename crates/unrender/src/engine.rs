@@ -151,7 +151,8 @@ fn recover_once(
         let journal = teller.journal;
         Ok((unrender_recover::recover_with(problem, options, teller, journal)?, maps))
     };
-    let (recovery, (group_map, object_map)) = with_problem(job, laid, &corrections, workers, recover)?;
+    let (recovery, (group_map, object_map)) =
+        with_problem(job, laid, &corrections, workers, recover)?;
     let change = if numbers.is_empty() {
         0.0
     } else {

@@ -229,9 +229,8 @@ impl Renderer for Remote<'_> {
         settings: &Settings,
         seen: Option<&RadianceCache>,
     ) -> Jacobian {
-        self.asked_jacobian(appearance, (pixels, parameters), settings, seen).unwrap_or_else(|| {
-            self.view.jacobian(appearance, pixels, parameters, settings, seen)
-        })
+        self.asked_jacobian(appearance, (pixels, parameters), settings, seen)
+            .unwrap_or_else(|| self.view.jacobian(appearance, pixels, parameters, settings, seen))
     }
 
     fn rerender(
@@ -252,8 +251,7 @@ impl Renderer for Remote<'_> {
     ) -> Vec<Rgb> {
         let plan = self.view.plan(appearance, settings);
         let picture = self.asked_picture(appearance, &plan);
-        let picture =
-            picture.unwrap_or_else(|| self.view.picture(appearance, settings, &|_| {}));
+        let picture = picture.unwrap_or_else(|| self.view.picture(appearance, settings, &|_| {}));
         progress(1.0);
         picture
     }
@@ -289,4 +287,3 @@ fn is_same(a: &RadianceCache, b: &RadianceCache) -> bool {
         && a.valid == b.valid
         && left.iter().zip(right).all(|(left, right)| bits(left) == bits(right))
 }
-
