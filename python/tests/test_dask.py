@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 import unrender
 import unrender.dask
-from cluster import Killer, sha256
 from cluster import cluster as made
+from cluster import sha256
 
 distributed: Any = pytest.importorskip("distributed")
 pytestmark = pytest.mark.filterwarnings("ignore")
@@ -87,9 +87,16 @@ def test_a_recovery_has_the_bits_of_one_process(client: Any, corpus: Path) -> No
 def test_a_recovery_outlives_its_workers(cluster: Any, client: Any, corpus: Path) -> None:
     project = corpus / "isotropic" / "project.toml"
     here = sha256(unrender.recover(project, spp=2, no_refine=True))
-    killer = Killer(cluster, 1, 1.0)
-    there = unrender.dask.recover(project, client=client, spp=2, no_refine=True)
-    assert killer.end() > 0
+    killed: list[int] = []
+
+    def kill(done: float, message: str) -> None:
+        workers = [worker.pid for worker in cluster.workers.values() if worker.pid]
+        if "iteration" in message and workers and len(killed) < 2:
+            killed.append(workers[0])
+            os.kill(workers[0], signal.SIGKILL)
+
+    there = unrender.dask.recover(project, client=client, spp=2, no_refine=True, progress=kill)
+    assert killed
     assert sha256(there) == here
 
 
