@@ -22,9 +22,10 @@ current = None
 class Job:
     """One piece of work, for one scene."""
 
-    def __init__(self, title, scene, work, done):
-        """Starts ``work(progress, token)``; ``done(job)`` is called in Blender's thread at the end."""
-        self.title, self.scene, self._done = title, scene.name, done
+    def __init__(self, title, scene, work, done, look):
+        """Starts ``work(progress, token)``. In Blender's thread, ``look()`` is called now and then, and
+        ``done(job)`` at the end."""
+        self.title, self.scene, self._done, self._look = title, scene.name, done, look
         self.token = unrender.CancelToken()
         self.fraction, self.message = 0.0, ""
         self.result, self.error, self.doubts = None, None, []
@@ -57,6 +58,7 @@ class Job:
         if scene is not None:
             scene.unrender.progress = self.fraction
             scene.unrender.message = self.message
+            self._look()
         if not goes_on:
             self._thread.join()
             self.is_over = True
@@ -77,10 +79,10 @@ class Job:
             raise self.error
 
 
-def start(title, scene, work, done):
+def start(title, scene, work, done, look=lambda: None):
     """Starts a job, and the timer that looks after it."""
     global current
-    current = Job(title, scene, work, done)
+    current = Job(title, scene, work, done, look)
     made = current
 
     def look():

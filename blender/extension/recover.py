@@ -7,6 +7,7 @@ import bpy
 import unrender
 
 from . import job, model, pictures, prepare
+from .preview import Preview
 
 RERENDERED = "unrender re-rendering"
 PARAMETERS = ("rho_d", "rho_s", "alpha_x", "alpha_y", "theta_deg")
@@ -34,10 +35,18 @@ class UNRENDER_OT_recover(bpy.types.Operator):
             return {"CANCELLED"}
         out, spp = os.path.join(os.path.dirname(path), "result"), context.scene.unrender.spp
 
-        def work(progress, token):
-            return unrender.recover(path, out=out, spp=spp, progress=progress, cancel=token)
+        offered = []
 
-        started = job.start("Recover", context.scene, work, lambda ended: show(ended, doubts))
+        def work(progress, token):
+            look = Preview(path, offered.append)
+            return unrender.recover(path, out=out, spp=spp, progress=progress, on_iteration=look, cancel=token)
+
+        def look():
+            if offered:
+                pictures.show(pictures.load(offered.pop(), RERENDERED))
+                offered.clear()
+
+        started = job.start("Recover", context.scene, work, lambda ended: show(ended, doubts), look)
         return job.finish(self, started, self.wait)
 
 

@@ -4,9 +4,12 @@
     UNRENDER_WHEEL=FILE.whl python blender/tests/session.py docs/images/from-blender.jpg
 
 makes docs/tutorials/from-blender.md's picture: photograph, check, Cycles with the applied materials,
-composite. It prints what the panel shows.
+composite; and beside it from-blender-panel.svg, the panel after each step, and from-blender-growing.jpg, the
+re-rendering as it stood during the recovery and at its end. It prints what the panel shows.
 """
 
+import importlib
+import os
 import pathlib
 import sys
 import tempfile
@@ -15,6 +18,7 @@ import conftest  # An empty profile; it comes before bpy.
 
 import bpy  # isort: skip
 import build
+import drawn
 import numpy as np
 import studio
 
@@ -37,22 +41,54 @@ def photograph(folder):
     return scene, pairs
 
 
-def work(folder):
-    """The five steps."""
+def panel(step):
+    """What the panel of a step shows now."""
+    return drawn.captured(getattr(bpy.types, f"UNRENDER_PT_{step}"))
+
+
+def recovered(settings, looks):
+    """Step 3; what its panel showed halfway. Pictures of the re-rendering as it stood go into ``looks``."""
+    import unrender
+
+    job, pictures = (importlib.import_module(f"bl_ext.user_default.unrender.{name}") for name in ("job", "pictures"))
+    halfway, redraw, load = [], job.redraw, pictures.load
+
+    def loaded(path, name):
+        looks.append(unrender.read_picture(path))
+        return load(path, name)
+
+    def watched():
+        redraw()
+        if settings.running and settings.progress > 0.4 and not halfway:
+            halfway.append(panel("recover"))
+
+    job.redraw, pictures.load = watched, loaded
+    bpy.ops.unrender.recover(wait=True)
+    job.redraw, pictures.load = redraw, load
+    return (halfway or [panel("recover")])[0]
+
+
+def work(folder, looks):
+    """The five steps; the panel after each. See :func:`recovered`."""
     scene, pairs = photograph(folder)
     settings = scene.unrender
     bpy.ops.unrender.load_photo(filepath=str(folder / "photo.exr"))
-    for point, pixel in pairs:
-        bpy.ops.unrender.add_pair(point=point, pixel=pixel)
+    for number, (point, pixel) in enumerate(pairs):
+        # One of them is wrong.
+        bpy.ops.unrender.add_pair(point=point, pixel=(pixel[0], pixel[1] - (25.0 if number == 3 else 0.0)))
     bpy.ops.unrender.match_camera()
     print(settings.calibration)
+    match = panel("match")
     bpy.ops.unrender.check(wait=True)
     print(settings.message, settings.messages, sep="\n")
     settings.max_rung, settings.spp = "isotropic", 16
-    bpy.ops.unrender.recover(wait=True)
+    prepare = panel("prepare")
+    recover = recovered(settings, looks)
+    settings.result = settings.results.find("ball")
     for item in settings.results:
         print(f"{item.name}: {item.hypothesis}, {item.status}", item.numbers, item.note, sep="\n    ")
     bpy.ops.unrender.apply()
+    applied = panel("apply")
     studio.render(scene, folder / "applied.exr", 64)
     bpy.ops.object.select_all(action="DESELECT")
     stuff = studio.material("new")
@@ -61,6 +97,7 @@ def work(folder):
     bpy.ops.unrender.mark_inserted()
     bpy.ops.unrender.composite(wait=True)
     print(settings.message)
+    return drawn.svg([[match], [prepare], [recover, applied], [panel("composite")]])
 
 
 def sheet(folder, out):
@@ -71,6 +108,13 @@ def sheet(folder, out):
     pictures = [np.asarray(unrender.read_picture(folder / file)) for file in files]
     # The check enlarges small photographs.
     pictures = [p[:: p.shape[0] // pictures[0].shape[0], :: p.shape[0] // pictures[0].shape[0]] for p in pictures]
+    write(folder, pictures, out)
+
+
+def write(folder, pictures, out):
+    """Pictures of one size in a row, as JPEG."""
+    import unrender
+
     gap = np.ones((pictures[0].shape[0], 4, 3), dtype=np.float32)
     row = np.concatenate([p for picture in pictures for p in (picture, gap)][:-1], axis=1)
     unrender.Picture(np.ascontiguousarray(row)).save(folder / "sheet.png")
@@ -84,8 +128,15 @@ def main():
     studio.SIZE = (200, 150)
     install()
     with tempfile.TemporaryDirectory(prefix="unrender-session-") as name:
-        work(pathlib.Path(name))
+        looks = []
+        panels = work(pathlib.Path(name), looks)
+        out.with_name(out.stem + "-panel.svg").write_text(panels, encoding="utf-8")
         sheet(pathlib.Path(name), out)
+        first = looks[: 1 if len(looks) < 4 else 3]
+        write(pathlib.Path(name), [*first, looks[-1]], out.with_name(out.stem + "-growing.jpg"))
+    sys.stdout.flush()
+    # Blender as a module may never come to an end of taking itself down.
+    os._exit(0)
 
 
 main()

@@ -183,8 +183,17 @@ def test_3_a_recovery_can_be_cancelled(desk):
     assert bpy.ops.unrender.recover.poll()
 
 
-def test_3_recover(desk):
+def test_3_recover(desk, monkeypatch):
     settings = desk["scene"].unrender
+    pictures, shown = module("pictures"), []
+    load = pictures.load
+
+    def watched(path, name):
+        image = load(path, name)
+        shown.append((pathlib.Path(path).name, name, tuple(image.size)))
+        return image
+
+    monkeypatch.setattr(pictures, "load", watched)
     settings.max_rung, settings.spp = "isotropic", 16
     assert bpy.ops.unrender.recover(wait=True) == {"FINISHED"}
     assert {item.name for item in settings.results} == set(studio.TRUTH)
@@ -193,6 +202,9 @@ def test_3_recover(desk):
     assert "±" in by_name["ball"].numbers
     assert settings.progress == 1.0
     assert bpy.data.images["unrender re-rendering"].size[0] == studio.SIZE[0]
+    # The re-rendering as it stood, and at the end as it is.
+    assert {("preview.png", "unrender re-rendering", studio.SIZE)} == set(shown[:-1])
+    assert shown[-1][:2] == ("rerendered.png", "unrender re-rendering")
     import unrender
 
     recovery = unrender.Recovery.read(desk["folder"] / "work" / "result")

@@ -10,6 +10,7 @@ mod command;
 mod error;
 mod picture;
 mod recovery;
+mod remote;
 mod render;
 mod scene;
 mod supervise;
@@ -25,6 +26,8 @@ mod _unrender {
     use super::picture::{png_bytes, read_picture, write_picture};
     #[pymodule_export]
     use super::recovery::{Recovered, recover};
+    #[pymodule_export]
+    use super::remote::Worker;
     #[pymodule_export]
     use super::render::render;
     #[pymodule_export]

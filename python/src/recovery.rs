@@ -2,8 +2,9 @@
 
 use crate::arrays::{image, picture, raster};
 use crate::error::{exception, request};
+use crate::remote::Called;
 use crate::scene::{Scene, camera_out};
-use crate::supervise::{Control, supervise};
+use crate::supervise::{Control, supervise_recovery};
 use numpy::{PyArray2, PyArray3, PyReadonlyArray3};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
@@ -81,26 +82,35 @@ fn coded(image: &unrender::scene::RgbImage, depth: Depth) -> Picture {
 type Out = (Option<Recovered>, Option<String>, bool);
 
 /// Recovers by the command line `words` of `recover`; the `project` in memory, where that is given. What
-/// came out is written into the folder `out`, where that is given.
+/// came out is written into the folder `out`, where that is given; the renderer's work is done by
+/// `workers` ([`crate::remote::Called`]).
 #[pyfunction]
-#[pyo3(signature = (words, project, out, control))]
+#[pyo3(signature = (words, project, out, control, workers))]
 pub(crate) fn recover(
     py: Python<'_>,
     words: Vec<OsString>,
     project: Option<ProjectParts<'_>>,
     out: Option<PathBuf>,
     control: Control<'_>,
+    workers: Option<Py<PyAny>>,
 ) -> PyResult<Out> {
     let project = project.map(|project| project.read()).transpose()?;
     let names = Arc::new(Mutex::new(Vec::new()));
     let told = Arc::clone(&names);
-    let ended = supervise(py, &control, move |listener| {
-        worked(words, project, out.as_deref(), listener, &told)
+    let workers = workers.map(Called::new);
+    let describe = |record: &IterationRecord| {
+        sketch(&names.lock().unwrap_or_else(PoisonError::into_inner), record, "").ok()
+    };
+    let ended = supervise_recovery(py, &control, &describe, move |listener| {
+        worked((words, project, out.as_deref()), listener, &told, workers.as_ref())
     })?;
     let sketch = match (&ended.result, &ended.heard.last) {
         (None, Some(record)) => {
             let names = names.lock().unwrap_or_else(PoisonError::into_inner);
-            Some(sketch(&names, record).map_err(|error| request(error.to_string()))?)
+            Some(
+                sketch(&names, record, "interrupted ")
+                    .map_err(|error| request(error.to_string()))?,
+            )
         }
         _ => None,
     };
@@ -108,11 +118,10 @@ pub(crate) fn recover(
 }
 
 fn worked(
-    words: Vec<OsString>,
-    project: Option<PlainParts>,
-    out: Option<&Path>,
+    (words, project, out): (Vec<OsString>, Option<PlainParts>, Option<&Path>),
     listener: Arc<dyn Listener>,
     names: &Mutex<Vec<String>>,
+    workers: Option<&Called>,
 ) -> Result<Recovered, Error> {
     let (mut global, args) = cli::recover_args(words)?;
     global.console = Console::new(listener);
@@ -127,7 +136,10 @@ fn worked(
     let mut job = Job::assemble(project, warnings, given)?;
     let groups = job.scene.groups.iter().map(|group| group.name.clone());
     *names.lock().unwrap_or_else(PoisonError::into_inner) = groups.collect();
-    let recovered = command::recovered(&args, &mut job, &global)?;
+    let recovered = match workers {
+        None => command::recovered(&args, &mut job, &global)?,
+        Some(workers) => command::recovered_by(&args, &mut job, &global, workers)?,
+    };
     if let Some(out) = out {
         command::write(&job, &recovered, out, &global)?;
     }
@@ -137,10 +149,11 @@ fn worked(
     Ok(Recovered { job, recovered, global: Mutex::new(global) })
 }
 
-/// Where a recovery stands after an iteration, as the text of a materials.json.
-fn sketch(names: &[String], record: &IterationRecord) -> serde_json::Result<String> {
+/// Where a recovery stands after an iteration, as the text of a materials.json; `how` says whether it has
+/// ended.
+fn sketch(names: &[String], record: &IterationRecord, how: &str) -> serde_json::Result<String> {
     let termination = format!(
-        "interrupted after {} global re-renderings; the results are those after the last one",
+        "{how}after {} global re-renderings; the results are those after the last one",
         record.iteration
     );
     let mut file = MaterialsFile { termination: Some(termination), ..MaterialsFile::default() };

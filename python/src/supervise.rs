@@ -53,6 +53,7 @@ impl Token {
 enum Event {
     Warning(String),
     Progress(Option<String>, f64),
+    Iteration(Box<IterationRecord>),
 }
 
 /// What is known of the work besides its result.
@@ -94,6 +95,7 @@ impl Listener for Ear {
 
     fn iteration(&self, record: &IterationRecord) {
         locked(&self.heard).last = Some(record.clone());
+        self.send(Event::Iteration(Box::new(record.clone())));
     }
 
     fn is_cancelled(&self) -> bool {
@@ -120,7 +122,7 @@ pub(crate) struct Ended<T> {
 pub(crate) struct Control<'py> {
     /// A [`Token`], or none.
     token: Option<Bound<'py, Token>>,
-    /// Has the methods `warning(text)` and `progress(message, done)`.
+    /// Has the methods `warning(text)`, `progress(message, done)` and `iteration(text)`.
     handler: Bound<'py, PyAny>,
     /// How many threads may work; none means one a core.
     threads: Option<usize>,
@@ -130,6 +132,16 @@ pub(crate) struct Control<'py> {
 pub(crate) fn supervise<T: Send + 'static>(
     py: Python<'_>,
     control: &Control<'_>,
+    work: impl FnOnce(Arc<dyn Listener>) -> Result<T, Error> + Send + 'static,
+) -> PyResult<Ended<T>> {
+    supervise_recovery(py, control, &|_| None, work)
+}
+
+/// As [`supervise`]; of iterations, `describe` says what the handler hears.
+pub(crate) fn supervise_recovery<T: Send + 'static>(
+    py: Python<'_>,
+    control: &Control<'_>,
+    describe: &dyn Fn(&IterationRecord) -> Option<String>,
     work: impl FnOnce(Arc<dyn Listener>) -> Result<T, Error> + Send + 'static,
 ) -> PyResult<Ended<T>> {
     let (send, events) = channel();
@@ -151,7 +163,7 @@ pub(crate) fn supervise<T: Send + 'static>(
         let _ = hand_over.send(result);
     };
     thread::Builder::new().stack_size(STACK).spawn(on_threads)?;
-    let mut watch = Watch { control, events, signal, signalled: None, failed: None };
+    let mut watch = Watch { control, describe, events, signal, signalled: None, failed: None };
     let result = loop {
         match py.detach(|| locked(&handed).recv_timeout(TICK)) {
             Ok(result) => break Some(result),
@@ -177,6 +189,8 @@ pub(crate) fn supervise<T: Send + 'static>(
 /// The side of the caller.
 struct Watch<'a, 'py> {
     control: &'a Control<'py>,
+    /// What the handler hears of an iteration.
+    describe: &'a dyn Fn(&IterationRecord) -> Option<String>,
     events: Receiver<Event>,
     signal: Arc<AtomicBool>,
     /// When Ctrl-C was pressed.
@@ -186,12 +200,14 @@ struct Watch<'a, 'py> {
 }
 
 impl Watch<'_, '_> {
-    /// Tells the caller's handler what there was; of progress only the latest.
+    /// Tells the caller's handler what there was; of progress and iterations only the latest.
     fn pass_on(&mut self) {
         let mut latest: Option<(Option<String>, f64)> = None;
+        let mut iteration = None;
         while let Ok(event) = self.events.try_recv() {
             match event {
                 Event::Warning(text) => self.warn(&text),
+                Event::Iteration(record) => iteration = Some(record),
                 Event::Progress(what, done) => {
                     let before = latest.take().and_then(|(what, _)| what);
                     latest = Some((what.or(before), done));
@@ -200,6 +216,10 @@ impl Watch<'_, '_> {
         }
         if let Some((what, done)) = latest {
             self.progress(what, done);
+        }
+        if let Some(text) = iteration.and_then(|record| (self.describe)(&record)) {
+            let told = self.control.handler.call_method1("iteration", (text,));
+            self.fail(told);
         }
     }
 

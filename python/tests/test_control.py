@@ -172,3 +172,21 @@ def test_doubts_are_python_warnings_at_the_callers_line(fig8: Path) -> None:
         materials = {"nobody": {"rho_d": [0, 0, 0]}}
         unrender.render(fig8 / "scene.glb", materials=materials, height=8, spp=1)
     assert told[0].filename == __file__
+
+
+@pytest.mark.filterwarnings("ignore::unrender.UnrenderWarning")
+def test_materials_are_heard_after_iterations(corpus: Path) -> None:
+    project = corpus / "isotropic" / "project.toml"
+    heard: list[unrender.Materials] = []
+    here = threading.get_ident()
+    threads: set[int] = set()
+
+    def hear(materials: unrender.Materials) -> None:
+        heard.append(materials)
+        threads.add(threading.get_ident())
+
+    recovery = unrender.recover(project, spp=2, no_refine=True, on_iteration=hear)
+    assert heard and threads == {here}
+    assert all(set(materials) == set(recovery.materials) for materials in heard)
+    with pytest.raises(ZeroDivisionError):
+        unrender.recover(project, spp=2, no_refine=True, on_iteration=lambda materials: 1 // 0)

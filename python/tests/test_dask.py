@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 import unrender
 import unrender.dask
+from cluster import cluster as made
+from cluster import sha256
 
 distributed: Any = pytest.importorskip("distributed")
 pytestmark = pytest.mark.filterwarnings("ignore")
@@ -24,14 +26,14 @@ def cluster() -> Generator[Any, None, None]:
         warnings.simplefilter("ignore")
         with distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, dashboard_address=None
-        ) as made:
-            yield made
+        ) as started:
+            yield started
 
 
 @pytest.fixture
 def client(cluster: Any) -> Generator[Any, None, None]:
-    with distributed.Client(cluster) as made:
-        yield made
+    with distributed.Client(cluster) as started:
+        yield started
 
 
 def test_a_picture_has_the_bits_of_one_process(client: Any, corpus: Path) -> None:
@@ -67,6 +69,68 @@ def test_a_lost_worker_changes_no_bit(cluster: Any, client: Any, corpus: Path) -
     )
     assert killed
     np.testing.assert_array_equal(there, here)
+
+
+def test_a_recovery_has_the_bits_of_one_process(client: Any, corpus: Path) -> None:
+    project = corpus / "isotropic" / "project.toml"
+    here = unrender.recover(project, spp=2, no_refine=True)
+    counted: list[Any] = []
+    there = unrender.dask.recover(
+        project, client=client, counted=counted.append, spp=2, no_refine=True
+    )
+    assert sha256(there) == sha256(here)
+    assert counted[0].requests > 20
+    # The scene goes to each worker once, and the cache when it changes.
+    assert counted[0].sent < 100 * (corpus / "isotropic" / "scene.glb").stat().st_size
+
+
+def test_a_recovery_outlives_its_workers(cluster: Any, client: Any, corpus: Path) -> None:
+    project = corpus / "isotropic" / "project.toml"
+    here = sha256(unrender.recover(project, spp=2, no_refine=True))
+    killed: list[int] = []
+
+    def kill(done: float, message: str) -> None:
+        workers = [worker.pid for worker in cluster.workers.values() if worker.pid]
+        if "iteration" in message and workers and len(killed) < 2:
+            killed.append(workers[0])
+            os.kill(workers[0], signal.SIGKILL)
+
+    there = unrender.dask.recover(project, client=client, spp=2, no_refine=True, progress=kill)
+    assert killed
+    assert sha256(there) == here
+
+
+def test_a_recovery_goes_on_by_itself_when_its_cluster_is_gone(
+    corpus: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("unrender._workers.PATIENCE", 0.5)
+    project = corpus / "isotropic" / "project.toml"
+    here = sha256(unrender.recover(project, spp=2, no_refine=True))
+    with made(1) as cluster, distributed.Client(cluster) as client:
+
+        def heard(done: float, message: str) -> None:
+            if cluster.workers:
+                cluster.scale(0)
+
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            there = unrender.dask.recover(
+                project, client=client, spp=2, no_refine=True, progress=heard
+            )
+    assert sha256(there) == here
+    assert any("goes on without its workers" in str(warning.message) for warning in told)
+
+
+def test_a_worker_with_another_build_is_refused(
+    client: Any, corpus: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("unrender._workers.build", lambda: "another")
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        unrender.dask.recover(
+            corpus / "isotropic" / "project.toml", client=client, spp=2, no_refine=True
+        )
+    assert any("install the same wheel" in str(warning.message) for warning in told)
 
 
 def test_a_batch_hands_over_what_came_out(client: Any, corpus: Path, tmp_path: Path) -> None:

@@ -32,7 +32,7 @@ VERBS: dict[str, Callable[..., object]] = {
 ONLY_COMMAND = {"json", "help", "version", "quiet", "resume"}
 # They are about the command itself; Python has unrender.dask in the place of `farm`.
 NO_VERBS = {"help", "completions", "farm", "man"}
-ONLY_PYTHON = {"progress", "cancel"}
+ONLY_PYTHON = {"progress", "cancel", "on_iteration"}
 GLOBAL = {"threads", "allow_outside", "input_memory"}
 
 

@@ -74,6 +74,7 @@ class Control:
         self.threads = threads
         self.handler = self
         self._message = ""
+        self.hear: Callable[[str], object] | None = None
         self._bar = Bar() if progress is True else None
         self._callback: Callable[[float, str], object] | None
         self._callback = self._bar if progress is True else (progress or None)
@@ -87,6 +88,11 @@ class Control:
         self._message = message or self._message
         if self._callback is not None:
             self._callback(done, self._message)
+
+    def iteration(self, text: str) -> None:
+        """Passes on where a recovery stands after an iteration, as JSON."""
+        if self.hear is not None:
+            self.hear(text)
 
     def close(self) -> None:
         """Ends the bar, if it is ours."""

@@ -10,6 +10,7 @@ __all__ = [
     "Recovered",
     "Scene",
     "Token",
+    "Worker",
     "call",
     "description",
     "main",
@@ -24,6 +25,7 @@ __all__ = [
 class _Handler(Protocol):
     def warning(self, text: str, /) -> object: ...
     def progress(self, message: str | None, done: float, /) -> object: ...
+    def iteration(self, text: str, /) -> object: ...
 
 class _Control(Protocol):
     @property
@@ -72,6 +74,17 @@ class Token:
     @property
     def cancelled(self) -> bool: ...
 
+class _Workers(Protocol):
+    def count(self) -> int: ...
+    def answers(
+        self, shared: list[tuple[int, bytes]], requests: list[bytes], /
+    ) -> list[bytes] | None: ...
+
+@final
+class Worker:
+    def __new__(cls, setup: bytes) -> Worker: ...
+    def answer(self, appearance: bytes, cache: bytes, asked: bytes) -> bytes: ...
+
 @final
 class Scene:
     @staticmethod
@@ -115,7 +128,11 @@ def main(words: Sequence[str]) -> int: ...
 def png_bytes(codes: NDArray[np.float32]) -> bytes: ...
 def read_picture(path: str) -> tuple[NDArray[np.float32], list[str]]: ...
 def recover(
-    words: Sequence[str], project: _ProjectParts | None, out: str | None, control: _Control
+    words: Sequence[str],
+    project: _ProjectParts | None,
+    out: str | None,
+    control: _Control,
+    workers: _Workers | None,
 ) -> tuple[Recovered | None, str | None, bool]: ...
 def render(
     words: Sequence[str], scene: Scene | None, materials: _Materials | None, control: _Control

@@ -1,25 +1,30 @@
-"""Work on a cluster, by Dask's ``distributed``: many projects, or one picture over all workers.
+"""Work on a cluster, by Dask's ``distributed``: many projects, or one picture or one recovery over all
+workers.
 
-Workers need this package in the same version, and see the files of scenes and projects under the same
-paths. What is in memory goes to them by itself.
+Workers need this package in the same version. For :func:`batch` and :func:`render` they see the files of
+scenes and projects under the same paths; what is in memory goes to them by itself, and so does everything
+in :func:`recover`.
 """
 
 from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Generator, Iterable, Mapping
+from collections.abc import Callable, Generator, Iterable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _tables
-from ._control import Progress, StrPath, control
+from ._control import Progress, StrPath, control, warn
+from ._workers import Workers
 from .errors import Error, RequestError
 from .materials import Materials
 from .pictures import Picture
-from .recovery import Recovery, recover
+from .project import Project
+from .recovery import WORKERS, Recovery
+from .recovery import recover as recover_here
 from .rendering import merge
 from .rendering import render as render_here
 from .scene import Scene
@@ -29,7 +34,7 @@ if TYPE_CHECKING:
     import pandas
     from distributed import Client
 
-__all__ = ["Batch", "Result", "batch", "render"]
+__all__ = ["Batch", "Result", "batch", "recover", "render"]
 
 PARTS_A_WORKER = 4
 """Into how many parts the work of a worker is cut. With half of it, a slow worker keeps the others
@@ -174,6 +179,44 @@ def render(
         return merge(files, out=Path(folder) / "picture.exr")
 
 
+def recover(
+    project: Project | StrPath,
+    *,
+    client: Client,
+    counted: Callable[[Workers], object] | None = None,
+    **options: Any,
+) -> Recovery:
+    """Recovers one project over all workers, with the bits of one machine.
+
+    The workers hold the scene and render; fits and decisions are made here, once. Workers may come and
+    go: what a lost one had is rendered again. Where none is left for a minute, the recovery warns and goes
+    on by itself. This process sends its requests straight to the workers' addresses, which it has to
+    reach; they need no files.
+
+    Args:
+        project: A project, or the path of its file, here.
+        client: A client of ``distributed``.
+        counted: Hears at the end what was sent: ``requests``, ``sent`` and ``received`` bytes, ``lost``
+            requests.
+        options: Those of :func:`unrender.recover`.
+
+    Raises:
+        Error: As :func:`unrender.recover`.
+        Interrupted: On Ctrl-C, within a second, with the best state so far in ``recovery``.
+    """
+    doubts: list[str] = []
+    workers = Workers(client, doubts.append)
+    before = WORKERS.set(workers)
+    try:
+        return recover_here(project, **options)
+    finally:
+        WORKERS.reset(before)
+        if counted is not None:
+            counted(workers)
+        for doubt in doubts:
+            warn(doubt)
+
+
 Packed = tuple[str | bytes, str | dict[str, bytes] | None]
 """The path of the scene or the bytes of a .glb; the path of the materials or their files by name."""
 
@@ -226,7 +269,7 @@ def _recovered(job: tuple[str, str | None], options: dict[str, Any]) -> Result:
     """On a worker: what came of a project. Errors of the project are results, not failures."""
     project, out = job
     try:
-        recovery = recover(project, out=out, **options)
+        recovery = recover_here(project, out=out, **options)
     except Error as error:
         return Result(Path(project), None, error=error)
     return Result(Path(project), recovery.materials, recovery.folder)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -28,6 +29,9 @@ if TYPE_CHECKING:
     import xarray
 
 __all__ = ["Covariance", "Recovery", "recover"]
+
+WORKERS: ContextVar[Any] = ContextVar("WORKERS", default=None)
+"""Who does the renderer's work of recoveries that are begun here; None means this process."""
 
 
 @dataclass(frozen=True)
@@ -286,6 +290,7 @@ def recover(
     keep_camera: bool = False,
     no_filter: bool = False,
     progress: Progress = None,
+    on_iteration: Callable[[Materials], object] | None = None,
     cancel: CancelToken | None = None,
     threads: int | None = None,
     allow_outside: bool = False,
@@ -313,6 +318,9 @@ def recover(
         no_filter: Take the model as if it fitted to the pixel, and all that the photograph shows as
             part of it.
         progress: A callback ``f(done, message)``; or True for a bar of tqdm.
+        on_iteration: A callback that hears the materials as they stand after an iteration, on this
+            thread, while the recovery goes on; if it takes its time, iterations are left out. The
+            re-rendering with them is ``render(project=..., materials=...)``. Textures are left out.
         cancel: A token; when it is cancelled, the best state so far comes back, ``interrupted``.
         threads: How many threads to use; by default one a core.
         allow_outside: Whether scenes may name files outside their folder.
@@ -341,7 +349,10 @@ def recover(
     folder = None if out is None else os.fspath(out)
     line = words("recover", [path], flags, allow_outside, input_memory)
     with control(progress, cancel, threads) as controls:
-        inner, sketch, signalled = _unrender.recover(line, parts, folder, controls)
+        if on_iteration is not None:
+            controls.hear = lambda text: on_iteration(_sketched(json.loads(text)).materials)
+        workers = WORKERS.get()
+        inner, sketch, signalled = _unrender.recover(line, parts, folder, controls, workers)
     written = Path(folder) if folder is not None and inner is not None else None
     found = None
     if inner is not None:

@@ -31,6 +31,7 @@ pub mod prospect;
 pub mod record;
 mod refine;
 pub mod register;
+pub mod remote;
 pub mod rerender;
 pub mod residual;
 pub mod selection;

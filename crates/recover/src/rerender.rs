@@ -1,11 +1,13 @@
 //! What recovery asks of a renderer: one small trait, so that the ladder can be tested against
 //! closed-form renderers in milliseconds.
 
+use std::ops::{Deref, Range};
+use unrender_render::adaptive::SampleAllocation;
 use unrender_render::{
-    Appearance, Film, GeometryBuffers, Jacobian, Parameter, ProbeSettings, Probes, ProposalLobe,
-    RadianceCache, Settings, Tracer, radiance_cache::CacheLookup,
+    Accumulator, Appearance, Film, GeometryBuffers, Jacobian, Parameter, ProbeSettings, Probes,
+    ProposalLobe, RadianceCache, Settings, Tracer, radiance_cache::CacheLookup,
 };
-use unrender_scene::{BrdfModel, Camera, Rgb};
+use unrender_scene::{BrdfModel, Camera, Rgb, Scene, SceneError};
 
 /// A scene seen by the photograph's camera, to be rendered in any appearance.
 pub trait Renderer: Sync {
@@ -51,11 +53,29 @@ const WORTH_MAX: f64 = 4.0;
 /// The path tracer behind one camera.
 #[derive(Debug)]
 pub struct View<'a> {
-    tracer: &'a Tracer,
-    camera: &'a Camera,
+    tracer: Held<'a, Tracer>,
+    camera: Held<'a, Camera>,
     size: (usize, usize),
     model: BrdfModel,
     geometry: GeometryBuffers,
+}
+
+/// Something of somebody else, or one's own.
+#[derive(Debug)]
+enum Held<'a, T> {
+    Borrowed(&'a T),
+    Owned(Box<T>),
+}
+
+impl<T> Deref for Held<'_, T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        match self {
+            Self::Borrowed(value) => value,
+            Self::Owned(value) => value,
+        }
+    }
 }
 
 impl<'a> View<'a> {
@@ -67,11 +87,54 @@ impl<'a> View<'a> {
         model: BrdfModel,
     ) -> Self {
         let geometry = tracer.geometry(camera, width, height);
+        let (tracer, camera) = (Held::Borrowed(tracer), Held::Borrowed(camera));
         Self { tracer, camera, size: (width, height), model, geometry }
     }
 
+    /// The same of a scene, with a tracer of its own.
+    ///
+    /// # Errors
+    /// Those of [`Tracer::try_new`].
+    pub fn of_scene(
+        scene: &Scene,
+        camera: Camera,
+        (width, height): (usize, usize),
+    ) -> Result<View<'static>, SceneError> {
+        let tracer = Tracer::try_new(scene)?;
+        let geometry = tracer.geometry(&camera, width, height);
+        let (tracer, camera) = (Held::Owned(Box::new(tracer)), Held::Owned(Box::new(camera)));
+        Ok(View { tracer, camera, size: (width, height), model: scene.brdf, geometry })
+    }
+
+    /// The camera.
+    pub(crate) fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// How [`Renderer::picture`] renders with no more noise than `settings` say.
+    pub(crate) fn plan(&self, appearance: Appearance<'_>, settings: &Settings) -> Settings {
+        let (camera, size) = (&*self.camera, self.size);
+        let worth = self.tracer.path_reuse_efficiency(appearance, camera, size, settings);
+        let paths = f64::from(settings.spp) / worth.unwrap_or(1.0).min(WORTH_MAX);
+        let integrator = unrender_render::Integrator::with_path_reuse(worth.is_some());
+        Settings { spp: paths.ceil() as u32, integrator, ..*settings }
+    }
+
+    /// The samples of these numbers of the whole picture; those of all numbers add up to it.
+    pub(crate) fn samples(
+        &self,
+        appearance: Appearance<'_>,
+        samples: Range<u32>,
+        settings: &Settings,
+    ) -> Accumulator {
+        let mut sums = Accumulator::new(self.size.0, self.size.1);
+        let samples = SampleAllocation::Uniform(samples);
+        self.tracer.accumulate(appearance, &self.camera, settings, &samples, &mut sums, &|_| {});
+        sums
+    }
+
     fn lookup<'s>(&'s self, seen: Option<&'s RadianceCache>) -> Option<CacheLookup<'s>> {
-        seen.map(|seen| CacheLookup { cache: seen, camera: self.camera, geometry: &self.geometry })
+        seen.map(|seen| CacheLookup { cache: seen, camera: &self.camera, geometry: &self.geometry })
     }
 
     /// The whole picture, with its variance.
@@ -81,7 +144,7 @@ impl<'a> View<'a> {
         settings: &Settings,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Film {
-        self.tracer.render(appearance, self.camera, self.size, settings, progress)
+        self.tracer.render(appearance, &self.camera, self.size, settings, progress)
     }
 }
 
@@ -102,7 +165,7 @@ impl Renderer for View<'_> {
         seen: Option<&RadianceCache>,
     ) -> Probes {
         let lookup = self.lookup(seen);
-        self.tracer.probe(appearance, self.camera, self.size, pixels, settings, lookup)
+        self.tracer.probe(appearance, &self.camera, self.size, pixels, settings, lookup)
     }
 
     fn jacobian(
@@ -114,7 +177,7 @@ impl Renderer for View<'_> {
         seen: Option<&RadianceCache>,
     ) -> Jacobian {
         let lookup = self.lookup(seen);
-        let Self { camera, size, .. } = *self;
+        let (camera, size) = (&*self.camera, self.size);
         self.tracer.jacobian(appearance, camera, size, pixels, parameters, settings, lookup)
     }
 
@@ -125,7 +188,7 @@ impl Renderer for View<'_> {
         settings: &Settings,
     ) -> Vec<Rgb> {
         let estimates =
-            self.tracer.render_pixels(appearance, self.camera, self.size, pixels, settings);
+            self.tracer.render_pixels(appearance, &self.camera, self.size, pixels, settings);
         estimates.into_iter().map(|(mean, _)| mean).collect()
     }
 
@@ -135,13 +198,7 @@ impl Renderer for View<'_> {
         settings: &Settings,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Vec<Rgb> {
-        let worth = self.tracer.path_reuse_efficiency(appearance, self.camera, self.size, settings);
-        let paths = f64::from(settings.spp) / worth.unwrap_or(1.0).min(WORTH_MAX);
-        let settings = Settings {
-            spp: paths.ceil() as u32,
-            integrator: unrender_render::Integrator::with_path_reuse(worth.is_some()),
-            ..*settings
-        };
+        let settings = self.plan(appearance, settings);
         self.render(appearance, &settings, progress).mean.pixels().to_vec()
     }
 }

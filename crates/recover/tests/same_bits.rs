@@ -1,10 +1,11 @@
-//! A recovery has the same bits on any number of threads, and when it goes on from its journal, wherever
-//! it was cut off.
+//! A recovery has the same bits on any number of threads, by any number of workers, and when it goes on
+//! from its journal, wherever it was cut off.
 
 use glam::{Vec2, Vec3};
 use std::collections::BTreeSet;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use unrender_recover::remote::{Remote, Shared, Worker, Workers};
 use unrender_recover::{
     ExposureRule, GroupSpec, Hypothesis, Journal, LadderKind, Observation, Options, Picture,
     Problem, Recovery, Renderer, Role, View, recover, recover_with,
@@ -71,13 +72,17 @@ fn scene() -> Scene {
     scene
 }
 
+fn camera() -> Camera {
+    let (eye, target) = (Vec3::new(0.3, 1.2, 2.6), Vec3::new(0.0, 0.6, 0.0));
+    Camera::look_at("camera", eye, target, Vec3::Y, 0.7)
+}
+
 /// What `solve` makes of the problem that a photograph of the scene poses: a checkerboard hangs on the
 /// wall, and the exposure is not known.
 fn solved<T>(role_of_floor: Role, solve: impl Fn(&Problem<'_>) -> T) -> T {
     let scene = scene();
     let tracer = Tracer::new(&scene);
-    let (eye, target) = (Vec3::new(0.3, 1.2, 2.6), Vec3::new(0.0, 0.6, 0.0));
-    let camera = Camera::look_at("camera", eye, target, Vec3::Y, 0.7);
+    let camera = camera();
     let view = View::new(&tracer, &camera, (SIDE, SIDE), scene.brdf);
     let settings = Settings { spp: 64, seed: 3, ..Settings::default() };
     let mut values = view.render(&scene.materials(), &settings, &|_| {}).mean;
@@ -116,6 +121,32 @@ fn solved<T>(role_of_floor: Role, solve: impl Fn(&Problem<'_>) -> T) -> T {
         coloured_lights: Vec::new(),
         corrections: &[],
     })
+}
+
+/// Workers in this process; now and then there is none, or an answer that is none.
+struct Here {
+    count: usize,
+    asked: AtomicUsize,
+    fails: bool,
+}
+
+impl Workers for Here {
+    fn count(&self) -> usize {
+        self.count
+    }
+
+    fn answers(&self, shared: &[Shared; 3], requests: &[Vec<u8>]) -> Option<Vec<Vec<u8>>> {
+        let [setup, appearance, cache] = shared.each_ref().map(|shared| &*shared.bytes);
+        let worker = Worker::new(setup).unwrap();
+        let answer = |request: &Vec<u8>| worker.answer(appearance, cache, request).unwrap();
+        let mut answers: Vec<Vec<u8>> = requests.iter().map(answer).collect();
+        match self.asked.fetch_add(1, Ordering::Relaxed) % 7 {
+            0 if self.fails => return None,
+            3 if self.fails => answers[0].truncate(5),
+            _ => {}
+        }
+        Some(answers)
+    }
 }
 
 /// All numbers of a recovery, to the bit: the text of a number reads back to the same bits.
@@ -186,5 +217,66 @@ fn so_do_one_by_an_anchor_and_the_papers_ladder() {
     let kinds = goes_on(Role::Unknown, &options);
     for kind in ["paper's iteration", "paper's parameters"] {
         assert!(kinds.contains(kind), "{kind}: {kinds:?}");
+    }
+}
+
+#[test]
+fn workers_find_the_bits_of_one_machine() {
+    let options = Options { spp: 8, ..Options::default() };
+    solved(Role::Known, |problem| {
+        let alone = bits(&recover(problem, &options, &mut ()).unwrap());
+        for (count, fails) in [(1, false), (2, true), (5, false), (0, false)] {
+            let view = View::of_scene(&scene(), camera(), (SIDE, SIDE)).unwrap();
+            let workers = Here { count, asked: AtomicUsize::new(0), fails };
+            let remote = Remote::new(view, &scene(), &workers);
+            let problem = Problem { renderer: &remote, ..problem.clone() };
+            let together = bits(&recover(&problem, &options, &mut ()).unwrap());
+            assert!(together == alone, "{count} workers");
+            assert_eq!(workers.asked.into_inner() > 20, count > 0);
+        }
+    });
+}
+
+#[test]
+fn a_worker_refuses_what_is_no_request_of_its_own() {
+    assert!(Worker::new(&[1, 2, 3]).is_err());
+    solved(Role::Known, |problem| {
+        let view = View::of_scene(&scene(), camera(), (SIDE, SIDE)).unwrap();
+        let refused = Refused::default();
+        let remote = Remote::new(view, &scene(), &refused);
+        let materials = scene().materials();
+        let settings = Settings { spp: 1, ..Settings::default() };
+        let pixels = [0, (SIDE * SIDE) as u32 - 1];
+        // The renderer does it by itself.
+        let seen = remote.rerender((&materials).into(), &pixels, &settings);
+        let here = problem.renderer.rerender((&materials).into(), &pixels, &settings);
+        assert_eq!(seen, here);
+        assert!(refused.0.load(Ordering::Relaxed) > 0);
+    });
+}
+
+/// Tells workers what they do not understand.
+#[derive(Default)]
+struct Refused(AtomicUsize);
+
+impl Workers for Refused {
+    fn count(&self) -> usize {
+        1
+    }
+
+    fn answers(&self, shared: &[Shared; 3], requests: &[Vec<u8>]) -> Option<Vec<Vec<u8>>> {
+        let [setup, appearance, cache] = shared.each_ref().map(|shared| &*shared.bytes);
+        let worker = Worker::new(setup).unwrap();
+        let request = &requests[0];
+        assert!(worker.answer(appearance, cache, request).is_ok());
+        assert!(worker.answer(&[], cache, request).is_err());
+        assert!(worker.answer(appearance, &[7], request).is_err());
+        assert!(worker.answer(appearance, cache, &request[..request.len() - 1]).is_err());
+        // Pixels that the picture does not have.
+        let mut beyond = request.clone();
+        beyond[3] = 0x7F;
+        assert!(worker.answer(appearance, cache, &beyond).is_err());
+        self.0.fetch_add(1, Ordering::Relaxed);
+        None
     }
 }

@@ -14,12 +14,13 @@ use crate::path::{MAX_BOUNCES, Transport};
 use crate::path_reuse::PathReuse;
 use crate::tracer::Tracer;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use unrender_scene::{Camera, Rgb};
 
 /// Which estimator the samples of a picture come from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Integrator {
     /// Path tracing: the samples of all pixels are independent.
     #[default]
@@ -38,7 +39,7 @@ impl Integrator {
 }
 
 /// How to render.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Settings {
     /// Samples per pixel.
     pub spp: u32,

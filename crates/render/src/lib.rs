@@ -50,6 +50,6 @@ pub use film::{Accumulator, Film, PixelAccumulator};
 pub use geometry::{GeometryBuffers, NOTHING, PixelGeometry};
 pub use integrator::{Integrator, Settings};
 pub use jacobian::{Jacobian, Parameter};
-pub use probe::{Probe, ProbeSettings, Probes, ProposalLobe};
+pub use probe::{Incident, Mirrored, Probe, ProbeSettings, Probes, ProposalLobe};
 pub use radiance_cache::RadianceCache;
 pub use tracer::Tracer;

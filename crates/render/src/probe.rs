@@ -29,11 +29,12 @@ use crate::surface::Surface;
 use crate::tracer::Tracer;
 use glam::Vec3;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::f32::consts::FRAC_1_PI;
 use unrender_scene::{Camera, Material, Rgb};
 
 /// The sampling of the probes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProbeSettings {
     /// Camera rays per pixel; each becomes one probe.
     pub probes_per_pixel: u32,
@@ -73,7 +74,7 @@ impl Default for ProbeSettings {
 }
 
 /// A lobe to draw directions from.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProposalLobe {
     /// Roughness along the anisotropy direction.
     pub alpha_x: f32,
@@ -142,6 +143,13 @@ impl Probes {
     pub fn incident_of(&self, probe: &Probe) -> &[Incident] {
         &self.incident[probe.first as usize..(probe.first + probe.count) as usize]
     }
+
+    /// Appends the probes of other pixels.
+    pub fn append(&mut self, other: Self) {
+        let shift = self.incident.len() as u32;
+        self.probes.extend(other.probes.into_iter().map(|p| Probe { first: p.first + shift, ..p }));
+        self.incident.extend(other.incident);
+    }
 }
 
 /// Pixels per parallel task. A probe traces hundreds of rays, so tasks are smaller than in
@@ -183,11 +191,7 @@ fn concatenate(chunks: Vec<Probes>) -> Probes {
         probes: Vec::with_capacity(chunks.iter().map(|p| p.probes.len()).sum()),
         incident: Vec::with_capacity(chunks.iter().map(|p| p.incident.len()).sum()),
     };
-    for chunk in chunks {
-        let shift = all.incident.len() as u32;
-        all.probes.extend(chunk.probes.into_iter().map(|p| Probe { first: p.first + shift, ..p }));
-        all.incident.extend(chunk.incident);
-    }
+    chunks.into_iter().for_each(|chunk| all.append(chunk));
     all
 }
 

@@ -8,10 +8,11 @@
 
 use crate::geometry::GeometryBuffers;
 use crate::surface::Surface;
+use serde::{Deserialize, Serialize};
 use unrender_scene::{Camera, Image, Rgb, RgbImage};
 
 /// The radiance of diffuse surfaces as a camera measured it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RadianceCache {
     /// Radiance, W sr^-1 m^-2 per channel.
     pub radiance: RgbImage,

@@ -3,10 +3,10 @@
 
 use crate::Lens;
 use glam::{Affine3A, Mat3, Vec3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A perspective camera.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
     /// The node's name in the scene file.
     pub name: String,

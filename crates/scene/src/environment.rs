@@ -13,16 +13,32 @@
 use crate::color::luminance;
 use crate::{Rgb, RgbImage};
 use glam::Vec3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 use std::sync::Arc;
 
 /// An environment map, visible behind the scene.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Unchecked")]
 pub struct Environment {
     #[serde(serialize_with = "crate::serial::pointee")]
     radiance: Arc<RgbImage>,
     rotation_rad: f32,
+}
+
+/// An [`Environment`] before its pixels were checked.
+#[derive(Deserialize)]
+struct Unchecked {
+    radiance: RgbImage,
+    rotation_rad: f32,
+}
+
+impl TryFrom<Unchecked> for Environment {
+    type Error = EnvironmentError;
+
+    fn try_from(read: Unchecked) -> Result<Self, EnvironmentError> {
+        Self::new(read.radiance, read.rotation_rad)
+    }
 }
 
 /// Why a picture is no valid environment map.

@@ -11,10 +11,10 @@
 //!
 //! the terms of [Brown 1966] with the names and signs of OpenCV: barrel distortion has `k1 < 0`.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A lens; the default is the pinhole.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Lens {
     /// The principal point: from the picture's centre to the right and downwards, in heights of the
     /// picture.

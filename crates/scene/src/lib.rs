@@ -35,10 +35,10 @@ pub use points::Pair;
 pub use validate::{SceneError, Warnings};
 
 use glam::Vec3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The objects that share one material. In glTF: all primitives with that material.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Group {
     /// The name of the material in the scene file; unique within a scene.
     pub name: String,
@@ -56,7 +56,7 @@ impl Group {
 }
 
 /// A complete scene.
-#[derive(Clone, Debug, PartialEq, Default, Serialize)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Scene {
     /// Meshes in world space; each refers to its group by index.
     pub objects: Vec<Object>,

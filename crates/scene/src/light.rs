@@ -5,10 +5,10 @@
 
 use crate::{Rgb, Scene};
 use glam::Vec3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A point, spot or directional light.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Light {
     /// The node's name in the scene file.
     pub name: String,
@@ -17,7 +17,7 @@ pub struct Light {
 }
 
 /// The kinds of punctual lights.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum LightKind {
     /// Isotropic emission from a point.
     Point {

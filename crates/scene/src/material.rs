@@ -11,7 +11,7 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 /// The normalisation of Ward's lobe.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum WardModel {
     /// Divides by sqrt(cos_i cos_o); the albedo is unbounded at grazing angles [Ward 1992].
     Ward1992,
@@ -28,7 +28,7 @@ impl WardModel {
 }
 
 /// The BRDF model of a scene's materials.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum BrdfModel {
     /// Ward's.
     Ward(WardModel),

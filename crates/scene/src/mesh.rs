@@ -1,7 +1,7 @@
 //! Triangle meshes in world space.
 
 use glam::{Vec2, Vec3, Vec4};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::f32::consts::{PI, TAU};
 
 /// Triangles of spheres: around, and from pole to pole.
@@ -9,7 +9,7 @@ const AROUND: u32 = 64;
 const UP: u32 = 32;
 
 /// A mesh with one entry of each attribute per vertex.
-#[derive(Clone, Debug, PartialEq, Default, Serialize)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Mesh {
     /// Vertex positions in world space, metres.
     pub positions: Vec<Vec3>,
@@ -74,7 +74,7 @@ impl Mesh {
 }
 
 /// A named mesh that belongs to a group.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Object {
     /// The node's name in the scene file.
     pub name: String,

@@ -11,6 +11,7 @@ use crate::{Error, Job, results, same_as};
 use std::time::Instant;
 use unrender_formats::materials::{MaterialsFile, PhotographEntry};
 use unrender_photo::Exposure;
+use unrender_recover::remote::Workers;
 use unrender_recover::{
     IterationRecord, LadderKind, Observer, Options, Problem, Recovery, Thresholds,
 };
@@ -75,13 +76,14 @@ const NEAR: f64 = 0.005;
 const ROUNDS_MAX: usize = 6;
 
 /// Recovers the materials of `job`'s groups. Where the project asks for numbers of the camera, they
-/// are found too, and the photograph of `job` ends as developed with them.
+/// are found too, and the photograph of `job` ends as developed with them. The renderer's work is done
+/// by `workers`, where they are given.
 pub(crate) fn recover(
     job: &mut Job,
-    options: &Options,
-    alignment: Alignment,
+    (options, alignment): (&Options, Alignment),
     progress: &Progress,
     journal: &RecoveryJournal,
+    workers: Option<&dyn Workers>,
 ) -> Result<Recovered, Error> {
     let started = Instant::now();
     let pausable = Pausable::new();
@@ -95,7 +97,8 @@ pub(crate) fn recover(
         let rough = Options { thresholds, spp: 1, ..options.clone() };
         for _ in 0..ROUNDS_MAX {
             let mut teller = Teller::new(progress, options, started, (&pausable, journal));
-            let change = recover_once(job, &laid, &numbers, &rough, &mut teller)?.change;
+            let asked = (&rough, workers);
+            let change = recover_once(job, &laid, &numbers, asked, &mut teller)?.change;
             if change < NEAR || teller.is_cancelled() {
                 break;
             }
@@ -104,7 +107,7 @@ pub(crate) fn recover(
     let developed = started.elapsed().as_secs_f64();
     let mut teller = Teller::new(progress, options, started, (&pausable, journal));
     let Once { mut recovery, group_map, object_map, .. } =
-        recover_once(job, &laid, &numbers, options, &mut teller)?;
+        recover_once(job, &laid, &numbers, (options, workers), &mut teller)?;
     if let Exposure::Fixed(exposure) = job.project.exposure {
         // The photograph was developed with it.
         recovery.exposure = exposure;
@@ -139,7 +142,7 @@ fn recover_once(
     job: &mut Job,
     laid: &Laid,
     numbers: &[Number],
-    options: &Options,
+    (options, workers): (&Options, Option<&dyn Workers>),
     teller: &mut Teller<'_>,
 ) -> Result<Once, Error> {
     let corrections = camera_numbers::corrections(job, numbers);
@@ -150,7 +153,7 @@ fn recover_once(
         Ok((unrender_recover::recover_with(problem, options, teller, journal)?, maps))
     };
     let (recovery, (group_map, object_map)) =
-        with_problem(job, &Tracer::new(&job.scene), laid, &corrections, recover)?;
+        with_problem(job, &Tracer::new(&job.scene), laid, (&corrections, workers), recover)?;
     let change = if numbers.is_empty() {
         0.0
     } else {

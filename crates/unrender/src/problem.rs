@@ -3,24 +3,32 @@
 use crate::Job;
 use crate::laid::Laid;
 use unrender_photo::Exposure;
-use unrender_recover::{Correction, ExposureRule, GroupSpec, Problem, RecoverError, Role, View};
+use unrender_recover::remote::{Remote, Workers};
+use unrender_recover::{
+    Correction, ExposureRule, GroupSpec, Problem, RecoverError, Renderer, Role, View,
+};
 use unrender_render::Tracer;
 use unrender_scene::{Material, Rgb};
 
-/// What `solve` makes of the problem that `job` poses, its model laid as `laid` says.
+/// What `solve` makes of the problem that `job` poses, its model laid as `laid` says; `workers` may render for
+/// it.
 pub(crate) fn with_problem<T>(
     job: &Job,
     tracer: &Tracer,
     laid: &Laid,
-    corrections: &[Correction],
+    (corrections, workers): (&[Correction], Option<&dyn Workers>),
     solve: impl FnOnce(&Problem<'_>) -> Result<T, RecoverError>,
 ) -> Result<T, RecoverError> {
     let size = (job.photo.radiance.width(), job.photo.radiance.height());
     let view = View::new(tracer, &laid.camera, size, job.scene.brdf);
     let observation = laid.observe(job, unrender_recover::Renderer::geometry(&view));
+    let renderer: Box<dyn Renderer + '_> = match workers {
+        Some(workers) => Box::new(Remote::new(view, &job.scene, workers)),
+        None => Box::new(view),
+    };
     solve(&Problem {
         observation: &observation,
-        renderer: &view,
+        renderer: &*renderer,
         groups: (0..job.scene.groups.len()).map(|group| spec(job, group)).collect(),
         exposure: exposure_rule(job),
         unknown_lights: job.unknown_lights.clone(),

@@ -101,7 +101,7 @@ fn preference(job: &Job, tracer: &Tracer, found: &Registration) -> Result<f64, R
     let pixels = sketch::edge_pixels(geometries.each_ref());
     let differences = |verdict: Verdict| {
         let laid = laid(job, tracer, Some(found.clone()), verdict);
-        with_problem(job, tracer, &laid, &[], |problem| {
+        with_problem(job, tracer, &laid, (&[], None), |problem| {
             sketch::differences(problem, &Options::default(), &pixels)
         })
     };

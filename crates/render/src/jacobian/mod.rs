@@ -32,12 +32,13 @@ use crate::tracer::Tracer;
 use glam::DVec3;
 use plan::Plan;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use tape::Tape;
 use unrender_scene::{Camera, Rgb};
 
 /// A parameter of derivatives. Each stands for three numbers, one per channel, except that the
 /// roughnesses and the angle are shared by the channels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Parameter {
     /// The diffuse reflectance of a group; of a textured one, a factor on its texture.
     RhoD(u32),

@@ -12,6 +12,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use unrender_formats::Limits;
+use unrender_recover::remote::Workers;
 use unrender_recover::{LadderKind, Options, Termination};
 use unrender_scene::Hypothesis;
 
@@ -88,7 +89,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let mut job = Job::load(project, warnings)?;
     let head = Head::of(&job, args, global.limits());
     let journal = RecoveryJournal::open(&args.out, head, args.resume)?;
-    let recovered = recovered_with(args, &mut job, global, &journal)?;
+    let recovered = recovered_with(args, &mut job, global, &journal, None)?;
     let run =
         folder.write(false, |place| results::write(&job, &recovered, place, &global.console))?;
     if args.json {
@@ -119,7 +120,20 @@ impl Args {
 /// # Errors
 /// If the camera sees nothing, or the anchor cannot fix the exposure.
 pub fn recovered(args: &Args, job: &mut Job, global: &Global) -> Result<Recovered, Error> {
-    recovered_with(args, job, global, &RecoveryJournal::none())
+    recovered_with(args, job, global, &RecoveryJournal::none(), None)
+}
+
+/// As [`recovered`], with the renderer's work done by `workers`: the bits are the same.
+///
+/// # Errors
+/// As those of [`recovered`].
+pub fn recovered_by(
+    args: &Args,
+    job: &mut Job,
+    global: &Global,
+    workers: &dyn Workers,
+) -> Result<Recovered, Error> {
+    recovered_with(args, job, global, &RecoveryJournal::none(), Some(workers))
 }
 
 fn recovered_with(
@@ -127,10 +141,12 @@ fn recovered_with(
     job: &mut Job,
     global: &Global,
     journal: &RecoveryJournal,
+    workers: Option<&dyn Workers>,
 ) -> Result<Recovered, Error> {
     global.console.warn(&job.warnings);
     let options = options(args, &job.project);
-    engine::recover(job, &options, alignment(args), &Progress::new("recover", global), journal)
+    let progress = Progress::new("recover", global);
+    engine::recover(job, (&options, alignment(args)), &progress, journal, workers)
 }
 
 /// Makes the arguments' rung that of `project`, and `global`'s limits its own.
