@@ -14,9 +14,9 @@ pub mod mirror;
 pub mod partial_mirror;
 pub mod textured;
 
+use crate::block_residuals::BlockResiduals;
 use crate::evidence::Evidence;
 use crate::likelihood::Likelihood;
-use crate::model_error::BlockResiduals;
 use crate::residual::{ResidualStats, residual_stats};
 use serde::{Deserialize, Serialize};
 pub use unrender_scene::Hypothesis;

@@ -12,8 +12,9 @@
 //! residuals, for else our noise would count as error and every search would shun shine; the simplex runs channel by channel on a
 //! sample of the group's pixels, and the roughness is the mean over the channels.
 
-use super::effort;
-use crate::evidence::{Effort, Evidence, observe, spread};
+use crate::blocks::spread;
+use crate::effort;
+use crate::evidence::{Effort, Evidence, observe};
 use crate::fit::simplex;
 use crate::hypothesis::{self, Hypothesis, brushed, textured};
 use crate::problem::{Options, RecoverError};
