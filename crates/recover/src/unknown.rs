@@ -24,6 +24,13 @@ pub enum Quantity {
     Camera,
 }
 
+impl Quantity {
+    /// Whether each channel has a number of its own. (Of a light of known colour all share one.)
+    pub(crate) fn has_channels(self) -> bool {
+        matches!(self, Self::RhoD | Self::RhoS | Self::Light | Self::Exposure)
+    }
+}
+
 /// One free number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unknown {

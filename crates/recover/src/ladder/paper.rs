@@ -231,9 +231,6 @@ impl PaperIteration<'_> {
                 Material::mirror((now.rho_s * ratio()).clamp(Rgb::ZERO, Rgb::ONE))
             }
             Hypothesis::PartialMirror => Material::mirror(ratio().clamp(Rgb::ZERO, Rgb::ONE)),
-            Hypothesis::DiffuseSpecular => {
-                hypothesis::fit(rung, &self.gather(state, group), now, SEARCH).material
-            }
             // Found once: searching again in every iteration only walks with the noise of the search.
             Hypothesis::Isotropic | Hypothesis::Anisotropic if stays => now.clone(),
             Hypothesis::Isotropic => self.simplex(state, group, now, false),
@@ -251,6 +248,7 @@ impl PaperIteration<'_> {
                 let rho_d = textured::mean(&found);
                 Material { texture: Some(found.texture), ..Material::diffuse(rho_d) }
             }
+            _ => hypothesis::fit(rung, &self.gather(state, group), now, SEARCH).material,
         })
     }
 

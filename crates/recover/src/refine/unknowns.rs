@@ -3,14 +3,14 @@
 
 use super::blocks::{self, At, Linear, Range, Start};
 use crate::fit::quadratic::Bounds;
-use crate::hypothesis::{Hypothesis, textured};
+use crate::hypothesis::{self, Hypothesis, textured};
 use crate::problem::{ExposureRule, Role};
 use crate::record::Status;
 use crate::state::{GroupState, State};
 use crate::unknown::{Quantity, Unknown};
 use nalgebra::DVector;
 use unrender_render::Parameter;
-use unrender_scene::Rgb;
+use unrender_scene::{Image, Rgb};
 
 /// All free numbers, and the derivatives to ask for.
 pub(crate) struct Unknowns {
@@ -29,21 +29,13 @@ struct Column {
     parameters: [usize; 2],
 }
 
-/// The kinds of numbers that a group has: those of its rung, and of a texture the mean where some of it is
-/// unseen.
+/// The kinds of numbers that are free in a group: those of its rung, but for a texture that is seen as a
+/// whole, which its own pixels determine.
 fn quantities(of_group: &GroupState) -> &'static [Quantity] {
-    use Quantity::{Alpha, AlphaX, AlphaY, RhoD, RhoS, Theta};
+    let is_guessed = |seen: &Image<bool>| textured::is_partly_unseen(seen);
     match of_group.hypothesis {
-        Hypothesis::Textured => match &of_group.seen_texels {
-            Some(seen) if textured::is_partly_unseen(seen) => &[RhoD],
-            _ => &[],
-        },
-        Hypothesis::Diffuse => &[RhoD],
-        Hypothesis::Mirror => &[],
-        Hypothesis::PartialMirror => &[RhoS],
-        Hypothesis::DiffuseSpecular => &[RhoD, RhoS],
-        Hypothesis::Isotropic => &[RhoD, RhoS, Alpha],
-        Hypothesis::Anisotropic => &[RhoD, RhoS, AlphaX, AlphaY, Theta],
+        Hypothesis::Textured if !of_group.seen_texels.as_ref().is_some_and(is_guessed) => &[],
+        hypothesis => hypothesis::quantities(hypothesis),
     }
 }
 
@@ -203,7 +195,7 @@ impl Unknowns {
 }
 
 fn push(list: &mut Vec<Unknown>, quantity: Quantity, of: usize) {
-    if blocks::of(quantity).has_channels() {
+    if quantity.has_channels() {
         list.extend((0..3).map(|c| Unknown { quantity, of, channel: Some(c) }));
     } else {
         list.push(Unknown { quantity, of, channel: None });

@@ -18,10 +18,6 @@ impl ParameterBlock for Camera {
         "camera"
     }
 
-    fn has_channels(&self) -> bool {
-        false
-    }
-
     fn is_nuisance(&self) -> bool {
         true
     }

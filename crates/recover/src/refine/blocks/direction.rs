@@ -23,10 +23,6 @@ impl ParameterBlock for Direction {
         "theta"
     }
 
-    fn has_channels(&self) -> bool {
-        false
-    }
-
     fn prior(&self, _: &State<'_>, _: &Unknown) -> Prior {
         Prior { mean: None, deviation: DEVIATION }
     }

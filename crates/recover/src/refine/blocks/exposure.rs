@@ -14,10 +14,6 @@ impl ParameterBlock for Exposure {
         "exposure"
     }
 
-    fn has_channels(&self) -> bool {
-        true
-    }
-
     fn is_nuisance(&self) -> bool {
         true
     }

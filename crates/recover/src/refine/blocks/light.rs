@@ -24,10 +24,6 @@ impl ParameterBlock for Light {
         "light"
     }
 
-    fn has_channels(&self) -> bool {
-        true
-    }
-
     fn is_nuisance(&self) -> bool {
         true
     }

@@ -75,9 +75,6 @@ pub(super) trait ParameterBlock: Sync {
     /// As notes call it.
     fn name(&self) -> &'static str;
 
-    /// Whether each channel has a number of its own.
-    fn has_channels(&self) -> bool;
-
     /// Whether it is none of a group's numbers.
     fn is_nuisance(&self) -> bool {
         false

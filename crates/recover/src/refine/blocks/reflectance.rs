@@ -56,10 +56,6 @@ impl ParameterBlock for Diffuse {
         "rho_d"
     }
 
-    fn has_channels(&self) -> bool {
-        true
-    }
-
     fn complement(&self) -> Option<Quantity> {
         Some(Quantity::RhoS)
     }
@@ -112,10 +108,6 @@ impl ParameterBlock for Diffuse {
 impl ParameterBlock for Specular {
     fn name(&self) -> &'static str {
         "rho_s"
-    }
-
-    fn has_channels(&self) -> bool {
-        true
     }
 
     fn prior(&self, _: &State<'_>, _: &Unknown) -> Prior {

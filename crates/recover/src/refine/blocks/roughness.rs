@@ -37,10 +37,6 @@ impl ParameterBlock for Roughness {
         }
     }
 
-    fn has_channels(&self) -> bool {
-        false
-    }
-
     fn prior(&self, _: &State<'_>, _: &Unknown) -> Prior {
         Prior { mean: None, deviation: DEVIATION }
     }
