@@ -90,7 +90,7 @@ impl Crate {
         let mut base = module.clone();
         let mut parts = path.split("::").map(str::to_owned).peekable();
         let first = parts.peek()?.clone();
-        let child: Module = [module.as_slice(), &[first.clone()]].concat();
+        let child: Module = [module.as_slice(), std::slice::from_ref(&first)].concat();
         match first.as_str() {
             "crate" => {
                 parts.next();
