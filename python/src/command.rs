@@ -35,7 +35,7 @@ pub(crate) fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
 /// The command line as JSON: for each subcommand its help and its flags.
 #[pyfunction]
 pub(crate) fn description() -> String {
-    let mut whole = cli::description();
+    let mut whole = cli::command();
     whole.build();
     let about = |command: &Command| {
         let flags = command.get_arguments().map(flag);

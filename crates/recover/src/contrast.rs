@@ -7,9 +7,10 @@
 //! better, with the larger one of the two rendering noises: that one of them happens to be sampled well is
 //! no evidence for it.
 
+use crate::block_residuals::BlockResiduals;
 use crate::blocks::Blocks;
 use crate::likelihood::{Likelihood, product, standardised};
-use crate::model_error::{BlockResiduals, LightField, ModelError};
+use crate::model_error::{LightField, ModelError};
 use unrender_scene::Rgb;
 
 /// The variance of the difference of two products of residuals, each of two halves with independent

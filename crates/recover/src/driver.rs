@@ -6,9 +6,9 @@
 //! refined together, which may not end worse than it began either, and the hypotheses are asked
 //! once more under the refined light. What is returned is the best state that was verified.
 
+use crate::effort::{FINEST, REFINED};
 use crate::hypothesis::Hypothesis;
 use crate::ladder::candidates::{Candidates, Proposal};
-use crate::ladder::effort::{FINEST, REFINED};
 use crate::ladder::settle::Settler;
 use crate::ladder::textures;
 use crate::plain;

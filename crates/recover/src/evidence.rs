@@ -282,19 +282,6 @@ fn starts(probes: &[Probe]) -> Vec<u32> {
     begins.chain([probes.len()]).map(|i| i as u32).collect()
 }
 
-/// At most `count` of `pixels`, spread evenly over the list with a jitter.
-pub fn spread(pixels: &[u32], count: usize, seed: u64) -> Vec<u32> {
-    if pixels.len() <= count {
-        return pixels.to_vec();
-    }
-    let stride = pixels.len() as f64 / count as f64;
-    let pick = |i: usize| {
-        let jitter = (mix(seed ^ (i as u64) << 20) >> 11) as f64 / (1u64 << 53) as f64;
-        pixels[(((i as f64 + jitter) * stride) as usize).min(pixels.len() - 1)]
-    };
-    (0..count).map(pick).collect()
-}
-
 /// The pixels in which both sets met the group, in order.
 fn pixels_of_both(sets: &[Probes; 2], group: u32) -> Vec<u32> {
     let of = |probes: &Probes| -> BTreeSet<u32> {

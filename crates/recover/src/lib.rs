@@ -11,10 +11,12 @@
 //! [`recover`] is the whole of it. It touches no file, no clock and no terminal; the renderer is
 //! behind the small trait [`Renderer`], and whoever wants to follow gives an [`Observer`].
 
+pub mod block_residuals;
 pub mod blocks;
 pub mod contrast;
 mod correction;
 mod driver;
+pub mod effort;
 pub mod evidence;
 pub mod fit;
 pub mod hypothesis;
@@ -37,6 +39,7 @@ pub mod residual;
 pub mod selection;
 pub mod sketch;
 mod state;
+mod unknown;
 mod verify;
 mod within;
 
@@ -51,8 +54,8 @@ pub use record::{
     Alternative, Covariance, Deviations, GroupIteration, GroupResult, IterationRecord, LightResult,
     Observer, Recovery, Status, Termination,
 };
-pub use refine::{Quantity, Unknown};
 pub use rerender::{Renderer, View};
+pub use unknown::{Quantity, Unknown};
 
 use journal::Steps;
 use ladder::paper;

@@ -7,7 +7,8 @@
 //! W U) - ln det W`. Noise that was raised for the sake of a comparison counts as if the residuals had
 //! it: a model is not more likely for being rendered with less noise than its rival.
 
-use crate::model_error::{BlockResiduals, FUNCTIONS, LightError, LightField, ModelError};
+use crate::block_residuals::BlockResiduals;
+use crate::model_error::{FUNCTIONS, LightError, LightField, ModelError};
 use glam::DVec3;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::{Deserialize, Serialize};

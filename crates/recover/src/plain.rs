@@ -4,8 +4,8 @@
 //! one is delivered.
 
 use crate::blocks::{Blocks, Grid};
+use crate::effort;
 use crate::hypothesis::{self, Hypothesis, Search};
-use crate::ladder::effort;
 use crate::ladder::settle::gather;
 use crate::observation::Reading;
 use crate::problem::Options;

@@ -3,8 +3,8 @@
 use crate::correction::Corrected;
 use crate::hypothesis::Hypothesis;
 use crate::observation::PixelStatus;
-use crate::refine::Unknown;
 use crate::residual::ResidualStats;
+use crate::unknown::Unknown;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 pub use unrender_scene::Status;

@@ -11,8 +11,9 @@
 
 use crate::contrast::{Contrast, Side, independent_share};
 use crate::evidence::Evidence;
-use crate::hypothesis::{Fit, Hypothesis};
+use crate::hypothesis::{self, Fit, Hypothesis};
 use crate::likelihood::standardised;
+use crate::unknown::Quantity;
 use std::collections::BTreeMap;
 
 /// A simpler hypothesis stands unless a more complex one has an information criterion lower by this:
@@ -28,15 +29,10 @@ pub struct Decision {
     pub excess: Vec<f64>,
 }
 
-/// Free parameters of a hypothesis without a texture.
+/// Free parameters of a hypothesis; of a texture those of its mean.
 pub(crate) fn parameters(hypothesis: Hypothesis) -> f64 {
-    match hypothesis {
-        Hypothesis::Mirror => 0.0,
-        Hypothesis::Diffuse | Hypothesis::PartialMirror | Hypothesis::Textured => 3.0,
-        Hypothesis::DiffuseSpecular => 6.0,
-        Hypothesis::Isotropic => 7.0,
-        Hypothesis::Anisotropic => 9.0,
-    }
+    let channels = |quantity: &Quantity| if quantity.has_channels() { 3.0 } else { 1.0 };
+    hypothesis::quantities(hypothesis).iter().map(channels).sum()
 }
 
 /// The comparison of all fits of one group on the same evidence, pair by pair.

@@ -1,11 +1,13 @@
 //! Where a recovery stands: plain data, a material and a [`GroupState`] for every group, with what
 //! belongs to the whole picture. The drivers move it; snapshots bring it back.
 
+mod step;
+
 use crate::correction::Corrected;
+use crate::effort;
 use crate::evidence::{Evidence, Stage};
 use crate::hypothesis::{self, Fit, Hypothesis};
 use crate::journal::Steps;
-use crate::ladder::effort;
 use crate::likelihood::Likelihood;
 use crate::observation::{Observation, PixelStatus, ValidPixels};
 use crate::problem::{ExposureRule, Options, Problem, RecoverError, Role};

@@ -8,11 +8,12 @@
 //! that states of different exposure can be compared. A group whose hypothesis became more complex is
 //! asked by itself too: its own pixels have to bear the change out.
 
+use crate::block_residuals::{BlockResiduals, pooled};
 use crate::blocks::{Blocks, Grid};
 use crate::contrast::{Contrast, Side};
 use crate::hypothesis::Hypothesis;
 use crate::ladder::candidates::Proposal;
-use crate::model_error::{BlockResiduals, LightError, LightField, ModelError, level2, pooled};
+use crate::model_error::{LightError, LightField, ModelError, level2};
 use crate::observation::{PixelStatus, Reading};
 use crate::problem::{Options, Role};
 use crate::state::{Snapshot, State};

@@ -4,6 +4,7 @@ use crate::commands::{
     calibrate, check, completions, export, farm, man, merge, recover, render, report, restage,
     score, split,
 };
+pub use crate::global::Global;
 use crate::listener::{Console, Listener};
 use crate::{Error, interrupt, output};
 use clap::{CommandFactory, Parser, Subcommand};
@@ -11,7 +12,6 @@ use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::process::ExitCode;
 use std::sync::Arc;
-use unrender_formats::Limits;
 
 /// Recovers the reflectance of every surface of a known scene from one photograph.
 #[derive(Debug, Parser)]
@@ -21,39 +21,6 @@ struct Cli {
     global: Global,
     #[command(subcommand)]
     command: Command,
-}
-
-/// Flags of all subcommands.
-#[derive(Clone, Debug, clap::Args)]
-pub struct Global {
-    /// Show no progress; errors and warnings are still told.
-    #[arg(long, global = true)]
-    pub quiet: bool,
-    /// Use this many threads [default: one a core]; the results do not depend on it.
-    #[arg(long, global = true, value_name = "N")]
-    pub threads: Option<NonZeroUsize>,
-    /// Let scenes and materials name files outside their folder, too.
-    #[arg(long, global = true)]
-    pub allow_outside: bool,
-    /// The memory that a scene or a picture may take while it is read, GiB [default: 2].
-    #[arg(long, global = true, value_name = "GIB", value_parser = gibibytes)]
-    pub input_memory: Option<f64>,
-    /// Where to tell what there is to say.
-    #[arg(skip)]
-    pub console: Console,
-}
-
-impl Global {
-    /// How far the reading of inputs may go.
-    pub(crate) fn limits(&self) -> Limits {
-        let memory = self.input_memory.map(|gib| (gib * f64::from(1 << 30)) as u64);
-        Limits { outside: self.allow_outside, memory: memory.unwrap_or(Limits::default().memory) }
-    }
-}
-
-fn gibibytes(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|gib: &f64| gib.is_finite() && *gib > 0.0);
-    number.ok_or_else(|| "is no positive number".into())
 }
 
 /// So many threads a core are believed to help, and always this many in all: more only fight for
@@ -78,7 +45,8 @@ enum Command {
     Man(man::Args),
 }
 
-/// The definition of the command line, of which help, completions and manual pages are made.
+/// The command line as data: subcommands, flags, defaults and help, of which completions and manual
+/// pages are made.
 pub fn command() -> clap::Command {
     Cli::command()
 }
@@ -157,11 +125,6 @@ pub fn recover_args(
     }
 }
 
-/// The command line as data: subcommands, flags, defaults and help.
-pub fn description() -> clap::Command {
-    Cli::command()
-}
-
 fn prepare(global: &Global) -> Result<(), Error> {
     interrupt::install()?;
     if let Some(asked) = global.threads {
@@ -197,8 +160,8 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Split(args) => split::run(args, &cli.global),
         Command::Export(args) => export::run(args, &cli.global),
         Command::Report(args) => report::run(args, &cli.global),
-        Command::Completions(args) => completions::run(args),
-        Command::Man(args) => man::run(args, &cli.global),
+        Command::Completions(args) => completions::run(args, Cli::command()),
+        Command::Man(args) => man::run(args, &cli.global, Cli::command()),
     }
 }
 

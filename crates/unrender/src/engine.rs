@@ -7,16 +7,16 @@ use crate::problem::with_problem;
 use crate::progress::Progress;
 use crate::recovery_journal::RecoveryJournal;
 use crate::registration::{self, Alignment};
-use crate::{Error, Job, results, same_as};
+use crate::{Error, Job, same_as};
 use std::time::Instant;
-use unrender_formats::materials::{MaterialsFile, PhotographEntry};
+use unrender_formats::materials::PhotographEntry;
 use unrender_photo::Exposure;
 use unrender_recover::remote::Workers;
 use unrender_recover::{
     IterationRecord, LadderKind, Observer, Options, Problem, Recovery, Thresholds,
 };
 use unrender_render::Tracer;
-use unrender_scene::{Camera, Image, Scene};
+use unrender_scene::{Camera, Image};
 
 /// A recovery, how it was asked for and how long it took.
 pub struct Recovered {
@@ -37,21 +37,6 @@ pub struct Recovered {
 }
 
 impl Recovered {
-    /// The contents of materials.json, without the names of textures.
-    pub fn materials(&self, job: &Job) -> MaterialsFile {
-        results::materials(job, self)
-    }
-
-    /// The scene of `job` with the recovered materials and lights.
-    pub fn scene(&self, job: &Job) -> Scene {
-        results::dressed(job, self)
-    }
-
-    /// The table that the command prints.
-    pub fn summary(&self, job: &Job) -> String {
-        results::summary(job, self)
-    }
-
     /// The camera that the recovery went on with.
     pub fn camera(&self) -> &Camera {
         &self.laid.camera

@@ -103,7 +103,7 @@
 //!
 //! `cli` (on by default) is the command with its terminal, its signals and its folders of results;
 //! `report` the pages that it makes. A library needs neither: `default-features = false` leaves out
-//! their eight dependencies, with [`cli`], [`commands`], [`check`], [`edit`] and [`report`].
+//! their twelve dependencies, with [`cli`], [`commands`], [`check`], [`edit`] and [`report`].
 
 // What the command alone uses of the rest is not used without it.
 #![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
@@ -123,9 +123,9 @@ pub mod edit;
 pub mod engine;
 pub mod error;
 #[cfg(feature = "cli")]
-mod farm;
-#[cfg(feature = "cli")]
 mod fingerprint;
+#[cfg(feature = "cli")]
+mod global;
 #[cfg(feature = "cli")]
 mod interrupt;
 pub mod job;
@@ -159,6 +159,8 @@ mod same_as;
 pub mod score;
 #[cfg(feature = "cli")]
 mod subject;
+#[cfg(feature = "cli")]
+mod text_table;
 mod toml_values;
 
 pub use error::Error;

@@ -1,6 +1,6 @@
 //! How far a command has come, on stderr: a bar on a terminal, now and then a line elsewhere.
 
-use crate::cli::Global;
+use crate::global::Global;
 use crate::listener::{Console, Listener};
 use crate::output;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};

@@ -6,7 +6,6 @@
 //! recovery goes on. What a killed process has left of its last record does not fit its hash, and ends
 //! the journal. A disk that is full ends it too, with a warning: the recovery goes on without.
 
-use crate::commands::recover::Args;
 use crate::fingerprint::fingerprint;
 use crate::result_folder::hash;
 use crate::{Error, Job, output};
@@ -16,7 +15,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use unrender_formats::{FileError, Limits, atomic};
+use unrender_formats::{FileError, atomic};
 use unrender_recover::Journal;
 
 /// Begins as the temporary files of ours do, so that it is no result, and does not end as they do, so
@@ -44,8 +43,8 @@ pub(crate) struct Head {
 }
 
 impl Head {
-    /// Of the recovery of `job` that `args` asks for.
-    pub(crate) fn of(job: &Job, args: &Args, limits: Limits) -> Self {
+    /// Of the recovery of `job`; `options` is what the command line asks for.
+    pub(crate) fn of(job: &Job, options: String) -> Self {
         let program = std::env::current_exe().and_then(|path| hash(&path)).unwrap_or_default();
         let photo = &job.photo;
         let masks = (&photo.valid, &photo.saturated, &job.mask);
@@ -55,7 +54,7 @@ impl Head {
             project: hash(&job.project.path).unwrap_or_default(),
             scene: fingerprint(&job.scene),
             photograph: fingerprint(&photograph),
-            options: args.choices(limits),
+            options,
         }
     }
 

@@ -1,5 +1,8 @@
 //! What ARCHITECTURE.md and docs/ say of the code is compared with the code.
 
+#[path = "architecture/circles.rs"]
+mod circles;
+
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,14 +1,13 @@
 //! Camera calibration: pose, focal length and lens from points of the scene and their image points.
 //!
 //! The paper uses the method of DeMenthon and Davis and a downhill simplex [Boivin and Gagalowicz
-//! 2002, section 3.1]. So does this module, one file per step; then it refines the estimate and
-//! computes the standard deviation of each parameter:
+//! 2002, section 3.1]. This module begins with the same method; the minimum it finds by least squares,
+//! which also give the standard deviation of each parameter. One file per step:
 //!
 //! 1. `posit`: pose from few points by iterated scaled orthography, also for points in one plane;
 //!    `start` does so for one focal length after the other, where that is unknown;
 //! 2. `robust`: least trimmed squares over random subsets finds the inliers;
-//! 3. `simplex`: downhill simplex on the reprojection error of the inliers;
-//! 4. `refine`: least squares by Levenberg-Marquardt, and the covariance of the estimate; `answer`
+//! 3. `refine`: least squares by Levenberg-Marquardt, and the covariance of the estimate; `answer`
 //!    converts both to angles, pixels and metres.
 //!
 //! [`calibrate`] runs all steps. Input with a wrong sign (left-handed axes, y counted from the
@@ -22,7 +21,6 @@ mod model;
 mod posit;
 mod refine;
 mod robust;
-mod simplex;
 mod start;
 
 pub use answer::{Calibration, Estimate, Rejected};
@@ -131,8 +129,7 @@ pub fn calibrate(
     let agreed = check_agreement(agreed, &sights, &focals, request, width.hypot(height))?;
     let chosen = select(&sights, &agreed.inlier);
     check_layout(&chosen, free)?;
-    let near = simplex::downhill(&agreed.model, &chosen, free);
-    let mut model = refine::refine(&near, &chosen, free, refine::FINAL);
+    let mut model = refine::refine(&agreed.model, &chosen, free, refine::FINAL);
     let mut other = other_pose(&model, &chosen, free);
     if let Some(better) = other.as_mut().filter(|o| o.cost(&chosen) < model.cost(&chosen)) {
         std::mem::swap(better, &mut model);

@@ -3,7 +3,8 @@
 //!
 //! One rung is one file with one public function `fit`, which finds the parameters that explain the
 //! evidence best under that hypothesis. To add a rung: write its file, name it in [`Hypothesis`] at
-//! its place in the order, and send it from [`fit`].
+//! its place in the order, and here say how it is fitted ([`fit`]), which numbers it has free
+//! ([`quantities`]), which materials are of it ([`of`]), and whether it is uniform ([`UNIFORM`]).
 
 pub mod anisotropic;
 pub mod brushed;
@@ -14,10 +15,11 @@ pub mod mirror;
 pub mod partial_mirror;
 pub mod textured;
 
+use crate::block_residuals::BlockResiduals;
 use crate::evidence::Evidence;
 use crate::likelihood::Likelihood;
-use crate::model_error::BlockResiduals;
 use crate::residual::{ResidualStats, residual_stats};
+use crate::unknown::Quantity;
 use serde::{Deserialize, Serialize};
 pub use unrender_scene::Hypothesis;
 use unrender_scene::{Material, Rgb};
@@ -42,6 +44,20 @@ pub fn fit(rung: Hypothesis, evidence: &Evidence, start: &Material, search: Sear
         Hypothesis::DiffuseSpecular => diffuse_specular::fit(evidence),
         Hypothesis::Isotropic => isotropic::fit(evidence, start, search),
         Hypothesis::Anisotropic => anisotropic::fit(evidence, start, search),
+    }
+}
+
+/// The free numbers of a rung, which model selection counts and the joint refinement refines; of a
+/// texture its mean.
+pub(crate) fn quantities(rung: Hypothesis) -> &'static [Quantity] {
+    use Quantity::{Alpha, AlphaX, AlphaY, RhoD, RhoS, Theta};
+    match rung {
+        Hypothesis::Diffuse | Hypothesis::Textured => &[RhoD],
+        Hypothesis::Mirror => &[],
+        Hypothesis::PartialMirror => &[RhoS],
+        Hypothesis::DiffuseSpecular => &[RhoD, RhoS],
+        Hypothesis::Isotropic => &[RhoD, RhoS, Alpha],
+        Hypothesis::Anisotropic => &[RhoD, RhoS, AlphaX, AlphaY, Theta],
     }
 }
 

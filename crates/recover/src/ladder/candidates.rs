@@ -6,8 +6,9 @@
 //! neighbours: once it is right, their errors may be gone. A proposal changes nothing by itself; the
 //! driver accepts it if the re-rendering of the whole picture is not worse for it.
 
+use super::textures;
 use super::trial::Trial;
-use super::{effort, textures};
+use crate::effort;
 use crate::evidence::Evidence;
 use crate::hypothesis::{Fit, Hypothesis};
 use crate::likelihood::Likelihood;

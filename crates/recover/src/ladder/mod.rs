@@ -6,7 +6,6 @@
 //! the paper's method as written.
 
 pub(crate) mod candidates;
-pub mod effort;
 pub(crate) mod paper;
 pub(crate) mod settle;
 pub(crate) mod textures;

@@ -12,8 +12,9 @@
 //! residuals, for else our noise would count as error and every search would shun shine; the simplex runs channel by channel on a
 //! sample of the group's pixels, and the roughness is the mean over the channels.
 
-use super::effort;
-use crate::evidence::{Effort, Evidence, observe, spread};
+use crate::blocks::spread;
+use crate::effort;
+use crate::evidence::{Effort, Evidence, observe};
 use crate::fit::simplex;
 use crate::hypothesis::{self, Hypothesis, brushed, textured};
 use crate::problem::{Options, RecoverError};
@@ -230,9 +231,6 @@ impl PaperIteration<'_> {
                 Material::mirror((now.rho_s * ratio()).clamp(Rgb::ZERO, Rgb::ONE))
             }
             Hypothesis::PartialMirror => Material::mirror(ratio().clamp(Rgb::ZERO, Rgb::ONE)),
-            Hypothesis::DiffuseSpecular => {
-                hypothesis::fit(rung, &self.gather(state, group), now, SEARCH).material
-            }
             // Found once: searching again in every iteration only walks with the noise of the search.
             Hypothesis::Isotropic | Hypothesis::Anisotropic if stays => now.clone(),
             Hypothesis::Isotropic => self.simplex(state, group, now, false),
@@ -250,6 +248,7 @@ impl PaperIteration<'_> {
                 let rho_d = textured::mean(&found);
                 Material { texture: Some(found.texture), ..Material::diffuse(rho_d) }
             }
+            _ => hypothesis::fit(rung, &self.gather(state, group), now, SEARCH).material,
         })
     }
 

@@ -4,10 +4,10 @@
 //! light comes from diffuse surfaces that the camera sees, the photograph itself says how much it is
 //! (`unrender_render::radiance_cache`); only the rest depends on the other groups' reflectances, which move
 //! most of the way to their fits (`DAMPING`). Sample counts grow from level to level
-//! ([`super::effort`]).
+//! ([`crate::effort`]).
 
-use super::effort::{self, SETTLED};
 use super::textures;
+use crate::effort::{self, SETTLED};
 use crate::evidence::{Effort, Evidence};
 use crate::hypothesis::{self, Hypothesis, Search};
 use crate::model_error::ModelError;

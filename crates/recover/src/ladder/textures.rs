@@ -1,6 +1,6 @@
 //! Textures on the way: the last rung, taken where no uniform hypothesis explains a group.
 
-use super::effort;
+use crate::effort;
 use crate::hypothesis::{Hypothesis, textured};
 use crate::problem::Options;
 use crate::record::Deviations;

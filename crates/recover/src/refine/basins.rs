@@ -6,9 +6,9 @@
 //! answer; every other dip is followed down, and kept if no difference of the two can be told on
 //! the same light.
 
+use crate::effort;
 use crate::evidence::Evidence;
 use crate::hypothesis::{self, Fit, Hypothesis, Search};
-use crate::ladder::effort;
 use crate::model_error::ModelError;
 use crate::problem::Options;
 use crate::selection;

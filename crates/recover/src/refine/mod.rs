@@ -1,7 +1,8 @@
 //! Every parameter of every group at once, against the whole photograph, with how well it is known.
 //!
 //! The ladder has chosen the hypotheses and stands near their best parameters. What is left is a
-//! least-squares problem of tens of unknowns ([`unknowns`]), for which Gauss-Newton needs a handful
+//! least-squares problem of tens of unknowns ([`unknowns`]), each of a kind that its parameter block
+//! describes ([`blocks`]), for which Gauss-Newton needs a handful
 //! of passes ([`passes`]). Each renders radiance and derivatives twice ([`means`]), makes the normal
 //! equations of them ([`normal`]), and solves these within the bounds ([`system`]).
 //!
@@ -11,6 +12,7 @@
 //! hypothesis simpler, the rest is refined again.
 
 pub(crate) mod basins;
+mod blocks;
 mod means;
 mod normal;
 mod passes;
@@ -27,7 +29,6 @@ use normal::Normal;
 use passes::{COARSE, Passes};
 use system::System;
 use unknowns::Unknowns;
-pub use unknowns::{Quantity, Unknown};
 use unrender_render::Settings;
 use unrender_render::sampler::mix;
 
@@ -137,17 +138,4 @@ fn adjust_nuisances(state: &mut State<'_>, options: &Options) {
     if let Some(step) = system.step(0.0, &unknowns.bounds(state)) {
         unknowns.apply(state, &step);
     }
-}
-
-/// Where the prior stands: at the ladder's answer; for groups out of sight, which have none, in the
-/// middle.
-fn prior_mean(state: &State<'_>, unknowns: &Unknowns) -> DVector<f64> {
-    const MIDDLE: f64 = 0.5;
-    let out_of_sight = |g: usize| state.observation.pixels_of_group[g].is_empty();
-    let mean = unknowns.list.iter().map(|u| match u.quantity {
-        Quantity::RhoD if out_of_sight(u.of) => MIDDLE,
-        Quantity::Camera => state.problem.corrections[u.of].belief,
-        _ => unknowns.value(state, u),
-    });
-    DVector::from_iterator(unknowns.len(), mean)
 }

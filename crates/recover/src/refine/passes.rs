@@ -15,12 +15,13 @@ use super::means::{self, Mean};
 use super::normal::Normal;
 use super::sample::{self, Cell};
 use super::system::System;
-use super::unknowns::{Quantity, Unknown, Unknowns};
-use super::{Solution, prior_mean};
+use super::unknowns::Unknowns;
+use super::{Solution, blocks};
 use crate::correction::Corrected;
 use crate::problem::Options;
 use crate::record::Observer;
 use crate::state::State;
+use crate::unknown::{Quantity, Unknown};
 use nalgebra::{DMatrix, DVector};
 use unrender_render::Settings;
 use unrender_render::sampler::mix;
@@ -46,19 +47,6 @@ const DAMPING: f64 = 0.1;
 const WORSE: f64 = 3.0;
 /// The renderings may have this share of a number's variance.
 const RENDERING_SHARE: f64 = 0.35;
-
-/// The standard deviation below which nobody asks for more.
-fn precise_enough(state: &State<'_>, unknown: &Unknown) -> f64 {
-    let seen = |group: usize| !state.observation.pixels_of_group[group].is_empty();
-    match unknown.quantity {
-        // By the light that it sends to others, a group is never known well.
-        Quantity::RhoD | Quantity::RhoS if !seen(unknown.of) => 1e-2,
-        Quantity::RhoD | Quantity::RhoS => 7e-4,
-        Quantity::Alpha | Quantity::AlphaX | Quantity::AlphaY => 2e-3,
-        Quantity::Theta => 1e-3,
-        Quantity::Light | Quantity::Exposure | Quantity::Camera => 1e-3,
-    }
-}
 
 /// The passes of one refinement.
 pub(super) struct Passes<'o> {
@@ -89,7 +77,7 @@ impl<'o> Passes<'o> {
         observer: &mut dyn Observer,
     ) -> Solution {
         let unknowns = Unknowns::of(state);
-        let prior = prior_mean(state, &unknowns);
+        let prior = unknowns.prior_mean(state);
         self.coarse(state, &unknowns, &prior, observer);
         self.fine(state, unknowns, &prior, observer)
     }
@@ -97,7 +85,7 @@ impl<'o> Passes<'o> {
     /// The coarse passes alone.
     pub(super) fn approach(&mut self, state: &mut State<'_>, observer: &mut dyn Observer) {
         let unknowns = Unknowns::of(state);
-        let prior = prior_mean(state, &unknowns);
+        let prior = unknowns.prior_mean(state);
         self.coarse(state, &unknowns, &prior, observer);
     }
 
@@ -223,6 +211,11 @@ impl<'o> Passes<'o> {
     }
 }
 
+/// The standard deviation below which nobody asks for more.
+fn precise_enough(state: &State<'_>, u: &Unknown) -> f64 {
+    blocks::of(u.quantity).precise_enough(state, u)
+}
+
 /// Whether the renderings' noise matters nowhere.
 fn is_precise(
     state: &State<'_>,
@@ -247,7 +240,7 @@ fn allocate(
     let groups = state.materials.len();
     let mut need = vec![0.0f64; groups];
     for (k, u) in unknowns.list.iter().enumerate() {
-        if !u.quantity.is_nuisance() {
+        if !blocks::of(u.quantity).is_nuisance() {
             need[u.of] = need[u.of].max(rendering[k] / precise_enough(state, u).powi(2));
         }
     }

@@ -7,12 +7,12 @@
 //! whose reflectance stays open is assumed: at its best guess, or white, as the paper does, where
 //! there is nothing to guess from.
 
-use super::Solution;
-use super::unknowns::{Quantity, Unknown};
+use super::{Solution, blocks};
 use crate::hypothesis::{Hypothesis, anisotropic};
 use crate::record::{Covariance, Deviations, LightResult, Status};
 use crate::selection::STRONG;
 use crate::state::State;
+use crate::unknown::{Quantity, Unknown};
 use unrender_scene::{Material, Rgb};
 
 /// A number counts as told from zero at this many standard deviations.
@@ -214,7 +214,8 @@ struct Verdict<'a> {
 impl Verdict<'_> {
     fn indices(&self) -> impl Iterator<Item = usize> + '_ {
         let list = self.solution.unknowns.list.iter().enumerate();
-        list.filter(move |(_, u)| u.of == self.group && !u.quantity.is_nuisance()).map(|(i, _)| i)
+        list.filter(move |(_, u)| u.of == self.group && !blocks::of(u.quantity).is_nuisance())
+            .map(|(i, _)| i)
     }
 
     /// Whether a mirror's reflectance differs from one by no more than chance or than what is always
@@ -274,18 +275,19 @@ impl Verdict<'_> {
     /// What the user should know about the group's numbers.
     fn doubts(&self) -> Vec<String> {
         let list = &self.solution.unknowns.list;
+        let name = |i: usize| blocks::of(list[i].quantity).name();
         let mut doubts: Vec<String> = Vec::new();
         let indices: Vec<usize> = self.indices().collect();
         for (k, &i) in indices.iter().enumerate() {
             let alpha =
                 matches!(list[i].quantity, Quantity::Alpha | Quantity::AlphaX | Quantity::AlphaY);
             if alpha && self.solution.deviation(i) > ALPHA_OPEN {
-                doubts.push(format!("{} is hardly determined", name(list[i].quantity)));
+                doubts.push(format!("{} is hardly determined", name(i)));
             }
             for &j in indices[..k].iter().filter(|j| list[**j].quantity != list[i].quantity) {
                 let c = &self.solution.covariance;
                 let correlation = c[(i, j)] / (c[(i, i)] * c[(j, j)]).sqrt();
-                let pair = [name(list[j].quantity), name(list[i].quantity)].join(" and ");
+                let pair = [name(j), name(i)].join(" and ");
                 if correlation.abs() > TIED && !doubts.iter().any(|d| d.starts_with(&pair)) {
                     doubts.push(format!(
                         "{pair} are tied together (correlation {correlation:.3}): their \
@@ -295,19 +297,5 @@ impl Verdict<'_> {
             }
         }
         doubts
-    }
-}
-
-fn name(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::RhoD => "rho_d",
-        Quantity::RhoS => "rho_s",
-        Quantity::Alpha => "alpha",
-        Quantity::AlphaX => "alpha_x",
-        Quantity::AlphaY => "alpha_y",
-        Quantity::Theta => "theta",
-        Quantity::Light => "light",
-        Quantity::Exposure => "exposure",
-        Quantity::Camera => "camera",
     }
 }

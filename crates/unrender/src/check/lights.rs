@@ -59,7 +59,7 @@ fn seen_points(subject: &Subject<'_>) -> Vec<Seen> {
         let towards = camera.direction(x as f32 + 0.5, y as f32 + 0.5, width, height);
         subject.tracer.surface(&Ray::new(camera.origin(), towards))
     };
-    let sample = unrender_recover::evidence::spread(&pixels, POINTS, 0);
+    let sample = unrender_recover::blocks::spread(&pixels, POINTS, 0);
     let surfaces = sample.into_iter().filter_map(point);
     surfaces.map(|s| (offset(s.point, s.geometric_normal), s.geometric_normal)).collect()
 }

@@ -1,7 +1,7 @@
 //! A check as text for people and as JSON for programs.
 
 use super::{Checkup, Edges, GroupCheck};
-use crate::results;
+use crate::text_table;
 use serde::Serialize;
 use std::path::Path;
 
@@ -10,7 +10,7 @@ pub fn table(checkup: &Checkup, picture: &Path) -> String {
     let header = ["group", "pixels", "valid", "left out", "lit", "roughness shows by", "texture"];
     let mut rows = vec![header.map(str::to_owned)];
     rows.extend(checkup.groups.iter().map(row));
-    let mut text = results::table(&rows);
+    let mut text = text_table::table(&rows);
     text.push_str(&edges(&checkup.edges, picture));
     let warnings = &checkup.warnings.0;
     if warnings.is_empty() {

@@ -1,6 +1,6 @@
 //! `unrender calibrate`: from measured points, or an fSpy project, to the camera of a photograph.
 
-use crate::cli::Global;
+use crate::global::Global;
 use crate::project::{CameraTable, Project};
 use crate::{Error, interrupt, output, results};
 use clap::ValueEnum;

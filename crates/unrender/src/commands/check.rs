@@ -1,7 +1,7 @@
 //! `unrender check`: what of a project would spoil its recovery.
 
 use crate::check::{check, edge_picture, json, table};
-use crate::cli::Global;
+use crate::global::Global;
 use crate::{Error, Job, Project, interrupt, output};
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -1,7 +1,6 @@
 //! `unrender completions`: the completion script of a shell, from the command's own definition.
 
 use crate::Error;
-use crate::cli::command;
 use crate::output::print;
 use clap_complete::Shell;
 use std::process::ExitCode;
@@ -18,12 +17,11 @@ pub struct Args {
     pub shell: Shell,
 }
 
-/// Runs the command.
+/// Runs the command; `definition` is that of the whole command line.
 ///
 /// # Errors
 /// None today; all subcommands have one signature.
-pub fn run(args: &Args) -> Result<ExitCode, Error> {
-    let mut definition = command();
+pub fn run(args: &Args, mut definition: clap::Command) -> Result<ExitCode, Error> {
     let name = definition.get_name().to_owned();
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut definition, name, &mut script);

@@ -1,8 +1,8 @@
 //! `unrender export`: a scene with its materials, for another program.
 
-use crate::cli::Global;
 use crate::commands::render;
 use crate::converted::{Conversion, converted};
+use crate::global::Global;
 use crate::run::{self, Run};
 use crate::{Error, interrupt, job, output, result_folder};
 use std::path::PathBuf;

@@ -1,6 +1,6 @@
 //! `unrender man`: manual pages, from the command's own definition.
 
-use crate::cli::{Global, command};
+use crate::global::Global;
 use crate::{Error, interrupt, output};
 use clap_mangen::Man;
 use std::path::PathBuf;
@@ -18,14 +18,14 @@ pub struct Args {
     pub out: PathBuf,
 }
 
-/// Runs the command.
+/// Runs the command; `definition` is that of the whole command line.
 ///
 /// # Errors
 /// If a page cannot be written.
-pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
+pub fn run(args: &Args, global: &Global, definition: clap::Command) -> Result<ExitCode, Error> {
     output::prepare_folder(&args.out)?;
     let _until_written = interrupt::writing();
-    let pages = pages().map_err(|error| FileError::new(&args.out, error))?;
+    let pages = pages(definition).map_err(|error| FileError::new(&args.out, error))?;
     for (name, page) in &pages {
         atomic::write(&args.out.join(name), page)?;
     }
@@ -35,9 +35,8 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The pages by the names of their files, that of the whole command first.
-fn pages() -> std::io::Result<Vec<(String, Vec<u8>)>> {
-    let mut definition = command();
+/// The pages of `definition` by the names of their files, that of the whole command first.
+fn pages(mut definition: clap::Command) -> std::io::Result<Vec<(String, Vec<u8>)>> {
     definition.build();
     let shown = definition.get_subcommands().filter(|sub| sub.get_name() != "help").cloned();
     let all = std::iter::once(definition.clone()).chain(shown.collect::<Vec<_>>());

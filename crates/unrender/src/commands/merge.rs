@@ -1,6 +1,6 @@
 //! `unrender merge`: parts of a rendering become the picture that one run would have made.
 
-use crate::cli::Global;
+use crate::global::Global;
 use crate::{Error, interrupt, output, part, passes};
 use std::path::PathBuf;
 use std::process::ExitCode;

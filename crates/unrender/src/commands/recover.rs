@@ -1,7 +1,7 @@
 //! `unrender recover`: from a project to the materials of its groups.
 
-use crate::cli::Global;
 use crate::engine::{self, Recovered};
+use crate::global::Global;
 use crate::progress::Progress;
 use crate::recovery_journal::{Head, RecoveryJournal};
 use crate::registration::Alignment;
@@ -87,7 +87,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     settle(args, &mut project, global);
     let folder = ResultFolder::open(&args.out, "recover", &results::writes, &project.inputs())?;
     let mut job = Job::load(project, warnings)?;
-    let head = Head::of(&job, args, global.limits());
+    let head = Head::of(&job, args.choices(global.limits()));
     let journal = RecoveryJournal::open(&args.out, head, args.resume)?;
     let recovered = recovered_with(args, &mut job, global, &journal, None)?;
     let run =
@@ -107,7 +107,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
 
 impl Args {
     /// What the results depend on, as text: where it differs, so may they.
-    pub(crate) fn choices(&self, limits: Limits) -> String {
+    fn choices(&self, limits: Limits) -> String {
         let Self { ladder, seed, spp, bounces, no_refine, max_rung, .. } = self;
         let Self { refine_camera, keep_camera, no_filter, .. } = self;
         let flags = (no_refine, refine_camera, keep_camera, no_filter, limits.outside);

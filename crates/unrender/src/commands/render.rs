@@ -1,7 +1,7 @@
 //! `unrender render`: a picture of a scene, with its own materials or those of a file.
 
 use super::effort::{Effort, positive};
-use crate::cli::Global;
+use crate::global::Global;
 use crate::part;
 use crate::passes::{self, Job};
 use crate::progress::Progress;

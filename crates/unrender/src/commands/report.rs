@@ -1,6 +1,6 @@
 //! `unrender report`: the pages of recoveries that have been, made of the files that they left.
 
-use crate::cli::Global;
+use crate::global::Global;
 use crate::{Error, interrupt, output, report, result_folder};
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -3,8 +3,8 @@
 use super::effort::{self, Effort};
 use super::render::size;
 use crate::Error;
-use crate::cli::Global;
 use crate::edit::{Composite, Flag, Photograph, Restaging, Sheet, View};
+use crate::global::Global;
 use crate::part::{self, Identity};
 use crate::passes::{self, Job};
 use crate::progress::Progress;

@@ -1,7 +1,7 @@
 //! `unrender score`: recovered materials against the truth.
 
 use crate::Error;
-use crate::cli::Global;
+use crate::global::Global;
 use crate::score::{
     Certainty, GroupScore, LightScore, Limits, Worst, certainty, score, score_lights, table, worst,
 };

@@ -1,6 +1,6 @@
 //! `unrender split`: groups that hold two materials, written apart.
 
-use crate::cli::Global;
+use crate::global::Global;
 use crate::project::Project;
 use crate::results::parts;
 use crate::run::Run;

@@ -16,7 +16,7 @@
 use super::target::TargetLobe;
 use glam::Vec3;
 use unrender_recover::Renderer;
-use unrender_recover::evidence::spread;
+use unrender_recover::blocks::spread;
 use unrender_render::probe::ProposalLobe;
 use unrender_render::{Appearance, ProbeSettings, Probes};
 use unrender_scene::{Lobe, Material, Rgb};

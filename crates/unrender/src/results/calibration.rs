@@ -1,6 +1,6 @@
 //! The table of a calibration: every number with its standard deviation, and who was thrown out.
 
-use super::summary::table;
+use crate::text_table::table;
 use unrender_photo::calibrate::{Calibration, Estimate};
 
 /// The table; `pairs` is how many pairs there were.

@@ -15,8 +15,7 @@ mod status_picture;
 mod summary;
 
 pub(crate) use calibration::calibration;
-pub(crate) use materials_file::build as materials;
-pub(crate) use summary::{summary, table};
+pub(crate) use summary::summary;
 
 use crate::check::uvs;
 use crate::engine::Recovered;
@@ -24,9 +23,27 @@ use crate::listener::Console;
 use crate::run::{Pictures, Run};
 use crate::{Error, Job, report};
 use std::path::Path;
+use unrender_formats::materials::MaterialsFile;
 use unrender_formats::{FileError, atomic, gltf, materials, picture};
 use unrender_scene::color::srgb_from_linear;
 use unrender_scene::{Rgb, Scene, Warnings};
+
+impl Recovered {
+    /// The contents of materials.json, without the names of textures.
+    pub fn materials(&self, job: &Job) -> MaterialsFile {
+        materials_file::build(job, self)
+    }
+
+    /// The scene of `job` with the recovered materials and lights.
+    pub fn scene(&self, job: &Job) -> Scene {
+        dressed(job, self)
+    }
+
+    /// The table that the command prints.
+    pub fn summary(&self, job: &Job) -> String {
+        summary(job, self)
+    }
+}
 
 /// The folder of the pictures that only the report shows.
 const REPORT_FOLDER: &str = "report";

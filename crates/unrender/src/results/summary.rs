@@ -3,6 +3,7 @@
 use super::{alike, parts};
 use crate::Job;
 use crate::engine::Recovered;
+use crate::text_table::table;
 use unrender_formats::materials::PhotographEntry;
 use unrender_recover::{GroupResult, Recovery, Status};
 use unrender_scene::{Hypothesis, Rgb};
@@ -134,15 +135,4 @@ fn row(group: &GroupResult) -> [String; 8] {
         group.error.map_or_else(dash, |e| format!("{:.2} %", 100.0 * e)),
         group.pixels.to_string(),
     ]
-}
-
-/// Columns padded to the same width, two spaces apart.
-pub(crate) fn table<const N: usize>(rows: &[[String; N]]) -> String {
-    let width = |column: usize| rows.iter().map(|r| r[column].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..N).map(width).collect();
-    let line = |row: &[String; N]| {
-        let cells = row.iter().zip(&widths).map(|(cell, &width)| format!("{cell:width$}"));
-        cells.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
-    };
-    rows.iter().map(line).collect()
 }

@@ -4,32 +4,29 @@
 //! parts together, `unrender merge`. Samples are numbered, and their sums exact integers, so that the
 //! picture does not depend on where the cuts are.
 
-pub(crate) mod openjd;
-pub(crate) mod slurm;
-
 use crate::Error;
-use crate::cli::Global;
 use crate::commands::render;
+use crate::global::Global;
 use std::ops::Range;
 use std::path::{Path, PathBuf, absolute};
 use unrender_formats::FileError;
 
 /// A rendering, cut into parts.
-pub(crate) struct Job {
+pub(super) struct Job {
     /// The picture's name, without what could not stand in a job's name.
-    pub(crate) name: String,
+    pub(super) name: String,
     /// The words of each task behind `unrender render`, without samples and output.
-    pub(crate) words: Vec<Word>,
+    pub(super) words: Vec<Word>,
     /// The samples of the tasks.
-    pub(crate) samples: Vec<Range<u32>>,
+    pub(super) samples: Vec<Range<u32>>,
     /// The folder of the job and its parts.
-    pub(crate) folder: PathBuf,
+    pub(super) folder: PathBuf,
     /// The picture.
-    pub(crate) out: PathBuf,
+    pub(super) out: PathBuf,
 }
 
 /// A word of a command line.
-pub(crate) enum Word {
+pub(super) enum Word {
     /// As it stands.
     Plain(String),
     /// An input file, with what it is.
@@ -38,7 +35,7 @@ pub(crate) enum Word {
 
 impl Job {
     /// The job of rendering `args` in `parts` parts, whose files go into `folder`.
-    pub(crate) fn new(
+    pub(super) fn new(
         args: &render::Args,
         global: &Global,
         parts: u32,
@@ -68,12 +65,12 @@ impl Job {
     }
 
     /// The name of a task's part in the folder.
-    pub(crate) fn part(samples: &str) -> String {
+    pub(super) fn part(samples: &str) -> String {
         format!("part_{samples}.exr")
     }
 
     /// The name of a task's checkpoint in the folder, from which a task goes on that was ended early.
-    pub(crate) fn checkpoint(samples: &str) -> String {
+    pub(super) fn checkpoint(samples: &str) -> String {
         format!("checkpoint_{samples}.exr")
     }
 }
@@ -138,7 +135,7 @@ fn whole(path: &Path) -> Result<PathBuf, Error> {
 }
 
 /// `path` as text; [`whole`] has seen to it that it is.
-fn text(path: &Path) -> String {
+pub(super) fn text(path: &Path) -> String {
     path.to_string_lossy().into_owned()
 }
 

@@ -2,11 +2,11 @@
 //!
 //! The script is its own job: without one of its two flags it submits itself twice.
 
-use super::{Job, Word, text};
+use super::job::{Job, Word, text};
 use std::fmt::Write;
 
 /// The script of `job`, for bash.
-pub(crate) fn script(job: &Job) -> String {
+pub(super) fn script(job: &Job) -> String {
     let mut samples = String::new();
     for range in &job.samples {
         let _ = write!(samples, " {range:?}");

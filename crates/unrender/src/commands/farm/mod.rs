@@ -1,10 +1,14 @@
 //! `unrender farm`: a rendering as a job for many machines.
 
+mod job;
+mod openjd;
+mod slurm;
+
 use super::render;
-use crate::cli::Global;
-use crate::farm::{Job, openjd, slurm};
+use crate::global::Global;
 use crate::{Error, interrupt, output};
 use clap::ValueEnum;
+use job::Job;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_formats::{FileError, atomic};

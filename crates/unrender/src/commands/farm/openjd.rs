@@ -5,7 +5,7 @@
 //! user may replace them. A template names files in its own folder alone, relative to it; the others
 //! are values in a file beside it.
 
-use super::{Job, Word, text};
+use super::job::{Job, Word, text};
 use crate::Error;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -17,7 +17,7 @@ const SAMPLES: &str = "{{Task.Param.Samples}}";
 ///
 /// # Errors
 /// If a word of it has two braces.
-pub(crate) fn template(job: &Job) -> Result<(String, String), Error> {
+pub(super) fn template(job: &Job) -> Result<(String, String), Error> {
     let mut values = Map::new();
     let mut parameters = vec![json!({
         "name": "Unrender",

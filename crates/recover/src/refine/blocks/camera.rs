@@ -1,0 +1,56 @@
+//! A number of the camera, from where it was when the photograph was developed; all channels share it.
+
+use super::{At, Linear, ParameterBlock, Prior, Range, Start};
+use crate::state::State;
+use crate::unknown::Unknown;
+use unrender_render::Parameter;
+
+/// A number of [`crate::Problem::corrections`], which says what it is.
+pub(super) struct Camera;
+
+/// The standard deviation below which nobody asks for more, in the unit of the number: gammas and shares
+/// of light in the corners are about one. Half of it takes four times the paths; double of it is half a
+/// code value of 8 bits.
+const PRECISE: f64 = 1e-3;
+
+impl ParameterBlock for Camera {
+    fn name(&self) -> &'static str {
+        "camera"
+    }
+
+    fn is_nuisance(&self) -> bool {
+        true
+    }
+
+    fn prior(&self, state: &State<'_>, u: &Unknown) -> Prior {
+        let correction = &state.problem.corrections[u.of];
+        Prior { mean: Some(correction.belief), deviation: correction.deviation }
+    }
+
+    fn precise_enough(&self, _: &State<'_>, _: &Unknown) -> f64 {
+        PRECISE
+    }
+
+    fn value(&self, at: At<'_>, u: &Unknown) -> f64 {
+        at.state.corrected.steps[u.of]
+    }
+
+    fn set(&self, state: &mut State<'_>, _: &Start, u: &Unknown, value: f64) {
+        state.corrected.steps[u.of] = value;
+    }
+
+    fn range(&self, state: &State<'_>, u: &Unknown, _: f64) -> Range {
+        let reach = state.problem.corrections[u.of].reach;
+        Range { low: -reach, high: reach, step: f64::INFINITY }
+    }
+
+    /// The cache of the photograph's radiance moves with it.
+    fn parameters(&self, _: u32) -> [Parameter; 2] {
+        [Parameter::Cache; 2]
+    }
+
+    fn derivative(&self, at: At<'_>, u: &Unknown, linear: &Linear<'_>) -> f64 {
+        let by_cache = linear.derivative * f64::from(at.start.relative[u.of][linear.channel]);
+        by_cache - f64::from(linear.changes[u.of][linear.channel])
+    }
+}

@@ -1,0 +1,52 @@
+//! The exposure, a number a channel, as a multiple of where it started.
+
+use super::light::{DEVIATION, PRECISE, STEP};
+use super::{At, Linear, ParameterBlock, Prior, Range, Start};
+use crate::state::State;
+use crate::unknown::Unknown;
+use unrender_render::Parameter;
+
+/// The factor on the exposure. It may be as wrong as a lamp, and is asked for as precisely.
+pub(super) struct Exposure;
+
+impl ParameterBlock for Exposure {
+    fn name(&self) -> &'static str {
+        "exposure"
+    }
+
+    fn is_nuisance(&self) -> bool {
+        true
+    }
+
+    fn prior(&self, _: &State<'_>, _: &Unknown) -> Prior {
+        Prior { mean: None, deviation: DEVIATION }
+    }
+
+    fn precise_enough(&self, _: &State<'_>, _: &Unknown) -> f64 {
+        PRECISE
+    }
+
+    fn value(&self, at: At<'_>, u: &Unknown) -> f64 {
+        let channel = u.channel.unwrap_or(0);
+        f64::from(at.state.exposure[channel] / at.start.exposure[channel])
+    }
+
+    fn set(&self, state: &mut State<'_>, start: &Start, u: &Unknown, value: f64) {
+        let channel = u.channel.unwrap_or(0);
+        state.exposure[channel] = value as f32 * start.exposure[channel];
+    }
+
+    fn range(&self, _: &State<'_>, _: &Unknown, value: f64) -> Range {
+        Range { low: 0.0, high: f64::INFINITY, step: STEP * value }
+    }
+
+    /// The photograph's radiance moves with the exposure, in the cache too.
+    fn parameters(&self, _: u32) -> [Parameter; 2] {
+        [Parameter::Cache; 2]
+    }
+
+    /// The rendered radiance stands in for the photograph's, whose noise is that of the residuals too.
+    fn derivative(&self, at: At<'_>, u: &Unknown, linear: &Linear<'_>) -> f64 {
+        (linear.derivative - linear.radiance) / self.value(at, u)
+    }
+}

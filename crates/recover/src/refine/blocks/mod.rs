@@ -1,0 +1,123 @@
+//! The parameter blocks of the joint refinement: one file for each kind of number, with all that the
+//! refinement asks of it.
+//!
+//! The refinement itself ([`super::unknowns`], [`super::passes`]) knows no kind of number. It asks
+//! the block of each unknown ([`of`]) where it stands, what its prior is, how far it may move, and how
+//! the residual depends on it, as solvers such as Ceres do. To add a kind: name it in
+//! [`Quantity`], write its block in a file beside `camera.rs`, send it from [`of`], and say in
+//! [`super::unknowns`] when it is free.
+
+mod camera;
+mod direction;
+mod exposure;
+mod light;
+mod reflectance;
+mod roughness;
+
+use crate::state::State;
+use crate::unknown::{Quantity, Unknown};
+use unrender_render::Parameter;
+use unrender_scene::Rgb;
+
+/// Where a number was before the photograph was asked, and its standard deviation: so wide that it
+/// only speaks where the photograph is silent.
+pub(super) struct Prior {
+    /// None where it is the value that the refinement starts from.
+    pub(super) mean: Option<f64>,
+    pub(super) deviation: f64,
+}
+
+/// Between which values a number may lie, and how far one step may take it: as far as the model is
+/// about linear in it.
+pub(super) struct Range {
+    pub(super) low: f64,
+    pub(super) high: f64,
+    pub(super) step: f64,
+}
+
+/// What the renderer and the camera say of one number, in one channel of some pixels.
+pub(super) struct Linear<'a> {
+    /// The derivative of the radiance by the renderer's parameters, summed over
+    /// [`ParameterBlock::parameters`].
+    pub(super) derivative: f64,
+    /// The radiance itself.
+    pub(super) radiance: f64,
+    /// By how much each number of the camera changes the photograph there.
+    pub(super) changes: &'a [Rgb],
+    pub(super) channel: usize,
+}
+
+/// Where the refinement stands, and where it started.
+#[derive(Clone, Copy)]
+pub(super) struct At<'a> {
+    pub(super) state: &'a State<'a>,
+    pub(super) start: &'a Start,
+}
+
+/// What does not change from one step to the next.
+pub(super) struct Start {
+    /// The exposure, of which the unknown one is a multiple.
+    pub(super) exposure: Rgb,
+    /// By what share each number of the camera changes the whole photograph.
+    pub(super) relative: Vec<Rgb>,
+}
+
+impl Start {
+    pub(super) fn of(state: &State<'_>) -> Self {
+        let values = &state.observation.picture.values;
+        let relative = state.problem.corrections.iter().map(|c| c.relative(values)).collect();
+        Self { exposure: state.exposure, relative }
+    }
+}
+
+/// One kind of free number. `u` is the unknown that is asked about, of this kind.
+pub(super) trait ParameterBlock: Sync {
+    /// As notes call it.
+    fn name(&self) -> &'static str;
+
+    /// Whether it is none of a group's numbers.
+    fn is_nuisance(&self) -> bool {
+        false
+    }
+
+    /// The kind with which it may sum to at most one, where the reflectance model is bounded.
+    fn complement(&self) -> Option<Quantity> {
+        None
+    }
+
+    fn prior(&self, state: &State<'_>, u: &Unknown) -> Prior;
+
+    /// The standard deviation below which nobody asks for more.
+    fn precise_enough(&self, state: &State<'_>, u: &Unknown) -> f64;
+
+    /// The value.
+    fn value(&self, at: At<'_>, u: &Unknown) -> f64;
+
+    /// Gives it another value.
+    fn set(&self, state: &mut State<'_>, start: &Start, u: &Unknown, value: f64);
+
+    /// The bounds; `value` is where it stands.
+    fn range(&self, state: &State<'_>, u: &Unknown, value: f64) -> Range;
+
+    /// The renderer's parameters whose derivatives add up to its own; one is named twice.
+    fn parameters(&self, of: u32) -> [Parameter; 2];
+
+    /// The derivative of (rendering - photograph) by it.
+    fn derivative(&self, at: At<'_>, u: &Unknown, linear: &Linear<'_>) -> f64;
+}
+
+/// The block of a kind of number.
+pub(super) fn of(quantity: Quantity) -> &'static dyn ParameterBlock {
+    use roughness::Along;
+    match quantity {
+        Quantity::RhoD => &reflectance::Diffuse,
+        Quantity::RhoS => &reflectance::Specular,
+        Quantity::Alpha => &roughness::Roughness(Along::Both),
+        Quantity::AlphaX => &roughness::Roughness(Along::X),
+        Quantity::AlphaY => &roughness::Roughness(Along::Y),
+        Quantity::Theta => &direction::Direction,
+        Quantity::Light => &light::Light,
+        Quantity::Exposure => &exposure::Exposure,
+        Quantity::Camera => &camera::Camera,
+    }
+}

@@ -1,0 +1,143 @@
+//! The reflectances of a group, a number a channel, between zero and one.
+
+use super::{At, Linear, ParameterBlock, Prior, Range, Start};
+use crate::hypothesis::{Hypothesis, textured};
+use crate::state::State;
+use crate::unknown::{Quantity, Unknown};
+use unrender_render::Parameter;
+
+/// The diffuse reflectance; of a texture its mean.
+pub(super) struct Diffuse;
+/// The specular reflectance.
+pub(super) struct Specular;
+
+/// The standard deviation of the prior: nothing in [0, 1] is unlikely. Half of it pulls black and white
+/// surfaces towards the start; double of it changes nothing that was measured.
+const DEVIATION: f64 = 0.5;
+/// The standard deviation of the prior of a texture's mean, for a texture that is seen as a whole, and what
+/// is added if nothing of it is seen: seen texels are known from their own pixels, which the refinement does
+/// not use, and the others are guesses from these. At half or double of either, the groups that it lights are
+/// said to be surer or less sure than they are.
+const TEXTURE: f64 = 0.003;
+const UNSEEN: f64 = 0.15;
+/// The prior mean of a group out of sight: the middle.
+const MIDDLE: f64 = 0.5;
+
+/// No step changes a reflectance by more than this. Half of it takes more passes; double of it goes
+/// beyond where the light between groups is about linear in it.
+const STEP: f64 = 0.3;
+/// Nor the specular reflectance of a lobe by more than this share of its brightest channel, or by less
+/// than is hardly seen: the strength of a lobe and its roughness are not linear in each other. Half of
+/// it takes more passes, double of it lets lobes vanish in one step.
+const STEP_LOBE: f64 = 0.6;
+const STEP_LOBE_MIN: f64 = 0.002;
+
+/// The standard deviations below which nobody asks for more: of a reflectance that is seen, and of one
+/// that is known by the light that it sends to others, which is never known well. Half of them takes
+/// four times the paths; double of them is what 8 bits show.
+const PRECISE: f64 = 7e-4;
+const PRECISE_UNSEEN: f64 = 1e-2;
+
+fn is_out_of_sight(state: &State<'_>, group: usize) -> bool {
+    state.observation.pixels_of_group[group].is_empty()
+}
+
+fn precise_enough(state: &State<'_>, group: usize) -> f64 {
+    if is_out_of_sight(state, group) { PRECISE_UNSEEN } else { PRECISE }
+}
+
+/// The channel of an unknown that has one.
+fn channel(u: &Unknown) -> usize {
+    u.channel.unwrap_or(0)
+}
+
+impl ParameterBlock for Diffuse {
+    fn name(&self) -> &'static str {
+        "rho_d"
+    }
+
+    fn complement(&self) -> Option<Quantity> {
+        Some(Quantity::RhoS)
+    }
+
+    fn prior(&self, state: &State<'_>, u: &Unknown) -> Prior {
+        let of_group = &state.groups[u.of];
+        let deviation = if of_group.hypothesis == Hypothesis::Textured {
+            let seen = of_group.seen_texels.as_ref();
+            TEXTURE + UNSEEN * f64::from(seen.map_or(0.0, textured::unseen_share))
+        } else {
+            DEVIATION
+        };
+        // The ladder has no answer for groups out of sight.
+        Prior { mean: is_out_of_sight(state, u.of).then_some(MIDDLE), deviation }
+    }
+
+    fn precise_enough(&self, state: &State<'_>, u: &Unknown) -> f64 {
+        precise_enough(state, u.of)
+    }
+
+    fn value(&self, at: At<'_>, u: &Unknown) -> f64 {
+        f64::from(at.state.materials[u.of].rho_d[channel(u)])
+    }
+
+    fn set(&self, state: &mut State<'_>, _: &Start, u: &Unknown, value: f64) {
+        let material = &mut state.materials[u.of];
+        match &state.groups[u.of].seen_texels {
+            Some(seen) => textured::set_mean(material, seen, channel(u), value as f32),
+            None => material.rho_d[channel(u)] = value as f32,
+        }
+    }
+
+    fn range(&self, _: &State<'_>, _: &Unknown, _: f64) -> Range {
+        Range { low: 0.0, high: 1.0, step: STEP }
+    }
+
+    fn parameters(&self, of: u32) -> [Parameter; 2] {
+        [Parameter::RhoD(of); 2]
+    }
+
+    fn derivative(&self, at: At<'_>, u: &Unknown, linear: &Linear<'_>) -> f64 {
+        if at.state.materials[u.of].texture.is_none() {
+            return linear.derivative;
+        }
+        // The renderer's is by a factor on the texture.
+        linear.derivative / self.value(at, u).max(f64::from(textured::MEAN_MIN))
+    }
+}
+
+impl ParameterBlock for Specular {
+    fn name(&self) -> &'static str {
+        "rho_s"
+    }
+
+    fn prior(&self, _: &State<'_>, _: &Unknown) -> Prior {
+        Prior { mean: None, deviation: DEVIATION }
+    }
+
+    fn precise_enough(&self, state: &State<'_>, u: &Unknown) -> f64 {
+        precise_enough(state, u.of)
+    }
+
+    fn value(&self, at: At<'_>, u: &Unknown) -> f64 {
+        f64::from(at.state.materials[u.of].rho_s[channel(u)])
+    }
+
+    fn set(&self, state: &mut State<'_>, _: &Start, u: &Unknown, value: f64) {
+        state.materials[u.of].rho_s[channel(u)] = value as f32;
+    }
+
+    fn range(&self, state: &State<'_>, u: &Unknown, _: f64) -> Range {
+        let material = &state.materials[u.of];
+        let brightest = f64::from(material.rho_s.max_element());
+        let of_lobe = (STEP_LOBE * brightest).clamp(STEP_LOBE_MIN, STEP);
+        Range { low: 0.0, high: 1.0, step: if material.is_glossy() { of_lobe } else { STEP } }
+    }
+
+    fn parameters(&self, of: u32) -> [Parameter; 2] {
+        [Parameter::RhoS(of); 2]
+    }
+
+    fn derivative(&self, _: At<'_>, _: &Unknown, linear: &Linear<'_>) -> f64 {
+        linear.derivative
+    }
+}

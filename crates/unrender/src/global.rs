@@ -1,0 +1,38 @@
+//! The flags of all subcommands.
+
+use crate::listener::Console;
+use std::num::NonZeroUsize;
+use unrender_formats::Limits;
+
+/// Flags of all subcommands.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Global {
+    /// Show no progress; errors and warnings are still told.
+    #[arg(long, global = true)]
+    pub quiet: bool,
+    /// Use this many threads [default: one a core]; the results do not depend on it.
+    #[arg(long, global = true, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Let scenes and materials name files outside their folder, too.
+    #[arg(long, global = true)]
+    pub allow_outside: bool,
+    /// The memory that a scene or a picture may take while it is read, GiB [default: 2].
+    #[arg(long, global = true, value_name = "GIB", value_parser = gibibytes)]
+    pub input_memory: Option<f64>,
+    /// Where to tell what there is to say.
+    #[arg(skip)]
+    pub console: Console,
+}
+
+impl Global {
+    /// How far the reading of inputs may go.
+    pub(crate) fn limits(&self) -> Limits {
+        let memory = self.input_memory.map(|gib| (gib * f64::from(1 << 30)) as u64);
+        Limits { outside: self.allow_outside, memory: memory.unwrap_or(Limits::default().memory) }
+    }
+}
+
+fn gibibytes(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|gib: &f64| gib.is_finite() && *gib > 0.0);
+    number.ok_or_else(|| "is no positive number".into())
+}
