@@ -3,6 +3,7 @@
 
 mod step;
 
+use crate::approach::Way;
 use crate::correction::Corrected;
 use crate::effort;
 use crate::evidence::{Evidence, Stage};
@@ -57,6 +58,8 @@ pub(crate) struct GroupState {
     pub(crate) std: Option<Deviations>,
     /// Other fits that explain the photograph alike.
     pub(crate) alternatives: Vec<Fit>,
+    /// How the last fit of its hypothesis moved it.
+    pub(crate) last_way: Option<Way>,
 }
 
 impl GroupState {
@@ -133,6 +136,7 @@ impl<'a> State<'a> {
             note: None,
             std: None,
             alternatives: Vec::new(),
+            last_way: None,
         };
         let groups = (0..problem.groups.len()).map(groups).collect();
         let exposure = match problem.exposure {

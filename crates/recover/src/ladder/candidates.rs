@@ -461,7 +461,8 @@ fn added(present: Hypothesis, next: Hypothesis) -> f64 {
     parameters(next) - parameters(present)
 }
 
-/// Writes the candidates into the group's selection log.
+/// Writes the candidates into the group's selection log, but those whose numbers are none: in a light that the
+/// other groups' wrong hypotheses make without bounds, a fit may overflow. It is never chosen.
 fn log(state: &mut State<'_>, group: usize, fits: &[Fit], decision: &Decision) {
     let iteration = state.iterations.len();
     let entries =
@@ -474,7 +475,16 @@ fn log(state: &mut State<'_>, group: usize, fits: &[Fit], decision: &Decision) {
             criterion: *excess,
             accepted: i == decision.chosen,
         });
-    state.groups[group].selection_log.extend(entries.collect::<Vec<_>>());
+    let is_finite = |entry: &CandidateRecord| {
+        let Material { rho_d, rho_s, alpha_x, alpha_y, theta_rad, .. } = &entry.material;
+        let numbers = [entry.model_error, entry.criterion, entry.residual.relative()];
+        rho_d.is_finite()
+            && rho_s.is_finite()
+            && (alpha_x + alpha_y + theta_rad).is_finite()
+            && numbers.iter().all(|number| number.is_finite())
+    };
+    let entries: Vec<CandidateRecord> = entries.filter(is_finite).collect();
+    state.groups[group].selection_log.extend(entries);
     if state.groups[group].status == Status::Assumed {
         state.groups[group].status = Status::Recovered;
     }

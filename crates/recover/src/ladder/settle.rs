@@ -3,10 +3,11 @@
 //! In every iteration each group's hypothesis is fitted to the light that arrives at it. Where that
 //! light comes from diffuse surfaces that the camera sees, the photograph itself says how much it is
 //! (`unrender_render::radiance_cache`); only the rest depends on the other groups' reflectances, which move
-//! most of the way to their fits (`DAMPING`). Sample counts grow from level to level
+//! most of the way to their fits ([`crate::approach`]). Sample counts grow from level to level
 //! ([`crate::effort`]).
 
 use super::textures;
+use crate::approach::Way;
 use crate::effort::{self, SETTLED};
 use crate::evidence::{Effort, Evidence};
 use crate::hypothesis::{self, Hypothesis, Search};
@@ -17,11 +18,6 @@ use crate::refine;
 use crate::state::{State, distance};
 use unrender_scene::Material;
 
-/// The share of the way to the fitted reflectances that an iteration goes. Groups that the camera
-/// does not see light each other: when all become brighter at once, each looks darker in the next
-/// iteration. A little less than the full step keeps that from swinging; half of it takes three
-/// times as many iterations.
-const DAMPING: f32 = 0.9;
 /// Iterations after which a level ends even if something still moves.
 const ITERATIONS: [usize; 3] = [8, 4, 3];
 /// A group that is seen only in mirrors is fitted from this many pixels on.
@@ -89,7 +85,10 @@ impl<'o> Settler<'o> {
         for group in state.visible_unknowns() {
             if let Some(fitted) = self.refit(state, group) {
                 change = change.max(distance(&state.materials[group], &fitted));
-                next[group] = approach(&state.materials[group], fitted);
+                let of_group = &mut state.groups[group];
+                let way = Way::new(of_group.hypothesis, &state.materials[group], &fitted);
+                next[group] = way.go(of_group.last_way.as_ref(), fitted);
+                of_group.last_way = Some(way);
             }
         }
         self.groups_in_mirrors(state, &mut next);
@@ -181,13 +180,4 @@ pub(crate) fn gather(
 fn between(a: &Material, b: Material) -> Material {
     let mean = |a: f32, b: f32| (a * b).sqrt();
     Material { alpha_x: mean(a.alpha_x, b.alpha_x), alpha_y: mean(a.alpha_y, b.alpha_y), ..b }
-}
-
-/// The material on the way from `now` to `fitted`.
-fn approach(now: &Material, fitted: Material) -> Material {
-    Material {
-        rho_d: now.rho_d.lerp(fitted.rho_d, DAMPING),
-        rho_s: now.rho_s.lerp(fitted.rho_s, DAMPING),
-        ..fitted
-    }
 }
