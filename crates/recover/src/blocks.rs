@@ -295,6 +295,19 @@ impl Blocks {
     }
 }
 
+/// At most `count` of `pixels`, spread evenly over the list with a jitter.
+pub fn spread(pixels: &[u32], count: usize, seed: u64) -> Vec<u32> {
+    if pixels.len() <= count {
+        return pixels.to_vec();
+    }
+    let stride = pixels.len() as f64 / count as f64;
+    let pick = |i: usize| {
+        let jitter = (mix(seed ^ (i as u64) << 20) >> 11) as f64 / (1u64 << 53) as f64;
+        pixels[(((i as f64 + jitter) * stride) as usize).min(pixels.len() - 1)]
+    };
+    (0..count).map(pick).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -332,17 +345,4 @@ mod tests {
         assert_eq!(left.sizes.iter().sum::<u32>(), 40);
         assert!(left.of_pixel.iter().all(|block| (*block as usize) < 12));
     }
-}
-
-/// At most `count` of `pixels`, spread evenly over the list with a jitter.
-pub fn spread(pixels: &[u32], count: usize, seed: u64) -> Vec<u32> {
-    if pixels.len() <= count {
-        return pixels.to_vec();
-    }
-    let stride = pixels.len() as f64 / count as f64;
-    let pick = |i: usize| {
-        let jitter = (mix(seed ^ (i as u64) << 20) >> 11) as f64 / (1u64 << 53) as f64;
-        pixels[(((i as f64 + jitter) * stride) as usize).min(pixels.len() - 1)]
-    };
-    (0..count).map(pick).collect()
 }
