@@ -28,7 +28,7 @@ const DARK: f32 = 0.1;
 /// The side of a block of pixels that one displaced edge makes wrong together.
 const BLOCK: usize = 8;
 
-/// The pixels at the edges of the model, as either camera sees it: at most [`PIXELS`], evenly taken.
+/// The pixels at the edges of the model, as either camera sees it: at most twelve thousand, evenly taken.
 pub fn edge_pixels(geometries: [&GeometryBuffers; 2]) -> Vec<u32> {
     let at_edge = |index: &usize| geometries.iter().any(|g| !is_interior(g, *index));
     let all: Vec<u32> =

@@ -5,8 +5,9 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-/// Eight bits by Radiance, 6 groups, of which all have the right hypothesis; the largest errors are 0.0053 of
-/// rho_d and 0.0197 of rho_s.
+/// Eight bits by Radiance, 6 groups, of which all have the right hypothesis under each of the seeds 0 to 3. Their
+/// largest errors are 0.0083 of rho_d, 0.036 of rho_s (1.1 of its standard deviations) and 3.3 standard
+/// deviations: groups of a hundred pixels are known no better, and one seed may be nearer by luck.
 #[test]
 fn glossy_groups_of_a_tiny_photograph_by_another_renderer_are_recovered() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/corpus/isotropic");
@@ -25,9 +26,14 @@ fn glossy_groups_of_a_tiny_photograph_by_another_renderer_are_recovered() {
     assert_eq!(counted.len(), 6);
     assert_eq!(right, 6, "{scored}");
     for group in counted {
-        for (reflectance, most) in [("rho_d", 0.006), ("rho_s", 0.022)] {
+        for (reflectance, most) in [("rho_d", 0.009), ("rho_s", 0.038)] {
             let error = group[reflectance].as_f64().unwrap();
             assert!(error < most, "{reflectance} of {} is {error} off", group["group"]);
+        }
+        for parameter in group["parameters"].as_array().unwrap() {
+            let in_std = parameter["in_std"].as_array().unwrap();
+            let most = in_std.iter().map(|value| value.as_f64().unwrap()).fold(0.0, f64::max);
+            assert!(most < 3.5, "{parameter} of {}", group["group"]);
         }
     }
 }

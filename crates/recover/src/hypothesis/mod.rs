@@ -4,7 +4,7 @@
 //! One rung is one file with one public function `fit`, which finds the parameters that explain the
 //! evidence best under that hypothesis. To add a rung: write its file, name it in [`Hypothesis`] at
 //! its place in the order, and here say how it is fitted ([`fit`]), which numbers it has free
-//! ([`quantities`]), which materials are of it ([`of`]), and whether it is uniform ([`UNIFORM`]).
+//! (`quantities`), which materials are of it ([`of`]), and whether it is uniform ([`UNIFORM`]).
 
 pub mod anisotropic;
 pub mod brushed;
