@@ -262,7 +262,7 @@ impl Blocks {
         for (value, &block) in values.iter().zip(&self.of_pixel) {
             sums[block as usize] += *value;
         }
-        let number = self.numbers();
+        let number = numbers(&self.places);
         let around = |place: &Place| {
             let blocks = place.around().filter_map(|place| number.get(&place).copied());
             let (sum, count) =
@@ -270,11 +270,6 @@ impl Blocks {
             sum / count.max(1) as f32
         };
         self.places.iter().map(around).collect()
-    }
-
-    /// The block at every place.
-    fn numbers(&self) -> BTreeMap<Place, usize> {
-        self.places.iter().enumerate().map(|(i, place)| (*place, i)).collect()
     }
 
     /// Makes the squared levels of all blocks those that their model errors are a share of
@@ -285,14 +280,24 @@ impl Blocks {
 
     /// All pairs of blocks side by side or one above the other.
     pub fn neighbours(&self) -> Vec<(usize, usize)> {
-        let number = self.numbers();
-        let beside = |(i, &place): (usize, &Place)| {
-            let right = Place { column: place.column + 1, ..place };
-            let below = Place { row: place.row + 1, ..place };
-            [right, below].map(|place| number.get(&place).map(|&j| (i, j))).into_iter().flatten()
-        };
-        self.places.iter().enumerate().flat_map(beside).collect()
+        neighbours(&self.places)
     }
+}
+
+/// The index at every place.
+fn numbers(places: &[Place]) -> BTreeMap<Place, usize> {
+    places.iter().enumerate().map(|(i, place)| (*place, i)).collect()
+}
+
+/// All pairs of `places` side by side or one above the other, by their indices.
+pub(crate) fn neighbours(places: &[Place]) -> Vec<(usize, usize)> {
+    let number = numbers(places);
+    let beside = |(i, &place): (usize, &Place)| {
+        let right = Place { column: place.column + 1, ..place };
+        let below = Place { row: place.row + 1, ..place };
+        [right, below].map(|place| number.get(&place).map(|&j| (i, j))).into_iter().flatten()
+    };
+    places.iter().enumerate().flat_map(beside).collect()
 }
 
 /// At most `count` of `pixels`, spread evenly over the list with a jitter.

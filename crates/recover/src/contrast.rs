@@ -11,6 +11,7 @@ use crate::block_residuals::BlockResiduals;
 use crate::blocks::Blocks;
 use crate::likelihood::{Likelihood, product, standardised};
 use crate::model_error::{LightField, ModelError};
+use glam::DVec3;
 use unrender_scene::Rgb;
 
 /// The variance of the difference of two products of residuals, each of two halves with independent
@@ -93,19 +94,19 @@ impl Contrast {
 }
 
 /// The share of the blocks that are independent of each other, from their standardised `residuals`.
-pub fn independent_share(blocks: &Blocks, residuals: &[glam::DVec3]) -> f64 {
-    share_at(neighbour_correlation(blocks, residuals))
+pub fn independent_share(blocks: &Blocks, residuals: &[DVec3]) -> f64 {
+    share_by(&blocks.neighbours(), residuals)
 }
 
-/// The share of residuals that are independent of each other where neighbours have the `correlation` r:
-/// `((1 - r) / (1 + r))^2`, once for each direction of the picture.
-pub(crate) fn share_at(correlation: f64) -> f64 {
+/// The share of standardised `residuals` that are independent of each other, from the correlation `r` of
+/// neighbours, which are the `pairs`: `((1 - r) / (1 + r))^2`, once for each direction of the picture.
+pub(crate) fn share_by(pairs: &[(usize, usize)], residuals: &[DVec3]) -> f64 {
+    let correlation = correlation(pairs, residuals);
     ((1.0 - correlation) / (1.0 + correlation)).powi(2).max(LEAST_INDEPENDENT)
 }
 
-/// The correlation of the values of neighbouring blocks, 0 to 1.
-fn neighbour_correlation(blocks: &Blocks, values: &[glam::DVec3]) -> f64 {
-    let pairs = blocks.neighbours();
+/// The correlation of the values of the `pairs`, 0 to 1.
+fn correlation(pairs: &[(usize, usize)], values: &[DVec3]) -> f64 {
     if pairs.is_empty() {
         return 0.0;
     }

@@ -58,7 +58,7 @@ pub(crate) struct GroupState {
     pub(crate) std: Option<Deviations>,
     /// Other fits that explain the photograph alike.
     pub(crate) alternatives: Vec<Fit>,
-    /// How the last fit of its hypothesis moved it.
+    /// How the last fit moved it, while the fits settle.
     pub(crate) last_way: Option<Way>,
 }
 

@@ -101,6 +101,21 @@ pub struct Fit {
     pub likelihood: Likelihood,
 }
 
+impl Fit {
+    /// Whether its numbers are numbers: squares overflow in a light that wrong hypotheses of other groups
+    /// make without bounds.
+    pub fn is_finite(&self) -> bool {
+        let Material { rho_d, rho_s, alpha_x, alpha_y, theta_rad, .. } = &self.material;
+        let shape = [alpha_x, alpha_y, theta_rad];
+        let Likelihood { deviance, error, .. } = &self.likelihood;
+        let numbers = [*deviance, error.share, self.residual.relative()];
+        rho_d.is_finite()
+            && rho_s.is_finite()
+            && shape.into_iter().all(|number| number.is_finite())
+            && numbers.iter().all(|number| number.is_finite())
+    }
+}
+
 /// The fit of `material`, with the bases that it was found with.
 fn judged(
     hypothesis: Hypothesis,

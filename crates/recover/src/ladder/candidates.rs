@@ -272,6 +272,9 @@ impl<'o> Candidates<'o> {
         let trial =
             Trial::gather(state, self.options, (group, light_of_others(state, group)), effort)?;
         let (trial, fits) = trial.fit_all(state, group);
+        if fits.is_empty() {
+            return None;
+        }
         let decisions = self.decide(&fits, &trial.judging, group);
         let typical = error_of_others(state, group, BETTER).max(TYPICAL_MIN);
         let chosen = fits[decisions[0].chosen].clone();
@@ -400,6 +403,9 @@ impl<'o> Candidates<'o> {
                 return None;
             }
             let (left, fits) = trial.without(&flags).fit_all(state, group);
+            if fits.is_empty() {
+                return None;
+            }
             trial = left;
             let decisions = self.decide(&fits, &trial.judging, group);
             let chosen = &fits[decisions[0].chosen];
@@ -461,8 +467,7 @@ fn added(present: Hypothesis, next: Hypothesis) -> f64 {
     parameters(next) - parameters(present)
 }
 
-/// Writes the candidates into the group's selection log, but those whose numbers are none: in a light that the
-/// other groups' wrong hypotheses make without bounds, a fit may overflow. It is never chosen.
+/// Writes the candidates into the group's selection log.
 fn log(state: &mut State<'_>, group: usize, fits: &[Fit], decision: &Decision) {
     let iteration = state.iterations.len();
     let entries =
@@ -475,16 +480,7 @@ fn log(state: &mut State<'_>, group: usize, fits: &[Fit], decision: &Decision) {
             criterion: *excess,
             accepted: i == decision.chosen,
         });
-    let is_finite = |entry: &CandidateRecord| {
-        let Material { rho_d, rho_s, alpha_x, alpha_y, theta_rad, .. } = &entry.material;
-        let numbers = [entry.model_error, entry.criterion, entry.residual.relative()];
-        rho_d.is_finite()
-            && rho_s.is_finite()
-            && (alpha_x + alpha_y + theta_rad).is_finite()
-            && numbers.iter().all(|number| number.is_finite())
-    };
-    let entries: Vec<CandidateRecord> = entries.filter(is_finite).collect();
-    state.groups[group].selection_log.extend(entries);
+    state.groups[group].selection_log.extend(entries.collect::<Vec<_>>());
     if state.groups[group].status == Status::Assumed {
         state.groups[group].status = Status::Recovered;
     }

@@ -60,6 +60,8 @@ impl<'o> Settler<'o> {
         left: &mut usize,
         observer: &mut dyn Observer,
     ) -> Result<(), RecoverError> {
+        // How fits answered in another light says nothing in this one.
+        state.groups.iter_mut().for_each(|of_group| of_group.last_way = None);
         for _ in 0..ITERATIONS[self.level] {
             if *left == 0 || observer.is_cancelled() {
                 return Ok(());

@@ -56,7 +56,8 @@ impl Trial {
     }
 
     /// All uniform rungs that the group may have, under common weights: those of the most likely fit's
-    /// light. Shapes are from one half, reflectances and likelihoods from the other.
+    /// light. Shapes are from one half, reflectances and likelihoods from the other. Fits that overflowed are
+    /// none.
     pub(super) fn fit_all(mut self, state: &State<'_>, group: usize) -> (Self, Vec<Fit>) {
         let Found { fits, broad, material, error } = search_all(&mut self.searching, state, group);
         share_weights(&mut self.judging, &material, error);
@@ -69,6 +70,7 @@ impl Trial {
                 *fit = other;
             }
         }
+        fits.retain(Fit::is_finite);
         (self, fits)
     }
 }

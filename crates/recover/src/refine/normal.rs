@@ -15,8 +15,9 @@
 
 use super::means::Mean;
 use super::unknowns::Unknowns;
-use crate::blocks::Place;
-use crate::contrast::share_at;
+use crate::blocks::{Place, neighbours};
+use crate::contrast::share_by;
+use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 use unrender_scene::Rgb;
@@ -136,56 +137,19 @@ impl Normal {
 /// For each group: of how many cells one is independent of the others, by the correlation of neighbours'
 /// residuals.
 fn dependence(means: &[Mean], weights: &[Rgb]) -> BTreeMap<usize, f64> {
-    let standardised = |(mean, weight): (&Mean, &Rgb)| {
-        let [a, b] = mean.residuals;
-        let deviations = 0.5 * (a + b) * weight.map(f32::sqrt);
-        ((mean.group, mean.place), deviations)
-    };
-    let cells: BTreeMap<(usize, Place), Rgb> =
-        means.iter().zip(weights).filter(|(m, _)| !m.bound).map(standardised).collect();
-    let mut sums: BTreeMap<usize, Correlation> = BTreeMap::new();
-    for mean in means {
-        sums.entry(mean.group).or_default();
-    }
-    for (&(group, place), deviations) in &cells {
-        let sums = sums.entry(group).or_default();
-        sums.squares.add(deviations.length_squared());
-        let Place { column, row, .. } = place;
-        let beside = [Place { column: column + 1, ..place }, Place { row: row + 1, ..place }];
-        for other in beside.into_iter().filter_map(|place| cells.get(&(group, place))) {
-            sums.products.add(deviations.dot(*other));
+    let mut cells: BTreeMap<usize, (Vec<Place>, Vec<DVec3>)> = BTreeMap::new();
+    for (mean, weight) in means.iter().zip(weights) {
+        let (places, residuals) = cells.entry(mean.group).or_default();
+        if !mean.bound {
+            let [a, b] = mean.residuals;
+            places.push(mean.place);
+            residuals.push((0.5 * (a + b) * weight.map(f32::sqrt)).as_dvec3());
         }
     }
-    sums.into_iter().map(|(group, sums)| (group, share_at(sums.value()).recip())).collect()
-}
-
-/// The correlation of neighbours.
-#[derive(Clone, Copy, Default)]
-struct Correlation {
-    products: Sum,
-    squares: Sum,
-}
-
-/// A sum and the number of its terms.
-#[derive(Clone, Copy, Default)]
-struct Sum(f64, f64);
-
-impl Sum {
-    fn add(&mut self, term: f32) {
-        *self = Self(self.0 + f64::from(term), self.1 + 1.0);
-    }
-
-    fn mean(self) -> f64 {
-        self.0 / self.1.max(1.0)
-    }
-}
-
-impl Correlation {
-    /// 0 to 1.
-    fn value(self) -> f64 {
-        let square = self.squares.mean();
-        if square > 0.0 { (self.products.mean() / square).clamp(0.0, 1.0) } else { 0.0 }
-    }
+    let of_group = |(group, (places, residuals)): (usize, (Vec<Place>, Vec<DVec3>))| {
+        (group, share_by(&neighbours(&places), &residuals).recip())
+    };
+    cells.into_iter().map(of_group).collect()
 }
 
 /// What one cell adds to `g`, with the residuals that `of` makes of the cell's in each channel.

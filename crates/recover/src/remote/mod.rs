@@ -251,7 +251,7 @@ impl Renderer for Remote<'_> {
     ) -> Vec<Rgb> {
         let plan = self.view.plan(appearance, settings);
         let picture = self.asked_picture(appearance, &plan);
-        let picture = picture.unwrap_or_else(|| self.view.picture(appearance, settings, &|_| {}));
+        let picture = picture.unwrap_or_else(|| self.view.picture(appearance, settings, progress));
         progress(1.0);
         picture
     }

@@ -160,7 +160,7 @@ pub(super) fn warnings(subject: &Subject<'_>, edges: &Edges) -> Warnings {
         let done = if edges.camera_is_off {
             "a recovery moves the camera to where they fit, unless told to keep it"
         } else {
-            "that is too little, or too uncertain, for a recovery to move the camera unasked"
+            "a quick rendering is not nearer to the photo there, so a recovery keeps the camera"
         };
         warnings.push(format!(
             "the model's edges lie {:.1} pixels from the photo's (on the median): {done}. \
