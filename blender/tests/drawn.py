@@ -6,6 +6,7 @@ those that Blender would show; icons are left out, and widths are a guess.
 """
 
 import html
+import pathlib
 
 import bpy
 
@@ -52,7 +53,9 @@ class Layout:
         elif rna.type == "FLOAT":
             self.items.append(("field", title, f"{value:.3g}"))
         else:
-            self.items.append(("field" if emboss else "label", *([title] if emboss else []), str(value)))
+            # As Blender shows a folder beside the open file: the picture is the same on every machine.
+            shown = "//" + pathlib.Path(value).name if rna.subtype == "DIR_PATH" else str(value)
+            self.items.append(("field" if emboss else "label", *([title] if emboss else []), shown))
 
     def prop_search(self, data, name, *_):
         self.prop(data, name)
