@@ -45,6 +45,17 @@ impl BlockResiduals {
         [both().map(|(r, h)| *r - *h).collect(), both().map(|(r, h)| *r + *h).collect()]
     }
 
+    /// The squared difference of the light from that of `other` relative to the squared light, as a product of
+    /// two renderings: free of their noise.
+    pub fn change_from(&self, other: &Self) -> f64 {
+        let ([a, b], [c, d]) = (self.halves(), other.halves());
+        let n = a.len();
+        let apart: f64 =
+            (0..n).map(|k| f64::from(((a[k] - c[k]) * (b[k] - d[k])).element_sum())).sum();
+        let light: f64 = self.light.iter().map(|v| f64::from((*v * *v).element_sum())).sum();
+        if light > 0.0 { apart / light } else { 0.0 }
+    }
+
     /// The same residuals with at least the noise `least`, as if they had it.
     #[must_use]
     pub fn with_noise(&self, least: &[Rgb]) -> Self {

@@ -62,16 +62,24 @@ impl Contrast {
 
     /// The one model beside the other.
     pub fn of(blocks: &Blocks, [mine, other]: [&Side<'_>; 2]) -> Self {
-        let fitted = |side: &Side<'_>, other: &Side<'_>| {
-            let residuals = side.residuals.with_noise(&other.residuals.noise);
-            let likelihood = Likelihood::of(&residuals, side.field, side.floor);
-            (residuals, likelihood)
-        };
-        let (a, b) = (fitted(mine, other), fitted(other, mine));
-        let is_mine = a.1.deviance < b.1.deviance;
-        let ((residuals, likelihood), field) =
-            if is_mine { (a, mine.field) } else { (b, other.field) };
-        let product = |a: &[Rgb], b: &[Rgb]| product(&residuals, field, &likelihood, [a, b]);
+        let (a, b) = (Reference::of(mine, other), Reference::of(other, mine));
+        let is_mine = a.likelihood.deviance < b.likelihood.deviance;
+        Self::under(if is_mine { &a } else { &b }, blocks, [mine, other])
+    }
+
+    /// The one model beside the other, which may be wrong by whatever changes slowly over the surface: only
+    /// a pattern speaks against it.
+    pub fn of_pattern(blocks: &Blocks, [mine, other]: [&Side<'_>; 2]) -> Self {
+        let residuals = other.residuals.with_noise(&mine.residuals.noise);
+        let likelihood = Likelihood::slow(&residuals, other.field, other.floor);
+        let reference = Reference { residuals, field: other.field, likelihood };
+        Self::under(&reference, blocks, [mine, other])
+    }
+
+    /// The one model beside the other, in units of the covariance of `reference`.
+    fn under(reference: &Reference<'_>, blocks: &Blocks, [mine, other]: [&Side<'_>; 2]) -> Self {
+        let Reference { residuals, field, likelihood } = reference;
+        let product = |a: &[Rgb], b: &[Rgb]| product(residuals, field, likelihood, [a, b]);
         let (of_mine, of_other) = (mine.residuals.halves(), other.residuals.halves());
         let difference = product(&of_mine[0], &of_mine[1]) - product(&of_other[0], &of_other[1]);
         let apart = [0, 1].map(|half: usize| {
@@ -87,9 +95,25 @@ impl Contrast {
             f64::from((part * part).element_sum())
         };
         let noise = PRODUCT * (0..blocks.len()).map(of_rendering).sum::<f64>();
-        let standardised = standardised(&residuals, field, &likelihood);
+        let standardised = standardised(residuals, field, likelihood);
         let independent = independent_share(blocks, &standardised);
         Self { difference, separation, noise, independent }
+    }
+}
+
+/// The residuals whose covariance is the unit of a comparison.
+struct Reference<'a> {
+    residuals: BlockResiduals,
+    field: &'a LightField,
+    likelihood: Likelihood,
+}
+
+impl<'a> Reference<'a> {
+    /// That of `side`, with no less noise than that of the `other`.
+    fn of(side: &Side<'a>, other: &Side<'_>) -> Self {
+        let residuals = side.residuals.with_noise(&other.residuals.noise);
+        let likelihood = Likelihood::of(&residuals, side.field, side.floor);
+        Self { residuals, field: side.field, likelihood }
     }
 }
 
@@ -114,4 +138,72 @@ fn correlation(pairs: &[(usize, usize)], values: &[DVec3]) -> f64 {
     let square = values.iter().map(|v| v.length_squared()).sum::<f64>();
     let mean = square / values.len() as f64;
     if mean > 0.0 { (product / pairs.len() as f64 / mean).clamp(0.0, 1.0) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blocks::Grid;
+    use crate::model_error::{FUNCTIONS, LightError};
+
+    const SIDE: usize = 20;
+
+    /// Residuals of `f` at the column and row of each of `SIDE` by `SIDE` blocks, from -1 to 1.
+    fn residuals(f: impl Fn(f32, f32) -> f32) -> BlockResiduals {
+        let at = |k: usize| 2.0 * k as f32 / (SIDE - 1) as f32 - 1.0;
+        let n = SIDE * SIDE;
+        BlockResiduals {
+            residual: (0..n).map(|k| Rgb::splat(f(at(k % SIDE), at(k / SIDE)))).collect(),
+            noise: vec![Rgb::splat(1e-4); n],
+            rendering: vec![Rgb::ZERO; n],
+            half: vec![Rgb::ZERO; n],
+            missing: vec![Rgb::ZERO; n],
+            level2: vec![Rgb::ONE; n],
+            light: vec![Rgb::ONE; n],
+        }
+    }
+
+    /// A constant and a slope along the rows.
+    fn field() -> LightField {
+        let row = |k: usize| {
+            let mut row = [0.0; FUNCTIONS];
+            row[0] = 1.0;
+            row[1] = 3f64.sqrt() * (2.0 * (k % SIDE) as f64 / (SIDE - 1) as f64 - 1.0);
+            row
+        };
+        let rows = (0..SIDE * SIDE).map(row).collect();
+        let [least, most] = [0.03, f64::INFINITY].map(|share| LightError { share });
+        LightField { rows, count: 2, least, most }
+    }
+
+    /// What a model without residuals gains beside one with those of `f`, by the comparison `of`.
+    fn gain(of: impl Fn(&Blocks, [&Side<'_>; 2]) -> Contrast, f: impl Fn(f32, f32) -> f32) -> f64 {
+        let pixels: Vec<u32> = (0..(SIDE * SIDE) as u32).collect();
+        let blocks = Blocks::of(&pixels, &Grid::even(SIDE, 1));
+        let (field, floor) = (field(), ModelError { share: 0.02 });
+        let all = [residuals(|_, _| 0.0), residuals(f)];
+        let sides = all.each_ref().map(|residuals| Side { residuals, field: &field, floor });
+        -of(&blocks, sides.each_ref()).difference
+    }
+
+    #[test]
+    fn what_changes_slowly_over_a_surface_is_no_pattern() {
+        let slow = |x: f32, _: f32| 0.2 * x;
+        let stripes = |x: f32, _: f32| 0.2 * (20.0 * x).sin();
+        // An error of the light by 12 % where 3 % are usual.
+        assert!(gain(Contrast::of, slow) > 50.0);
+        assert!(gain(Contrast::of_pattern, slow) < 10.0);
+        // Three channels of 400 blocks, seven deviations each.
+        assert!(gain(Contrast::of_pattern, stripes) > 20_000.0);
+    }
+
+    #[test]
+    fn a_change_of_the_light_is_free_of_the_noise_of_renderings() {
+        let before = residuals(|_, _| 0.0);
+        let brighter = residuals(|_, _| -0.1);
+        assert!((brighter.change_from(&before) - 0.01).abs() < 1e-6);
+        // One rendering a tenth above, the other as far below, in each block.
+        let noisy = BlockResiduals { half: vec![Rgb::splat(0.1); SIDE * SIDE], ..before.clone() };
+        assert!(noisy.change_from(&before) < 0.0);
+    }
 }

@@ -16,11 +16,15 @@ use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Termination};
 use crate::refine::{self, Depth};
 use crate::state::State;
-use crate::verify::{REFINED_FLOOR, Verified, Verifier};
+use crate::verify::{REFINED_FLOOR, Score, Verified, Verifier};
 
 /// How often the hypotheses are asked again after a refinement; each time costs a refinement where
 /// one changes.
 const REVISIONS: usize = 2;
+/// A group is asked again if its light has changed by this share since: errors of the light of that size are
+/// allowed for, so that a smaller change decides nothing. At half of it groups are asked again in vain, at
+/// double one whose light a wrong neighbour made keeps what it was given.
+const LIGHT: f64 = 0.01;
 
 /// Recovers everything, the default way.
 pub(crate) fn drive(
@@ -186,9 +190,14 @@ impl Driver<'_> {
         self.candidates.forget_rejections();
         let mut best = self.verifier.verify(state);
         self.refine_once(state, &mut best, Depth::Coarse, observer);
+        let mut asked: Option<Score> = None;
         for _ in 0..REVISIONS {
             refine::settle_nuisances(state, self.options)?;
-            let proposals = self.revise(state);
+            let groups = match asked.replace(best.score.clone()) {
+                Some(before) => self.verifier.changed(&best.score, &before, LIGHT),
+                None => state.visible_unknowns(),
+            };
+            let proposals = self.revise(state, &groups);
             if proposals.is_empty() || observer.is_cancelled() {
                 break;
             }
@@ -220,10 +229,10 @@ impl Driver<'_> {
         (termination, accepted)
     }
 
-    /// Other hypotheses under the refined light, for all groups that are not plainly explained.
-    fn revise(&mut self, state: &mut State<'_>) -> Vec<Proposal> {
+    /// Other hypotheses under the refined light, for those of `groups` that are asked for.
+    fn revise(&mut self, state: &mut State<'_>, groups: &[usize]) -> Vec<Proposal> {
         let mut proposals = Vec::new();
-        for group in state.visible_unknowns() {
+        for group in state.visible_unknowns().into_iter().filter(|g| groups.contains(g)) {
             let proposal = match state.groups[group].hypothesis {
                 Hypothesis::Textured => self.candidates.propose_uniform(state, group, REFINED),
                 _ => self.candidates.propose(state, group, REFINED),

@@ -40,6 +40,10 @@ const PER_LOBE: [u32; 3] = [3, 6, 8];
 /// A trial looks for every roughness at once.
 const TRIAL_LOBES: [f32; 4] = [0.02, 0.06, 0.16, 0.4];
 const TRIAL_PIXELS: usize = 2400;
+/// A small group's pixels are looked at in up to so many times as many points, so that its hypotheses are told
+/// apart as well as those of a large one. At one the noise of a mirror's light hides whether a thing of 300
+/// pixels is one; double of it pays for things of less than 150 pixels alone.
+const DENSER_MAX: usize = 16;
 
 /// For a group that is diffuse.
 pub fn diffuse(level: usize, options: &Options) -> Effort {
@@ -79,10 +83,11 @@ pub fn specular(level: usize, options: &Options, material: &Material) -> Effort 
     }
 }
 
-/// For trying all rungs.
-pub fn trial(level: usize, options: &Options) -> Effort {
+/// For trying all rungs on a group of so many `pixels`.
+pub fn trial(level: usize, options: &Options, pixels: usize) -> Effort {
+    let denser = (TRIAL_PIXELS / pixels.max(1)).clamp(1, DENSER_MAX) as u32;
     let probe = ProbeSettings {
-        probes_per_pixel: POINTS,
+        probes_per_pixel: denser * POINTS,
         cosine: 8,
         per_lobe: 6,
         lobes: round_lobes(&TRIAL_LOBES),

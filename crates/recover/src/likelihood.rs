@@ -43,10 +43,7 @@ impl Likelihood {
     /// share at least `floor`, the light's error within the limits of `field`; the latter's amplitudes are
     /// integrated out.
     pub fn of(residuals: &BlockResiduals, field: &LightField, floor: ModelError) -> Self {
-        let lights: Vec<LightError> = (0..=LIGHT_STEPS)
-            .map(|step| LightError { share: field.least.share * LIGHT_STEP.powi(step) })
-            .filter(|light| light.share <= field.most.share.max(field.least.share))
-            .collect();
+        let lights = lights(field);
         let at = |share: f64| Self::best_of(residuals, field, &lights, ModelError { share });
         let mut best = at(floor.share);
         let mut share = floor.share * STEP * STEP;
@@ -60,6 +57,12 @@ impl Likelihood {
         let around = [best.error.share / STEP, best.error.share * STEP];
         let around = around.into_iter().filter(|share| *share >= floor.share);
         around.fold(best, |best, share| best.or(at(share)))
+    }
+
+    /// The likelihood of `residuals` with the most likely size of the light's error, and that of the other
+    /// part given.
+    pub fn slow(residuals: &BlockResiduals, field: &LightField, error: ModelError) -> Self {
+        Self::best_of(residuals, field, &lights(field), error)
     }
 
     /// The likelihood of `residuals` under given sizes of both parts of the model error.
@@ -92,6 +95,14 @@ impl Likelihood {
     fn or(self, other: Self) -> Self {
         if other.deviance < self.deviance { other } else { self }
     }
+}
+
+/// The errors of the light that are tried, within the limits of `field`.
+fn lights(field: &LightField) -> Vec<LightError> {
+    (0..=LIGHT_STEPS)
+        .map(|step| LightError { share: field.least.share * LIGHT_STEP.powi(step) })
+        .filter(|light| light.share <= field.most.share.max(field.least.share))
+        .collect()
 }
 
 /// One channel's residuals under a share of model error: sums over the blocks, weighted by the inverse

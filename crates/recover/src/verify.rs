@@ -220,11 +220,22 @@ impl Verifier {
         GroupScore { residuals, outlier, floor, within }
     }
 
+    /// The groups whose light differs between the scores `mine` and `other` by more than the `share` of
+    /// it.
+    pub(crate) fn changed(&self, mine: &Score, other: &Score, share: f64) -> Vec<usize> {
+        let both = self.groups.iter().zip(mine.groups.iter().zip(&other.groups));
+        let is_changed = |(mine, other): (&GroupScore, &GroupScore)| {
+            mine.residuals.change_from(&other.residuals) > share * share
+        };
+        let changed = both.filter(|(_, scores)| is_changed(*scores));
+        changed.map(|(sample, _)| sample.group).collect()
+    }
+
     /// The score `mine` beside `other`.
     pub(crate) fn compare(&self, mine: &Score, other: &Score) -> Comparison {
         let both = self.groups.iter().zip(mine.groups.iter().zip(&other.groups));
         let of_group = |(sample, (mine, other)): (&Sample, (&GroupScore, &GroupScore))| {
-            (sample.group, sample.contrast(mine, other))
+            (sample.group, sample.contrast(mine, other, Contrast::of))
         };
         Comparison { groups: both.map(of_group).collect() }
     }
@@ -233,7 +244,8 @@ impl Verifier {
     /// `before`: it has the lower information criterion ([`crate::selection`]), or the sample does not
     /// tell that it is wrong. A texture, which fits every block, has to gain significantly more than it
     /// would from residuals that are chance, or that the better ones of the other groups have too; from block
-    /// to block, or from pixel to pixel within blocks.
+    /// to block, where what changes slowly over the surface is as well an error of a lobe, or from pixel to
+    /// pixel within blocks.
     pub(crate) fn bears_out(
         &self,
         state: &State<'_>,
@@ -256,9 +268,12 @@ impl Verifier {
             })
         };
         let [mine, other] = &state.steps.value("own verification", rendered);
-        let contrast = sample.contrast(mine, other);
-        let independent = contrast.independent * sample.blocks.len() as f64;
         let is_textured = state.groups[group].hypothesis == Hypothesis::Textured;
+        // A lobe may lack what a Fresnel reflectance adds; of a diffuse surface the light alone is wrong.
+        let is_slow_allowed = is_textured && before.material(group).rho_s != Rgb::ZERO;
+        let contrast = if is_slow_allowed { Contrast::of_pattern } else { Contrast::of };
+        let contrast = sample.contrast(mine, other, contrast);
+        let independent = contrast.independent * sample.blocks.len() as f64;
         let asks = if is_textured {
             // The squares of as many residuals as it can take away, and chance.
             3.0 * independent + WORSE * (2.0 * 3.0 * independent).sqrt()
@@ -273,8 +288,14 @@ impl Verifier {
 }
 
 impl Sample {
-    /// One state beside another. What an outlier costs is the same under both.
-    fn contrast(&self, mine: &GroupScore, other: &GroupScore) -> Contrast {
+    /// One state beside another, by the comparison `of` their residuals. What an outlier costs is the same
+    /// under both.
+    fn contrast(
+        &self,
+        mine: &GroupScore,
+        other: &GroupScore,
+        of: impl Fn(&Blocks, [&Side<'_>; 2]) -> Contrast,
+    ) -> Contrast {
         let field = |score: &GroupScore| {
             let least = LightError { share: LIGHT * score.floor };
             LightField { least, ..self.field.clone() }
@@ -284,7 +305,7 @@ impl Sample {
             let floor = ModelError { share: score.floor };
             Side { residuals: &score.residuals, field, floor }
         });
-        let contrast = Contrast::of(&self.blocks, sides.each_ref());
+        let contrast = of(&self.blocks, sides.each_ref());
         let outliers = |score: &GroupScore| score.outlier.iter().filter(|o| **o).count() as f64;
         let difference = contrast.difference + 3.0 * OUTLIER * (outliers(mine) - outliers(other));
         Contrast { difference, ..contrast }

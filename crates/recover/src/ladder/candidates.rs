@@ -265,7 +265,8 @@ impl<'o> Candidates<'o> {
 
     /// What the candidates of `group` come to.
     fn ask(&self, state: &mut State<'_>, group: usize, level: usize) -> Option<Proposal> {
-        let mut effort = effort::trial(level, self.options);
+        let pixels = state.observation.informative_of_group[group].len();
+        let mut effort = effort::trial(level, self.options, pixels);
         // What the model of the other groups gets wrong, it may get wrong here.
         let floor = &mut effort.allowance.floor;
         floor.share = floor.share.max(error_of_others(state, group, MIDDLE));

@@ -35,10 +35,10 @@ pub(crate) fn find(state: &mut State<'_>, options: &Options) {
             continue;
         }
         let other_noise = Options { seed: options.seed ^ 0xBA51, ..options.clone() };
-        let mut effort = effort::trial(effort::REFINED, &other_noise);
+        let pixels = &state.observation.pixels_of_group[group];
+        let mut effort = effort::trial(effort::REFINED, &other_noise, pixels.len());
         effort.pixels = PIXELS;
         effort.probe.max_bounces = options.max_bounces;
-        let pixels = &state.observation.pixels_of_group[group];
         let (stage, appearance) = (state.stage(), state.appearance());
         let mut evidence = Evidence::gather(&stage, appearance, group, pixels, &effort);
         if evidence.is_empty() {
