@@ -4,8 +4,8 @@
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 use unrender_recover::{
-    ExposureRule, GroupSpec, Hypothesis, LadderKind, Observation, Options, Picture, Problem,
-    Recovery, Renderer, Role, Status, recover, refine_from,
+    Expected, ExposureRule, GroupSpec, Hypothesis, LadderKind, Observation, Options,
+    ParameterBounds, Picture, Problem, Recovery, Renderer, Role, Status, recover, refine_from,
 };
 use unrender_render::geometry::PixelGeometry;
 use unrender_render::probe::Incident;
@@ -24,6 +24,8 @@ struct Stripes {
     model: BrdfModel,
     truth: Vec<Material>,
     geometry: GeometryBuffers,
+    /// What is expected of the stripes; nothing of those beyond its end.
+    expected: Vec<Expected>,
 }
 
 impl Stripes {
@@ -37,7 +39,7 @@ impl Stripes {
             uv: Vec2::new((x as f32 + 0.5) / 64.0, ((y % STRIPE) as f32 + 0.5) / 24.0),
             front: true,
         });
-        Self { model: BrdfModel::default(), truth, geometry }
+        Self { model: BrdfModel::default(), truth, geometry, expected: Vec::new() }
     }
 
     fn wo(pixel: u32) -> Vec3 {
@@ -251,6 +253,7 @@ fn with_problem(
         role: if anchor == Some(group) { Role::Known } else { Role::Unknown },
         material: Material::diffuse(Rgb::new(0.2, 0.5, 0.8)),
         rungs: Hypothesis::ALL.to_vec(),
+        expected: renderer.expected.get(group).copied().unwrap_or_default(),
     };
     let problem = Problem {
         corrections: &[],
@@ -308,6 +311,37 @@ fn every_rung_is_found_with_the_numbers_of_ggx() {
     let options = Options::default();
     let recovery = recovered(&renderer, ExposureRule::Fixed(Rgb::ONE), 1.0, &options);
     check(&recovery, &renderer.truth);
+}
+
+#[test]
+fn bounds_are_kept_whatever_the_photograph_says() {
+    let truth = one_of_each();
+    let truth = [0, 4, 6, 2].map(|stripe| truth[stripe].clone()).to_vec();
+    let free = ParameterBounds::default();
+    let bounds = [
+        ParameterBounds {
+            rho_d: [Rgb::ZERO, Rgb::new(1.0, 0.4, 1.0)],
+            rho_s: [Rgb::ZERO, Rgb::ZERO],
+            ..free
+        },
+        ParameterBounds { alpha_x: [0.2, 1.0], ..free },
+        ParameterBounds { rho_d: [Rgb::splat(0.15), Rgb::splat(0.6)], ..free },
+        ParameterBounds { alpha_x: [0.05, 1.0], ..free },
+    ];
+    let expected = bounds.map(|bounds| Expected { bounds, ..Expected::default() }).to_vec();
+    let renderer = Stripes { expected, ..Stripes::new(truth) };
+    let recovery = recovered(&renderer, ExposureRule::Fixed(Rgb::ONE), 1.0, &Options::default());
+    for (group, bounds) in recovery.groups.iter().zip(&bounds) {
+        assert!(bounds.allow(group.hypothesis), "{} is {}", group.name, group.hypothesis);
+        assert_eq!(group.material, bounds.nearest(&group.material), "{}", group.name);
+    }
+    let [diffuse, lobe] = [0, 1].map(|group| &recovery.groups[group]);
+    assert!(close(diffuse.material.rho_d, Rgb::new(0.2, 0.4, 0.8), 1e-3), "{:?}", diffuse.material);
+    let note = diffuse.note.as_deref().unwrap_or_default();
+    assert!(note.contains("rho_d lies on its bound max = [1, 0.4, 1] in green"), "{note}");
+    assert_eq!((lobe.hypothesis, lobe.material.alpha_x), (Hypothesis::Isotropic, 0.2));
+    let note = lobe.note.as_deref().unwrap_or_default();
+    assert!(note.contains("alpha_x lies on its bound min = 0.2, which std leaves out"), "{note}");
 }
 
 #[test]

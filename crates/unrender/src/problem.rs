@@ -58,6 +58,7 @@ pub(crate) fn spec(job: &Job, group: usize) -> GroupSpec {
         role,
         material,
         rungs: job.project.rungs_of(&of_scene.name),
+        expected: job.project.expected.get(&of_scene.name).copied().unwrap_or_default(),
     }
 }
 

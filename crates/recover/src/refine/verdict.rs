@@ -100,7 +100,7 @@ fn step_down(
     if !state.problem.groups[group].allows(hypothesis) {
         return false;
     }
-    state.materials[group] = material;
+    state.materials[group] = state.problem.groups[group].expected.bounds.nearest(&material);
     let of_group = &mut state.groups[group];
     of_group.hypothesis = hypothesis;
     of_group.add_note(format!("{note}: taken as {hypothesis}"));
@@ -108,14 +108,15 @@ fn step_down(
 }
 
 fn assume_white(state: &mut State<'_>, group: usize) {
-    state.materials[group] = Material::diffuse(Rgb::ONE);
+    let spec = &state.problem.groups[group];
+    state.materials[group] = spec.unseen();
     let of_group = &mut state.groups[group];
     of_group.status = Status::Assumed;
-    of_group.note = Some(
+    of_group.note = Some(format!(
         "no pixel shows this group, and the light that it sends leaves its reflectance open: taken \
-         as white diffuse"
-            .to_owned(),
-    );
+         as {}",
+        spec.unseen_in_words()
+    ));
 }
 
 /// Writes down how well each number is known.

@@ -1,7 +1,9 @@
 //! From the raw project to one whose values are understood; every fault names its key.
 
 use super::raw::{RawAnchor, RawGroup, RawKnown, RawProject};
-use super::{Anchor, CameraChoice, Known, Project, camera_choice, lights, photograph, rungs};
+use super::{
+    Anchor, CameraChoice, Known, Project, camera_choice, expected, lights, photograph, rungs,
+};
 use crate::lighting::RawLight;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -10,7 +12,7 @@ use unrender_formats::{LightUnits, Limits};
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
 use unrender_restage::light::LightEdit;
-use unrender_scene::{BrdfModel, Rgb, Warnings};
+use unrender_scene::{BrdfModel, Hypothesis, Rgb, Warnings};
 
 pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), String> {
     let raw: RawProject = toml::from_str(text).map_err(|error| with_line(&error, text))?;
@@ -60,6 +62,13 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     let white_level = raw.white_level.as_ref();
     let white_level = white_level.map(|value| photograph::white_level(value, black_level));
     let brdf = raw.recover.brdf.as_deref().map(str::parse::<BrdfModel>).transpose();
+    let brdf = brdf.map_err(|problem| format!("recover.brdf: {problem}"))?.unwrap_or_default();
+    let rungs_of = |name: &String| {
+        let stated = group_rungs.get(name).or(rungs.as_ref());
+        stated.map_or(&Hypothesis::ALL[..], Vec::as_slice)
+    };
+    let anchored = anchor.as_ref().map(|anchor| anchor.group.as_str());
+    let expected = expected::all(&raw.groups, &rungs_of, anchored, brdf)?;
     let light_units = raw.light_units.as_deref().map(str::parse::<LightUnits>).transpose();
     let project = Project {
         path: path.to_owned(),
@@ -79,10 +88,11 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         light_colors: lights::colors(&raw.lights.list)?,
         light_edits: light_edits(&raw.lights.list)?,
         environment: environment.transpose()?,
-        brdf: brdf.map_err(|problem| format!("recover.brdf: {problem}"))?.unwrap_or_default(),
+        brdf,
         thresholds: thresholds(&raw.recover.thresholds)?,
         rungs,
         group_rungs,
+        expected,
         same_as,
         light_units: light_units.map_err(|problem| format!("light_units: {problem}"))?,
         limits: Limits::default(),
@@ -128,10 +138,12 @@ fn same_as(groups: &BTreeMap<String, RawGroup>) -> Result<BTreeMap<String, Strin
                 "groups.{other} has same_as = \"{third}\" itself; name one group in all of them"
             ));
         }
+        let stated_number = expected::stated(group).first().copied();
         let stated = [
             ("known", group.known.is_some()),
             ("ignore", group.ignore),
             (group.rungs_key().unwrap_or_default(), group.rungs_key().is_some()),
+            (stated_number.unwrap_or_default(), stated_number.is_some()),
         ];
         if let Some((key, _)) = stated.iter().find(|(_, is_there)| *is_there) {
             return fault(&format!("{key} is said of groups.{other}, and holds for both"));
@@ -254,7 +266,7 @@ fn thresholds(raw: &BTreeMap<String, f64>) -> Result<Thresholds, String> {
     Ok(thresholds)
 }
 
-fn reflectance(key: &str, value: &Value) -> Result<Rgb, String> {
+pub(super) fn reflectance(key: &str, value: &Value) -> Result<Rgb, String> {
     let rgb = triple(key, value)?;
     if rgb.to_array().iter().all(|rho| (0.0..=1.0).contains(rho)) {
         Ok(rgb)

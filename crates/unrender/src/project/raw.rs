@@ -45,8 +45,29 @@ pub(super) struct RawGroup {
     pub(super) max_rung: Option<String>,
     pub(super) rungs: Option<Vec<String>>,
     pub(super) same_as: Option<String>,
+    pub(super) rho_d: Option<RawBounds>,
+    pub(super) rho_s: Option<RawBounds>,
+    pub(super) alpha_x: Option<RawBounds>,
+    pub(super) alpha_y: Option<RawBounds>,
+    pub(super) theta_deg: Option<RawStart>,
     #[serde(default)]
     pub(super) ignore: bool,
+}
+
+/// Where a number of a group starts, and between which values it lies.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawBounds {
+    pub(super) start: Option<Value>,
+    pub(super) min: Option<Value>,
+    pub(super) max: Option<Value>,
+}
+
+/// Where a number of a group starts.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawStart {
+    pub(super) start: Value,
 }
 
 impl RawGroup {

@@ -20,7 +20,7 @@ const DEVIATION: f64 = 0.5;
 /// said to be surer or less sure than they are.
 const TEXTURE: f64 = 0.003;
 const UNSEEN: f64 = 0.15;
-/// The prior mean of a group out of sight: the middle.
+/// The prior mean of a group out of sight without a starting value: the middle.
 const MIDDLE: f64 = 0.5;
 
 /// No step changes a reflectance by more than this. Half of it takes more passes; double of it goes
@@ -69,7 +69,9 @@ impl ParameterBlock for Diffuse {
             DEVIATION
         };
         // The ladder has no answer for groups out of sight.
-        Prior { mean: is_out_of_sight(state, u.of).then_some(MIDDLE), deviation }
+        let expected = &state.problem.groups[u.of].expected;
+        let start = expected.start.rho_d.map_or(MIDDLE, |start| f64::from(start[channel(u)]));
+        Prior { mean: is_out_of_sight(state, u.of).then_some(start), deviation }
     }
 
     fn precise_enough(&self, state: &State<'_>, u: &Unknown) -> f64 {
@@ -88,8 +90,10 @@ impl ParameterBlock for Diffuse {
         }
     }
 
-    fn range(&self, _: &State<'_>, _: &Unknown, _: f64) -> Range {
-        Range { low: 0.0, high: 1.0, step: STEP }
+    fn range(&self, state: &State<'_>, u: &Unknown, _: f64) -> Range {
+        let [low, high] = state.problem.groups[u.of].expected.bounds.rho_d;
+        let [low, high] = [low, high].map(|bound| f64::from(bound[channel(u)]));
+        Range { low, high, step: STEP }
     }
 
     fn parameters(&self, of: u32) -> [Parameter; 2] {
@@ -130,7 +134,9 @@ impl ParameterBlock for Specular {
         let material = &state.materials[u.of];
         let brightest = f64::from(material.rho_s.max_element());
         let of_lobe = (STEP_LOBE * brightest).clamp(STEP_LOBE_MIN, STEP);
-        Range { low: 0.0, high: 1.0, step: if material.is_glossy() { of_lobe } else { STEP } }
+        let [low, high] = state.problem.groups[u.of].expected.bounds.rho_s;
+        let [low, high] = [low, high].map(|bound| f64::from(bound[channel(u)]));
+        Range { low, high, step: if material.is_glossy() { of_lobe } else { STEP } }
     }
 
     fn parameters(&self, of: u32) -> [Parameter; 2] {
