@@ -20,6 +20,17 @@ pub struct Expected {
     pub bounds: ParameterBounds,
     /// Where to look besides the usual places.
     pub start: StartValues,
+    /// The group that it is like, if it is like one.
+    pub like: Option<Like>,
+}
+
+/// That a group's numbers are about those of another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Like {
+    /// The other group's index.
+    pub group: usize,
+    /// The standard deviation of the differences, as a share of the other's numbers.
+    pub within: f64,
 }
 
 /// The least and the greatest value of each number; the first is at most the second.
@@ -159,7 +170,7 @@ impl Expected {
     /// What a group is before it was looked at, diffuse with `rho_d` where nothing else is said: a lobe if its
     /// strength and roughness are given, or if the bounds ask for one and it `may_have` one.
     pub(crate) fn first(&self, rho_d: Rgb, may_have: bool) -> Material {
-        let Self { bounds, start } = self;
+        let Self { bounds, start, .. } = self;
         let diffuse = Material::diffuse(into_rgb(start.rho_d.unwrap_or(rho_d), bounds.rho_d));
         let is_asked_for = bounds.rho_s[0] != Rgb::ZERO;
         let strength = start.rho_s.filter(|rho_s| *rho_s != Rgb::ZERO && start.alpha_x.is_some());
@@ -270,14 +281,14 @@ mod tests {
         let start = StartValues { rho_d: Some(Rgb::splat(0.9)), ..StartValues::default() };
         let bounds =
             ParameterBounds { rho_d: [Rgb::ZERO, Rgb::splat(0.6)], ..ParameterBounds::default() };
-        let expected = Expected { bounds, start };
+        let expected = Expected { bounds, start, like: None };
         assert_eq!(expected.first(Rgb::ONE, true), Material::diffuse(Rgb::splat(0.6)));
         let start = StartValues { rho_s: Some(Rgb::splat(0.2)), alpha_x: Some(0.1), ..start };
         let lobe = Material::isotropic(Rgb::splat(0.6), Rgb::splat(0.2), 0.1);
-        assert_eq!(Expected { bounds, start }.first(Rgb::ONE, true), lobe);
-        assert!(Expected { bounds, start }.first(Rgb::ONE, false).rho_s == Rgb::ZERO);
+        assert_eq!(Expected { bounds, start, like: None }.first(Rgb::ONE, true), lobe);
+        assert!(Expected { bounds, start, like: None }.first(Rgb::ONE, false).rho_s == Rgb::ZERO);
         let bounds = ParameterBounds { rho_s: [Rgb::splat(0.1), Rgb::ONE], ..bounds };
-        let asked = Expected { bounds, start: StartValues::default() }.first(Rgb::ONE, true);
+        let asked = Expected { bounds, ..Expected::default() }.first(Rgb::ONE, true);
         assert_eq!((asked.rho_s, asked.alpha_x), (Rgb::splat(0.1), ALPHA_START));
     }
 
@@ -288,7 +299,7 @@ mod tests {
             alpha_x: [0.1, 1.0],
             ..ParameterBounds::default()
         };
-        let expected = Expected { bounds, start: StartValues::default() };
+        let expected = Expected { bounds, ..Expected::default() };
         let touched = |rho_d: Rgb, alpha: f32| {
             let lobe = Material::isotropic(rho_d, Rgb::splat(0.3), alpha);
             expected.touched(Hypothesis::Isotropic, &lobe)

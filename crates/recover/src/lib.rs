@@ -46,7 +46,7 @@ mod verify;
 mod within;
 
 pub use correction::{Corrected, Correction};
-pub use expected::{Expected, ParameterBounds, StartValues};
+pub use expected::{Expected, Like, ParameterBounds, StartValues};
 pub use hypothesis::Hypothesis;
 pub use journal::Journal;
 pub use observation::{Observation, Picture, PixelStatus};

@@ -6,7 +6,6 @@ use unrender::formats::{FileError, LightUnits};
 use unrender::photo::vignetting::Law;
 use unrender::photo::{Exposure, Response};
 use unrender::project::{CameraChoice, ResponseChoice, VignettingChoice};
-use unrender::recover::Expected;
 use unrender::scene::{
     Environment, Group, Hypothesis, Lens, Light, LightKind, Material, Rgb, RgbImage, Scene,
     WardModel, Warnings,
@@ -192,82 +191,6 @@ fn faults_of_what_is_known_of_groups_name_their_key() {
 }
 
 #[test]
-fn bounds_and_starts_are_understood() {
-    let project = good(
-        "[groups.sofa]\nrho_d = { start = [0.4, 0.3, 0.2], max = 0.6 }\nrho_s = { max = 0.1 }\n\
-         alpha_x = { start = 0.1, min = 0.02 }\ntheta_deg = { start = 180 }\n",
-    );
-    let Expected { bounds, start } = project.expected["sofa"];
-    assert_eq!(start.rho_d, Some(Rgb::new(0.4, 0.3, 0.2)));
-    assert_eq!((start.rho_s, start.alpha_x, start.alpha_y), (None, Some(0.1), None));
-    assert_eq!(start.theta_rad, Some(std::f32::consts::PI));
-    assert_eq!(bounds.rho_d, [Rgb::ZERO, Rgb::splat(0.6)]);
-    assert_eq!(
-        (bounds.rho_s[1], bounds.alpha_x, bounds.alpha_y[0]),
-        (Rgb::splat(0.1), [0.02, 1.0], 0.005)
-    );
-    assert!(good("").expected.is_empty());
-}
-
-#[test]
-fn faults_of_bounds_and_starts_name_their_key() {
-    are_told(&[
-        ("[groups.a]\nrho_d = 0.4", "line 4: invalid type"),
-        ("[groups.a]\nrho_d = { star = 0.4 }", "line 4: unknown field `star`"),
-        ("[groups.a]\nrho_d = {}", "groups.a.rho_d: give start, min or max"),
-        ("[groups.a]\nrho_d = { max = 1.2 }", "groups.a.rho_d.max is 1.2; a reflectance is from"),
-        ("[groups.a]\nrho_d = { min = nan }", "groups.a.rho_d.min is nan"),
-        (
-            "[groups.a]\nrho_s = { min = [0, 0.3, 0], max = 0.2 }",
-            "groups.a.rho_s: min is above max",
-        ),
-        ("[groups.a]\nrho_s = { start = 0.3, max = 0.2 }", "groups.a.rho_s: start lies beyond max"),
-        ("[groups.a]\nalpha_x = { start = 0.01, min = 0.02 }", "alpha_x: start lies beyond min"),
-        ("[groups.a]\nalpha_x = { min = 0 }", "groups.a.alpha_x.min is 0; a roughness that is"),
-        ("[groups.a]\nalpha_y = { max = 2 }", "groups.a.alpha_y.max is 2; a roughness that is"),
-        ("[groups.a]\ntheta_deg = { start = inf }", "groups.a.theta_deg.start is inf; give an"),
-        ("[groups.a]\ntheta_deg = { start = 1, min = 0 }", "line 4: unknown field `min`"),
-        (
-            "[groups.a]\nalpha_x = { min = 0.3 }\nalpha_y = { max = 0.2 }",
-            "groups.a: alpha_x.min is above alpha_y.max, but alpha_x is the lesser",
-        ),
-        (
-            "[groups.a]\nalpha_x = { start = 0.3 }\nalpha_y = { start = 0.2 }",
-            "exchange them, and turn theta_deg by 90",
-        ),
-        (
-            "[groups.a]\nrho_d = { min = 0.7 }\nrho_s = { min = 0.4 }",
-            "groups.a: rho_d.min and rho_s.min together are above 1, more than ward-gmd reflects",
-        ),
-        (
-            "[groups.a]\nmax_rung = \"diffuse\"\nalpha_x = { min = 0.02 }",
-            "groups.a.alpha_x: none of the hypotheses that the group may have (diffuse) has it; \
-             those that do are isotropic, anisotropic",
-        ),
-        (
-            "[recover]\nmax_rung = \"diffuse\"\n[groups.a]\nrho_s = { max = 0.2 }",
-            "groups.a.rho_s: none of the hypotheses",
-        ),
-        (
-            "[groups.a]\nrungs = [\"diffuse\", \"isotropic\"]\nrho_s = { min = 0.1 }\n\
-             alpha_x = { max = 0.1 }\n[groups.b]\nrungs = [\"isotropic\"]\nalpha_x = { max = 0.1 }\n\
-             rho_s = { max = 0 }",
-            "groups.b: none of the hypotheses that the group may have (isotropic) can keep its bounds",
-        ),
-        ("[groups.a]\nignore = true\nrho_d = { max = 0.5 }", "with ignore = true nothing is asked"),
-        (
-            "[groups.a]\nknown = { rho_d = 0.5 }\nrho_d = { max = 0.6 }",
-            "groups.a: with known nothing is asked for; leave out rho_d",
-        ),
-        ("[groups.a]\nsame_as = \"b\"\nrho_d = { max = 0.5 }", "rho_d is said of groups.b"),
-        (
-            "[groups.a]\nrho_d = { max = 0.5 }\n[anchor]\ngroup = \"a\"\nrho_d = 0.4",
-            "groups.a: [anchor] states its reflectance; leave out rho_d",
-        ),
-    ]);
-}
-
-#[test]
 fn every_fault_names_its_key_or_line() {
     let faults = [
         ("exposur = 1", "line 3: unknown field `exposur`"),
@@ -365,10 +288,6 @@ fn names_are_checked_against_the_scene() {
     assert!(error.contains("anchor.group: the group emits"), "{error}");
     let error = check("[groups.wall]\nsame_as = \"floor\"").unwrap_err();
     assert!(error.contains("groups.wall.same_as: the scene has no group \"floor\""), "{error}");
-    let error = check("[groups.lamp]\nrho_d = { max = 0.5 }").unwrap_err();
-    assert!(error.contains("groups.lamp: the group emits light"), "{error}");
-    let error = check("[groups.floor]\nrho_d = { max = 0.5 }").unwrap_err();
-    assert!(error.contains("groups.floor: the scene has no group \"floor\""), "{error}");
     let error = check("[groups.wall]\nsame_as = \"lamp\"").unwrap_err();
     assert!(error.contains("groups.wall.same_as: one of the two emits light"), "{error}");
     let error = check("camera = \"door\"").unwrap_err();

@@ -63,7 +63,7 @@ fn read(
         are_free(&key, number, rungs)?;
     }
     let mut expected = Expected::default();
-    let Expected { bounds, start } = &mut expected;
+    let Expected { bounds, start, .. } = &mut expected;
     start.rho_d = interval(&key, "rho_d", &group.rho_d, &mut bounds.rho_d)?;
     start.rho_s = interval(&key, "rho_s", &group.rho_s, &mut bounds.rho_s)?;
     start.alpha_x = interval(&key, "alpha_x", &group.alpha_x, &mut bounds.alpha_x)?;
@@ -102,7 +102,7 @@ fn agree(
     rungs: &[Hypothesis],
     brdf: BrdfModel,
 ) -> Result<(), String> {
-    let Expected { bounds, start } = expected;
+    let Expected { bounds, start, .. } = expected;
     if bounds.alpha_x[0] > bounds.alpha_y[1] {
         return Err(format!(
             "{key}: alpha_x.min is above alpha_y.max, but alpha_x is the lesser of the two roughnesses"

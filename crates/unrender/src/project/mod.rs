@@ -7,6 +7,7 @@ mod camera;
 mod camera_choice;
 mod expected;
 mod lights;
+mod like;
 mod parse;
 mod photograph;
 mod raw;
@@ -15,6 +16,7 @@ mod rungs;
 pub use camera::CameraTable;
 pub use camera_choice::{CalibratedCamera, CameraChoice, CameraFile};
 pub use lights::LightColor;
+pub use like::LikeGroup;
 pub use photograph::{ResponseChoice, VignettingChoice};
 pub(crate) use rungs::up_to;
 
@@ -76,6 +78,8 @@ pub struct Project {
     pub group_rungs: BTreeMap<String, Vec<Hypothesis>>,
     /// Bounds and starting values of the numbers of groups.
     pub expected: BTreeMap<String, Expected>,
+    /// The groups that are like another.
+    pub like: BTreeMap<String, LikeGroup>,
     /// The groups that have one material with another, and that other's name.
     pub same_as: BTreeMap<String, String>,
     /// The camera of the photograph.
@@ -201,8 +205,11 @@ impl Project {
         });
         let ignored = self.ignored.iter().map(|name| (format!("groups.{name}"), name));
         let expected = self.expected.keys().map(|name| (format!("groups.{name}"), name));
-        let named = known.chain(anchor).chain(rungs).chain(ignored).chain(same).chain(expected);
-        for (key, name) in named {
+        let like = self.like.iter().flat_map(|(name, like)| {
+            [(format!("groups.{name}"), name), (format!("groups.{name}.like"), &like.group)]
+        });
+        let named = known.chain(anchor).chain(rungs).chain(ignored).chain(same);
+        for (key, name) in named.chain(expected).chain(like) {
             if scene.group_index(name).is_none() {
                 let names = scene.groups.iter().map(|g| g.name.as_str());
                 let there = some_names(names);
@@ -228,6 +235,11 @@ impl Project {
             return fault(format!(
                 "groups.{name}: the group emits light, and its reflectance is not asked for; leave \
                  out its bounds and starts"
+            ));
+        }
+        if let Some((name, _)) = self.like.iter().find(|(a, b)| emits(a) || emits(&b.group)) {
+            return fault(format!(
+                "groups.{name}.like: one of the two emits light; only groups that reflect are alike"
             ));
         }
         lights::check(self, scene).or_else(fault)?;

@@ -2,7 +2,7 @@
 
 use super::raw::{RawAnchor, RawGroup, RawKnown, RawProject};
 use super::{
-    Anchor, CameraChoice, Known, Project, camera_choice, expected, lights, photograph, rungs,
+    Anchor, CameraChoice, Known, Project, camera_choice, expected, lights, like, photograph, rungs,
 };
 use crate::lighting::RawLight;
 use std::collections::{BTreeMap, BTreeSet};
@@ -69,6 +69,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     };
     let anchored = anchor.as_ref().map(|anchor| anchor.group.as_str());
     let expected = expected::all(&raw.groups, &rungs_of, anchored, brdf)?;
+    let like = like::all(&raw.groups, anchored)?;
     let light_units = raw.light_units.as_deref().map(str::parse::<LightUnits>).transpose();
     let project = Project {
         path: path.to_owned(),
@@ -93,6 +94,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         rungs,
         group_rungs,
         expected,
+        like,
         same_as,
         light_units: light_units.map_err(|problem| format!("light_units: {problem}"))?,
         limits: Limits::default(),
@@ -144,6 +146,7 @@ fn same_as(groups: &BTreeMap<String, RawGroup>) -> Result<BTreeMap<String, Strin
             ("ignore", group.ignore),
             (group.rungs_key().unwrap_or_default(), group.rungs_key().is_some()),
             (stated_number.unwrap_or_default(), stated_number.is_some()),
+            ("like", group.like.is_some()),
         ];
         if let Some((key, _)) = stated.iter().find(|(_, is_there)| *is_there) {
             return fault(&format!("{key} is said of groups.{other}, and holds for both"));

@@ -38,6 +38,15 @@ const STEP_LOBE_MIN: f64 = 0.002;
 const PRECISE: f64 = 7e-4;
 const PRECISE_UNSEEN: f64 = 1e-2;
 
+/// Of reflectances below this it is the share, in the difference of materials that are alike: what is nearly
+/// black is not known relatively. At half of it black groups are tied closer than anyone means, at double of
+/// it grey ones looser.
+const DARK: f64 = 0.02;
+
+fn likeness(value: f64, within: f64) -> Option<f64> {
+    Some(within * value.max(DARK))
+}
+
 fn is_out_of_sight(state: &State<'_>, group: usize) -> bool {
     state.observation.pixels_of_group[group].is_empty()
 }
@@ -76,6 +85,10 @@ impl ParameterBlock for Diffuse {
 
     fn precise_enough(&self, state: &State<'_>, u: &Unknown) -> f64 {
         precise_enough(state, u.of)
+    }
+
+    fn likeness(&self, value: f64, within: f64) -> Option<f64> {
+        likeness(value, within)
     }
 
     fn value(&self, at: At<'_>, u: &Unknown) -> f64 {
@@ -120,6 +133,10 @@ impl ParameterBlock for Specular {
 
     fn precise_enough(&self, state: &State<'_>, u: &Unknown) -> f64 {
         precise_enough(state, u.of)
+    }
+
+    fn likeness(&self, value: f64, within: f64) -> Option<f64> {
+        likeness(value, within)
     }
 
     fn value(&self, at: At<'_>, u: &Unknown) -> f64 {

@@ -55,6 +55,11 @@ impl ParameterBlock for Roughness {
         PRECISE
     }
 
+    /// A share of a roughness is a difference of its logarithm.
+    fn likeness(&self, _: f64, within: f64) -> Option<f64> {
+        Some(within)
+    }
+
     fn value(&self, at: At<'_>, u: &Unknown) -> f64 {
         let material = &at.state.materials[u.of];
         f64::from(if self.0 == Along::Y { material.alpha_y } else { material.alpha_x }.ln())
