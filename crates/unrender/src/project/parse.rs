@@ -24,30 +24,11 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     if anchor.is_some() && exposure != Exposure::Auto && !any_light_unknown {
         warnings.push("[anchor] was not used, as the exposure is stated and no light is unknown");
     }
-    let mut all_known = BTreeMap::new();
-    for (name, group) in &raw.groups {
-        if let Some(raw_known) = &group.known {
-            all_known.insert(name.clone(), known(&format!("groups.{name}.known"), raw_known)?);
-        }
-    }
-    let mut group_rungs = BTreeMap::new();
-    for (name, group) in &raw.groups {
-        let (list, max) = (group.rungs.as_deref(), group.max_rung.as_deref());
-        if let Some(list) = rungs::read(&format!("groups.{name}"), list, max)? {
-            group_rungs.insert(name.clone(), list);
-        }
-    }
+    let (all_known, group_rungs) = (all_known(&raw.groups)?, group_rungs(&raw.groups)?);
     let ignored = ignored(&raw.groups)?;
     let same_as = same_as(&raw.groups)?;
-    if let Some(anchor) = anchor.as_ref().filter(|anchor| same_as.contains_key(&anchor.group)) {
-        let (name, other) = (&anchor.group, &same_as[&anchor.group]);
-        return Err(format!(
-            "anchor.group: groups.{name} has same_as = \"{other}\"; take that one"
-        ));
-    }
-    if let Some(anchor) = anchor.as_ref().filter(|anchor| ignored.contains(&anchor.group)) {
-        let name = &anchor.group;
-        return Err(format!("anchor.group: groups.{name} has ignore = true; take another group"));
+    if let Some(anchor) = &anchor {
+        is_counted(anchor, &same_as, &ignored)?;
     }
     let (list, max) = (raw.recover.rungs.as_deref(), raw.recover.max_rung.as_deref());
     let rungs = rungs::read("recover", list, max)?;
@@ -112,6 +93,49 @@ fn with_line(error: &toml::de::Error, text: &str) -> String {
         Some(before) => format!("line {}: {message}", before.matches('\n').count() + 1),
         None => message.to_owned(),
     }
+}
+
+/// What is known of the groups of which the reflectance is given.
+fn all_known(groups: &BTreeMap<String, RawGroup>) -> Result<BTreeMap<String, Known>, String> {
+    let mut all = BTreeMap::new();
+    for (name, group) in groups {
+        if let Some(raw) = &group.known {
+            all.insert(name.clone(), known(&format!("groups.{name}.known"), raw)?);
+        }
+    }
+    Ok(all)
+}
+
+/// The hypotheses of the groups of which they are said.
+fn group_rungs(
+    groups: &BTreeMap<String, RawGroup>,
+) -> Result<BTreeMap<String, Vec<Hypothesis>>, String> {
+    let mut all = BTreeMap::new();
+    for (name, group) in groups {
+        let (list, max) = (group.rungs.as_deref(), group.max_rung.as_deref());
+        if let Some(list) = rungs::read(&format!("groups.{name}"), list, max)? {
+            all.insert(name.clone(), list);
+        }
+    }
+    Ok(all)
+}
+
+/// That the group of `anchor` has pixels of its own that count.
+fn is_counted(
+    anchor: &Anchor,
+    same_as: &BTreeMap<String, String>,
+    ignored: &BTreeSet<String>,
+) -> Result<(), String> {
+    let name = &anchor.group;
+    if let Some(other) = same_as.get(name) {
+        return Err(format!(
+            "anchor.group: groups.{name} has same_as = \"{other}\"; take that one"
+        ));
+    }
+    if ignored.contains(name) {
+        return Err(format!("anchor.group: groups.{name} has ignore = true; take another group"));
+    }
+    Ok(())
 }
 
 /// The groups that are not counted.
