@@ -12,6 +12,7 @@
 //! ([`Evidence::reweigh`]).
 
 use crate::blocks::{Blocks, Grid};
+use crate::expected::Expected;
 use crate::model_error::{Allowance, LightField, ModelError, followed, level2};
 use crate::observation::{Noise, Observation, Reading};
 use crate::rerender::Renderer;
@@ -39,6 +40,8 @@ pub struct Evidence {
     pub allowance: Allowance,
     /// The noise of every block that no candidate may undercut, where it is known.
     pub least_noise: Option<Vec<Rgb>>,
+    /// Bounds and starting values of the group's numbers.
+    pub expected: Expected,
 }
 
 /// One pixel of the photograph.
@@ -119,7 +122,22 @@ impl Evidence {
         let pixels = observe(observation, exposure, group, &seen);
         let allowance = effort.allowance;
         let field = LightField::of(&blocks, &seen, renderer.geometry(), allowance.light);
-        Self { model: renderer.model(), pixels, sets, blocks, field, allowance, least_noise: None }
+        Self {
+            model: renderer.model(),
+            pixels,
+            sets,
+            blocks,
+            field,
+            allowance,
+            least_noise: None,
+            expected: Expected::default(),
+        }
+    }
+
+    /// The same for a group of which something is `expected`.
+    #[must_use]
+    pub fn expecting(self, expected: Expected) -> Self {
+        Self { expected, ..self }
     }
 
     /// Weights every residual by the inverse of its variance, with `material` as the model whose

@@ -19,6 +19,7 @@ mod correction;
 mod driver;
 pub mod effort;
 pub mod evidence;
+pub mod expected;
 pub mod fit;
 pub mod hypothesis;
 pub mod journal;
@@ -45,6 +46,7 @@ mod verify;
 mod within;
 
 pub use correction::{Corrected, Correction};
+pub use expected::{Expected, Like, ParameterBounds, StartValues};
 pub use hypothesis::Hypothesis;
 pub use journal::Journal;
 pub use observation::{Observation, Picture, PixelStatus};

@@ -72,9 +72,13 @@ fn group_result(state: &State<'_>, group: usize, squares: &Squares, whole: f64) 
     let observation = &state.observation;
     let valid = &observation.pixels_of_group[group];
     let note = of_group.note.clone().or_else(|| match of_group.status {
-        Status::Assumed => Some("no pixel shows this group: taken as white diffuse".to_owned()),
+        Status::Assumed => {
+            Some(format!("no pixel shows this group: taken as {}", spec.unseen_in_words()))
+        }
         _ => None,
     });
+    let note =
+        [note, on_bounds(state, group)].into_iter().flatten().reduce(|a, b| format!("{a}; {b}"));
     let note = match (&doubt, note) {
         (Some(doubt), Some(note)) => Some(format!("{doubt}; {note}")),
         (Some(doubt), None) => Some(doubt.clone()),
@@ -96,6 +100,19 @@ fn group_result(state: &State<'_>, group: usize, squares: &Squares, whole: f64) 
         selection_log: of_group.selection_log.clone(),
         note,
     }
+}
+
+/// Which of an unknown group's numbers lie on bounds of the project, if any do.
+fn on_bounds(state: &State<'_>, group: usize) -> Option<String> {
+    let spec = &state.problem.groups[group];
+    let of_group = &state.groups[group];
+    if spec.role != Role::Unknown || of_group.status != Status::Recovered {
+        return None;
+    }
+    let touched = spec.expected.touched(of_group.hypothesis, &state.materials[group]);
+    let said = touched.join(", ");
+    let of_std = if of_group.std.is_some() { ", which std leaves out of account" } else { "" };
+    (!said.is_empty()).then(|| format!("{said}{of_std}"))
 }
 
 fn alternative(fit: &Fit) -> Alternative {

@@ -1,6 +1,7 @@
 //! What is asked: the photograph, the renderer, and what is known of each group beforehand.
 
 use crate::correction::Correction;
+use crate::expected::Expected;
 use crate::observation::Observation;
 use crate::rerender::Renderer;
 use unrender_scene::{Hypothesis, Material, Rgb};
@@ -36,12 +37,32 @@ pub struct GroupSpec {
     pub material: Material,
     /// The hypotheses that an unknown group may have, in any order.
     pub rungs: Vec<Hypothesis>,
+    /// Bounds and starting values of an unknown group's numbers.
+    pub expected: Expected,
 }
 
 impl GroupSpec {
     /// Whether the group may have `hypothesis`.
     pub(crate) fn allows(&self, hypothesis: Hypothesis) -> bool {
-        self.rungs.contains(&hypothesis)
+        self.rungs.contains(&hypothesis) && self.expected.bounds.allow(hypothesis)
+    }
+
+    /// What an unknown group is before it was looked at: diffuse with `rho_d` where nothing else is expected.
+    pub(crate) fn first(&self, rho_d: Rgb) -> Material {
+        let lobes = [Hypothesis::Isotropic, Hypothesis::Anisotropic];
+        self.expected.first(rho_d, lobes.iter().any(|lobe| self.allows(*lobe)))
+    }
+
+    /// What an unknown group is taken as that no pixel shows: white diffuse where nothing else is expected.
+    pub(crate) fn unseen(&self) -> Material {
+        let first = self.first(Rgb::ONE);
+        if self.allows(Hypothesis::Diffuse) { Material::diffuse(first.rho_d) } else { first }
+    }
+
+    /// The same in words, after "taken as".
+    pub(crate) fn unseen_in_words(&self) -> &'static str {
+        let is_white = self.unseen() == Material::diffuse(Rgb::ONE);
+        if is_white { "white diffuse" } else { "its start and its bounds say" }
     }
 
     /// The hypotheses without a texture that it may have; where there is none, the diffuse one, which

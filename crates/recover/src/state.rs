@@ -107,7 +107,7 @@ impl GroupState {
     }
 }
 
-/// Every unknown group starts as diffuse with this reflectance.
+/// Every unknown group of which nothing is expected starts as diffuse with this reflectance.
 const START: f32 = 0.5;
 
 impl<'a> State<'a> {
@@ -117,8 +117,8 @@ impl<'a> State<'a> {
             return Err(RecoverError::NothingSeen);
         }
         let material = |group: usize| match problem.groups[group].role {
-            Role::Unknown if seen(group) => Material::diffuse(Rgb::splat(START)),
-            Role::Unknown => Material::diffuse(Rgb::ONE),
+            Role::Unknown if seen(group) => problem.groups[group].first(Rgb::splat(START)),
+            Role::Unknown => problem.groups[group].unseen(),
             Role::Known | Role::Emitter => problem.groups[group].material.clone(),
         };
         let materials: Vec<Material> = (0..problem.groups.len()).map(material).collect();
@@ -183,8 +183,9 @@ impl<'a> State<'a> {
     pub(crate) fn wear(&mut self, materials: &[Material]) {
         for (group, material) in materials.iter().enumerate() {
             if self.problem.groups[group].role == Role::Unknown {
-                self.materials[group] = material.clone();
-                self.groups[group].hypothesis = hypothesis::of(material);
+                let material = self.problem.groups[group].expected.bounds.nearest(material);
+                self.groups[group].hypothesis = hypothesis::of(&material);
+                self.materials[group] = material;
             }
         }
     }

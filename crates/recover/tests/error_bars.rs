@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f32::consts::{FRAC_PI_2, TAU};
 use unrender_recover::{
-    ExposureRule, GroupResult, GroupSpec, Hypothesis, Observation, Options, Picture, Problem,
-    Recovery, Role, Status, View, refine_from,
+    Expected, ExposureRule, GroupResult, GroupSpec, Hypothesis, Observation, Options, Picture,
+    Problem, Recovery, Role, Status, View, refine_from,
 };
 use unrender_render::sampler::mix;
 use unrender_render::{Settings, Tracer};
@@ -76,6 +76,7 @@ fn refined(scene: &Scene, tracer: &Tracer, clean: &RgbImage, realisation: u64) -
         },
         material: group.material.clone(),
         rungs: Hypothesis::ALL.to_vec(),
+        expected: Expected::default(),
     };
     let problem = Problem {
         corrections: &[],

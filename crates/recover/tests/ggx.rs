@@ -5,8 +5,8 @@ mod brushed_room;
 
 use brushed_room::{BACK, CEILING, FLOOR, LAMP, camera, room, truth};
 use unrender_recover::{
-    ExposureRule, GroupSpec, Hypothesis, Observation, Options, Picture, Problem, Recovery,
-    Renderer, Role, View, recover,
+    Expected, ExposureRule, GroupSpec, Hypothesis, Observation, Options, Picture, Problem,
+    Recovery, Renderer, Role, View, recover,
 };
 use unrender_render::{Settings, Tracer};
 use unrender_scene::{BrdfModel, Group, Image, Rgb, RgbImage, Scene};
@@ -35,6 +35,7 @@ fn recovered(scene: &Scene) -> Recovery {
         role: if i == LAMP { Role::Emitter } else { Role::Unknown },
         material: group.material.clone(),
         rungs: Hypothesis::ALL.to_vec(),
+        expected: Expected::default(),
     };
     let problem = Problem {
         corrections: &[],

@@ -4,8 +4,8 @@
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 use unrender_recover::{
-    ExposureRule, GroupSpec, Hypothesis, LadderKind, Observation, Options, Picture, Problem,
-    Recovery, Renderer, Role, Status, recover, refine_from,
+    Expected, ExposureRule, GroupSpec, Hypothesis, LadderKind, Like, Observation, Options,
+    ParameterBounds, Picture, Problem, Recovery, Renderer, Role, Status, recover, refine_from,
 };
 use unrender_render::geometry::PixelGeometry;
 use unrender_render::probe::Incident;
@@ -24,6 +24,8 @@ struct Stripes {
     model: BrdfModel,
     truth: Vec<Material>,
     geometry: GeometryBuffers,
+    /// What is expected of the stripes; nothing of those beyond its end.
+    expected: Vec<Expected>,
 }
 
 impl Stripes {
@@ -37,7 +39,7 @@ impl Stripes {
             uv: Vec2::new((x as f32 + 0.5) / 64.0, ((y % STRIPE) as f32 + 0.5) / 24.0),
             front: true,
         });
-        Self { model: BrdfModel::default(), truth, geometry }
+        Self { model: BrdfModel::default(), truth, geometry, expected: Vec::new() }
     }
 
     fn wo(pixel: u32) -> Vec3 {
@@ -251,6 +253,7 @@ fn with_problem(
         role: if anchor == Some(group) { Role::Known } else { Role::Unknown },
         material: Material::diffuse(Rgb::new(0.2, 0.5, 0.8)),
         rungs: Hypothesis::ALL.to_vec(),
+        expected: renderer.expected.get(group).copied().unwrap_or_default(),
     };
     let problem = Problem {
         corrections: &[],
@@ -308,6 +311,38 @@ fn every_rung_is_found_with_the_numbers_of_ggx() {
     let options = Options::default();
     let recovery = recovered(&renderer, ExposureRule::Fixed(Rgb::ONE), 1.0, &options);
     check(&recovery, &renderer.truth);
+}
+
+#[test]
+fn bounds_are_kept_whatever_the_photograph_says() {
+    let truth = one_of_each();
+    let truth = [0, 4, 6, 2].map(|stripe| truth[stripe].clone()).to_vec();
+    let free = ParameterBounds::default();
+    let bounds = [
+        ParameterBounds {
+            rho_d: [Rgb::ZERO, Rgb::new(1.0, 0.4, 1.0)],
+            rho_s: [Rgb::ZERO, Rgb::ZERO],
+            ..free
+        },
+        ParameterBounds { alpha_x: [0.124, 1.0], ..free },
+        ParameterBounds { rho_d: [Rgb::splat(0.15), Rgb::splat(0.6)], ..free },
+        ParameterBounds { alpha_x: [0.05, 1.0], ..free },
+    ];
+    let expected = bounds.map(|bounds| Expected { bounds, ..Expected::default() }).to_vec();
+    let renderer = Stripes { expected, ..Stripes::new(truth) };
+    let recovery = recovered(&renderer, ExposureRule::Fixed(Rgb::ONE), 1.0, &Options::default());
+    for (group, bounds) in recovery.groups.iter().zip(&bounds) {
+        assert!(bounds.allow(group.hypothesis), "{} is {}", group.name, group.hypothesis);
+        assert_eq!(group.material, bounds.nearest(&group.material), "{}", group.name);
+    }
+    let [diffuse, lobe] = [0, 1].map(|group| &recovery.groups[group]);
+    assert!(close(diffuse.material.rho_d, Rgb::new(0.2, 0.4, 0.8), 1e-3), "{:?}", diffuse.material);
+    let note = diffuse.note.as_deref().unwrap_or_default();
+    assert!(note.contains("rho_d lies on its bound max = [1, 0.4, 1] in green"), "{note}");
+    assert_eq!(lobe.hypothesis, Hypothesis::Isotropic);
+    assert!((lobe.material.alpha_x - 0.124).abs() < 1e-6, "{:?}", lobe.material);
+    let note = lobe.note.as_deref().unwrap_or_default();
+    assert!(note.contains("alpha_x lies on its bound min = 0.124, which std leaves out"), "{note}");
 }
 
 #[test]
@@ -374,6 +409,28 @@ fn a_group_that_no_pixel_shows_is_assumed_white() {
     assert_eq!((unseen.status, unseen.pixels), (Status::Assumed, 0));
     assert_eq!(unseen.material, Material::diffuse(Rgb::ONE));
     assert!(unseen.note.as_ref().unwrap().contains("no pixel"));
+}
+
+#[test]
+fn a_group_out_of_sight_is_as_bright_as_one_that_it_is_like() {
+    let truth = one_of_each()[..2].to_vec();
+    let like = Expected { like: Some(Like { group: 0, within: 0.1 }), ..Expected::default() };
+    let expected = vec![Expected::default(), Expected::default(), like];
+    let renderer = Stripes { expected, ..Stripes::new(truth) };
+    let options = Options::default();
+    let known = ExposureRule::Anchor { group: 0, rho_d: renderer.truth[0].rho_d };
+    for rule in [ExposureRule::Fixed(Rgb::ONE), known] {
+        let recovery = recovered(&renderer, rule, 1.0, &options);
+        assert!(close(recovery.groups[0].material.rho_d, renderer.truth[0].rho_d, 1e-3));
+        let unseen = &recovery.groups[2];
+        assert_eq!((unseen.status, unseen.pixels), (Status::Recovered, 0), "{:?}", unseen.note);
+        // Its own prior, the middle with half of the range, pulls it a little.
+        assert!(close(unseen.material.rho_d, renderer.truth[0].rho_d, 0.01), "{unseen:?}");
+        let std = unseen.std.and_then(|std| std.rho_d).unwrap();
+        assert!(close(std, 0.1 * renderer.truth[0].rho_d, 0.003), "{std}");
+        let note = unseen.note.as_deref().unwrap_or_default();
+        assert!(note.contains("like \"stripe 0\" within 10 %, as the project says"), "{note}");
+    }
 }
 
 #[test]

@@ -4,8 +4,8 @@
 use glam::{Affine3A, Quat, Vec3};
 use unrender_recover::register::{Registration, margin, register};
 use unrender_recover::{
-    ExposureRule, GroupSpec, Hypothesis, Observation, Options, Picture, PixelStatus, Problem,
-    Recovery, Role, View, recover,
+    Expected, ExposureRule, GroupSpec, Hypothesis, Observation, Options, Picture, PixelStatus,
+    Problem, Recovery, Role, View, recover,
 };
 use unrender_render::sampler::mix;
 use unrender_render::{Settings, Tracer};
@@ -203,6 +203,7 @@ fn recovered_as(
         role: if group.is_emitter() { Role::Emitter } else { Role::Unknown },
         material: group.material.clone(),
         rungs: Hypothesis::ALL.to_vec(),
+        expected: Expected::default(),
     };
     let problem = Problem {
         corrections: &[],

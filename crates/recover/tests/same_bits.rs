@@ -7,8 +7,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use unrender_recover::remote::{Remote, Shared, Worker, Workers};
 use unrender_recover::{
-    ExposureRule, GroupSpec, Hypothesis, Journal, LadderKind, Observation, Options, Picture,
-    Problem, Recovery, Renderer, Role, View, recover, recover_with,
+    Expected, ExposureRule, GroupSpec, Hypothesis, Journal, LadderKind, Observation, Options,
+    Picture, Problem, Recovery, Renderer, Role, View, recover, recover_with,
 };
 use unrender_render::{Settings, Tracer};
 use unrender_scene::{Camera, Group, Image, Material, Mesh, Object, Rgb, RgbImage, Scene};
@@ -107,6 +107,7 @@ fn solved<T>(role_of_floor: Role, solve: impl Fn(&Problem<'_>) -> T) -> T {
         },
         material: of_scene.material.clone(),
         rungs: Hypothesis::ALL.to_vec(),
+        expected: Expected::default(),
     };
     let rho_d = Rgb::new(0.5, 0.3, 0.2);
     solve(&Problem {

@@ -24,7 +24,7 @@
 //! ```
 //! use glam::Vec3;
 //! use unrender::recover::{
-//!     ExposureRule, GroupSpec, Hypothesis, Observation, Options, Picture, Problem, Renderer, Role,
+//!     Expected, ExposureRule, GroupSpec, Hypothesis, Observation, Options, Picture, Problem, Renderer, Role,
 //!     View,
 //! };
 //! use unrender::render::{Settings, Tracer};
@@ -71,6 +71,7 @@
 //!     role: if group.is_emitter() { Role::Emitter } else { Role::Unknown },
 //!     material: group.material.clone(),
 //!     rungs: Hypothesis::ALL.to_vec(),
+//!     expected: Expected::default(),
 //! };
 //! let problem = Problem {
 //!     observation: &observation,

@@ -5,7 +5,8 @@ use crate::laid::Laid;
 use unrender_photo::Exposure;
 use unrender_recover::remote::{Remote, Workers};
 use unrender_recover::{
-    Correction, ExposureRule, GroupSpec, Problem, RecoverError, Renderer, Role, View,
+    Correction, Expected, ExposureRule, GroupSpec, Like, Problem, RecoverError, Renderer, Role,
+    View,
 };
 use unrender_render::Tracer;
 use unrender_scene::{Material, Rgb};
@@ -58,7 +59,18 @@ pub(crate) fn spec(job: &Job, group: usize) -> GroupSpec {
         role,
         material,
         rungs: job.project.rungs_of(&of_scene.name),
+        expected: expected(job, &of_scene.name),
     }
+}
+
+/// Bounds and starts of the group `name`, and what it is like.
+fn expected(job: &Job, name: &str) -> Expected {
+    let like = job.project.like.get(name).and_then(|like| {
+        let group = job.scene.group_index(&like.group)?;
+        Some(Like { group, within: f64::from(like.within) })
+    });
+    let expected = job.project.expected.get(name).copied().unwrap_or_default();
+    Expected { like, ..expected }
 }
 
 fn exposure_rule(job: &Job) -> ExposureRule {

@@ -209,4 +209,6 @@ fn the_examples_have_the_camera_of_their_scene() {
     let job = Job::load(project, warnings).unwrap();
     assert_eq!(job.project.coloured_sources(&job.scene), job.unknown_lights);
     assert_eq!(job.project.same_as["wardrobe"], "oak");
+    assert_eq!(job.project.like["walls"].group, "ceiling");
+    assert_eq!(job.project.expected["floor"].bounds.alpha_x, [0.05, 1.0]);
 }

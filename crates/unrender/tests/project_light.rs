@@ -383,6 +383,22 @@ fn groups_have_the_hypotheses_that_are_allowed() {
 }
 
 #[test]
+fn bounds_of_a_project_are_kept_by_its_results() {
+    let folder = Folder::new("bounds");
+    let bounds = "[groups.floor]\nalpha_x = { start = 0.4, min = 0.3 }\n[groups.wall]\n\
+                  rho_d = { max = [1, 0.2, 1] }\nrho_s = { max = 0 }\n[recover]\nmax_rung = \"isotropic\"\n";
+    folder.write("project.toml", &format!("{HEAD}{LIGHTS}{bounds}"));
+    folder.succeeds(&["recover", "project.toml", "--spp", "4", "--out", "out"]);
+    let found = materials::read(&folder.path("out/materials.json")).unwrap();
+    let [floor, wall] = ["floor", "wall"].map(|name| &found.groups[name]);
+    let is_rough = floor.alpha_x.is_some_and(|alpha| alpha >= 0.3);
+    assert!(is_rough || floor.hypothesis == Some(Hypothesis::Diffuse), "{floor:?}");
+    assert_eq!((wall.hypothesis, wall.rho_d.unwrap()[1]), (Some(Hypothesis::Diffuse), 0.2));
+    let note = wall.note.as_deref().unwrap_or_default();
+    assert!(note.contains("rho_d lies on its bound max = [1, 0.2, 1] in green"), "{note}");
+}
+
+#[test]
 fn groups_of_one_material_are_recovered_as_one() {
     let folder = Folder::new("same");
     let same = "[groups.wall]\nsame_as = \"floor\"\n[recover]\nmax_rung = \"diffuse\"\n";

@@ -4,13 +4,14 @@
 //! independent noise, the objective is the product of the residuals,
 //! `sum W (B - L_A)(B - L_B) = sum W B^2 - 2 b.x + x.A x`, with `x = (rho_d, rho_s)`,
 //! `A = sym(J_A^T W J_B)` and `b = (J_A + J_B)^T W B / 2`. It is minimised over the box
-//! `0 <= rho <= 1`. The paper's own 2x2 system (section 4.2.3) is the same without the weights, the
+//! `0 <= rho <= 1`, or a smaller one that the user states. The paper's own 2x2 system (section 4.2.3) is the same without the weights, the
 //! second rendering and the box.
 //!
 //! Pixels that are only known to be at least so bright count where the model is darker: a convex
 //! problem, whose set of counting pixels is found by iteration.
 
 use crate::evidence::Evidence;
+use crate::expected::ParameterBounds;
 use crate::observation::Reading;
 use std::collections::BTreeMap;
 use unrender_scene::Rgb;
@@ -91,38 +92,55 @@ impl Sums {
     }
 
     /// The best diffuse reflectance beside the specular reflectance `s`.
-    fn best_d(&self, s: f64) -> f64 {
-        clamp_ratio(self.bd - s * self.ds, self.dd)
+    fn best_d(&self, s: f64, limits: &Limits) -> f64 {
+        clamp_ratio(self.bd - s * self.ds, self.dd, limits.d)
     }
 
     /// The best specular reflectance beside the diffuse reflectance `d`.
-    fn best_s(&self, d: f64) -> f64 {
-        clamp_ratio(self.bs - d * self.ds, self.ss)
+    fn best_s(&self, d: f64, limits: &Limits) -> f64 {
+        clamp_ratio(self.bs - d * self.ds, self.ss, limits.s)
     }
 
-    /// The best pair in the unit box: inside if the minimum lies there, else on an edge.
-    fn best_pair(&self) -> (f64, f64) {
+    /// The best pair in the box: inside if the minimum lies there, else on an edge.
+    fn best_pair(&self, limits: &Limits) -> (f64, f64) {
+        let Limits { d: [d_low, d_high], s: [s_low, s_high] } = *limits;
         let determinant = self.dd * self.ss - self.ds * self.ds;
         if self.dd > 0.0 && determinant > 1e-9 * self.dd * self.ss {
             let d = (self.bd * self.ss - self.bs * self.ds) / determinant;
             let s = (self.bs * self.dd - self.bd * self.ds) / determinant;
-            if (0.0..=1.0).contains(&d) && (0.0..=1.0).contains(&s) {
+            if (d_low..=d_high).contains(&d) && (s_low..=s_high).contains(&s) {
                 return (d, s);
             }
         }
         let edges = [
-            (self.best_d(0.0), 0.0),
-            (self.best_d(1.0), 1.0),
-            (0.0, self.best_s(0.0)),
-            (1.0, self.best_s(1.0)),
+            (self.best_d(s_low, limits), s_low),
+            (self.best_d(s_high, limits), s_high),
+            (d_low, self.best_s(d_low, limits)),
+            (d_high, self.best_s(d_high, limits)),
         ];
         let cost = |(d, s): &(f64, f64)| self.objective(*d, *s);
         edges.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or_default()
     }
 }
 
-fn clamp_ratio(numerator: f64, denominator: f64) -> f64 {
-    if denominator > 0.0 { (numerator / denominator).clamp(0.0, 1.0) } else { 0.0 }
+fn clamp_ratio(numerator: f64, denominator: f64, [low, high]: [f64; 2]) -> f64 {
+    if denominator > 0.0 { (numerator / denominator).clamp(low, high) } else { low }
+}
+
+/// The box of one channel.
+struct Limits {
+    d: [f64; 2],
+    s: [f64; 2],
+}
+
+impl Limits {
+    fn of(bounds: &ParameterBounds, channel: usize) -> Self {
+        let interval = |[low, high]: [Rgb; 2]| {
+            let low = f64::from(low[channel]);
+            [low, f64::from(high[channel]).max(low)]
+        };
+        Self { d: interval(bounds.rho_d), s: interval(bounds.rho_s) }
+    }
 }
 
 /// Rounds in which the set of counting lower bounds is looked for; it settles within three or four.
@@ -139,15 +157,16 @@ pub fn fit(
     let mut result = LinearFit { rho_d: Rgb::ZERO, rho_s: Rgb::ZERO, objective: 0.0 };
     for channel in 0..3 {
         let (values, bounds) = sums(evidence, diffuse, specular, channel);
+        let limits = Limits::of(&evidence.expected.bounds, channel);
         let mut counts = vec![true; bounds.len()];
         let (mut sums, mut best) = (values, (0.0, 0.0));
         for _ in 0..BOUND_ROUNDS {
             let counting = bounds.iter().zip(&counts).filter(|(_, counts)| **counts);
             sums = counting.fold(values, |sums, (bound, _)| sums.and(bound));
             best = match terms {
-                Terms::Diffuse => (sums.best_d(0.0), 0.0),
-                Terms::Specular => (0.0, sums.best_s(0.0)),
-                Terms::Both => sums.best_pair(),
+                Terms::Diffuse => (sums.best_d(0.0, &limits), 0.0),
+                Terms::Specular => (0.0, sums.best_s(0.0, &limits)),
+                Terms::Both => sums.best_pair(&limits),
             };
             let next: Vec<bool> = bounds.iter().map(|bound| !bound.is_met(best)).collect();
             if next == counts {

@@ -5,9 +5,10 @@
 //! hardly matters, so a single start can fall into the wrong basin); then direction and roughness
 //! are refined together by downhill simplex, the reflectances inside by least squares.
 
-use super::isotropic::{self, ALPHA_RANGE};
+use super::isotropic;
 use super::{Fit, Hypothesis, Search};
 use crate::evidence::Evidence;
+use crate::expected::{ALPHA_RANGE, Expected};
 use crate::fit::simplex;
 use std::f32::consts::PI;
 use unrender_scene::{Material, Rgb};
@@ -32,8 +33,11 @@ const STEPS: [u64; 2] = [100, 40];
 pub fn fit(evidence: &Evidence, start: &Material, search: Search) -> Fit {
     let known = [start.alpha_x, start.alpha_y, start.theta_rad];
     let diffuse = evidence.diffuse();
+    let bounds = evidence.expected.bounds;
+    let shape_of =
+        |p: &[f64]| bounds.nearest_shape([p[0].exp() as f32, p[1].exp() as f32, p[2] as f32]);
     let shape = match search {
-        Search::Kept => known,
+        Search::Kept => bounds.nearest_shape(known),
         Search::Local => {
             let first = [known[0].ln(), known[1].ln(), known[2]].map(f64::from);
             let start = (&first[..], &[STEP, STEP, 1.5 * STEP][..]);
@@ -42,19 +46,19 @@ pub fn fit(evidence: &Evidence, start: &Material, search: Search) -> Fit {
         Search::Global => {
             let part = evidence.thinned();
             let diffuse = part.diffuse();
-            anywhere(&part, &diffuse, start)
+            anywhere((&part, &diffuse), &shape_of, start)
         }
     };
     isotropic::finish(Hypothesis::Anisotropic, evidence, &diffuse, canonical(shape))
 }
 
-fn shape_of(p: &[f64]) -> [f32; 3] {
-    let alpha = |log: f64| (log.exp() as f32).clamp(ALPHA_RANGE[0], ALPHA_RANGE[1]);
-    [alpha(p[0]), alpha(p[1]), p[2] as f32]
-}
-
-/// The most likely shape: the best of a ring of directions, and downhill from there.
-fn anywhere(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], start: &Material) -> [f32; 3] {
+/// The most likely shape: the best of a ring of directions, and downhill from there; or from the values that
+/// the user starts from, if they lead to one as likely. `shape_of` says which shape the searched numbers mean.
+fn anywhere(
+    (evidence, diffuse): (&Evidence, &[Vec<Rgb>; 2]),
+    shape_of: &dyn Fn(&[f64]) -> [f32; 3],
+    start: &Material,
+) -> [f32; 3] {
     let known = (start.alpha_x * start.alpha_y).sqrt().clamp(ALPHA_RANGE[0], ALPHA_RANGE[1]);
     let first = [known / ELONGATIONS[0], known * ELONGATIONS[0], start.theta_rad];
     let shapes = std::iter::once(known).chain(ALPHAS).flat_map(|alpha| {
@@ -63,19 +67,153 @@ fn anywhere(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], start: &Material) -> [
             ring.map(move |theta| [alpha / longer, alpha * longer, theta])
         })
     });
-    let ranked = std::iter::once(first)
-        .chain(shapes)
-        .map(|shape| (isotropic::deviance(evidence, diffuse, shape), shape));
-    let best = ranked.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(first, |b| b.1);
     let cost = |p: &[f64]| isotropic::deviance(evidence, diffuse, shape_of(p));
-    let first = [f64::from(best[0]).ln(), f64::from(best[1]).ln(), f64::from(best[2])];
-    let size = [0.2, 0.2, 0.3];
-    let (best, _) = simplex::minimise(cost, &first, &size, isotropic::LIKELY, STEPS[0]);
-    shape_of(&best)
+    let downhill = |best: [f32; 3]| {
+        let first = [f64::from(best[0]).ln(), f64::from(best[1]).ln(), f64::from(best[2])];
+        let size = [0.2, 0.2, 0.3];
+        let (best, cost) = simplex::minimise(cost, &first, &size, isotropic::LIKELY, STEPS[0]);
+        (cost, shape_of(&best))
+    };
+    let best_of = |shapes: &mut dyn Iterator<Item = [f32; 3]>| {
+        let ranked = shapes.map(|shape| (isotropic::deviance(evidence, diffuse, shape), shape));
+        ranked.min_by(|a, b| a.0.total_cmp(&b.0)).map(|best| best.1)
+    };
+    let usual = best_of(&mut std::iter::once(first).chain(shapes)).unwrap_or(first);
+    let started = best_of(&mut started(&evidence.expected).into_iter()).map(downhill);
+    isotropic::preferred(downhill(usual), started)
+}
+
+/// The shapes with all the numbers that the user starts from; those of which nothing is said as in the usual
+/// search. None where nothing is said of any.
+fn started(expected: &Expected) -> Vec<[f32; 3]> {
+    let start = expected.start;
+    if start.alpha_x.is_none() && start.alpha_y.is_none() && start.theta_rad.is_none() {
+        return Vec::new();
+    }
+    let longer = ELONGATIONS.map(|longer| longer * longer);
+    let alphas: Vec<[f32; 2]> = match (start.alpha_x, start.alpha_y) {
+        (Some(x), Some(y)) => vec![[x, y]],
+        (Some(x), None) => longer.map(|longer| [x, x * longer]).to_vec(),
+        (None, Some(y)) => longer.map(|longer| [y / longer, y]).to_vec(),
+        (None, None) => {
+            let both = |alpha: f32| ELONGATIONS.map(|longer| [alpha / longer, alpha * longer]);
+            ALPHAS.into_iter().flat_map(both).collect()
+        }
+    };
+    let ring = (0..DIRECTIONS).map(|i| PI * i as f32 / DIRECTIONS as f32);
+    let thetas: Vec<f32> = start.theta_rad.map_or(ring.collect(), |theta| vec![theta]);
+    let turned = |[x, y]: [f32; 2]| thetas.iter().map(move |theta| [x, y, *theta]);
+    alphas.into_iter().flat_map(turned).collect()
 }
 
 /// The same lobe with `alpha_x <= alpha_y` and theta in [0, pi): the brushed direction is the one
 /// along which the surface is smoother.
 pub fn canonical([x, y, theta]: [f32; 3]) -> [f32; 3] {
     if x <= y { [x, y, theta.rem_euclid(PI)] } else { [y, x, (theta + PI / 2.0).rem_euclid(PI)] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blocks::{Blocks, Grid};
+    use crate::evidence::{Gathered, Observed};
+    use crate::expected::{ParameterBounds, StartValues};
+    use crate::model_error::{Allowance, LightError, LightField, ModelError};
+    use crate::observation::{Noise, Reading};
+    use glam::Vec3;
+    use std::f32::consts::FRAC_1_PI;
+    use unrender_render::probe::Incident;
+    use unrender_render::{Probe, Probes};
+    use unrender_scene::BrdfModel;
+
+    const SIDE: usize = 20;
+
+    /// A brushed surface seen and lit alike from left and right: a direction and its mirror image explain it
+    /// alike.
+    fn ambiguous(truth: [f32; 3]) -> Evidence {
+        let light = |i: usize| {
+            let (a, b) = ((i % 5) as f32 - 2.0, (i / 5) as f32 - 2.0);
+            let wi = Vec3::new(0.3 * a, 0.3 * b - 0.3, 1.0).normalize();
+            Incident { wi, irradiance: Rgb::splat(0.2 * wi.z) }
+        };
+        let lights: Vec<Incident> = (0..25).map(light).collect();
+        let wo = |i: usize| Vec3::new(0.0, i as f32 / 300.0, 1.0).normalize();
+        let all = 0..SIDE * SIDE;
+        let irradiance: Rgb = lights.iter().map(|light| light.irradiance).sum();
+        let probe = |i: usize| Probe {
+            pixel: i as u32,
+            group: 0,
+            throughput: Rgb::ONE,
+            wo: wo(i),
+            point: Vec3::ZERO,
+            emitted: Rgb::ZERO,
+            diffuse: irradiance * FRAC_1_PI,
+            mirror: Rgb::ZERO,
+            mirrored: None,
+            first: (i * lights.len()) as u32,
+            count: lights.len() as u32,
+        };
+        let probes = all.clone().map(probe).collect();
+        let incident = all.clone().flat_map(|_| lights.iter().copied()).collect();
+        let set = Gathered::new(Probes { probes, incident });
+        let observed = |i: usize| Observed {
+            pixel: i as u32,
+            radiance: Rgb::ZERO,
+            reading: Reading::Value,
+            noise: Noise::NONE,
+            variance: Rgb::splat(1e-4),
+            level: Rgb::ONE,
+            weight: Rgb::ONE,
+        };
+        let pixels: Vec<u32> = all.clone().map(|i| i as u32).collect();
+        let blocks = Blocks::of(&pixels, &Grid::even(SIDE, 3));
+        let error = LightError { share: 0.01 };
+        let mut evidence = Evidence {
+            model: BrdfModel::default(),
+            pixels: all.map(observed).collect(),
+            sets: [set.clone(), set],
+            field: LightField::constant(blocks.len(), error),
+            blocks,
+            allowance: Allowance { light: error, floor: ModelError { share: 0.003 } },
+            least_noise: None,
+            expected: Expected::default(),
+        };
+        let [shown, _] = evidence.lobe(truth[0], truth[1], truth[2]);
+        let lit = 0.2 * irradiance * FRAC_1_PI;
+        evidence.pixels.iter_mut().zip(shown).for_each(|(p, s)| p.radiance = lit + 0.3 * s);
+        evidence
+    }
+
+    fn found(start: StartValues, bounds: ParameterBounds) -> [f32; 3] {
+        let evidence = ambiguous([0.1, 0.3, 0.6]).expecting(Expected { bounds, start, like: None });
+        let first = Material::isotropic(Rgb::splat(0.2), Rgb::splat(0.3), 0.2);
+        let Material { alpha_x, alpha_y, theta_rad, .. } =
+            fit(&evidence, &first, Search::Global).material;
+        [alpha_x, alpha_y, theta_rad]
+    }
+
+    #[test]
+    fn of_directions_that_explain_alike_the_one_is_taken_that_the_start_leads_to() {
+        for theta in [0.6, PI - 0.6] {
+            let start = StartValues { theta_rad: Some(theta + 0.2), ..StartValues::default() };
+            let [x, y, found] = found(start, ParameterBounds::default());
+            assert!((x - 0.1).abs() < 0.015 && (y - 0.3).abs() < 0.03, "{x} {y}");
+            assert!((found - theta).abs() < 0.05, "{found} instead of {theta}");
+        }
+    }
+
+    #[test]
+    fn a_start_that_is_wrong_does_no_harm() {
+        let start =
+            StartValues { alpha_x: Some(0.5), alpha_y: Some(0.9), ..StartValues::default() };
+        let [x, y, _] = found(start, ParameterBounds::default());
+        assert!((x - 0.1).abs() < 0.015 && (y - 0.3).abs() < 0.03, "{x} {y}");
+    }
+
+    #[test]
+    fn shapes_are_searched_within_the_bounds() {
+        let bounds = ParameterBounds { alpha_x: [0.14, 0.4], ..ParameterBounds::default() };
+        let [x, y, _] = found(StartValues::default(), bounds);
+        assert!((0.14..0.16).contains(&x) && y >= x, "{x} {y}");
+    }
 }

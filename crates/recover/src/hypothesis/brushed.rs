@@ -184,6 +184,7 @@ mod tests {
             blocks,
             allowance: Allowance { light, floor: ModelError { share: 0.003 } },
             least_noise: None,
+            expected: Default::default(),
         };
         let facing = PixelGeometry { normal: Vec3::Z, tangent: Vec3::X, ..PixelGeometry::EMPTY };
         (evidence, Image::new(SIDE, SIDE, vec![facing; SIDE * SIDE]))

@@ -12,8 +12,6 @@ use crate::fit::simplex;
 use crate::likelihood::Likelihood;
 use unrender_scene::{Material, Rgb};
 
-/// The range of roughness that is looked through.
-pub const ALPHA_RANGE: [f32; 2] = [0.005, 1.0];
 /// The steps of the global search: each about 1.6 times the one before.
 const GLOBAL: [f32; 10] = [0.01, 0.016, 0.025, 0.04, 0.065, 0.1, 0.16, 0.25, 0.4, 0.65];
 
@@ -24,8 +22,11 @@ const STEPS: [u64; 2] = [30, 15];
 pub fn fit(evidence: &Evidence, start: &Material, search: Search) -> Fit {
     let diffuse = evidence.diffuse();
     let known = (start.alpha_x * start.alpha_y).sqrt();
-    let round = |alpha: f32| [alpha, alpha, 0.0];
-    let by_log = |p: &[f64]| round((p[0].exp() as f32).clamp(ALPHA_RANGE[0], ALPHA_RANGE[1]));
+    let round = |alpha: f32| {
+        let alpha = evidence.expected.bounds.nearest_round(alpha);
+        [alpha, alpha, 0.0]
+    };
+    let by_log = |p: &[f64]| round(p[0].exp() as f32);
     let first = [f64::from(known).ln()];
     let shape = match search {
         Search::Kept if start.is_glossy() => round(known),
@@ -37,16 +38,38 @@ pub fn fit(evidence: &Evidence, start: &Material, search: Search) -> Fit {
     finish(Hypothesis::Isotropic, evidence, &diffuse, shape)
 }
 
-/// The most likely roughness: the best of [`GLOBAL`], and downhill from there.
+/// The most likely roughness: the best of [`GLOBAL`], and downhill from there; or from the value that the
+/// user starts from, if that leads to one as likely.
 fn anywhere(evidence: &Evidence) -> f32 {
     let diffuse = evidence.diffuse();
-    let deviance = |alpha: f32| deviance(evidence, &diffuse, [alpha, alpha, 0.0]);
+    let bounds = &evidence.expected.bounds;
+    let deviance = |alpha: f32| {
+        let alpha = bounds.nearest_round(alpha);
+        deviance(evidence, &diffuse, [alpha, alpha, 0.0])
+    };
+    let by_log = |p: &[f64]| deviance(p[0].exp() as f32);
+    let downhill = |from: f32| {
+        let from = f64::from(from).ln();
+        let (best, cost) = simplex::minimise(by_log, &[from], &[0.2], LIKELY, STEPS[0]);
+        (cost, bounds.nearest_round(best[0].exp() as f32))
+    };
     let costs = GLOBAL.map(|alpha| (deviance(alpha), alpha));
     let best = costs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.1, |best| best.1);
-    let by_log = |p: &[f64]| deviance(p[0].exp() as f32);
-    let start = f64::from(best).ln();
-    let (best, _) = simplex::minimise(by_log, &[start], &[0.2], LIKELY, STEPS[0]);
-    (best[0].exp() as f32).clamp(ALPHA_RANGE[0], ALPHA_RANGE[1])
+    preferred(downhill(best), evidence.expected.start.alpha_x.map(downhill))
+}
+
+/// The usual minimum takes the place of the one that the user's start leads to if its deviance is lower by
+/// this, which is strong evidence [Kass and Raftery 1995]. At half of it noise overrules the user, at double a
+/// start that is wrong stays.
+const STRONGER: f64 = 6.0;
+
+/// The minimum that the user's start leads to, unless the `usual` one is strongly more likely; both with
+/// their deviances.
+pub(super) fn preferred<T>(usual: (f64, T), started: Option<(f64, T)>) -> T {
+    match started {
+        Some(started) if started.0 <= usual.0 + STRONGER => started.1,
+        _ => usual.1,
+    }
 }
 
 /// Global searches stop when the deviances at the corners of the simplex differ by less than this: a
@@ -57,10 +80,8 @@ pub(super) const LIKELY: f64 = 0.5;
 /// best. Searches go by it and not by the product of the residuals of two renderings, which may be
 /// anything where a sharp lobe is hardly sampled: the deviance knows of the rendering noise.
 pub(super) fn deviance(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], shape: [f32; 3]) -> f64 {
-    let [x, y, theta] = shape;
-    let alpha = |alpha: f32| alpha.clamp(ALPHA_RANGE[0], ALPHA_RANGE[1]);
-    let shape = [alpha(x), alpha(y), theta];
-    let specular = evidence.lobe(shape[0], shape[1], theta);
+    let shape = evidence.expected.bounds.nearest_shape(shape);
+    let specular = evidence.lobe(shape[0], shape[1], shape[2]);
     if shown_by(&specular) < SHOWN_MIN {
         return UNLIKELY;
     }

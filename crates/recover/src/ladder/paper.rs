@@ -196,7 +196,8 @@ impl PaperIteration<'_> {
         // A group without texture coordinates stays where it is.
         rung.iterations = if leaves && material.is_some() { 0 } else { rung.iterations + 1 };
         state.groups[*group].hypothesis = if material.is_some() { next } else { hypothesis };
-        material.unwrap_or_else(|| state.materials[*group].clone())
+        let material = material.unwrap_or_else(|| state.materials[*group].clone());
+        state.problem.groups[*group].expected.bounds.nearest(&material)
     }
 
     fn rerender(&self, s: &State<'_>, materials: &[Material], px: &[u32], seed: u64) -> Vec<Rgb> {

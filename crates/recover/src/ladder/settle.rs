@@ -153,6 +153,7 @@ impl<'o> Settler<'o> {
             effort.probe.max_bounces = self.options.max_bounces;
             let (stage, appearance) = (state.stage(), state.appearance());
             let evidence = Evidence::gather(&stage, appearance, group, &in_mirrors, &effort);
+            let evidence = evidence.expecting(state.problem.groups[group].expected);
             if evidence.pixels.len() < MIRRORED_PIXELS {
                 continue;
             }
@@ -175,7 +176,8 @@ pub(crate) fn gather(
 ) -> Evidence {
     effort.probe.max_bounces = options.max_bounces;
     let pixels = &state.observation.informative_of_group[group];
-    Evidence::gather(&state.stage(), state.appearance(), group, pixels, &effort)
+    let evidence = Evidence::gather(&state.stage(), state.appearance(), group, pixels, &effort);
+    evidence.expecting(state.problem.groups[group].expected)
 }
 
 /// The lobe half way between two, but for its direction, which is that of the second.

@@ -29,13 +29,14 @@ pub(crate) fn extract(
         textured::extract(&stage, state.appearance(), group, &plain, &effort)
     };
     let of_group = &mut state.groups[group];
-    let Some(extracted) = extracted else {
+    let Some(mut extracted) = extracted else {
         let reason = if few { "too few pixels" } else { "no texture coordinates" };
         of_group.note = Some(format!(
             "no uniform reflectance explains this group, and it has {reason} for a texture"
         ));
         return None;
     };
+    state.problem.groups[group].expected.bounds.bound_texels(&mut extracted.texture);
     let mean = textured::mean(&extracted);
     of_group.seen_texels = Some(extracted.seen);
     let rho_d = Some(extracted.deviation);
@@ -59,6 +60,7 @@ pub(crate) fn finish(state: &mut State<'_>, options: &Options) {
             (0..3).for_each(|c| textured::set_mean(&mut material, seen, c, sent[c]));
             material.rho_d = shown;
         }
-        state.materials[group] = material;
+        // What was laid upon unseen texels knows no bounds.
+        state.materials[group] = state.problem.groups[group].expected.bounds.nearest(&material);
     }
 }

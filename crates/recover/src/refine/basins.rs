@@ -8,6 +8,7 @@
 
 use crate::effort;
 use crate::evidence::Evidence;
+use crate::expected::ParameterBounds;
 use crate::hypothesis::{self, Fit, Hypothesis, Search};
 use crate::model_error::ModelError;
 use crate::problem::Options;
@@ -40,7 +41,8 @@ pub(crate) fn find(state: &mut State<'_>, options: &Options) {
         effort.pixels = PIXELS;
         effort.probe.max_bounces = options.max_bounces;
         let (stage, appearance) = (state.stage(), state.appearance());
-        let mut evidence = Evidence::gather(&stage, appearance, group, pixels, &effort);
+        let evidence = Evidence::gather(&stage, appearance, group, pixels, &effort);
+        let mut evidence = evidence.expecting(state.problem.groups[group].expected);
         if evidence.is_empty() {
             continue;
         }
@@ -60,7 +62,7 @@ pub(crate) fn find(state: &mut State<'_>, options: &Options) {
 /// Fits of `hypothesis` in other basins than `answer` that explain the evidence alike.
 fn others(hypothesis: Hypothesis, evidence: &Evidence, answer: &Material) -> Vec<Fit> {
     let best = hypothesis::fit(hypothesis, evidence, answer, Search::Local);
-    let starts = starts(hypothesis, answer);
+    let starts = starts(hypothesis, answer, &evidence.expected.bounds);
     let costs: Vec<f64> =
         starts.iter().map(|start| hypothesis::deviance_of_shape(evidence, start)).collect();
     let n = starts.len();
@@ -86,11 +88,10 @@ fn others(hypothesis: Hypothesis, evidence: &Evidence, answer: &Material) -> Vec
     found
 }
 
-/// Shapes about `answer`, in the order of what is varied.
-fn starts(hypothesis: Hypothesis, answer: &Material) -> Vec<Material> {
+/// Shapes about `answer` and within the `bounds`, in the order of what is varied.
+fn starts(hypothesis: Hypothesis, answer: &Material, bounds: &ParameterBounds) -> Vec<Material> {
     if hypothesis == Hypothesis::Isotropic {
-        let [low, high] = hypothesis::isotropic::ALPHA_RANGE;
-        let scaled = |f: &f32| (f * answer.alpha_x).clamp(low, high);
+        let scaled = |f: &f32| bounds.nearest_round(f * answer.alpha_x);
         let with = |alpha: f32| Material { alpha_x: alpha, alpha_y: alpha, ..answer.clone() };
         return FACTORS.iter().map(|f| with(scaled(f))).collect();
     }

@@ -16,6 +16,7 @@ mod blocks;
 mod means;
 mod normal;
 mod passes;
+mod relations;
 mod sample;
 mod system;
 mod unknowns;

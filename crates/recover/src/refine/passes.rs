@@ -119,8 +119,9 @@ impl<'o> Passes<'o> {
                 }
                 _ => {
                     damping *= 0.1;
-                    let to_prior = prior - unknowns.values(state);
-                    let system = System::new(unknowns, &normal, &to_prior);
+                    let values = unknowns.values(state);
+                    let system = System::new(unknowns, &normal, &(prior - &values));
+                    let system = system.related(unknowns, &values);
                     Place::of(state, &means, &normal, system)
                 }
             };
@@ -158,8 +159,9 @@ impl<'o> Passes<'o> {
             let found = self.pass(state, &unknowns, &cells, (&spp, seed));
             means::average(&mut average, found);
             let normal = Normal::of(&average, &unknowns, state.materials.len());
-            let to_prior = prior - unknowns.values(state);
-            let system = System::new(&unknowns, &normal, &to_prior);
+            let values = unknowns.values(state);
+            let system = System::new(&unknowns, &normal, &(prior - &values));
+            let system = system.related(&unknowns, &values);
             let covariance = system.covariance();
             stated = system.stated_covariance();
             let Some(step) = system.step(0.0, &unknowns.bounds(state)) else {

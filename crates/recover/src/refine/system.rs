@@ -1,7 +1,8 @@
 //! The normal equations with the prior, in its units.
 //!
 //! `(H + P) s = g + P (p_0 - p)`: `P` is the inverse of the variances of the prior, so wide that it
-//! only matters where the photograph is silent. The covariance of the solution is the sandwich
+//! only matters where the photograph is silent, and what is known of differences
+//! ([`super::relations`]). The covariance of the solution is the sandwich
 //! `(H + P)^-1 (G + P) (H + P)^-1`.
 
 use super::normal::Normal;
@@ -35,6 +36,24 @@ impl System {
         let g_covariance = scaled(&normal.g_covariance) + &one;
         let g_dependent = scaled(&normal.g_dependent) + one;
         Self { h, g, g_covariance, g_dependent, g_rendering: scaled(&normal.g_rendering), unit }
+    }
+
+    /// The same with what is known of the differences of the `unknowns`, which stand at `values`.
+    pub(super) fn related(mut self, unknowns: &Unknowns, values: &DVector<f64>) -> Self {
+        for relation in &unknowns.relations {
+            let precision = relation.deviation.powi(-2);
+            let pull = precision * relation.difference(|index| values[index]);
+            for (i, sign) in relation.signs() {
+                self.g[i] -= sign * pull * self.unit[i];
+                for (j, other) in relation.signs() {
+                    let of_both = sign * other * precision * self.unit[i] * self.unit[j];
+                    for of in [&mut self.h, &mut self.g_covariance, &mut self.g_dependent] {
+                        of[(i, j)] += of_both;
+                    }
+                }
+            }
+        }
+        self
     }
 
     /// The step to the minimum within `bounds`; `damping` shortens it.

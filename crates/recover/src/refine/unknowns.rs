@@ -2,6 +2,7 @@
 //! each number is, its block says ([`super::blocks`]).
 
 use super::blocks::{self, At, Linear, Range, Start};
+use super::relations::{self, Relation};
 use crate::fit::quadratic::Bounds;
 use crate::hypothesis::{self, Hypothesis, textured};
 use crate::problem::{ExposureRule, Role};
@@ -21,6 +22,8 @@ pub(crate) struct Unknowns {
     start: Start,
     /// The standard deviations of the prior of each.
     pub(crate) deviations: Vec<f64>,
+    /// What is known of their differences.
+    pub(super) relations: Vec<Relation>,
 }
 
 /// Where an unknown's derivative stands in a Jacobian: at one parameter or at the sum of two.
@@ -96,7 +99,9 @@ impl Unknowns {
         }
         let prior = list.iter().map(|u| blocks::of(u.quantity).prior(state, u));
         let deviations = prior.map(|prior| prior.deviation).collect();
-        Self { list, parameters, columns, start: Start::of(state), deviations }
+        let start = Start::of(state);
+        let relations = relations::find(&list, At { state, start: &start });
+        Self { list, parameters, columns, start, deviations, relations }
     }
 
     /// For each unknown: whether it is a specular reflectance.

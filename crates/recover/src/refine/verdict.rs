@@ -7,7 +7,9 @@
 //! whose reflectance stays open is assumed: at its best guess, or white, as the paper does, where
 //! there is nothing to guess from.
 
+use super::relations::Relation;
 use super::{Solution, blocks};
+use crate::expected::Like;
 use crate::hypothesis::{Hypothesis, anisotropic};
 use crate::record::{Covariance, Deviations, LightResult, Status};
 use crate::selection::STRONG;
@@ -24,6 +26,9 @@ const UNSEEN_MAX: f64 = 0.1;
 const GUESS_MAX: f64 = 0.3;
 /// From this correlation on, two numbers of one group are named as tied.
 const TIED: f64 = 0.95;
+/// Groups that the project calls alike are said to differ from this many standard deviations of the difference
+/// on. At half of it one number in eight would be named by chance; at double a wrong likeness goes unseen.
+const UNLIKE: f64 = 3.0;
 /// A roughness with a larger relative standard deviation than this is said to be open.
 const ALPHA_OPEN: f64 = 0.5;
 
@@ -90,6 +95,11 @@ fn is_mirror(material: &Material, explained: f64) -> bool {
     material.rho_d.max_element() <= explained as f32 * material.rho_s.max_element()
 }
 
+/// A share in percent, to a thousandth of one.
+fn percent(share: f64) -> f64 {
+    (1e5 * share).round() / 1e3
+}
+
 fn step_down(
     state: &mut State<'_>,
     group: usize,
@@ -100,7 +110,7 @@ fn step_down(
     if !state.problem.groups[group].allows(hypothesis) {
         return false;
     }
-    state.materials[group] = material;
+    state.materials[group] = state.problem.groups[group].expected.bounds.nearest(&material);
     let of_group = &mut state.groups[group];
     of_group.hypothesis = hypothesis;
     of_group.add_note(format!("{note}: taken as {hypothesis}"));
@@ -108,14 +118,15 @@ fn step_down(
 }
 
 fn assume_white(state: &mut State<'_>, group: usize) {
-    state.materials[group] = Material::diffuse(Rgb::ONE);
+    let spec = &state.problem.groups[group];
+    state.materials[group] = spec.unseen();
     let of_group = &mut state.groups[group];
     of_group.status = Status::Assumed;
-    of_group.note = Some(
+    of_group.note = Some(format!(
         "no pixel shows this group, and the light that it sends leaves its reflectance open: taken \
-         as white diffuse"
-            .to_owned(),
-    );
+         as {}",
+        spec.unseen_in_words()
+    ));
 }
 
 /// Writes down how well each number is known.
@@ -142,6 +153,9 @@ pub(super) fn record(state: &mut State<'_>, solution: &Solution) {
             of_group.note.get_or_insert_with(|| {
                 format!("never seen directly: from the light that it sends to the others{how}")
             });
+        }
+        if let Some(note) = verdict.likeness(state) {
+            state.groups[group].add_note(note);
         }
         for note in verdict.doubts() {
             state.groups[group].add_note(note);
@@ -270,6 +284,30 @@ impl Verdict<'_> {
             ln_alpha_y: round.or(one(Quantity::AlphaY)),
             theta_rad: one(Quantity::Theta),
         }
+    }
+
+    /// What became of the group that this one is like, if it is like one.
+    fn likeness(&self, state: &State<'_>) -> Option<String> {
+        let Like { group, within } = state.problem.groups[self.group].expected.like?;
+        let name = &state.problem.groups[group].name;
+        let unknowns = &self.solution.unknowns;
+        let values = unknowns.values(state);
+        let of_group = |relation: &&Relation| unknowns.list[relation.unknown].of == self.group;
+        let apart = |relation: &Relation| {
+            (relation.difference(|index| values[index]) / relation.deviation).abs()
+        };
+        let worst = unknowns.relations.iter().filter(of_group).map(apart).reduce(f64::max);
+        Some(match worst {
+            None => format!(
+                "like \"{name}\", as the project says, changes nothing: no free number is of both"
+            ),
+            Some(worst) if worst > UNLIKE => format!(
+                "like \"{name}\" within {} %, as the project says, but the photograph has them \
+                 {worst:.1} times as far apart",
+                percent(within)
+            ),
+            Some(_) => format!("like \"{name}\" within {} %, as the project says", percent(within)),
+        })
     }
 
     /// What the user should know about the group's numbers.

@@ -5,7 +5,9 @@
 
 mod camera;
 mod camera_choice;
+mod expected;
 mod lights;
+mod like;
 mod parse;
 mod photograph;
 mod raw;
@@ -14,6 +16,7 @@ mod rungs;
 pub use camera::CameraTable;
 pub use camera_choice::{CalibratedCamera, CameraChoice, CameraFile};
 pub use lights::LightColor;
+pub use like::LikeGroup;
 pub use photograph::{ResponseChoice, VignettingChoice};
 pub(crate) use rungs::up_to;
 
@@ -22,7 +25,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use unrender_formats::{FileError, Input, LightUnits, Limits, input};
 use unrender_photo::Exposure;
-use unrender_recover::Thresholds;
+use unrender_recover::{Expected, Thresholds};
 use unrender_restage::light::LightEdit;
 use unrender_scene::{BrdfModel, Hypothesis, Material, Rgb, Scene, Warnings};
 
@@ -73,6 +76,10 @@ pub struct Project {
     pub rungs: Option<Vec<Hypothesis>>,
     /// The same for single groups.
     pub group_rungs: BTreeMap<String, Vec<Hypothesis>>,
+    /// Bounds and starting values of the numbers of groups.
+    pub expected: BTreeMap<String, Expected>,
+    /// The groups that are like another.
+    pub like: BTreeMap<String, LikeGroup>,
     /// The groups that have one material with another, and that other's name.
     pub same_as: BTreeMap<String, String>,
     /// The camera of the photograph.
@@ -197,7 +204,12 @@ impl Project {
             [(format!("groups.{name}"), name), (format!("groups.{name}.same_as"), other)]
         });
         let ignored = self.ignored.iter().map(|name| (format!("groups.{name}"), name));
-        for (key, name) in known.chain(anchor).chain(rungs).chain(ignored).chain(same) {
+        let expected = self.expected.keys().map(|name| (format!("groups.{name}"), name));
+        let like = self.like.iter().flat_map(|(name, like)| {
+            [(format!("groups.{name}"), name), (format!("groups.{name}.like"), &like.group)]
+        });
+        let named = known.chain(anchor).chain(rungs).chain(ignored).chain(same);
+        for (key, name) in named.chain(expected).chain(like) {
             if scene.group_index(name).is_none() {
                 let names = scene.groups.iter().map(|g| g.name.as_str());
                 let there = some_names(names);
@@ -217,6 +229,17 @@ impl Project {
             return fault(format!(
                 "groups.{name}.same_as: one of the two emits light; only groups that reflect have \
                  one material"
+            ));
+        }
+        if let Some(name) = self.expected.keys().find(|name| emits(name)) {
+            return fault(format!(
+                "groups.{name}: the group emits light, and its reflectance is not asked for; leave \
+                 out its bounds and starts"
+            ));
+        }
+        if let Some((name, _)) = self.like.iter().find(|(a, b)| emits(a) || emits(&b.group)) {
+            return fault(format!(
+                "groups.{name}.like: one of the two emits light; only groups that reflect are alike"
             ));
         }
         lights::check(self, scene).or_else(fault)?;

@@ -1,7 +1,9 @@
 //! From the raw project to one whose values are understood; every fault names its key.
 
 use super::raw::{RawAnchor, RawGroup, RawKnown, RawProject};
-use super::{Anchor, CameraChoice, Known, Project, camera_choice, lights, photograph, rungs};
+use super::{
+    Anchor, CameraChoice, Known, Project, camera_choice, expected, lights, like, photograph, rungs,
+};
 use crate::lighting::RawLight;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -10,7 +12,7 @@ use unrender_formats::{LightUnits, Limits};
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
 use unrender_restage::light::LightEdit;
-use unrender_scene::{BrdfModel, Rgb, Warnings};
+use unrender_scene::{BrdfModel, Hypothesis, Rgb, Warnings};
 
 pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), String> {
     let raw: RawProject = toml::from_str(text).map_err(|error| with_line(&error, text))?;
@@ -22,30 +24,11 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     if anchor.is_some() && exposure != Exposure::Auto && !any_light_unknown {
         warnings.push("[anchor] was not used, as the exposure is stated and no light is unknown");
     }
-    let mut all_known = BTreeMap::new();
-    for (name, group) in &raw.groups {
-        if let Some(raw_known) = &group.known {
-            all_known.insert(name.clone(), known(&format!("groups.{name}.known"), raw_known)?);
-        }
-    }
-    let mut group_rungs = BTreeMap::new();
-    for (name, group) in &raw.groups {
-        let (list, max) = (group.rungs.as_deref(), group.max_rung.as_deref());
-        if let Some(list) = rungs::read(&format!("groups.{name}"), list, max)? {
-            group_rungs.insert(name.clone(), list);
-        }
-    }
+    let (all_known, group_rungs) = (all_known(&raw.groups)?, group_rungs(&raw.groups)?);
     let ignored = ignored(&raw.groups)?;
     let same_as = same_as(&raw.groups)?;
-    if let Some(anchor) = anchor.as_ref().filter(|anchor| same_as.contains_key(&anchor.group)) {
-        let (name, other) = (&anchor.group, &same_as[&anchor.group]);
-        return Err(format!(
-            "anchor.group: groups.{name} has same_as = \"{other}\"; take that one"
-        ));
-    }
-    if let Some(anchor) = anchor.as_ref().filter(|anchor| ignored.contains(&anchor.group)) {
-        let name = &anchor.group;
-        return Err(format!("anchor.group: groups.{name} has ignore = true; take another group"));
+    if let Some(anchor) = &anchor {
+        is_counted(anchor, &same_as, &ignored)?;
     }
     let (list, max) = (raw.recover.rungs.as_deref(), raw.recover.max_rung.as_deref());
     let rungs = rungs::read("recover", list, max)?;
@@ -60,6 +43,14 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     let white_level = raw.white_level.as_ref();
     let white_level = white_level.map(|value| photograph::white_level(value, black_level));
     let brdf = raw.recover.brdf.as_deref().map(str::parse::<BrdfModel>).transpose();
+    let brdf = brdf.map_err(|problem| format!("recover.brdf: {problem}"))?.unwrap_or_default();
+    let rungs_of = |name: &String| {
+        let stated = group_rungs.get(name).or(rungs.as_ref());
+        stated.map_or(&Hypothesis::ALL[..], Vec::as_slice)
+    };
+    let anchored = anchor.as_ref().map(|anchor| anchor.group.as_str());
+    let expected = expected::all(&raw.groups, &rungs_of, anchored, brdf)?;
+    let like = like::all(&raw.groups, anchored)?;
     let light_units = raw.light_units.as_deref().map(str::parse::<LightUnits>).transpose();
     let project = Project {
         path: path.to_owned(),
@@ -79,10 +70,12 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         light_colors: lights::colors(&raw.lights.list)?,
         light_edits: light_edits(&raw.lights.list)?,
         environment: environment.transpose()?,
-        brdf: brdf.map_err(|problem| format!("recover.brdf: {problem}"))?.unwrap_or_default(),
+        brdf,
         thresholds: thresholds(&raw.recover.thresholds)?,
         rungs,
         group_rungs,
+        expected,
+        like,
         same_as,
         light_units: light_units.map_err(|problem| format!("light_units: {problem}"))?,
         limits: Limits::default(),
@@ -100,6 +93,49 @@ fn with_line(error: &toml::de::Error, text: &str) -> String {
         Some(before) => format!("line {}: {message}", before.matches('\n').count() + 1),
         None => message.to_owned(),
     }
+}
+
+/// What is known of the groups of which the reflectance is given.
+fn all_known(groups: &BTreeMap<String, RawGroup>) -> Result<BTreeMap<String, Known>, String> {
+    let mut all = BTreeMap::new();
+    for (name, group) in groups {
+        if let Some(raw) = &group.known {
+            all.insert(name.clone(), known(&format!("groups.{name}.known"), raw)?);
+        }
+    }
+    Ok(all)
+}
+
+/// The hypotheses of the groups of which they are said.
+fn group_rungs(
+    groups: &BTreeMap<String, RawGroup>,
+) -> Result<BTreeMap<String, Vec<Hypothesis>>, String> {
+    let mut all = BTreeMap::new();
+    for (name, group) in groups {
+        let (list, max) = (group.rungs.as_deref(), group.max_rung.as_deref());
+        if let Some(list) = rungs::read(&format!("groups.{name}"), list, max)? {
+            all.insert(name.clone(), list);
+        }
+    }
+    Ok(all)
+}
+
+/// That the group of `anchor` has pixels of its own that count.
+fn is_counted(
+    anchor: &Anchor,
+    same_as: &BTreeMap<String, String>,
+    ignored: &BTreeSet<String>,
+) -> Result<(), String> {
+    let name = &anchor.group;
+    if let Some(other) = same_as.get(name) {
+        return Err(format!(
+            "anchor.group: groups.{name} has same_as = \"{other}\"; take that one"
+        ));
+    }
+    if ignored.contains(name) {
+        return Err(format!("anchor.group: groups.{name} has ignore = true; take another group"));
+    }
+    Ok(())
 }
 
 /// The groups that are not counted.
@@ -128,10 +164,13 @@ fn same_as(groups: &BTreeMap<String, RawGroup>) -> Result<BTreeMap<String, Strin
                 "groups.{other} has same_as = \"{third}\" itself; name one group in all of them"
             ));
         }
+        let stated_number = expected::stated(group).first().copied();
         let stated = [
             ("known", group.known.is_some()),
             ("ignore", group.ignore),
             (group.rungs_key().unwrap_or_default(), group.rungs_key().is_some()),
+            (stated_number.unwrap_or_default(), stated_number.is_some()),
+            ("like", group.like.is_some()),
         ];
         if let Some((key, _)) = stated.iter().find(|(_, is_there)| *is_there) {
             return fault(&format!("{key} is said of groups.{other}, and holds for both"));
@@ -254,7 +293,7 @@ fn thresholds(raw: &BTreeMap<String, f64>) -> Result<Thresholds, String> {
     Ok(thresholds)
 }
 
-fn reflectance(key: &str, value: &Value) -> Result<Rgb, String> {
+pub(super) fn reflectance(key: &str, value: &Value) -> Result<Rgb, String> {
     let rgb = triple(key, value)?;
     if rgb.to_array().iter().all(|rho| (0.0..=1.0).contains(rho)) {
         Ok(rgb)

@@ -2,6 +2,7 @@
 
 use crate::lighting::{RawEnvironment, RawLight};
 use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -45,8 +46,71 @@ pub(super) struct RawGroup {
     pub(super) max_rung: Option<String>,
     pub(super) rungs: Option<Vec<String>>,
     pub(super) same_as: Option<String>,
+    pub(super) like: Option<RawLike>,
+    pub(super) rho_d: Option<RawBounds>,
+    pub(super) rho_s: Option<RawBounds>,
+    pub(super) alpha_x: Option<RawBounds>,
+    pub(super) alpha_y: Option<RawBounds>,
+    pub(super) theta_deg: Option<RawStart>,
     #[serde(default)]
     pub(super) ignore: bool,
+}
+
+/// The group that another one is like: its name, or a table.
+#[derive(Debug)]
+pub(super) struct RawLike {
+    pub(super) group: String,
+    pub(super) within: Option<f32>,
+}
+
+/// Its table.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawLikeTable {
+    group: String,
+    within: Option<f32>,
+}
+
+impl<'de> Deserialize<'de> for RawLike {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(LikeVisitor)
+    }
+}
+
+/// Reads both forms. Unlike `#[serde(untagged)]`, it keeps the lines of errors.
+struct LikeVisitor;
+
+impl<'de> Visitor<'de> for LikeVisitor {
+    type Value = RawLike;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("the name of a group, or { group = \"NAME\", within = 0.1 }")
+    }
+
+    fn visit_str<E>(self, name: &str) -> Result<RawLike, E> {
+        Ok(RawLike { group: name.to_owned(), within: None })
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<RawLike, A::Error> {
+        let table = RawLikeTable::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(RawLike { group: table.group, within: table.within })
+    }
+}
+
+/// Where a number of a group starts, and between which values it lies.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawBounds {
+    pub(super) start: Option<Value>,
+    pub(super) min: Option<Value>,
+    pub(super) max: Option<Value>,
+}
+
+/// Where a number of a group starts.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawStart {
+    pub(super) start: Value,
 }
 
 impl RawGroup {

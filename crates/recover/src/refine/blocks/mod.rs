@@ -90,6 +90,12 @@ pub(super) trait ParameterBlock: Sync {
     /// The standard deviation below which nobody asks for more.
     fn precise_enough(&self, state: &State<'_>, u: &Unknown) -> f64;
 
+    /// The standard deviation of its difference to the `value` of another group that it is like `within` a
+    /// share; none if numbers of this kind are not alike where materials are.
+    fn likeness(&self, _value: f64, _within: f64) -> Option<f64> {
+        None
+    }
+
     /// The value.
     fn value(&self, at: At<'_>, u: &Unknown) -> f64;
 

@@ -20,7 +20,7 @@ const DEVIATION: f64 = 0.5;
 /// said to be surer or less sure than they are.
 const TEXTURE: f64 = 0.003;
 const UNSEEN: f64 = 0.15;
-/// The prior mean of a group out of sight: the middle.
+/// The prior mean of a group out of sight without a starting value: the middle.
 const MIDDLE: f64 = 0.5;
 
 /// No step changes a reflectance by more than this. Half of it takes more passes; double of it goes
@@ -37,6 +37,15 @@ const STEP_LOBE_MIN: f64 = 0.002;
 /// four times the paths; double of them is what 8 bits show.
 const PRECISE: f64 = 7e-4;
 const PRECISE_UNSEEN: f64 = 1e-2;
+
+/// Of reflectances below this it is the share, in the difference of materials that are alike: what is nearly
+/// black is not known relatively. At half of it black groups are tied closer than anyone means, at double of
+/// it grey ones looser.
+const DARK: f64 = 0.02;
+
+fn likeness(value: f64, within: f64) -> Option<f64> {
+    Some(within * value.max(DARK))
+}
 
 fn is_out_of_sight(state: &State<'_>, group: usize) -> bool {
     state.observation.pixels_of_group[group].is_empty()
@@ -69,11 +78,17 @@ impl ParameterBlock for Diffuse {
             DEVIATION
         };
         // The ladder has no answer for groups out of sight.
-        Prior { mean: is_out_of_sight(state, u.of).then_some(MIDDLE), deviation }
+        let expected = &state.problem.groups[u.of].expected;
+        let start = expected.start.rho_d.map_or(MIDDLE, |start| f64::from(start[channel(u)]));
+        Prior { mean: is_out_of_sight(state, u.of).then_some(start), deviation }
     }
 
     fn precise_enough(&self, state: &State<'_>, u: &Unknown) -> f64 {
         precise_enough(state, u.of)
+    }
+
+    fn likeness(&self, value: f64, within: f64) -> Option<f64> {
+        likeness(value, within)
     }
 
     fn value(&self, at: At<'_>, u: &Unknown) -> f64 {
@@ -88,8 +103,10 @@ impl ParameterBlock for Diffuse {
         }
     }
 
-    fn range(&self, _: &State<'_>, _: &Unknown, _: f64) -> Range {
-        Range { low: 0.0, high: 1.0, step: STEP }
+    fn range(&self, state: &State<'_>, u: &Unknown, _: f64) -> Range {
+        let [low, high] = state.problem.groups[u.of].expected.bounds.rho_d;
+        let [low, high] = [low, high].map(|bound| f64::from(bound[channel(u)]));
+        Range { low, high, step: STEP }
     }
 
     fn parameters(&self, of: u32) -> [Parameter; 2] {
@@ -118,6 +135,10 @@ impl ParameterBlock for Specular {
         precise_enough(state, u.of)
     }
 
+    fn likeness(&self, value: f64, within: f64) -> Option<f64> {
+        likeness(value, within)
+    }
+
     fn value(&self, at: At<'_>, u: &Unknown) -> f64 {
         f64::from(at.state.materials[u.of].rho_s[channel(u)])
     }
@@ -130,7 +151,9 @@ impl ParameterBlock for Specular {
         let material = &state.materials[u.of];
         let brightest = f64::from(material.rho_s.max_element());
         let of_lobe = (STEP_LOBE * brightest).clamp(STEP_LOBE_MIN, STEP);
-        Range { low: 0.0, high: 1.0, step: if material.is_glossy() { of_lobe } else { STEP } }
+        let [low, high] = state.problem.groups[u.of].expected.bounds.rho_s;
+        let [low, high] = [low, high].map(|bound| f64::from(bound[channel(u)]));
+        Range { low, high, step: if material.is_glossy() { of_lobe } else { STEP } }
     }
 
     fn parameters(&self, of: u32) -> [Parameter; 2] {

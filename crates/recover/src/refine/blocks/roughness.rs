@@ -1,7 +1,6 @@
 //! A roughness of a group, searched by its logarithm, which keeps it positive; all channels share it.
 
 use super::{At, Linear, ParameterBlock, Prior, Range, Start};
-use crate::hypothesis::isotropic::ALPHA_RANGE;
 use crate::state::State;
 use crate::unknown::Unknown;
 use unrender_render::Parameter;
@@ -28,6 +27,17 @@ const STEP: f64 = 0.4;
 /// paths; double of it can be seen in a sharp reflection.
 const PRECISE: f64 = 2e-3;
 
+impl Roughness {
+    fn bounds(&self, state: &State<'_>, u: &Unknown) -> [f32; 2] {
+        let bounds = &state.problem.groups[u.of].expected.bounds;
+        match self.0 {
+            Along::Both => bounds.round(),
+            Along::X => bounds.along(),
+            Along::Y => bounds.across(),
+        }
+    }
+}
+
 impl ParameterBlock for Roughness {
     fn name(&self) -> &'static str {
         match self.0 {
@@ -45,14 +55,21 @@ impl ParameterBlock for Roughness {
         PRECISE
     }
 
+    /// A share of a roughness is a difference of its logarithm.
+    fn likeness(&self, _: f64, within: f64) -> Option<f64> {
+        Some(within)
+    }
+
     fn value(&self, at: At<'_>, u: &Unknown) -> f64 {
         let material = &at.state.materials[u.of];
         f64::from(if self.0 == Along::Y { material.alpha_y } else { material.alpha_x }.ln())
     }
 
     fn set(&self, state: &mut State<'_>, _: &Start, u: &Unknown, value: f64) {
+        let [low, high] = self.bounds(state, u);
         let material = &mut state.materials[u.of];
-        let alpha = (value as f32).exp();
+        // The logarithm of a bound does not lead back to it to the bit.
+        let alpha = (value as f32).exp().clamp(low, high.max(low));
         if self.0 != Along::Y {
             material.alpha_x = alpha;
         }
@@ -61,8 +78,8 @@ impl ParameterBlock for Roughness {
         }
     }
 
-    fn range(&self, _: &State<'_>, _: &Unknown, _: f64) -> Range {
-        let [low, high] = ALPHA_RANGE.map(|alpha| f64::from(alpha).ln());
+    fn range(&self, state: &State<'_>, u: &Unknown, _: f64) -> Range {
+        let [low, high] = self.bounds(state, u).map(|alpha| f64::from(alpha).ln());
         Range { low, high, step: STEP }
     }
 

@@ -1,0 +1,78 @@
+//! Soft relations between unknowns: groups that the user calls alike.
+//!
+//! The difference `d = p_a - p_b` of a number of both groups has the prior `d ~ N(0, sigma^2)`, which adds
+//! `(e_a - e_b)(e_a - e_b)^T / sigma^2` to the precision of the prior. What `sigma` is, the number's block says
+//! ([`super::blocks::ParameterBlock::likeness`]). Numbers are related that both groups have by their
+//! hypotheses; those of a known group are fixed, and those of an assumed one say nothing.
+
+use super::blocks::{self, At};
+use crate::expected::Like;
+use crate::hypothesis::{self, Hypothesis};
+use crate::problem::Role;
+use crate::unknown::Unknown;
+
+/// One relation of an unknown.
+pub(super) struct Relation {
+    /// Its index.
+    pub(super) unknown: usize,
+    /// What it is like.
+    pub(super) other: Other,
+    /// The standard deviation of their difference.
+    pub(super) deviation: f64,
+}
+
+/// What an unknown is like.
+pub(super) enum Other {
+    /// Another unknown.
+    Unknown(usize),
+    /// A number that is known.
+    Fixed(f64),
+}
+
+impl Relation {
+    /// How far apart both are.
+    pub(super) fn difference(&self, value: impl Fn(usize) -> f64) -> f64 {
+        let other = match self.other {
+            Other::Unknown(other) => value(other),
+            Other::Fixed(other) => other,
+        };
+        value(self.unknown) - other
+    }
+
+    /// The indices of its unknowns, each with its sign in the difference.
+    pub(super) fn signs(&self) -> impl Iterator<Item = (usize, f64)> + Clone {
+        let other = match self.other {
+            Other::Unknown(other) => Some((other, -1.0)),
+            Other::Fixed(_) => None,
+        };
+        std::iter::once((self.unknown, 1.0)).chain(other)
+    }
+}
+
+/// All relations of the unknowns in `list`.
+pub(super) fn find(list: &[Unknown], at: At<'_>) -> Vec<Relation> {
+    let of = |(index, unknown): (usize, &Unknown)| {
+        let block = blocks::of(unknown.quantity);
+        if block.is_nuisance() {
+            return None;
+        }
+        let Like { group, within } = at.state.problem.groups[unknown.of].expected.like?;
+        let other = &at.state.groups[group].hypothesis;
+        let is_uniform = |hypothesis: &Hypothesis| *hypothesis != Hypothesis::Textured;
+        let own = &at.state.groups[unknown.of].hypothesis;
+        let has_it = hypothesis::quantities(*other).contains(&unknown.quantity);
+        if !(has_it && is_uniform(other) && is_uniform(own)) {
+            return None;
+        }
+        let named = Unknown { of: group, ..*unknown };
+        let value = block.value(at, &named);
+        let deviation = block.likeness(value, within)?;
+        let other = match list.iter().position(|unknown| *unknown == named) {
+            Some(place) => Other::Unknown(place),
+            None if at.state.problem.groups[group].role == Role::Known => Other::Fixed(value),
+            None => return None,
+        };
+        Some(Relation { unknown: index, other, deviation })
+    };
+    list.iter().enumerate().filter_map(of).collect()
+}
