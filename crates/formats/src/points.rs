@@ -131,8 +131,8 @@ mod tests {
             (String::new(), "the column x_px is missing"),
         ];
         for (text, problem) in faults {
-            let told = parse(text.as_bytes()).expect_err(&text);
-            assert!(told.contains(problem), "{text}: {told}");
+            let noted = parse(text.as_bytes()).expect_err(&text);
+            assert!(noted.contains(problem), "{text}: {noted}");
         }
     }
 }

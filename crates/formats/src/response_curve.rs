@@ -135,8 +135,8 @@ mod tests {
             ("code,linear\n0.5,0\n0.5,1\n", "not monotone: code is 0.5"),
         ];
         for (text, problem) in faults {
-            let told = parse(text.as_bytes()).expect_err(text);
-            assert!(told.contains(problem), "{text}: {told}");
+            let noted = parse(text.as_bytes()).expect_err(text);
+            assert!(noted.contains(problem), "{text}: {noted}");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What is asked: the photograph, the renderer, and what is known of each group beforehand.
 
-use crate::correction::Correction;
 use crate::observation::Observation;
+use crate::photometric::PhotometricParameter;
 use crate::rerender::Renderer;
 use unrender_scene::{Hypothesis, Material, Rgb};
 
@@ -22,7 +22,7 @@ pub struct Problem<'a> {
     /// Those among them whose colour is known: one factor holds for all channels.
     pub coloured_lights: Vec<usize>,
     /// The numbers of the camera that are asked for too.
-    pub corrections: &'a [Correction],
+    pub photometric_parameters: &'a [PhotometricParameter],
 }
 
 /// What is known of a group beforehand.

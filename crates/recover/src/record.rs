@@ -1,8 +1,8 @@
 //! The records of a recovery: everything that tables, reports and files say is a field here.
 
-use crate::correction::Corrected;
 use crate::hypothesis::Hypothesis;
 use crate::observation::PixelStatus;
+use crate::photometric::PhotometricEstimate;
 use crate::residual::ResidualStats;
 use crate::unknown::Unknown;
 use glam::Vec3;
@@ -22,7 +22,7 @@ pub struct Recovery {
     /// The sources of light whose brightness was asked for.
     pub lights: Vec<LightResult>,
     /// The numbers of the camera that were asked for.
-    pub corrected: Corrected,
+    pub photometric: PhotometricEstimate,
     /// The joint covariance of all numbers that were refined; none where nothing was.
     pub covariance: Option<Covariance>,
     /// The photograph's view rendered with the recovered materials, radiance.
@@ -53,7 +53,7 @@ pub struct GroupResult {
     pub alternatives: Vec<Alternative>,
     /// How well they are known; none where nothing was free or nothing was refined.
     pub std: Option<Deviations>,
-    /// The brushed direction in world space where the group is seen best: the tangent of its middle
+    /// The anisotropy direction in world space where the group is seen best: the tangent of its middle
     /// pixel turned by theta. None where no pixel shows the group.
     pub direction: Option<Vec3>,
     /// For textured groups: which texels the photograph shows.
@@ -91,11 +91,11 @@ pub struct Deviations {
     pub rho_d: Option<Rgb>,
     /// Of the specular reflectance.
     pub rho_s: Option<Rgb>,
-    /// Of the roughness along the brushed direction, relative to it.
+    /// Of the roughness along the anisotropy direction, relative to it.
     pub ln_alpha_x: Option<f32>,
     /// Of the roughness across it, relative to it.
     pub ln_alpha_y: Option<f32>,
-    /// Of the brushed direction, radians.
+    /// Of the anisotropy direction, radians.
     pub theta_rad: Option<f32>,
 }
 

@@ -108,7 +108,7 @@ impl Stripes {
             values: RgbImage::new(width, height, (0..width * height).map(radiance).collect()),
             valid: Image::new(width, height, vec![true; width * height]),
             saturated: Image::new(width, height, vec![false; width * height]),
-            quantum: RgbImage::new(width, height, vec![Rgb::ZERO; width * height]),
+            quantisation_step: RgbImage::new(width, height, vec![Rgb::ZERO; width * height]),
         }
     }
 }
@@ -253,7 +253,7 @@ fn with_problem(
         rungs: Hypothesis::ALL.to_vec(),
     };
     let problem = Problem {
-        corrections: &[],
+        photometric_parameters: &[],
         observation: &observation,
         renderer,
         groups: (0..groups).map(spec).collect(),

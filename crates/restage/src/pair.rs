@@ -106,7 +106,7 @@ impl<'a> Pairing<'a> {
             .for_each(|(chunk, (after, before, lighter, darker, shown))| {
                 for offset in 0..after.len() {
                     let pixel = chunk * CHUNK + offset;
-                    let mut sums = Sums {
+                    let mut sums = PairSums {
                         after: &mut after[offset],
                         before: &mut before[offset],
                         lighter: &mut lighter[offset],
@@ -281,7 +281,7 @@ impl<'a> Side<'a> {
 
 impl Pair<'_> {
     /// Adds the samples of the numbers `samples` to a pixel.
-    fn add(&self, pixel: u32, samples: Range<u32>, sums: &mut Sums<'_>) {
+    fn add(&self, pixel: u32, samples: Range<u32>, sums: &mut PairSums<'_>) {
         for index in samples {
             let mut sampler = pixel_sampler(self.settings.seed, pixel, index);
             let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
@@ -310,7 +310,7 @@ impl Pair<'_> {
 }
 
 /// The accumulators of one pixel.
-struct Sums<'a> {
+struct PairSums<'a> {
     after: &'a mut PixelAccumulator,
     before: &'a mut PixelAccumulator,
     lighter: &'a mut PixelAccumulator,
@@ -318,7 +318,7 @@ struct Sums<'a> {
     shown: &'a mut PixelAccumulator,
 }
 
-impl Sums<'_> {
+impl PairSums<'_> {
     fn push(&mut self, before: Rgb, after: Rgb, replacement: Replacement) {
         let Replacement { replaced, uncovered } = replacement;
         self.before.push(before);

@@ -15,7 +15,7 @@ const ASPECT_TOLERANCE: f32 = 0.01;
 /// A recovery, ready to begin.
 #[derive(Clone, Debug)]
 pub struct Job {
-    /// The scene in the project's light; known groups wear their known materials, `brdf` is the
+    /// The scene in the project's light; known groups have their known materials, `brdf` is the
     /// project's.
     pub scene: Scene,
     /// The camera of the photograph.
@@ -74,8 +74,8 @@ impl Job {
         let picture = match given.photo {
             Some(picture) => picture,
             None => {
-                let (picture, told) = picture::read(Input::new(&project.photo, limits))?;
-                warnings.extend(told);
+                let (picture, noted) = picture::read(Input::new(&project.photo, limits))?;
+                warnings.extend(noted);
                 picture
             }
         };
@@ -89,16 +89,16 @@ impl Job {
             }
         }
         // Its light may be in the project alone.
-        let (mut scene, told) = match given.scene {
+        let (mut scene, noted) = match given.scene {
             Some(mut scene) => {
-                let told = scene
+                let noted = scene
                     .validate_meshes()
                     .map_err(|source| Error::Scene { path: project.scene.clone(), source })?;
-                (scene, told)
+                (scene, noted)
             }
             None => unrender_formats::load_model(project.scene_input())?,
         };
-        warnings.extend(told);
+        warnings.extend(noted);
         warnings.extend(project.light(&mut scene)?);
         project.check_against(&scene)?;
         warnings.extend(project.settle_scale(&scene)?);
@@ -110,10 +110,10 @@ impl Job {
         }
         warnings.extend(validate(&mut scene, &project.scene)?);
         let own_groups = same_as::merge(&project, &mut scene);
-        let (camera, told) = choose_camera(&project, &scene, &picture)?;
-        warnings.extend(told);
-        let (transfer, told) = photograph::transfer(&project, &picture, &camera)?;
-        warnings.extend(told);
+        let (camera, noted) = choose_camera(&project, &scene, &picture)?;
+        warnings.extend(noted);
+        let (transfer, noted) = photograph::transfer(&project, &picture, &camera)?;
+        warnings.extend(noted);
         let photo = develop(&picture, &transfer);
         if photo.dark > 0 {
             warnings.push(format!(
@@ -261,13 +261,13 @@ mod tests {
 
     #[test]
     fn aspects_that_do_not_fit_are_told() {
-        let told = |aspect, width, height| doubtful_aspect(&camera("c", aspect), width, height).0;
-        assert!(told(None, 3, 2).is_empty());
-        assert!(told(Some(1.5), 300, 200).is_empty());
-        assert!(told(Some(1.5), 301, 200).is_empty());
-        assert!(told(Some(1.5), 320, 200)[0].contains("vertical field of view"));
-        assert!(told(Some(1.5), 200, 300)[0].contains("is portrait (200 x 300)"));
-        assert!(told(Some(1.0), 200, 300)[0].contains("vertical field of view"));
+        let noted = |aspect, width, height| doubtful_aspect(&camera("c", aspect), width, height).0;
+        assert!(noted(None, 3, 2).is_empty());
+        assert!(noted(Some(1.5), 300, 200).is_empty());
+        assert!(noted(Some(1.5), 301, 200).is_empty());
+        assert!(noted(Some(1.5), 320, 200)[0].contains("vertical field of view"));
+        assert!(noted(Some(1.5), 200, 300)[0].contains("is portrait (200 x 300)"));
+        assert!(noted(Some(1.0), 200, 300)[0].contains("vertical field of view"));
     }
 
     #[test]

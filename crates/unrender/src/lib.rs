@@ -60,7 +60,7 @@
 //! let picture = Picture {
 //!     valid: photograph.map(|_| true),
 //!     saturated: photograph.map(|_| false),
-//!     quantum: photograph.map(|_| Rgb::ZERO),
+//!     quantisation_step: photograph.map(|_| Rgb::ZERO),
 //!     values: photograph,
 //! };
 //! let observation = Observation::new(picture, view.geometry(), scene.groups.len());
@@ -79,7 +79,7 @@
 //!     exposure: ExposureRule::Fixed(Rgb::ONE),
 //!     unknown_lights: Vec::new(),
 //!     coloured_lights: Vec::new(),
-//!     corrections: &[],
+//!     photometric_parameters: &[],
 //! };
 //! // The observer `()` does not listen to the iterations.
 //! let recovery = unrender::recover::recover(&problem, &Options::default(), &mut ())?;
@@ -109,7 +109,6 @@
 #![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
-mod camera_numbers;
 #[cfg(feature = "cli")]
 pub mod check;
 #[cfg(feature = "cli")]
@@ -129,24 +128,25 @@ mod global;
 #[cfg(feature = "cli")]
 mod interrupt;
 pub mod job;
-mod laid;
 pub mod lighting;
 #[cfg(feature = "cli")]
 pub mod listener;
 mod mask;
 #[cfg(feature = "cli")]
 mod output;
-#[cfg(feature = "cli")]
-mod part;
-#[cfg(feature = "cli")]
-mod passes;
 mod photograph;
+mod photometric;
 mod problem;
 #[cfg(feature = "cli")]
 mod progress;
+#[cfg(feature = "cli")]
+mod progressive;
+#[cfg(feature = "cli")]
+mod progressive_render;
 pub mod project;
 #[cfg(feature = "cli")]
 mod recovery_journal;
+mod registered;
 mod registration;
 #[cfg(feature = "report")]
 pub mod report;
@@ -158,7 +158,7 @@ pub mod run;
 mod same_as;
 pub mod score;
 #[cfg(feature = "cli")]
-mod subject;
+mod shard;
 #[cfg(feature = "cli")]
 mod text_table;
 mod toml_values;

@@ -118,7 +118,7 @@ impl Glb {
 
     /// Lists the extensions of the materials, writes down the buffer, and packs both.
     pub(super) fn finish(mut self) -> Result<Vec<u8>, Problem> {
-        super::dress::list_extensions(&mut self.root);
+        super::assign::list_extensions(&mut self.root);
         if !self.bin.is_empty() {
             self.bin.resize(self.bin.len().next_multiple_of(4), 0);
             self.root["buffers"] = json!([{ "byteLength": self.bin.len() }]);
@@ -139,7 +139,7 @@ impl Glb {
         if group.is_emitter() {
             material::set_emission(&mut json, group.emission);
         }
-        ward::dress(&mut json, shown, scene.brdf, texture);
+        ward::assign_material(&mut json, shown, scene.brdf, texture);
         ward::note_exact(ward::object(&mut json), &group.material, scene.brdf);
         Ok(json)
     }

@@ -41,7 +41,7 @@ pub(super) fn unbelievable(width: u64, height: u64, file_bytes: u64) -> String {
 }
 
 fn jpeg(bytes: &[u8]) -> Result<(), String> {
-    // What it cannot read is told by who reads it.
+    // What it cannot read is reported by who reads it.
     let Ok(decoder) = JpegDecoder::new(Cursor::new(bytes)) else { return Ok(()) };
     let (width, height) = decoder.dimensions();
     let [width, height, length] = [width.into(), height.into(), bytes.len() as u64];

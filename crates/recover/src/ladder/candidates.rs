@@ -8,7 +8,6 @@
 
 use super::textures;
 use super::trial::Trial;
-use crate::effort;
 use crate::evidence::Evidence;
 use crate::hypothesis::{Fit, Hypothesis};
 use crate::likelihood::Likelihood;
@@ -17,6 +16,7 @@ use crate::outliers;
 use crate::problem::Options;
 use crate::record::{CandidateRecord, Status};
 use crate::residual::ResidualStats;
+use crate::sample_budget;
 use crate::selection::{Comparison, Decision, parameters};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
@@ -40,7 +40,7 @@ const TEXTURED: f64 = 2.0;
 /// The scene's better groups: those below this quantile of the model errors. A group that no hypothesis
 /// explains yet does not make the others' textures explained.
 const BETTER: f64 = 0.25;
-/// Candidates are told apart down to the model error of the middle one of the other groups. At the lower
+/// Candidates are distinguished down to the model error of the middle one of the other groups. At the lower
 /// quartile a real scene's rough lamps make lobes, at the upper one faint lobes wait until every group
 /// is right.
 const MIDDLE: f64 = 0.5;
@@ -197,7 +197,7 @@ impl<'o> Candidates<'o> {
 
     /// Groups whose hypothesis does not explain the photograph yet.
     pub(crate) fn open(&self, state: &State<'_>, level: usize) -> Vec<usize> {
-        let allowed = effort::allowance(level, self.options);
+        let allowed = sample_budget::allowance(level, self.options);
         let is_open = |g: &usize| {
             let of_group = &state.groups[*g];
             of_group.hypothesis != Hypothesis::Textured
@@ -265,12 +265,12 @@ impl<'o> Candidates<'o> {
 
     /// What the candidates of `group` come to.
     fn ask(&self, state: &mut State<'_>, group: usize, level: usize) -> Option<Proposal> {
-        let mut effort = effort::trial(level, self.options);
+        let mut budget = sample_budget::trial(level, self.options);
         // What the model of the other groups gets wrong, it may get wrong here.
-        let floor = &mut effort.allowance.floor;
+        let floor = &mut budget.allowance.floor;
         floor.share = floor.share.max(error_of_others(state, group, MIDDLE));
         let trial =
-            Trial::gather(state, self.options, (group, light_of_others(state, group)), effort)?;
+            Trial::gather(state, self.options, (group, light_of_others(state, group)), budget)?;
         let (trial, fits) = trial.fit_all(state, group);
         if fits.is_empty() {
             return None;

@@ -305,14 +305,14 @@ fn lens_in_gltf(out: &Path) -> Error {
 
 /// `path` as seen from `folder`, with forward slashes; `path` itself where that cannot be told.
 fn relative(path: &Path, folder: &Path) -> String {
-    let told = path.canonicalize().ok().zip(folder.canonicalize().ok()).map(|(path, folder)| {
+    let noted = path.canonicalize().ok().zip(folder.canonicalize().ok()).map(|(path, folder)| {
         let shared = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
         let up = folder.components().skip(shared).map(|_| "..".to_owned());
         let down = path.components().skip(shared);
         let down = down.map(|part| part.as_os_str().to_string_lossy().into_owned());
         up.chain(down).collect::<Vec<_>>().join("/")
     });
-    told.unwrap_or_else(|| path.display().to_string())
+    noted.unwrap_or_else(|| path.display().to_string())
 }
 
 fn file_name(path: &Path) -> String {

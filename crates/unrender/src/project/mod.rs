@@ -99,11 +99,11 @@ pub struct Known {
     pub rho_d: Rgb,
     /// Specular reflectance.
     pub rho_s: Rgb,
-    /// Roughness along the brushed direction.
+    /// Roughness along the anisotropy direction.
     pub alpha_x: f32,
     /// Roughness across it.
     pub alpha_y: f32,
-    /// Brushed direction, radians from the surface's tangent.
+    /// Anisotropy direction, radians from the surface's tangent.
     pub theta_rad: f32,
 }
 

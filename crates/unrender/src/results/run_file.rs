@@ -124,8 +124,8 @@ fn stages(recovered: &Recovered) -> Stages {
     let climbed = climbed.next_back().unwrap_or(times.developed);
     let refined = times.iterations.last().copied().unwrap_or(climbed);
     Stages {
-        registration: times.laid,
-        camera: times.developed - times.laid,
+        registration: times.registered,
+        camera: times.developed - times.registered,
         ladder: climbed - times.developed,
         refinement: refined - climbed,
         picture: times.all - refined,
@@ -134,8 +134,8 @@ fn stages(recovered: &Recovered) -> Stages {
 
 /// How the model lay on the photograph, and the camera that was used.
 fn registration(recovered: &Recovered) -> RegistrationEntry {
-    let laid = &recovered.laid;
-    let table = CameraTable::of(&laid.camera, 1.0);
+    let registered = &recovered.registered;
+    let table = CameraTable::of(&registered.camera, 1.0);
     let lens = table.lens;
     let camera = json!({
         "eye": table.eye.to_array(),
@@ -150,7 +150,7 @@ fn registration(recovered: &Recovered) -> RegistrationEntry {
         "p1": lens.p1,
         "p2": lens.p2,
     });
-    let found = laid.registration.as_ref();
+    let found = registered.registration.as_ref();
     RegistrationEntry {
         camera,
         displacement_pixels: found.map(|r| r.displacement),

@@ -2,7 +2,7 @@
 //!
 //! Level 0 finds the neighbourhood, level 1 the hypotheses, level 2 the numbers.
 
-use crate::evidence::Effort;
+use crate::evidence::SampleBudget;
 use crate::model_error::{Allowance, LightError, ModelError};
 use crate::problem::Options;
 use crate::rerender::round_lobes;
@@ -42,10 +42,10 @@ const TRIAL_LOBES: [f32; 4] = [0.02, 0.06, 0.16, 0.4];
 const TRIAL_PIXELS: usize = 2400;
 
 /// For a group that is diffuse.
-pub fn diffuse(level: usize, options: &Options) -> Effort {
+pub fn diffuse(level: usize, options: &Options) -> SampleBudget {
     let probe =
         ProbeSettings { cosine: COSINE[level], seed: options.seed, ..ProbeSettings::default() };
-    Effort {
+    SampleBudget {
         pixels: PIXELS[level],
         pixels_seed: options.seed,
         allowance: allowance(level, options),
@@ -54,7 +54,7 @@ pub fn diffuse(level: usize, options: &Options) -> Effort {
 }
 
 /// For a group whose lobe is nearly known, or that mirrors.
-pub fn specular(level: usize, options: &Options, material: &Material) -> Effort {
+pub fn specular(level: usize, options: &Options, material: &Material) -> SampleBudget {
     let scaled = |scale: f32| ProposalLobe {
         alpha_x: scale * material.alpha_x,
         alpha_y: scale * material.alpha_y,
@@ -71,7 +71,7 @@ pub fn specular(level: usize, options: &Options, material: &Material) -> Effort 
         seed: options.seed,
         ..ProbeSettings::default()
     };
-    Effort {
+    SampleBudget {
         pixels: GLOSSY_PIXELS[level],
         pixels_seed: options.seed,
         allowance: allowance(level, options),
@@ -80,7 +80,7 @@ pub fn specular(level: usize, options: &Options, material: &Material) -> Effort 
 }
 
 /// For trying all rungs.
-pub fn trial(level: usize, options: &Options) -> Effort {
+pub fn trial(level: usize, options: &Options) -> SampleBudget {
     let probe = ProbeSettings {
         probes_per_pixel: POINTS,
         cosine: 8,
@@ -91,7 +91,7 @@ pub fn trial(level: usize, options: &Options) -> Effort {
         seed: options.seed,
         ..ProbeSettings::default()
     };
-    Effort {
+    SampleBudget {
         pixels: TRIAL_PIXELS,
         pixels_seed: options.seed,
         allowance: allowance(level, options),
@@ -100,10 +100,10 @@ pub fn trial(level: usize, options: &Options) -> Effort {
 }
 
 /// For a texture, at every pixel of its group: while the light still changes, and at the end.
-pub fn texture(last: bool, options: &Options) -> Effort {
+pub fn texture(last: bool, options: &Options) -> SampleBudget {
     let cosine = if last { 48 } else { 4 };
     let probe = ProbeSettings { cosine, seed: options.seed, ..ProbeSettings::default() };
-    Effort {
+    SampleBudget {
         pixels: usize::MAX,
         pixels_seed: options.seed,
         allowance: allowance(FINEST, options),
