@@ -87,7 +87,7 @@ struct Settings {
 /// # Errors
 /// If the file cannot be read, is no fSpy project of version 1, or has no valid camera.
 pub fn read(path: &Path, up: Option<Up>) -> Result<(Matched, Warnings), FileError> {
-    let bytes = input::read(path).map_err(|problem| FileError::new(path, problem))?;
+    let bytes = input::read(path).map_err(|error| FileError::because(path, "", error))?;
     parse(&bytes, up).map_err(|problem| FileError::new(path, problem))
 }
 

@@ -24,7 +24,7 @@ const NAME: &str = "name";
 /// # Errors
 /// If the file is missing, lacks a column, has an unknown one, or a value is no finite number.
 pub fn read(path: &Path) -> Result<Vec<Pair>, FileError> {
-    let bytes = input::read(path).map_err(|problem| FileError::new(path, problem))?;
+    let bytes = input::read(path).map_err(|error| FileError::because(path, "", error))?;
     parse(&bytes).map_err(|problem| FileError::new(path, problem))
 }
 

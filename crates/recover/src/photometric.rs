@@ -23,6 +23,7 @@ pub struct PhotometricParameter {
 
 /// What came out for the numbers of the camera, in the order of [`crate::Problem::photometric_parameters`].
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct PhotometricEstimate {
     /// How far each is from where it was.
     pub steps: Vec<f64>,

@@ -12,6 +12,7 @@ use unrender_scene::{Image, Material, Rgb, RgbImage};
 
 /// What came out.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Recovery {
     /// All groups of the scene, in its order.
     pub groups: Vec<GroupResult>,
@@ -75,6 +76,7 @@ pub struct GroupResult {
 
 /// Other parameters of a group that explain the photograph alike.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Alternative {
     /// The rung.
     pub hypothesis: Hypothesis,
@@ -110,6 +112,7 @@ pub struct Covariance {
 
 /// What came out for one source of light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct LightResult {
     /// Its number, as in [`unrender_render::Appearance::lights`].
     pub source: usize,
@@ -121,6 +124,7 @@ pub struct LightResult {
 
 /// One rung tried on one group.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct CandidateRecord {
     /// In which iteration.
     pub iteration: usize,
@@ -140,6 +144,7 @@ pub struct CandidateRecord {
 
 /// One global re-rendering.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct IterationRecord {
     /// Whether it was a pass of the joint refinement.
     pub refining: bool,
@@ -160,6 +165,7 @@ pub struct IterationRecord {
 
 /// Where one group stands after a global re-rendering.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct GroupIteration {
     /// Its rung.
     pub hypothesis: Hypothesis,
@@ -173,6 +179,7 @@ pub struct GroupIteration {
 
 /// Why a recovery ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Termination {
     /// No parameter changes any more.
     Settled,

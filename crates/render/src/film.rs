@@ -109,6 +109,23 @@ fn value(quanta: u128) -> f64 {
 }
 
 /// The [`PixelAccumulator`]s of a picture, 112 bytes per pixel.
+///
+/// Sums are of integers, so shards add up to the same bits in any order:
+///
+/// ```
+/// use unrender_render::{Accumulator, PixelAccumulator};
+/// use unrender_scene::{Image, Rgb};
+///
+/// let shard = |samples: &[f32]| {
+///     let mut pixel = PixelAccumulator::default();
+///     samples.iter().for_each(|&sample| pixel.push(Rgb::splat(sample)));
+///     Accumulator::from_image(Image::new(1, 1, vec![pixel]))
+/// };
+/// let mut sum = shard(&[0.3]);
+/// sum.add(&shard(&[0.1, 0.2]));
+/// assert_eq!(sum, shard(&[0.1, 0.2, 0.3]));
+/// assert!((sum.mean().at(0, 0).x - 0.2).abs() < 1e-6);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accumulator {
     pub(crate) pixels: Image<PixelAccumulator>,

@@ -24,6 +24,7 @@ use unrender_scene::{Camera, Image, Material, Rgb, RgbImage, Scene};
 
 /// One pixel before and after the edits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Paired {
     /// Radiance before the edits, W sr^-1 m^-2 per channel.
     pub before: Rgb,

@@ -24,8 +24,7 @@
 //! ```
 //! use glam::Vec3;
 //! use unrender::recover::{
-//!     ExposureRule, GroupSpec, Hypothesis, Observation, Options, Picture, Problem, Renderer, Role,
-//!     View,
+//!     GroupSpec, Hypothesis, Observation, Options, Picture, Problem, Renderer, View,
 //! };
 //! use unrender::render::{Settings, Tracer};
 //! use unrender::scene::{Camera, Group, Material, Mesh, Object, Rgb, Scene};
@@ -66,21 +65,8 @@
 //! let observation = Observation::new(picture, view.geometry(), scene.groups.len());
 //!
 //! // Floor and wall are asked for; the lamp is given.
-//! let spec = |group: &Group| GroupSpec {
-//!     name: group.name.clone(),
-//!     role: if group.is_emitter() { Role::Emitter } else { Role::Unknown },
-//!     material: group.material.clone(),
-//!     rungs: Hypothesis::ALL.to_vec(),
-//! };
-//! let problem = Problem {
-//!     observation: &observation,
-//!     renderer: &view,
-//!     groups: scene.groups.iter().map(spec).collect(),
-//!     exposure: ExposureRule::Fixed(Rgb::ONE),
-//!     unknown_lights: Vec::new(),
-//!     coloured_lights: Vec::new(),
-//!     photometric_parameters: &[],
-//! };
+//! let groups = scene.groups.iter().map(GroupSpec::of).collect();
+//! let problem = Problem::new(&observation, &view, groups);
 //! // The observer `()` does not listen to the iterations.
 //! let recovery = unrender::recover::recover(&problem, &Options::default(), &mut ())?;
 //!

@@ -45,7 +45,7 @@ pub type Calibrated = (Intrinsics, Option<Pose>);
 pub fn read<'a>(input: impl Into<Input<'a>>, view: Option<usize>) -> Result<Calibrated, FileError> {
     let input = input.into();
     let fault = |problem: String| FileError::new(input.path, problem);
-    let text = input::text(input).map_err(fault)?;
+    let text = input::text(input).map_err(|error| FileError::because(input.path, "", error))?;
     let extension = input.path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     parse(&text, &extension, view).map_err(fault)
 }

@@ -16,6 +16,7 @@ const UNSIGNED_INT: u32 = 5125;
 /// Why a scene cannot be written as glTF.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the scene cannot be written as glTF: {0}")]
+#[non_exhaustive]
 pub struct GlbError(String);
 
 /// The bytes of a `.glb` of `scene`, all of it in world space.

@@ -95,7 +95,7 @@ pub struct GroupEntry {
 pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<MaterialsFile, FileError> {
     let input = input.into();
     let path = input.path;
-    let text = crate::input::text(input).map_err(|problem| FileError::new(path, problem))?;
+    let text = crate::input::text(input).map_err(|error| FileError::because(path, "", error))?;
     let file: MaterialsFile =
         serde_json::from_str(&text).map_err(|error| FileError::because(path, "", error))?;
     if file.version.is_some_and(|version| version > VERSION) {

@@ -123,7 +123,7 @@ fn target(args: &Args, global: &Global) -> Result<Target, Error> {
         }
         return Ok(target);
     }
-    let text = input::text(&args.out).map_err(|problem| FileError::new(&args.out, problem))?;
+    let text = input::text(&args.out).map_err(|error| FileError::because(&args.out, "", error))?;
     let (project, _) = Project::parse(&args.out, &text)?;
     let mut warnings = Warnings::default();
     for (given, stated, key) in
@@ -188,8 +188,8 @@ fn from_points(args: &Args, path: &Path, target: &Target, global: &Global) -> Re
     let Some(photo) = &target.photo else {
         return Err(Error::Request("give the photo whose pixels the points are in".into()));
     };
-    let bytes =
-        input::read(Input::new(photo, limits)).map_err(|problem| FileError::new(photo, problem))?;
+    let bytes = input::read(Input::new(photo, limits))
+        .map_err(|error| FileError::because(photo, "", error))?;
     let (picture, _) = picture::read(Input::new(photo, limits))?;
     let size = (picture.values.width(), picture.values.height());
     let pairs = points::read(path)?;

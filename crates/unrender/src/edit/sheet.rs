@@ -74,7 +74,7 @@ impl Sheet {
     /// # Errors
     /// If it is missing, is not TOML, has an unknown key or a value that cannot be meant.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let text = input::text(path).map_err(|problem| FileError::new(path, problem))?;
+        let text = input::text(path).map_err(|error| FileError::because(path, "", error))?;
         let raw = toml::from_str(&text).map_err(|error| {
             FileError::new(path, with_line(&text, error.span(), error.message()))
         })?;

@@ -122,7 +122,7 @@ impl Project {
     /// If the file is missing, is not TOML, has an unknown key or a value that cannot be meant, or
     /// names a file that does not exist.
     pub fn read(path: &Path) -> Result<(Self, Warnings), FileError> {
-        let text = input::text(path).map_err(|problem| FileError::new(path, problem))?;
+        let text = input::text(path).map_err(|error| FileError::because(path, "", error))?;
         let (project, warnings) = Self::parse(path, &text)?;
         for (key, file) in project.files() {
             if !file.is_file() {

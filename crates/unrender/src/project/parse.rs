@@ -10,7 +10,7 @@ use unrender_formats::{LightUnits, Limits};
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
 use unrender_restage::light::LightEdit;
-use unrender_scene::{BrdfModel, Rgb, Warnings};
+use unrender_scene::{BrdfModel, Hypothesis, Rgb, Warnings};
 
 pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), String> {
     let raw: RawProject = toml::from_str(text).map_err(|error| with_line(&error, text))?;
@@ -22,31 +22,9 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     if anchor.is_some() && exposure != Exposure::Auto && !any_light_unknown {
         warnings.push("[anchor] was not used, as the exposure is stated and no light is unknown");
     }
-    let mut all_known = BTreeMap::new();
-    for (name, group) in &raw.groups {
-        if let Some(raw_known) = &group.known {
-            all_known.insert(name.clone(), known(&format!("groups.{name}.known"), raw_known)?);
-        }
-    }
-    let mut group_rungs = BTreeMap::new();
-    for (name, group) in &raw.groups {
-        let (list, max) = (group.rungs.as_deref(), group.max_rung.as_deref());
-        if let Some(list) = rungs::read(&format!("groups.{name}"), list, max)? {
-            group_rungs.insert(name.clone(), list);
-        }
-    }
     let ignored = ignored(&raw.groups)?;
     let same_as = same_as(&raw.groups)?;
-    if let Some(anchor) = anchor.as_ref().filter(|anchor| same_as.contains_key(&anchor.group)) {
-        let (name, other) = (&anchor.group, &same_as[&anchor.group]);
-        return Err(format!(
-            "anchor.group: groups.{name} has same_as = \"{other}\"; take that one"
-        ));
-    }
-    if let Some(anchor) = anchor.as_ref().filter(|anchor| ignored.contains(&anchor.group)) {
-        let name = &anchor.group;
-        return Err(format!("anchor.group: groups.{name} has ignore = true; take another group"));
-    }
+    anchor.as_ref().map_or(Ok(()), |anchor| check_anchor(&anchor.group, &same_as, &ignored))?;
     let (list, max) = (raw.recover.rungs.as_deref(), raw.recover.max_rung.as_deref());
     let rungs = rungs::read("recover", list, max)?;
     let named_lights = |unknown| {
@@ -72,7 +50,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         vignetting: raw.vignetting.as_ref().map(photograph::vignetting).transpose()?,
         exposure,
         anchor,
-        known: all_known,
+        known: all_known(&raw.groups)?,
         ignored,
         unknown_lights: named_lights(true),
         known_lights: named_lights(false),
@@ -82,7 +60,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         brdf: brdf.map_err(|problem| format!("recover.brdf: {problem}"))?.unwrap_or_default(),
         thresholds: thresholds(&raw.recover.thresholds)?,
         rungs,
-        group_rungs,
+        group_rungs: group_rungs(&raw.groups)?,
         same_as,
         light_units: light_units.map_err(|problem| format!("light_units: {problem}"))?,
         limits: Limits::default(),
@@ -100,6 +78,46 @@ fn with_line(error: &toml::de::Error, text: &str) -> String {
         Some(before) => format!("line {}: {message}", before.matches('\n').count() + 1),
         None => message.to_owned(),
     }
+}
+
+/// The materials that are stated, by the names of their groups.
+fn all_known(groups: &BTreeMap<String, RawGroup>) -> Result<BTreeMap<String, Known>, String> {
+    let stated = groups.iter().filter_map(|(name, group)| Some((name, group.known.as_ref()?)));
+    let read = |(name, raw): (&String, &RawKnown)| {
+        Ok((name.clone(), known(&format!("groups.{name}.known"), raw)?))
+    };
+    stated.map(read).collect()
+}
+
+/// The hypotheses of groups that state their own.
+fn group_rungs(
+    groups: &BTreeMap<String, RawGroup>,
+) -> Result<BTreeMap<String, Vec<Hypothesis>>, String> {
+    let mut all = BTreeMap::new();
+    for (name, group) in groups {
+        let (list, max) = (group.rungs.as_deref(), group.max_rung.as_deref());
+        if let Some(list) = rungs::read(&format!("groups.{name}"), list, max)? {
+            all.insert(name.clone(), list);
+        }
+    }
+    Ok(all)
+}
+
+/// The group `anchor` has to be asked for, under its own name.
+fn check_anchor(
+    anchor: &str,
+    same_as: &BTreeMap<String, String>,
+    ignored: &BTreeSet<String>,
+) -> Result<(), String> {
+    if let Some(other) = same_as.get(anchor) {
+        return Err(format!(
+            "anchor.group: groups.{anchor} has same_as = \"{other}\"; take that one"
+        ));
+    }
+    if ignored.contains(anchor) {
+        return Err(format!("anchor.group: groups.{anchor} has ignore = true; take another group"));
+    }
+    Ok(())
 }
 
 /// The groups that are not counted.
