@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn lengths_without_meaning_are_told() {
+    fn lengths_without_meaning_are_reported() {
         let mut state = project();
         state["calibrationSettingsBase"]["referenceDistanceUnit"] = json!("No unit");
         assert!(parse(&file(&state), None).unwrap().1.0[0].contains("metres were taken"));

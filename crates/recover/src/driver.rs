@@ -34,7 +34,7 @@ pub(crate) fn drive(
         candidates: Candidates::new(state, options),
         left: options.max_iterations,
     };
-    let mut termination = driver.climb(state, observer)?;
+    let mut termination = driver.select_models(state, observer)?;
     if options.refine && !observer.is_cancelled() {
         termination = driver.refine(state, observer)?;
         state.step("other minima", |state| refine::local_minima::find(state, options));
@@ -63,7 +63,7 @@ struct Driver<'o> {
 
 impl Driver<'_> {
     /// From level to level: settle, propose, accept or take back.
-    fn climb(
+    fn select_models(
         &mut self,
         state: &mut State<'_>,
         observer: &mut dyn Observer,

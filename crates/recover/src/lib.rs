@@ -116,7 +116,7 @@ fn run(
 ) -> Result<Recovery, RecoverError> {
     let termination = match options.ladder {
         LadderKind::Default => driver::drive(&mut state, options, observer)?,
-        LadderKind::Paper => paper::climb(&mut state, options, observer)?,
+        LadderKind::Paper => paper::run(&mut state, options, observer)?,
     };
     Ok(picture::finish(state, &last_picture(options, termination), termination, observer))
 }

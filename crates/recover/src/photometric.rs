@@ -14,8 +14,8 @@ pub struct PhotometricParameter {
     /// How the photograph's values change with it, before the exposure is applied.
     pub derivative: RgbImage,
     /// Its prior mean, counted from where it is now.
-    pub belief: f64,
-    /// The standard deviation of that belief; it only speaks where the photograph is silent.
+    pub prior_mean: f64,
+    /// The standard deviation of that prior, which decides only where the photograph does not.
     pub deviation: f64,
     /// How far it may go from where it is now, because the derivative holds no further.
     pub reach: f64,

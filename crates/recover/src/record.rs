@@ -68,7 +68,7 @@ pub struct GroupResult {
     pub error: Option<f64>,
     /// The group's share, 0 to 1, of the squared error of all groups' valid pixels.
     pub error_share: Option<f64>,
-    /// The rungs that were tried, in the order of trial.
+    /// The candidates, in the order in which they were tried.
     pub selection_log: Vec<CandidateRecord>,
     /// What the user should know about it.
     pub note: Option<String>,

@@ -37,9 +37,9 @@ const POINTS: u32 = 4;
 /// Directions for each point of a pixel.
 const GLOSSY_COSINE: [u32; 3] = [3, 6, 8];
 const PER_LOBE: [u32; 3] = [3, 6, 8];
-/// A trial looks for every roughness at once.
-const TRIAL_LOBES: [f32; 4] = [0.02, 0.06, 0.16, 0.4];
-const TRIAL_PIXELS: usize = 2400;
+/// The search for candidates looks for every roughness at once.
+const CANDIDATE_LOBES: [f32; 4] = [0.02, 0.06, 0.16, 0.4];
+const CANDIDATE_PIXELS: usize = 2400;
 
 /// For a group that is diffuse.
 pub fn diffuse(level: usize, options: &Options) -> SampleBudget {
@@ -80,19 +80,19 @@ pub fn specular(level: usize, options: &Options, material: &Material) -> SampleB
 }
 
 /// For trying all rungs.
-pub fn trial(level: usize, options: &Options) -> SampleBudget {
+pub fn candidates(level: usize, options: &Options) -> SampleBudget {
     let probe = ProbeSettings {
         probes_per_pixel: POINTS,
         cosine: 8,
         per_lobe: 6,
-        lobes: round_lobes(&TRIAL_LOBES),
+        lobes: round_lobes(&CANDIDATE_LOBES),
         mirror: true,
         keep_incident: true,
         seed: options.seed,
         ..ProbeSettings::default()
     };
     SampleBudget {
-        pixels: TRIAL_PIXELS,
+        pixels: CANDIDATE_PIXELS,
         pixels_seed: options.seed,
         allowance: allowance(level, options),
         probe,

@@ -75,15 +75,16 @@ impl GroupState {
     /// By how much the information criterion spoke against the hypothesis `simpler` and for the present
     /// one when candidates were last compared and one was accepted; zero if none were.
     pub(crate) fn evidence_against(&self, simpler: Hypothesis) -> f64 {
-        let accepted = self.selection_log.iter().rposition(|trial| trial.accepted);
+        let accepted = self.selection_log.iter().rposition(|candidate| candidate.accepted);
         let Some(iteration) = accepted.map(|at| self.selection_log[at].iteration) else {
             return 0.0;
         };
         let criterion = |hypothesis: Hypothesis| {
             let candidates = self.selection_log.iter().rev();
-            let mut of_both = candidates
-                .filter(|trial| trial.iteration == iteration && trial.hypothesis == hypothesis);
-            of_both.next().map(|trial| trial.criterion)
+            let mut of_both = candidates.filter(|candidate| {
+                candidate.iteration == iteration && candidate.hypothesis == hypothesis
+            });
+            of_both.next().map(|candidate| candidate.criterion)
         };
         match (criterion(simpler), criterion(self.hypothesis)) {
             (Some(simpler), Some(present)) => simpler - present,
@@ -94,16 +95,18 @@ impl GroupState {
     /// Writes into the selection log, after the re-rendering was asked, whether the one that was `tried`
     /// of the candidates that were compared last was accepted; the others were not.
     pub(crate) fn set_accepted(&mut self, tried: Hypothesis, accepted: bool) {
-        let Some(last) = self.selection_log.last().map(|trial| trial.iteration) else { return };
+        let Some(last) = self.selection_log.last().map(|candidate| candidate.iteration) else {
+            return;
+        };
         let of_last = self.selection_log.iter_mut().rev().take(hypothesis::UNIFORM.len());
-        for trial in of_last.filter(|trial| trial.iteration == last) {
-            trial.accepted = accepted && trial.hypothesis == tried;
+        for candidate in of_last.filter(|candidate| candidate.iteration == last) {
+            candidate.accepted = accepted && candidate.hypothesis == tried;
         }
     }
 
     /// Whether the selection log does not hold `hypothesis` yet.
     pub(crate) fn is_new_to(&self, hypothesis: Hypothesis) -> bool {
-        self.selection_log.last().is_none_or(|trial| trial.hypothesis != hypothesis)
+        self.selection_log.last().is_none_or(|candidate| candidate.hypothesis != hypothesis)
     }
 }
 

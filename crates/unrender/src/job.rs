@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn aspects_that_do_not_fit_are_told() {
+    fn aspects_that_do_not_fit_are_reported() {
         let noted = |aspect, width, height| doubtful_aspect(&camera("c", aspect), width, height).0;
         assert!(noted(None, 3, 2).is_empty());
         assert!(noted(Some(1.5), 300, 200).is_empty());

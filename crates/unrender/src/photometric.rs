@@ -38,7 +38,7 @@ const GAMMAS: [f32; 2] = [0.5, 5.0];
 impl Number {
     /// Its prior mean, with its standard deviation, and how far its
     /// derivative holds.
-    fn belief(self) -> (f32, f64, f64) {
+    fn prior(self) -> (f32, f64, f64) {
         match self {
             Self::Gamma => (GAMMA, 0.5, 0.5),
             Self::Vignetting(_) => (0.0, 1.0, 0.5),
@@ -52,7 +52,7 @@ impl Number {
                 Law::Radial(coefficients) => coefficients[k],
                 Law::Cos4 => 0.0,
             },
-            _ => self.belief().0,
+            _ => self.prior().0,
         }
     }
 
@@ -86,7 +86,7 @@ pub(crate) fn asked(project: &Project) -> Vec<Number> {
 /// What each of `numbers` does to the photograph of `job` as it is developed now.
 pub(crate) fn photometric_parameters(job: &Job, numbers: &[Number]) -> Vec<PhotometricParameter> {
     let one = |number: &Number| {
-        let (middle, deviation, reach) = number.belief();
+        let (middle, deviation, reach) = number.prior();
         let moved = |step: f32| {
             let mut transfer = job.transfer.clone();
             number.add(&mut transfer, step);
@@ -97,7 +97,7 @@ pub(crate) fn photometric_parameters(job: &Job, numbers: &[Number]) -> Vec<Photo
         let derivative = difference.map(|(a, b)| (*a - *b) / (2.0 * STEP)).collect();
         PhotometricParameter {
             derivative: RgbImage::new(above.width(), above.height(), derivative),
-            belief: f64::from(middle - number.of(&job.transfer)),
+            prior_mean: f64::from(middle - number.of(&job.transfer)),
             deviation,
             reach,
         }

@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn lenses_that_are_not_read_are_told() {
+    fn lenses_that_are_not_read_are_reported() {
         assert!(fault("a: 1\n").contains("call it camera_matrix"));
         assert!(fault("K: [[1, 0], [0, 1]]\n").contains("2 x 2"));
         assert!(fault("K: [1, 2, 3, 4, 5]\n").contains("5 x 1"));

@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_such_file_is_told() {
+    fn what_is_no_such_file_is_reported() {
         for (text, extension, expected) in [
             ("", "yml", "is empty"),
             ("a: [1, 2", "yml", "is not YAML"),

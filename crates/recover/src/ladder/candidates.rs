@@ -6,8 +6,8 @@
 //! neighbours: once it is right, their errors may be gone. A proposal changes nothing by itself; the
 //! driver accepts it if the re-rendering of the whole picture is not worse for it.
 
+use super::evidence_pair::EvidencePair;
 use super::textures;
-use super::trial::Trial;
 use crate::evidence::Evidence;
 use crate::hypothesis::{Fit, Hypothesis};
 use crate::likelihood::Likelihood;
@@ -265,17 +265,21 @@ impl<'o> Candidates<'o> {
 
     /// What the candidates of `group` come to.
     fn ask(&self, state: &mut State<'_>, group: usize, level: usize) -> Option<Proposal> {
-        let mut budget = sample_budget::trial(level, self.options);
+        let mut budget = sample_budget::candidates(level, self.options);
         // What the model of the other groups gets wrong, it may get wrong here.
         let floor = &mut budget.allowance.floor;
         floor.share = floor.share.max(error_of_others(state, group, MIDDLE));
-        let trial =
-            Trial::gather(state, self.options, (group, light_of_others(state, group)), budget)?;
-        let (trial, fits) = trial.fit_all(state, group);
+        let evidence = EvidencePair::gather(
+            state,
+            self.options,
+            (group, light_of_others(state, group)),
+            budget,
+        )?;
+        let (evidence, fits) = evidence.fit_all(state, group);
         if fits.is_empty() {
             return None;
         }
-        let decisions = self.decide(&fits, &trial.judging, group);
+        let decisions = self.decide(&fits, &evidence.judging, group);
         let typical = error_of_others(state, group, BETTER).max(TYPICAL_MIN);
         let chosen = fits[decisions[0].chosen].clone();
         log(state, group, &fits, &decisions[0]);
@@ -284,7 +288,7 @@ impl<'o> Candidates<'o> {
             return self.texture(state, group, &chosen).filter(|texture| texture.moves(state));
         }
         let after = (level > 0)
-            .then(|| self.beyond_uniform(state, group, trial, (chosen, typical)))
+            .then(|| self.beyond_uniform(state, group, evidence, (chosen, typical)))
             .flatten();
         let is_textured = state.groups[group].hypothesis == Hypothesis::Textured;
         if uniform.moves(state) && !(is_textured && after.is_some()) {
@@ -300,7 +304,7 @@ impl<'o> Candidates<'o> {
         &self,
         state: &mut State<'_>,
         group: usize,
-        trial: Trial,
+        evidence: EvidencePair,
         (chosen, typical): (Fit, f64),
     ) -> Option<Proposal> {
         let asked = self.options.thresholds.textured;
@@ -314,7 +318,7 @@ impl<'o> Candidates<'o> {
         if !self.options.outliers || is_explained(&chosen, limit) {
             return texture;
         }
-        let left = self.without_outliers(state, group, trial, chosen, limit);
+        let left = self.without_outliers(state, group, evidence, chosen, limit);
         let best = |left: &Fitted| left.fits[left.decisions[0].chosen].clone();
         match left.filter(|left| is_explained(&best(left), asked.unwrap_or(limit))) {
             Some(left) => {
@@ -386,28 +390,28 @@ impl<'o> Candidates<'o> {
         &self,
         state: &State<'_>,
         group: usize,
-        mut trial: Trial,
+        mut evidence: EvidencePair,
         mut fit: Fit,
         limit: f64,
     ) -> Option<Fitted> {
         let geometry = state.problem.renderer.geometry();
         let mut found = Vec::new();
         let valid = &state.observation.pixels_of_group[group];
-        let side = outliers::cell_side(geometry, valid.len(), trial.judging.pixels.len());
+        let side = outliers::cell_side(geometry, valid.len(), evidence.judging.pixels.len());
         for _ in 0..OUTLIER_ROUNDS {
             let dispersion = self.options.thresholds.dispersion;
-            let flags = outliers::find(&trial.judging, &fit, geometry, dispersion, side)?;
-            let sampled: Vec<u32> = trial.judging.pixels.iter().map(|p| p.pixel).collect();
+            let flags = outliers::find(&evidence.judging, &fit, geometry, dispersion, side)?;
+            let sampled: Vec<u32> = evidence.judging.pixels.iter().map(|p| p.pixel).collect();
             found.extend(outliers::spread_out(&sampled, &flags, valid, geometry, side));
             if found.len() as f32 > outliers::SHARE_MAX * valid.len() as f32 {
                 return None;
             }
-            let (left, fits) = trial.without(&flags).fit_all(state, group);
+            let (left, fits) = evidence.without(&flags).fit_all(state, group);
             if fits.is_empty() {
                 return None;
             }
-            trial = left;
-            let decisions = self.decide(&fits, &trial.judging, group);
+            evidence = left;
+            let decisions = self.decide(&fits, &evidence.judging, group);
             let chosen = &fits[decisions[0].chosen];
             if is_explained(chosen, limit) {
                 return Some(Fitted { fits, decisions, outliers: found });

@@ -47,7 +47,7 @@ const SETTLED: f64 = 0.02;
 const SIMPLEX_TURNS: u64 = 80;
 
 /// Climbs one rung at a time.
-pub(crate) fn climb(
+pub(crate) fn run(
     state: &mut State<'_>,
     options: &Options,
     observer: &mut dyn Observer,
@@ -179,7 +179,7 @@ impl PaperIteration<'_> {
         let hypothesis = state.groups[*group].hypothesis;
         if leaves || (rung.iterations == 1 && state.groups[*group].is_new_to(hypothesis)) {
             let material = state.materials[*group].clone();
-            let trial = CandidateRecord {
+            let candidate = CandidateRecord {
                 iteration: self.iteration,
                 hypothesis,
                 material,
@@ -188,7 +188,7 @@ impl PaperIteration<'_> {
                 criterion: 0.0,
                 accepted: !leaves,
             };
-            state.groups[*group].selection_log.push(trial);
+            state.groups[*group].selection_log.push(candidate);
         }
         let next = if leaves { next_rung(hypothesis) } else { hypothesis };
         let parameters = || self.parameters(state, *group, next, pixels, rerendered);

@@ -35,7 +35,7 @@ pub(crate) fn find(state: &mut State<'_>, options: &Options) {
             continue;
         }
         let other_noise = Options { seed: options.seed ^ 0xBA51, ..options.clone() };
-        let mut budget = sample_budget::trial(sample_budget::REFINED, &other_noise);
+        let mut budget = sample_budget::candidates(sample_budget::REFINED, &other_noise);
         budget.pixels = PIXELS;
         budget.probe.max_bounces = options.max_bounces;
         let pixels = &state.observation.pixels_of_group[group];

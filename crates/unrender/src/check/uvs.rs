@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn overlaps_and_repetitions_are_told() {
+    fn overlaps_and_repetitions_are_reported() {
         let noted = |charts: &[[f32; 4]]| doubt(&scene(charts), 0);
         assert_eq!(noted(&[[0.0, 0.0, 0.5, 1.0], [0.5, 0.0, 1.0, 1.0]]), None);
         assert!(noted(&[[0.0, 0.0, 2.0, 1.0]]).unwrap().contains("beyond"));

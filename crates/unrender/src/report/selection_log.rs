@@ -22,7 +22,7 @@ pub(super) fn of(source: &RunFolder<'_>, key: &Key, name: &str, group: &RunGroup
 
 /// Why the group stands where it does, in words.
 fn reason(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Markup {
-    let last = group.selection_log.iter().rev().find(|trial| trial.accepted);
+    let last = group.selection_log.iter().rev().find(|candidate| candidate.accepted);
     let hypothesis = group.entry.hypothesis.unwrap_or(Hypothesis::Diffuse);
     let paper = source.run.settings.ladder == "paper";
     let ladder = source.run.iterations.iter().rev().find(|iteration| !iteration.refining);
@@ -51,33 +51,33 @@ fn reason(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Markup {
     }
 }
 
-/// The trials, iteration by iteration.
+/// The candidates, iteration by iteration.
 fn rungs(key: &Key, selection_log: &[CandidateEntry]) -> Markup {
     let numbered: Vec<(usize, &CandidateEntry)> = selection_log.iter().enumerate().collect();
     html! {
         @for tried in numbered.chunk_by(|a, b| a.1.iteration == b.1.iteration) {
             p { "Iteration " (count(&key.at(tried[0].0).at("iteration"), tried[0].1.iteration)) ":" }
             ol class="rungs" {
-                @for (index, trial) in tried { (rung(&key.at(index), trial, tried)) }
+                @for (index, candidate) in tried { (rung(&key.at(index), candidate, tried)) }
             }
         }
     }
 }
 
-/// One trial among those of its iteration, which go from simple to complex.
-fn rung(key: &Key, trial: &CandidateEntry, tried: &[(usize, &CandidateEntry)]) -> Markup {
+/// One candidate among those of its iteration, which go from simple to complex.
+fn rung(key: &Key, candidate: &CandidateEntry, tried: &[(usize, &CandidateEntry)]) -> Markup {
     let accepted =
         tried.iter().find(|(_, other)| other.accepted).map(|(_, other)| other.hypothesis);
     let verdict = match accepted {
-        _ if trial.accepted => "accepted",
-        Some(accepted) if trial.hypothesis < accepted => "leaves more than it must",
+        _ if candidate.accepted => "accepted",
+        Some(accepted) if candidate.hypothesis < accepted => "leaves more than it must",
         Some(_) => "not needed",
         None => "left behind",
     };
     html! {
-        li class=[trial.accepted.then_some("accepted")] {
-            (parameters::swatch(trial.rho_d)) (trial.hypothesis) " left "
-            (percent(&key.at("error"), trial.error)) ": " (verdict)
+        li class=[candidate.accepted.then_some("accepted")] {
+            (parameters::swatch(candidate.rho_d)) (candidate.hypothesis) " left "
+            (percent(&key.at("error"), candidate.error)) ": " (verdict)
         }
     }
 }

@@ -56,7 +56,7 @@ pub(super) fn section(source: &RunFolder<'_>) -> Markup {
             p { "The numbers were not refined together, so nothing is known of how certain they \
                 are." }
         }
-        p { "A deviation holds the noise and what the model leaves unexplained here and there. It \
+        p { "A standard deviation contains the noise and what the model leaves unexplained here and there. It \
             does not hold what is wrong everywhere alike, such as a lamp that is brighter than \
             stated." }
     };

@@ -27,7 +27,7 @@ pub struct RunGroup {
     pub map_color: String,
     /// The picture of a ball of its material, relative to the file; null for black ones.
     pub ball: Option<String>,
-    /// The rungs that were tried, in the order of trial.
+    /// The candidates, in the order in which they were tried.
     #[serde(alias = "story")]
     pub selection_log: Vec<CandidateEntry>,
 }

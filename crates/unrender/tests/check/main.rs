@@ -94,7 +94,7 @@ fn a_good_project_passes_in_silence() {
 }
 
 #[test]
-fn highlights_and_what_is_mirrored_are_told() {
+fn highlights_and_what_is_mirrored_are_reported() {
     // The floor mirrors the lamp at z = 0.7 to 0.9.
     let eye = Vec3::new(0.0, 1.3, 1.4);
     let looking_down = Camera::look_at("c", eye, Vec3::new(0.0, 0.0, 0.6), Vec3::Y, 0.7);
@@ -173,7 +173,7 @@ fn a_camera_and_an_object_that_are_off_are_told_and_drawn() {
 }
 
 #[test]
-fn responses_that_look_wrong_are_told() {
+fn responses_that_look_wrong_are_reported() {
     let radiance = photo_of_room();
     let brightest = radiance.pixels().iter().fold(0.0f32, |most, v| most.max(v.max_element()));
     let linear = radiance.map(|v| (*v / brightest).clamp(Rgb::ZERO, Rgb::ONE));
@@ -198,7 +198,7 @@ fn responses_that_look_wrong_are_told() {
 }
 
 #[test]
-fn a_stretched_histogram_is_told() {
+fn a_stretched_histogram_is_reported() {
     let code = |x: usize, stretch: f32| (stretch * (40.0 + (x % 100) as f32)).round() / 255.0;
     let ramp = |stretch| {
         let values = Image::from_fn(SIZE.0, SIZE.1, |x, y| Rgb::splat(code(x + y, stretch)));
@@ -210,7 +210,7 @@ fn a_stretched_histogram_is_told() {
 }
 
 #[test]
-fn bright_dark_and_clipped_photos_are_told() {
+fn bright_dark_and_clipped_photos_are_reported() {
     let radiance = photo_of_room();
     let of = |scale: f32, text: &str| {
         let code = |v: f32| (255.0 * srgb_from_linear(v)).round() / 255.0;
@@ -228,7 +228,7 @@ fn bright_dark_and_clipped_photos_are_told() {
 }
 
 #[test]
-fn lights_in_the_wrong_place_are_told() {
+fn lights_in_the_wrong_place_are_reported() {
     let with = |kind: LightKind| {
         let mut scene = room();
         scene.lights.push(Light { name: "bulb".into(), kind });
@@ -246,7 +246,7 @@ fn lights_in_the_wrong_place_are_told() {
 }
 
 #[test]
-fn area_lights_that_light_nothing_are_told() {
+fn area_lights_that_light_nothing_are_reported() {
     let with_lamp = |mesh: Mesh| {
         let mut scene = room();
         scene.objects.push(Object { name: "second".into(), ..object(LAMP, mesh) });
@@ -266,7 +266,7 @@ fn area_lights_that_light_nothing_are_told() {
 }
 
 #[test]
-fn objects_from_behind_and_doubled_ones_are_told() {
+fn objects_from_behind_and_doubled_ones_are_reported() {
     let mut scene = room();
     scene.objects[BLOCK].mesh = flipped(&scene.objects[BLOCK].mesh);
     Input::of_room(&scene).warns("the picture shows \"the block\" from behind", "flip the faces");
@@ -295,14 +295,14 @@ fn scaled(scale: f32) -> Input {
 }
 
 #[test]
-fn rooms_of_no_human_size_are_told() {
+fn rooms_of_no_human_size_are_reported() {
     scaled(100.0).warns("m across; scenes are in metres", "centimetres");
     scaled(0.001).warns("mm across", "scale that makes it metres");
     assert_eq!(scaled(0.1).check().warnings.0, [""; 0]);
 }
 
 #[test]
-fn cameras_in_the_wrong_place_are_told() {
+fn cameras_in_the_wrong_place_are_reported() {
     let scene = room();
     let codes = Picture::new(photograph(&scene, &camera()), Depth::Float);
     let from = |eye: Vec3, target: Vec3| {
@@ -320,7 +320,7 @@ fn cameras_in_the_wrong_place_are_told() {
 }
 
 #[test]
-fn groups_that_are_unseen_small_or_dark_are_told() {
+fn groups_that_are_unseen_small_or_dark_are_reported() {
     let block = |low: Vec3, side: f32| {
         let mut scene = room();
         scene.objects[BLOCK].mesh = cuboid(low, low + side);

@@ -24,7 +24,7 @@ impl ParameterBlock for Camera {
 
     fn prior(&self, state: &State<'_>, u: &Unknown) -> Prior {
         let parameter = &state.problem.photometric_parameters[u.of];
-        Prior { mean: Some(parameter.belief), deviation: parameter.deviation }
+        Prior { mean: Some(parameter.prior_mean), deviation: parameter.deviation }
     }
 
     fn precise_enough(&self, _: &State<'_>, _: &Unknown) -> f64 {

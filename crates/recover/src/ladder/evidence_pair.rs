@@ -1,4 +1,4 @@
-//! A trial: all uniform rungs fitted to one group under the present light.
+//! The evidence on one group, gathered twice, and all uniform rungs fitted to it under the present light.
 
 use super::settle::gather;
 use crate::evidence::{Evidence, SampleBudget};
@@ -18,12 +18,12 @@ const JUDGING: u64 = 0x7D6E;
 /// The evidence on one group, gathered twice: shapes of lobes are searched by the one, and hypotheses are
 /// compared by the other. A search finds the shape that fits the noise of its light samples best, and the
 /// more shapes there are, the better it fits; the noise of other samples knows nothing of that.
-pub(super) struct Trial {
+pub(super) struct EvidencePair {
     searching: Evidence,
     pub(super) judging: Evidence,
 }
 
-impl Trial {
+impl EvidencePair {
     /// The evidence on `group`, twice; none where nothing was seen of it. Candidates may explain residuals by
     /// an error of the incident light of at most `most`.
     pub(super) fn gather(
