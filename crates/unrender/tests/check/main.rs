@@ -9,7 +9,6 @@ use std::process::{Command, Output};
 use unrender::check::{Checkup, EdgeKind, check, edge_picture};
 use unrender::formats::picture::{self, Depth, Picture};
 use unrender::photo::{Response, Transfer, develop};
-use unrender::render::{Settings, Tracer};
 use unrender::scene::color::{linear_from_srgb, srgb_from_linear};
 use unrender::scene::{
     Camera, Group, Image, Light, LightKind, Material, Mesh, Object, Rgb, RgbImage, Scene, Warnings,
