@@ -246,12 +246,12 @@ mod tests {
     #[test]
     fn devices_folders_and_large_files_are_not_read() {
         let folder = tempfile::tempdir().unwrap();
-        assert!(read(folder.path()).unwrap_err().contains("regular"));
+        assert!(read(folder.path()).unwrap_err().problem.contains("regular"));
         #[cfg(unix)]
-        assert!(read("/dev/zero").unwrap_err().contains("regular"));
+        assert!(read("/dev/zero").unwrap_err().problem.contains("regular"));
         let path = folder.path().join("large");
         File::create(&path).unwrap().set_len(3 << 30).unwrap();
-        assert!(read(&path).unwrap_err().contains("--input-memory"));
+        assert!(read(&path).unwrap_err().problem.contains("--input-memory"));
         let scope = Scope::new(Input::new(&path, Limits { memory: 100, ..Limits::default() }));
         assert!(scope.charge(60).is_ok() && scope.charge(60).is_err() && scope.charge(40).is_ok());
     }
