@@ -3,7 +3,7 @@
 scene, photo       the files; groups that reflect by the plugin `ward` are glossy
 diffuse, glossy    the groups to recover, by name
 truth              by group: rho_d, and for glossy ones rho_s, alpha_x, alpha_y
-theta              the brushed direction to begin with, radians; the true one is zero
+theta              the anisotropy direction to begin with, radians; the true one is zero
 spp, rate, seconds paths a pixel, Adam's learning rate to begin with, and when to give up
 
 Prints a line of JSON for each iteration: iteration, seconds, and the largest errors rho, alpha

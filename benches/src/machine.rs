@@ -18,6 +18,12 @@ pub(crate) fn sentence(versions: &[String]) -> String {
     )
 }
 
+/// A short sentence: the day, this program's commit, and the cores.
+pub(crate) fn origin() -> String {
+    let (day, version) = (time::OffsetDateTime::now_utc().date(), env!("CARGO_PKG_VERSION"));
+    format!("Measured on {day}: unrender {version}{}, {} cores.", revision(), cores())
+}
+
 /// How many threads are used.
 pub(crate) fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)

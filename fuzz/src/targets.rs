@@ -9,8 +9,8 @@ use unrender::commands::merge;
 use unrender::edit::Sheet;
 use unrender::formats::cameras::{colmap, opencv};
 use unrender::formats::{
-    Input, Limits, fspy, load_model, load_scene, materials, picture, planes, points,
-    response_curve, wear,
+    Input, Limits, assign_materials, fspy, load_model, load_scene, materials, picture, planes,
+    points, response_curve,
 };
 use unrender::listener::Console;
 use unrender::run::Run;
@@ -76,7 +76,7 @@ fn input(path: &Path) -> Input<'_> {
 fn scene(path: &Path) {
     // Nothing of what is said matters here: only that it is said.
     if let Ok((scene, _)) = load_scene(input(path)) {
-        let _ = wear(input(path), &scene);
+        let _ = assign_materials(input(path), &scene);
     } else {
         let _ = load_model(input(path));
     }

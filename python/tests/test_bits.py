@@ -32,8 +32,8 @@ def test_render_has_the_bits_of_the_command(fig8: Path, command: Command, tmp_pa
         np.testing.assert_array_equal(picture, expected)
     picture = unrender.render(in_memory, materials=truth, threads=1, **options)
     np.testing.assert_array_equal(picture, expected)
-    dressed = in_memory.with_materials(truth)
-    np.testing.assert_array_equal(unrender.render(dressed, **options), expected)
+    with_truth = in_memory.with_materials(truth)
+    np.testing.assert_array_equal(unrender.render(with_truth, **options), expected)
     other = unrender.render(scene, materials=truth, **{**options, "seed": 6})
     assert not np.array_equal(other, expected)
 

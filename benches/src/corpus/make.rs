@@ -2,7 +2,7 @@
 
 use super::family::{Family, Renderer, Style};
 use super::generate::{self, Plan};
-use super::photograph::{self, Effort, Photograph};
+use super::photograph::{self, Photograph, SampleBudget};
 use super::spoil::{self, Dial};
 use super::store::{self, Folder, Format, META_VERSION, Meta};
 use super::verify;
@@ -50,10 +50,10 @@ pub(crate) fn photographs(plan: &Plan, folder: &Folder, quick: bool) -> Result<M
     }
     std::fs::create_dir_all(&folder.0)?;
     let started = Instant::now();
-    let effort = Effort { noise: NOISE, spp_max: if quick { 128 } else { SPP_MAX } };
+    let budget = SampleBudget { noise: NOISE, spp_max: if quick { 128 } else { SPP_MAX } };
     let (scene, work) = (plan.scene(), folder.path("work"));
     let renderer = plan.style.renderer;
-    let taken = photograph::take(plan, &scene, &plan.cameras[0], renderer, effort, &work)?;
+    let taken = photograph::take(plan, &scene, &plan.cameras[0], renderer, budget, &work)?;
     for (half, image) in taken.halves.iter().enumerate() {
         picture::write_exr(&folder.path(&format!("radiance_{half}.exr")), image)?;
     }

@@ -2,7 +2,7 @@
 //! of the truth there; and the same of materials that were recovered as diffuse.
 
 use super::generate::Plan;
-use super::photograph::{self, Effort};
+use super::photograph::{self, SampleBudget};
 use super::recover::{self, Subject};
 use super::result::Wanted;
 use super::spoil::Dial;
@@ -16,7 +16,7 @@ use unrender::render::Tracer;
 use unrender::scene::{Camera, RgbImage, Scene};
 
 /// The noise and the samples of the pictures that are compared with.
-const EFFORT: Effort = Effort { noise: 0.03, spp_max: 128 };
+const BUDGET: SampleBudget = SampleBudget { noise: 0.03, spp_max: 128 };
 /// Paths of a pixel of our own pictures.
 const SPP: u32 = 256;
 
@@ -93,7 +93,7 @@ fn truth(
     if !path.exists() {
         let work = scene.path("work");
         let renderer = plan.style.renderer;
-        let taken = photograph::take(plan, built, camera, renderer, EFFORT, &work)?;
+        let taken = photograph::take(plan, built, camera, renderer, BUDGET, &work)?;
         let _ = std::fs::remove_dir_all(&work);
         picture::write_exr(&path, &taken.mean())?;
     }

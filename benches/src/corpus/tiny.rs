@@ -6,7 +6,7 @@
 use super::family::{Family, Renderer, Style};
 use super::generate::{self, Plan};
 use super::make;
-use super::photograph::{self, Effort};
+use super::photograph::{self, SampleBudget};
 use super::spoil::Dial;
 use super::store::{self, Folder, Format};
 use super::verify;
@@ -41,7 +41,7 @@ const BYTES: usize = 60_000;
 /// Groups besides lamps.
 const GROUPS: std::ops::RangeInclusive<usize> = 4..=8;
 /// The rendering's noise of a pixel, and the most samples.
-const EFFORT: Effort = Effort { noise: 0.01, spp_max: 512 };
+const BUDGET: SampleBudget = SampleBudget { noise: 0.01, spp_max: 512 };
 /// Seeds that are tried.
 const SEEDS: u64 = 4000;
 
@@ -119,9 +119,9 @@ fn write(wanted: &Wanted, plan: &Plan, folder: &Folder) -> Result<(), Failure> {
     let work = std::env::temp_dir().join(format!("unrender-corpus-{}", std::process::id()));
     // Radiance takes minutes for what the others do in seconds.
     let is_slow = plan.style.renderer == Renderer::Radiance;
-    let effort = if is_slow { Effort { noise: 0.02, spp_max: 256 } } else { EFFORT };
+    let budget = if is_slow { SampleBudget { noise: 0.02, spp_max: 256 } } else { BUDGET };
     let (scene, renderer) = (plan.scene(), plan.style.renderer);
-    let taken = photograph::take(plan, &scene, &plan.cameras[0], renderer, effort, &work)?;
+    let taken = photograph::take(plan, &scene, &plan.cameras[0], renderer, budget, &work)?;
     let _ = std::fs::remove_dir_all(&work);
     let rows = verify::compare(plan, &taken);
     let noise = 100.0 * taken.noise();

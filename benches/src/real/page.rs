@@ -1,7 +1,7 @@
 //! `real.md`: how to fetch the photographs, and a section a case.
 
 use super::Case;
-use crate::{Failure, page};
+use crate::{Failure, machine, page};
 use clap::ValueEnum;
 use std::path::Path;
 use unrender::formats::atomic;
@@ -33,7 +33,8 @@ A name (`real ball`) runs one case. `--prepare` writes the projects and stops; `
 written by the command.
 ";
 
-/// Puts the section of the case called `name` onto the page in `folder`.
+/// Puts the section of the case called `name` onto the page in `folder`, with what it was measured on below
+/// its heading.
 ///
 /// # Errors
 /// If it cannot be written.
@@ -43,5 +44,7 @@ pub(super) fn write(folder: &Path, name: &str, text: &str) -> Result<(), Failure
     let before = std::fs::read_to_string(&path).unwrap_or_default();
     let names: Vec<String> =
         Case::value_variants().iter().map(|case| case.name().to_owned()).collect();
-    Ok(atomic::write(&path, page::replace(HEAD, &before, &names, name, text).as_bytes())?)
+    let (heading, rest) = text.split_once('\n').unwrap_or((text, ""));
+    let text = format!("{heading}\n\n{}\n{rest}", machine::origin());
+    Ok(atomic::write(&path, page::replace(HEAD, &before, &names, name, &text).as_bytes())?)
 }

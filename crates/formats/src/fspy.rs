@@ -87,7 +87,7 @@ struct Settings {
 /// # Errors
 /// If the file cannot be read, is no fSpy project of version 1, or has no valid camera.
 pub fn read(path: &Path, up: Option<Up>) -> Result<(Matched, Warnings), FileError> {
-    let bytes = input::read(path).map_err(|problem| FileError::new(path, problem))?;
+    let bytes = input::read(path).map_err(|error| FileError::because(path, "", error))?;
     parse(&bytes, up).map_err(|problem| FileError::new(path, problem))
 }
 
@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn lengths_without_meaning_are_told() {
+    fn lengths_without_meaning_are_reported() {
         let mut state = project();
         state["calibrationSettingsBase"]["referenceDistanceUnit"] = json!("No unit");
         assert!(parse(&file(&state), None).unwrap().1.0[0].contains("metres were taken"));

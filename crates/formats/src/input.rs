@@ -9,8 +9,44 @@
 use crate::LightUnits;
 use std::cell::Cell;
 use std::fs::{self, File};
-use std::io::{ErrorKind, Read};
+use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Why a file is not read, as the end of a sentence about it.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{problem}")]
+#[non_exhaustive]
+pub struct InputError {
+    /// What is wrong with it and what to do, without a final full stop.
+    pub problem: String,
+    /// What the system says, if it was asked.
+    pub source: Option<Arc<io::Error>>,
+}
+
+impl From<&str> for InputError {
+    fn from(problem: &str) -> Self {
+        Self { problem: problem.to_owned(), source: None }
+    }
+}
+
+impl From<String> for InputError {
+    fn from(problem: String) -> Self {
+        Self { problem, source: None }
+    }
+}
+
+impl From<io::Error> for InputError {
+    fn from(error: io::Error) -> Self {
+        Self { problem: unreadable(&error), source: Some(Arc::new(error)) }
+    }
+}
+
+impl From<InputError> for String {
+    fn from(error: InputError) -> Self {
+        error.problem
+    }
+}
 
 /// How far the reading of one input may go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,9 +163,8 @@ impl Scope {
 /// The bytes of the file that the user has named.
 ///
 /// # Errors
-/// If it is no regular file, is larger than [`Limits::memory`] or cannot be read; as the end of a
-/// sentence about the file.
-pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<Vec<u8>, String> {
+/// If it is no regular file, is larger than [`Limits::memory`] or cannot be read.
+pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<Vec<u8>, InputError> {
     let input = input.into();
     read_at_most(input.path, input.limits.memory)
 }
@@ -138,27 +173,27 @@ pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<Vec<u8>, String> {
 ///
 /// # Errors
 /// As [`read()`], and if the file is not UTF-8.
-pub fn text<'a>(input: impl Into<Input<'a>>) -> Result<String, String> {
+pub fn text<'a>(input: impl Into<Input<'a>>) -> Result<String, InputError> {
     String::from_utf8(read(input)?).map_err(|_| NO_TEXT.into())
 }
 
 const NO_TEXT: &str = "is no text (UTF-8)";
 
-fn read_at_most(path: &Path, limit: u64) -> Result<Vec<u8>, String> {
+fn read_at_most(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
     // Asked before opening: whoever opens a pipe waits for its writer.
-    let meta = fs::metadata(path).map_err(|error| unreadable(&error))?;
+    let meta = fs::metadata(path)?;
     if !meta.is_file() {
         return Err("is no regular file, but a folder, a device or a pipe".into());
     }
     if meta.len() > limit {
-        return Err(too_large(meta.len(), limit));
+        return Err(too_large(meta.len(), limit).into());
     }
-    let file = File::open(path).map_err(|error| unreadable(&error))?;
+    let file = File::open(path)?;
     // Files of /proc say that they are empty, and others may grow.
     let mut bytes = Vec::with_capacity(meta.len() as usize);
-    file.take(limit + 1).read_to_end(&mut bytes).map_err(|error| unreadable(&error))?;
+    file.take(limit + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > limit {
-        return Err(too_large(bytes.len() as u64, limit));
+        return Err(too_large(bytes.len() as u64, limit).into());
     }
     Ok(bytes)
 }
@@ -211,12 +246,12 @@ mod tests {
     #[test]
     fn devices_folders_and_large_files_are_not_read() {
         let folder = tempfile::tempdir().unwrap();
-        assert!(read(folder.path()).unwrap_err().contains("regular"));
+        assert!(read(folder.path()).unwrap_err().problem.contains("regular"));
         #[cfg(unix)]
-        assert!(read("/dev/zero").unwrap_err().contains("regular"));
+        assert!(read("/dev/zero").unwrap_err().problem.contains("regular"));
         let path = folder.path().join("large");
         File::create(&path).unwrap().set_len(3 << 30).unwrap();
-        assert!(read(&path).unwrap_err().contains("--input-memory"));
+        assert!(read(&path).unwrap_err().problem.contains("--input-memory"));
         let scope = Scope::new(Input::new(&path, Limits { memory: 100, ..Limits::default() }));
         assert!(scope.charge(60).is_ok() && scope.charge(60).is_err() && scope.charge(40).is_ok());
     }

@@ -29,6 +29,6 @@ pub mod scene_file;
 mod texels;
 
 pub use error::FileError;
-pub use input::{Input, Limits};
+pub use input::{Input, InputError, Limits};
 pub use light_units::LightUnits;
-pub use scene_file::{load_model, load_scene, place, wear};
+pub use scene_file::{assign_materials, load_model, load_scene, place};

@@ -93,8 +93,8 @@ pub fn read<'a>(input: impl Into<Input<'a>>) -> std::result::Result<Planes, File
     let text = text.to_string();
     let Vec2(width, height) = header.layer_size;
     let unpacked = width.saturating_mul(height).saturating_mul(4 * header.channels.list.len());
-    let believed = bytes.len().saturating_mul(MAX_UNPACKING).max(64 << 20);
-    if width.saturating_mul(height) > MAX_PIXELS || unpacked > believed {
+    let plausible = bytes.len().saturating_mul(MAX_UNPACKING).max(64 << 20);
+    if width.saturating_mul(height) > MAX_PIXELS || unpacked > plausible {
         return Err(fault(format!("claims {width} x {height} pixels, which it cannot hold")));
     }
     let block = picture::exr_block(header, bytes.len() as u64).map_err(fault)?;

@@ -24,7 +24,7 @@ const NAME: &str = "name";
 /// # Errors
 /// If the file is missing, lacks a column, has an unknown one, or a value is no finite number.
 pub fn read(path: &Path) -> Result<Vec<Pair>, FileError> {
-    let bytes = input::read(path).map_err(|problem| FileError::new(path, problem))?;
+    let bytes = input::read(path).map_err(|error| FileError::because(path, "", error))?;
     parse(&bytes).map_err(|problem| FileError::new(path, problem))
 }
 
@@ -131,8 +131,8 @@ mod tests {
             (String::new(), "the column x_px is missing"),
         ];
         for (text, problem) in faults {
-            let told = parse(text.as_bytes()).expect_err(&text);
-            assert!(told.contains(problem), "{text}: {told}");
+            let noted = parse(text.as_bytes()).expect_err(&text);
+            assert!(noted.contains(problem), "{text}: {noted}");
         }
     }
 }

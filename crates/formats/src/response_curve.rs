@@ -32,7 +32,7 @@ pub struct ResponseRows {
 /// If the file is missing, has other columns than those above or fewer than two rows, or if a value
 /// is no number, out of its range, or not above that of the row before.
 pub fn read(path: &Path) -> Result<ResponseRows, FileError> {
-    let bytes = input::read(path).map_err(|problem| FileError::new(path, problem))?;
+    let bytes = input::read(path).map_err(|error| FileError::because(path, "", error))?;
     parse(&bytes).map_err(|problem| FileError::new(path, problem))
 }
 
@@ -135,8 +135,8 @@ mod tests {
             ("code,linear\n0.5,0\n0.5,1\n", "not monotone: code is 0.5"),
         ];
         for (text, problem) in faults {
-            let told = parse(text.as_bytes()).expect_err(text);
-            assert!(told.contains(problem), "{text}: {told}");
+            let noted = parse(text.as_bytes()).expect_err(text);
+            assert!(noted.contains(problem), "{text}: {noted}");
         }
     }
 }

@@ -75,17 +75,20 @@ fn load(
     Ok((scene, warnings))
 }
 
-/// The bytes of a `.glb` that shows what `source` shows, wearing the materials of `scene`.
+/// The bytes of a `.glb` that shows what `source` shows, with the materials of `scene`.
 ///
-/// A glTF file keeps everything that it has beside ([`gltf::dress`]); from other formats the
+/// A glTF file keeps everything that it has beside ([`gltf::assign_materials`]); from other formats the
 /// scene itself is written ([`gltf::to_glb`]).
 ///
 /// # Errors
 /// If `source` cannot be read or the scene cannot be written.
-pub fn wear<'a>(source: impl Into<Input<'a>>, scene: &Scene) -> Result<Vec<u8>, FileError> {
+pub fn assign_materials<'a>(
+    source: impl Into<Input<'a>>,
+    scene: &Scene,
+) -> Result<Vec<u8>, FileError> {
     let source = source.into();
     match format_of(source.path)? {
-        Format::Gltf => gltf::dress(source, scene),
+        Format::Gltf => gltf::assign_materials(source, scene),
         _ => gltf::to_glb(scene).map_err(|error| FileError::new(source.path, error)),
     }
 }

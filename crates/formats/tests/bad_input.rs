@@ -4,7 +4,7 @@ mod support;
 
 use serde_json::json;
 use support::{Folder, Numbers, changed, damaged, glb, triangle_bytes, triangle_json};
-use unrender_formats::{load_scene, wear};
+use unrender_formats::{assign_materials, load_scene};
 
 /// Asserts that the file `name` of `bytes` is refused and that the error says all of `words`.
 #[track_caller]
@@ -33,7 +33,7 @@ fn files_that_are_no_scenes() {
     refused("a.obj", "", &["no triangles"]);
     let missing = load_scene("nowhere/a.glb").unwrap_err().to_string();
     assert_eq!(missing, "nowhere/a.glb: does not exist");
-    assert!(wear("nowhere/a.glb", &unrender_scene::Scene::default()).is_err());
+    assert!(assign_materials("nowhere/a.glb", &unrender_scene::Scene::default()).is_err());
 }
 
 #[test]
@@ -229,8 +229,8 @@ fn damaged_files_never_panic() {
     for _ in 0..3000 {
         let path = folder.file("a.glb", damaged(&glb, &mut numbers));
         if let Ok((scene, _)) = load_scene(&path) {
-            // What can be read can be worn.
-            wear(&path, &scene).unwrap();
+            // What can be read can be given materials.
+            assign_materials(&path, &scene).unwrap();
         }
         folder.file("a.mtl", damaged(mtl.as_bytes(), &mut numbers));
         let _ = load_scene(&folder.file("a.obj", obj));

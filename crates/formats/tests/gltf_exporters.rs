@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 use serde_json::{Value, json};
 use std::sync::Arc;
 use support::{Folder, changed, glb, triangle_bytes};
-use unrender_formats::{gltf, load_scene, place, wear};
+use unrender_formats::{assign_materials, gltf, load_scene, place};
 use unrender_scene::{
     Camera, Group, Image, Light, LightKind, Material, Mesh, Object, Rgb, Scene, Texture, Wrap,
 };
@@ -80,7 +80,7 @@ fn a_mapping_node_puts_the_texture_where_blender_does() {
         for (uv, raw) in mesh.uvs.iter().zip(UVS) {
             assert!((*uv - mapped(raw)).length() < 1e-5, "{uv} against {}", mapped(raw));
         }
-        // Brushed directions count from the growing u of the file.
+        // Anisotropy directions count from the growing u of the file.
         let [s, t, w] = UVS;
         let along = (Vec3::X * (w - s).y - Vec3::Y * (t - s).y).normalize();
         let is_plain = rotation == 0.0;
@@ -94,12 +94,12 @@ fn a_mapping_node_puts_the_texture_where_blender_does() {
             if marked == glam::UVec2::new(x as u32, y as u32) { Rgb::X } else { Rgb::ZERO }
         };
         scene.groups[0].material.texture = Some(Arc::new(texture(red)));
-        let worn = wear(&path, &scene).unwrap();
-        let (written, _) = parts(&worn);
+        let assigned = assign_materials(&path, &scene).unwrap();
+        let (written, _) = parts(&assigned);
         let used = written["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"].clone();
         assert_eq!(used["extensions"]["KHR_texture_transform"], transform);
         assert_eq!(written["extensionsRequired"], json!(["KHR_texture_transform"]));
-        let (back, _) = load_scene(&folder.file("b.glb", worn)).unwrap();
+        let (back, _) = load_scene(&folder.file("b.glb", assigned)).unwrap();
         let found = back.groups[0].material.texture.as_ref().unwrap();
         let uv = mapped(UVS.iter().sum::<Vec2>() / 3.0);
         let texel = uv.map(|c| (c.rem_euclid(1.0) * 8.0).floor()).as_uvec2();
@@ -117,7 +117,7 @@ fn a_transform_goes_with_its_texture() {
     let path = folder.file("a.glb", glb(&json, &bin));
     let (mut scene, _) = load_scene(&path).unwrap();
     scene.groups[0].material = Material::diffuse(Rgb::splat(0.5));
-    let (plain, _) = parts(&wear(&path, &scene).unwrap());
+    let (plain, _) = parts(&assign_materials(&path, &scene).unwrap());
     assert!(!plain.to_string().contains("KHR_texture_transform"), "{plain}");
 }
 
@@ -269,8 +269,9 @@ fn cameras_keep_their_names() {
     let names = |scene: &Scene| scene.cameras.iter().map(|c| c.name.clone()).collect::<Vec<_>>();
     let (scene, _) = load_scene(&path).unwrap();
     assert_eq!(names(&scene), ["Door", "window"]);
-    let (worn, _) = load_scene(&folder.file("b.glb", wear(&path, &scene).unwrap())).unwrap();
-    assert_eq!(names(&worn), ["Door", "window"]);
+    let (assigned, _) =
+        load_scene(&folder.file("b.glb", assign_materials(&path, &scene).unwrap())).unwrap();
+    assert_eq!(names(&assigned), ["Door", "window"]);
     let (own, _) = load_scene(&folder.file("c.glb", gltf::to_glb(&scene).unwrap())).unwrap();
     assert_eq!(names(&own), ["Door", "window"]);
     for name in ["Door", "window"] {

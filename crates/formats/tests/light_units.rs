@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 use support::{Folder, changed};
 use unrender_formats::export::{self, Shot, Target};
-use unrender_formats::{Input, LightUnits, Limits, gltf, load_scene, wear};
+use unrender_formats::{Input, LightUnits, Limits, assign_materials, gltf, load_scene};
 use unrender_scene::{Camera, LightKind, Rgb, Scene, Warnings};
 
 const STANDARD: &str = "Khronos glTF Blender I/O v4.5.47";
@@ -96,7 +96,7 @@ fn other_files_are_read_as_they_stand_to_the_bit() {
         let strength = |s: f64| Rgb::from_array(COLOR.map(|c| (c * s) as f32));
         assert_eq!(scene.lights[0].kind.strength(), strength(point));
         assert_eq!(scene.lights[2].kind.strength(), strength(sun));
-        let same = wear(&path, &scene).unwrap();
+        let same = assign_materials(&path, &scene).unwrap();
         assert!(!same.windows(11).any(|w| w == b"light_units"));
     }
 }
@@ -117,9 +117,9 @@ fn what_is_stated_counts_more_than_the_generator() {
             assert!(!warnings.0.iter().any(|w| w.contains("lights read as")), "{warnings:?}");
             // The file that is written back says itself what its numbers are.
             let input = Input::new(&path, Limits::default()).in_light_units(Some(units));
-            let worn = wear(input, &scene).unwrap();
-            assert_eq!(intensities(&worn), [numbers[0], numbers[0], numbers[1]]);
-            let (back, _) = load(&folder.file("b.glb", worn), None);
+            let assigned = assign_materials(input, &scene).unwrap();
+            assert_eq!(intensities(&assigned), [numbers[0], numbers[0], numbers[1]]);
+            let (back, _) = load(&folder.file("b.glb", assigned), None);
             assert_eq!(back.lights, scene.lights, "{units}");
         }
         assert_eq!(units.name().parse(), Ok(units));
@@ -134,21 +134,21 @@ fn lights_are_written_back_in_the_files_own_units() {
     let (mut scene, _) = load(&path, None);
     // Untouched lights keep their numbers to the bit.
     let [point, sun] = standard();
-    assert_eq!(intensities(&wear(&path, &scene).unwrap()), [point, point, sun]);
+    assert_eq!(intensities(&assign_materials(&path, &scene).unwrap()), [point, point, sun]);
     // Lights that are found to be twice as bright are 70 W and 6 W/m^2 in Blender.
     for light in 0..3 {
         *scene.strength_mut(scene.groups.len() + light).unwrap() *= 2.0;
     }
-    let worn = wear(&path, &scene).unwrap();
+    let assigned = assign_materials(&path, &scene).unwrap();
     let blender = |i: usize| {
-        let light = &json_of(&worn)["extensions"]["KHR_lights_punctual"]["lights"][i];
+        let light = &json_of(&assigned)["extensions"]["KHR_lights_punctual"]["lights"][i];
         assert_eq!(light["color"][0], 1.0, "its watts are those of the intensity");
         light["intensity"].as_f64().unwrap() / 683.0 * if i == 2 { 1.0 } else { 4.0 * PI }
     };
     for (light, wanted) in [(0, 70.0), (1, 70.0), (2, 6.0)] {
         assert!((blender(light) / wanted - 1.0).abs() < 1e-6, "{}", blender(light));
     }
-    let (back, _) = load(&folder.file("b.glb", worn), None);
+    let (back, _) = load(&folder.file("b.glb", assigned), None);
     for (a, b) in back.lights.iter().zip(&scene.lights) {
         let (a, b) = (a.kind.strength(), b.kind.strength());
         assert!((a - b).length() < 1e-6 * b.length(), "{a} against {b}");

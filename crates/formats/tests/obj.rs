@@ -4,7 +4,7 @@ mod support;
 
 use glam::{Vec2, Vec3};
 use support::Folder;
-use unrender_formats::{load_scene, wear};
+use unrender_formats::{assign_materials, load_scene};
 use unrender_scene::{Material, Rgb};
 
 const OBJ: &str = "mtllib room.mtl
@@ -62,8 +62,8 @@ fn obj_and_mtl_become_a_scene() {
     assert_eq!(wall.uvs[0], Vec2::new(0.0, 1.0), "v counts from the top");
     assert!(scene.cameras.is_empty());
 
-    let worn = folder.file("worn.glb", wear(&path, &scene).unwrap());
-    assert_eq!(load_scene(&worn).unwrap().0, scene);
+    let assigned = folder.file("assigned.glb", assign_materials(&path, &scene).unwrap());
+    assert_eq!(load_scene(&assigned).unwrap().0, scene);
 }
 
 #[test]

@@ -50,7 +50,7 @@ fn whole_numbers_come_back_and_the_picture_is_a_picture() {
 }
 
 #[test]
-fn files_of_another_kind_and_damaged_ones_are_told() {
+fn files_of_another_kind_and_damaged_ones_are_reported() {
     let folder = Folder::new("bad");
     let path = folder.path("a.exr");
     let problem = |path: &Path| planes::read(path).unwrap_err().to_string();
@@ -73,7 +73,7 @@ fn files_of_another_kind_and_damaged_ones_are_told() {
 }
 
 #[test]
-fn panoramas_are_linear_and_what_is_doubtful_is_told() {
+fn panoramas_are_linear_and_what_is_doubtful_is_reported() {
     let folder = Folder::new("panorama");
     let path = folder.path("sky.exr");
     let told = |path: &Path| {

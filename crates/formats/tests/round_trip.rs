@@ -1,5 +1,5 @@
 //! What is written reads back the same: numbers to the bit, geometry, textures, and, in files
-//! that are only dressed, everything else as well.
+//! that only get other materials, everything else as well.
 
 mod support;
 
@@ -7,7 +7,7 @@ use glam::{Affine3A, Quat, Vec2, Vec3};
 use serde_json::{Value, json};
 use std::sync::Arc;
 use support::{Folder, Numbers, changed, damaged, triangle_bytes, triangle_json};
-use unrender_formats::{gltf, load_scene, wear};
+use unrender_formats::{assign_materials, gltf, load_scene};
 use unrender_scene::color::linear_from_srgb;
 use unrender_scene::{
     Camera, Group, Image, Light, LightKind, Material, Mesh, Object, Rgb, Scene, Texture, WardModel,
@@ -165,8 +165,8 @@ fn a_dressed_file_keeps_the_rest() {
     scene.brdf = WardModel::Ward1992.into();
     scene.groups[0].material = materials()[3].clone();
     scene.groups[1].material = materials()[5].clone();
-    let bytes = wear(&path, &scene).unwrap();
-    let (back, _) = load_scene(&folder.file("worn.glb", &bytes)).unwrap();
+    let bytes = assign_materials(&path, &scene).unwrap();
+    let (back, _) = load_scene(&folder.file("assigned.glb", &bytes)).unwrap();
     assert_eq!(back.objects, scene.objects);
     assert_eq!(back.brdf, scene.brdf);
     assert_eq!(back.groups[0], scene.groups[0]);
@@ -181,9 +181,9 @@ fn a_dressed_file_keeps_the_rest() {
     for name in ["clearcoat", "ior", "specular", "anisotropy", "emissive_strength"] {
         assert!(used.contains(&json!(format!("KHR_materials_{name}"))), "{name} in {used:?}");
     }
-    // What is dressed again in plain clothes no longer needs the extensions.
+    // What gets diffuse materials again no longer needs the extensions.
     scene.groups.iter_mut().for_each(|g| g.material = Material::mirror(Rgb::ONE));
-    let plain = json_of(&wear(&path, &scene).unwrap());
+    let plain = json_of(&assign_materials(&path, &scene).unwrap());
     let used = ["KHR_materials_clearcoat", "KHR_materials_emissive_strength"];
     assert_eq!(plain["extensionsUsed"], json!(used));
 }
@@ -210,7 +210,7 @@ fn a_dressed_file_shines_as_the_scene_does() {
     });
     let path = folder.file("source.glb", &source);
     let (mut scene, _) = load_scene(&path).unwrap();
-    let same = json_of(&wear(&path, &scene).unwrap());
+    let same = json_of(&assign_materials(&path, &scene).unwrap());
     assert_eq!(same["extensions"], json_of(&source)["extensions"]);
     assert_eq!(same["materials"][0]["emissiveFactor"], json!([1, 0.5, 0.25]));
     assert!(same["materials"][0].get("emissiveTexture").is_some());
@@ -226,8 +226,8 @@ fn a_dressed_file_shines_as_the_scene_does() {
     for (index, strength) in strengths.into_iter().enumerate() {
         *scene.strength_mut(index).unwrap() = strength;
     }
-    let bytes = wear(&path, &scene).unwrap();
-    let (back, _) = load_scene(&folder.file("worn.glb", &bytes)).unwrap();
+    let bytes = assign_materials(&path, &scene).unwrap();
+    let (back, _) = load_scene(&folder.file("assigned.glb", &bytes)).unwrap();
     assert_eq!((&back.lights, &back.groups), (&scene.lights, &scene.groups));
     let json = json_of(&bytes);
     let lights = &json["extensions"]["KHR_lights_punctual"]["lights"];
@@ -241,8 +241,8 @@ fn a_dressed_file_shines_as_the_scene_does() {
 
     // Brighter than one: the colour stays within glTF's bounds, and the product is exact.
     scene.groups[0].emission = Rgb::new(41.3, 12.34, 0.1);
-    let bytes = wear(&path, &scene).unwrap();
-    let (back, _) = load_scene(&folder.file("worn.glb", &bytes)).unwrap();
+    let bytes = assign_materials(&path, &scene).unwrap();
+    let (back, _) = load_scene(&folder.file("assigned.glb", &bytes)).unwrap();
     assert_eq!(back.groups, scene.groups);
     let factor = &json_of(&bytes)["materials"][0]["emissiveFactor"];
     assert!(factor.as_array().unwrap().iter().all(|c| c.as_f64().unwrap() <= 1.0), "{factor}");
@@ -279,7 +279,7 @@ fn buffers_and_pictures_beside_the_file_are_embedded() {
     let elsewhere = Folder::new();
     let mut nothing = scene.clone();
     nothing.groups[0].name = "another".into();
-    let bytes = wear(&path, &nothing).unwrap();
+    let bytes = assign_materials(&path, &nothing).unwrap();
     let (back, _) = load_scene(&elsewhere.file("alone.glb", bytes)).unwrap();
     assert_eq!(back, scene);
 }
@@ -303,11 +303,11 @@ fn damaged_textures_and_lights_never_panic() {
     for _ in 0..2000 {
         let path = folder.file("a.glb", damaged(&whole, &mut numbers));
         if let Ok((mut scene, _)) = load_scene(&path) {
-            wear(&path, &scene).unwrap();
+            assign_materials(&path, &scene).unwrap();
             for index in 0..scene.groups.len() + scene.lights.len() {
                 *scene.strength_mut(index).unwrap() *= 0.3;
             }
-            wear(&path, &scene).unwrap();
+            assign_materials(&path, &scene).unwrap();
             gltf::to_glb(&scene).unwrap();
         }
     }

@@ -61,7 +61,7 @@ fn one_view_tells_the_focal_length_with_the_axis_in_the_middle() {
 }
 
 #[test]
-fn a_bending_lens_is_told() {
+fn a_bending_lens_is_reported() {
     for (view, _) in VIEWS {
         let found = calibrate(&pairs(view), SIZE, &Request::default()).unwrap();
         let told = found.warnings.0.iter().any(|w| w.contains("find the distortion"));

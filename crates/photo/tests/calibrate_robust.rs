@@ -124,7 +124,7 @@ fn fails(pairs: &[Pair], request: &Request) -> CalibrateError {
 }
 
 #[test]
-fn mirrored_measurements_are_told() {
+fn mirrored_measurements_are_reported() {
     let mut random = Random(21);
     for _ in 0..3 {
         let points = points(16, &view(), &mut random);
@@ -147,7 +147,7 @@ fn mirrored_measurements_are_told() {
 }
 
 #[test]
-fn pairs_without_sense_are_told() {
+fn pairs_without_sense_are_reported() {
     let mut random = Random(33);
     let points = points(20, &view(), &mut random);
     let mut pairs = view().pairs(&points, 0.5, &mut random);
@@ -179,7 +179,7 @@ fn too_few_pairs_are_told_with_what_they_are_for() {
 }
 
 #[test]
-fn points_on_a_line_are_told() {
+fn points_on_a_line_are_reported() {
     let mut random = Random(4);
     let on_line =
         |n: usize| DVec3::new(-1.0, 0.2, -1.0) + 0.25 * n as f64 * DVec3::new(1.0, 0.5, -0.3);
@@ -192,7 +192,7 @@ fn points_on_a_line_are_told() {
 }
 
 #[test]
-fn what_a_plane_cannot_tell_is_told() {
+fn what_a_plane_cannot_tell_is_reported() {
     let mut random = Random(6);
     let wall = |n: usize| DVec3::new(0.5 * (n % 4) as f64 - 0.9, 0.4 * (n / 4) as f64 + 0.4, -2.0);
     let points: Vec<DVec3> = (0..16).map(wall).collect();

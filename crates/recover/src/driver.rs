@@ -6,7 +6,6 @@
 //! refined together, which may not end worse than it began either, and the hypotheses are asked
 //! once more under the refined light. What is returned is the best state that was verified.
 
-use crate::effort::{FINEST, REFINED};
 use crate::hypothesis::Hypothesis;
 use crate::ladder::candidates::{Candidates, Proposal};
 use crate::ladder::settle::Settler;
@@ -15,6 +14,7 @@ use crate::plain;
 use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Termination};
 use crate::refine::{self, Depth};
+use crate::sample_budget::{FINEST, REFINED};
 use crate::state::State;
 use crate::verify::{REFINED_FLOOR, Score, Verified, Verifier};
 
@@ -38,10 +38,10 @@ pub(crate) fn drive(
         candidates: Candidates::new(state, options),
         left: options.max_iterations,
     };
-    let mut termination = driver.climb(state, observer)?;
+    let mut termination = driver.select_models(state, observer)?;
     if options.refine && !observer.is_cancelled() {
         termination = driver.refine(state, observer)?;
-        state.step("other minima", |state| refine::basins::find(state, options));
+        state.step("other minima", |state| refine::local_minima::find(state, options));
     }
     state.step("textures", |state| textures::finish(state, options));
     state.step("never worse than plain", |state| plain::replace_worse(state, options));
@@ -67,7 +67,7 @@ struct Driver<'o> {
 
 impl Driver<'_> {
     /// From level to level: settle, propose, accept or take back.
-    fn climb(
+    fn select_models(
         &mut self,
         state: &mut State<'_>,
         observer: &mut dyn Observer,

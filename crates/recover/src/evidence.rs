@@ -88,12 +88,12 @@ pub struct Stage<'a> {
 
 /// How much to gather.
 #[derive(Clone, Debug)]
-pub struct Effort {
+pub struct SampleBudget {
     /// Pixels of the group at most.
     pub pixels: usize,
     /// The seed of their choice; the same seed chooses the same pixels.
     pub pixels_seed: u64,
-    /// How well the light can be known at this effort.
+    /// How well the light can be known at this budget.
     pub allowance: Allowance,
     /// The rest.
     pub probe: ProbeSettings,
@@ -106,21 +106,21 @@ impl Evidence {
         appearance: Appearance<'_>,
         group: usize,
         pixels: &[u32],
-        effort: &Effort,
+        budget: &SampleBudget,
     ) -> Self {
         let Stage { observation, exposure, renderer, seen: known } = *stage;
-        let grid = Grid::of(observation, group, pixels, effort.pixels);
-        let wanted = grid.sample(pixels, effort.pixels, effort.pixels_seed ^ group as u64);
+        let grid = Grid::of(observation, group, pixels, budget.pixels);
+        let wanted = grid.sample(pixels, budget.pixels, budget.pixels_seed ^ group as u64);
         let sets = [0u64, 1].map(|half| {
-            let seed = mix(effort.probe.seed).wrapping_add(half);
-            let settings = ProbeSettings { seed, ..effort.probe.clone() };
+            let seed = mix(budget.probe.seed).wrapping_add(half);
+            let settings = ProbeSettings { seed, ..budget.probe.clone() };
             renderer.probe(appearance, &wanted, &settings, known)
         });
         let seen = pixels_of_both(&sets, group as u32);
         let sets = sets.map(|probes| Gathered::of(probes, &seen, group as u32));
         let blocks = Blocks::of(&seen, &grid);
         let pixels = observe(observation, exposure, group, &seen);
-        let allowance = effort.allowance;
+        let allowance = budget.allowance;
         let field = LightField::of(&blocks, &seen, renderer.geometry(), allowance.light);
         Self {
             model: renderer.model(),

@@ -15,29 +15,29 @@ mod approach;
 pub mod block_residuals;
 pub mod blocks;
 pub mod contrast;
-mod correction;
 mod driver;
-pub mod effort;
 pub mod evidence;
 pub mod expected;
 pub mod fit;
 pub mod hypothesis;
+pub mod identifiability;
 pub mod journal;
 pub mod ladder;
 pub mod likelihood;
 pub mod model_error;
 pub mod observation;
 pub mod outliers;
+mod photometric;
 mod picture;
 mod plain;
 pub mod problem;
-pub mod prospect;
 pub mod record;
 mod refine;
 pub mod register;
 pub mod remote;
 pub mod rerender;
 pub mod residual;
+pub mod sample_budget;
 pub mod selection;
 pub mod sketch;
 mod state;
@@ -45,11 +45,11 @@ mod unknown;
 mod verify;
 mod within;
 
-pub use correction::{Corrected, Correction};
 pub use expected::{Expected, Like, ParameterBounds, StartValues};
 pub use hypothesis::Hypothesis;
 pub use journal::Journal;
 pub use observation::{Observation, Picture, PixelStatus};
+pub use photometric::{PhotometricEstimate, PhotometricParameter};
 pub use problem::{
     ExposureRule, GroupSpec, LadderKind, Options, Problem, RecoverError, Role, Thresholds,
 };
@@ -78,7 +78,7 @@ pub fn refine_from(
     observer: &mut dyn Observer,
 ) -> Result<Recovery, RecoverError> {
     let mut state = State::new(problem)?;
-    state.wear(materials);
+    state.assign_materials(materials);
     refine::settle_nuisances(&mut state, options)?;
     let termination = refine::refine(&mut state, options, refine::Depth::Fine, observer);
     Ok(picture::finish(state, &last_picture(options, termination), termination, observer))
@@ -118,7 +118,7 @@ fn run(
 ) -> Result<Recovery, RecoverError> {
     let termination = match options.ladder {
         LadderKind::Default => driver::drive(&mut state, options, observer)?,
-        LadderKind::Paper => paper::climb(&mut state, options, observer)?,
+        LadderKind::Paper => paper::run(&mut state, options, observer)?,
     };
     Ok(picture::finish(state, &last_picture(options, termination), termination, observer))
 }

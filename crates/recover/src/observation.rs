@@ -7,7 +7,7 @@
 //!
 //! The noise of the photograph is estimated from itself: in the interior of a group, the difference
 //! of a pixel from the mean of its two neighbours in the row holds 3/2 of the noise's variance and
-//! little of the picture. It gives `variance = quantum^2/12 + s B`, quantisation and a shot noise. One
+//! little of the picture. It gives `variance = step^2/12 + s B`, quantisation and a shot noise. One
 //! camera took all groups: where a group's differences are far larger than those of most pixels, they
 //! are a pattern (a mirror image, a fine texture) and not noise.
 
@@ -29,7 +29,7 @@ pub struct Picture {
     /// True for pixels whose value is a lower bound: the camera or the file cut them off at the top.
     pub saturated: Image<bool>,
     /// What one step of the file's code value means at this pixel; zero for float files.
-    pub quantum: RgbImage,
+    pub quantisation_step: RgbImage,
 }
 
 /// What the value of a pixel says.
@@ -199,8 +199,8 @@ impl Observation {
     /// The noise at a pixel of `group`, in radiance, of which a unit of the photograph's values is
     /// `exposure`.
     pub fn noise(&self, group: usize, pixel: u32, exposure: Rgb) -> Noise {
-        let quantum = exposure * self.picture.quantum.pixels()[pixel as usize];
-        Noise { base: quantum * quantum / 12.0, slope: exposure * self.shot_of_group[group] }
+        let step = exposure * self.picture.quantisation_step.pixels()[pixel as usize];
+        Noise { base: step * step / 12.0, slope: exposure * self.shot_of_group[group] }
     }
 
     /// Marks `pixels` of `group` as outliers: they show something else.
@@ -342,10 +342,10 @@ fn shot_noise(picture: &Picture, pixels: &[u32]) -> Rgb {
     if count < FEW_PIXELS as f32 {
         return Rgb::ZERO;
     }
-    let quantum = |p: u32| picture.quantum.pixels()[p as usize];
+    let step = |p: u32| picture.quantisation_step.pixels()[p as usize];
     let mean =
         |f: &dyn Fn(u32) -> Rgb| pixels.iter().map(|&p| f(p)).sum::<Rgb>() / pixels.len() as f32;
-    let quantisation = mean(&|p| quantum(p) * quantum(p)) / 12.0;
+    let quantisation = mean(&|p| step(p) * step(p)) / 12.0;
     let excess = (squares / (1.5 * count) - quantisation).max(Rgb::ZERO);
     let level = mean(&value);
     Rgb::select(level.cmpgt(Rgb::ZERO), excess / level.max(Rgb::splat(1e-20)), Rgb::ZERO)
@@ -377,7 +377,7 @@ mod tests {
             values: RgbImage::from_fn(SIDE, SIDE, |x, y| Rgb::splat(value(x, y))),
             valid: Image::new(SIDE, SIDE, vec![true; SIDE * SIDE]),
             saturated: Image::new(SIDE, SIDE, vec![false; SIDE * SIDE]),
-            quantum: RgbImage::new(SIDE, SIDE, vec![Rgb::ZERO; SIDE * SIDE]),
+            quantisation_step: RgbImage::new(SIDE, SIDE, vec![Rgb::ZERO; SIDE * SIDE]),
         };
         let margins = Image::new(SIDE, SIDE, vec![margin; SIDE * SIDE]);
         Observation::with_margins(picture, &stripes(), &margins, 3)

@@ -57,13 +57,13 @@ pub fn find(
     side: usize,
 ) -> Option<Vec<bool>> {
     let cell_of = |pixel: u32| cell(pixel, geometry.width(), side);
-    let quotients = quotients(evidence, fit);
-    let dispersed = dispersed_objects(evidence, &quotients, geometry, dispersion);
+    let ratios = ratios(evidence, fit);
+    let dispersed = dispersed_objects(evidence, &ratios, geometry, dispersion);
     let object = |pixel: u32| geometry.pixels()[pixel as usize].object;
     let mut cells: BTreeMap<Cell, Vec<f32>> = BTreeMap::new();
-    for (pixel, quotient) in evidence.pixels.iter().zip(&quotients) {
+    for (pixel, ratio) in evidence.pixels.iter().zip(&ratios) {
         if !dispersed.contains(&object(pixel.pixel)) {
-            cells.entry(cell_of(pixel.pixel)).or_default().push(*quotient);
+            cells.entry(cell_of(pixel.pixel)).or_default().push(*ratio);
         }
     }
     let mut outliers = outlying_cells(&cells);
@@ -136,7 +136,7 @@ pub fn spread_out(
 }
 
 /// One plus the relative residual at each sampled pixel, in the channel where it is largest.
-fn quotients(evidence: &Evidence, fit: &Fit) -> Vec<f32> {
+fn ratios(evidence: &Evidence, fit: &Fit) -> Vec<f32> {
     let model = evidence.radiance(&fit.material);
     let one = |i: usize| {
         let pixel = &evidence.pixels[i];
@@ -148,17 +148,17 @@ fn quotients(evidence: &Evidence, fit: &Fit) -> Vec<f32> {
     (0..evidence.pixels.len()).map(one).collect()
 }
 
-/// Objects of which the median quotient is further than `dispersion` from the median of all the
+/// Objects of which the median ratio is further than `dispersion` from the median of all the
 /// group's objects, relatively; none if that would be half of the group or more.
 fn dispersed_objects(
     evidence: &Evidence,
-    quotients: &[f32],
+    ratios: &[f32],
     geometry: &GeometryBuffers,
     dispersion: f64,
 ) -> BTreeSet<u32> {
     let mut objects: BTreeMap<u32, Vec<f32>> = BTreeMap::new();
-    for (pixel, quotient) in evidence.pixels.iter().zip(quotients) {
-        objects.entry(geometry.pixels()[pixel.pixel as usize].object).or_default().push(*quotient);
+    for (pixel, ratio) in evidence.pixels.iter().zip(ratios) {
+        objects.entry(geometry.pixels()[pixel.pixel as usize].object).or_default().push(*ratio);
     }
     let medians: BTreeMap<u32, f32> =
         objects.into_iter().map(|(object, values)| (object, median(values))).collect();

@@ -34,7 +34,7 @@ pub(crate) fn finish(
         exposure_std: state.exposure_std,
         covariance: state.covariance,
         lights: state.light_results,
-        corrected: state.corrected,
+        photometric: state.photometric,
         noise,
         rerendered: RgbImage::new(geometry.width(), geometry.height(), mean),
         status: state.observation.status,
@@ -43,7 +43,7 @@ pub(crate) fn finish(
     }
 }
 
-/// Two pictures with half of the paths each, so that their noise can be told from the error.
+/// Two pictures with half of the paths each, so that their noise can be separated from the error.
 fn render_twice(
     renderer: &dyn Renderer,
     appearance: Appearance<'_>,
@@ -165,7 +165,7 @@ impl Squares {
         squares
     }
 
-    /// The relative root mean square; where it cannot be told from zero, its standard deviation.
+    /// The relative root mean square; where it is not significant, its standard deviation.
     /// None where no pixel shows the group.
     fn relative(&self) -> Option<f64> {
         let square = self.error.max(self.deviation).max(0.0);
@@ -215,7 +215,7 @@ fn noise(state: &State<'_>, halves: &[Vec<Rgb>; 2]) -> Image<f32> {
     Image::new(geometry.width(), geometry.height(), pixels)
 }
 
-/// The brushed direction at the middle one of the group's valid pixels, world space.
+/// The anisotropy direction at the middle one of the group's valid pixels, world space.
 fn direction(state: &State<'_>, group: usize) -> Option<Vec3> {
     let valid = &state.observation.pixels_of_group[group];
     let middle = *valid.get(valid.len() / 2)?;

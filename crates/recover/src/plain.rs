@@ -4,12 +4,12 @@
 //! one is delivered.
 
 use crate::blocks::{Blocks, Grid};
-use crate::effort;
 use crate::hypothesis::{self, Hypothesis, Search};
 use crate::ladder::settle::gather;
 use crate::observation::Reading;
 use crate::problem::Options;
 use crate::residual::deviation_of_sum;
+use crate::sample_budget;
 use crate::state::State;
 use unrender_render::sampler::mix;
 use unrender_render::{Appearance, Settings};
@@ -30,8 +30,8 @@ pub(crate) fn replace_worse(state: &mut State<'_>, options: &Options) {
         if hypothesis == Hypothesis::Diffuse || !may_be_plain {
             continue;
         }
-        let effort = effort::diffuse(effort::FINEST, options);
-        let evidence = gather(state, options, group, effort);
+        let budget = sample_budget::diffuse(sample_budget::FINEST, options);
+        let evidence = gather(state, options, group, budget);
         if evidence.is_empty() {
             continue;
         }

@@ -1,10 +1,10 @@
 //! What is asked: the photograph, the renderer, and what is known of each group beforehand.
 
-use crate::correction::Correction;
 use crate::expected::Expected;
 use crate::observation::Observation;
+use crate::photometric::PhotometricParameter;
 use crate::rerender::Renderer;
-use unrender_scene::{Hypothesis, Material, Rgb};
+use unrender_scene::{Group, Hypothesis, Material, Rgb};
 
 /// Everything that recovery starts from.
 #[derive(Clone)]
@@ -23,7 +23,28 @@ pub struct Problem<'a> {
     /// Those among them whose colour is known: one factor holds for all channels.
     pub coloured_lights: Vec<usize>,
     /// The numbers of the camera that are asked for too.
-    pub corrections: &'a [Correction],
+    pub photometric_parameters: &'a [PhotometricParameter],
+}
+
+impl<'a> Problem<'a> {
+    /// The problem of `groups`, the scene's in its order, at an exposure of one; all lights and the camera are
+    /// known. Fields of later versions have such values too:
+    /// `Problem { exposure, ..Problem::new(observation, renderer, groups) }`.
+    pub fn new(
+        observation: &'a Observation,
+        renderer: &'a dyn Renderer,
+        groups: Vec<GroupSpec>,
+    ) -> Self {
+        Self {
+            observation,
+            renderer,
+            groups,
+            exposure: ExposureRule::Fixed(Rgb::ONE),
+            unknown_lights: Vec::new(),
+            coloured_lights: Vec::new(),
+            photometric_parameters: &[],
+        }
+    }
 }
 
 /// What is known of a group beforehand.
@@ -42,6 +63,30 @@ pub struct GroupSpec {
 }
 
 impl GroupSpec {
+    /// Asks for the reflectance of `group`, any hypothesis allowed; if it is an area light, its material is
+    /// taken as it is.
+    ///
+    /// ```
+    /// use unrender_recover::{GroupSpec, Hypothesis, Role};
+    /// use unrender_scene::{Group, Material, Rgb};
+    ///
+    /// let material = Material::diffuse(Rgb::ZERO);
+    /// let wall = Group { name: "wall".into(), material, emission: Rgb::ZERO };
+    /// let asked = GroupSpec { rungs: vec![Hypothesis::Diffuse], ..GroupSpec::of(&wall) };
+    /// assert_eq!((asked.name.as_str(), asked.role), ("wall", Role::Unknown));
+    /// let lamp = Group { emission: Rgb::ONE, ..wall };
+    /// assert_eq!(GroupSpec::of(&lamp).role, Role::Emitter);
+    /// ```
+    pub fn of(group: &Group) -> Self {
+        Self {
+            name: group.name.clone(),
+            role: if group.is_emitter() { Role::Emitter } else { Role::Unknown },
+            material: group.material.clone(),
+            rungs: Hypothesis::ALL.to_vec(),
+            expected: Expected::default(),
+        }
+    }
+
     /// Whether the group may have `hypothesis`.
     pub(crate) fn allows(&self, hypothesis: Hypothesis) -> bool {
         self.rungs.contains(&hypothesis) && self.expected.bounds.allow(hypothesis)
@@ -180,6 +225,7 @@ impl Default for Thresholds {
 
 /// Why recovery cannot start.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RecoverError {
     /// The photograph shows none of the scene's groups.
     #[error(

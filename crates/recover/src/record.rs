@@ -1,8 +1,8 @@
 //! The records of a recovery: everything that tables, reports and files say is a field here.
 
-use crate::correction::Corrected;
 use crate::hypothesis::Hypothesis;
 use crate::observation::PixelStatus;
+use crate::photometric::PhotometricEstimate;
 use crate::residual::ResidualStats;
 use crate::unknown::Unknown;
 use glam::Vec3;
@@ -12,6 +12,7 @@ use unrender_scene::{Image, Material, Rgb, RgbImage};
 
 /// What came out.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Recovery {
     /// All groups of the scene, in its order.
     pub groups: Vec<GroupResult>,
@@ -22,7 +23,7 @@ pub struct Recovery {
     /// The sources of light whose brightness was asked for.
     pub lights: Vec<LightResult>,
     /// The numbers of the camera that were asked for.
-    pub corrected: Corrected,
+    pub photometric: PhotometricEstimate,
     /// The joint covariance of all numbers that were refined; none where nothing was.
     pub covariance: Option<Covariance>,
     /// The photograph's view rendered with the recovered materials, radiance.
@@ -53,7 +54,7 @@ pub struct GroupResult {
     pub alternatives: Vec<Alternative>,
     /// How well they are known; none where nothing was free or nothing was refined.
     pub std: Option<Deviations>,
-    /// The brushed direction in world space where the group is seen best: the tangent of its middle
+    /// The anisotropy direction in world space where the group is seen best: the tangent of its middle
     /// pixel turned by theta. None where no pixel shows the group.
     pub direction: Option<Vec3>,
     /// For textured groups: which texels the photograph shows.
@@ -67,7 +68,7 @@ pub struct GroupResult {
     pub error: Option<f64>,
     /// The group's share, 0 to 1, of the squared error of all groups' valid pixels.
     pub error_share: Option<f64>,
-    /// The rungs that were tried, in the order of trial.
+    /// The candidates, in the order in which they were tried.
     pub selection_log: Vec<CandidateRecord>,
     /// What the user should know about it.
     pub note: Option<String>,
@@ -75,6 +76,7 @@ pub struct GroupResult {
 
 /// Other parameters of a group that explain the photograph alike.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Alternative {
     /// The rung.
     pub hypothesis: Hypothesis,
@@ -91,11 +93,11 @@ pub struct Deviations {
     pub rho_d: Option<Rgb>,
     /// Of the specular reflectance.
     pub rho_s: Option<Rgb>,
-    /// Of the roughness along the brushed direction, relative to it.
+    /// Of the roughness along the anisotropy direction, relative to it.
     pub ln_alpha_x: Option<f32>,
     /// Of the roughness across it, relative to it.
     pub ln_alpha_y: Option<f32>,
-    /// Of the brushed direction, radians.
+    /// Of the anisotropy direction, radians.
     pub theta_rad: Option<f32>,
 }
 
@@ -110,6 +112,7 @@ pub struct Covariance {
 
 /// What came out for one source of light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct LightResult {
     /// Its number, as in [`unrender_render::Appearance::lights`].
     pub source: usize,
@@ -121,6 +124,7 @@ pub struct LightResult {
 
 /// One rung tried on one group.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct CandidateRecord {
     /// In which iteration.
     pub iteration: usize,
@@ -140,6 +144,7 @@ pub struct CandidateRecord {
 
 /// One global re-rendering.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct IterationRecord {
     /// Whether it was a pass of the joint refinement.
     pub refining: bool,
@@ -160,6 +165,7 @@ pub struct IterationRecord {
 
 /// Where one group stands after a global re-rendering.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct GroupIteration {
     /// Its rung.
     pub hypothesis: Hypothesis,
@@ -173,6 +179,7 @@ pub struct GroupIteration {
 
 /// Why a recovery ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Termination {
     /// No parameter changes any more.
     Settled,

@@ -26,8 +26,8 @@ pub struct ResidualStats {
 }
 
 impl ResidualStats {
-    /// The relative error that noise does not explain, 0.01 is one percent; where it cannot be told
-    /// from zero, its standard deviation.
+    /// The relative error that noise does not explain, 0.01 is one percent; where it is not
+    /// significant, its standard deviation.
     pub fn relative(&self) -> f64 {
         self.squared.max(self.deviation).max(0.0).sqrt()
     }

@@ -22,6 +22,7 @@ pub(crate) const STRONG: f64 = 6.0;
 
 /// What was decided for one group, and by which numbers.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Decision {
     /// The index of the fit to take.
     pub chosen: usize,

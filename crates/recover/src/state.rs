@@ -4,18 +4,18 @@
 mod step;
 
 use crate::approach::Way;
-use crate::correction::Corrected;
-use crate::effort;
 use crate::evidence::{Evidence, Stage};
 use crate::hypothesis::{self, Fit, Hypothesis};
 use crate::journal::Steps;
 use crate::likelihood::Likelihood;
 use crate::observation::{Observation, PixelStatus, ValidPixels};
+use crate::photometric::PhotometricEstimate;
 use crate::problem::{ExposureRule, Options, Problem, RecoverError, Role};
 use crate::record::{
     CandidateRecord, Covariance, Deviations, GroupIteration, IterationRecord, LightResult, Status,
 };
 use crate::residual::ResidualStats;
+use crate::sample_budget;
 use serde::{Deserialize, Serialize};
 use unrender_render::{Appearance, RadianceCache};
 use unrender_scene::{Image, Material, Rgb, RgbImage};
@@ -36,7 +36,7 @@ pub(crate) struct State<'a> {
     /// The joint covariance of what was refined.
     pub(crate) covariance: Option<Covariance>,
     pub(crate) light_results: Vec<LightResult>,
-    pub(crate) corrected: Corrected,
+    pub(crate) photometric: PhotometricEstimate,
     pub(crate) iterations: Vec<IterationRecord>,
     /// The photograph's radiance where it shows diffuse surfaces.
     pub(crate) seen: Option<RadianceCache>,
@@ -75,15 +75,16 @@ impl GroupState {
     /// By how much the information criterion spoke against the hypothesis `simpler` and for the present
     /// one when candidates were last compared and one was accepted; zero if none were.
     pub(crate) fn evidence_against(&self, simpler: Hypothesis) -> f64 {
-        let accepted = self.selection_log.iter().rposition(|trial| trial.accepted);
+        let accepted = self.selection_log.iter().rposition(|candidate| candidate.accepted);
         let Some(iteration) = accepted.map(|at| self.selection_log[at].iteration) else {
             return 0.0;
         };
         let criterion = |hypothesis: Hypothesis| {
             let candidates = self.selection_log.iter().rev();
-            let mut of_both = candidates
-                .filter(|trial| trial.iteration == iteration && trial.hypothesis == hypothesis);
-            of_both.next().map(|trial| trial.criterion)
+            let mut of_both = candidates.filter(|candidate| {
+                candidate.iteration == iteration && candidate.hypothesis == hypothesis
+            });
+            of_both.next().map(|candidate| candidate.criterion)
         };
         match (criterion(simpler), criterion(self.hypothesis)) {
             (Some(simpler), Some(present)) => simpler - present,
@@ -94,16 +95,18 @@ impl GroupState {
     /// Writes into the selection log, after the re-rendering was asked, whether the one that was `tried`
     /// of the candidates that were compared last was accepted; the others were not.
     pub(crate) fn set_accepted(&mut self, tried: Hypothesis, accepted: bool) {
-        let Some(last) = self.selection_log.last().map(|trial| trial.iteration) else { return };
+        let Some(last) = self.selection_log.last().map(|candidate| candidate.iteration) else {
+            return;
+        };
         let of_last = self.selection_log.iter_mut().rev().take(hypothesis::UNIFORM.len());
-        for trial in of_last.filter(|trial| trial.iteration == last) {
-            trial.accepted = accepted && trial.hypothesis == tried;
+        for candidate in of_last.filter(|candidate| candidate.iteration == last) {
+            candidate.accepted = accepted && candidate.hypothesis == tried;
         }
     }
 
     /// Whether the selection log does not hold `hypothesis` yet.
     pub(crate) fn is_new_to(&self, hypothesis: Hypothesis) -> bool {
-        self.selection_log.last().is_none_or(|trial| trial.hypothesis != hypothesis)
+        self.selection_log.last().is_none_or(|candidate| candidate.hypothesis != hypothesis)
     }
 }
 
@@ -144,8 +147,8 @@ impl<'a> State<'a> {
             ExposureRule::Anchor { .. } => Rgb::ONE,
         };
         let lights = Vec::new();
-        let steps = vec![0.0; problem.corrections.len()];
-        let corrected = Corrected { steps, covariance: Vec::new() };
+        let steps = vec![0.0; problem.photometric_parameters.len()];
+        let photometric = PhotometricEstimate { steps, covariance: Vec::new() };
         Ok(Self {
             problem,
             observation: problem.observation.clone(),
@@ -156,7 +159,7 @@ impl<'a> State<'a> {
             exposure_std: None,
             covariance: None,
             light_results: Vec::new(),
-            corrected,
+            photometric,
             iterations: Vec::new(),
             seen: None,
             steps: Steps::default(),
@@ -165,13 +168,14 @@ impl<'a> State<'a> {
 
     /// The photograph's value at a pixel with the camera's numbers as they stand, before exposure.
     pub(crate) fn value(&self, pixel: usize) -> Rgb {
-        self.observation.picture.values.pixels()[pixel] + self.correction(pixel)
+        self.observation.picture.values.pixels()[pixel] + self.photometric_change(pixel)
     }
 
     /// What the camera's numbers add to the value of a pixel.
-    pub(crate) fn correction(&self, pixel: usize) -> Rgb {
-        let corrections = self.problem.corrections.iter().zip(&self.corrected.steps);
-        corrections.map(|(c, step)| c.derivative.pixels()[pixel] * *step as f32).sum()
+    pub(crate) fn photometric_change(&self, pixel: usize) -> Rgb {
+        let photometric_parameters =
+            self.problem.photometric_parameters.iter().zip(&self.photometric.steps);
+        photometric_parameters.map(|(c, step)| c.derivative.pixels()[pixel] * *step as f32).sum()
     }
 
     /// What the scene looks like under the present hypotheses.
@@ -180,7 +184,7 @@ impl<'a> State<'a> {
     }
 
     /// Gives the groups that are asked for `materials`, one for each group.
-    pub(crate) fn wear(&mut self, materials: &[Material]) {
+    pub(crate) fn assign_materials(&mut self, materials: &[Material]) {
         for (group, material) in materials.iter().enumerate() {
             if self.problem.groups[group].role == Role::Unknown {
                 let material = self.problem.groups[group].expected.bounds.nearest(material);
@@ -249,9 +253,9 @@ impl<'a> State<'a> {
     fn exposure_by_anchor(&self, group: usize, rho_d: Rgb, options: &Options) -> Option<Rgb> {
         let stage = Stage { exposure: Rgb::ONE, ..self.stage() };
         let pixels = &self.observation.pixels_of_group[group];
-        let mut effort = effort::diffuse(effort::FINEST, options);
-        effort.probe.max_bounces = options.max_bounces;
-        let evidence = Evidence::gather(&stage, self.appearance(), group, pixels, &effort);
+        let mut budget = sample_budget::diffuse(sample_budget::FINEST, options);
+        budget.probe.max_bounces = options.max_bounces;
+        let evidence = Evidence::gather(&stage, self.appearance(), group, pixels, &budget);
         let [a, b] = evidence.diffuse();
         let light: Rgb = 0.5 * (a.iter().sum::<Rgb>() + b.iter().sum::<Rgb>());
         let values: Rgb = evidence.pixels.iter().map(|p| p.radiance).sum();
@@ -319,7 +323,7 @@ impl<'a> State<'a> {
             groups: self.groups.clone(),
             lights: self.lights.clone(),
             exposure: self.exposure,
-            corrected: self.corrected.clone(),
+            photometric: self.photometric.clone(),
             valid: self.observation.valid_pixels(),
         }
     }
@@ -333,7 +337,7 @@ impl<'a> State<'a> {
         }
         self.lights.clone_from(&snapshot.lights);
         self.exposure = snapshot.exposure;
-        self.corrected.clone_from(&snapshot.corrected);
+        self.photometric.clone_from(&snapshot.photometric);
         self.covariance = None;
         self.observation.restore_valid_pixels(&snapshot.valid);
     }
@@ -346,7 +350,7 @@ pub(crate) struct Snapshot {
     groups: Vec<GroupState>,
     lights: Vec<Rgb>,
     exposure: Rgb,
-    corrected: Corrected,
+    photometric: PhotometricEstimate,
     valid: ValidPixels,
 }
 

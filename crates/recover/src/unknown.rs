@@ -10,11 +10,11 @@ pub enum Quantity {
     RhoS,
     /// Logarithm of a roughness that is the same in all directions.
     Alpha,
-    /// Logarithm of the roughness along the brushed direction.
+    /// Logarithm of the roughness along the anisotropy direction.
     AlphaX,
     /// Logarithm of the roughness across it.
     AlphaY,
-    /// The brushed direction, radians.
+    /// The anisotropy direction, radians.
     Theta,
     /// How many times as bright as in the scene a light is.
     Light,

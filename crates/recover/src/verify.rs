@@ -28,12 +28,12 @@ use unrender_scene::{Image, Rgb};
 /// iteration.
 const PIXELS: usize = 1200;
 const SPP: u32 = 12;
-/// The same where a group is asked by itself. At half of it faint lobes are told from nothing only in
+/// The same where a group is asked by itself. At half of it faint lobes are significant only in
 /// scenes of large lamps, double costs as much as finding the candidate.
 const OWN_SPP: u32 = 48;
 /// A state is worse if its deviance is higher by this many standard deviations of the difference.
 const WORSE: f64 = 3.0;
-/// The share of model error below which nothing is told from anything: while hypotheses change, the
+/// The share of model error below which no difference is significant: while hypotheses change, the
 /// other groups follow on few light samples, and their errors of this size say nothing of the change.
 /// After the refinement the light is better known. At half of it right changes are taken back because
 /// of noise in other groups; at double wrong ones of faint lobes pass.

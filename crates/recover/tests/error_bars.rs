@@ -43,7 +43,7 @@ fn noisy(clean: &RgbImage, realisation: u64) -> Picture {
         values: RgbImage::new(SIDE, SIDE, (0..count).map(value).collect()),
         valid: Image::new(SIDE, SIDE, vec![true; count]),
         saturated: Image::new(SIDE, SIDE, vec![false; count]),
-        quantum: RgbImage::new(SIDE, SIDE, vec![Rgb::ZERO; count]),
+        quantisation_step: RgbImage::new(SIDE, SIDE, vec![Rgb::ZERO; count]),
     }
 }
 
@@ -79,7 +79,7 @@ fn refined(scene: &Scene, tracer: &Tracer, clean: &RgbImage, realisation: u64) -
         expected: Expected::default(),
     };
     let problem = Problem {
-        corrections: &[],
+        photometric_parameters: &[],
         observation: &observation,
         renderer: &view,
         groups: scene.groups.iter().enumerate().map(spec).collect(),

@@ -27,7 +27,7 @@ fn recovered(scene: &Scene) -> Recovery {
         values: picture(scene),
         valid: Image::new(SIDE, SIDE, vec![true; SIDE * SIDE]),
         saturated: Image::new(SIDE, SIDE, vec![false; SIDE * SIDE]),
-        quantum: RgbImage::new(SIDE, SIDE, vec![Rgb::ZERO; SIDE * SIDE]),
+        quantisation_step: RgbImage::new(SIDE, SIDE, vec![Rgb::ZERO; SIDE * SIDE]),
     };
     let observation = Observation::new(picture, view.geometry(), scene.groups.len());
     let spec = |(i, group): (usize, &Group)| GroupSpec {
@@ -38,7 +38,7 @@ fn recovered(scene: &Scene) -> Recovery {
         expected: Expected::default(),
     };
     let problem = Problem {
-        corrections: &[],
+        photometric_parameters: &[],
         observation: &observation,
         renderer: &view,
         groups: scene.groups.iter().enumerate().map(spec).collect(),

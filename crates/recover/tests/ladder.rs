@@ -110,7 +110,7 @@ impl Stripes {
             values: RgbImage::new(width, height, (0..width * height).map(radiance).collect()),
             valid: Image::new(width, height, vec![true; width * height]),
             saturated: Image::new(width, height, vec![false; width * height]),
-            quantum: RgbImage::new(width, height, vec![Rgb::ZERO; width * height]),
+            quantisation_step: RgbImage::new(width, height, vec![Rgb::ZERO; width * height]),
         }
     }
 }
@@ -256,7 +256,7 @@ fn with_problem(
         expected: renderer.expected.get(group).copied().unwrap_or_default(),
     };
     let problem = Problem {
-        corrections: &[],
+        photometric_parameters: &[],
         observation: &observation,
         renderer,
         groups: (0..groups).map(spec).collect(),

@@ -193,7 +193,7 @@ fn recovered_as(
     let picture = Picture {
         valid: photograph.map(|v| v.max_element() < 7.0),
         saturated: photograph.map(|v| v.max_element() >= 7.0),
-        quantum: photograph.map(|_| Rgb::ZERO),
+        quantisation_step: photograph.map(|_| Rgb::ZERO),
         values: photograph.clone(),
     };
     let margins = margin::margins(geometry, found.clone().map(Registration::taken).as_ref());
@@ -206,7 +206,7 @@ fn recovered_as(
         expected: Expected::default(),
     };
     let problem = Problem {
-        corrections: &[],
+        photometric_parameters: &[],
         observation: &observation,
         renderer: &view,
         groups: scene.groups.iter().map(spec).collect(),

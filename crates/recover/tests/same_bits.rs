@@ -95,7 +95,7 @@ fn solved<T>(role_of_floor: Role, solve: impl Fn(&Problem<'_>) -> T) -> T {
         values,
         valid: Image::new(SIDE, SIDE, vec![true; SIDE * SIDE]),
         saturated: Image::new(SIDE, SIDE, vec![false; SIDE * SIDE]),
-        quantum: RgbImage::new(SIDE, SIDE, vec![Rgb::splat(1e-3); SIDE * SIDE]),
+        quantisation_step: RgbImage::new(SIDE, SIDE, vec![Rgb::splat(1e-3); SIDE * SIDE]),
     };
     let observation = Observation::new(picture, view.geometry(), scene.groups.len());
     let spec = |(group, of_scene): (usize, &Group)| GroupSpec {
@@ -120,7 +120,7 @@ fn solved<T>(role_of_floor: Role, solve: impl Fn(&Problem<'_>) -> T) -> T {
         },
         unknown_lights: Vec::new(),
         coloured_lights: Vec::new(),
-        corrections: &[],
+        photometric_parameters: &[],
     })
 }
 

@@ -8,11 +8,11 @@
 //!
 //! Floating-point sums depend on the order of addition. A picture that is rendered in shards, on
 //! several machines or with an interruption, would then differ from the whole one in its last bits.
-//! The sums here are integers, multiples of [`QUANTUM`]: integer addition is associative, so the
+//! The sums here are integers, multiples of [`QUANTISATION_STEP`]: integer addition is associative, so the
 //! accumulator of the samples A..B plus that of B..C equals that of A..C to the bit.
 //!
-//! Each sample is truncated to a multiple of the quantum: 1e-10 keeps all digits of single
-//! precision, smaller values lose digits, and the error of a sum is at most one quantum per sample.
+//! Each sample is truncated to a multiple of the step: 1e-10 keeps all digits of single
+//! precision, smaller values lose digits, and the error of a sum is at most one step per sample.
 //! Sums saturate at [`PixelAccumulator::MAX`].
 
 use glam::{DVec3, Vec3};
@@ -21,7 +21,7 @@ use unrender_scene::{Image, Rgb, RgbImage};
 /// The unit of all sums: 2^-64, in W sr^-1 m^-2 for radiances and in its square for squares. It
 /// divides the 128 bits of a sum evenly: the largest sum is 2^64. With 2^-32 dark pixels would lose
 /// digits, with 2^-96 sums would saturate at 2^32.
-pub const QUANTUM: f64 = 1.0 / (1u128 << 64) as f64;
+pub const QUANTISATION_STEP: f64 = 1.0 / (1u128 << 64) as f64;
 
 /// A picture with the variance of its noise.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +36,7 @@ pub struct Film {
 /// The accumulated samples of one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PixelAccumulator {
-    /// The sum of the radiances, by channel, in units of [`QUANTUM`].
+    /// The sum of the radiances, by channel, in units of [`QUANTISATION_STEP`].
     pub sum: [u128; 3],
     /// The sum of their squares, likewise.
     pub squares: [u128; 3],
@@ -47,7 +47,7 @@ pub struct PixelAccumulator {
 }
 
 impl PixelAccumulator {
-    /// The greatest sum, in units of [`QUANTUM`]; as a number 2^64 = 1.8e19.
+    /// The greatest sum, in units of [`QUANTISATION_STEP`]; as a number 2^64 = 1.8e19.
     pub const MAX: u128 = u128::MAX;
 
     /// Adds one sample.
@@ -60,8 +60,8 @@ impl PixelAccumulator {
         }
         for (channel, value) in radiance.to_array().into_iter().enumerate() {
             let value = f64::from(value);
-            self.sum[channel] = self.sum[channel].saturating_add(quanta(value));
-            self.squares[channel] = self.squares[channel].saturating_add(quanta(value * value));
+            self.sum[channel] = self.sum[channel].saturating_add(steps(value));
+            self.squares[channel] = self.squares[channel].saturating_add(steps(value * value));
         }
     }
 
@@ -98,17 +98,34 @@ impl PixelAccumulator {
     }
 }
 
-/// A number of at least zero in units of [`QUANTUM`], truncated, saturating.
+/// A number of at least zero in units of [`QUANTISATION_STEP`], truncated, saturating.
 #[inline]
-fn quanta(value: f64) -> u128 {
-    (value * (1.0 / QUANTUM)) as u128
+fn steps(value: f64) -> u128 {
+    (value * (1.0 / QUANTISATION_STEP)) as u128
 }
 
-fn value(quanta: u128) -> f64 {
-    quanta as f64 * QUANTUM
+fn value(steps: u128) -> f64 {
+    steps as f64 * QUANTISATION_STEP
 }
 
 /// The [`PixelAccumulator`]s of a picture, 112 bytes per pixel.
+///
+/// Sums are of integers, so shards add up to the same bits in any order:
+///
+/// ```
+/// use unrender_render::{Accumulator, PixelAccumulator};
+/// use unrender_scene::{Image, Rgb};
+///
+/// let shard = |samples: &[f32]| {
+///     let mut pixel = PixelAccumulator::default();
+///     samples.iter().for_each(|&sample| pixel.push(Rgb::splat(sample)));
+///     Accumulator::from_image(Image::new(1, 1, vec![pixel]))
+/// };
+/// let mut sum = shard(&[0.3]);
+/// sum.add(&shard(&[0.1, 0.2]));
+/// assert_eq!(sum, shard(&[0.1, 0.2, 0.3]));
+/// assert!((sum.mean().at(0, 0).x - 0.2).abs() < 1e-6);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accumulator {
     pub(crate) pixels: Image<PixelAccumulator>,
@@ -249,7 +266,7 @@ mod tests {
         let mut twice = found;
         twice.add(&found);
         assert_eq!((twice.sum, twice.count), ([PixelAccumulator::MAX; 3], 6));
-        // Values near the quantum lose digits, values below it vanish.
+        // Values near the step lose digits, values below it vanish.
         assert_eq!(accumulated(&[Rgb::splat(1e-10)]).mean(), Rgb::splat(1e-10));
         assert_eq!(accumulated(&[Rgb::splat(1e-20)]).mean(), Rgb::ZERO);
     }

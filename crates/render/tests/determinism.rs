@@ -99,13 +99,13 @@ fn parts_of_the_samples_add_up_to_the_whole_picture() {
     let whole = stage.render(&view(), SIDE, Settings { seed: 4, ..settings(13) });
     let settings = Settings { seed: 4, ..settings(1) };
     let part = |samples: std::ops::Range<u32>, threads: usize| {
-        let mut tally = Accumulator::new(SIDE, SIDE);
+        let mut accumulator = Accumulator::new(SIDE, SIDE);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let all = SampleAllocation::Uniform(samples);
         pool.install(|| {
-            tracer.accumulate(&materials, &view(), &settings, &all, &mut tally, &|_| ());
+            tracer.accumulate(&materials, &view(), &settings, &all, &mut accumulator, &|_| ());
         });
-        tally
+        accumulator
     };
     let mut sum = part(9..13, 3);
     sum.add(&part(0..5, 1));

@@ -17,13 +17,13 @@ const SIZE: (usize, usize) = (SIDE, SIDE);
 const SEEDS: u64 = 8;
 
 /// A scene with materials and a camera.
-struct View {
+struct TestView {
     tracer: Tracer,
     materials: Vec<Material>,
     camera: Camera,
 }
 
-impl View {
+impl TestView {
     fn new(stage: &Stage, camera: Camera) -> Self {
         Self { tracer: stage.tracer(), materials: stage.scene.materials(), camera }
     }
@@ -80,7 +80,7 @@ impl View {
 }
 
 /// A bright room without caustics: the camera sees the lamp in the brushed floor and in a mirror.
-fn calm_room(model: impl Into<BrdfModel>) -> View {
+fn calm_room(model: impl Into<BrdfModel>) -> TestView {
     let mut stage = Stage::default();
     stage.scene.brdf = model.into();
     let brushed = Material {
@@ -98,7 +98,7 @@ fn calm_room(model: impl Into<BrdfModel>) -> View {
     stage.plate(mirror, Vec3::new(0.0, 0.0, -0.95), 0.9 * Vec3::X, 0.9 * Vec3::Y);
     let lamp = stage.group(Material::diffuse(Rgb::splat(0.3)), Rgb::splat(2.0));
     stage.plate(lamp, Vec3::new(0.3, 1.05, -0.3), 0.4 * Vec3::X, 0.6 * Vec3::Z);
-    View::new(&stage, camera(Vec3::new(0.0, 0.3, 0.9), Vec3::new(0.1, -0.7, -0.4), 0.9))
+    TestView::new(&stage, camera(Vec3::new(0.0, 0.3, 0.9), Vec3::new(0.1, -0.7, -0.4), 0.9))
 }
 
 #[test]
@@ -145,7 +145,7 @@ fn a_highlight_changes_as_its_differences_say() {
         let floor = stage.group(brushed, Rgb::ZERO);
         stage.plate(floor, Vec3::ZERO, Vec3::Z, Vec3::X);
         stage.light(LightKind::Point { position: Vec3::new(0.5, 1.0, -0.3), intensity: Rgb::ONE });
-        let view = View::new(&stage, camera(Vec3::new(0.1, 0.8, 1.0), Vec3::ZERO, 0.3));
+        let view = TestView::new(&stage, camera(Vec3::new(0.1, 0.8, 1.0), Vec3::ZERO, 0.3));
         for parameter in [Parameter::AlphaX(0), Parameter::AlphaY(0), Parameter::Theta(0)] {
             let seeds = 100..100 + SEEDS;
             let found = view.derivatives(&[parameter], settings(16))[0].mean;
@@ -170,8 +170,8 @@ fn enclosure(emission: Rgb, rho: Rgb) -> Stage {
     stage
 }
 
-fn in_the_enclosure(stage: &Stage) -> View {
-    View::new(stage, camera(Vec3::new(0.3, 0.1, 1.2), Vec3::new(0.0, -0.3, 0.0), 1.0))
+fn in_the_enclosure(stage: &Stage) -> TestView {
+    TestView::new(stage, camera(Vec3::new(0.3, 0.1, 1.2), Vec3::new(0.0, -0.3, 0.0), 1.0))
 }
 
 #[test]
@@ -217,7 +217,7 @@ fn a_furnace_does_not_care_how_its_floor_reflects() {
 }
 
 /// A ball of `material` in a black room with a lamp: light is linear in its reflectances.
-fn lonely_ball(material: Material) -> View {
+fn lonely_ball(material: Material) -> TestView {
     let mut stage = Stage::default();
     let ball = stage.group(material, Rgb::ZERO);
     stage.sphere(ball, Vec3::ZERO, 0.5, 24);
@@ -225,7 +225,7 @@ fn lonely_ball(material: Material) -> View {
     stage.room(walls, Vec3::splat(2.0));
     let lamp = stage.group(Material::diffuse(Rgb::ZERO), Rgb::new(3.0, 4.0, 5.0));
     stage.plate(lamp, Vec3::new(-0.5, 1.5, 1.0), 0.4 * Vec3::X, 0.4 * Vec3::Z);
-    View::new(&stage, camera(Vec3::new(0.3, 0.4, 1.8), Vec3::new(0.03, 0.02, 0.0), 0.3))
+    TestView::new(&stage, camera(Vec3::new(0.3, 0.4, 1.8), Vec3::new(0.03, 0.02, 0.0), 0.3))
 }
 
 #[test]

@@ -112,7 +112,7 @@ fn paint(insert: &Insert, model: &mut Scene) -> Result<(), String> {
             ));
         }
         for of_model in model.groups.iter_mut().filter(|g| wanted(&g.name)) {
-            paint.onto(&mut of_model.material)?;
+            paint.onto(&mut of_model.material).map_err(|error| error.to_string())?;
         }
     }
     Ok(())

@@ -24,6 +24,7 @@ use unrender_scene::{Camera, Image, Material, Rgb, RgbImage, Scene};
 
 /// One pixel before and after the edits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Paired {
     /// Radiance before the edits, W sr^-1 m^-2 per channel.
     pub before: Rgb,
@@ -106,7 +107,7 @@ impl<'a> Pairing<'a> {
             .for_each(|(chunk, (after, before, lighter, darker, shown))| {
                 for offset in 0..after.len() {
                     let pixel = chunk * CHUNK + offset;
-                    let mut sums = Sums {
+                    let mut sums = PairSums {
                         after: &mut after[offset],
                         before: &mut before[offset],
                         lighter: &mut lighter[offset],
@@ -281,7 +282,7 @@ impl<'a> Side<'a> {
 
 impl Pair<'_> {
     /// Adds the samples of the numbers `samples` to a pixel.
-    fn add(&self, pixel: u32, samples: Range<u32>, sums: &mut Sums<'_>) {
+    fn add(&self, pixel: u32, samples: Range<u32>, sums: &mut PairSums<'_>) {
         for index in samples {
             let mut sampler = pixel_sampler(self.settings.seed, pixel, index);
             let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
@@ -310,7 +311,7 @@ impl Pair<'_> {
 }
 
 /// The accumulators of one pixel.
-struct Sums<'a> {
+struct PairSums<'a> {
     after: &'a mut PixelAccumulator,
     before: &'a mut PixelAccumulator,
     lighter: &'a mut PixelAccumulator,
@@ -318,7 +319,7 @@ struct Sums<'a> {
     shown: &'a mut PixelAccumulator,
 }
 
-impl Sums<'_> {
+impl PairSums<'_> {
     fn push(&mut self, before: Rgb, after: Rgb, replacement: Replacement) {
         let Replacement { replaced, uncovered } = replacement;
         self.before.push(before);

@@ -30,6 +30,19 @@ pub struct Paint {
     pub texture: Option<Arc<Texture>>,
 }
 
+/// Of the two roughnesses of a material one is zero and the other is not.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "alpha_x is {alpha_x} and alpha_y is {alpha_y}; both are positive or, for a mirror, both zero"
+)]
+#[non_exhaustive]
+pub struct RoughnessError {
+    /// The roughness along the anisotropy direction.
+    pub alpha_x: f32,
+    /// The one across it.
+    pub alpha_y: f32,
+}
+
 impl Paint {
     /// Applies the parameters to `material`.
     ///
@@ -41,12 +54,12 @@ impl Paint {
     /// let paint = Paint { alpha_x: Some(0.3), alpha_y: Some(0.3), ..Paint::default() };
     /// paint.onto(&mut material)?;
     /// assert_eq!((material.rho_d, material.alpha_x), (Rgb::splat(0.2), 0.3));
-    /// # Ok::<(), String>(())
+    /// # Ok::<(), unrender_restage::repaint::RoughnessError>(())
     /// ```
     ///
     /// # Errors
     /// If only one of the two roughnesses is zero.
-    pub fn onto(&self, material: &mut Material) -> Result<(), String> {
+    pub fn onto(&self, material: &mut Material) -> Result<(), RoughnessError> {
         if let Some(rho_d) = self.rho_d {
             material.rho_d = rho_d;
             material.texture = None;
@@ -62,10 +75,8 @@ impl Paint {
         material.alpha_y = self.alpha_y.unwrap_or(material.alpha_y);
         material.theta_rad = self.theta_rad.unwrap_or(material.theta_rad);
         if material.is_glossy() && (material.alpha_x > 0.0) != (material.alpha_y > 0.0) {
-            return Err(format!(
-                "alpha_x is {} and alpha_y is {}; both are positive or, for a mirror, both zero",
-                material.alpha_x, material.alpha_y
-            ));
+            let Material { alpha_x, alpha_y, .. } = *material;
+            return Err(RoughnessError { alpha_x, alpha_y });
         }
         Ok(())
     }
@@ -91,5 +102,6 @@ pub(crate) fn apply(repaint: &Repaint, stage: &mut Stage<'_>) -> Result<(), Stri
             object.name
         ));
     }
-    repaint.paint.onto(&mut stage.scene.groups[group].material)
+    let painted = repaint.paint.onto(&mut stage.scene.groups[group].material);
+    painted.map_err(|error| error.to_string())
 }

@@ -5,6 +5,7 @@ use unrender_scene::{Scene, Warnings};
 
 /// The relation of an edited scene to the original one.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Change {
     /// For each object of the edited scene the index of the same object, at the same place, in the
     /// original one; none for new and for moved objects. Groups keep their index; new ones are

@@ -132,7 +132,7 @@ fn paint_takes_the_place_of_a_texture_and_leaves_the_rest() {
 }
 
 #[test]
-fn what_cannot_be_is_told() {
+fn what_cannot_be_is_reported() {
     fails(&[remove("sofa")], "no \"sofa\" to remove; its groups: back, floor");
     fails(&[repaint("sofa", Paint::default())], "no group \"sofa\"");
     fails(&[remove("back"), repaint("back", Paint::default())], "no surface left");

@@ -158,8 +158,8 @@ mod tests {
             *scene.strength_mut(index).unwrap() *= 3.0;
         }
         assert_eq!(scene.strength_mut(3), None);
-        let told: Vec<_> = scene.sources().map(|s| (s.index, s.name, s.strength.x)).collect();
-        assert_eq!(told, [(1, "lamp", 6.0), (2, "sun", 3.0)]);
+        let listed: Vec<_> = scene.sources().map(|s| (s.index, s.name, s.strength.x)).collect();
+        assert_eq!(listed, [(1, "lamp", 6.0), (2, "sun", 3.0)]);
     }
 
     #[test]

@@ -413,11 +413,11 @@ mod tests {
         good.lights.push(Light { name: "sun".into(), kind: sun(Vec3::NEG_Z) });
         good.cameras.push(Camera::look_at("c", Vec3::Z, Vec3::ZERO, Vec3::Y, 0.5));
         assert_eq!(good.check(), Ok(()));
-        for (spoil, told) in FAULTS {
+        for (spoil, expected) in FAULTS {
             let mut scene = good.clone();
             spoil(&mut scene);
-            let error = scene.check().expect_err(told);
-            assert!(error.to_string().contains(told), "{error}");
+            let error = scene.check().expect_err(expected);
+            assert!(error.to_string().contains(expected), "{error}");
             assert_eq!(scene.validate(), Err(error.clone()));
             assert_eq!(scene.validate_meshes(), Err(error));
         }

@@ -1,11 +1,11 @@
 //! The seam to the recovery.
 
-use crate::camera_numbers::{self, Number};
 use crate::interrupt::Pausable;
-use crate::laid::Laid;
+use crate::photometric::{self, Number};
 use crate::problem::with_problem;
 use crate::progress::Progress;
 use crate::recovery_journal::RecoveryJournal;
+use crate::registered::RegisteredModel;
 use crate::registration::{self, Alignment};
 use crate::{Error, Job, same_as};
 use std::time::Instant;
@@ -27,7 +27,7 @@ pub struct Recovered {
     /// The numbers of the camera, where they were asked for.
     pub photograph: Option<PhotographEntry>,
     /// How the model was found to lie on the photograph.
-    pub(crate) laid: Laid,
+    pub(crate) registered: RegisteredModel,
     /// The group of every pixel, or [`unrender_render::NOTHING`].
     pub group_map: Image<u32>,
     /// The object of every pixel, likewise.
@@ -39,14 +39,14 @@ pub struct Recovered {
 impl Recovered {
     /// The camera that the recovery went on with.
     pub fn camera(&self) -> &Camera {
-        &self.laid.camera
+        &self.registered.camera
     }
 }
 
 /// Seconds since the beginning.
 pub struct Times {
     /// Until the model lay on the photograph.
-    pub laid: f64,
+    pub registered: f64,
     /// Until the camera's numbers were near enough.
     pub developed: f64,
     /// Until the end of each iteration.
@@ -72,10 +72,10 @@ pub(crate) fn recover(
 ) -> Result<Recovered, Error> {
     let started = Instant::now();
     let pausable = Pausable::new();
-    let laid = registration::lay(job, &Tracer::new(&job.scene), alignment);
-    progress.warn(&laid.warnings);
-    let until_laid = started.elapsed().as_secs_f64();
-    let numbers = camera_numbers::asked(&job.project);
+    let registered = registration::register(job, &Tracer::new(&job.scene), alignment);
+    progress.warn(&registered.warnings);
+    let until_registered = started.elapsed().as_secs_f64();
+    let numbers = photometric::asked(&job.project);
     if !numbers.is_empty() && options.refine && options.ladder == LadderKind::Default {
         // A texture explains whatever a wrong gamma does to a group.
         let thresholds = Thresholds { textured: Some(f64::INFINITY), ..options.thresholds };
@@ -83,7 +83,7 @@ pub(crate) fn recover(
         for _ in 0..ROUNDS_MAX {
             let mut teller = Teller::new(progress, options, started, (&pausable, journal));
             let asked = (&rough, workers);
-            let change = recover_once(job, &laid, &numbers, asked, &mut teller)?.change;
+            let change = recover_once(job, &registered, &numbers, asked, &mut teller)?.change;
             if change < NEAR || teller.is_cancelled() {
                 break;
             }
@@ -92,21 +92,22 @@ pub(crate) fn recover(
     let developed = started.elapsed().as_secs_f64();
     let mut teller = Teller::new(progress, options, started, (&pausable, journal));
     let Once { mut recovery, group_map, object_map, .. } =
-        recover_once(job, &laid, &numbers, (options, workers), &mut teller)?;
+        recover_once(job, &registered, &numbers, (options, workers), &mut teller)?;
     if let Exposure::Fixed(exposure) = job.project.exposure {
         // The photograph was developed with it.
         recovery.exposure = exposure;
     }
     same_as::share(&job.project, &mut recovery.groups);
     let photograph =
-        (!numbers.is_empty()).then(|| camera_numbers::found(job, &numbers, &recovery.corrected));
+        (!numbers.is_empty()).then(|| photometric::found(job, &numbers, &recovery.photometric));
     let all = started.elapsed().as_secs_f64();
-    let times = Times { laid: until_laid, developed, iterations: teller.iterations, all };
+    let times =
+        Times { registered: until_registered, developed, iterations: teller.iterations, all };
     Ok(Recovered {
         recovery,
         options: options.clone(),
         photograph,
-        laid,
+        registered,
         group_map,
         object_map,
         times,
@@ -125,24 +126,29 @@ struct Once {
 /// A recovery, after which the photograph is developed anew with `numbers` as they came out.
 fn recover_once(
     job: &mut Job,
-    laid: &Laid,
+    registered: &RegisteredModel,
     numbers: &[Number],
     (options, workers): (&Options, Option<&dyn Workers>),
     teller: &mut Teller<'_>,
 ) -> Result<Once, Error> {
-    let corrections = camera_numbers::corrections(job, numbers);
+    let photometric_parameters = photometric::photometric_parameters(job, numbers);
     let recover = |problem: &Problem<'_>| {
         let geometry = problem.renderer.geometry();
         let maps = (geometry.map(|pixel| pixel.group), geometry.map(|pixel| pixel.object));
         let journal = teller.journal;
         Ok((unrender_recover::recover_with(problem, options, teller, journal)?, maps))
     };
-    let (recovery, (group_map, object_map)) =
-        with_problem(job, &Tracer::new(&job.scene), laid, (&corrections, workers), recover)?;
+    let (recovery, (group_map, object_map)) = with_problem(
+        job,
+        &Tracer::new(&job.scene),
+        registered,
+        (&photometric_parameters, workers),
+        recover,
+    )?;
     let change = if numbers.is_empty() {
         0.0
     } else {
-        camera_numbers::apply(job, numbers, &recovery.corrected.steps)
+        photometric::apply(job, numbers, &recovery.photometric.steps)
     };
     Ok(Once { recovery, group_map, object_map, change })
 }

@@ -3,7 +3,7 @@
 //!
 //! A signal is handled on a thread of its own. It waits for results that are just being written,
 //! so that a folder of results is complete or was not begun, and then ends the process. Work that
-//! holds a [`Pausable`] is only told the first time: it stops by itself at the next good place,
+//! holds a [`Pausable`] is only asked the first time: it stops by itself at the next good place,
 //! saves what there is and returns [`code`].
 
 use crate::{Error, output};

@@ -15,7 +15,7 @@ const ASPECT_TOLERANCE: f32 = 0.01;
 /// A recovery, ready to begin.
 #[derive(Clone, Debug)]
 pub struct Job {
-    /// The scene in the project's light; known groups wear their known materials, `brdf` is the
+    /// The scene in the project's light; known groups have their known materials, `brdf` is the
     /// project's.
     pub scene: Scene,
     /// The camera of the photograph.
@@ -70,35 +70,8 @@ impl Job {
         mut warnings: Warnings,
         given: InMemory,
     ) -> Result<Self, Error> {
-        let limits = project.limits;
-        let picture = match given.photo {
-            Some(picture) => picture,
-            None => {
-                let (picture, told) = picture::read(Input::new(&project.photo, limits))?;
-                warnings.extend(told);
-                picture
-            }
-        };
-        if let (Some(max), [r, g, b]) = (picture.depth.max_code(), clipping::full_codes(&picture)) {
-            let codes = [("red", r), ("green", g), ("blue", b)];
-            for (channel, code) in codes.iter().filter_map(|(c, code)| code.map(|code| (c, code))) {
-                warnings.push(format!(
-                    "the {channel} of the photo is full at the code {code} of {max}: pixels of that \
-                     code are taken for clipped"
-                ));
-            }
-        }
-        // Its light may be in the project alone.
-        let (mut scene, told) = match given.scene {
-            Some(mut scene) => {
-                let told = scene
-                    .validate_meshes()
-                    .map_err(|source| Error::Scene { path: project.scene.clone(), source })?;
-                (scene, told)
-            }
-            None => unrender_formats::load_model(project.scene_input())?,
-        };
-        warnings.extend(told);
+        let picture = photo(&project, given.photo, &mut warnings)?;
+        let mut scene = model(&project, given.scene, &mut warnings)?;
         warnings.extend(project.light(&mut scene)?);
         project.check_against(&scene)?;
         warnings.extend(project.settle_scale(&scene)?);
@@ -110,10 +83,10 @@ impl Job {
         }
         warnings.extend(validate(&mut scene, &project.scene)?);
         let own_groups = same_as::merge(&project, &mut scene);
-        let (camera, told) = choose_camera(&project, &scene, &picture)?;
-        warnings.extend(told);
-        let (transfer, told) = photograph::transfer(&project, &picture, &camera)?;
-        warnings.extend(told);
+        let (camera, noted) = choose_camera(&project, &scene, &picture)?;
+        warnings.extend(noted);
+        let (transfer, noted) = photograph::transfer(&project, &picture, &camera)?;
+        warnings.extend(noted);
         let photo = develop(&picture, &transfer);
         if photo.dark > 0 {
             warnings.push(format!(
@@ -130,13 +103,7 @@ impl Job {
         };
         let (width, height) = (photo.radiance.width(), photo.radiance.height());
         warnings.extend(doubtful_aspect(&camera, width, height));
-        if !camera.covers(width, height) {
-            warnings.push(format!(
-                "the distortion of camera \"{}\" (k1 = {}, k2 = {}, k3 = {}) folds over before the \
-                 corners of the photo; what lies beyond is not shown right",
-                camera.name, camera.lens.k1, camera.lens.k2, camera.lens.k3
-            ));
-        }
+        warnings.extend(folded_lens(&camera, width, height));
         let unknown_lights = project.unknown_sources(&scene);
         Ok(Self {
             scene,
@@ -163,6 +130,60 @@ impl Job {
         let pixels = geometry.pixels().iter().enumerate();
         pixels.map(|(index, pixel)| !masked(index) && !is_ignored(pixel.group)).collect()
     }
+}
+
+/// The photograph of `project`, as given or from its file, with warnings of clipped codes.
+fn photo(
+    project: &Project,
+    given: Option<Picture>,
+    warnings: &mut Warnings,
+) -> Result<Picture, Error> {
+    let picture = match given {
+        Some(picture) => picture,
+        None => {
+            let (picture, noted) = picture::read(Input::new(&project.photo, project.limits))?;
+            warnings.extend(noted);
+            picture
+        }
+    };
+    if let (Some(max), [r, g, b]) = (picture.depth.max_code(), clipping::full_codes(&picture)) {
+        let codes = [("red", r), ("green", g), ("blue", b)];
+        for (channel, code) in codes.iter().filter_map(|(c, code)| code.map(|code| (c, code))) {
+            warnings.push(format!(
+                "the {channel} of the photo is full at the code {code} of {max}: pixels of that \
+                 code are taken for clipped"
+            ));
+        }
+    }
+    Ok(picture)
+}
+
+/// The meshes and materials of `project`, as given or from its file; its light may be in the project alone.
+fn model(project: &Project, given: Option<Scene>, warnings: &mut Warnings) -> Result<Scene, Error> {
+    let (scene, noted) = match given {
+        Some(mut scene) => {
+            let noted = scene
+                .validate_meshes()
+                .map_err(|source| Error::Scene { path: project.scene.clone(), source })?;
+            (scene, noted)
+        }
+        None => unrender_formats::load_model(project.scene_input())?,
+    };
+    warnings.extend(noted);
+    Ok(scene)
+}
+
+/// A warning where the lens of `camera` shows two directions in one place of the photograph.
+fn folded_lens(camera: &Camera, width: usize, height: usize) -> Warnings {
+    let mut warnings = Warnings::default();
+    if !camera.covers(width, height) {
+        warnings.push(format!(
+            "the distortion of camera \"{}\" (k1 = {}, k2 = {}, k3 = {}) folds over before the \
+             corners of the photo; what lies beyond is not shown right",
+            camera.name, camera.lens.k1, camera.lens.k2, camera.lens.k3
+        ));
+    }
+    warnings
 }
 
 /// [`Scene::validate`] with the file's name in the error.
@@ -260,14 +281,14 @@ mod tests {
     }
 
     #[test]
-    fn aspects_that_do_not_fit_are_told() {
-        let told = |aspect, width, height| doubtful_aspect(&camera("c", aspect), width, height).0;
-        assert!(told(None, 3, 2).is_empty());
-        assert!(told(Some(1.5), 300, 200).is_empty());
-        assert!(told(Some(1.5), 301, 200).is_empty());
-        assert!(told(Some(1.5), 320, 200)[0].contains("vertical field of view"));
-        assert!(told(Some(1.5), 200, 300)[0].contains("is portrait (200 x 300)"));
-        assert!(told(Some(1.0), 200, 300)[0].contains("vertical field of view"));
+    fn aspects_that_do_not_fit_are_reported() {
+        let noted = |aspect, width, height| doubtful_aspect(&camera("c", aspect), width, height).0;
+        assert!(noted(None, 3, 2).is_empty());
+        assert!(noted(Some(1.5), 300, 200).is_empty());
+        assert!(noted(Some(1.5), 301, 200).is_empty());
+        assert!(noted(Some(1.5), 320, 200)[0].contains("vertical field of view"));
+        assert!(noted(Some(1.5), 200, 300)[0].contains("is portrait (200 x 300)"));
+        assert!(noted(Some(1.0), 200, 300)[0].contains("vertical field of view"));
     }
 
     #[test]

@@ -24,8 +24,7 @@
 //! ```
 //! use glam::Vec3;
 //! use unrender::recover::{
-//!     Expected, ExposureRule, GroupSpec, Hypothesis, Observation, Options, Picture, Problem, Renderer, Role,
-//!     View,
+//!     GroupSpec, Hypothesis, Observation, Options, Picture, Problem, Renderer, View,
 //! };
 //! use unrender::render::{Settings, Tracer};
 //! use unrender::scene::{Camera, Group, Material, Mesh, Object, Rgb, Scene};
@@ -60,28 +59,14 @@
 //! let picture = Picture {
 //!     valid: photograph.map(|_| true),
 //!     saturated: photograph.map(|_| false),
-//!     quantum: photograph.map(|_| Rgb::ZERO),
+//!     quantisation_step: photograph.map(|_| Rgb::ZERO),
 //!     values: photograph,
 //! };
 //! let observation = Observation::new(picture, view.geometry(), scene.groups.len());
 //!
 //! // Floor and wall are asked for; the lamp is given.
-//! let spec = |group: &Group| GroupSpec {
-//!     name: group.name.clone(),
-//!     role: if group.is_emitter() { Role::Emitter } else { Role::Unknown },
-//!     material: group.material.clone(),
-//!     rungs: Hypothesis::ALL.to_vec(),
-//!     expected: Expected::default(),
-//! };
-//! let problem = Problem {
-//!     observation: &observation,
-//!     renderer: &view,
-//!     groups: scene.groups.iter().map(spec).collect(),
-//!     exposure: ExposureRule::Fixed(Rgb::ONE),
-//!     unknown_lights: Vec::new(),
-//!     coloured_lights: Vec::new(),
-//!     corrections: &[],
-//! };
+//! let groups = scene.groups.iter().map(GroupSpec::of).collect();
+//! let problem = Problem::new(&observation, &view, groups);
 //! // The observer `()` does not listen to the iterations.
 //! let recovery = unrender::recover::recover(&problem, &Options::default(), &mut ())?;
 //!
@@ -110,7 +95,6 @@
 #![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
-mod camera_numbers;
 #[cfg(feature = "cli")]
 pub mod check;
 #[cfg(feature = "cli")]
@@ -130,24 +114,25 @@ mod global;
 #[cfg(feature = "cli")]
 mod interrupt;
 pub mod job;
-mod laid;
 pub mod lighting;
 #[cfg(feature = "cli")]
 pub mod listener;
 mod mask;
 #[cfg(feature = "cli")]
 mod output;
-#[cfg(feature = "cli")]
-mod part;
-#[cfg(feature = "cli")]
-mod passes;
 mod photograph;
+mod photometric;
 mod problem;
 #[cfg(feature = "cli")]
 mod progress;
+#[cfg(feature = "cli")]
+mod progressive;
+#[cfg(feature = "cli")]
+mod progressive_render;
 pub mod project;
 #[cfg(feature = "cli")]
 mod recovery_journal;
+mod registered;
 mod registration;
 #[cfg(feature = "report")]
 pub mod report;
@@ -159,7 +144,7 @@ pub mod run;
 mod same_as;
 pub mod score;
 #[cfg(feature = "cli")]
-mod subject;
+mod shard;
 #[cfg(feature = "cli")]
 mod text_table;
 mod toml_values;

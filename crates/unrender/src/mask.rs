@@ -67,7 +67,7 @@ mod tests {
     }
 
     #[test]
-    fn masks_that_cannot_be_meant_are_told() {
+    fn masks_that_cannot_be_meant_are_reported() {
         let photo = Image::new(2, 2, vec![Rgb::ONE; 4]);
         let problem = counts(&mask(&[1.0; 4]), &photo).unwrap_err();
         assert!(problem.contains("4 x 1 pixels and the photo 2 x 2"), "{problem}");

@@ -2,7 +2,7 @@
 //! commands write a picture; and the one place that writes to stdout and stderr.
 //!
 //! Nobody may be listening there, and the disk behind them may be full. That is no reason to lose
-//! work: what cannot be told is not told.
+//! work: what cannot be written is dropped.
 
 use crate::Error;
 use std::fs;
@@ -47,19 +47,19 @@ pub(crate) fn check_picture(path: &Path) -> Result<(), FileError> {
     check_file(path, &["exr", "hdr", "png"], "end the name of the picture in .exr, .hdr or .png")
 }
 
-/// Writes the picture that `tally` has come to; the warnings tell what in it is no number.
-pub(crate) fn write_picture(path: &Path, tally: &Accumulator) -> Result<Warnings, FileError> {
-    picture::write(path, &tally.mean())?;
-    Ok(doubts(tally))
+/// Writes the picture that `accumulator` has come to; the warnings say what in it is no number.
+pub(crate) fn write_picture(path: &Path, accumulator: &Accumulator) -> Result<Warnings, FileError> {
+    picture::write(path, &accumulator.mean())?;
+    Ok(doubts(accumulator))
 }
 
-/// What in `tally` is no number.
-pub(crate) fn doubts(tally: &Accumulator) -> Warnings {
+/// What in `accumulator` is no number.
+pub(crate) fn doubts(accumulator: &Accumulator) -> Warnings {
     let mut warnings = Warnings::default();
-    if tally.faulty() > 0 {
+    if accumulator.faulty() > 0 {
         warnings.push(format!(
             "{} path(s) brought no finite number and were counted as black",
-            tally.faulty()
+            accumulator.faulty()
         ));
     }
     warnings
@@ -87,7 +87,7 @@ pub(crate) fn folder(path: &Path) -> &Path {
     path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Prints `text` to stdout. A reader that has gone away is no fault of ours; a full disk is told.
+/// Prints `text` to stdout. A reader that has gone away is no fault of ours; a full disk is an error.
 pub(crate) fn print(text: &str) {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {

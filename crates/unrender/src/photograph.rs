@@ -1,7 +1,7 @@
 //! The transfer function of a project's photograph, from what project and file say of it.
 
 use crate::project::{Project, ResponseChoice, VignettingChoice};
-use crate::{Error, camera_numbers};
+use crate::{Error, photometric};
 use unrender_formats::picture::{Picture, Profile};
 use unrender_formats::{FileError, response_curve};
 use unrender_photo::vignetting::{DARKEST, Law};
@@ -19,7 +19,7 @@ pub(crate) fn transfer(
     let asked = project.response == Some(ResponseChoice::Auto);
     let declared = profile.filter(|_| !asked).and_then(declared_response);
     let (response, mut warnings) = choose_response(picture.depth, stated(project)?, declared);
-    warnings.extend(told(profile));
+    warnings.extend(profile_warnings(profile));
     let size = (picture.values.width(), picture.values.height());
     let law = project.vignetting.map(|choice| match choice {
         VignettingChoice::Stated(law) => law,
@@ -53,7 +53,7 @@ fn is_beyond_one(code: Rgb) -> bool {
 }
 
 /// What the user should know of the colours that the photograph declares.
-fn told(profile: Option<&Profile>) -> Warnings {
+fn profile_warnings(profile: Option<&Profile>) -> Warnings {
     let mut warnings = Warnings::default();
     match profile {
         Some(Profile { understood: false, source, .. }) => warnings.push(format!(
@@ -74,7 +74,7 @@ fn stated(project: &Project) -> Result<Option<Response>, Error> {
     let response = match &project.response {
         None => return Ok(None),
         Some(ResponseChoice::Stated(response)) => response.clone(),
-        Some(ResponseChoice::Auto) => Response::Gamma(camera_numbers::GAMMA),
+        Some(ResponseChoice::Auto) => Response::Gamma(photometric::GAMMA),
         Some(ResponseChoice::Measured(path)) => {
             let rows = response_curve::read(path)?;
             Response::measured(rows.linear.each_ref().map(|linear| Curve::new(&rows.codes, linear)))
@@ -103,9 +103,9 @@ mod tests {
     #[test]
     fn a_lens_must_let_light_through() {
         let camera = Camera::look_at("c", Vec3::Z, Vec3::ZERO, Vec3::Y, 1.0);
-        let told = |law| check(&Vignetting { law, camera: camera.clone(), size: (40, 30) });
-        assert_eq!(told(Law::Radial([-1.511, 1.506, -0.64])), Ok(()));
-        let problem = told(Law::Radial([-1.1, 0.0, 0.0])).unwrap_err();
+        let noted = |law| check(&Vignetting { law, camera: camera.clone(), size: (40, 30) });
+        assert_eq!(noted(Law::Radial([-1.511, 1.506, -0.64])), Ok(()));
+        let problem = noted(Law::Radial([-1.1, 0.0, 0.0])).unwrap_err();
         assert!(problem.contains("half the picture's diagonal"), "{problem}");
     }
 }

@@ -1,28 +1,28 @@
 //! The problem that a job poses to the recovery.
 
 use crate::Job;
-use crate::laid::Laid;
+use crate::registered::RegisteredModel;
 use unrender_photo::Exposure;
 use unrender_recover::remote::{Remote, Workers};
 use unrender_recover::{
-    Correction, Expected, ExposureRule, GroupSpec, Like, Problem, RecoverError, Renderer, Role,
-    View,
+    Expected, ExposureRule, GroupSpec, Like, PhotometricParameter, Problem, RecoverError, Renderer,
+    Role, View,
 };
 use unrender_render::Tracer;
 use unrender_scene::{Material, Rgb};
 
-/// What `solve` makes of the problem that `job` poses, its model laid as `laid` says; `workers` may render for
+/// What `solve` makes of the problem that `job` poses, its model registered as `registered` says; `workers` may render for
 /// it.
 pub(crate) fn with_problem<T>(
     job: &Job,
     tracer: &Tracer,
-    laid: &Laid,
-    (corrections, workers): (&[Correction], Option<&dyn Workers>),
+    registered: &RegisteredModel,
+    (photometric_parameters, workers): (&[PhotometricParameter], Option<&dyn Workers>),
     solve: impl FnOnce(&Problem<'_>) -> Result<T, RecoverError>,
 ) -> Result<T, RecoverError> {
     let size = (job.photo.radiance.width(), job.photo.radiance.height());
-    let view = View::new(tracer, &laid.camera, size, job.scene.brdf);
-    let observation = laid.observe(job, unrender_recover::Renderer::geometry(&view));
+    let view = View::new(tracer, &registered.camera, size, job.scene.brdf);
+    let observation = registered.observe(job, unrender_recover::Renderer::geometry(&view));
     let renderer: Box<dyn Renderer + '_> = match workers {
         Some(workers) => Box::new(Remote::new(view, &job.scene, workers)),
         None => Box::new(view),
@@ -34,7 +34,7 @@ pub(crate) fn with_problem<T>(
         exposure: exposure_rule(job),
         unknown_lights: job.unknown_lights.clone(),
         coloured_lights: job.project.coloured_sources(&job.scene),
-        corrections,
+        photometric_parameters,
     })
 }
 

@@ -135,8 +135,8 @@ mod tests {
 
     #[test]
     fn lines_tell_elapsed_time_share_and_time_left() {
-        let told = line("render", Duration::from_secs(10), 0.25);
-        assert_eq!(told, "render: 10 s, 25 %, about 30 s left");
+        let text = line("render", Duration::from_secs(10), 0.25);
+        assert_eq!(text, "render: 10 s, 25 %, about 30 s left");
         assert_eq!(line("render", Duration::from_secs(1), 0.0), "render: 1 s, 0 %");
     }
 }

@@ -1,10 +1,10 @@
-//! The model laid onto the photograph, before anything is recovered: how far it is off, what that
+//! Registration of the model with the photograph, before anything is recovered: how far it is off, what that
 //! makes of the pixels at edges, and the camera that fits better.
 
 use crate::Job;
-use crate::laid::Laid;
 use crate::problem::with_problem;
-use unrender_recover::register::{Registration, margin, register};
+use crate::registered::RegisteredModel;
+use unrender_recover::register::{self, Registration, margin};
 use unrender_recover::{Options, RecoverError, sketch};
 use unrender_render::Tracer;
 use unrender_scene::{Camera, Warnings};
@@ -40,32 +40,37 @@ pub(crate) const CLEAR: f32 = 0.75;
 /// A displacement of fewer standard deviations is none. At half of it every photograph is sketched twice, at
 /// double small errors of the camera stay.
 const NOTABLE: f32 = 2.0;
-/// The pictures tell two cameras apart if one is nearer to the photograph by so many standard deviations.
+/// The pictures decide between two cameras if one is nearer to the photograph by so many standard deviations.
 const PREFERRED: f64 = 3.0;
 /// An object by itself may be off by this much, pixels.
 pub(crate) const OBJECT_NOTABLE: f32 = 1.5;
 
-/// Lays the model of `job` onto its photograph.
-pub(crate) fn lay(job: &Job, tracer: &Tracer, alignment: Alignment) -> Laid {
+/// Registers the model of `job` with its photograph.
+pub(crate) fn register(job: &Job, tracer: &Tracer, alignment: Alignment) -> RegisteredModel {
     let values = &job.photo.radiance;
     let geometry_of = |camera: &Camera, width, height| tracer.geometry(camera, width, height);
     let found = match alignment {
         Alignment::Ignore => None,
-        _ => register(values, &job.camera, &geometry_of),
+        _ => register::register(values, &job.camera, &geometry_of),
     };
     let verdict = match (&found, alignment) {
         (Some(_), Alignment::RefineCamera) => Verdict::Moved,
         (Some(found), Alignment::Auto) => judge(job, tracer, found),
         _ => Verdict::Kept,
     };
-    Laid {
+    RegisteredModel {
         warnings: warnings(job, found.as_ref(), alignment, verdict),
-        ..laid(job, tracer, found, verdict)
+        ..registered(job, tracer, found, verdict)
     }
 }
 
 /// The model under the camera that `verdict` says.
-fn laid(job: &Job, tracer: &Tracer, found: Option<Registration>, verdict: Verdict) -> Laid {
+fn registered(
+    job: &Job,
+    tracer: &Tracer,
+    found: Option<Registration>,
+    verdict: Verdict,
+) -> RegisteredModel {
     let moved = found.as_ref().filter(|_| verdict == Verdict::Moved);
     let camera = moved.map_or(&job.camera, |found| &found.camera).clone();
     let (width, height) = (job.photo.radiance.width(), job.photo.radiance.height());
@@ -75,7 +80,7 @@ fn laid(job: &Job, tracer: &Tracer, found: Option<Registration>, verdict: Verdic
         Verdict::Right | Verdict::Moved => found.clone().map(Registration::taken),
     };
     let margins = margin::margins(&geometry, remaining.as_ref());
-    Laid { camera, margins, registration: found, warnings: Warnings::default() }
+    RegisteredModel { camera, margins, registration: found, warnings: Warnings::default() }
 }
 
 /// Whether the camera is where it is given or where the edges fit: where the sketch of the photograph is
@@ -100,8 +105,8 @@ fn preference(job: &Job, tracer: &Tracer, found: &Registration) -> Result<f64, R
         [&job.camera, &found.camera].map(|camera| tracer.geometry(camera, width, height));
     let pixels = sketch::edge_pixels(geometries.each_ref());
     let differences = |verdict: Verdict| {
-        let laid = laid(job, tracer, Some(found.clone()), verdict);
-        with_problem(job, tracer, &laid, (&[], None), |problem| {
+        let registered = registered(job, tracer, Some(found.clone()), verdict);
+        with_problem(job, tracer, &registered, (&[], None), |problem| {
             sketch::differences(problem, &Options::default(), &pixels)
         })
     };

@@ -24,7 +24,7 @@ pub(crate) struct ResultFolder {
     path: PathBuf,
     /// What the manifest calls the command.
     command: &'static str,
-    /// Held until the command ends, so that another process is told; none where the system has no
+    /// Held until the command ends, so that another process notices; none where the system has no
     /// locks on folders, or where several processes may share the folder.
     lock: Option<File>,
 }

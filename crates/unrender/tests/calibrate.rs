@@ -306,7 +306,7 @@ fn faults_say_which_file_and_what() {
 }
 
 #[test]
-fn points_far_from_photo_and_scene_are_told() {
+fn points_far_from_photo_and_scene_are_reported() {
     let folder = Folder::new("doubts");
     let far = "900.5,100.5,1,1,-50,tower\n";
     folder.write("points.csv", points(&view()) + far);

@@ -2,7 +2,7 @@
 //! Mitsuba 3 made of it with 2048 paths a pixel and unlimited bounces.
 //!
 //! More paths make a sharper test: `UNRENDER_REFERENCE_SPP=1024 cargo test --release --test
-//! fig8_reference -- --nocapture` prints the ratios that the paths of a quick run cannot tell.
+//! fig8_reference -- --nocapture` prints the ratios that the paths of a quick run do not determine.
 
 #[allow(dead_code)]
 mod common;

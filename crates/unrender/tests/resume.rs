@@ -137,7 +137,7 @@ fn a_killed_recovery_goes_on_to_the_same_bits() {
 }
 
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "slow: eight recoveries that are killed"]
 fn so_does_one_with_all_hypotheses_and_the_refinement() {
     killed(&["--spp", "4"], &[2, 9, 1, 14, 5, 11, 3, 8]);
 }

@@ -218,7 +218,7 @@ fn results_of_two_runs_are_not_taken_for_one() {
 }
 
 #[test]
-fn the_second_process_is_told() {
+fn the_second_process_is_reported() {
     let room = Room::new();
     fs::create_dir(room.path("out")).unwrap();
     let folder = File::open(room.path("out")).unwrap();
@@ -229,7 +229,7 @@ fn the_second_process_is_told() {
 }
 
 #[test]
-fn threads_that_cannot_help_are_told() {
+fn threads_that_cannot_help_are_reported() {
     let room = Room::new();
     let render = ["render", "scene.glb", "--height", "8", "--spp", "1", "--out", "a.exr"];
     let told = room.run(&[&render[..], &["--threads", "100000"]].concat());

@@ -64,7 +64,7 @@ pub(crate) fn material(dice: &mut Dice, kind: Kind, rules: Rules) -> Material {
     }
 }
 
-/// A plastic or a metal; across its brushed direction it is rougher by `ratio`.
+/// A plastic or a metal; across its anisotropy direction it is rougher by `ratio`.
 fn glossy(dice: &mut Dice, rules: Rules, ratio: f32) -> Material {
     let is_metal = dice.chance(if ratio > 1.0 { 0.8 } else { 0.4 });
     let (rho_d, rho_s) = if is_metal {

@@ -19,7 +19,7 @@ pub(crate) use furnish::plan;
 use super::family::Style;
 use glam::Vec3;
 use lights::Lights;
-use room::Part;
+use room::ShellPart;
 use things::Thing;
 use unrender::render::Tracer;
 use unrender::scene::{Camera, Group, Material, Object, Rgb, Scene};
@@ -78,7 +78,7 @@ impl Plan {
                 emission: Rgb::ZERO,
             });
         }
-        for Part { group, name, mesh, .. } in
+        for ShellPart { group, name, mesh, .. } in
             room::shell(self.room, &self.lights, self.shell_groups)
         {
             if let Some(group) = scene.group_index(group) {

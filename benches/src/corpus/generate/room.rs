@@ -8,7 +8,7 @@ use unrender::scene::Mesh;
 
 /// A part of the shell: the name of its group, and whether texture coordinates suit a texture.
 #[derive(Clone, Debug)]
-pub(crate) struct Part {
+pub(crate) struct ShellPart {
     pub(crate) group: &'static str,
     pub(crate) name: &'static str,
     pub(crate) mesh: Mesh,
@@ -20,7 +20,7 @@ pub(crate) const GROUPS_MAX: usize = 5;
 
 /// Floor, walls and ceiling of a room of `size` about the origin, whose fronts look inwards; the wall
 /// at +x has the lights' opening.
-pub(crate) fn shell(size: Vec3, lights: &Lights, groups: usize) -> Vec<Part> {
+pub(crate) fn shell(size: Vec3, lights: &Lights, groups: usize) -> Vec<ShellPart> {
     let half = 0.5 * size;
     let (x, y, z) = (size.x * Vec3::X, size.y * Vec3::Y, size.z * Vec3::Z);
     let at = |x: f32, y: f32, z: f32| Vec3::new(x * half.x, y * size.y, z * half.z);
@@ -31,7 +31,7 @@ pub(crate) fn shell(size: Vec3, lights: &Lights, groups: usize) -> Vec<Part> {
         None => shapes::quad(at(1.0, 0.0, -1.0), z, y),
         Some(hole) => wall_with_hole(size, hole),
     };
-    let part = |group, name, mesh, has_uvs| Part { group, name, mesh, has_uvs };
+    let part = |group, name, mesh, has_uvs| ShellPart { group, name, mesh, has_uvs };
     vec![
         part("floor", "floor", shapes::quad(at(-1.0, 0.0, 1.0), x, -z), true),
         part(

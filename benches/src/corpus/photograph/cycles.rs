@@ -1,6 +1,6 @@
 //! Cycles, whose GGX is ours; and its Principled BSDF.
 
-use super::{Effort, Halves, Photograph};
+use super::{Halves, Photograph, SampleBudget};
 use crate::Failure;
 use crate::corpus::generate::Plan;
 use crate::peers::{Shot, cycles, shot};
@@ -21,7 +21,7 @@ pub(super) fn take(
     plan: &Plan,
     scene: &Scene,
     camera: &Camera,
-    effort: Effort,
+    budget: SampleBudget,
     work: &Path,
 ) -> Result<Photograph, Failure> {
     let python = cycles::python()?;
@@ -34,10 +34,10 @@ pub(super) fn take(
     atomic::write(&work.join("foreign.json"), Value::Object(foreign).to_string().as_bytes())?;
     let mut program = cycles::Cycles::load(&python, work)?;
     let mut halves = Halves::new(plan.size);
-    for pass in 0..(effort.spp_max / SPP).max(2) {
+    for pass in 0..(budget.spp_max / SPP).max(2) {
         halves.add(&program.render(SPP, pass)?);
         let photograph = halves.photograph(SPP);
-        if pass % 2 == 1 && photograph.noise() <= effort.noise {
+        if pass % 2 == 1 && photograph.noise() <= budget.noise {
             return Ok(photograph);
         }
     }

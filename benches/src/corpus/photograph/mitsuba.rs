@@ -1,6 +1,6 @@
 //! Mitsuba 3, with our lobes as a plugin: its light transport, the lobes in closed form.
 
-use super::{Effort, Halves, Photograph};
+use super::{Halves, Photograph, SampleBudget};
 use crate::Failure;
 use crate::corpus::generate::Plan;
 use crate::peers::{Shot, mitsuba};
@@ -22,7 +22,7 @@ pub(super) fn take(
     plan: &Plan,
     scene: &Scene,
     camera: &Camera,
-    effort: Effort,
+    budget: SampleBudget,
     work: &Path,
 ) -> Result<Photograph, Failure> {
     let python = mitsuba::python()?;
@@ -33,10 +33,10 @@ pub(super) fn take(
     std::fs::write(&path, text)?;
     let mut program = mitsuba::Mitsuba::load(&python, VARIANT, &path)?;
     let mut halves = Halves::new(plan.size);
-    for pass in 0..(effort.spp_max / SPP).max(2) {
+    for pass in 0..(budget.spp_max / SPP).max(2) {
         halves.add(&program.render(SPP, pass)?.0);
         let photograph = halves.photograph(SPP);
-        if pass % 2 == 1 && photograph.noise() <= effort.noise {
+        if pass % 2 == 1 && photograph.noise() <= budget.noise {
             return Ok(photograph);
         }
     }

@@ -20,7 +20,7 @@ pub(crate) struct Photograph {
 
 /// How long and how well is rendered.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Effort {
+pub(crate) struct SampleBudget {
     /// The noise of a pixel, relative, that is good enough; the root of the mean over the pixels.
     pub(crate) noise: f64,
     /// The most samples of a pixel.
@@ -64,13 +64,13 @@ pub(crate) fn take(
     scene: &Scene,
     camera: &Camera,
     renderer: Renderer,
-    effort: Effort,
+    budget: SampleBudget,
     work: &Path,
 ) -> Result<Photograph, Failure> {
     match renderer {
-        Renderer::Mitsuba => mitsuba::take(plan, scene, camera, effort, work),
-        Renderer::Cycles => cycles::take(plan, scene, camera, effort, work),
-        Renderer::Radiance => radiance::take(plan, scene, camera, effort, work),
+        Renderer::Mitsuba => mitsuba::take(plan, scene, camera, budget, work),
+        Renderer::Cycles => cycles::take(plan, scene, camera, budget, work),
+        Renderer::Radiance => radiance::take(plan, scene, camera, budget, work),
     }
 }
 

@@ -127,7 +127,7 @@ pub(crate) fn score(
             continue;
         }
         let entry = found.groups.get(&group.name).cloned().unwrap_or_default();
-        let seen = simpler::Seen {
+        let seen = simpler::Observed {
             scene: &built,
             tracer: &tracer,
             camera: &plan.cameras[0],
@@ -162,7 +162,7 @@ pub(crate) fn score(
 
 /// Whether the found hypothesis is right. Of the foreign family no hypothesis is that of the truth: what
 /// is plain has to be found plain, what shines to shine, what is textured to be textured.
-fn verdict(family: Family, found: &Entry, truth: &Entry, seen: &simpler::Seen<'_>) -> Verdict {
+fn verdict(family: Family, found: &Entry, truth: &Entry, seen: &simpler::Observed<'_>) -> Verdict {
     let kind = |entry: &Entry| match (family, entry.kind()) {
         (Family::InModel, kind) => kind.to_owned(),
         (Family::Foreign, "diffuse") => "diffuse".to_owned(),

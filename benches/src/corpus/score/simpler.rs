@@ -1,4 +1,4 @@
-//! Whether a simpler hypothesis is right as well: what the photograph cannot tell apart.
+//! Whether a simpler hypothesis is right as well: what the photograph does not distinguish.
 //!
 //! A group's true rendering `T` is compared with the best that a simpler hypothesis can do in the true
 //! light. Diffuse: `rho_d D`, with `D` the radiance of a white surface there. Isotropic, for an
@@ -24,7 +24,7 @@ const PIXELS: usize = 500;
 const ALPHAS: usize = 7;
 
 /// What the photograph shows of a group.
-pub(crate) struct Seen<'a> {
+pub(crate) struct Observed<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) tracer: &'a Tracer,
     pub(crate) camera: &'a Camera,
@@ -37,7 +37,7 @@ pub(crate) struct Seen<'a> {
 }
 
 /// Whether the hypothesis called `kind` explains the group as well as the truth.
-pub(crate) fn explains(seen: &Seen<'_>, kind: &str) -> bool {
+pub(crate) fn explains(seen: &Observed<'_>, kind: &str) -> bool {
     let material = &seen.scene.groups[seen.group].material;
     let brushed = material.is_glossy() && material.alpha_x != material.alpha_y;
     let fewer = match kind {
@@ -68,7 +68,7 @@ pub(crate) fn explains(seen: &Seen<'_>, kind: &str) -> bool {
             let lobe = GlossyLobe::new(seen.scene.brdf, alpha, alpha);
             sets.each_ref().map(|set| lobes(set, &lobe, 0.0))
         });
-        let (chi2, rms) = misfit(&truth, &diffuse, specular.as_ref(), seen.noise);
+        let (chi2, rms) = residual(&truth, &diffuse, specular.as_ref(), seen.noise);
         if chi2 < best {
             (best, least) = (chi2, rms);
         }
@@ -78,7 +78,7 @@ pub(crate) fn explains(seen: &Seen<'_>, kind: &str) -> bool {
     best * step as f64 <= 2.0 * f64::from(fewer) * count.ln().max(1.0) || least <= ALIKE
 }
 
-fn probes(seen: &Seen<'_>, pixels: &[u32], seed: u64) -> Probes {
+fn probes(seen: &Observed<'_>, pixels: &[u32], seed: u64) -> Probes {
     let material = &seen.scene.groups[seen.group].material;
     let (alpha_x, alpha_y) = (material.alpha_x, material.alpha_y);
     let lobe = ProposalLobe { alpha_x, alpha_y, theta_rad: material.theta_rad };
@@ -125,7 +125,7 @@ fn lobes(set: &Probes, lobe: &GlossyLobe, theta_rad: f32) -> Vec<Rgb> {
 
 /// Chi^2 and relative root mean square of the best explanation by `diffuse` and `specular`; each
 /// product is of two independent sets, so that the probes' own noise adds nothing.
-fn misfit(
+fn residual(
     truth: &[Vec<Rgb>; 2],
     diffuse: &[Vec<Rgb>; 2],
     specular: Option<&[Vec<Rgb>; 2]>,

@@ -374,12 +374,12 @@ mod tests {
     fn faults_name_file_and_remedy() {
         let text = text();
         let fault = |path: &Path, image| at(path, image).unwrap_err().to_string();
-        let told = fault(text.path(), "none.jpg");
-        assert!(told.contains("images.txt") && told.contains("hall/a.jpg, b c.jpg"), "{told}");
-        let told = fault(text.path(), "fish.jpg");
-        assert!(told.contains("cameras.txt") && told.contains("image_undistorter"), "{told}");
-        let told = fault(Path::new("nowhere"), "a.jpg");
-        assert!(told.contains("does not exist"), "{told}");
+        let noted = fault(text.path(), "none.jpg");
+        assert!(noted.contains("images.txt") && noted.contains("hall/a.jpg, b c.jpg"), "{noted}");
+        let noted = fault(text.path(), "fish.jpg");
+        assert!(noted.contains("cameras.txt") && noted.contains("image_undistorter"), "{noted}");
+        let noted = fault(Path::new("nowhere"), "a.jpg");
+        assert!(noted.contains("does not exist"), "{noted}");
         let broken = folder([("cameras.txt", b"1 PINHOLE x\n"), ("images.txt", IMAGES.as_bytes())]);
         assert!(fault(broken.path(), "a.jpg").contains("line 1 is not CAMERA_ID"));
         let broken = folder([("cameras.txt", CAMERAS.as_bytes()), ("images.txt", b"1 2 3\n")]);

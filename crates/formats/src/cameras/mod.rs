@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn cameras_that_cannot_be_meant_are_told() {
+    fn cameras_that_cannot_be_meant_are_reported() {
         let pose = half_turn().world_from_camera(&DAffine3::IDENTITY);
         let fault = |k: Intrinsics, size| k.camera("c", pose, size).unwrap_err();
         assert!(fault(Intrinsics { fx: 0.0, ..K }, (640, 480)).contains("focal lengths are 0"));

@@ -45,7 +45,7 @@ pub type Calibrated = (Intrinsics, Option<Pose>);
 pub fn read<'a>(input: impl Into<Input<'a>>, view: Option<usize>) -> Result<Calibrated, FileError> {
     let input = input.into();
     let fault = |problem: String| FileError::new(input.path, problem);
-    let text = input::text(input).map_err(fault)?;
+    let text = input::text(input).map_err(|error| FileError::because(input.path, "", error))?;
     let extension = input.path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     parse(&text, &extension, view).map_err(fault)
 }
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn lenses_that_are_not_read_are_told() {
+    fn lenses_that_are_not_read_are_reported() {
         assert!(fault("a: 1\n").contains("call it camera_matrix"));
         assert!(fault("K: [[1, 0], [0, 1]]\n").contains("2 x 2"));
         assert!(fault("K: [1, 2, 3, 4, 5]\n").contains("5 x 1"));

@@ -192,8 +192,8 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_such_file_is_told() {
-        for (text, extension, told) in [
+    fn what_is_no_such_file_is_reported() {
+        for (text, extension, expected) in [
             ("", "yml", "is empty"),
             ("a: [1, 2", "yml", "is not YAML"),
             ("a: &b 1\nc: *b\n", "yml", "alias"),
@@ -202,7 +202,7 @@ mod tests {
             ("<a>", "xml", "is not XML"),
         ] {
             let problem = parse(text, extension).unwrap_err();
-            assert!(problem.contains(told), "{text}: {problem}");
+            assert!(problem.contains(expected), "{text}: {problem}");
         }
         assert!(parse(&"[".repeat(100), "yml").unwrap_err().contains("nests deeper"));
         assert!(parse(&"[".repeat(100_000), "yml").is_err());

@@ -90,15 +90,15 @@ fn group(
         picture = json!({ "file": path, "clamps": tile.clamps });
         let name = &group.name;
         warnings.0.extend(tile.doubt.map(|doubt| format!("group \"{name}\": {doubt}")));
-        if tiling::is_brushed(material) {
+        if tiling::is_anisotropic(material) {
             warnings.push(format!(
-                "group \"{name}\": Blender counts the brushed direction from the texture's u"
+                "group \"{name}\": Blender counts the anisotropy direction from the texture's u"
             ));
         }
     }
     let (smooth, rough) =
         (material.alpha_x.min(material.alpha_y), material.alpha_x.max(material.alpha_y));
-    let ratio = if tiling::is_brushed(material) { smooth / rough } else { 1.0 };
+    let ratio = if tiling::is_anisotropic(material) { smooth / rough } else { 1.0 };
     Ok(json!({
         "name": group.name,
         "rho_d": triple(material.rho_d),

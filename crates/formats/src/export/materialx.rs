@@ -1,4 +1,4 @@
-//! MaterialX: the materials as `standard_surface`, and which objects wear them. Geometry, lights and
+//! MaterialX: the materials as `standard_surface`, and which objects have them. Geometry, lights and
 //! camera have no words there.
 //!
 //! A surface without a diffuse part is a metal of colour `rho_s`; else a dielectric of colour `rho_d`

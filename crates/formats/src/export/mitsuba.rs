@@ -92,7 +92,7 @@ fn rgb(name: &str, value: Vec3) -> String {
     format!("<rgb name=\"{name}\" value=\"{} {} {}\"/>", value.x, value.y, value.z)
 }
 
-/// A reflectance; parts of a blend may have one above one, which Mitsuba asks to be told.
+/// A reflectance; parts of a blend may have one above one, which Mitsuba wants stated.
 fn reflectance(name: &str, value: Vec3) -> String {
     if value.max_element() <= 1.0 {
         return rgb(name, value);

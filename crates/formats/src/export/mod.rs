@@ -5,8 +5,8 @@
 //! Writers see the materials already in the words of that lobe (`Shot::materials`); whoever calls
 //! them has converted Ward's.
 
+mod anisotropy;
 mod blender;
-mod brushed;
 mod folder;
 mod identifiers;
 mod materialx;

@@ -15,7 +15,7 @@ mod materials;
 mod view;
 
 use super::identifiers::{identifiers, quoted};
-use super::{Files, Shot, brushed, obj};
+use super::{Files, Shot, anisotropy, obj};
 use glam::Vec3;
 use std::fmt::Write;
 use unrender_scene::{Mesh, Object, Warnings};
@@ -75,7 +75,7 @@ fn needs_mesh(shot: &Shot, object: &Object) -> bool {
 
 fn is_smooth(mesh: &Mesh) -> bool {
     let turned = |index: usize| {
-        let front = brushed::front_normal(mesh, index);
+        let front = anisotropy::front_normal(mesh, index);
         mesh.triangles[index].iter().any(|&i| mesh.normals[i as usize].dot(front).abs() < FLAT)
     };
     (0..mesh.triangles.len()).any(turned)

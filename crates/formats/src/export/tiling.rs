@@ -1,7 +1,7 @@
 //! Textures for programs that repeat a picture or hold its edge, in both directions alike, and what
 //! else several targets ask of materials.
 
-use super::{Shot, brushed};
+use super::{Shot, anisotropy};
 use glam::Vec2;
 use unrender_scene::{Image, Material, Mesh, Object, Rgb, Texture, Wrap};
 
@@ -37,8 +37,8 @@ pub(super) fn tile(texture: &Texture) -> Tile {
     }
 }
 
-/// Whether `material` has a brushed direction.
-pub(super) fn is_brushed(material: &Material) -> bool {
+/// Whether `material` has an anisotropy direction.
+pub(super) fn is_anisotropic(material: &Material) -> bool {
     material.is_glossy() && material.alpha_x != material.alpha_y
 }
 
@@ -64,7 +64,7 @@ pub(super) fn mesh(shot: &Shot, object: &Object, theta_rad: f32, from: From) -> 
             };
             Mesh { uvs: object.mesh.uvs.iter().map(placed).collect(), ..object.mesh.clone() }
         }
-        None if is_brushed(material) => brushed::along_u(&object.mesh, theta_rad),
+        None if is_anisotropic(material) => anisotropy::along_u(&object.mesh, theta_rad),
         None => object.mesh.clone(),
     }
 }

@@ -19,7 +19,7 @@ pub(super) fn may_be_ignored(name: &str) -> bool {
 
 /// The warning that the extension `name` is not read.
 pub(super) fn ignored(name: &str) -> String {
-    let told = match name {
+    let noted = match name {
         "KHR_materials_transmission"
         | "KHR_materials_volume"
         | "KHR_materials_dispersion"
@@ -41,7 +41,7 @@ pub(super) fn ignored(name: &str) -> String {
         }
         _ => return format!("The glTF extension {name} is not understood; it was ignored."),
     };
-    format!("The glTF extension {name} is not read: {told}.")
+    format!("The glTF extension {name} is not read: {noted}.")
 }
 
 /// Why a file that requires the extension `name` cannot be read, and what to do about it.

@@ -100,7 +100,7 @@ pub(super) fn color_and_intensity(kind: &LightKind, units: LightUnits) -> (Value
 
 /// Makes the lights of the file `document`, which `glb` is to become, as bright as those of `scene`,
 /// which was read from it, in the file's own units.
-pub(super) fn dress(glb: &mut Glb, source: &Source, scene: &Scene) -> Result<(), Problem> {
+pub(super) fn assign_lights(glb: &mut Glb, source: &Source, scene: &Scene) -> Result<(), Problem> {
     let (document, units) = (&source.document, source.light_units);
     if units != units::of(&document.asset, None) {
         units::note(&mut glb.root, units);

@@ -95,7 +95,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// The material by the exact numbers that [`ward::dress`] has left.
+    /// The material by the exact numbers that [`ward::assign_material`] has left.
     fn exact(
         &mut self,
         json: &MaterialJson,

@@ -1,7 +1,7 @@
 //! glTF 2.0 (`.glb`, `.gltf`) to and from scenes.
 //!
 //! - [`read`] bakes the nodes of the default scene into world space.
-//! - [`dress`] gives back the file that was read, in which the materials wear what was recovered.
+//! - [`assign_materials`] gives back the file that was read, with the recovered materials.
 //! - [`place`](place()) gives it back with one camera more.
 //! - [`to_glb`] writes a scene that has no such file.
 //!
@@ -10,9 +10,9 @@
 //! `document`, and use the field where its owner (material, node, camera) is read.
 
 mod accessor;
+mod assign;
 mod container;
 mod document;
-mod dress;
 mod extensions;
 mod geometry;
 mod graph;
@@ -29,7 +29,7 @@ mod units;
 mod ward;
 mod write;
 
-pub use dress::dress;
+pub use assign::assign_materials;
 pub use place::place;
 pub use read::read;
 pub use units::light_units;

@@ -11,7 +11,7 @@ use unrender_scene::{BrdfModel, Object, Scene, Warnings};
 
 /// Reads the default scene of the `.glb` or `.gltf` at `path` into world space.
 ///
-/// Groups are the materials that some triangle wears, in the order of the file; objects are the
+/// Groups are the materials that some triangle has, in the order of the file; objects are the
 /// pairs of a node and a material. The scene is not yet validated:
 /// see [`load_scene`](crate::load_scene).
 ///
@@ -24,7 +24,7 @@ pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileEr
     let source = Source::open(input).map_err(fail)?;
     let (scene, mut warnings) = scene(&source).map_err(fail)?;
     if input.light_units.is_none() {
-        warnings.0.extend(units::told(&source.document, source.light_units));
+        warnings.0.extend(units::warning(&source.document, source.light_units));
     }
     Ok((scene, warnings))
 }
@@ -122,7 +122,7 @@ fn objects(
     Ok(objects)
 }
 
-/// Makes groups of the materials that objects wear; returns the lobe that they were written for.
+/// Makes groups of the materials that objects have; returns the lobe that they were written for.
 fn sort_into_groups(
     source: &Source,
     names: &[String],

@@ -55,7 +55,7 @@ impl Layout {
     }
 
     /// Transforms the texture coordinates of `mesh`. Where that turns the direction of growing u, from
-    /// which brushed directions count, and the mesh has no tangents, it gets those of before.
+    /// which anisotropy directions count, and the mesh has no tangents, it gets those of before.
     pub(super) fn apply(&self, mesh: &mut Mesh) {
         let Some(transform) = self.transform.filter(|_| !mesh.uvs.is_empty()) else { return };
         // Surfaces where u grows in the same direction as u': the first row is (positive, 0).

@@ -57,7 +57,7 @@ fn by_generator(generator: &str) -> LightUnits {
 }
 
 /// The line that says how the lights of `document` were read, where its generator decided that.
-pub(super) fn told(document: &Document, units: LightUnits) -> Option<String> {
+pub(super) fn warning(document: &Document, units: LightUnits) -> Option<String> {
     let read_as = match units {
         LightUnits::Radiometric | LightUnits::Unitless => return None,
         LightUnits::BlenderStandard => "Blender's Standard units: candela and lux of 683 lm/W",

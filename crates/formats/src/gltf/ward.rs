@@ -5,7 +5,7 @@
 //! `F0 = min(((ior - 1)/(ior + 1))^2 specularColor, 1) specular` counts only if `r < 1`. Rough
 //! dielectrics (`r = 1`, `m = 0`) are thus plainly diffuse.
 //! `KHR_materials_anisotropy` of strength `s` and rotation `t` has the roughness `alpha` across and
-//! `alpha + (1 - alpha) s^2` along the angle `t`; Ward's brushed direction is the smoother one,
+//! `alpha + (1 - alpha) s^2` along the angle `t`; Ward's anisotropy direction is the smoother one,
 //! so `alpha_x = alpha`, `alpha_y = alpha + (1 - alpha) s^2`, `theta = t + pi/2`.
 //!
 //! **Writing** turns that round as far as glTF goes. Without a diffuse part the material is a
@@ -23,7 +23,7 @@ use unrender_scene::{BrdfModel, Material, Rgb};
 
 /// The key in `extras` under which the exact numbers stand.
 pub(super) const EXTRAS_KEY: &str = "unrender";
-/// The extensions that [`dress`] sets and removes.
+/// The extensions that [`assign_material`] sets and removes.
 pub(super) const EXTENSIONS: [&str; 3] =
     ["KHR_materials_specular", "KHR_materials_ior", "KHR_materials_anisotropy"];
 
@@ -65,10 +65,10 @@ fn dielectric_f0(extensions: &MaterialExtensions) -> Rgb {
     (f0 * color).min(Rgb::ONE) * (specular.specular_factor.clamp(0.0, 1.0) as f32)
 }
 
-/// Makes the glTF material `json` wear `material`; `texture` is the index of the glTF texture
+/// Writes `material` into the glTF material `json`; `texture` is the index of the glTF texture
 /// that holds its diffuse texture, which lies as the one before it. Names, emission and foreign
 /// extras stay.
-pub(super) fn dress(
+pub(super) fn assign_material(
     json: &mut Value,
     material: &Material,
     brdf: BrdfModel,

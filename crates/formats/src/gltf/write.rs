@@ -16,6 +16,7 @@ const UNSIGNED_INT: u32 = 5125;
 /// Why a scene cannot be written as glTF.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the scene cannot be written as glTF: {0}")]
+#[non_exhaustive]
 pub struct GlbError(String);
 
 /// The bytes of a `.glb` of `scene`, all of it in world space.
@@ -118,7 +119,7 @@ impl Glb {
 
     /// Lists the extensions of the materials, writes down the buffer, and packs both.
     pub(super) fn finish(mut self) -> Result<Vec<u8>, Problem> {
-        super::dress::list_extensions(&mut self.root);
+        super::assign::list_extensions(&mut self.root);
         if !self.bin.is_empty() {
             self.bin.resize(self.bin.len().next_multiple_of(4), 0);
             self.root["buffers"] = json!([{ "byteLength": self.bin.len() }]);
@@ -139,7 +140,7 @@ impl Glb {
         if group.is_emitter() {
             material::set_emission(&mut json, group.emission);
         }
-        ward::dress(&mut json, shown, scene.brdf, texture);
+        ward::assign_material(&mut json, shown, scene.brdf, texture);
         ward::note_exact(ward::object(&mut json), &group.material, scene.brdf);
         Ok(json)
     }

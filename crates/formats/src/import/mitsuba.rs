@@ -138,7 +138,7 @@ impl Reader<'_> {
         });
         let mut reflectance = reflectance::read(element, self.place, &name, &mut self.warnings)?;
         if let Some((material, brdf)) = &note.material {
-            // Our export lets u grow along the brushed direction.
+            // Our export lets u grow along the anisotropy direction.
             let theta_rad =
                 if material.alpha_x == material.alpha_y { material.theta_rad } else { 0.0 };
             let texture = reflectance.material.texture.take();

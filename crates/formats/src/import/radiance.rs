@@ -53,7 +53,7 @@ pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileEr
 }
 
 /// An object in the making: what has one name and one material.
-struct Part {
+struct ObjectMeshes {
     name: String,
     material: usize,
     meshes: Vec<Mesh>,
@@ -63,7 +63,7 @@ struct Reader<'a> {
     /// What bounds the reading of the scene, and its folder.
     place: (&'a Scope, &'a Path),
     materials: Materials,
-    objects: Vec<Part>,
+    objects: Vec<ObjectMeshes>,
     lights: Vec<Light>,
     warnings: Warnings,
 }
@@ -109,7 +109,7 @@ impl Reader<'_> {
             .filter(|o| !starts && o.name == name && o.material == material)
         {
             Some(part) => part.meshes.push(mesh),
-            None => self.objects.push(Part { name, material, meshes: vec![mesh] }),
+            None => self.objects.push(ObjectMeshes { name, material, meshes: vec![mesh] }),
         }
         Ok(())
     }
@@ -130,7 +130,7 @@ impl Reader<'_> {
         let named = |problem: String| format!("{} {problem}", source.display());
         let source = scope.beside(folder, &source.to_string_lossy()).map_err(named)?;
         let text = scope.text(&source).map_err(named)?;
-        // Of several materials the first: ours differ in the brushed direction only.
+        // Of several materials the first: ours differ in the anisotropy direction only.
         let named = text.lines().find_map(|line| line.strip_prefix("usemtl "));
         let modifier = match (primitive.modifier.as_str(), named) {
             ("void", Some(name)) => name.trim().to_owned(),
@@ -159,7 +159,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The scene, with the groups that shine or are worn, each with a name of its own.
+    /// The scene, with the groups that emit or that an object has, each with a name of its own.
     fn finished(&mut self) -> Scene {
         let mut scene = Scene { lights: std::mem::take(&mut self.lights), ..Scene::default() };
         let groups = self.materials.groups(self.objects.iter().map(|o| o.material));

@@ -13,11 +13,11 @@ pub struct AlternativeEntry {
     pub rho_d: Option<[f32; 3]>,
     /// Specular reflectance.
     pub rho_s: Option<[f32; 3]>,
-    /// Roughness along the brushed direction.
+    /// Roughness along the anisotropy direction.
     pub alpha_x: Option<f32>,
     /// Roughness across it.
     pub alpha_y: Option<f32>,
-    /// Brushed direction from the surface's tangent, degrees counter-clockwise.
+    /// Anisotropy direction from the surface's tangent, degrees counter-clockwise.
     pub theta_deg: Option<f32>,
     /// The relative error of its re-rendering over the group's pixels.
     pub error: Option<f64>,

@@ -65,8 +65,8 @@ fn apply_named(
             ));
         }
     }
-    let told = super::light_entry::apply(&file.lights, scene);
-    warnings.extend(told.map_err(|problem| FileError::new(origin, problem))?);
+    let noted = super::light_entry::apply(&file.lights, scene);
+    warnings.extend(noted.map_err(|problem| FileError::new(origin, problem))?);
     Ok(warnings)
 }
 
@@ -117,8 +117,8 @@ fn apply_texture(
 ) -> Result<Warnings, FileError> {
     let mut warnings = Warnings::default();
     if let Some(relative) = &entry.texture {
-        let (image, told) = texture_in(scope, folder, relative)?;
-        warnings.extend(told);
+        let (image, noted) = texture_in(scope, folder, relative)?;
+        warnings.extend(noted);
         if entry.rho_d.is_none() {
             material.rho_d = mean_of(&image);
         }

@@ -64,13 +64,13 @@ pub struct GroupEntry {
     pub rho_d: Option<[f32; 3]>,
     /// Specular reflectance.
     pub rho_s: Option<[f32; 3]>,
-    /// Roughness along the brushed direction.
+    /// Roughness along the anisotropy direction.
     pub alpha_x: Option<f32>,
     /// Roughness across it.
     pub alpha_y: Option<f32>,
-    /// Brushed direction from the surface's tangent, degrees counter-clockwise.
+    /// Anisotropy direction from the surface's tangent, degrees counter-clockwise.
     pub theta_deg: Option<f32>,
-    /// The brushed direction as a unit vector in the world.
+    /// The anisotropy direction as a unit vector in the world.
     pub direction: Option<[f32; 3]>,
     /// The texture of `rho_d`, a path relative to the file.
     pub texture: Option<String>,
@@ -95,7 +95,7 @@ pub struct GroupEntry {
 pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<MaterialsFile, FileError> {
     let input = input.into();
     let path = input.path;
-    let text = crate::input::text(input).map_err(|problem| FileError::new(path, problem))?;
+    let text = crate::input::text(input).map_err(|error| FileError::because(path, "", error))?;
     let file: MaterialsFile =
         serde_json::from_str(&text).map_err(|error| FileError::because(path, "", error))?;
     if file.version.is_some_and(|version| version > VERSION) {

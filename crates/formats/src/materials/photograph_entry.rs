@@ -14,7 +14,7 @@ pub struct PhotographEntry {
     pub corner: Option<f64>,
     /// Standard deviations; null if nothing was refined.
     pub std: Option<PhotographStd>,
-    /// What the photograph hardly tells.
+    /// What the photograph hardly determines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }

@@ -10,10 +10,10 @@ pub struct StdEntry {
     pub rho_d: Option<[f32; 3]>,
     /// Of the specular reflectance, by channel.
     pub rho_s: Option<[f32; 3]>,
-    /// Of the roughness along the brushed direction.
+    /// Of the roughness along the anisotropy direction.
     pub alpha_x: Option<f32>,
     /// Of the roughness across it.
     pub alpha_y: Option<f32>,
-    /// Of the brushed direction, degrees.
+    /// Of the anisotropy direction, degrees.
     pub theta_deg: Option<f32>,
 }

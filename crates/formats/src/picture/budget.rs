@@ -41,7 +41,7 @@ pub(super) fn unbelievable(width: u64, height: u64, file_bytes: u64) -> String {
 }
 
 fn jpeg(bytes: &[u8]) -> Result<(), String> {
-    // What it cannot read is told by who reads it.
+    // What it cannot read is reported by who reads it.
     let Ok(decoder) = JpegDecoder::new(Cursor::new(bytes)) else { return Ok(()) };
     let (width, height) = decoder.dimensions();
     let [width, height, length] = [width.into(), height.into(), bytes.len() as u64];
@@ -63,7 +63,7 @@ fn exr(scope: &Scope, bytes: &[u8]) -> Result<(), String> {
     for header in &meta.headers {
         let [width, height] = [header.layer_size.x(), header.layer_size.y()].map(|n| n as u64);
         let unpacked = bytes_of(header, width, height);
-        if unpacked.is_none_or(|unpacked| unpacked > believed(length)) {
+        if unpacked.is_none_or(|unpacked| unpacked > plausible(length)) {
             return Err(unbelievable(width, height, length));
         }
         largest = largest.max(exr_block(header, length)?);
@@ -84,7 +84,7 @@ pub(crate) fn exr_block(header: &Header, file_bytes: u64) -> Result<u64, String>
         }
     };
     let block = bytes_of(header, width as u64, height as u64);
-    block.filter(|block| *block <= believed(file_bytes)).ok_or_else(|| {
+    block.filter(|block| *block <= plausible(file_bytes)).ok_or_else(|| {
         format!(
             "claims blocks of {width} x {height} pixels, which its {file_bytes} bytes cannot hold"
         )
@@ -99,6 +99,6 @@ fn bytes_of(header: &Header, width: u64, height: u64) -> Option<u64> {
 }
 
 /// How many unpacked bytes a file of so many bytes may claim.
-pub(super) fn believed(file_bytes: u64) -> u64 {
+pub(super) fn plausible(file_bytes: u64) -> u64 {
     ALWAYS_BELIEVED_BYTES.max(file_bytes.saturating_mul(MAX_UNPACKING))
 }

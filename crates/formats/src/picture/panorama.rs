@@ -4,7 +4,7 @@ use super::Depth;
 use crate::{FileError, Input};
 use unrender_scene::{Environment, Rgb, Warnings};
 
-/// Panoramas of the whole sphere are twice as wide as high; others are told beyond this share.
+/// Panoramas of the whole sphere are twice as wide as high; beyond this share there is a warning.
 const ASPECT_TOLERANCE: f64 = 0.02;
 
 /// Reads the equirectangular panorama at `path` as an environment, turned by `rotation_rad` (see

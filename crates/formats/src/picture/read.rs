@@ -15,7 +15,7 @@ const MAX_PIXELS: u64 = 1 << 28;
 /// No decoder here unpacks a byte of a file to more bytes than this.
 pub(super) const MAX_UNPACKING: u64 = 4096;
 
-/// Files that claim less than this are believed whatever their size.
+/// Files that claim less than this are plausible whatever their size.
 pub(super) const ALWAYS_BELIEVED_BYTES: u64 = 64 << 20;
 
 /// Reads the picture at `path` and turns it upright as its EXIF orientation says.
@@ -138,7 +138,7 @@ fn check_size(decoder: &impl ImageDecoder, file_bytes: u64) -> Result<(), String
         return Err("has no pixels".into());
     }
     let unpacked = pixels.saturating_mul(u64::from(decoder.color_type().bytes_per_pixel()));
-    if pixels > MAX_PIXELS || unpacked > budget::believed(file_bytes) {
+    if pixels > MAX_PIXELS || unpacked > budget::plausible(file_bytes) {
         return Err(budget::unbelievable(width.into(), height.into(), file_bytes));
     }
     Ok(())

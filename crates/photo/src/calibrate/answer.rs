@@ -96,7 +96,7 @@ impl Calibration {
 }
 
 /// The result of the estimation.
-pub(super) struct Found {
+pub(super) struct FittedCamera {
     pub(super) model: Model,
     pub(super) certainty: Certainty,
     /// For each pair whether it is an inlier.
@@ -113,9 +113,9 @@ pub(super) fn answer(
     sights: &[Sight],
     size: (usize, usize),
     free: Free,
-    found: &Found,
+    found: &FittedCamera,
 ) -> Calibration {
-    let Found { model, certainty, inlier, .. } = found;
+    let FittedCamera { model, certainty, inlier, .. } = found;
     let (width, height) = (size.0 as f64, size.1 as f64);
     let centre = Vector2::new(0.5 * width, 0.5 * height);
     let good = super::robust::select(sights, inlier);
@@ -180,7 +180,7 @@ fn rejected(pairs: &[Pair], sights: &[Sight], inlier: &[bool], model: &Model) ->
     out
 }
 
-fn doubts(calibration: &mut Calibration, found: &Found, good: &[Sight]) {
+fn doubts(calibration: &mut Calibration, found: &FittedCamera, good: &[Sight]) {
     let warnings = &mut calibration.warnings;
     let (width, height) = calibration.size;
     let diagonal = (width as f64).hypot(height as f64);

@@ -144,7 +144,7 @@ pub fn calibrate(
         return Err(undetermined(6, free));
     }
     let missed = missed(&model, &chosen, free);
-    let found = answer::Found { model, certainty, inlier: agreed.inlier, other, missed };
+    let found = answer::FittedCamera { model, certainty, inlier: agreed.inlier, other, missed };
     Ok(answer::answer(pairs, &sights, size, free, &found))
 }
 

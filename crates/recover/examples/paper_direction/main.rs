@@ -1,4 +1,4 @@
-//! What the paper's mirror difference says of the brushed direction, step by step, on the floor of its
+//! What the paper's mirror difference says of the anisotropy direction, step by step, on the floor of its
 //! Figure 8: `cargo run --release -p unrender-recover --example paper_direction -- docs/images`, from the
 //! repository's root.
 //!

@@ -40,7 +40,7 @@ pub struct LinearFit {
 
 /// One channel's sums: all that the objective needs to know of the pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Sums {
+struct NormalSums {
     b: f64,
     d: f64,
     s: f64,
@@ -52,7 +52,7 @@ struct Sums {
     ss: f64,
 }
 
-impl Sums {
+impl NormalSums {
     /// Adds a pixel of weight `w` and radiance `b`, with both renderings of its bases.
     fn add(&mut self, w: f64, b: f64, [d0, d1]: [f64; 2], [s0, s1]: [f64; 2]) {
         self.b += w * b;
@@ -187,9 +187,9 @@ fn sums(
     diffuse: &[Vec<Rgb>; 2],
     specular: Option<&[Vec<Rgb>; 2]>,
     channel: usize,
-) -> (Sums, Vec<Sums>) {
-    let mut values = Sums::default();
-    let mut bounds: BTreeMap<u32, Sums> = BTreeMap::new();
+) -> (NormalSums, Vec<NormalSums>) {
+    let mut values = NormalSums::default();
+    let mut bounds: BTreeMap<u32, NormalSums> = BTreeMap::new();
     for (i, pixel) in evidence.pixels.iter().enumerate() {
         let at = |image: &Vec<Rgb>| f64::from(image[i][channel]);
         let (w, b) = (f64::from(pixel.weight[channel]), f64::from(pixel.radiance[channel]));

@@ -32,7 +32,20 @@ const VIOLATED: f64 = 1e-7;
 /// A bound depends on the active ones if less than this share of its normal is left beside them.
 const DEPENDS: f64 = 1e-10;
 
-/// The `s` that minimises `s.H s / 2 - g.s` within `bounds`. None if `h` is not positive definite, or
+/// The `s` that minimises `s.H s / 2 - g.s` within `bounds`.
+///
+/// ```
+/// use nalgebra::{DMatrix, DVector};
+/// use unrender_recover::fit::quadratic::{Bounds, minimise};
+///
+/// // Towards (0.9, 0.4), where the two together are at most one: the nearest point is (0.75, 0.25).
+/// let bounds = Bounds { intervals: vec![[0.0, 1.0]; 2], pairs: vec![([0, 1], 1.0)] };
+/// let wanted = DVector::from_vec(vec![0.9, 0.4]);
+/// let found = minimise(&DMatrix::identity(2, 2), &wanted, &bounds).unwrap();
+/// assert!((found - DVector::from_vec(vec![0.75, 0.25])).norm() < 1e-12);
+/// ```
+///
+/// None if `h` is not positive definite, or
 /// the bounds exclude each other.
 pub fn minimise(h: &DMatrix<f64>, g: &DVector<f64>, bounds: &Bounds) -> Option<DVector<f64>> {
     let free = h.clone().cholesky().map(|factors| factors.solve(g));

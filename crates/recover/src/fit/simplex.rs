@@ -19,6 +19,14 @@ impl<F: Fn(&[f64]) -> f64> CostFunction for Cost<F> {
 ///
 /// Stops when the costs at the corners have a standard deviation below `tolerance`, or after
 /// `iterations` steps. Returns the best parameters and their cost.
+///
+/// ```
+/// use unrender_recover::fit::simplex::minimise;
+///
+/// let bowl = |p: &[f64]| (p[0] - 0.3).powi(2) + (p[1] - 0.2).powi(2);
+/// let (best, cost) = minimise(bowl, &[0.1, 0.1], &[0.05, 0.05], 1e-12, 500);
+/// assert!(cost < 1e-8 && (best[0] - 0.3).abs() < 1e-3);
+/// ```
 pub fn minimise(
     cost: impl Fn(&[f64]) -> f64,
     start: &[f64],

@@ -1,4 +1,4 @@
-//! Rung 6, anisotropic Ward: the brushed direction, then `alpha_x` and `alpha_y` (section 4.2.5).
+//! Rung 6, anisotropic Ward: the anisotropy direction, then `alpha_x` and `alpha_y` (section 4.2.5).
 //!
 //! The paper reads the direction off the photograph ([`super::brushed`]) and keeps it. Here it is
 //! where the search starts, beside a ring of directions (while both alphas are alike the direction
@@ -106,7 +106,7 @@ fn started(expected: &Expected) -> Vec<[f32; 3]> {
     alphas.into_iter().flat_map(turned).collect()
 }
 
-/// The same lobe with `alpha_x <= alpha_y` and theta in [0, pi): the brushed direction is the one
+/// The same lobe with `alpha_x <= alpha_y` and theta in [0, pi): the anisotropy direction is the one
 /// along which the surface is smoother.
 pub fn canonical([x, y, theta]: [f32; 3]) -> [f32; 3] {
     if x <= y { [x, y, theta.rem_euclid(PI)] } else { [y, x, (theta + PI / 2.0).rem_euclid(PI)] }

@@ -1,14 +1,14 @@
-//! The brushed direction straight from the photograph, as the paper reads it (section 4.2.5 and its
+//! The anisotropy direction straight from the photograph, as the paper reads it (section 4.2.5 and its
 //! Figures 4 and 5).
 //!
 //! The surface is rendered as a perfect mirror and subtracted from the photograph. Where a surface
-//! S is mirrored, the difference smears out across the brushed direction and hardly along it. S is
+//! S is mirrored, the difference smears out across the anisotropy direction and hardly along it. S is
 //! the mirrored surface with the largest `Area(S) / d(S, P)`. Then directions about the normal are
 //! tried: the difference is cut into lines along each, and the direction wins along whose lines
 //! its standard deviation is least on average.
 //!
 //! On a plane that mirrors a room this says where the mirrored edges lie: it comes out the same for all
-//! brushed directions, and for none (`docs/method/paper.md`, made by the example `paper_direction`). It
+//! anisotropy directions, and for none (`docs/method/paper.md`, made by the example `paper_direction`). It
 //! is one of the starts of the default ladder's search, and nothing more.
 
 use crate::evidence::Evidence;
@@ -25,7 +25,7 @@ const WINDOW: f32 = 1.5;
 /// Lines with fewer pixels say nothing about a deviation.
 const PIXELS_PER_LINE: usize = 5;
 
-/// The brushed direction's angle from the tangent, radians in [0, pi); none if the mirror shows
+/// The anisotropy direction's angle from the tangent, radians in [0, pi); none if the mirror shows
 /// nothing. The evidence must hold the mirror's radiance.
 pub fn direction(evidence: &Evidence, geometry: &GeometryBuffers) -> Option<f32> {
     let points = difference_on_plane(evidence, geometry);

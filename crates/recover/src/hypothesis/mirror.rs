@@ -4,7 +4,7 @@ use super::{Fit, Hypothesis, judged};
 use crate::evidence::Evidence;
 use unrender_scene::{Material, Rgb};
 
-/// The perfect mirror's misfit.
+/// The perfect mirror's residual.
 pub fn fit(evidence: &Evidence) -> Fit {
     let material = Material::mirror(Rgb::ONE);
     judged(Hypothesis::Mirror, evidence, material, &evidence.diffuse(), Some(&evidence.mirror()))

@@ -62,6 +62,18 @@ pub(crate) fn quantities(rung: Hypothesis) -> &'static [Quantity] {
 }
 
 /// The simplest hypothesis that can hold `material`.
+///
+/// ```
+/// use unrender_recover::hypothesis::{self, Hypothesis};
+/// use unrender_scene::{Material, Rgb};
+///
+/// let matt = Material::diffuse(Rgb::splat(0.5));
+/// assert_eq!(hypothesis::of(&matt), Hypothesis::Diffuse);
+/// let glossy = Material::isotropic(Rgb::splat(0.2), Rgb::splat(0.1), 0.05);
+/// assert_eq!(hypothesis::of(&glossy), Hypothesis::Isotropic);
+/// let brushed = Material { alpha_y: 0.2, ..glossy };
+/// assert_eq!(hypothesis::of(&brushed), Hypothesis::Anisotropic);
+/// ```
 pub fn of(material: &Material) -> Hypothesis {
     let diffuse = material.rho_d.max_element() > 0.0;
     match (material.is_delta(), material.is_glossy()) {

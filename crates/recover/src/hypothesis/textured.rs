@@ -13,7 +13,7 @@
 //! Texels that no pixel sees are filled from their neighbours over a pyramid [Gortler et al. 1996], and
 //! marked.
 
-use crate::evidence::{Effort, Evidence, Stage};
+use crate::evidence::{Evidence, SampleBudget, Stage};
 use glam::{DVec3, Vec2};
 use std::sync::Arc;
 use unrender_render::{Appearance, GeometryBuffers};
@@ -45,12 +45,12 @@ pub fn extract(
     appearance: Appearance<'_>,
     group: usize,
     specular: &Material,
-    effort: &Effort,
+    budget: &SampleBudget,
 ) -> Option<Extracted> {
     let geometry = stage.renderer.geometry();
     let valid = &stage.observation.pixels_of_group[group];
     let (width, height) = resolution(geometry, valid)?;
-    let (evidence, diffuse) = lit(stage, appearance, group, effort);
+    let (evidence, diffuse) = lit(stage, appearance, group, budget);
     let shine = evidence.specular(specular);
     let mut extracted: Option<Extracted> = None;
     for _ in 0..STEPS {
@@ -80,22 +80,22 @@ fn lit(
     stage: &Stage<'_>,
     appearance: Appearance<'_>,
     group: usize,
-    effort: &Effort,
+    budget: &SampleBudget,
 ) -> (Evidence, [Vec<Rgb>; 2]) {
     let geometry = stage.renderer.geometry();
     let valid = &stage.observation.pixels_of_group[group];
-    let gather = |effort: &Effort| {
-        let evidence = Evidence::gather(stage, appearance, group, valid, effort);
+    let gather = |budget: &SampleBudget| {
+        let evidence = Evidence::gather(stage, appearance, group, valid, budget);
         let diffuse = smoothed(geometry, &evidence, evidence.diffuse());
         (evidence, diffuse)
     };
-    let found = gather(effort);
+    let found = gather(budget);
     let more = (noise(&found.1) / NOISE).powi(2).min(MORE_MAX);
     if more <= 1.0 {
         return found;
     }
-    let mut again = effort.clone();
-    again.probe.cosine = (effort.probe.cosine as f32 * more).ceil() as u32;
+    let mut again = budget.clone();
+    again.probe.cosine = (budget.probe.cosine as f32 * more).ceil() as u32;
     gather(&again)
 }
 

@@ -6,9 +6,8 @@
 //! neighbours: once it is right, their errors may be gone. A proposal changes nothing by itself; the
 //! driver accepts it if the re-rendering of the whole picture is not worse for it.
 
+use super::evidence_pair::EvidencePair;
 use super::textures;
-use super::trial::Trial;
-use crate::effort;
 use crate::evidence::Evidence;
 use crate::hypothesis::{Fit, Hypothesis};
 use crate::likelihood::Likelihood;
@@ -17,6 +16,7 @@ use crate::outliers;
 use crate::problem::Options;
 use crate::record::{CandidateRecord, Status};
 use crate::residual::ResidualStats;
+use crate::sample_budget;
 use crate::selection::{Comparison, Decision, parameters};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
@@ -40,7 +40,7 @@ const TEXTURED: f64 = 2.0;
 /// The scene's better groups: those below this quantile of the model errors. A group that no hypothesis
 /// explains yet does not make the others' textures explained.
 const BETTER: f64 = 0.25;
-/// Candidates are told apart down to the model error of the middle one of the other groups. At the lower
+/// Candidates are distinguished down to the model error of the middle one of the other groups. At the lower
 /// quartile a real scene's rough lamps make lobes, at the upper one faint lobes wait until every group
 /// is right.
 const MIDDLE: f64 = 0.5;
@@ -197,7 +197,7 @@ impl<'o> Candidates<'o> {
 
     /// Groups whose hypothesis does not explain the photograph yet.
     pub(crate) fn open(&self, state: &State<'_>, level: usize) -> Vec<usize> {
-        let allowed = effort::allowance(level, self.options);
+        let allowed = sample_budget::allowance(level, self.options);
         let is_open = |g: &usize| {
             let of_group = &state.groups[*g];
             of_group.hypothesis != Hypothesis::Textured
@@ -266,17 +266,21 @@ impl<'o> Candidates<'o> {
     /// What the candidates of `group` come to.
     fn ask(&self, state: &mut State<'_>, group: usize, level: usize) -> Option<Proposal> {
         let pixels = state.observation.informative_of_group[group].len();
-        let mut effort = effort::trial(level, self.options, pixels);
+        let mut budget = sample_budget::candidates(level, self.options, pixels);
         // What the model of the other groups gets wrong, it may get wrong here.
-        let floor = &mut effort.allowance.floor;
+        let floor = &mut budget.allowance.floor;
         floor.share = floor.share.max(error_of_others(state, group, MIDDLE));
-        let trial =
-            Trial::gather(state, self.options, (group, light_of_others(state, group)), effort)?;
-        let (trial, fits) = trial.fit_all(state, group);
+        let evidence = EvidencePair::gather(
+            state,
+            self.options,
+            (group, light_of_others(state, group)),
+            budget,
+        )?;
+        let (evidence, fits) = evidence.fit_all(state, group);
         if fits.is_empty() {
             return None;
         }
-        let decisions = self.decide(&fits, &trial.judging, group);
+        let decisions = self.decide(&fits, &evidence.judging, group);
         let typical = error_of_others(state, group, BETTER).max(TYPICAL_MIN);
         let chosen = fits[decisions[0].chosen].clone();
         log(state, group, &fits, &decisions[0]);
@@ -285,7 +289,7 @@ impl<'o> Candidates<'o> {
             return self.texture(state, group, &chosen).filter(|texture| texture.moves(state));
         }
         let after = (level > 0)
-            .then(|| self.beyond_uniform(state, group, trial, (chosen, typical)))
+            .then(|| self.beyond_uniform(state, group, evidence, (chosen, typical)))
             .flatten();
         let is_textured = state.groups[group].hypothesis == Hypothesis::Textured;
         if uniform.moves(state) && !(is_textured && after.is_some()) {
@@ -301,7 +305,7 @@ impl<'o> Candidates<'o> {
         &self,
         state: &mut State<'_>,
         group: usize,
-        trial: Trial,
+        evidence: EvidencePair,
         (chosen, typical): (Fit, f64),
     ) -> Option<Proposal> {
         let asked = self.options.thresholds.textured;
@@ -315,7 +319,7 @@ impl<'o> Candidates<'o> {
         if !self.options.outliers || is_explained(&chosen, limit) {
             return texture;
         }
-        let left = self.without_outliers(state, group, trial, chosen, limit);
+        let left = self.without_outliers(state, group, evidence, chosen, limit);
         let best = |left: &Fitted| left.fits[left.decisions[0].chosen].clone();
         match left.filter(|left| is_explained(&best(left), asked.unwrap_or(limit))) {
             Some(left) => {
@@ -387,28 +391,28 @@ impl<'o> Candidates<'o> {
         &self,
         state: &State<'_>,
         group: usize,
-        mut trial: Trial,
+        mut evidence: EvidencePair,
         mut fit: Fit,
         limit: f64,
     ) -> Option<Fitted> {
         let geometry = state.problem.renderer.geometry();
         let mut found = Vec::new();
         let valid = &state.observation.pixels_of_group[group];
-        let side = outliers::cell_side(geometry, valid.len(), trial.judging.pixels.len());
+        let side = outliers::cell_side(geometry, valid.len(), evidence.judging.pixels.len());
         for _ in 0..OUTLIER_ROUNDS {
             let dispersion = self.options.thresholds.dispersion;
-            let flags = outliers::find(&trial.judging, &fit, geometry, dispersion, side)?;
-            let sampled: Vec<u32> = trial.judging.pixels.iter().map(|p| p.pixel).collect();
+            let flags = outliers::find(&evidence.judging, &fit, geometry, dispersion, side)?;
+            let sampled: Vec<u32> = evidence.judging.pixels.iter().map(|p| p.pixel).collect();
             found.extend(outliers::spread_out(&sampled, &flags, valid, geometry, side));
             if found.len() as f32 > outliers::SHARE_MAX * valid.len() as f32 {
                 return None;
             }
-            let (left, fits) = trial.without(&flags).fit_all(state, group);
+            let (left, fits) = evidence.without(&flags).fit_all(state, group);
             if fits.is_empty() {
                 return None;
             }
-            trial = left;
-            let decisions = self.decide(&fits, &trial.judging, group);
+            evidence = left;
+            let decisions = self.decide(&fits, &evidence.judging, group);
             let chosen = &fits[decisions[0].chosen];
             if is_explained(chosen, limit) {
                 return Some(Fitted { fits, decisions, outliers: found });

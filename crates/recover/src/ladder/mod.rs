@@ -6,7 +6,7 @@
 //! the paper's method as written.
 
 pub(crate) mod candidates;
+mod evidence_pair;
 pub(crate) mod paper;
 pub(crate) mod settle;
 pub(crate) mod textures;
-mod trial;

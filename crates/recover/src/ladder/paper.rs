@@ -13,13 +13,13 @@
 //! sample of the group's pixels, and the roughness is the mean over the channels.
 
 use crate::blocks::spread;
-use crate::effort;
-use crate::evidence::{Effort, Evidence, observe};
+use crate::evidence::{Evidence, SampleBudget, observe};
 use crate::fit::simplex;
 use crate::hypothesis::{self, Hypothesis, brushed, textured};
 use crate::problem::{Options, RecoverError};
 use crate::record::{CandidateRecord, Observer, Termination};
 use crate::residual::{ResidualStats, residual_stats};
+use crate::sample_budget;
 use crate::state::{State, distance};
 use serde::{Deserialize, Serialize};
 use unrender_render::{Appearance, ProbeSettings, Settings};
@@ -47,7 +47,7 @@ const SETTLED: f64 = 0.02;
 const SIMPLEX_TURNS: u64 = 80;
 
 /// Climbs one rung at a time.
-pub(crate) fn climb(
+pub(crate) fn run(
     state: &mut State<'_>,
     options: &Options,
     observer: &mut dyn Observer,
@@ -110,7 +110,7 @@ impl Rung {
 
 /// A group's pixels in the present re-rendering.
 #[derive(Serialize, Deserialize)]
-struct Seen {
+struct Rerendered {
     group: usize,
     pixels: Vec<u32>,
     rerendered: Vec<Rgb>,
@@ -124,7 +124,7 @@ struct PaperIteration<'o> {
 
 impl PaperIteration<'_> {
     /// Renders all groups again and measures their errors.
-    fn look(&self, state: &mut State<'_>) -> Vec<Seen> {
+    fn look(&self, state: &mut State<'_>) -> Vec<Rerendered> {
         let mut views = Vec::new();
         for group in state.visible_unknowns() {
             let valid = &state.observation.pixels_of_group[group];
@@ -140,27 +140,27 @@ impl PaperIteration<'_> {
             state.groups[group].residual = Some(error);
             let rerendered =
                 halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (*a + *b)).collect();
-            views.push(Seen { group, pixels, rerendered, error });
+            views.push(Rerendered { group, pixels, rerendered, error });
         }
         views
     }
 
     /// The groups that leave their rungs: those in error above its threshold, and among the worst.
-    fn leaving(&self, state: &State<'_>, views: &[Seen]) -> Vec<usize> {
-        let hypothesis = |v: &Seen| state.groups[v.group].hypothesis;
-        let in_error = |v: &&Seen| {
+    fn leaving(&self, state: &State<'_>, views: &[Rerendered]) -> Vec<usize> {
+        let hypothesis = |v: &Rerendered| state.groups[v.group].hypothesis;
+        let in_error = |v: &&Rerendered| {
             hypothesis(v) != Hypothesis::Textured
                 && v.error.total() > self.options.thresholds.paper[hypothesis(v) as usize]
         };
         let worst = views.iter().filter(in_error).map(|v| v.error.total()).fold(0.0, f64::max);
-        let among_worst = |v: &&Seen| v.error.total() >= WORST * worst;
+        let among_worst = |v: &&Rerendered| v.error.total() >= WORST * worst;
         views.iter().filter(in_error).filter(among_worst).map(|v| v.group).collect()
     }
 
     /// The groups in error above the threshold of their rungs.
-    fn in_error(&self, state: &State<'_>, views: &[Seen]) -> Vec<usize> {
-        let hypothesis = |v: &Seen| state.groups[v.group].hypothesis;
-        let in_error = |v: &&Seen| {
+    fn in_error(&self, state: &State<'_>, views: &[Rerendered]) -> Vec<usize> {
+        let hypothesis = |v: &Rerendered| state.groups[v.group].hypothesis;
+        let in_error = |v: &&Rerendered| {
             hypothesis(v) != Hypothesis::Textured
                 && v.error.total() > self.options.thresholds.paper[hypothesis(v) as usize]
         };
@@ -171,15 +171,15 @@ impl PaperIteration<'_> {
     fn correct(
         &self,
         state: &mut State<'_>,
-        seen: &Seen,
+        seen: &Rerendered,
         leaves: bool,
         rung: &mut Rung,
     ) -> Material {
-        let Seen { group, pixels, rerendered, error } = seen;
+        let Rerendered { group, pixels, rerendered, error } = seen;
         let hypothesis = state.groups[*group].hypothesis;
         if leaves || (rung.iterations == 1 && state.groups[*group].is_new_to(hypothesis)) {
             let material = state.materials[*group].clone();
-            let trial = CandidateRecord {
+            let candidate = CandidateRecord {
                 iteration: self.iteration,
                 hypothesis,
                 material,
@@ -188,7 +188,7 @@ impl PaperIteration<'_> {
                 criterion: 0.0,
                 accepted: !leaves,
             };
-            state.groups[*group].selection_log.push(trial);
+            state.groups[*group].selection_log.push(candidate);
         }
         let next = if leaves { next_rung(hypothesis) } else { hypothesis };
         let parameters = || self.parameters(state, *group, next, pixels, rerendered);
@@ -284,9 +284,10 @@ impl PaperIteration<'_> {
             ..ProbeSettings::default()
         };
         let pixels = &state.observation.pixels_of_group[group];
-        let allowance = effort::allowance(effort::FINEST, self.options);
-        let effort = Effort { pixels: ITERATION_PIXELS, pixels_seed: probe.seed, allowance, probe };
-        Evidence::gather(&state.stage(), state.appearance(), group, pixels, &effort)
+        let allowance = sample_budget::allowance(sample_budget::FINEST, self.options);
+        let budget =
+            SampleBudget { pixels: ITERATION_PIXELS, pixels_seed: probe.seed, allowance, probe };
+        Evidence::gather(&state.stage(), state.appearance(), group, pixels, &budget)
     }
 
     /// Sections 4.2.4 and 4.2.5: downhill simplex over `rho_d`, `rho_s` and the roughness, every

@@ -4,17 +4,17 @@
 //! light comes from diffuse surfaces that the camera sees, the photograph itself says how much it is
 //! (`unrender_render::radiance_cache`); only the rest depends on the other groups' reflectances, which move
 //! most of the way to their fits ([`crate::approach`]). Sample counts grow from level to level
-//! ([`crate::effort`]).
+//! ([`crate::sample_budget`]).
 
 use super::textures;
 use crate::approach::Way;
-use crate::effort::{self, SETTLED};
-use crate::evidence::{Effort, Evidence};
+use crate::evidence::{Evidence, SampleBudget};
 use crate::hypothesis::{self, Hypothesis, Search};
 use crate::model_error::ModelError;
 use crate::problem::{Options, RecoverError, Role};
 use crate::record::{Observer, Status};
 use crate::refine;
+use crate::sample_budget::{self, SETTLED};
 use crate::state::{State, distance};
 use unrender_scene::Material;
 
@@ -107,13 +107,13 @@ impl<'o> Settler<'o> {
             (state.groups[group].residual, state.groups[group].likelihood) = (None, None);
             return textures::extract(state, self.options, group, false);
         }
-        let mut effort = if hypothesis == Hypothesis::Diffuse {
-            effort::diffuse(self.samples, self.options)
+        let mut budget = if hypothesis == Hypothesis::Diffuse {
+            sample_budget::diffuse(self.samples, self.options)
         } else {
-            effort::specular(self.samples, self.options, &self.aims[group])
+            sample_budget::specular(self.samples, self.options, &self.aims[group])
         };
-        effort.allowance = effort::allowance(self.level, self.options);
-        let mut evidence = gather(state, self.options, group, effort);
+        budget.allowance = sample_budget::allowance(self.level, self.options);
+        let mut evidence = gather(state, self.options, group, budget);
         if evidence.is_empty() {
             return None;
         }
@@ -148,11 +148,11 @@ impl<'o> Settler<'o> {
             if !asked || !state.observation.pixels_of_group[group].is_empty() {
                 continue;
             }
-            let mut effort = effort::diffuse(self.level, self.options);
-            effort.probe.through_mirrors = true;
-            effort.probe.max_bounces = self.options.max_bounces;
+            let mut budget = sample_budget::diffuse(self.level, self.options);
+            budget.probe.through_mirrors = true;
+            budget.probe.max_bounces = self.options.max_bounces;
             let (stage, appearance) = (state.stage(), state.appearance());
-            let evidence = Evidence::gather(&stage, appearance, group, &in_mirrors, &effort);
+            let evidence = Evidence::gather(&stage, appearance, group, &in_mirrors, &budget);
             let evidence = evidence.expecting(state.problem.groups[group].expected);
             if evidence.pixels.len() < MIRRORED_PIXELS {
                 continue;
@@ -172,11 +172,11 @@ pub(crate) fn gather(
     state: &State<'_>,
     options: &Options,
     group: usize,
-    mut effort: Effort,
+    mut budget: SampleBudget,
 ) -> Evidence {
-    effort.probe.max_bounces = options.max_bounces;
+    budget.probe.max_bounces = options.max_bounces;
     let pixels = &state.observation.informative_of_group[group];
-    let evidence = Evidence::gather(&state.stage(), state.appearance(), group, pixels, &effort);
+    let evidence = Evidence::gather(&state.stage(), state.appearance(), group, pixels, &budget);
     evidence.expecting(state.problem.groups[group].expected)
 }
 

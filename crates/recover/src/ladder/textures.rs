@@ -1,9 +1,9 @@
 //! Textures on the way: the last rung, taken where no uniform hypothesis explains a group.
 
-use crate::effort;
 use crate::hypothesis::{Hypothesis, textured};
 use crate::problem::Options;
 use crate::record::Deviations;
+use crate::sample_budget;
 use crate::state::State;
 use unrender_scene::Material;
 
@@ -19,14 +19,14 @@ pub(crate) fn extract(
     last: bool,
 ) -> Option<Material> {
     let few = state.observation.pixels_of_group[group].len() < PIXELS_MIN;
-    let mut effort = effort::texture(last, options);
-    effort.probe.max_bounces = options.max_bounces;
+    let mut budget = sample_budget::texture(last, options);
+    budget.probe.max_bounces = options.max_bounces;
     let plain = Material::diffuse(state.materials[group].rho_d);
     let stage = state.stage();
     let extracted = if few {
         None
     } else {
-        textured::extract(&stage, state.appearance(), group, &plain, &effort)
+        textured::extract(&stage, state.appearance(), group, &plain, &budget)
     };
     let of_group = &mut state.groups[group];
     let Some(mut extracted) = extracted else {

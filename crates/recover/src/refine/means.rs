@@ -10,10 +10,10 @@
 use super::sample::Cell;
 use super::unknowns::Unknowns;
 use crate::blocks::Place;
-use crate::correction::Correction;
 use crate::evidence::Observed;
 use crate::model_error::{followed, level2};
 use crate::observation::Noise;
+use crate::photometric::PhotometricParameter;
 use crate::state::State;
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -227,9 +227,10 @@ fn mean(
         }
         sums
     });
-    let change =
-        |c: &Correction| over(&|p| state.exposure * c.derivative.pixels()[p.pixel as usize]);
-    let changes: Vec<Rgb> = state.problem.corrections.iter().map(change).collect();
+    let change = |c: &PhotometricParameter| {
+        over(&|p| state.exposure * c.derivative.pixels()[p.pixel as usize])
+    };
+    let changes: Vec<Rgb> = state.problem.photometric_parameters.iter().map(change).collect();
     let mut residuals = radiance.map(|radiance| photograph - radiance);
     let light = 0.5 * (radiance[0] + radiance[1]);
     // A lower bound that the model meets asks for nothing.

@@ -11,8 +11,8 @@
 //! large they are. Then [`verdict`] says what the photograph could not tell; where that makes a
 //! hypothesis simpler, the rest is refined again.
 
-pub(crate) mod basins;
 mod blocks;
+pub(crate) mod local_minima;
 mod means;
 mod normal;
 mod passes;

@@ -44,7 +44,7 @@ pub(crate) struct Normal {
 /// that the model has no idea of do not rule the rest [Huber 1964].
 const HUBER: f32 = 6.0;
 /// No model of a scene is better than this, relatively and squared.
-const MISFIT_MIN: f32 = 1e-6;
+const RESIDUAL_MIN: f32 = 1e-6;
 /// A cell counts at most this many times the median when the noise of a group is measured: one
 /// firefly is not the group's noise.
 const OUTLIER: f32 = 30.0;
@@ -249,7 +249,7 @@ struct Noise {
     /// Variance of the mean of both renderings, times the pixels of a cell.
     rendering: Rgb,
     /// Variance of what the model does not explain.
-    misfit: Rgb,
+    residual: Rgb,
 }
 
 impl Noise {
@@ -260,17 +260,17 @@ impl Noise {
             0.25 * (a - b) * (a - b) / m.level2 * m.pixels as f32
         };
         let rendering = clipped_mean(of_group().map(rendering));
-        let misfit = |m: &Mean| {
+        let residual = |m: &Mean| {
             let mean = 0.5 * (m.residuals[0] + m.residuals[1]);
             (mean * mean - m.variance) / m.level2 - rendering / m.pixels as f32
         };
-        let misfit = clipped_mean(of_group().map(misfit)).max(Rgb::splat(MISFIT_MIN));
-        Self { rendering, misfit }
+        let residual = clipped_mean(of_group().map(residual)).max(Rgb::splat(RESIDUAL_MIN));
+        Self { rendering, residual }
     }
 
     /// The variance of a cell's mean residual.
     fn variance(&self, mean: &Mean) -> Rgb {
-        let relative = self.misfit + self.rendering / mean.pixels as f32;
+        let relative = self.residual + self.rendering / mean.pixels as f32;
         (mean.variance + relative * mean.level2).max(Rgb::splat(f32::MIN_POSITIVE))
     }
 }

@@ -17,7 +17,7 @@ use super::sample::{self, Cell};
 use super::system::System;
 use super::unknowns::Unknowns;
 use super::{Solution, blocks};
-use crate::correction::Corrected;
+use crate::photometric::PhotometricEstimate;
 use crate::problem::Options;
 use crate::record::Observer;
 use crate::state::State;
@@ -59,7 +59,7 @@ struct Place {
     materials: Vec<Material>,
     lights: Vec<Rgb>,
     exposure: Rgb,
-    corrected: Corrected,
+    photometric: PhotometricEstimate,
     residuals: Vec<[Rgb; 2]>,
     weights: Vec<Rgb>,
     system: System,
@@ -276,7 +276,7 @@ impl Place {
             materials: state.materials.clone(),
             lights: state.lights.clone(),
             exposure: state.exposure,
-            corrected: state.corrected.clone(),
+            photometric: state.photometric.clone(),
             residuals: means.iter().map(|mean| mean.residuals).collect(),
             weights: normal.weights.clone(),
             system,
@@ -300,7 +300,7 @@ impl Place {
         state.materials.clone_from(&self.materials);
         state.lights.clone_from(&self.lights);
         state.exposure = self.exposure;
-        state.corrected.clone_from(&self.corrected);
+        state.photometric.clone_from(&self.photometric);
     }
 }
 

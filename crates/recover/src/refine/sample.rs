@@ -36,7 +36,7 @@ pub(crate) fn all(state: &State<'_>, per_group: usize, seed: u64) -> Vec<Cell> {
     let groups = (0..state.materials.len()).filter(says_something);
     let mut cells = cells(&state.stage(), groups, per_group, seed);
     for seen in cells.iter_mut().flat_map(|cell| &mut cell.pixels) {
-        seen.radiance += state.exposure * state.correction(seen.pixel as usize);
+        seen.radiance += state.exposure * state.photometric_change(seen.pixel as usize);
     }
     cells
 }

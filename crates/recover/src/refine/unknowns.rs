@@ -56,7 +56,8 @@ impl Unknowns {
             }
         }
         let mut list = Self::add_nuisances(list, state);
-        (0..state.problem.corrections.len()).for_each(|k| push(&mut list, Quantity::Camera, k));
+        (0..state.problem.photometric_parameters.len())
+            .for_each(|k| push(&mut list, Quantity::Camera, k));
         Self::new(list, state)
     }
 

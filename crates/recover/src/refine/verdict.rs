@@ -1,9 +1,9 @@
-//! What the photograph can tell and what it cannot.
+//! What the photograph determines, and what it does not.
 //!
 //! A number is worth what its standard deviation allows. A lobe goes that is not significant, neither
 //! by its standard deviation nor by the likelihoods that model selection compared (a single highlight
 //! leaves a lobe's strength uncertain and its presence certain), and so does what is diffuse about a mirror, or not perfect about it, if it is less than what
-//! the ladder's threshold calls explained; an anisotropy that cannot be told from none becomes a round lobe; a group out of sight
+//! the ladder's threshold calls explained; an anisotropy that is not significant becomes a round lobe; a group out of sight
 //! whose reflectance stays open is assumed: at its best guess, or white, as the paper does, where
 //! there is nothing to guess from.
 
@@ -17,7 +17,7 @@ use crate::state::State;
 use crate::unknown::{Quantity, Unknown};
 use unrender_scene::{Material, Rgb};
 
-/// A number counts as told from zero at this many standard deviations.
+/// A number is significant at this many standard deviations.
 const TOLD: f64 = 2.0;
 /// A group out of sight is recovered if all its standard deviations are below this ...
 const UNSEEN_MAX: f64 = 0.1;
@@ -146,10 +146,10 @@ pub(super) fn record(state: &mut State<'_>, solution: &Solution) {
             covariance.of.iter_mut().filter(|u| u.of == group).for_each(swap_alphas);
         }
         if state.observation.pixels_of_group[group].is_empty() {
-            let told = verdict.largest(Quantity::RhoD) <= UNSEEN_MAX;
+            let is_determined = verdict.largest(Quantity::RhoD) <= UNSEEN_MAX;
             let of_group = &mut state.groups[group];
-            of_group.status = if told { Status::Recovered } else { Status::Assumed };
-            let how = if told { "" } else { ", which leaves it open: a guess" };
+            of_group.status = if is_determined { Status::Recovered } else { Status::Assumed };
+            let how = if is_determined { "" } else { ", which leaves it open: a guess" };
             of_group.note.get_or_insert_with(|| {
                 format!("never seen directly: from the light that it sends to the others{how}")
             });
@@ -169,11 +169,11 @@ pub(super) fn record(state: &mut State<'_>, solution: &Solution) {
         state.light_results.push(LightResult { source, factor, std });
     }
     state.exposure_std = rgb(Quantity::Exposure, 0).map(|std| std * state.exposure);
-    let places: Vec<usize> = (0..state.problem.corrections.len())
+    let places: Vec<usize> = (0..state.problem.photometric_parameters.len())
         .filter_map(|of| solution.index(Quantity::Camera, of, None))
         .collect();
     let row = |i: &usize| places.iter().map(|j| solution.covariance[(*i, *j)]).collect();
-    state.corrected.covariance = places.iter().map(row).collect();
+    state.photometric.covariance = places.iter().map(row).collect();
     state.covariance = Some(covariance);
 }
 

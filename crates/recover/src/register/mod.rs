@@ -36,6 +36,7 @@ pub type GeometryOf<'a> = &'a dyn Fn(&Camera, usize, usize) -> GeometryBuffers;
 
 /// How a model lies on a photograph.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Registration {
     /// The camera that brings the model's edges onto the photograph's; the given one if no other
     /// brings more of them there.

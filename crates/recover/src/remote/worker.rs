@@ -8,6 +8,7 @@ use unrender_scene::{Material, Rgb, SceneError};
 
 /// Why a worker cannot answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Fault {
     /// The bytes mean nothing to this build.
     #[error("a request is not understood: install the same build of unrender on all machines")]

@@ -1,7 +1,7 @@
 //! A step that changes the state, kept in the journal as the parts of the state that it changed.
 
 use super::State;
-use crate::correction::Corrected;
+use crate::photometric::PhotometricEstimate;
 use crate::record::LightResult;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -14,7 +14,7 @@ struct Common {
     exposure: Rgb,
     exposure_std: Option<Rgb>,
     light_results: Vec<LightResult>,
-    corrected: Corrected,
+    photometric: PhotometricEstimate,
 }
 
 /// The parts of a state that a step changed, by their numbers, and what it found.
@@ -61,7 +61,7 @@ impl State<'_> {
             exposure: self.exposure,
             exposure_std: self.exposure_std,
             light_results: self.light_results.clone(),
-            corrected: self.corrected.clone(),
+            photometric: self.photometric.clone(),
         };
         // Plain data without maps: it can always be written.
         let materials = self.materials.iter().map(|m| postcard::to_stdvec(m).unwrap_or_default());
@@ -91,7 +91,7 @@ impl State<'_> {
             self.exposure = common.exposure;
             self.exposure_std = common.exposure_std;
             self.light_results = common.light_results;
-            self.corrected = common.corrected;
+            self.photometric = common.photometric;
         }
         Some(())
     }

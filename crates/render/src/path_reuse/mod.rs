@@ -67,7 +67,7 @@ const STREAM: u64 = 0x50A4_0000_0000_0000;
 pub(crate) struct Workspace {
     receivers: Vec<Receiver>,
     receiver_set: ReceiverSet,
-    vertices: Vec<Found>,
+    vertices: Vec<StoredVertex>,
     connections: Vec<Connection>,
     /// The BRDF of a glossy vertex towards each of `connections`.
     f_cos: Vec<Rgb>,
@@ -75,7 +75,7 @@ pub(crate) struct Workspace {
 }
 
 /// A reusable vertex and the index of the receiver that found it.
-struct Found {
+struct StoredVertex {
     finder: usize,
     vertex: ReusableVertex,
 }
@@ -225,7 +225,7 @@ impl PathReuse<'_> {
                     let Contribution { radiance, reusable } =
                         receiver.contribution(self.transport, &mut sampler);
                     let finder = space.receivers.len();
-                    space.vertices.extend(reusable.map(|vertex| Found { finder, vertex }));
+                    space.vertices.extend(reusable.map(|vertex| StoredVertex { finder, vertex }));
                     space.receivers.push(receiver);
                     radiance
                 }
@@ -235,7 +235,7 @@ impl PathReuse<'_> {
         }
         let Workspace { receivers, receiver_set, vertices, connections, f_cos, radiance } = space;
         receiver_set.assign(receivers);
-        for Found { finder, vertex } in vertices {
+        for StoredVertex { finder, vertex } in vertices {
             receiver_set.connect(self.transport, receivers, (*finder, vertex), connections);
             distribute(&vertex.reflection, connections, f_cos, radiance);
         }

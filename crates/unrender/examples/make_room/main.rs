@@ -107,7 +107,7 @@ fn entry(scene: &Scene, index: usize) -> GroupEntry {
     }
 }
 
-/// The brushed direction of a flat group whose texture coordinates grow along its first edge.
+/// The anisotropy direction of a flat group whose texture coordinates grow along its first edge.
 fn direction(scene: &Scene, group: usize) -> Vec3 {
     let Some(object) = scene.objects.iter().find(|o| o.group == group) else { return Vec3::ZERO };
     let [a, b, _] = object.mesh.corners(0);

@@ -87,7 +87,7 @@ fn units(subject: &Subject<'_>) -> Warnings {
 /// How large what the picture shows is along its longest side, but for a tenth of the pixels at each
 /// end.
 fn seen_size(subject: &Subject<'_>) -> Option<f32> {
-    let (camera, geometry) = (&subject.laid.camera, subject.geometry);
+    let (camera, geometry) = (&subject.registered.camera, subject.geometry);
     let (width, height) = (geometry.width(), geometry.height());
     let points: Vec<Vec3> = (0..width * height)
         .filter(|&i| geometry.pixels()[i].object != NOTHING)

@@ -63,17 +63,17 @@ pub struct Edges {
 
 /// Finds the edges of the model on the photograph.
 pub(super) fn find(subject: &Subject<'_>) -> Edges {
-    let (job, laid) = (subject.job, subject.laid);
+    let (job, registered) = (subject.job, subject.registered);
     let (width, height) = (job.photo.radiance.width(), job.photo.radiance.height());
     let finer = finer((width, height));
     let geometry = subject.tracer.geometry(&job.camera, finer * width, finer * height);
     let found = edgels(&geometry, &job.camera, finer);
-    let camera_is_off = laid.camera != job.camera;
+    let camera_is_off = registered.camera != job.camera;
     let picture = EdgePicture::new(&job.photo.radiance);
     let offsets: Vec<Option<f32>> =
         found.iter().map(|edgel| picture.offset(edgel, REACH)).collect();
     let points: Vec<Edge> = if camera_is_off {
-        let project = |edgel: &Edgel| moved(edgel, &laid.camera, (width, height));
+        let project = |edgel: &Edgel| moved(edgel, &registered.camera, (width, height));
         found.iter().map(|edgel| edge(edgel.at, project(edgel))).collect()
     } else {
         let offsets = agreed(&found, &offsets, width);
@@ -91,7 +91,7 @@ pub(super) fn find(subject: &Subject<'_>) -> Edges {
     Edges {
         fit: share(EdgeKind::Fits),
         off: share(EdgeKind::Off),
-        displacement_px: laid.registration.as_ref().map(|found| found.displacement),
+        displacement_px: registered.registration.as_ref().map(|found| found.displacement),
         camera_is_off,
         points,
     }
@@ -155,7 +155,7 @@ pub(super) fn warnings(subject: &Subject<'_>, edges: &Edges) -> Warnings {
              and the camera right? `unrender calibrate` finds it from measured points",
         );
     }
-    let Some(found) = &subject.laid.registration else { return warnings };
+    let Some(found) = &subject.registered.registration else { return warnings };
     if found.displacement > CLEAR {
         let done = if edges.camera_is_off {
             "a recovery moves the camera to where they fit, unless told to keep it"

@@ -3,7 +3,7 @@
 
 use super::{Subject, some};
 use serde::Serialize;
-use unrender_recover::prospect::RoughnessCue;
+use unrender_recover::identifiability::RoughnessCue;
 use unrender_recover::{PixelStatus, Role};
 use unrender_scene::Warnings;
 
@@ -54,7 +54,7 @@ fn one(subject: &Subject<'_>, group: usize) -> GroupCheck {
     let count = |status: PixelStatus| {
         all.iter().filter(|&&p| observation.status.pixels()[p as usize] == status).count()
     };
-    let prospect = subject.prospects[group];
+    let identifiability = subject.identifiabilities[group];
     let of_group = || subject.job.scene.objects.iter().filter(move |o| o.group == group);
     GroupCheck {
         name: subject.group_name(group).to_owned(),
@@ -68,14 +68,14 @@ fn one(subject: &Subject<'_>, group: usize) -> GroupCheck {
         clipped: count(PixelStatus::Clipped),
         edge: count(PixelStatus::Edge),
         spike: count(PixelStatus::Spike),
-        lit: prospect.map(|p| p.lit),
-        roughness: prospect.map(|p| match p.roughness_cue() {
+        lit: identifiability.map(|p| p.lit),
+        roughness: identifiability.map(|p| match p.roughness_cue() {
             RoughnessCue::Highlight => "highlight",
             RoughnessCue::Image => "mirror image",
             RoughnessCue::Both => "highlight, mirror image",
             RoughnessCue::Nothing => "nothing",
         }),
-        contrast: prospect.map(|p| [p.highlight, p.image]),
+        contrast: identifiability.map(|p| [p.highlight, p.image]),
         texture_coordinates: of_group().count() > 0
             && of_group().all(|object| !object.mesh.uvs.is_empty()),
     }
@@ -111,7 +111,7 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
             ));
         }
     }
-    let light = |g: usize| subject.prospects[g].map(|p| p.light);
+    let light = |g: usize| subject.identifiabilities[g].map(|p| p.light);
     let usual = super::median((0..subject.specs.len()).filter_map(light)).unwrap_or(0.0);
     let dark = named(&|g| light(g).is_some_and(|light| light <= DARK * usual));
     if !dark.is_empty() {

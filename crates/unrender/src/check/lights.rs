@@ -47,10 +47,10 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
 }
 
 /// A point of the picture and the normal on the viewer's side.
-type Seen = (Vec3, Vec3);
+type SurfacePoint = (Vec3, Vec3);
 
-fn seen_points(subject: &Subject<'_>) -> Vec<Seen> {
-    let (geometry, camera) = (subject.geometry, &subject.laid.camera);
+fn seen_points(subject: &Subject<'_>) -> Vec<SurfacePoint> {
+    let (geometry, camera) = (subject.geometry, &subject.registered.camera);
     let (width, height) = (geometry.width(), geometry.height());
     let is_seen = |i: &u32| geometry.pixels()[*i as usize].object != NOTHING;
     let pixels: Vec<u32> = (0..(width * height) as u32).filter(is_seen).collect();
@@ -72,11 +72,15 @@ fn is_free(tracer: &Tracer, from: Vec3, to: Vec3) -> bool {
     distance > 0.0 && tracer.surface(&ray).is_none()
 }
 
-fn area_light(subject: &Subject<'_>, (index, lamp): (u32, &Object), seen: &[Seen]) -> Warnings {
+fn area_light(
+    subject: &Subject<'_>,
+    (index, lamp): (u32, &Object),
+    seen: &[SurfacePoint],
+) -> Warnings {
     let mut warnings = Warnings::default();
     let tracer = subject.tracer;
     let points = spread_over(&lamp.mesh, AROUND);
-    let reaches = |i: usize, (to, normal): &Seen| {
+    let reaches = |i: usize, (to, normal): &SurfacePoint| {
         (0..FROM).any(|k| {
             let (from, front) = points[(i * FROM + k) % points.len()];
             let way = *to - from;
@@ -119,7 +123,7 @@ fn out_of_sight(kind: &str, name: &str) -> String {
 }
 
 /// Points spread evenly over `mesh`, with the normals of the fronts.
-fn spread_over(mesh: &Mesh, count: usize) -> Vec<Seen> {
+fn spread_over(mesh: &Mesh, count: usize) -> Vec<SurfacePoint> {
     let areas: Vec<f32> = (0..mesh.triangles.len()).map(|t| normal(mesh, t).length()).collect();
     let total: f32 = areas.iter().sum();
     let (mut triangle, mut before) = (0, 0.0);
@@ -152,8 +156,8 @@ fn area(mesh: &Mesh) -> f32 {
 }
 
 /// The first surface along a ray from each of `points`, by the cosine about its normal.
-fn first_met(tracer: &Tracer, points: &[Seen]) -> Vec<Option<(f32, u32)>> {
-    let met = |(i, (point, front)): (usize, &Seen)| {
+fn first_met(tracer: &Tracer, points: &[SurfacePoint]) -> Vec<Option<(f32, u32)>> {
+    let met = |(i, (point, front)): (usize, &SurfacePoint)| {
         let (radius, angle) = ((GOLDEN * i as f32).fract().sqrt(), 0.414_213_6 * i as f32 * TAU);
         let (sin, cos) = angle.sin_cos();
         let local = Vec3::new(radius * cos, radius * sin, (1.0 - radius * radius).max(0.0).sqrt());
@@ -167,7 +171,7 @@ fn first_met(tracer: &Tracer, points: &[Seen]) -> Vec<Option<(f32, u32)>> {
 
 /// The share of an area light's light that is stopped within `distance`, and the object that stops
 /// most of it.
-fn stopped(tracer: &Tracer, points: &[Seen], distance: f32) -> (f32, Option<u32>) {
+fn stopped(tracer: &Tracer, points: &[SurfacePoint], distance: f32) -> (f32, Option<u32>) {
     let mut by: BTreeMap<u32, usize> = BTreeMap::new();
     for (_, object) in first_met(tracer, points).into_iter().flatten().filter(|m| m.0 < distance) {
         *by.entry(object).or_default() += 1;
@@ -176,13 +180,13 @@ fn stopped(tracer: &Tracer, points: &[Seen], distance: f32) -> (f32, Option<u32>
     (share, by.into_iter().max_by_key(|(_, count)| *count).map(|(object, _)| object))
 }
 
-fn is_turned_inwards(tracer: &Tracer, points: &[Seen], lamp: u32) -> bool {
+fn is_turned_inwards(tracer: &Tracer, points: &[SurfacePoint], lamp: u32) -> bool {
     let itself = first_met(tracer, points).into_iter().flatten().filter(|m| m.1 == lamp).count();
     itself as f32 > MOST * points.len() as f32
 }
 
 /// A light without a surface.
-fn small_light(subject: &Subject<'_>, light: &Light, seen: &[Seen]) -> Warnings {
+fn small_light(subject: &Subject<'_>, light: &Light, seen: &[SurfacePoint]) -> Warnings {
     let mut warnings = Warnings::default();
     let tracer = subject.tracer;
     let (kind, position) = match light.kind {
@@ -192,7 +196,7 @@ fn small_light(subject: &Subject<'_>, light: &Light, seen: &[Seen]) -> Warnings 
     };
     let [low, high] = subject.bounds();
     let size = low.distance(high);
-    let lit = |(point, normal): &&Seen| {
+    let lit = |(point, normal): &&SurfacePoint| {
         let (wi, distance, irradiance) = light.kind.illuminate(*point);
         let to = *point + wi * distance.min(2.0 * size);
         irradiance.max_element() > 0.0 && wi.dot(*normal) > 0.0 && is_free(tracer, *point, to)

@@ -20,12 +20,12 @@ pub use picture::edge_picture;
 pub use table::{json, table};
 
 use crate::Job;
-use crate::laid::Laid;
 use crate::problem;
+use crate::registered::RegisteredModel;
 use crate::registration::{self, Alignment};
 use glam::Vec3;
 use unrender_recover::evidence::Stage;
-use unrender_recover::prospect::{Prospect, prospect};
+use unrender_recover::identifiability::{Identifiability, identifiability};
 use unrender_recover::{GroupSpec, Observation, PixelStatus, Role, View};
 use unrender_render::{GeometryBuffers, RadianceCache, Tracer};
 use unrender_scene::color::luminance;
@@ -52,26 +52,26 @@ const PIXELS_OF_GROUP: [usize; 2] = [40, 400];
 /// Looks at all of `job`.
 pub fn check(job: &Job) -> Checkup {
     let tracer = Tracer::new(&job.scene);
-    let laid = registration::lay(job, &tracer, Alignment::Auto);
+    let registered = registration::register(job, &tracer, Alignment::Auto);
     let size = (job.photo.radiance.width(), job.photo.radiance.height());
-    let view = View::new(&tracer, &laid.camera, size, job.scene.brdf);
+    let view = View::new(&tracer, &registered.camera, size, job.scene.brdf);
     let geometry = unrender_recover::Renderer::geometry(&view);
-    let observation = laid.observe(job, geometry);
+    let observation = registered.observe(job, geometry);
     let specs: Vec<GroupSpec> =
         (0..job.scene.groups.len()).map(|group| problem::spec(job, group)).collect();
-    let prospects = prospects(&view, &observation, &specs);
+    let identifiabilities = identifiabilities(&view, &observation, &specs);
     let subject = Subject {
         job,
         tracer: &tracer,
-        laid: &laid,
+        registered: &registered,
         geometry,
         observation: &observation,
         specs: &specs,
-        prospects: &prospects,
+        identifiabilities: &identifiabilities,
     };
     let edges = edges::find(&subject);
     let mut warnings = job.warnings.clone();
-    for told in [
+    for noted in [
         photograph::warnings(&subject),
         camera::warnings(&subject),
         edges::warnings(&subject, &edges),
@@ -80,7 +80,7 @@ pub fn check(job: &Job) -> Checkup {
         lights::warnings(&subject),
         groups::warnings(&subject),
     ] {
-        warnings.extend(told);
+        warnings.extend(noted);
     }
     Checkup { groups: groups::all(&subject), edges, warnings }
 }
@@ -89,12 +89,12 @@ pub fn check(job: &Job) -> Checkup {
 struct Subject<'a> {
     job: &'a Job,
     tracer: &'a Tracer,
-    laid: &'a Laid,
-    /// What the camera sees as the model was laid.
+    registered: &'a RegisteredModel,
+    /// What the camera sees as the model was registered.
     geometry: &'a GeometryBuffers,
     observation: &'a Observation,
     specs: &'a [GroupSpec],
-    prospects: &'a [Option<Prospect>],
+    identifiabilities: &'a [Option<Identifiability>],
 }
 
 impl Subject<'_> {
@@ -114,13 +114,14 @@ impl Subject<'_> {
 
 /// A first look at the light in every group that reflects, unknown ones in grey. What is mirrored has
 /// the colours of the photograph, brought to the brightness of the grey scene.
-fn prospects(
+fn identifiabilities(
     view: &View<'_>,
     observation: &Observation,
     specs: &[GroupSpec],
-) -> Vec<Option<Prospect>> {
+) -> Vec<Option<Identifiability>> {
     let in_grey = prospects_among(view, observation, specs, None);
-    let sum = |f: &dyn Fn(&Prospect) -> f32| -> f32 { in_grey.iter().flatten().map(f).sum() };
+    let sum =
+        |f: &dyn Fn(&Identifiability) -> f32| -> f32 { in_grey.iter().flatten().map(f).sum() };
     let (grey, photo) = (sum(&|p| p.light * luminance(GREY)), sum(&|p| p.photo));
     if photo <= 0.0 {
         return in_grey;
@@ -131,7 +132,7 @@ fn prospects(
     };
     let in_colour = prospects_among(view, observation, specs, Some(&seen));
     let merged = in_grey.into_iter().zip(in_colour).map(|(grey, colour)| {
-        grey.zip(colour).map(|(grey, colour)| Prospect { image: colour.image, ..grey })
+        grey.zip(colour).map(|(grey, colour)| Identifiability { image: colour.image, ..grey })
     });
     merged.collect()
 }
@@ -141,7 +142,7 @@ fn prospects_among(
     observation: &Observation,
     specs: &[GroupSpec],
     seen: Option<&RadianceCache>,
-) -> Vec<Option<Prospect>> {
+) -> Vec<Option<Identifiability>> {
     let material = |spec: &GroupSpec| match spec.role {
         Role::Unknown => Material::diffuse(GREY),
         Role::Known | Role::Emitter => spec.material.clone(),
@@ -154,7 +155,7 @@ fn prospects_among(
         let [valid, all] = [&observation.pixels_of_group, &observation.all_pixels_of_group];
         let pixels = if valid[group].is_empty() { &all[group] } else { &valid[group] };
         (spec.role != Role::Emitter)
-            .then(|| prospect(&stage, (&materials).into(), group, pixels, (count, 0)))
+            .then(|| identifiability(&stage, (&materials).into(), group, pixels, (count, 0)))
             .flatten()
     };
     specs.iter().enumerate().map(look).collect()

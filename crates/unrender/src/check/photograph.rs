@@ -5,7 +5,7 @@
 //!    likely came along.
 //!  - **Gaps in the histogram**: codes that never occur between codes that do often. Contrast or
 //!    brightness were changed after the camera had written its codes.
-//!  - **The slope** of the photograph over the light ([`unrender_recover::prospect`]), which a wrong
+//!  - **The slope** of the photograph over the light ([`unrender_recover::identifiability`]), which a wrong
 //!    response bends.
 //!  - **Brightness**: clipped, black, or far from what the lights can do on middle grey.
 
@@ -38,7 +38,7 @@ const FACTOR: f32 = 10.0;
 pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
     let codes = &subject.job.picture;
     let mut warnings = Warnings::default();
-    for told in [
+    for doubts in [
         steps(subject, codes),
         gaps(codes),
         slope(subject),
@@ -46,7 +46,7 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
         too_dark(subject, codes),
         brightness(subject),
     ] {
-        told.into_iter().for_each(|told| warnings.push(told));
+        doubts.into_iter().for_each(|doubts| warnings.push(doubts));
     }
     warnings
 }
@@ -106,7 +106,7 @@ fn slope(subject: &Subject<'_>) -> Option<String> {
         return None;
     }
     let pixels = |g: usize| subject.observation.pixels_of_group[g].len();
-    let slopes = subject.prospects.iter().enumerate();
+    let slopes = subject.identifiabilities.iter().enumerate();
     let mut slopes: Vec<(f32, usize)> = slopes
         .filter_map(|(g, p)| p.and_then(|p| p.slope).map(|slope| (slope, pixels(g))))
         .collect();
@@ -174,11 +174,11 @@ fn brightness(subject: &Subject<'_>) -> Option<String> {
         return None;
     }
     let (mut photo, mut grey) = (0.0f64, 0.0f64);
-    for (group, prospect) in subject.prospects.iter().enumerate() {
+    for (group, identifiability) in subject.identifiabilities.iter().enumerate() {
         let pixels = subject.observation.pixels_of_group[group].len() as f64;
-        if let Some(prospect) = prospect {
-            photo += pixels * f64::from(prospect.photo);
-            grey += pixels * f64::from(prospect.light * luminance(GREY));
+        if let Some(identifiability) = identifiability {
+            photo += pixels * f64::from(identifiability.photo);
+            grey += pixels * f64::from(identifiability.light * luminance(GREY));
         }
     }
     let factor = photo / grey;

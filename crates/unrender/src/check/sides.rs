@@ -38,7 +38,7 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
     if !others.is_empty() {
         warnings.push(format!(
             "the picture shows {} from behind. Surfaces reflect alike on both sides, but a solid \
-             whose faces point inwards is likely a mistake, and brushed directions count from the \
+             whose faces point inwards is likely a mistake, and anisotropy directions count from the \
              front: flip the faces",
             some(&others)
         ));

@@ -78,12 +78,12 @@ mod tests {
     }
 
     #[test]
-    fn overlaps_and_repetitions_are_told() {
-        let told = |charts: &[[f32; 4]]| doubt(&scene(charts), 0);
-        assert_eq!(told(&[[0.0, 0.0, 0.5, 1.0], [0.5, 0.0, 1.0, 1.0]]), None);
-        assert!(told(&[[0.0, 0.0, 2.0, 1.0]]).unwrap().contains("beyond"));
-        let said = told(&[[0.0, 0.0, 0.6, 1.0], [0.4, 0.0, 1.0, 1.0]]).unwrap();
+    fn overlaps_and_repetitions_are_reported() {
+        let noted = |charts: &[[f32; 4]]| doubt(&scene(charts), 0);
+        assert_eq!(noted(&[[0.0, 0.0, 0.5, 1.0], [0.5, 0.0, 1.0, 1.0]]), None);
+        assert!(noted(&[[0.0, 0.0, 2.0, 1.0]]).unwrap().contains("beyond"));
+        let said = noted(&[[0.0, 0.0, 0.6, 1.0], [0.4, 0.0, 1.0, 1.0]]).unwrap();
         assert!(said.contains("overlap (20 %"), "{said}");
-        assert_eq!(told(&[]), None);
+        assert_eq!(noted(&[]), None);
     }
 }

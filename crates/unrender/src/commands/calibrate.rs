@@ -123,7 +123,7 @@ fn target(args: &Args, global: &Global) -> Result<Target, Error> {
         }
         return Ok(target);
     }
-    let text = input::text(&args.out).map_err(|problem| FileError::new(&args.out, problem))?;
+    let text = input::text(&args.out).map_err(|error| FileError::because(&args.out, "", error))?;
     let (project, _) = Project::parse(&args.out, &text)?;
     let mut warnings = Warnings::default();
     for (given, stated, key) in
@@ -188,8 +188,8 @@ fn from_points(args: &Args, path: &Path, target: &Target, global: &Global) -> Re
     let Some(photo) = &target.photo else {
         return Err(Error::Request("give the photo whose pixels the points are in".into()));
     };
-    let bytes =
-        input::read(Input::new(photo, limits)).map_err(|problem| FileError::new(photo, problem))?;
+    let bytes = input::read(Input::new(photo, limits))
+        .map_err(|error| FileError::because(photo, "", error))?;
     let (picture, _) = picture::read(Input::new(photo, limits))?;
     let size = (picture.values.width(), picture.values.height());
     let pairs = points::read(path)?;
@@ -305,14 +305,14 @@ fn lens_in_gltf(out: &Path) -> Error {
 
 /// `path` as seen from `folder`, with forward slashes; `path` itself where that cannot be told.
 fn relative(path: &Path, folder: &Path) -> String {
-    let told = path.canonicalize().ok().zip(folder.canonicalize().ok()).map(|(path, folder)| {
+    let noted = path.canonicalize().ok().zip(folder.canonicalize().ok()).map(|(path, folder)| {
         let shared = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
         let up = folder.components().skip(shared).map(|_| "..".to_owned());
         let down = path.components().skip(shared);
         let down = down.map(|part| part.as_os_str().to_string_lossy().into_owned());
         up.chain(down).collect::<Vec<_>>().join("/")
     });
-    told.unwrap_or_else(|| path.display().to_string())
+    noted.unwrap_or_else(|| path.display().to_string())
 }
 
 fn file_name(path: &Path) -> String {

@@ -15,7 +15,7 @@ use unrender_scene::{Camera, Group, Material, Scene, WardModel, Warnings};
 ///
 /// Radiance has the lobe of ward-gmd, all other programs that of ggx, and Mitsuba and Blender also one
 /// that is like ward-gmd (Beckmann's). What was recovered with another lobe is converted, and how far
-/// off it is is told.
+/// off it is becomes a warning.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     unrender export result --to blender --out room_blender\n  \
@@ -79,9 +79,9 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     }
     let materials: Vec<Material> = conversions.into_iter().map(|c| c.material).collect();
     let shot = Shot { scene: &scene, materials: &materials, camera: &camera, size, light_units };
-    let (files, told) = export::export(&shot, args.to)
+    let (files, noted) = export::export(&shot, args.to)
         .map_err(|problem| Error::Request(format!("the scene cannot be exported: {problem}")))?;
-    doubts.extend(told);
+    doubts.extend(noted);
     global.console.warn(&doubts);
     let _until_written = interrupt::writing();
     export::write(&args.out, args.to, &files)?;
@@ -171,8 +171,8 @@ fn input(args: &Args, limits: Limits) -> Result<(Scene, Camera, (usize, usize), 
     let camera = match used {
         Some(table) => table.camera("photograph"),
         None => {
-            let (camera, told) = job::named_camera(&scene, args.camera.as_deref(), &path)?;
-            warnings.extend(told);
+            let (camera, noted) = job::named_camera(&scene, args.camera.as_deref(), &path)?;
+            warnings.extend(noted);
             camera
         }
     };

@@ -1,7 +1,7 @@
 //! `unrender merge`: parts of a rendering become the picture that one run would have made.
 
 use crate::global::Global;
-use crate::{Error, interrupt, output, part, passes};
+use crate::{Error, interrupt, output, progressive, shard};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_formats::FileError;
@@ -34,8 +34,8 @@ pub struct Args {
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     output::check_picture(&args.out)?;
     output::check_inputs(&args.out, args.parts.iter().map(PathBuf::as_path))?;
-    let (sum, warnings) = part::join(&args.parts, args.allow_gaps)?;
-    let [tally] = &sum.layers[..] else {
+    let (sum, warnings) = shard::join(&args.parts, args.allow_gaps)?;
+    let [accumulator] = &sum.layers[..] else {
         return Err(FileError::new(
             &args.parts[0],
             "is a part of a composite; `unrender restage EDIT.toml --composite --parts ...` puts \
@@ -45,9 +45,9 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     };
     global.console.warn(&warnings);
     if !global.quiet {
-        global.console.tell(&passes::in_words(sum.head.samples.end, tally));
+        global.console.tell(&progressive::in_words(sum.head.samples.end, accumulator));
     }
     let _until_written = interrupt::writing();
-    global.console.warn(&output::write_picture(&args.out, tally)?);
+    global.console.warn(&output::write_picture(&args.out, accumulator)?);
     Ok(ExitCode::SUCCESS)
 }

@@ -1,10 +1,9 @@
-//! The subcommands: each file holds the arguments of one and its `run`; [`effort`] holds flags that
+//! The subcommands: each file holds the arguments of one and its `run`; [`sampling`] holds flags that
 //! two share.
 
 pub mod calibrate;
 pub mod check;
 pub mod completions;
-pub mod effort;
 pub mod export;
 pub mod farm;
 pub mod man;
@@ -13,5 +12,6 @@ pub mod recover;
 pub mod render;
 pub mod report;
 pub mod restage;
+pub mod sampling;
 pub mod score;
 pub mod split;

@@ -1,11 +1,11 @@
 //! `unrender render`: a picture of a scene, with its own materials or those of a file.
 
-use super::effort::{Effort, positive};
+use super::sampling::{SamplingArgs, positive};
 use crate::global::Global;
-use crate::part;
-use crate::passes::{self, Job};
 use crate::progress::Progress;
-use crate::subject::Picture;
+use crate::progressive::{self, Job};
+use crate::progressive_render::PictureRender;
+use crate::shard;
 use crate::{Error, Project, interrupt, job, output};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -65,7 +65,7 @@ pub struct Args {
     pub height: Option<usize>,
     /// How much is rendered.
     #[command(flatten)]
-    pub effort: Effort,
+    pub sampling: SamplingArgs,
     /// The picture to write: .exr or .hdr (linear radiance), or .png (8-bit sRGB).
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
@@ -79,29 +79,29 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     check_outputs(args)?;
     let shot = Shot::load(args, InMemory::default(), global.limits())?;
     global.console.warn(&shot.warnings);
-    let subject = Picture::new(&shot.scene, &shot.camera, args.effort.settings());
-    let job = shot.job(args, &subject);
+    let render = PictureRender::new(&shot.scene, &shot.camera, args.sampling.settings());
+    let job = shot.job(args, &render);
     let progress = Progress::new("render", global);
-    let rendered = passes::run(&job, &args.effort.goal(), &progress)?;
+    let rendered = progressive::run(&job, &args.sampling.goal(), &progress)?;
     drop(progress);
     if rendered.interrupted {
         return Ok(rendered.goodbye(&global.console));
     }
     let _until_written = interrupt::writing();
-    if args.effort.samples.is_some() {
-        part::write(&args.out, &rendered.head(&job), &rendered.layers)?;
+    if args.sampling.samples.is_some() {
+        shard::write(&args.out, &rendered.head(&job), &rendered.layers)?;
         return Ok(ExitCode::SUCCESS);
     }
-    let tally = &rendered.layers[0];
-    if args.effort.is_open() && !global.quiet {
-        global.console.tell(&passes::in_words(rendered.samples.end, tally));
+    let accumulator = &rendered.layers[0];
+    if args.sampling.is_open() && !global.quiet {
+        global.console.tell(&progressive::in_words(rendered.samples.end, accumulator));
     }
-    global.console.warn(&output::write_picture(&args.out, tally)?);
+    global.console.warn(&output::write_picture(&args.out, accumulator)?);
     Ok(ExitCode::SUCCESS)
 }
 
 /// Puts materials onto a scene.
-pub type Dress<'a> = &'a dyn Fn(&mut Scene) -> Result<Warnings, Error>;
+pub type AssignMaterials<'a> = &'a dyn Fn(&mut Scene) -> Result<Warnings, Error>;
 
 /// What a caller has in memory instead of files.
 #[derive(Default)]
@@ -109,7 +109,7 @@ pub struct InMemory<'a> {
     /// The scene, instead of the one that the arguments name.
     pub scene: Option<Scene>,
     /// Puts materials onto the scene, after those of the file that the arguments name.
-    pub materials: Option<Dress<'a>>,
+    pub materials: Option<AssignMaterials<'a>>,
 }
 
 /// The picture that [`run`] would write. Its warnings and its progress go to the console.
@@ -119,14 +119,14 @@ pub struct InMemory<'a> {
 pub fn picture(args: &Args, given: InMemory<'_>, global: &Global) -> Result<Rendering, Error> {
     let shot = Shot::load(args, given, global.limits())?;
     global.console.warn(&shot.warnings);
-    let subject = Picture::new(&shot.scene, &shot.camera, args.effort.settings());
-    let job = shot.job(args, &subject);
+    let render = PictureRender::new(&shot.scene, &shot.camera, args.sampling.settings());
+    let job = shot.job(args, &render);
     let progress = Progress::new("render", global);
-    let rendered = passes::run(&job, &args.effort.goal(), &progress)?;
-    let tally: &Accumulator = &rendered.layers[0];
-    global.console.warn(&output::doubts(tally));
+    let rendered = progressive::run(&job, &args.sampling.goal(), &progress)?;
+    let accumulator: &Accumulator = &rendered.layers[0];
+    global.console.warn(&output::doubts(accumulator));
     let (samples, interrupted) = (rendered.samples.clone(), rendered.interrupted);
-    Ok(Rendering { radiance: tally.mean(), noise: tally.noise(), samples, interrupted })
+    Ok(Rendering { radiance: accumulator.mean(), noise: accumulator.noise(), samples, interrupted })
 }
 
 /// A picture, and how far it came.
@@ -161,8 +161,8 @@ impl Shot {
         Ok(Self { scene, camera, size, warnings })
     }
 
-    fn job<'a>(&self, args: &Args, subject: &'a Picture<'_>) -> Job<'a> {
-        Job { subject, identity: args.effort.identity(&self.scene, &self.camera, self.size) }
+    fn job<'a>(&self, args: &Args, render: &'a PictureRender<'_>) -> Job<'a> {
+        Job { render, identity: args.sampling.identity(&self.scene, &self.camera, self.size) }
     }
 }
 
@@ -181,15 +181,15 @@ pub(crate) fn check(args: &Args, global: &Global) -> Result<(), Error> {
 fn check_outputs(args: &Args) -> Result<(), Error> {
     let inputs = [&args.scene, &args.project, &args.materials, &args.environment];
     let inputs = inputs.map(Option::as_ref);
-    for out in std::iter::once(&args.out).chain(&args.effort.checkpoint) {
+    for out in std::iter::once(&args.out).chain(&args.sampling.checkpoint) {
         output::check_inputs(out, inputs.into_iter().flatten().map(PathBuf::as_path))?;
     }
-    let parts = args.effort.samples.as_ref().map(|_| &args.out).into_iter();
-    let parts = parts.chain(&args.effort.checkpoint);
+    let parts = args.sampling.samples.as_ref().map(|_| &args.out).into_iter();
+    let parts = parts.chain(&args.sampling.checkpoint);
     for part in parts {
         output::check_file(part, &["exr"], "the samples of a picture are kept in .exr files")?;
     }
-    if args.effort.checkpoint.as_ref() == Some(&args.out) {
+    if args.sampling.checkpoint.as_ref() == Some(&args.out) {
         return Err(Error::Request("--checkpoint and --out need files of their own".into()));
     }
     Ok(output::check_picture(&args.out)?)
@@ -227,18 +227,18 @@ fn load(args: &Args, given: InMemory<'_>, limits: Limits) -> Result<Loaded, Erro
     if let Some(path) = &args.environment {
         let rotation_rad = args.environment_rotation.to_radians();
         let path = Input::new(path, limits);
-        let (environment, told) =
+        let (environment, noted) =
             picture::read_environment(path, rotation_rad, args.environment_scale)?;
         scene.environment = Some(environment);
-        warnings.extend(told);
+        warnings.extend(noted);
     }
     warnings.extend(job::validate(&mut scene, &path)?);
     let (own, photo) = own.unzip();
     let camera = match (own, &args.camera) {
         (Some(camera), None) => camera,
         (_, name) => {
-            let (camera, told) = job::named_camera(&scene, name.as_deref(), &path)?;
-            warnings.extend(told);
+            let (camera, noted) = job::named_camera(&scene, name.as_deref(), &path)?;
+            warnings.extend(noted);
             camera
         }
     };
@@ -252,7 +252,7 @@ fn of_project(args: &Args, path: &Path, limits: Limits) -> Result<OfProject, Err
     let (mut project, warnings) = Project::read(path)?;
     project.limits = limits;
     project.light_units = args.light_units.or(project.light_units);
-    for out in std::iter::once(&args.out).chain(&args.effort.checkpoint) {
+    for out in std::iter::once(&args.out).chain(&args.sampling.checkpoint) {
         output::check_inputs(out, project.inputs())?;
     }
     let job = crate::Job::load(project, warnings)?;

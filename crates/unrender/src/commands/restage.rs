@@ -1,16 +1,16 @@
 //! `unrender restage`: new pictures of a recovered scene, and the change put into the photograph.
 
-use super::effort::{self, Effort};
 use super::render::size;
+use super::sampling::{self, SamplingArgs};
 use crate::Error;
 use crate::edit::{Composite, Flag, Photograph, Restaging, Sheet, View};
 use crate::global::Global;
-use crate::part::{self, Identity};
-use crate::passes::{self, Job};
 use crate::progress::Progress;
+use crate::progressive::{self, Job};
+use crate::progressive_render::PictureRender;
 use crate::result_folder::ResultFolder;
 use crate::results::restaged;
-use crate::subject::Picture;
+use crate::shard::{self, Identity};
 use serde::Serialize;
 use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
@@ -91,7 +91,7 @@ pub struct Args {
     #[arg(long, value_name = "N", conflicts_with = "composite")]
     pub height: Option<usize>,
     /// Of a sequence, render the pictures A up to B alone, B not included, counted from 1.
-    #[arg(long, value_name = "A..B", value_parser = effort::range)]
+    #[arg(long, value_name = "A..B", value_parser = sampling::range)]
     #[arg(conflicts_with_all = ["composite", "samples", "checkpoint", "parts"])]
     pub frames: Option<Range<u32>>,
     /// Take the samples of these parts, which --samples made, instead of rendering.
@@ -100,7 +100,7 @@ pub struct Args {
     pub parts: Vec<PathBuf>,
     /// How much is rendered.
     #[command(flatten)]
-    pub effort: Effort,
+    pub sampling: SamplingArgs,
 }
 
 /// Runs the command.
@@ -121,7 +121,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
 
 /// The folder of the results, in which nothing else will be replaced.
 fn folder(args: &Args, sheets: &[Sheet]) -> Result<ResultFolder, Error> {
-    let part = args.effort.samples.as_ref().map(part_name);
+    let part = args.sampling.samples.as_ref().map(part_name);
     let writes = |name: &str| match &part {
         Some(part) => name == part,
         None if args.composite => restaged::writes_composite(name),
@@ -190,15 +190,15 @@ fn composite(
 ) -> Result<ExitCode, Error> {
     let (camera, size) = (&photograph.camera, photograph.size());
     let scenes = restaging.scenes();
-    let pairing = Pairing::new(scenes, camera, args.effort.settings());
+    let pairing = Pairing::new(scenes, camera, args.sampling.settings());
     let both = (scenes.before, scenes.after, &scenes.change.origin);
     let identity = identity(args, &both, camera, size);
-    let job = Job { subject: &pairing, identity };
+    let job = Job { render: &pairing, identity };
     let layers = match samples(args, global, &job, folder)? {
         ControlFlow::Continue(layers) => layers,
         ControlFlow::Break(code) => return Ok(code),
     };
-    let grain = args.grain.then_some(args.effort.seed);
+    let grain = args.grain.then_some(args.sampling.seed);
     let paired = pair::paired(&layers);
     let composite = Composite::new(restaging, photograph, paired, Gain::Auto, grain);
     let write = |place: &Path| restaged::write_composite(&composite, photograph, place);
@@ -215,7 +215,7 @@ fn synthetic(
     let photograph = restaging.start.photograph.as_ref();
     let cameras = restaging.view.cameras();
     let is_sequence = cameras.len() > 1;
-    if is_sequence && (args.effort.samples.is_some() || args.effort.checkpoint.is_some()) {
+    if is_sequence && (args.sampling.samples.is_some() || args.sampling.checkpoint.is_some()) {
         return Err(Error::Request(
             "--samples and --checkpoint are for one picture; a sequence is split by --frames"
                 .into(),
@@ -236,9 +236,9 @@ fn synthetic(
             (None, None, Some(photograph)) => photograph.size(),
             (width, height, _) => size(width, height, camera)?,
         };
-        let subject = Picture::new(&restaging.after, camera, args.effort.settings());
+        let render = PictureRender::new(&restaging.after, camera, args.sampling.settings());
         let identity = identity(args, &restaging.after, camera, size);
-        let layers = match samples(args, global, &Job { subject: &subject, identity }, folder)? {
+        let layers = match samples(args, global, &Job { render: &render, identity }, folder)? {
             ControlFlow::Continue(layers) => layers,
             ControlFlow::Break(code) => return Ok(code),
         };
@@ -261,7 +261,7 @@ fn identity(
     camera: &Camera,
     size: (usize, usize),
 ) -> Identity {
-    let identity = args.effort.identity(scene, camera, size);
+    let identity = args.sampling.identity(scene, camera, size);
     if args.parts.is_empty() { identity } else { identity.with_fingerprints(scene, camera) }
 }
 
@@ -274,9 +274,9 @@ fn samples(
     folder: &ResultFolder,
 ) -> Result<ControlFlow<ExitCode, Vec<Accumulator>>, Error> {
     if !args.parts.is_empty() {
-        let (part, warnings) = part::join(&args.parts, false)?;
+        let (part, warnings) = shard::join(&args.parts, false)?;
         global.console.warn(&warnings);
-        passes::check(job, &part.head).map_err(|problem| {
+        progressive::check(job, &part.head).map_err(|problem| {
             Error::Request(format!(
                 "{}: is a part of another picture: {problem}",
                 part.path.display()
@@ -285,19 +285,19 @@ fn samples(
         return Ok(ControlFlow::Continue(part.layers));
     }
     let progress = Progress::new("restage", global);
-    let rendered = passes::run(job, &args.effort.goal(), &progress)?;
+    let rendered = progressive::run(job, &args.sampling.goal(), &progress)?;
     drop(progress);
     if rendered.interrupted {
         return Ok(ControlFlow::Break(rendered.goodbye(&global.console)));
     }
-    if let Some(samples) = &args.effort.samples {
+    if let Some(samples) = &args.sampling.samples {
         folder.write(true, |place| {
-            part::write(&place.join(part_name(samples)), &rendered.head(job), &rendered.layers)
+            shard::write(&place.join(part_name(samples)), &rendered.head(job), &rendered.layers)
         })?;
         return Ok(ControlFlow::Break(ExitCode::SUCCESS));
     }
-    if args.effort.is_open() && !global.quiet {
-        global.console.tell(&passes::in_words(rendered.samples.end, &rendered.layers[0]));
+    if args.sampling.is_open() && !global.quiet {
+        global.console.tell(&progressive::in_words(rendered.samples.end, &rendered.layers[0]));
     }
     Ok(ControlFlow::Continue(rendered.layers))
 }

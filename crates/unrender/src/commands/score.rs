@@ -30,7 +30,7 @@ pub struct Args {
     /// The largest good error of alpha_x and alpha_y, percent.
     #[arg(long, value_name = "X")]
     pub max_alpha_percent: Option<f64>,
-    /// The largest good error of the brushed direction, degrees.
+    /// The largest good error of the anisotropy direction, degrees.
     #[arg(long, value_name = "X")]
     pub max_degrees: Option<f64>,
     /// Print JSON instead of columns.

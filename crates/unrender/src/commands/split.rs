@@ -48,13 +48,13 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         return Err(Error::Request(format!("the results have no group \"{name}\"")));
     }
     let apart = run.groups.iter().filter(|(name, group)| wanted(name) && group.parts.len() > 1);
-    let mut told = String::new();
+    let mut noted = String::new();
     for (name, group) in apart {
         let split = split(&mut scene, name, &group.parts);
         let names = split.map_err(|problem| FileError::new(&project.scene, problem))?;
-        told.push_str(&format!("{name}: {}\n", names.join(", ")));
+        noted.push_str(&format!("{name}: {}\n", names.join(", ")));
     }
-    if told.is_empty() {
+    if noted.is_empty() {
         return Err(Error::Request(match &args.group {
             Some(name) => format!("one material explains all objects of \"{name}\""),
             None => "one material explains all objects of every group".into(),
@@ -75,7 +75,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let _until_written = interrupt::writing();
     atomic::write(&args.out, &bytes)?;
     if !global.quiet {
-        global.console.print(&told);
+        global.console.print(&noted);
     }
     Ok(ExitCode::SUCCESS)
 }

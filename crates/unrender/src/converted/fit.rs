@@ -155,9 +155,9 @@ impl Pairs {
         self.fit(&sums, (self.albedo / sums.albedo).min(limit))
     }
 
-    fn sums(&self, to: Lobe, alphas: [f64; 2]) -> Sums {
+    fn sums(&self, to: Lobe, alphas: [f64; 2]) -> LobeSums {
         let lobe = TargetLobe::new(to, alphas.map(|a| a as f32));
-        let mut sums = Sums { albedo: 0.0, square: 0.0, both: 0.0 };
+        let mut sums = LobeSums { albedo: 0.0, square: 0.0, both: 0.0 };
         for pair in &self.pairs {
             let other = f64::from(lobe.value(pair.wo, pair.wi) * pair.wi.z);
             sums.albedo += pair.weight * other;
@@ -167,7 +167,7 @@ impl Pairs {
         sums
     }
 
-    fn fit(&self, sums: &Sums, scale: f64) -> Fit {
+    fn fit(&self, sums: &LobeSums, scale: f64) -> Fit {
         let difference = (scale * scale * sums.square - 2.0 * scale * sums.both) / self.square;
         let albedo = scale * sums.albedo / self.albedo;
         Fit { scale, albedo, difference: (difference + 1.0).max(0.0) }
@@ -175,7 +175,7 @@ impl Pairs {
 }
 
 /// Integrals over the pairs of another lobe, of its square, and of its product with Ward's.
-struct Sums {
+struct LobeSums {
     albedo: f64,
     square: f64,
     both: f64,

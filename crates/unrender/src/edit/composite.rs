@@ -72,7 +72,7 @@ fn shot(photograph: &Photograph, geometry: &GeometryBuffers, groups: usize) -> R
         values: photo.radiance.clone(),
         valid: photo.valid.clone(),
         saturated: photo.saturated.clone(),
-        quantum: photo.quantisation_step.clone(),
+        quantisation_step: photo.quantisation_step.clone(),
     };
     let shots = Observation::new(picture, geometry, groups).shot_of_group;
     let median = |channel: usize| {

@@ -34,15 +34,15 @@ impl RawInsert {
         &self,
         sheet: &Sheet,
         start: &Start,
-        told: &mut Warnings,
+        notes: &mut Warnings,
     ) -> Result<Edit, String> {
         let path = sheet.path(&self.file);
         let (model, warnings) = unrender_formats::load_model(Input::new(&path, sheet.limits()))
             .map_err(|error| error.to_string())?;
-        told.extend(warnings);
+        notes.extend(warnings);
         let stem = || self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let turn = self.rotation_deg.map_or(Vec3::ZERO, |turn| turn.0.map(f32::to_radians));
-        let paint = self.material.iter().map(|material| material.of_model(sheet, told));
+        let paint = self.material.iter().map(|material| material.of_model(sheet, notes));
         Ok(Edit::Insert(Insert {
             paint: paint.collect::<Result<_, String>>()?,
             name: self.name.clone().unwrap_or_else(stem),

@@ -46,27 +46,27 @@ pub(super) fn edits(
     warnings: &mut Warnings,
 ) -> Result<Vec<Placed>, Error> {
     let mut edits = Vec::new();
-    let mut told = Warnings::default();
+    let mut notes = Warnings::default();
     for sheet in sheets {
         collect(sheet, &sheet.raw.remove, &mut edits, &mut RawRemove::edit)?;
     }
     for sheet in sheets {
-        collect(sheet, &sheet.raw.repaint, &mut edits, &mut |raw| raw.edit(sheet, &mut told))?;
+        collect(sheet, &sheet.raw.repaint, &mut edits, &mut |raw| raw.edit(sheet, &mut notes))?;
     }
     for sheet in sheets {
         collect(sheet, &sheet.raw.lights, &mut edits, &mut light)?;
     }
     for sheet in sheets {
         collect(sheet, sheet.raw.environment.as_slice(), &mut edits, &mut |raw| {
-            surround(raw, sheet, &mut told)
+            surround(raw, sheet, &mut notes)
         })?;
     }
     for sheet in sheets {
         collect(sheet, &sheet.raw.insert, &mut edits, &mut |raw| {
-            raw.edit(sheet, start, &mut told)
+            raw.edit(sheet, start, &mut notes)
         })?;
     }
-    warnings.extend(told);
+    warnings.extend(notes);
     Ok(edits)
 }
 
@@ -97,9 +97,9 @@ fn light(raw: &RawLight) -> Result<Edit, String> {
     Ok(Edit::Light(raw.edit()?))
 }
 
-fn surround(raw: &RawEnvironment, sheet: &Sheet, told: &mut Warnings) -> Result<Edit, String> {
+fn surround(raw: &RawEnvironment, sheet: &Sheet, notes: &mut Warnings) -> Result<Edit, String> {
     let read = raw.choice(&|file| sheet.path(file))?.read(sheet.limits());
     let (environment, warnings) = read.map_err(|error| error.to_string())?;
-    told.extend(warnings);
+    notes.extend(warnings);
     Ok(Edit::Surround(Surround { environment }))
 }

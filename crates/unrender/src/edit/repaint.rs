@@ -29,10 +29,10 @@ pub(super) struct RawPaint {
 
 impl RawPaint {
     /// The edit that an entry of `[[repaint]]` asks for.
-    pub(super) fn edit(&self, sheet: &Sheet, told: &mut Warnings) -> Result<Edit, String> {
+    pub(super) fn edit(&self, sheet: &Sheet, notes: &mut Warnings) -> Result<Edit, String> {
         match (&self.group, &self.name) {
             (Some(group), None) => {
-                let paint = self.paint(sheet, told)?;
+                let paint = self.paint(sheet, notes)?;
                 Ok(Edit::Repaint(Repaint { group: group.clone(), paint }))
             }
             _ => Err("repaint: name what is repainted by group = \"GROUP\"".into()),
@@ -43,15 +43,15 @@ impl RawPaint {
     pub(super) fn of_model(
         &self,
         sheet: &Sheet,
-        told: &mut Warnings,
+        notes: &mut Warnings,
     ) -> Result<(Option<String>, Paint), String> {
         match &self.group {
-            None => Ok((self.name.clone(), self.paint(sheet, told)?)),
+            None => Ok((self.name.clone(), self.paint(sheet, notes)?)),
             Some(_) => Err("material: name the model's material by name = \"NAME\"".into()),
         }
     }
 
-    fn paint(&self, sheet: &Sheet, told: &mut Warnings) -> Result<Paint, String> {
+    fn paint(&self, sheet: &Sheet, notes: &mut Warnings) -> Result<Paint, String> {
         if self.alpha.is_some() && (self.alpha_x.is_some() || self.alpha_y.is_some()) {
             return Err("give alpha, or alpha_x and alpha_y".into());
         }
@@ -62,7 +62,7 @@ impl RawPaint {
             Some(path) => {
                 let read = materials::read_texture(Input::new(&sheet.path(path), sheet.limits()));
                 let (image, warnings) = read.map_err(|error| error.to_string())?;
-                told.extend(warnings);
+                notes.extend(warnings);
                 let (wrap_u, wrap_v) = (Wrap::Repeat, Wrap::Repeat);
                 Some(Arc::new(Texture { image, wrap_u, wrap_v }))
             }

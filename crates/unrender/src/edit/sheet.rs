@@ -74,7 +74,7 @@ impl Sheet {
     /// # Errors
     /// If it is missing, is not TOML, has an unknown key or a value that cannot be meant.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let text = input::text(path).map_err(|problem| FileError::new(path, problem))?;
+        let text = input::text(path).map_err(|error| FileError::because(path, "", error))?;
         let raw = toml::from_str(&text).map_err(|error| {
             FileError::new(path, with_line(&text, error.span(), error.message()))
         })?;
@@ -128,8 +128,8 @@ impl Sheet {
         let stated = stated.into_iter().flatten().map(|path| path.get_ref());
         let inserted = raw.insert.iter().map(|insert| &insert.get_ref().file);
         let around = raw.environment.iter().filter_map(|e| e.get_ref().file.as_ref());
-        let worn = raw.insert.iter().flat_map(|insert| &insert.get_ref().material);
-        let painted = raw.repaint.iter().map(|repaint| repaint.get_ref()).chain(worn);
+        let materials = raw.insert.iter().flat_map(|insert| &insert.get_ref().material);
+        let painted = raw.repaint.iter().map(|repaint| repaint.get_ref()).chain(materials);
         let painted = painted.filter_map(|paint| paint.texture.as_ref());
         let named = stated.chain(inserted).chain(around).chain(painted);
         let own = self.text.as_ref().map(|_| PathBuf::from(&self.name));

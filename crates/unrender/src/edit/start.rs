@@ -13,7 +13,7 @@ use unrender_scene::{Camera, Rgb, Scene, Warnings};
 /// The scene before the edits.
 #[derive(Debug)]
 pub struct Start {
-    /// The scene, wearing the materials that were recovered.
+    /// The scene, with the recovered materials.
     pub scene: Scene,
     /// Its file.
     pub path: PathBuf,

@@ -1,4 +1,4 @@
-//! The lights that a project names, and what tells them from the surfaces that they light.
+//! The lights that a project names, and what separates them from the surfaces that they light.
 //!
 //! Lights twice as bright on surfaces that reflect half as much make nearly the same picture. So
 //! wherever a light is unknown, something else must fix the scale, channel by channel: another
@@ -80,9 +80,9 @@ impl Project {
         let mut warnings = std::mem::take(&mut change.warnings);
         color_lights(self, scene).map_err(|problem| FileError::new(&self.path, problem))?;
         if let Some(choice) = &self.environment {
-            let (environment, told) = choice.read(self.limits)?;
+            let (environment, noted) = choice.read(self.limits)?;
             scene.environment = environment;
-            warnings.extend(told);
+            warnings.extend(noted);
         }
         Ok(warnings)
     }
@@ -114,7 +114,7 @@ impl Project {
         coloured.map(|source| source.index).collect()
     }
 
-    /// Makes sure that light and reflectance can be told apart in `scene`. Where exposure and all
+    /// Makes sure that light and reflectance can be separated in `scene`. Where exposure and all
     /// lights are unknown, brightness is only relative: the exposure becomes one, with a warning.
     ///
     /// # Errors

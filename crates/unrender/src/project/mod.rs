@@ -106,11 +106,11 @@ pub struct Known {
     pub rho_d: Rgb,
     /// Specular reflectance.
     pub rho_s: Rgb,
-    /// Roughness along the brushed direction.
+    /// Roughness along the anisotropy direction.
     pub alpha_x: f32,
     /// Roughness across it.
     pub alpha_y: f32,
-    /// Brushed direction, radians from the surface's tangent.
+    /// Anisotropy direction, radians from the surface's tangent.
     pub theta_rad: f32,
 }
 
@@ -129,7 +129,7 @@ impl Project {
     /// If the file is missing, is not TOML, has an unknown key or a value that cannot be meant, or
     /// names a file that does not exist.
     pub fn read(path: &Path) -> Result<(Self, Warnings), FileError> {
-        let text = input::text(path).map_err(|problem| FileError::new(path, problem))?;
+        let text = input::text(path).map_err(|error| FileError::because(path, "", error))?;
         let (project, warnings) = Self::parse(path, &text)?;
         for (key, file) in project.files() {
             if !file.is_file() {

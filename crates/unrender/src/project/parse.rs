@@ -24,12 +24,10 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     if anchor.is_some() && exposure != Exposure::Auto && !any_light_unknown {
         warnings.push("[anchor] was not used, as the exposure is stated and no light is unknown");
     }
-    let (all_known, group_rungs) = (all_known(&raw.groups)?, group_rungs(&raw.groups)?);
+    let group_rungs = group_rungs(&raw.groups)?;
     let ignored = ignored(&raw.groups)?;
     let same_as = same_as(&raw.groups)?;
-    if let Some(anchor) = &anchor {
-        is_counted(anchor, &same_as, &ignored)?;
-    }
+    anchor.as_ref().map_or(Ok(()), |anchor| check_anchor(&anchor.group, &same_as, &ignored))?;
     let (list, max) = (raw.recover.rungs.as_deref(), raw.recover.max_rung.as_deref());
     let rungs = rungs::read("recover", list, max)?;
     let named_lights = |unknown| {
@@ -63,7 +61,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         vignetting: raw.vignetting.as_ref().map(photograph::vignetting).transpose()?,
         exposure,
         anchor,
-        known: all_known,
+        known: all_known(&raw.groups)?,
         ignored,
         unknown_lights: named_lights(true),
         known_lights: named_lights(false),
@@ -95,18 +93,16 @@ fn with_line(error: &toml::de::Error, text: &str) -> String {
     }
 }
 
-/// What is known of the groups of which the reflectance is given.
+/// The materials that are stated, by the names of their groups.
 fn all_known(groups: &BTreeMap<String, RawGroup>) -> Result<BTreeMap<String, Known>, String> {
-    let mut all = BTreeMap::new();
-    for (name, group) in groups {
-        if let Some(raw) = &group.known {
-            all.insert(name.clone(), known(&format!("groups.{name}.known"), raw)?);
-        }
-    }
-    Ok(all)
+    let stated = groups.iter().filter_map(|(name, group)| Some((name, group.known.as_ref()?)));
+    let read = |(name, raw): (&String, &RawKnown)| {
+        Ok((name.clone(), known(&format!("groups.{name}.known"), raw)?))
+    };
+    stated.map(read).collect()
 }
 
-/// The hypotheses of the groups of which they are said.
+/// The hypotheses of groups that state their own.
 fn group_rungs(
     groups: &BTreeMap<String, RawGroup>,
 ) -> Result<BTreeMap<String, Vec<Hypothesis>>, String> {
@@ -120,20 +116,19 @@ fn group_rungs(
     Ok(all)
 }
 
-/// That the group of `anchor` has pixels of its own that count.
-fn is_counted(
-    anchor: &Anchor,
+/// The group `anchor` has to be asked for, under its own name.
+fn check_anchor(
+    anchor: &str,
     same_as: &BTreeMap<String, String>,
     ignored: &BTreeSet<String>,
 ) -> Result<(), String> {
-    let name = &anchor.group;
-    if let Some(other) = same_as.get(name) {
+    if let Some(other) = same_as.get(anchor) {
         return Err(format!(
-            "anchor.group: groups.{name} has same_as = \"{other}\"; take that one"
+            "anchor.group: groups.{anchor} has same_as = \"{other}\"; take that one"
         ));
     }
-    if ignored.contains(name) {
-        return Err(format!("anchor.group: groups.{name} has ignore = true; take another group"));
+    if ignored.contains(anchor) {
+        return Err(format!("anchor.group: groups.{anchor} has ignore = true; take another group"));
     }
     Ok(())
 }

@@ -2,14 +2,14 @@
 //! two.
 
 use super::gallery::Exhibit;
-use super::{Told, embed, under};
+use super::{RunFolder, embed, under};
 use crate::Error;
 use maud::{Markup, html};
 use std::path::Path;
 
 /// The section: photograph and re-rendering.
-pub(super) fn section(told: &Told<'_>) -> Result<Markup, Error> {
-    let pictures = &told.run.pictures;
+pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
+    let pictures = &source.run.pictures;
     let photo = Exhibit {
         file: pictures.photo.clone(),
         title: "photograph".to_owned(),
@@ -20,7 +20,7 @@ pub(super) fn section(told: &Told<'_>) -> Result<Markup, Error> {
         title: "re-rendering".to_owned(),
         caption: "The scene rendered with the recovered materials".to_owned(),
     };
-    Ok(under("comparison", &figure(told.folder, &[photo, rerendered])?))
+    Ok(under("comparison", &figure(source.folder, &[photo, rerendered])?))
 }
 
 /// The first of two pictures in `folder` left of the divider, the second right of it.

@@ -2,7 +2,7 @@
 
 use super::number::{Shown, count, number, percent};
 use super::plot::{Axis, Curve, plot};
-use super::{Told, under};
+use super::{RunFolder, under};
 use crate::run::{GroupIterationEntry, IterationEntry, Run};
 use maud::{Markup, html};
 use plotters::style::RGBColor;
@@ -22,8 +22,8 @@ const QUANTITIES: [(&str, RGBColor); 8] = [
 ];
 
 /// The section.
-pub(super) fn section(told: &Told<'_>) -> Markup {
-    let run = told.run;
+pub(super) fn section(source: &RunFolder<'_>) -> Markup {
+    let run = source.run;
     let asked: Vec<&String> =
         run.groups.iter().filter(|(_, g)| g.asked).map(|(name, _)| name).collect();
     let curves: Vec<Curve> = asked.iter().map(|name| errors(run, name)).collect();
@@ -53,7 +53,7 @@ pub(super) fn section(told: &Told<'_>) -> Markup {
         }
         details {
             summary { "Iteration by iteration" }
-            (table(told, &asked))
+            (table(source, &asked))
         }
     };
     under("convergence", &content)
@@ -97,7 +97,7 @@ fn parsed(color: &str) -> RGBColor {
     RGBColor(r, g, b)
 }
 
-fn table(told: &Told<'_>, asked: &[&String]) -> Markup {
+fn table(source: &RunFolder<'_>, asked: &[&String]) -> Markup {
     html! {
         div class="wide" role="region" tabindex="0" aria-label="Errors iteration by iteration" {
             table {
@@ -108,8 +108,8 @@ fn table(told: &Told<'_>, asked: &[&String]) -> Markup {
                     th scope="col" { "worst error" }
                     @for name in asked { th scope="col" { (name) } }
                 } }
-                tbody { @for (index, iteration) in told.run.iterations.iter().enumerate() {
-                    (iteration_row(told, index, iteration, asked))
+                tbody { @for (index, iteration) in source.run.iterations.iter().enumerate() {
+                    (iteration_row(source, index, iteration, asked))
                 } }
             }
         }
@@ -117,12 +117,12 @@ fn table(told: &Told<'_>, asked: &[&String]) -> Markup {
 }
 
 fn iteration_row(
-    told: &Told<'_>,
+    source: &RunFolder<'_>,
     index: usize,
     iteration: &IterationEntry,
     asked: &[&String],
 ) -> Markup {
-    let key = told.key.at("iterations").at(index);
+    let key = source.key.at("iterations").at(index);
     html! {
         tr {
             th scope="row" { (count(&key.at("iteration"), iteration.iteration))

@@ -2,17 +2,17 @@
 //! colour bar.
 
 use super::number::{Shown, count, number};
-use super::{Key, Told, embed, under};
+use super::{Key, RunFolder, embed, under};
 use crate::Error;
 use crate::run::{ErrorPicture, Unit};
 use maud::{Markup, html};
 
 /// The section: one picture is seen at a time, chosen by radio buttons.
-pub(super) fn section(told: &Told<'_>) -> Result<Markup, Error> {
-    let errors = &told.run.pictures.errors;
-    let key = told.key.at("pictures").at("errors");
+pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
+    let errors = &source.run.pictures.errors;
+    let key = source.key.at("pictures").at("errors");
     let figures = errors.iter().enumerate().map(|(index, error)| {
-        figure(told, &key.at(index), error).map(|figure| (index, error, figure))
+        figure(source, &key.at(index), error).map(|figure| (index, error, figure))
     });
     let figures = figures.collect::<Result<Vec<_>, _>>()?;
     let content = html! {
@@ -36,8 +36,8 @@ fn name(error: &ErrorPicture) -> &'static str {
     }
 }
 
-fn figure(told: &Told<'_>, key: &Key, error: &ErrorPicture) -> Result<Markup, Error> {
-    let picture = embed::photograph(told.folder, &error.file)?;
+fn figure(source: &RunFolder<'_>, key: &Key, error: &ErrorPicture) -> Result<Markup, Error> {
+    let picture = embed::photograph(source.folder, &error.file)?;
     let sides = if error.signed {
         "Re-rendering minus photograph: red where the re-rendering is too bright, blue where it is \
          too dark"

@@ -1,13 +1,13 @@
 //! How the run was made: command, versions, time, memory, settings, warnings.
 
 use super::number::{Shown, count, number, numbers};
-use super::{Key, Told, under};
+use super::{Key, RunFolder, under};
 use maud::{Markup, html};
 use unrender_formats::materials::PhotographEntry;
 
 /// The section.
-pub(super) fn section(told: &Told<'_>) -> Markup {
-    let run = told.run;
+pub(super) fn section(source: &RunFolder<'_>) -> Markup {
+    let run = source.run;
     let content = html! {
         h3 id="warnings" { "Warnings" }
         @if run.warnings.is_empty() { p { "None." } }
@@ -15,14 +15,14 @@ pub(super) fn section(told: &Told<'_>) -> Markup {
         h3 { "Command" }
         pre tabindex="0" { code { (command(&run.command)) } }
         div class="beside" {
-            div { h3 { "Time and memory" } (costs(told)) }
-            div { h3 { "Input" } (input(told)) }
-            div { h3 { "Settings" } (settings(told)) }
+            div { h3 { "Time and memory" } (costs(source)) }
+            div { h3 { "Input" } (input(source)) }
+            div { h3 { "Settings" } (settings(source)) }
         }
         @if let Some(photograph) = &run.photograph {
-            h3 { "Camera" } (camera(&told.key.at("photograph"), photograph))
+            h3 { "Camera" } (camera(&source.key.at("photograph"), photograph))
         }
-        @if !run.lights.is_empty() { h3 { "Lights" } (lights(told)) }
+        @if !run.lights.is_empty() { h3 { "Lights" } (lights(source)) }
     };
     under("facts", &content)
 }
@@ -44,8 +44,8 @@ fn row(name: &str, value: &Markup) -> Markup {
     html! { tr { th scope="row" { (name) } td { (value) } } }
 }
 
-fn costs(told: &Told<'_>) -> Markup {
-    let (run, key) = (told.run, &told.key);
+fn costs(source: &RunFolder<'_>) -> Markup {
+    let (run, key) = (source.run, &source.key);
     let stages = [
         ("registration", run.stages.registration),
         ("camera", run.stages.camera),
@@ -71,8 +71,8 @@ fn costs(told: &Told<'_>) -> Markup {
     }
 }
 
-fn input(told: &Told<'_>) -> Markup {
-    let (run, key) = (told.run, told.key.at("input"));
+fn input(source: &RunFolder<'_>) -> Markup {
+    let (run, key) = (source.run, source.key.at("input"));
     html! {
         table { tbody {
             (row("project", &html! { (run.input.project.display()) }))
@@ -84,22 +84,22 @@ fn input(told: &Told<'_>) -> Markup {
             (row("pixels", &html! { (count(&key.at("width"), run.input.width)) " × "
                 (count(&key.at("height"), run.input.height)) }))
             (row("exposure", &html! {
-                (numbers(&told.key.at("exposure"), &run.exposure, Shown::Significant(4)))
+                (numbers(&source.key.at("exposure"), &run.exposure, Shown::Significant(4)))
                 @if let Some(std) = &run.exposure_std {
-                    " ± " (numbers(&told.key.at("exposure_std"), std, Shown::Significant(2)))
+                    " ± " (numbers(&source.key.at("exposure_std"), std, Shown::Significant(2)))
                 }
             }))
             @if let Some(off) = run.registration.displacement_pixels {
                 (row("model off by", &html! {
-                    (number(&told.key.at("registration").at("displacement_pixels"), off,
+                    (number(&source.key.at("registration").at("displacement_pixels"), off,
                         Shown::Fixed(2))) " pixels, as given" }))
             }
         } }
     }
 }
 
-fn settings(told: &Told<'_>) -> Markup {
-    let (settings, key) = (&told.run.settings, told.key.at("settings"));
+fn settings(source: &RunFolder<'_>) -> Markup {
+    let (settings, key) = (&source.run.settings, source.key.at("settings"));
     html! {
         table { tbody {
             (row("lobe", &html! { (settings.brdf) }))
@@ -143,11 +143,11 @@ fn camera(key: &Key, found: &PhotographEntry) -> Markup {
     }
 }
 
-fn lights(told: &Told<'_>) -> Markup {
+fn lights(source: &RunFolder<'_>) -> Markup {
     html! {
-        table { tbody { @for (name, light) in &told.run.lights {
+        table { tbody { @for (name, light) in &source.run.lights {
             (row(name, &html! {
-                @let key = told.key.at("lights").at(name);
+                @let key = source.key.at("lights").at(name);
                 @if let Some(intensity) = &light.intensity {
                     (numbers(&key.at("intensity"), intensity, Shown::Significant(4)))
                 }

@@ -1,12 +1,12 @@
 //! The group map: a pixel under the pointer, or a row of the groups' table, says which group it is.
 
-use super::{Told, embed, under};
+use super::{RunFolder, embed, under};
 use crate::Error;
 use maud::{Markup, html};
 
 /// The section. The script fills in what is under the pointer from the groups' table.
-pub(super) fn section(told: &Told<'_>) -> Result<Markup, Error> {
-    let map = embed::exact(told.folder, &told.run.pictures.groups)?;
+pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
+    let map = embed::exact(source.folder, &source.run.pictures.groups)?;
     let content = html! {
         figure class="map" {
             div class="frame" {

@@ -1,7 +1,7 @@
 //! The table of groups.
 
 use super::number::{Shown, count, number, percent};
-use super::{Key, Told, embed, parameters, selection_log, under};
+use super::{Key, RunFolder, embed, parameters, selection_log, under};
 use crate::Error;
 use crate::run::{Run, RunGroup};
 use maud::{Markup, html};
@@ -9,8 +9,8 @@ use unrender_scene::Status;
 
 /// The section. On narrow screens the script-less style makes a card of every row, so rows and cells
 /// state their roles.
-pub(super) fn section(told: &Told<'_>) -> Result<Markup, Error> {
-    let rows = told.run.groups.iter().map(|(name, group)| row(told, name, group));
+pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
+    let rows = source.run.groups.iter().map(|(name, group)| row(source, name, group));
     let rows = rows.collect::<Result<Vec<_>, _>>()?;
     let heads = ["group", "hypothesis", "parameters", "error", "pixels", "why"];
     let content = html! {
@@ -27,15 +27,15 @@ pub(super) fn section(told: &Told<'_>) -> Result<Markup, Error> {
     Ok(under("groups", &content))
 }
 
-fn row(told: &Told<'_>, name: &str, group: &RunGroup) -> Result<Markup, Error> {
-    let key = told.key.at("groups").at(name);
+fn row(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Result<Markup, Error> {
+    let key = source.key.at("groups").at(name);
     let entry = &group.entry;
     let failed = matches!(entry.status, Some(Status::Assumed | Status::Doubtful));
     let hypothesis = entry.hypothesis.map_or("", |h| h.name());
     Ok(html! {
         tr role="row" class=[failed.then_some("failed")] data-group=(name) data-color=(group.map_color) {
             th scope="row" role="rowheader" {
-                (picture(told, group, name)?)
+                (picture(source, group, name)?)
                 button type="button" class="pick" {
                     span class="chip" aria-hidden="true" style={ "background:" (group.map_color) } {}
                     span class="group-name" { (name) }
@@ -51,9 +51,9 @@ fn row(told: &Told<'_>, name: &str, group: &RunGroup) -> Result<Markup, Error> {
                 }
             }))
             (cell("parameters", &parameters::list(&key, entry)))
-            (cell("error", &errors(told, &key, name, group)))
+            (cell("error", &errors(source, &key, name, group)))
             (cell("pixels", &pixels(&key, group)))
-            (cell("why", &selection_log::of(told, &key, name, group)))
+            (cell("why", &selection_log::of(source, &key, name, group)))
         }
     })
 }
@@ -64,7 +64,7 @@ fn cell(head: &str, content: &Markup) -> Markup {
 }
 
 /// A ball of the material, or the texture.
-fn picture(told: &Told<'_>, group: &RunGroup, name: &str) -> Result<Markup, Error> {
+fn picture(source: &RunFolder<'_>, group: &RunGroup, name: &str) -> Result<Markup, Error> {
     let (file, class) = match (&group.entry.texture, &group.ball) {
         (Some(texture), _) => (texture, "patch"),
         (None, Some(ball)) => (ball, "ball"),
@@ -74,14 +74,14 @@ fn picture(told: &Told<'_>, group: &RunGroup, name: &str) -> Result<Markup, Erro
         "patch" => format!("The texture of {name}"),
         _ => format!("A ball of the material of {name}"),
     };
-    let picture = embed::photograph(told.folder, file)?;
+    let picture = embed::photograph(source.folder, file)?;
     Ok(html! { img class=(class) src=(picture.src) alt=(alt); })
 }
 
 /// The error in the first iteration and in the end, and the group's share of all error.
-fn errors(told: &Told<'_>, key: &Key, name: &str, group: &RunGroup) -> Markup {
-    let before = first_error(told.run, name);
-    let iteration = told.key.at("iterations").at(0).at("groups").at(name).at("error");
+fn errors(source: &RunFolder<'_>, key: &Key, name: &str, group: &RunGroup) -> Markup {
+    let before = first_error(source.run, name);
+    let iteration = source.key.at("iterations").at(0).at("groups").at(name).at("error");
     html! {
         @if let Some(before) = before { (percent(&iteration, Some(before))) " → " }
         (percent(&key.at("error"), group.entry.error))

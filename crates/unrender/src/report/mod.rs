@@ -37,7 +37,7 @@ use unrender_formats::atomic;
 pub const FILE: &str = "report.html";
 
 /// A run and the folder that it left.
-struct Told<'a> {
+struct RunFolder<'a> {
     run: &'a Run,
     folder: &'a Path,
     /// Where the run's numbers are.
@@ -58,18 +58,18 @@ pub fn write(folder: &Path) -> Result<(), Error> {
 /// If run.json or a picture that it names is missing or broken.
 pub fn page(folder: &Path) -> Result<String, Error> {
     let run = Run::read(folder)?;
-    let told = Told { run: &run, folder, key: Key::root() };
+    let source = RunFolder { run: &run, folder, key: Key::root() };
     let body = html! {
-        (header(&told))
+        (header(&source))
         main {
-            (comparison::section(&told)?)
-            (errors::section(&told)?)
-            (group_map::section(&told)?)
-            (groups::section(&told)?)
-            (unknowable::section(&told))
-            (valid::section(&told)?)
-            (convergence::section(&told))
-            (facts::section(&told))
+            (comparison::section(&source)?)
+            (errors::section(&source)?)
+            (group_map::section(&source)?)
+            (groups::section(&source)?)
+            (unknowable::section(&source))
+            (valid::section(&source)?)
+            (convergence::section(&source))
+            (facts::section(&source))
         }
     };
     let title = format!("unrender: {}", run.input.project.display());
@@ -82,24 +82,24 @@ pub fn page(folder: &Path) -> Result<String, Error> {
 /// As [`page`].
 pub fn comparison(folders: &[PathBuf]) -> Result<String, Error> {
     let runs = folders.iter().map(|folder| Run::read(folder)).collect::<Result<Vec<_>, _>>()?;
-    let told: Vec<Told<'_>> = runs
+    let source: Vec<RunFolder<'_>> = runs
         .iter()
         .zip(folders)
         .enumerate()
-        .map(|(index, (run, folder))| Told { run, folder, key: Key::root().at(index) })
+        .map(|(index, (run, folder))| RunFolder { run, folder, key: Key::root().at(index) })
         .collect();
-    side_by_side::page(&told)
+    side_by_side::page(&source)
 }
 
 /// What the page is of, in two lines.
-fn header(told: &Told<'_>) -> Markup {
-    let run = told.run;
+fn header(source: &RunFolder<'_>) -> Markup {
+    let run = source.run;
     html! {
         header {
             h1 { "Recovered materials" }
             p class="lead" {
                 (run.input.project.display()) ": "
-                (number(&told.key.at("seconds"), run.seconds, Shown::Fixed(1))) " s, "
+                (number(&source.key.at("seconds"), run.seconds, Shown::Fixed(1))) " s, "
                 (run.termination) "."
             }
             @if !run.warnings.is_empty() {
@@ -118,7 +118,7 @@ const SECTIONS: [(&str, &str); 8] = [
     ("errors", "Where they differ"),
     ("map", "Group map"),
     ("groups", "Groups"),
-    ("unknowable", "What the photograph cannot tell"),
+    ("unknowable", "What the photograph does not determine"),
     ("valid", "Which pixels counted"),
     ("convergence", "Convergence"),
     ("facts", "How it was made"),

@@ -140,16 +140,16 @@ mod tests {
     #[test]
     fn numbers_are_rounded_and_keep_their_value_and_place() {
         let key = Key::root().at("groups").at("a/b~c").at(0);
-        let told = number(&key, 0.034_821_7_f32, Shown::Percent(2)).into_string();
+        let text = number(&key, 0.034_821_7_f32, Shown::Percent(2)).into_string();
         assert_eq!(
-            told,
+            text,
             r#"<data value="0.0348217" data-key="/groups/a~1b~0c/0" data-scale="100">3.48</data>"#
         );
     }
 
     #[test]
     fn significant_digits_hold_for_small_and_large() {
-        let told = [0.000_123_4, 12.34, 0.0, 1.5e-9, 4.26e7].map(|v| significant(v, 2));
-        assert_eq!(told, ["0.00012", "12", "0.0", "1.5e-9", "4.3e7"]);
+        let text = [0.000_123_4, 12.34, 0.0, 1.5e-9, 4.26e7].map(|v| significant(v, 2));
+        assert_eq!(text, ["0.00012", "12", "0.0", "1.5e-9", "4.3e7"]);
     }
 }

@@ -1,15 +1,15 @@
 //! The selection log of a group: which candidates were fitted, what each left, why one was accepted.
 
 use super::number::{count, percent};
-use super::{Key, Told, parameters};
+use super::{Key, RunFolder, parameters};
 use crate::run::{CandidateEntry, RunGroup};
 use maud::{Markup, html};
 use unrender_scene::{Hypothesis, Status};
 
 /// The selection log, and why the group stands where it does.
-pub(super) fn of(told: &Told<'_>, key: &Key, name: &str, group: &RunGroup) -> Markup {
+pub(super) fn of(source: &RunFolder<'_>, key: &Key, name: &str, group: &RunGroup) -> Markup {
     html! {
-        p class="why" { (reason(told, name, group)) }
+        p class="why" { (reason(source, name, group)) }
         @if let Some(note) = &group.entry.note { p class="note" { (note) } }
         @if !group.selection_log.is_empty() {
             details {
@@ -21,11 +21,11 @@ pub(super) fn of(told: &Told<'_>, key: &Key, name: &str, group: &RunGroup) -> Ma
 }
 
 /// Why the group stands where it does, in words.
-fn reason(told: &Told<'_>, name: &str, group: &RunGroup) -> Markup {
-    let last = group.selection_log.iter().rev().find(|trial| trial.accepted);
+fn reason(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Markup {
+    let last = group.selection_log.iter().rev().find(|candidate| candidate.accepted);
     let hypothesis = group.entry.hypothesis.unwrap_or(Hypothesis::Diffuse);
-    let paper = told.run.settings.ladder == "paper";
-    let ladder = told.run.iterations.iter().rev().find(|iteration| !iteration.refining);
+    let paper = source.run.settings.ladder == "paper";
+    let ladder = source.run.iterations.iter().rev().find(|iteration| !iteration.refining);
     let open =
         ladder.is_some_and(|iteration| iteration.open_groups.iter().any(|open| open == name));
     html! {
@@ -37,47 +37,47 @@ fn reason(told: &Told<'_>, name: &str, group: &RunGroup) -> Markup {
             (_, _, None) if open => "When the ladder ended, what its first rung left was more than \
                 noise and the threshold explain.",
             (_, _, Some(last)) if last.hypothesis != hypothesis =>
-                "The refinement made it simpler: what the rung above adds, the photograph cannot \
-                 tell.",
+                "The refinement made it simpler: what the rung above adds is not \
+                 significant.",
             (_, _, Some(_)) if open && !paper => "The simplest rung that explains as much as the \
                 best one; but even that leaves more than noise and the threshold explain.",
             (_, _, Some(_)) if paper => "The error fell below the rung's threshold, or the ladder \
                 ended.",
-            (_, _, Some(_)) => "The simplest rung that explains as much as the best one, as far as \
-                noise and thresholds let anyone tell.",
+            (_, _, Some(_)) => "The simplest rung that explains as much as the best one, within \
+                noise and thresholds.",
             (_, _, None) => "No other rung was called for: in the end what the first one left was \
                 within noise and the threshold.",
         }
     }
 }
 
-/// The trials, iteration by iteration.
+/// The candidates, iteration by iteration.
 fn rungs(key: &Key, selection_log: &[CandidateEntry]) -> Markup {
     let numbered: Vec<(usize, &CandidateEntry)> = selection_log.iter().enumerate().collect();
     html! {
         @for tried in numbered.chunk_by(|a, b| a.1.iteration == b.1.iteration) {
             p { "Iteration " (count(&key.at(tried[0].0).at("iteration"), tried[0].1.iteration)) ":" }
             ol class="rungs" {
-                @for (index, trial) in tried { (rung(&key.at(index), trial, tried)) }
+                @for (index, candidate) in tried { (rung(&key.at(index), candidate, tried)) }
             }
         }
     }
 }
 
-/// One trial among those of its iteration, which go from simple to complex.
-fn rung(key: &Key, trial: &CandidateEntry, tried: &[(usize, &CandidateEntry)]) -> Markup {
+/// One candidate among those of its iteration, which go from simple to complex.
+fn rung(key: &Key, candidate: &CandidateEntry, tried: &[(usize, &CandidateEntry)]) -> Markup {
     let accepted =
         tried.iter().find(|(_, other)| other.accepted).map(|(_, other)| other.hypothesis);
     let verdict = match accepted {
-        _ if trial.accepted => "accepted",
-        Some(accepted) if trial.hypothesis < accepted => "leaves more than it must",
+        _ if candidate.accepted => "accepted",
+        Some(accepted) if candidate.hypothesis < accepted => "leaves more than it must",
         Some(_) => "not needed",
         None => "left behind",
     };
     html! {
-        li class=[trial.accepted.then_some("accepted")] {
-            (parameters::swatch(trial.rho_d)) (trial.hypothesis) " left "
-            (percent(&key.at("error"), trial.error)) ": " (verdict)
+        li class=[candidate.accepted.then_some("accepted")] {
+            (parameters::swatch(candidate.rho_d)) (candidate.hypothesis) " left "
+            (percent(&key.at("error"), candidate.error)) ": " (verdict)
         }
     }
 }

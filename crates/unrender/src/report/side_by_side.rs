@@ -3,7 +3,7 @@
 use super::gallery::{Exhibit, figure};
 use super::number::{Shown, number, percent};
 use super::plot::{Axis, Curve, plot};
-use super::{Told, head, parameters};
+use super::{RunFolder, head, parameters};
 use crate::Error;
 use crate::run::RunGroup;
 use maud::{Markup, html};
@@ -20,8 +20,8 @@ const COLORS: [RGBColor; 6] = [
 ];
 
 /// The page.
-pub(super) fn page(runs: &[Told<'_>]) -> Result<String, Error> {
-    let cards = runs.iter().enumerate().map(|(index, told)| card(index, told));
+pub(super) fn page(runs: &[RunFolder<'_>]) -> Result<String, Error> {
+    let cards = runs.iter().enumerate().map(|(index, source)| card(index, source));
     let cards = cards.collect::<Result<Vec<_>, _>>()?;
     let curves: Vec<Curve> = runs.iter().enumerate().map(curve).collect();
     let body = html! {
@@ -51,26 +51,26 @@ pub(super) fn page(runs: &[Told<'_>]) -> Result<String, Error> {
     Ok(head::page("unrender: recoveries side by side", &body))
 }
 
-fn curve((index, told): (usize, &Told<'_>)) -> Curve {
+fn curve((index, source): (usize, &RunFolder<'_>)) -> Curve {
     let error = |iteration: &crate::run::IterationEntry| {
         Some((iteration.iteration as f64, iteration.worst_error?))
     };
-    let points = told.run.iterations.iter().filter_map(error).collect();
+    let points = source.run.iterations.iter().filter_map(error).collect();
     Curve { points, color: COLORS[index % COLORS.len()] }
 }
 
 /// The name of a run: its folder.
-fn name(index: usize, told: &Told<'_>) -> Markup {
+fn name(index: usize, source: &RunFolder<'_>) -> Markup {
     let RGBColor(r, g, b) = COLORS[index % COLORS.len()];
     html! {
         span class="chip" aria-hidden="true" style={
             "background:rgb(" (r) " " (g) " " (b) ")" } {}
-        (told.folder.display())
+        (source.folder.display())
     }
 }
 
-fn card(index: usize, told: &Told<'_>) -> Result<Markup, Error> {
-    let (run, pictures) = (told.run, &told.run.pictures);
+fn card(index: usize, source: &RunFolder<'_>) -> Result<Markup, Error> {
+    let (run, pictures) = (source.run, &source.run.pictures);
     let shown = [
         (pictures.photo.as_str(), "Photograph", "developed with this run's response"),
         (pictures.rerendered.as_str(), "Re-rendering", "with the recovered materials"),
@@ -78,15 +78,15 @@ fn card(index: usize, told: &Told<'_>) -> Result<Markup, Error> {
     ];
     let figures = shown.map(|(file, title, caption)| {
         let [file, title, caption] = [file, title, caption].map(str::to_owned);
-        figure(told.folder, &Exhibit { file, title, caption })
+        figure(source.folder, &Exhibit { file, title, caption })
     });
     let figures = figures.into_iter().collect::<Result<Vec<_>, _>>()?;
     Ok(html! {
         article {
-            h3 { (name(index, told)) }
+            h3 { (name(index, source)) }
             p { (run.input.project.display()) ", " (run.settings.brdf) ", ladder "
                 (run.settings.ladder) ", "
-                (number(&told.key.at("seconds"), run.seconds, Shown::Fixed(1))) " s, "
+                (number(&source.key.at("seconds"), run.seconds, Shown::Fixed(1))) " s, "
                 (run.termination) "." }
             @for figure in &figures { (figure) }
             @for warning in &run.warnings { p class="warn" { (warning) } }
@@ -94,9 +94,9 @@ fn card(index: usize, told: &Told<'_>) -> Result<Markup, Error> {
     })
 }
 
-fn table(runs: &[Told<'_>]) -> Markup {
+fn table(runs: &[RunFolder<'_>]) -> Markup {
     let mut names: Vec<&String> = Vec::new();
-    for name in runs.iter().flat_map(|told| told.run.groups.keys()) {
+    for name in runs.iter().flat_map(|source| source.run.groups.keys()) {
         if !names.contains(&name) {
             names.push(name);
         }
@@ -106,15 +106,15 @@ fn table(runs: &[Told<'_>]) -> Markup {
             table class="many" {
                 thead { tr {
                     th scope="col" { "group" }
-                    @for (index, told) in runs.iter().enumerate() {
-                        th scope="col" { (name(index, told)) }
+                    @for (index, source) in runs.iter().enumerate() {
+                        th scope="col" { (name(index, source)) }
                     }
                 } }
                 tbody { @for group in names { tr {
                     th scope="row" { (group) }
-                    @for told in runs {
-                        td { @match told.run.groups.get(group) {
-                            Some(found) => { (cell(told, group, found)) }
+                    @for source in runs {
+                        td { @match source.run.groups.get(group) {
+                            Some(found) => { (cell(source, group, found)) }
                             None => { "not there" }
                         } }
                     }
@@ -124,8 +124,8 @@ fn table(runs: &[Told<'_>]) -> Markup {
     }
 }
 
-fn cell(told: &Told<'_>, name: &str, group: &RunGroup) -> Markup {
-    let key = told.key.at("groups").at(name);
+fn cell(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Markup {
+    let key = source.key.at("groups").at(name);
     html! {
         (group.entry.hypothesis.map_or("", |h| h.name()))
         @if let Some(status) = group.entry.status { ", " (status) }

@@ -1,15 +1,15 @@
-//! What the photograph cannot tell, in words.
+//! What the photograph does not determine, in words.
 
 use super::number::percent;
-use super::{Key, Told, parameters, under};
+use super::{Key, RunFolder, parameters, under};
 use crate::run::RunGroup;
 use maud::{Markup, html};
 use unrender_formats::materials::{AlternativeEntry, GroupEntry};
 use unrender_scene::Status;
 
 /// The section.
-pub(super) fn section(told: &Told<'_>) -> Markup {
-    let run = told.run;
+pub(super) fn section(source: &RunFolder<'_>) -> Markup {
+    let run = source.run;
     let groups = || run.groups.iter();
     let assumed = groups().filter(|(_, g)| g.entry.status == Some(Status::Assumed));
     let noted =
@@ -46,7 +46,7 @@ pub(super) fn section(told: &Told<'_>) -> Markup {
             @for (name, group) in ambiguous {
                 li { strong { (name) } " may as well be this:"
                     @for (index, other) in group.entry.alternatives.iter().enumerate() {
-                        (alternative(&told.key.at("groups").at(name).at("alternatives").at(index),
+                        (alternative(&source.key.at("groups").at(name).at("alternatives").at(index),
                             other))
                     }
                 }
@@ -56,7 +56,7 @@ pub(super) fn section(told: &Told<'_>) -> Markup {
             p { "The numbers were not refined together, so nothing is known of how certain they \
                 are." }
         }
-        p { "A deviation holds the noise and what the model leaves unexplained here and there. It \
+        p { "A standard deviation contains the noise and what the model leaves unexplained here and there. It \
             does not hold what is wrong everywhere alike, such as a lamp that is brighter than \
             stated." }
     };

@@ -1,14 +1,14 @@
 //! The valid mask: which pixels counted, and why the others did not.
 
 use super::number::count;
-use super::{Told, embed, under};
+use super::{RunFolder, embed, under};
 use crate::Error;
 use crate::run::LeftOut;
 use maud::{Markup, html};
 
 /// The section, with the colours of trust.png as the legend.
-pub(super) fn section(told: &Told<'_>) -> Result<Markup, Error> {
-    let picture = embed::photograph(told.folder, &told.run.pictures.trust)?;
+pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
+    let picture = embed::photograph(source.folder, &source.run.pictures.trust)?;
     let content = html! {
         div class="beside" {
             figure {
@@ -20,11 +20,11 @@ pub(super) fn section(told: &Told<'_>) -> Result<Markup, Error> {
                 caption { "Pixels, by the reason why they did not count." }
                 thead { tr { th scope="col" { "colour" } th scope="col" { "why" }
                     th scope="col" class="n" { "pixels" } } }
-                tbody { @for (field, color, why, pixels) in reasons(&told.run.pixels) {
+                tbody { @for (field, color, why, pixels) in reasons(&source.run.pixels) {
                     tr {
                         td { span class="swatch" style={ "background:" (color) } {} }
                         td { (why) }
-                        td class="n" { (count(&told.key.at("pixels").at(field), pixels)) }
+                        td class="n" { (count(&source.key.at("pixels").at(field), pixels)) }
                     }
                 } }
             }

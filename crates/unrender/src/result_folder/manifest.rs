@@ -50,7 +50,7 @@ impl Manifest {
             return Ok(Self::default());
         }
         let fault = |problem: String| FileError::new(&path, problem);
-        let text = input::text(&path).map_err(fault)?;
+        let text = input::text(&path).map_err(|error| FileError::because(&path, "", error))?;
         let read: Self = serde_json::from_str(&text).map_err(|error| {
             fault(format!("is no list of results of unrender ({error}); name another folder"))
         })?;

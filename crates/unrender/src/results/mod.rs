@@ -36,7 +36,7 @@ impl Recovered {
 
     /// The scene of `job` with the recovered materials and lights.
     pub fn scene(&self, job: &Job) -> Scene {
-        dressed(job, self)
+        with_recovered_materials(job, self)
     }
 
     /// The table that the command prints.
@@ -74,7 +74,7 @@ pub(crate) fn write(
     let balls = ball::write(job, recovery, folder)?;
     atomic::write(&folder.join("scene.glb"), &scene_file(job, recovered)?)?;
     let mut warnings = job.warnings.clone();
-    warnings.extend(recovered.laid.warnings.clone());
+    warnings.extend(recovered.registered.warnings.clone());
     let mut doubts = Warnings::default();
     for (index, group) in recovery.groups.iter().enumerate() {
         if group.material.texture.is_some() {
@@ -84,9 +84,9 @@ pub(crate) fn write(
     console.warn(&doubts);
     warnings.extend(doubts);
     if bad > 0 {
-        let told = format!("{bad} value(s) were not finite numbers and were written as zero");
+        let noted = format!("{bad} value(s) were not finite numbers and were written as zero");
         let mut late = Warnings::default();
-        late.push(told);
+        late.push(noted);
         console.warn(&late);
         warnings.extend(late);
     }
@@ -137,16 +137,16 @@ fn hex(color: Rgb) -> String {
 /// The bytes of scene.glb. A file of the user keeps what it has beside, unless the project puts
 /// lights elsewhere than it has them.
 fn scene_file(job: &Job, recovered: &Recovered) -> Result<Vec<u8>, FileError> {
-    let (scene, path) = (dressed(job, recovered), &job.project.scene);
+    let (scene, path) = (with_recovered_materials(job, recovered), &job.project.scene);
     // A scene that was handed over in memory has no file.
     if job.project.rebuilds_lights() || !path.exists() {
         return gltf::to_glb(&scene).map_err(|error| FileError::new(path, error));
     }
-    unrender_formats::wear(job.project.scene_input(), &scene)
+    unrender_formats::assign_materials(job.project.scene_input(), &scene)
 }
 
 /// The scene with the recovered materials on.
-pub(crate) fn dressed(job: &Job, recovered: &Recovered) -> Scene {
+pub(crate) fn with_recovered_materials(job: &Job, recovered: &Recovered) -> Scene {
     let mut scene = job.scene.clone();
     for (object, group) in scene.objects.iter_mut().zip(&job.own_groups) {
         object.group = *group;

@@ -26,7 +26,7 @@ const SQUARE: f32 = 1.0 / 40.0;
 const SQUARES_MIN: usize = 4;
 
 /// By what factor the photograph is brighter where it shows an object.
-struct Seen {
+struct ObjectFit {
     object: usize,
     pixels: usize,
     factor: [f64; 3],
@@ -44,7 +44,7 @@ pub(super) fn find(job: &Job, recovered: &Recovered) -> BTreeMap<usize, Vec<Vec<
         if result.status == Status::Known || objects.len() < 2 {
             continue;
         }
-        let mut seen: Vec<Seen> =
+        let mut seen: Vec<ObjectFit> =
             objects.iter().filter_map(|object| look(job, recovered, *object)).collect();
         seen.sort_by_key(|seen| std::cmp::Reverse(seen.pixels));
         let mut parts = parts(&seen);
@@ -75,20 +75,20 @@ pub(crate) fn labels(scene: &Scene) -> Vec<String> {
 
 /// Objects whose factors agree with the first one of a part, part by part, that with the most pixels
 /// first.
-fn parts(seen: &[Seen]) -> Vec<Vec<usize>> {
-    let mut parts: Vec<Vec<&Seen>> = Vec::new();
+fn parts(seen: &[ObjectFit]) -> Vec<Vec<usize>> {
+    let mut parts: Vec<Vec<&ObjectFit>> = Vec::new();
     for object in seen {
         match parts.iter_mut().find(|part| agree(part[0], object)) {
             Some(part) => part.push(object),
             None => parts.push(vec![object]),
         }
     }
-    let pixels = |part: &Vec<&Seen>| part.iter().map(|seen| seen.pixels).sum::<usize>();
+    let pixels = |part: &Vec<&ObjectFit>| part.iter().map(|seen| seen.pixels).sum::<usize>();
     parts.sort_by_key(|part| std::cmp::Reverse(pixels(part)));
     parts.iter().map(|part| part.iter().map(|seen| seen.object).collect()).collect()
 }
 
-fn agree(a: &Seen, b: &Seen) -> bool {
+fn agree(a: &ObjectFit, b: &ObjectFit) -> bool {
     (0..3).all(|c| {
         let difference = (a.factor[c] - b.factor[c]).abs();
         let smaller = a.factor[c].min(b.factor[c]);
@@ -97,7 +97,7 @@ fn agree(a: &Seen, b: &Seen) -> bool {
 }
 
 /// What the photograph shows of `object`; none if that is too little.
-fn look(job: &Job, recovered: &Recovered, object: usize) -> Option<Seen> {
+fn look(job: &Job, recovered: &Recovered, object: usize) -> Option<ObjectFit> {
     let recovery = &recovered.recovery;
     let radiance = &job.photo.radiance;
     let (width, height) = (radiance.width(), radiance.height());
@@ -125,7 +125,7 @@ fn look(job: &Job, recovered: &Recovered, object: usize) -> Option<Seen> {
 
 /// The ratio of the sums over all squares, with its standard error from the scatter of the squares
 /// [Cochran 1977, section 6.3].
-fn seen(object: usize, squares: &[(Rgb, Rgb, usize)]) -> Option<Seen> {
+fn seen(object: usize, squares: &[(Rgb, Rgb, usize)]) -> Option<ObjectFit> {
     let count = squares.len();
     if count < SQUARES_MIN {
         return None;
@@ -143,15 +143,15 @@ fn seen(object: usize, squares: &[(Rgb, Rgb, usize)]) -> Option<Seen> {
         error[c] = (squared * count as f64 / (count as f64 - 1.0)).sqrt() / model;
     }
     let pixels = squares.iter().map(|square| square.2).sum();
-    Some(Seen { object, pixels, factor, error })
+    Some(ObjectFit { object, pixels, factor, error })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn of(object: usize, factor: f64, error: f64) -> Seen {
-        Seen { object, pixels: 100, factor: [factor; 3], error: [error; 3] }
+    fn of(object: usize, factor: f64, error: f64) -> ObjectFit {
+        ObjectFit { object, pixels: 100, factor: [factor; 3], error: [error; 3] }
     }
 
     #[test]

@@ -43,7 +43,7 @@ pub(super) fn build(
             counted: LeftOut::count(status),
             map_color: super::hex(super::group_picture::color(index)),
             ball: balls[index].clone(),
-            selection_log: result.selection_log.iter().map(trial).collect(),
+            selection_log: result.selection_log.iter().map(candidate).collect(),
         };
         (result.name.clone(), group)
     });
@@ -124,18 +124,18 @@ fn stages(recovered: &Recovered) -> Stages {
     let climbed = climbed.next_back().unwrap_or(times.developed);
     let refined = times.iterations.last().copied().unwrap_or(climbed);
     Stages {
-        registration: times.laid,
-        camera: times.developed - times.laid,
+        registration: times.registered,
+        camera: times.developed - times.registered,
         ladder: climbed - times.developed,
         refinement: refined - climbed,
         picture: times.all - refined,
     }
 }
 
-/// How the model lay on the photograph, and the camera that was used.
+/// How the model was registered with the photograph, and the camera that was used.
 fn registration(recovered: &Recovered) -> RegistrationEntry {
-    let laid = &recovered.laid;
-    let table = CameraTable::of(&laid.camera, 1.0);
+    let registered = &recovered.registered;
+    let table = CameraTable::of(&registered.camera, 1.0);
     let lens = table.lens;
     let camera = json!({
         "eye": table.eye.to_array(),
@@ -150,7 +150,7 @@ fn registration(recovered: &Recovered) -> RegistrationEntry {
         "p1": lens.p1,
         "p2": lens.p2,
     });
-    let found = laid.registration.as_ref();
+    let found = registered.registration.as_ref();
     RegistrationEntry {
         camera,
         displacement_pixels: found.map(|r| r.displacement),
@@ -186,20 +186,20 @@ fn group_iteration(iteration: &GroupIteration) -> GroupIterationEntry {
     }
 }
 
-fn trial(trial: &CandidateRecord) -> CandidateEntry {
-    let material = &trial.material;
+fn candidate(record: &CandidateRecord) -> CandidateEntry {
+    let material = &record.material;
     CandidateEntry {
-        iteration: trial.iteration,
-        hypothesis: trial.hypothesis,
-        error: Some(trial.residual.relative()).filter(|e| e.is_finite()),
-        deviation_of_square: Some(trial.residual.deviation).filter(|d| d.is_finite()),
-        model_error: Some(trial.model_error).filter(|e| e.is_finite()),
-        criterion: Some(trial.criterion).filter(|c| c.is_finite()),
+        iteration: record.iteration,
+        hypothesis: record.hypothesis,
+        error: Some(record.residual.relative()).filter(|e| e.is_finite()),
+        deviation_of_square: Some(record.residual.deviation).filter(|d| d.is_finite()),
+        model_error: Some(record.model_error).filter(|e| e.is_finite()),
+        criterion: Some(record.criterion).filter(|c| c.is_finite()),
         rho_d: material.rho_d.to_array(),
         rho_s: material.rho_s.to_array(),
         alpha_x: material.alpha_x,
         alpha_y: material.alpha_y,
         theta_deg: material.theta_rad.to_degrees(),
-        accepted: trial.accepted,
+        accepted: record.accepted,
     }
 }

@@ -60,7 +60,7 @@ fn value(path: &Path) -> Result<Option<Value>, FileError> {
     if !path.exists() {
         return Ok(None);
     }
-    let text = input::text(path).map_err(|problem| FileError::new(path, problem))?;
+    let text = input::text(path).map_err(|error| FileError::because(path, "", error))?;
     let run = serde_json::from_str(&text)
         .map_err(|error| FileError::new(path, format!("is not JSON: {error}")))?;
     Ok(Some(run))

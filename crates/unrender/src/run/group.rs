@@ -27,7 +27,7 @@ pub struct RunGroup {
     pub map_color: String,
     /// The picture of a ball of its material, relative to the file; null for black ones.
     pub ball: Option<String>,
-    /// The rungs that were tried, in the order of trial.
+    /// The candidates, in the order in which they were tried.
     #[serde(alias = "story")]
     pub selection_log: Vec<CandidateEntry>,
 }
@@ -54,11 +54,11 @@ pub struct CandidateEntry {
     pub rho_d: [f32; 3],
     /// Specular reflectance.
     pub rho_s: [f32; 3],
-    /// Roughness along the brushed direction.
+    /// Roughness along the anisotropy direction.
     pub alpha_x: f32,
     /// Roughness across it.
     pub alpha_y: f32,
-    /// Brushed direction, degrees.
+    /// Anisotropy direction, degrees.
     pub theta_deg: f32,
     /// Whether the group stood on this rung afterwards.
     #[serde(alias = "taken")]

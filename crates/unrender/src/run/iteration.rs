@@ -36,10 +36,10 @@ pub struct GroupIterationEntry {
     pub rho_d: [f32; 3],
     /// Specular reflectance.
     pub rho_s: [f32; 3],
-    /// Roughness along the brushed direction.
+    /// Roughness along the anisotropy direction.
     pub alpha_x: f32,
     /// Roughness across it.
     pub alpha_y: f32,
-    /// Brushed direction, degrees.
+    /// Anisotropy direction, degrees.
     pub theta_deg: f32,
 }

@@ -52,7 +52,7 @@ pub struct Run {
     pub exposure_std: Option<[f32; 3]>,
     /// The camera's numbers, where they were asked for, as in `materials.json`.
     pub photograph: Option<PhotographEntry>,
-    /// How the model lay on the photograph.
+    /// How the model was registered with the photograph.
     pub registration: RegistrationEntry,
     /// How many pixels of the photograph counted, and how many did not, by reason.
     pub pixels: LeftOut,
@@ -123,7 +123,7 @@ pub struct SettingsEntry {
 /// Wall-clock seconds by stage.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Stages {
-    /// The scene made ready and the model laid onto the photograph.
+    /// The scene made ready and the model registered with the photograph.
     pub registration: f64,
     /// The camera's numbers found, where they were asked for.
     pub camera: f64,

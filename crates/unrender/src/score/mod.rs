@@ -34,7 +34,7 @@ pub struct GroupScore {
     pub rho_s: Option<f64>,
     /// Larger error of the two alphas, percent.
     pub alpha_percent: Option<f64>,
-    /// Angle between the brushed directions, degrees.
+    /// Angle between the anisotropy directions, degrees.
     pub degrees: Option<f64>,
     /// Largest error of all these numbers in units of its stated standard deviation.
     pub in_std: Option<f64>,
@@ -64,7 +64,7 @@ pub struct Worst {
     pub rho_s: Option<f64>,
     /// Of the alphas, percent.
     pub alpha_percent: Option<f64>,
-    /// Of the brushed direction, degrees.
+    /// Of the anisotropy direction, degrees.
     pub degrees: Option<f64>,
     /// In units of the standard deviation.
     pub in_std: Option<f64>,
@@ -77,7 +77,7 @@ pub struct Limits {
     pub rho: Option<f64>,
     /// For the alphas, percent.
     pub alpha_percent: Option<f64>,
-    /// For the brushed direction, degrees.
+    /// For the anisotropy direction, degrees.
     pub degrees: Option<f64>,
 }
 

@@ -8,6 +8,7 @@
 
 mod citations;
 mod commands;
+mod figures;
 mod markdown;
 mod schema;
 mod tables;

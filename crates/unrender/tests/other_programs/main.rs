@@ -2,7 +2,7 @@
 //! browser, which `.ci/programs` installs in pinned versions, and photographs that lie beside it.
 //!
 //! They are slow tests: `cargo test -p unrender --test other_programs -- --ignored`. What is missing
-//! is told and skipped; with `UNRENDER_REQUIRE_TOOLS=1` it is a failure.
+//! is printed as skipped; with `UNRENDER_REQUIRE_TOOLS=1` it is a failure.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -13,7 +13,7 @@ pub(crate) use compare::{Row, compare, compare_quadrants};
 pub(crate) use install::{installed, python};
 pub(crate) use render::{Program, our_picture};
 
-/// What a test needs from outside the repository; none where it is missing, which is told. With
+/// What a test needs from outside the repository; none where it is missing, which is printed. With
 /// `UNRENDER_REQUIRE_TOOLS=1` in the environment that is a failure instead.
 ///
 /// # Panics

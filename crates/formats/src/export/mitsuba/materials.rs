@@ -29,9 +29,9 @@ pub(super) fn bsdf(
              <string name=\"wrap_mode\" value=\"{mode}\"/></texture>"
         );
         warnings.0.extend(tile.doubt.map(|doubt| format!("group \"{name}\": {doubt}")));
-        if tiling::is_brushed(material) {
+        if tiling::is_anisotropic(material) {
             warnings.push(format!(
-                "group \"{name}\": Mitsuba counts the brushed direction from the texture's u"
+                "group \"{name}\": Mitsuba counts the anisotropy direction from the texture's u"
             ));
         }
     }

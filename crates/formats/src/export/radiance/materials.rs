@@ -1,8 +1,8 @@
-//! Materials of Radiance: one for each group, or for each brushed direction of an anisotropic one.
+//! Materials of Radiance: one for each group, or for each anisotropy direction of an anisotropic one.
 
 use super::triple;
 use crate::export::identifiers::identifiers;
-use crate::export::{Files, Shot, brushed};
+use crate::export::{Files, Shot, anisotropy};
 use crate::record::group_note;
 use crate::texels;
 use glam::Vec3;
@@ -13,7 +13,7 @@ use unrender_scene::{Image, Material, Object, Rgb, Texture, Warnings, Wrap};
 pub(super) struct Materials<'a> {
     shot: &'a Shot<'a>,
     ids: Vec<String>,
-    /// For each group the brushed directions of its triangles, without repetitions.
+    /// For each group the anisotropy directions of its triangles, without repetitions.
     directions: Vec<Vec<Vec3>>,
 }
 
@@ -53,13 +53,13 @@ impl<'a> Materials<'a> {
         self.shot.materials[group].is_pure_mirror()
     }
 
-    /// The brushed direction, to four digits; of isotropic lobes any.
+    /// The anisotropy direction, to four digits; of isotropic lobes any.
     fn direction(&self, object: &Object, index: usize) -> Vec3 {
         let material = &self.shot.materials[object.group];
         if !material.is_glossy() || material.alpha_x == material.alpha_y {
             return Vec3::X;
         }
-        let along = brushed::direction(&object.mesh, index, material.theta_rad);
+        let along = anisotropy::direction(&object.mesh, index, material.theta_rad);
         // A direction is a line: of the two ways along it, one.
         let first = along.to_array().into_iter().find(|c| c.abs() > 1e-3).unwrap_or(1.0);
         (along * first.signum() * 1e4).round() / 1e4 + Vec3::ZERO

@@ -3,7 +3,7 @@
 //! `plastic` and `metal` of colour `c`, specularity `s` and roughness `a` have `rho_d = c (1 - s)`,
 //! `rho_s = s` or `c s`, and `a` as both alphas; those with a `2` have two. Where the roughness is
 //! zero, Radiance lets them shine at grazing angles, which is left out. `WGMDfunc` has both parts
-//! apart. The brushed direction of what we did not write is not understood.
+//! apart. The anisotropy direction of what we did not write is not understood.
 
 use super::Primitive;
 use crate::input::Scope;
@@ -84,7 +84,7 @@ impl Materials {
             _ => {}
         }
         let group = match note.filter(|note| !note.is_first) {
-            // Another brushed direction of the group before.
+            // Another anisotropy direction of the group before.
             Some(_) if self.continues(note) => self.groups.len() - 1,
             _ => {
                 let group = self.group(primitive, note, warnings)?;

@@ -5,7 +5,7 @@ use crate::state::State;
 use crate::unknown::Unknown;
 use unrender_render::Parameter;
 
-/// A number of [`crate::Problem::corrections`], which says what it is.
+/// A number of [`crate::Problem::photometric_parameters`], which says what it is.
 pub(super) struct Camera;
 
 /// The standard deviation below which nobody asks for more, in the unit of the number: gammas and shares
@@ -23,8 +23,8 @@ impl ParameterBlock for Camera {
     }
 
     fn prior(&self, state: &State<'_>, u: &Unknown) -> Prior {
-        let correction = &state.problem.corrections[u.of];
-        Prior { mean: Some(correction.belief), deviation: correction.deviation }
+        let parameter = &state.problem.photometric_parameters[u.of];
+        Prior { mean: Some(parameter.prior_mean), deviation: parameter.deviation }
     }
 
     fn precise_enough(&self, _: &State<'_>, _: &Unknown) -> f64 {
@@ -32,15 +32,15 @@ impl ParameterBlock for Camera {
     }
 
     fn value(&self, at: At<'_>, u: &Unknown) -> f64 {
-        at.state.corrected.steps[u.of]
+        at.state.photometric.steps[u.of]
     }
 
     fn set(&self, state: &mut State<'_>, _: &Start, u: &Unknown, value: f64) {
-        state.corrected.steps[u.of] = value;
+        state.photometric.steps[u.of] = value;
     }
 
     fn range(&self, state: &State<'_>, u: &Unknown, _: f64) -> Range {
-        let reach = state.problem.corrections[u.of].reach;
+        let reach = state.problem.photometric_parameters[u.of].reach;
         Range { low: -reach, high: reach, step: f64::INFINITY }
     }
 

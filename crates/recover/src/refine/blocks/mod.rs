@@ -65,7 +65,8 @@ pub(super) struct Start {
 impl Start {
     pub(super) fn of(state: &State<'_>) -> Self {
         let values = &state.observation.picture.values;
-        let relative = state.problem.corrections.iter().map(|c| c.relative(values)).collect();
+        let relative =
+            state.problem.photometric_parameters.iter().map(|c| c.relative(values)).collect();
         Self { exposure: state.exposure, relative }
     }
 }

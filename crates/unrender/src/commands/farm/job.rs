@@ -41,13 +41,13 @@ impl Job {
         parts: u32,
         folder: &Path,
     ) -> Result<Self, Error> {
-        let effort = &args.effort;
+        let sampling = &args.sampling;
         let refused = [
-            ("--time", effort.time.is_some()),
-            ("--noise", effort.noise.is_some()),
-            ("--adaptive", effort.adaptive),
-            ("--samples", effort.samples.is_some()),
-            ("--checkpoint", effort.checkpoint.is_some()),
+            ("--time", sampling.time.is_some()),
+            ("--noise", sampling.noise.is_some()),
+            ("--adaptive", sampling.adaptive),
+            ("--samples", sampling.samples.is_some()),
+            ("--checkpoint", sampling.checkpoint.is_some()),
         ];
         if let Some((flag, _)) = refused.into_iter().find(|(_, is_given)| *is_given) {
             return Err(Error::Request(format!(
@@ -58,7 +58,7 @@ impl Job {
         Ok(Self {
             name: name.chars().filter(|c| !c.is_control()).take(LONGEST_NAME).collect(),
             words: words(args, global)?,
-            samples: cut(effort.goal().samples.end, parts),
+            samples: cut(sampling.goal().samples.end, parts),
             folder: whole(folder)?,
             out: whole(&args.out)?,
         })
@@ -101,7 +101,7 @@ fn words(args: &render::Args, global: &Global) -> Result<Vec<Word>, Error> {
     input("--project", "Project", &args.project)?;
     input("--materials", "Materials", &args.materials)?;
     input("--environment", "Environment", &args.environment)?;
-    let effort = &args.effort;
+    let sampling = &args.sampling;
     let is_lit = args.environment.is_some();
     let values = [
         ("environment-rotation", is_lit.then(|| args.environment_rotation.to_string())),
@@ -110,15 +110,15 @@ fn words(args: &render::Args, global: &Global) -> Result<Vec<Word>, Error> {
         ("camera", args.camera.clone()),
         ("width", args.width.map(|n| n.to_string())),
         ("height", args.height.map(|n| n.to_string())),
-        ("seed", Some(effort.seed.to_string())),
-        ("bounces", effort.bounces.map(|n| n.to_string())),
+        ("seed", Some(sampling.seed.to_string())),
+        ("bounces", sampling.bounces.map(|n| n.to_string())),
         ("threads", global.threads.map(|n| n.to_string())),
         ("input-memory", global.input_memory.map(|gib| gib.to_string())),
     ];
     let values =
         values.into_iter().filter_map(|(flag, value)| Some(format!("--{flag}={}", value?)));
     words.extend(values.map(Word::Plain));
-    let switches = [("independent", effort.independent), ("allow-outside", global.allow_outside)];
+    let switches = [("independent", sampling.independent), ("allow-outside", global.allow_outside)];
     let switches = switches.into_iter().filter(|(_, is_on)| *is_on);
     words.extend(switches.map(|(flag, _)| Word::Plain(format!("--{flag}"))));
     Ok(words)

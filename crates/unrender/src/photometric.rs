@@ -9,7 +9,7 @@ use crate::project::{Project, ResponseChoice, VignettingChoice};
 use unrender_formats::materials::{PhotographEntry, PhotographStd};
 use unrender_photo::vignetting::{DARKEST, Law};
 use unrender_photo::{Response, Transfer, develop};
-use unrender_recover::{Corrected, Correction};
+use unrender_recover::{PhotometricEstimate, PhotometricParameter};
 use unrender_scene::{Rgb, RgbImage};
 
 /// What there is to say where nothing was refined.
@@ -38,7 +38,7 @@ const GAMMAS: [f32; 2] = [0.5, 5.0];
 impl Number {
     /// Its prior mean, with its standard deviation, and how far its
     /// derivative holds.
-    fn belief(self) -> (f32, f64, f64) {
+    fn prior(self) -> (f32, f64, f64) {
         match self {
             Self::Gamma => (GAMMA, 0.5, 0.5),
             Self::Vignetting(_) => (0.0, 1.0, 0.5),
@@ -52,7 +52,7 @@ impl Number {
                 Law::Radial(coefficients) => coefficients[k],
                 Law::Cos4 => 0.0,
             },
-            _ => self.belief().0,
+            _ => self.prior().0,
         }
     }
 
@@ -84,9 +84,9 @@ pub(crate) fn asked(project: &Project) -> Vec<Number> {
 }
 
 /// What each of `numbers` does to the photograph of `job` as it is developed now.
-pub(crate) fn corrections(job: &Job, numbers: &[Number]) -> Vec<Correction> {
+pub(crate) fn photometric_parameters(job: &Job, numbers: &[Number]) -> Vec<PhotometricParameter> {
     let one = |number: &Number| {
-        let (middle, deviation, reach) = number.belief();
+        let (middle, deviation, reach) = number.prior();
         let moved = |step: f32| {
             let mut transfer = job.transfer.clone();
             number.add(&mut transfer, step);
@@ -95,9 +95,9 @@ pub(crate) fn corrections(job: &Job, numbers: &[Number]) -> Vec<Correction> {
         let [above, below] = [moved(STEP), moved(-STEP)];
         let difference = above.pixels().iter().zip(below.pixels());
         let derivative = difference.map(|(a, b)| (*a - *b) / (2.0 * STEP)).collect();
-        Correction {
+        PhotometricParameter {
             derivative: RgbImage::new(above.width(), above.height(), derivative),
-            belief: f64::from(middle - number.of(&job.transfer)),
+            prior_mean: f64::from(middle - number.of(&job.transfer)),
             deviation,
             reach,
         }
@@ -139,8 +139,12 @@ pub(crate) fn apply(job: &mut Job, numbers: &[Number], steps: &[f64]) -> f64 {
 }
 
 /// What came out: the numbers of `job` as it is developed now, and how well they are known.
-pub(crate) fn found(job: &Job, numbers: &[Number], corrected: &Corrected) -> PhotographEntry {
-    let covariance = &corrected.covariance;
+pub(crate) fn found(
+    job: &Job,
+    numbers: &[Number],
+    photometric: &PhotometricEstimate,
+) -> PhotographEntry {
+    let covariance = &photometric.covariance;
     let place = |number| numbers.iter().position(|n| *n == number);
     let refined = covariance.len() == numbers.len();
     let std = |k: usize| refined.then(|| covariance[k][k].max(0.0).sqrt());
@@ -169,14 +173,14 @@ pub(crate) fn found(job: &Job, numbers: &[Number], corrected: &Corrected) -> Pho
     }
 }
 
-/// What the photograph hardly tells.
+/// What the photograph hardly determines.
 fn doubt(std: &PhotographStd) -> Option<String> {
     let gamma = std.gamma.filter(|std| *std > GAMMA_OPEN).map(|std| {
-        format!("the photograph hardly tells its gamma (std {std:.2}): state the response")
+        format!("the photograph hardly determines its gamma (std {std:.2}): state the response")
     });
     let corner = std.corner.filter(|std| *std > CORNER_OPEN).map(|std| {
         format!(
-            "the photograph hardly tells how the light falls off (std {std:.2} in the corners): \
+            "the photograph hardly determines how the light falls off (std {std:.2} in the corners): \
              state the vignetting"
         )
     });

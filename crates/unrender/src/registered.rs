@@ -7,7 +7,7 @@ use unrender_render::GeometryBuffers;
 use unrender_scene::{Camera, Image, Warnings};
 
 /// How the model lies, and with what camera the recovery goes on.
-pub(crate) struct Laid {
+pub(crate) struct RegisteredModel {
     /// That camera.
     pub(crate) camera: Camera,
     /// How close to an edge no pixel is valid.
@@ -18,14 +18,14 @@ pub(crate) struct Laid {
     pub(crate) warnings: Warnings,
 }
 
-impl Laid {
+impl RegisteredModel {
     /// The photograph of `job` sorted by the groups of `geometry`, which is what the camera sees.
     pub(crate) fn observe(&self, job: &Job, geometry: &GeometryBuffers) -> Observation {
         let mut picture = Picture {
             values: job.photo.radiance.clone(),
             valid: job.photo.valid.clone(),
             saturated: job.photo.saturated.clone(),
-            quantum: job.photo.quantisation_step.clone(),
+            quantisation_step: job.photo.quantisation_step.clone(),
         };
         for (index, counts) in job.counts(geometry).into_iter().enumerate() {
             // What does not count is no lower bound either.

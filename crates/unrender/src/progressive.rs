@@ -7,9 +7,9 @@
 
 use crate::interrupt::Pausable;
 use crate::listener::Console;
-use crate::part::{self, Head, Identity, Part};
 use crate::progress::Progress;
-use crate::subject::Subject;
+use crate::progressive_render::ProgressiveRender;
+use crate::shard::{self, Head, Identity, Shard};
 use crate::{Error, interrupt};
 use std::ops::Range;
 use std::path::PathBuf;
@@ -44,16 +44,16 @@ pub(crate) struct Goal {
     pub(crate) checkpoint: Option<PathBuf>,
 }
 
-/// What is rendered, and how it is told from other renderings.
+/// What is rendered, and what distinguishes it from other renderings.
 pub(crate) struct Job<'a> {
-    pub(crate) subject: &'a dyn Subject,
+    pub(crate) render: &'a dyn ProgressiveRender,
     /// Has the picture's size, and whether sampling is adaptive.
     pub(crate) identity: Identity,
 }
 
 /// A rendering as far as it came.
 pub(crate) struct Rendered {
-    /// One for each of the subject's layers.
+    /// One for each of the rendering's layers.
     pub(crate) layers: Vec<Accumulator>,
     /// The numbers of its samples; with adaptive sampling, of a pixel of mean noise.
     pub(crate) samples: Range<u32>,
@@ -71,7 +71,7 @@ impl Rendered {
 
     /// What a part of these samples says of itself.
     pub(crate) fn head(&self, job: &Job<'_>) -> Head {
-        let layers = job.subject.layers().iter().map(|layer| (*layer).to_owned()).collect();
+        let layers = job.render.layers().iter().map(|layer| (*layer).to_owned()).collect();
         Head { identity: job.identity.clone(), samples: self.samples.clone(), layers }
     }
 }
@@ -80,12 +80,12 @@ impl Rendered {
 struct Run<'a> {
     job: &'a Job<'a>,
     goal: &'a Goal,
-    shares: Option<AdaptiveSampling>,
+    adaptive: Option<AdaptiveSampling>,
     started: Instant,
     /// What a sample of all pixels takes, by the last pass, seconds.
     sample_seconds: Option<f64>,
-    /// When the noise was told last.
-    told: Instant,
+    /// When the noise was reported last.
+    reported: Instant,
     /// The number of samples at which the noise should be low enough, by the last check.
     expected_end: Option<f64>,
     rendered: Rendered,
@@ -98,11 +98,19 @@ struct Run<'a> {
 pub(crate) fn run(job: &Job<'_>, goal: &Goal, progress: &Progress) -> Result<Rendered, Error> {
     let rendered = begin(job, goal)?;
     let size = (job.identity.width, job.identity.height);
-    let shares = job.identity.adaptive.then(|| job.subject.shares(size));
+    let adaptive = job.identity.adaptive.then(|| job.render.adaptive_sampling(size));
     let (started, mut saved) = (Instant::now(), Instant::now());
     let (sample_seconds, expected_end) = (None, None);
-    let mut run =
-        Run { job, goal, shares, started, told: started, sample_seconds, expected_end, rendered };
+    let mut run = Run {
+        job,
+        goal,
+        adaptive,
+        started,
+        reported: started,
+        sample_seconds,
+        expected_end,
+        rendered,
+    };
     let pausable = goal.checkpoint.as_ref().map(|_| Pausable::new());
     while !run.is_done(progress) {
         let Some(end) = run.end_of_pass(progress) else { break };
@@ -131,8 +139,8 @@ impl Run<'_> {
         let Some(limit) = self.goal.noise.filter(|_| is_check(end)) else { return false };
         let noise = self.rendered.layers[0].noise();
         self.expected_end = Some(f64::from(end) * (noise / limit).powi(2));
-        if self.told.elapsed() >= BETWEEN_LINES {
-            self.told = Instant::now();
+        if self.reported.elapsed() >= BETWEEN_LINES {
+            self.reported = Instant::now();
             progress.say(in_words(end, &self.rendered.layers[0]), self.share(end));
         }
         noise <= limit
@@ -163,13 +171,13 @@ impl Run<'_> {
     fn pass(&mut self, end: u32, progress: &Progress) {
         let (pass, samples) = (Instant::now(), self.rendered.samples.end..end);
         let (before, after) = (self.share(samples.start), self.share(samples.end));
-        let Self { job, shares, rendered, .. } = self;
-        let paths = match shares {
-            Some(shares) => SampleAllocation::Adaptive(shares, samples.clone()),
+        let Self { job, adaptive, rendered, .. } = self;
+        let paths = match adaptive {
+            Some(adaptive) => SampleAllocation::Adaptive(adaptive, samples.clone()),
             None => SampleAllocation::Uniform(samples.clone()),
         };
         let tell = |done: f64| progress.set(before + (after - before) * done);
-        job.subject.accumulate(&paths, &mut rendered.layers, &tell);
+        job.render.accumulate(&paths, &mut rendered.layers, &tell);
         rendered.samples.end = end;
         self.sample_seconds = Some(pass.elapsed().as_secs_f64() / samples.len() as f64);
     }
@@ -186,8 +194,8 @@ impl Run<'_> {
 }
 
 /// How far a picture is whose samples are numbered up to `end`.
-pub(crate) fn in_words(end: u32, tally: &Accumulator) -> String {
-    match tally.noise() {
+pub(crate) fn in_words(end: u32, accumulator: &Accumulator) -> String {
+    match accumulator.noise() {
         noise if noise.is_finite() => {
             format!("{end} samples a pixel, relative standard error {:.3} %", 100.0 * noise)
         }
@@ -200,10 +208,10 @@ fn begin(job: &Job<'_>, goal: &Goal) -> Result<Rendered, Error> {
     let Range { start, end } = goal.samples;
     let Some(path) = goal.checkpoint.as_ref().filter(|path| path.exists()) else {
         let empty = |_: &&str| Accumulator::new(job.identity.width, job.identity.height);
-        let layers = job.subject.layers().iter().map(empty).collect();
+        let layers = job.render.layers().iter().map(empty).collect();
         return Ok(Rendered { layers, samples: start..start, interrupted: false });
     };
-    let Part { head, layers, .. } = part::read(path)?;
+    let Shard { head, layers, .. } = shard::read(path)?;
     let problem = if let Err(problem) = check(job, &head) {
         format!("is the checkpoint of another rendering: {problem}")
     } else if head.samples.start != start {
@@ -221,7 +229,7 @@ fn begin(job: &Job<'_>, goal: &Goal) -> Result<Rendered, Error> {
 /// # Errors
 /// With what differs.
 pub(crate) fn check(job: &Job<'_>, head: &Head) -> Result<(), String> {
-    if head.layers != job.subject.layers() {
+    if head.layers != job.render.layers() {
         return Err(format!("it has the layers {}", head.layers.join(", ")));
     }
     let difference = job.identity.difference(&head.identity);
@@ -232,7 +240,7 @@ pub(crate) fn check(job: &Job<'_>, head: &Head) -> Result<(), String> {
 fn save(job: &Job<'_>, goal: &Goal, rendered: &Rendered) -> Result<(), Error> {
     let Some(path) = &goal.checkpoint else { return Ok(()) };
     let _until_written = interrupt::writing();
-    part::write(path, &rendered.head(job), &rendered.layers)
+    shard::write(path, &rendered.head(job), &rendered.layers)
 }
 
 /// The least number of samples above `done` at which the noise is looked at: each is a quarter

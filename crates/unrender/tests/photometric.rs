@@ -194,5 +194,5 @@ fn a_wall_of_one_colour_in_even_light_tells_nothing() {
     let photograph = shot.recover().photograph.unwrap();
     let std = photograph.std.unwrap().gamma.unwrap();
     assert!(std > 0.3, "{std}");
-    assert!(photograph.note.unwrap().contains("hardly tells its gamma"));
+    assert!(photograph.note.unwrap().contains("hardly determines its gamma"));
 }

@@ -57,7 +57,7 @@ impl Head {
 
 /// A part as it was read.
 #[derive(Debug)]
-pub(crate) struct Part {
+pub(crate) struct Shard {
     pub(crate) path: PathBuf,
     pub(crate) head: Head,
     /// One for each layer.
@@ -65,7 +65,7 @@ pub(crate) struct Part {
 }
 
 impl Identity {
-    /// The same with what tells it from renderings of other scenes or by other cameras.
+    /// The same with what distinguishes it from renderings of other scenes or by other cameras.
     pub(crate) fn with_fingerprints(self, scene: &impl Serialize, camera: &Camera) -> Self {
         Self { scene: fingerprint(scene), camera: fingerprint(camera), ..self }
     }
@@ -78,7 +78,7 @@ impl Identity {
         };
         let size = |i: &Self| format!("{} x {}", i.width, i.height);
         let sampling = |i: &Self| {
-            let kind = if i.adaptive { "adaptive" } else { "even" };
+            let kind = if i.adaptive { "adaptive" } else { "uniform" };
             let sharing = if i.shared { "shared" } else { "independent" };
             format!("{kind}, {sharing}")
         };
@@ -102,8 +102,8 @@ pub(crate) fn write(path: &Path, head: &Head, layers: &[Accumulator]) -> Result<
     let text = serde_json::to_string(head)
         .map_err(|error| FileError::new(path, format!("cannot be written: {error}")))?;
     let mut channels = Vec::new();
-    for (prefix, tally) in head.prefixes().zip(layers) {
-        let pixels = tally.image().pixels();
+    for (prefix, accumulator) in head.prefixes().zip(layers) {
+        let pixels = accumulator.image().pixels();
         let mut add = |name: &str, of: &dyn Fn(&PixelAccumulator) -> u32| {
             channels.push((format!("{prefix}{name}"), pixels.iter().map(of).collect()));
         };
@@ -126,7 +126,7 @@ pub(crate) fn write(path: &Path, head: &Head, layers: &[Accumulator]) -> Result<
 ///
 /// # Errors
 /// If the file cannot be read or is no part.
-pub(crate) fn read(path: &Path) -> Result<Part, Error> {
+pub(crate) fn read(path: &Path) -> Result<Shard, Error> {
     let planes = planes::read(path)?;
     let foreign = |what: String| FileError::new(path, format!("is no part of a rendering: {what}"));
     let head: Head = serde_json::from_str(&planes.text)
@@ -140,13 +140,13 @@ pub(crate) fn read(path: &Path) -> Result<Part, Error> {
         .collect::<Result<_, _>>()
         .map_err(foreign)?;
     let count = head.samples.end.checked_sub(head.samples.start);
-    let told = |m: &PixelAccumulator| head.identity.adaptive || Some(m.count) == count;
-    let all_told = layers.iter().all(|layer| layer.image().pixels().iter().all(told));
-    if count.is_none() || !all_told {
+    let is_complete = |m: &PixelAccumulator| head.identity.adaptive || Some(m.count) == count;
+    let all_complete = layers.iter().all(|layer| layer.image().pixels().iter().all(is_complete));
+    if count.is_none() || !all_complete {
         let problem = "its pixels do not have the samples that it describes";
         return Err(foreign(problem.into()).into());
     }
-    Ok(Part { path: path.to_owned(), head, layers })
+    Ok(Shard { path: path.to_owned(), head, layers })
 }
 
 /// The sums of the layer whose channels begin with `prefix`, or what is wrong with them.
@@ -175,8 +175,8 @@ fn layer(planes: &Planes, prefix: &str) -> Result<Accumulator, String> {
 ///
 /// # Errors
 /// If a part cannot be read, or if the parts are not of one rendering, overlap or leave gaps.
-pub(crate) fn join(paths: &[PathBuf], allow_gaps: bool) -> Result<(Part, Warnings), Error> {
-    let mut sum: Option<Part> = None;
+pub(crate) fn join(paths: &[PathBuf], allow_gaps: bool) -> Result<(Shard, Warnings), Error> {
+    let mut sum: Option<Shard> = None;
     let mut ranges = Vec::new();
     for path in paths {
         let part = read(path)?;
@@ -220,7 +220,7 @@ pub(crate) fn join(paths: &[PathBuf], allow_gaps: bool) -> Result<(Part, Warning
 }
 
 /// Adds the samples of `part`, if both are of one rendering.
-fn add(sum: &mut Part, part: &Part) -> Result<(), Error> {
+fn add(sum: &mut Shard, part: &Shard) -> Result<(), Error> {
     let problem = if part.head.layers != sum.head.layers {
         format!("does not belong to {}: it has the sums of something else", sum.path.display())
     } else if let Some(difference) = part.head.identity.difference(&sum.head.identity) {

@@ -2,7 +2,7 @@
 //!
 //! Level 0 finds the neighbourhood, level 1 the hypotheses, level 2 the numbers.
 
-use crate::evidence::Effort;
+use crate::evidence::SampleBudget;
 use crate::model_error::{Allowance, LightError, ModelError};
 use crate::problem::Options;
 use crate::rerender::round_lobes;
@@ -37,19 +37,19 @@ const POINTS: u32 = 4;
 /// Directions for each point of a pixel.
 const GLOSSY_COSINE: [u32; 3] = [3, 6, 8];
 const PER_LOBE: [u32; 3] = [3, 6, 8];
-/// A trial looks for every roughness at once.
-const TRIAL_LOBES: [f32; 4] = [0.02, 0.06, 0.16, 0.4];
-const TRIAL_PIXELS: usize = 2400;
+/// The search for candidates looks for every roughness at once.
+const CANDIDATE_LOBES: [f32; 4] = [0.02, 0.06, 0.16, 0.4];
+const CANDIDATE_PIXELS: usize = 2400;
 /// A small group's pixels are looked at in up to so many times as many points, so that its hypotheses are told
 /// apart as well as those of a large one. At one the noise of a mirror's light hides whether a thing of 300
 /// pixels is one; double of it pays for things of less than 150 pixels alone.
 const DENSER_MAX: usize = 16;
 
 /// For a group that is diffuse.
-pub fn diffuse(level: usize, options: &Options) -> Effort {
+pub fn diffuse(level: usize, options: &Options) -> SampleBudget {
     let probe =
         ProbeSettings { cosine: COSINE[level], seed: options.seed, ..ProbeSettings::default() };
-    Effort {
+    SampleBudget {
         pixels: PIXELS[level],
         pixels_seed: options.seed,
         allowance: allowance(level, options),
@@ -58,7 +58,7 @@ pub fn diffuse(level: usize, options: &Options) -> Effort {
 }
 
 /// For a group whose lobe is nearly known, or that mirrors.
-pub fn specular(level: usize, options: &Options, material: &Material) -> Effort {
+pub fn specular(level: usize, options: &Options, material: &Material) -> SampleBudget {
     let scaled = |scale: f32| ProposalLobe {
         alpha_x: scale * material.alpha_x,
         alpha_y: scale * material.alpha_y,
@@ -75,7 +75,7 @@ pub fn specular(level: usize, options: &Options, material: &Material) -> Effort 
         seed: options.seed,
         ..ProbeSettings::default()
     };
-    Effort {
+    SampleBudget {
         pixels: GLOSSY_PIXELS[level],
         pixels_seed: options.seed,
         allowance: allowance(level, options),
@@ -84,20 +84,20 @@ pub fn specular(level: usize, options: &Options, material: &Material) -> Effort 
 }
 
 /// For trying all rungs on a group of so many `pixels`.
-pub fn trial(level: usize, options: &Options, pixels: usize) -> Effort {
-    let denser = (TRIAL_PIXELS / pixels.max(1)).clamp(1, DENSER_MAX) as u32;
+pub fn candidates(level: usize, options: &Options, pixels: usize) -> SampleBudget {
+    let denser = (CANDIDATE_PIXELS / pixels.max(1)).clamp(1, DENSER_MAX) as u32;
     let probe = ProbeSettings {
         probes_per_pixel: denser * POINTS,
         cosine: 8,
         per_lobe: 6,
-        lobes: round_lobes(&TRIAL_LOBES),
+        lobes: round_lobes(&CANDIDATE_LOBES),
         mirror: true,
         keep_incident: true,
         seed: options.seed,
         ..ProbeSettings::default()
     };
-    Effort {
-        pixels: TRIAL_PIXELS,
+    SampleBudget {
+        pixels: CANDIDATE_PIXELS,
         pixels_seed: options.seed,
         allowance: allowance(level, options),
         probe,
@@ -105,10 +105,10 @@ pub fn trial(level: usize, options: &Options, pixels: usize) -> Effort {
 }
 
 /// For a texture, at every pixel of its group: while the light still changes, and at the end.
-pub fn texture(last: bool, options: &Options) -> Effort {
+pub fn texture(last: bool, options: &Options) -> SampleBudget {
     let cosine = if last { 48 } else { 4 };
     let probe = ProbeSettings { cosine, seed: options.seed, ..ProbeSettings::default() };
-    Effort {
+    SampleBudget {
         pixels: usize::MAX,
         pixels_seed: options.seed,
         allowance: allowance(FINEST, options),

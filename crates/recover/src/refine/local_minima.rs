@@ -3,15 +3,15 @@
 //!
 //! Gauss-Newton finds the bottom of the basin that the ladder's global search chose. Here the cost
 //! is looked at on a grid of roughnesses (round lobes) or of directions (brushed ones) about the
-//! answer; every other dip is followed down, and kept if no difference of the two can be told on
+//! answer; every other dip is followed down, and kept if no difference of the two is significant on
 //! the same light.
 
-use crate::effort;
 use crate::evidence::Evidence;
 use crate::expected::ParameterBounds;
 use crate::hypothesis::{self, Fit, Hypothesis, Search};
 use crate::model_error::ModelError;
 use crate::problem::Options;
+use crate::sample_budget;
 use crate::selection;
 use crate::state::State;
 use std::f32::consts::PI;
@@ -37,11 +37,12 @@ pub(crate) fn find(state: &mut State<'_>, options: &Options) {
         }
         let other_noise = Options { seed: options.seed ^ 0xBA51, ..options.clone() };
         let pixels = &state.observation.pixels_of_group[group];
-        let mut effort = effort::trial(effort::REFINED, &other_noise, pixels.len());
-        effort.pixels = PIXELS;
-        effort.probe.max_bounces = options.max_bounces;
+        let mut budget =
+            sample_budget::candidates(sample_budget::REFINED, &other_noise, pixels.len());
+        budget.pixels = PIXELS;
+        budget.probe.max_bounces = options.max_bounces;
         let (stage, appearance) = (state.stage(), state.appearance());
-        let evidence = Evidence::gather(&stage, appearance, group, pixels, &effort);
+        let evidence = Evidence::gather(&stage, appearance, group, pixels, &budget);
         let mut evidence = evidence.expecting(state.problem.groups[group].expected);
         if evidence.is_empty() {
             continue;

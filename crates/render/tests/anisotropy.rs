@@ -1,4 +1,4 @@
-//! Proves the meaning of the brushed angle on pictures: the highlight of a lamp at the camera is
+//! Proves the meaning of the anisotropy angle on pictures: the highlight of a lamp at the camera is
 //! stretched along the direction in which the roughness is large, and that direction is where the
 //! conventions say: counter-clockwise seen from the front, from TANGENT, else from growing u, else
 //! from world +x, else from world +z.
@@ -45,7 +45,7 @@ fn long_axis(mesh: Mesh, eye: Vec3, theta_rad: f32) -> Vec3 {
 }
 
 /// Checks the long axis from both sides of the plate spanned by `x` and `y` (its front looks
-/// along `x` cross `y`), whose brushed angle counts from `zero`.
+/// along `x` cross `y`), whose anisotropy angle counts from `zero`.
 fn check(what: &str, mesh: &Mesh, (x, y): (Vec3, Vec3), zero: Vec3) {
     let front = x.cross(y).normalize();
     for theta in [0.0, 0.5, 1.2, 2.3f32] {

@@ -6,7 +6,7 @@ use unrender_restage::pair::{self, Pairing};
 use unrender_scene::{Camera, Material, Scene};
 
 /// What is rendered: a picture, or several sums of one at once.
-pub(crate) trait Subject {
+pub(crate) trait ProgressiveRender {
     /// What each sum is called; the first is the picture whose noise counts.
     fn layers(&self) -> &'static [&'static str];
 
@@ -19,24 +19,24 @@ pub(crate) trait Subject {
     );
 
     /// How many paths each pixel should get, by a pilot picture of `size`.
-    fn shares(&self, size: (usize, usize)) -> AdaptiveSampling;
+    fn adaptive_sampling(&self, size: (usize, usize)) -> AdaptiveSampling;
 }
 
 /// One picture of a scene.
-pub(crate) struct Picture<'a> {
+pub(crate) struct PictureRender<'a> {
     tracer: Tracer,
     materials: Vec<Material>,
     camera: &'a Camera,
     settings: Settings,
 }
 
-impl<'a> Picture<'a> {
+impl<'a> PictureRender<'a> {
     pub(crate) fn new(scene: &Scene, camera: &'a Camera, settings: Settings) -> Self {
         Self { tracer: Tracer::new(scene), materials: scene.materials(), camera, settings }
     }
 }
 
-impl Subject for Picture<'_> {
+impl ProgressiveRender for PictureRender<'_> {
     fn layers(&self) -> &'static [&'static str] {
         &["picture"]
     }
@@ -51,12 +51,12 @@ impl Subject for Picture<'_> {
         tracer.accumulate(materials, camera, settings, samples, &mut layers[0], progress);
     }
 
-    fn shares(&self, size: (usize, usize)) -> AdaptiveSampling {
+    fn adaptive_sampling(&self, size: (usize, usize)) -> AdaptiveSampling {
         self.tracer.adaptive_sampling(&self.materials, self.camera, size, &self.settings, &|_| ())
     }
 }
 
-impl Subject for Pairing<'_> {
+impl ProgressiveRender for Pairing<'_> {
     fn layers(&self) -> &'static [&'static str] {
         &pair::LAYERS
     }
@@ -70,7 +70,7 @@ impl Subject for Pairing<'_> {
         self.accumulate(samples, layers, progress);
     }
 
-    fn shares(&self, size: (usize, usize)) -> AdaptiveSampling {
+    fn adaptive_sampling(&self, size: (usize, usize)) -> AdaptiveSampling {
         self.adaptive_sampling(size)
     }
 }

@@ -1,7 +1,7 @@
 //! How much is rendered: the flags that `render` and `restage` share.
 
-use crate::part::Identity;
-use crate::passes::Goal;
+use crate::progressive::Goal;
+use crate::shard::Identity;
 use serde::Serialize;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ const DEFAULT_SPP: u32 = 64;
 
 /// How many samples are rendered, which, and what becomes of them on the way.
 #[derive(Debug, clap::Args)]
-pub struct Effort {
+pub struct SamplingArgs {
     /// Samples a pixel, on average; with --time or --noise the most [default: 64 without those].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
@@ -51,7 +51,7 @@ pub struct Effort {
     pub bounces: Option<u32>,
 }
 
-impl Effort {
+impl SamplingArgs {
     pub(crate) fn settings(&self) -> Settings {
         let max_bounces = self.bounces.unwrap_or(MAX_BOUNCES);
         Settings {

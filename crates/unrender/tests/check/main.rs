@@ -1,115 +1,19 @@
 //! `unrender check`: one doubtful input a test, on a small room made up here.
 
+mod room;
+
 use glam::Vec3;
+use room::*;
 use std::path::Path;
 use std::process::{Command, Output};
-use std::sync::OnceLock;
 use unrender::check::{Checkup, EdgeKind, check, edge_picture};
 use unrender::formats::picture::{self, Depth, Picture};
 use unrender::photo::{Response, Transfer, develop};
-use unrender::render::{Settings, Tracer};
 use unrender::scene::color::{linear_from_srgb, srgb_from_linear};
 use unrender::scene::{
     Camera, Group, Image, Light, LightKind, Material, Mesh, Object, Rgb, RgbImage, Scene, Warnings,
 };
 use unrender::{Job, Project};
-
-const SIZE: (usize, usize) = (120, 90);
-const LAMP: usize = 4;
-const BLOCK: usize = 3;
-const GROUPS: [(&str, [f32; 3]); 5] = [
-    ("back_wall", [0.6, 0.6, 0.55]),
-    ("floor", [0.5, 0.4, 0.3]),
-    ("walls", [0.3, 0.4, 0.6]),
-    ("block", [0.7, 0.3, 0.2]),
-    ("lamp", [0.0, 0.0, 0.0]),
-];
-
-fn quad(corner: Vec3, u: Vec3, v: Vec3) -> Mesh {
-    let corners = [corner, corner + u, corner + u + v, corner + v];
-    Mesh::flat(&corners, &[], &[[0, 1, 2], [0, 2, 3]])
-}
-
-/// A box between two corners, its fronts outwards.
-fn cuboid(low: Vec3, high: Vec3) -> Mesh {
-    let side = high - low;
-    let [x, y, z] = [side.x * Vec3::X, side.y * Vec3::Y, side.z * Vec3::Z];
-    let mut whole = Mesh::default();
-    for (corner, u, v) in [
-        (low + z, x, y),
-        (low + x, -x, y),
-        (low, z, y),
-        (low + x + z, -z, y),
-        (low + y + z, x, -z),
-        (low, x, z),
-    ] {
-        append(&mut whole, &quad(corner, u, v));
-    }
-    whole
-}
-
-fn append(whole: &mut Mesh, part: &Mesh) {
-    let first = whole.positions.len() as u32;
-    whole.positions.extend(&part.positions);
-    whole.normals.extend(&part.normals);
-    whole.triangles.extend(part.triangles.iter().map(|t| t.map(|i| first + i)));
-}
-
-/// The other side becomes the front.
-fn flipped(mesh: &Mesh) -> Mesh {
-    let mut mesh = mesh.clone();
-    mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
-    mesh.normals.iter_mut().for_each(|normal| *normal = -*normal);
-    mesh
-}
-
-fn object(group: usize, mesh: Mesh) -> Object {
-    Object { name: format!("the {}", GROUPS[group].0), group, mesh }
-}
-
-/// Back wall, floor, side walls, a block and a lamp under where the ceiling would be.
-fn room() -> Scene {
-    let (x, y, z) = (2.0 * Vec3::X, 2.0 * Vec3::Y, 2.0 * Vec3::Z);
-    let low = Vec3::new(-1.0, 0.0, -1.0);
-    let mut walls = quad(low, y, z);
-    walls = flipped(&flipped(&walls));
-    append(&mut walls, &quad(low + x, z, y));
-    let meshes = [
-        (0, quad(low, x, y)),
-        (1, quad(low, z, x)),
-        (2, walls),
-        (BLOCK, cuboid(Vec3::new(-0.5, 0.0, -0.6), Vec3::new(0.0, 0.7, -0.1))),
-        (LAMP, quad(Vec3::new(-0.4, 1.95, -0.4), 0.8 * Vec3::X, 0.8 * Vec3::Z)),
-    ];
-    let group = |(i, (name, rho)): (usize, (&str, [f32; 3]))| Group {
-        name: name.to_owned(),
-        material: Material::diffuse(Rgb::from_array(rho)),
-        emission: if i == LAMP { Rgb::splat(6.0) } else { Rgb::ZERO },
-    };
-    let mut scene = Scene {
-        objects: meshes.into_iter().map(|(group, mesh)| object(group, mesh)).collect(),
-        groups: GROUPS.into_iter().enumerate().map(group).collect(),
-        ..Scene::default()
-    };
-    assert_eq!(scene.validate(), Ok(Warnings::default()));
-    scene
-}
-
-fn camera() -> Camera {
-    Camera::look_at("camera", Vec3::new(0.1, 1.0, 3.2), Vec3::new(0.0, 0.7, 0.0), Vec3::Y, 0.55)
-}
-
-/// What `camera` takes of `scene`.
-fn photograph(scene: &Scene, camera: &Camera) -> RgbImage {
-    let settings = Settings { spp: 64, seed: 5, max_bounces: 6, ..Settings::default() };
-    Tracer::new(scene).render(&scene.materials(), camera, SIZE, &settings, &|_| ()).mean
-}
-
-/// What `camera()` takes of `room()`.
-fn photo_of_room() -> RgbImage {
-    static PHOTO: OnceLock<RgbImage> = OnceLock::new();
-    PHOTO.get_or_init(|| photograph(&room(), &camera())).clone()
-}
 
 /// `examples/room` with its camera's axis so many pixels to the right of where it is.
 fn room_beside(pixels: f64) -> Checkup {
@@ -189,7 +93,7 @@ fn a_good_project_passes_in_silence() {
 }
 
 #[test]
-fn highlights_and_what_is_mirrored_are_told() {
+fn highlights_and_what_is_mirrored_are_reported() {
     // The floor mirrors the lamp at z = 0.7 to 0.9.
     let eye = Vec3::new(0.0, 1.3, 1.4);
     let looking_down = Camera::look_at("c", eye, Vec3::new(0.0, 0.0, 0.6), Vec3::Y, 0.7);
@@ -268,7 +172,7 @@ fn a_camera_and_an_object_that_are_off_are_told_and_drawn() {
 }
 
 #[test]
-fn responses_that_look_wrong_are_told() {
+fn responses_that_look_wrong_are_reported() {
     let radiance = photo_of_room();
     let brightest = radiance.pixels().iter().fold(0.0f32, |most, v| most.max(v.max_element()));
     let linear = radiance.map(|v| (*v / brightest).clamp(Rgb::ZERO, Rgb::ONE));
@@ -293,7 +197,7 @@ fn responses_that_look_wrong_are_told() {
 }
 
 #[test]
-fn a_stretched_histogram_is_told() {
+fn a_stretched_histogram_is_reported() {
     let code = |x: usize, stretch: f32| (stretch * (40.0 + (x % 100) as f32)).round() / 255.0;
     let ramp = |stretch| {
         let values = Image::from_fn(SIZE.0, SIZE.1, |x, y| Rgb::splat(code(x + y, stretch)));
@@ -305,7 +209,7 @@ fn a_stretched_histogram_is_told() {
 }
 
 #[test]
-fn bright_dark_and_clipped_photos_are_told() {
+fn bright_dark_and_clipped_photos_are_reported() {
     let radiance = photo_of_room();
     let of = |scale: f32, text: &str| {
         let code = |v: f32| (255.0 * srgb_from_linear(v)).round() / 255.0;
@@ -323,7 +227,7 @@ fn bright_dark_and_clipped_photos_are_told() {
 }
 
 #[test]
-fn lights_in_the_wrong_place_are_told() {
+fn lights_in_the_wrong_place_are_reported() {
     let with = |kind: LightKind| {
         let mut scene = room();
         scene.lights.push(Light { name: "bulb".into(), kind });
@@ -341,7 +245,7 @@ fn lights_in_the_wrong_place_are_told() {
 }
 
 #[test]
-fn area_lights_that_light_nothing_are_told() {
+fn area_lights_that_light_nothing_are_reported() {
     let with_lamp = |mesh: Mesh| {
         let mut scene = room();
         scene.objects.push(Object { name: "second".into(), ..object(LAMP, mesh) });
@@ -361,7 +265,7 @@ fn area_lights_that_light_nothing_are_told() {
 }
 
 #[test]
-fn objects_from_behind_and_doubled_ones_are_told() {
+fn objects_from_behind_and_doubled_ones_are_reported() {
     let mut scene = room();
     scene.objects[BLOCK].mesh = flipped(&scene.objects[BLOCK].mesh);
     Input::of_room(&scene).warns("the picture shows \"the block\" from behind", "flip the faces");
@@ -390,14 +294,14 @@ fn scaled(scale: f32) -> Input {
 }
 
 #[test]
-fn rooms_of_no_human_size_are_told() {
+fn rooms_of_no_human_size_are_reported() {
     scaled(100.0).warns("m across; scenes are in metres", "centimetres");
     scaled(0.001).warns("mm across", "scale that makes it metres");
     assert_eq!(scaled(0.1).check().warnings.0, [""; 0]);
 }
 
 #[test]
-fn cameras_in_the_wrong_place_are_told() {
+fn cameras_in_the_wrong_place_are_reported() {
     let scene = room();
     let codes = Picture::new(photograph(&scene, &camera()), Depth::Float);
     let from = |eye: Vec3, target: Vec3| {
@@ -415,7 +319,7 @@ fn cameras_in_the_wrong_place_are_told() {
 }
 
 #[test]
-fn groups_that_are_unseen_small_or_dark_are_told() {
+fn groups_that_are_unseen_small_or_dark_are_reported() {
     let block = |low: Vec3, side: f32| {
         let mut scene = room();
         scene.objects[BLOCK].mesh = cuboid(low, low + side);

@@ -12,21 +12,24 @@ use serde_json::{Value, json};
 use unrender_scene::{Rgb, Scene, Warnings};
 
 /// The bytes of a `.glb` with everything that is in the glTF file `source` (hierarchy, names,
-/// extras, animations), in which every material that is a group of `scene` wears that group's
+/// extras, animations), in which every material that is a group of `scene` gets that group's
 /// reflectance and emission, and the lights of `scene` are as bright as they are there, in
 /// the units of the file. Buffers and
 /// pictures beside the file are embedded.
 ///
 /// # Errors
 /// If `source` cannot be read, or if the result would be larger than 4 GiB.
-pub fn dress<'a>(source: impl Into<Input<'a>>, scene: &Scene) -> Result<Vec<u8>, FileError> {
+pub fn assign_materials<'a>(
+    source: impl Into<Input<'a>>,
+    scene: &Scene,
+) -> Result<Vec<u8>, FileError> {
     let source = source.into();
     let fail = |problem| FileError::new(source.path, problem);
     let opened = Source::open(source).map_err(fail)?;
-    dressed(&opened, scene).map_err(fail)
+    with_materials(&opened, scene).map_err(fail)
 }
 
-fn dressed(source: &Source, scene: &Scene) -> Result<Vec<u8>, Problem> {
+fn with_materials(source: &Source, scene: &Scene) -> Result<Vec<u8>, Problem> {
     let mut glb = Glb::embedding(source);
     let names = group_names(&source.document, &mut Warnings::default());
     if let Some(name) = names.last().filter(|name| scene.group_index(name).is_some()) {
@@ -39,7 +42,7 @@ fn dressed(source: &Source, scene: &Scene) -> Result<Vec<u8>, Problem> {
         let texture = material.texture.as_ref();
         let texture = texture.map(|texture| glb.push_texture(texture)).transpose()?;
         let json = &mut glb.root["materials"][index];
-        ward::dress(json, material, scene.brdf, texture);
+        ward::assign_material(json, material, scene.brdf, texture);
         let emission = scene.groups[group].emission;
         // What has no material in the file is black.
         let in_file = source.document.materials.get(index);
@@ -47,7 +50,7 @@ fn dressed(source: &Source, scene: &Scene) -> Result<Vec<u8>, Problem> {
             material::set_emission(json, emission);
         }
     }
-    lights::dress(&mut glb, source, scene)?;
+    lights::assign_lights(&mut glb, source, scene)?;
     glb.finish()
 }
 

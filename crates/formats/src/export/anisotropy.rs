@@ -1,9 +1,9 @@
-//! Brushed directions in the world, triangle by triangle, by the rules of `docs/reference/conventions.md`.
+//! Anisotropy directions in the world, triangle by triangle, by the rules of `docs/reference/conventions.md`.
 
 use glam::{Vec2, Vec3};
 use unrender_scene::Mesh;
 
-/// The unit vector along the brushed direction of triangle `index`, `theta_rad` from its tangent
+/// The unit vector along the anisotropy direction of triangle `index`, `theta_rad` from its tangent
 /// counter-clockwise seen from the front. Where tangents turn within the triangle it is their mean.
 pub(super) fn direction(mesh: &Mesh, index: usize, theta_rad: f32) -> Vec3 {
     let normal = front_normal(mesh, index);
@@ -20,7 +20,7 @@ pub(super) fn front_normal(mesh: &Mesh, index: usize) -> Vec3 {
     (b - a).cross(c - a).normalize_or_zero().as_vec3()
 }
 
-/// `mesh` with texture coordinates that grow along the brushed direction, metre by metre, for
+/// `mesh` with texture coordinates that grow along the anisotropy direction, metre by metre, for
 /// programs that count from there. Every triangle gets corners of its own.
 pub(super) fn along_u(mesh: &Mesh, theta_rad: f32) -> Mesh {
     let mut turned = Mesh::default();

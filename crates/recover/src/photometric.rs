@@ -10,27 +10,28 @@ use unrender_scene::{Rgb, RgbImage};
 
 /// One number of the camera that is asked for.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Correction {
+pub struct PhotometricParameter {
     /// How the photograph's values change with it, before the exposure is applied.
     pub derivative: RgbImage,
     /// Its prior mean, counted from where it is now.
-    pub belief: f64,
-    /// The standard deviation of that belief; it only speaks where the photograph is silent.
+    pub prior_mean: f64,
+    /// The standard deviation of that prior, which decides only where the photograph does not.
     pub deviation: f64,
     /// How far it may go from where it is now, because the derivative holds no further.
     pub reach: f64,
 }
 
-/// What came out for the numbers of the camera, in the order of [`crate::Problem::corrections`].
+/// What came out for the numbers of the camera, in the order of [`crate::Problem::photometric_parameters`].
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
-pub struct Corrected {
+#[non_exhaustive]
+pub struct PhotometricEstimate {
     /// How far each is from where it was.
     pub steps: Vec<f64>,
     /// The covariance of them; empty if nothing was refined.
     pub covariance: Vec<Vec<f64>>,
 }
 
-impl Correction {
+impl PhotometricParameter {
     /// The relative change of the whole photograph by it.
     pub(crate) fn relative(&self, values: &RgbImage) -> Rgb {
         let sum = |image: &RgbImage| image.pixels().iter().copied().sum::<Rgb>();

@@ -1,4 +1,4 @@
-//! What the photograph can tell of a group, looked at before anything is recovered: a first gathering
+//! Identifiability: what the photograph determines of a group, estimated before anything is recovered: a first gathering
 //! of light in the scene as it is guessed so far, few rays, twice with independent noise.
 //!
 //! With the white diffuse surface's radiance `D` and that of Ward's lobe `S` (`rho_s = 1`, one of
@@ -10,7 +10,7 @@
 //! slope of `ln P` over `ln D` is one; it is near 1/2.2 for encoded values that were taken as linear,
 //! and near 2.2 for linear ones that were decoded.
 
-use crate::evidence::{Effort, Evidence, Stage};
+use crate::evidence::{Evidence, SampleBudget, Stage};
 use crate::model_error::{Allowance, LightError, ModelError};
 use crate::rerender::round_lobes;
 use unrender_render::{Appearance, ProbeSettings};
@@ -27,9 +27,9 @@ const ALLOWANCE: Allowance =
 const COSINE: u32 = 8;
 const PER_LOBE: u32 = 8;
 
-/// What the photograph can tell of one group.
+/// What the photograph determines of one group.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Prospect {
+pub struct Identifiability {
     /// The share of its pixels, 0 to 1, that get light straight from a lamp.
     pub lit: f32,
     /// The mean luminance of a white diffuse surface in its place, W sr^-1 m^-2.
@@ -40,18 +40,18 @@ pub struct Prospect {
     pub highlight: f32,
     /// How far its surroundings would: that of a mirror image.
     pub image: f32,
-    /// How fast the photograph grows with the light, if both vary enough over the group to tell.
+    /// How fast the photograph grows with the light, if both vary enough over the group.
     pub slope: Option<f32>,
 }
 
 /// Looks at `group` behind at most `count` of `pixels`. None if no ray meets it.
-pub fn prospect(
+pub fn identifiability(
     stage: &Stage<'_>,
     appearance: Appearance<'_>,
     group: usize,
     pixels: &[u32],
     (count, seed): (usize, u64),
-) -> Option<Prospect> {
+) -> Option<Identifiability> {
     let gather = |max_bounces| {
         let probe = ProbeSettings {
             cosine: COSINE,
@@ -67,7 +67,7 @@ pub fn prospect(
             appearance,
             group,
             pixels,
-            &Effort { pixels: count, pixels_seed: probe.seed, allowance: ALLOWANCE, probe },
+            &SampleBudget { pixels: count, pixels_seed: probe.seed, allowance: ALLOWANCE, probe },
         )
     };
     // The same seed sends the same rays through the same pixels.
@@ -89,7 +89,7 @@ pub fn prospect(
     let most = |which: usize| shine[0][which].max(shine[1][which]);
     let photo: Vec<f32> = all.pixels.iter().map(|pixel| luminance(pixel.radiance)).collect();
     let is_lit = |i: &usize| straight[0][*i] + straight[1][*i] > 0.0;
-    Some(Prospect {
+    Some(Identifiability {
         lit: (0..photo.len()).filter(is_lit).count() as f32 / photo.len() as f32,
         light: 0.5 * (mean(&light[0]) + mean(&light[1])),
         photo: mean(&photo),
@@ -161,12 +161,12 @@ pub enum RoughnessCue {
     Nothing,
 }
 
-impl Prospect {
+impl Identifiability {
     /// A shine of a tenth on a surface of middle grey shows from this contrast on: it changes the
     /// picture by 1 %.
     const SHOWS: f32 = 0.05;
 
-    /// What there is to tell roughness by.
+    /// What roughness can be estimated from.
     pub fn roughness_cue(&self) -> RoughnessCue {
         match (self.highlight > Self::SHOWS, self.image > Self::SHOWS) {
             (true, true) => RoughnessCue::Both,

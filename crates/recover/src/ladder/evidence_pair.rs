@@ -1,7 +1,7 @@
-//! A trial: all uniform rungs fitted to one group under the present light.
+//! The evidence on one group, gathered twice, and all uniform rungs fitted to it under the present light.
 
 use super::settle::gather;
-use crate::evidence::{Effort, Evidence};
+use crate::evidence::{Evidence, SampleBudget};
 use crate::hypothesis::{self, Fit, Hypothesis, Search, brushed};
 use crate::model_error::{LightError, ModelError};
 use crate::problem::Options;
@@ -18,24 +18,24 @@ const JUDGING: u64 = 0x7D6E;
 /// The evidence on one group, gathered twice: shapes of lobes are searched by the one, and hypotheses are
 /// compared by the other. A search finds the shape that fits the noise of its light samples best, and the
 /// more shapes there are, the better it fits; the noise of other samples knows nothing of that.
-pub(super) struct Trial {
+pub(super) struct EvidencePair {
     searching: Evidence,
     pub(super) judging: Evidence,
 }
 
-impl Trial {
+impl EvidencePair {
     /// The evidence on `group`, twice; none where nothing was seen of it. Candidates may explain residuals by
     /// an error of the incident light of at most `most`.
     pub(super) fn gather(
         state: &State<'_>,
         options: &Options,
         (group, most): (usize, LightError),
-        effort: Effort,
+        budget: SampleBudget,
     ) -> Option<Self> {
-        let mut again = effort.clone();
+        let mut again = budget.clone();
         again.probe.seed ^= JUDGING;
-        let [searching, judging] = [effort, again].map(|effort| {
-            let mut evidence = gather(state, options, group, effort);
+        let [searching, judging] = [budget, again].map(|budget| {
+            let mut evidence = gather(state, options, group, budget);
             evidence.field.most = most;
             evidence
         });
@@ -59,7 +59,8 @@ impl Trial {
     /// light. Shapes are from one half, reflectances and likelihoods from the other. Fits that overflowed are
     /// none.
     pub(super) fn fit_all(mut self, state: &State<'_>, group: usize) -> (Self, Vec<Fit>) {
-        let Found { fits, broad, material, error } = search_all(&mut self.searching, state, group);
+        let Searched { fits, broad, material, error } =
+            search_all(&mut self.searching, state, group);
         share_weights(&mut self.judging, &material, error);
         let again =
             |fit: &Fit| hypothesis::fit(fit.hypothesis, &self.judging, &fit.material, Search::Kept);
@@ -77,7 +78,7 @@ impl Trial {
 
 /// What a search found: the fits, and the most likely material and model error that their weights are
 /// from.
-struct Found {
+struct Searched {
     fits: Vec<Fit>,
     /// Broader lobes beside the sharp ones among these.
     broad: Vec<Fit>,
@@ -94,7 +95,7 @@ fn share_weights(evidence: &mut Evidence, material: &Material, error: ModelError
 }
 
 /// All uniform rungs that the group may have, searched for everywhere and then near the most likely ones.
-fn search_all(evidence: &mut Evidence, state: &State<'_>, group: usize) -> Found {
+fn search_all(evidence: &mut Evidence, state: &State<'_>, group: usize) -> Searched {
     let geometry = state.problem.renderer.geometry();
     let theta_rad = brushed::direction(evidence, geometry).unwrap_or(0.0);
     let rungs = state.problem.groups[group].uniform_rungs();
@@ -126,14 +127,14 @@ fn search_all(evidence: &mut Evidence, state: &State<'_>, group: usize) -> Found
         *fit = better.unwrap_or(kept);
     }
     let broad = fits.iter().flat_map(|fit| broader(fit, evidence)).collect();
-    Found { fits, broad, material, error }
+    Searched { fits, broad, material, error }
 }
 
 /// A lobe is sharp below this mean roughness. At half of it lobes that fit noise pass for broad ones, at double
 /// broad lobes are searched for twice.
 const SHARP: f32 = 0.12;
 /// The mean roughness at which the search for a broader one starts. Half of it is hardly broader, double of it
-/// is hardly told from diffuse.
+/// hardly differs from diffuse.
 const BROAD: f32 = 0.3;
 /// If it is anisotropic: the square root of `alpha_y / alpha_x` at the start. At one the direction has no
 /// effect, at double the start is far from most lobes.

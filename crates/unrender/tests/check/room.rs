@@ -1,0 +1,103 @@
+//! A small room and its photograph.
+
+use glam::Vec3;
+use std::sync::OnceLock;
+use unrender::render::{Settings, Tracer};
+use unrender::scene::{Camera, Group, Material, Mesh, Object, Rgb, RgbImage, Scene, Warnings};
+
+pub(crate) const SIZE: (usize, usize) = (120, 90);
+pub(crate) const LAMP: usize = 4;
+pub(crate) const BLOCK: usize = 3;
+pub(crate) const GROUPS: [(&str, [f32; 3]); 5] = [
+    ("back_wall", [0.6, 0.6, 0.55]),
+    ("floor", [0.5, 0.4, 0.3]),
+    ("walls", [0.3, 0.4, 0.6]),
+    ("block", [0.7, 0.3, 0.2]),
+    ("lamp", [0.0, 0.0, 0.0]),
+];
+
+pub(crate) fn quad(corner: Vec3, u: Vec3, v: Vec3) -> Mesh {
+    let corners = [corner, corner + u, corner + u + v, corner + v];
+    Mesh::flat(&corners, &[], &[[0, 1, 2], [0, 2, 3]])
+}
+
+/// A box between two corners, its fronts outwards.
+pub(crate) fn cuboid(low: Vec3, high: Vec3) -> Mesh {
+    let side = high - low;
+    let [x, y, z] = [side.x * Vec3::X, side.y * Vec3::Y, side.z * Vec3::Z];
+    let mut whole = Mesh::default();
+    for (corner, u, v) in [
+        (low + z, x, y),
+        (low + x, -x, y),
+        (low, z, y),
+        (low + x + z, -z, y),
+        (low + y + z, x, -z),
+        (low, x, z),
+    ] {
+        append(&mut whole, &quad(corner, u, v));
+    }
+    whole
+}
+
+pub(crate) fn append(whole: &mut Mesh, part: &Mesh) {
+    let first = whole.positions.len() as u32;
+    whole.positions.extend(&part.positions);
+    whole.normals.extend(&part.normals);
+    whole.triangles.extend(part.triangles.iter().map(|t| t.map(|i| first + i)));
+}
+
+/// The other side becomes the front.
+pub(crate) fn flipped(mesh: &Mesh) -> Mesh {
+    let mut mesh = mesh.clone();
+    mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    mesh.normals.iter_mut().for_each(|normal| *normal = -*normal);
+    mesh
+}
+
+pub(crate) fn object(group: usize, mesh: Mesh) -> Object {
+    Object { name: format!("the {}", GROUPS[group].0), group, mesh }
+}
+
+/// Back wall, floor, side walls, a block and a lamp under where the ceiling would be.
+pub(crate) fn room() -> Scene {
+    let (x, y, z) = (2.0 * Vec3::X, 2.0 * Vec3::Y, 2.0 * Vec3::Z);
+    let low = Vec3::new(-1.0, 0.0, -1.0);
+    let mut walls = quad(low, y, z);
+    walls = flipped(&flipped(&walls));
+    append(&mut walls, &quad(low + x, z, y));
+    let meshes = [
+        (0, quad(low, x, y)),
+        (1, quad(low, z, x)),
+        (2, walls),
+        (BLOCK, cuboid(Vec3::new(-0.5, 0.0, -0.6), Vec3::new(0.0, 0.7, -0.1))),
+        (LAMP, quad(Vec3::new(-0.4, 1.95, -0.4), 0.8 * Vec3::X, 0.8 * Vec3::Z)),
+    ];
+    let group = |(i, (name, rho)): (usize, (&str, [f32; 3]))| Group {
+        name: name.to_owned(),
+        material: Material::diffuse(Rgb::from_array(rho)),
+        emission: if i == LAMP { Rgb::splat(6.0) } else { Rgb::ZERO },
+    };
+    let mut scene = Scene {
+        objects: meshes.into_iter().map(|(group, mesh)| object(group, mesh)).collect(),
+        groups: GROUPS.into_iter().enumerate().map(group).collect(),
+        ..Scene::default()
+    };
+    assert_eq!(scene.validate(), Ok(Warnings::default()));
+    scene
+}
+
+pub(crate) fn camera() -> Camera {
+    Camera::look_at("camera", Vec3::new(0.1, 1.0, 3.2), Vec3::new(0.0, 0.7, 0.0), Vec3::Y, 0.55)
+}
+
+/// What `camera` takes of `scene`.
+pub(crate) fn photograph(scene: &Scene, camera: &Camera) -> RgbImage {
+    let settings = Settings { spp: 64, seed: 5, max_bounces: 6, ..Settings::default() };
+    Tracer::new(scene).render(&scene.materials(), camera, SIZE, &settings, &|_| ()).mean
+}
+
+/// What `camera()` takes of `room()`.
+pub(crate) fn photo_of_room() -> RgbImage {
+    static PHOTO: OnceLock<RgbImage> = OnceLock::new();
+    PHOTO.get_or_init(|| photograph(&room(), &camera())).clone()
+}
