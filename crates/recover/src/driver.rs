@@ -14,17 +14,13 @@ use crate::plain;
 use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Termination};
 use crate::refine::{self, Depth};
-use crate::sample_budget::{FINEST, REFINED};
+use crate::sample_budget::{self, FINEST, REFINED};
 use crate::state::State;
 use crate::verify::{REFINED_FLOOR, Score, Verified, Verifier};
 
 /// How often the hypotheses are asked again after a refinement; each time costs a refinement where
 /// one changes.
 const REVISIONS: usize = 2;
-/// A group is asked again if its light has changed by this share since: errors of the light of that size are
-/// allowed for, so that a smaller change decides nothing. At half of it groups are asked again in vain, at
-/// double one whose light a wrong neighbour made keeps what it was given.
-const LIGHT: f64 = 0.01;
 
 /// Recovers everything, the default way.
 pub(crate) fn drive(
@@ -190,11 +186,13 @@ impl Driver<'_> {
         self.candidates.forget_rejections();
         let mut best = self.verifier.verify(state);
         self.refine_once(state, &mut best, Depth::Coarse, observer);
+        // Errors of the light of that size are allowed for: a smaller change decides nothing.
+        let tolerated = sample_budget::allowance(REFINED, self.options).light.share;
         let mut asked: Option<Score> = None;
         for _ in 0..REVISIONS {
             refine::settle_nuisances(state, self.options)?;
             let groups = match asked.replace(best.score.clone()) {
-                Some(before) => self.verifier.changed(&best.score, &before, LIGHT),
+                Some(before) => self.verifier.changed(&best.score, &before, tolerated),
                 None => state.visible_unknowns(),
             };
             let proposals = self.revise(state, &groups);

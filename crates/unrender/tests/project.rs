@@ -1,26 +1,20 @@
 //! Project files: what they may say, and a fault a line of the table below.
 
+#[path = "common/project_text.rs"]
+mod project_text;
+
 use glam::Vec3;
+use project_text::{are_refused, good, parse};
 use std::path::Path;
-use unrender::formats::{FileError, LightUnits};
+use unrender::formats::LightUnits;
 use unrender::photo::vignetting::Law;
 use unrender::photo::{Exposure, Response};
 use unrender::project::{CameraChoice, ResponseChoice, VignettingChoice};
 use unrender::scene::{
     Environment, Group, Hypothesis, Lens, Light, LightKind, Material, Rgb, RgbImage, Scene,
-    WardModel, Warnings,
+    WardModel,
 };
 use unrender::{Job, Project};
-
-const FILES: &str = "scene = \"s.glb\"\nphoto = \"p.png\"\n";
-
-fn parse(text: &str) -> Result<(Project, Warnings), FileError> {
-    Project::parse(Path::new("folder/a.toml"), &format!("{FILES}{text}"))
-}
-
-fn good(text: &str) -> Project {
-    parse(text).unwrap_or_else(|error| panic!("{text}: {error}")).0
-}
 
 #[test]
 fn a_full_project_is_understood() {
@@ -95,18 +89,9 @@ fn what_is_left_out_has_its_default() {
     assert!(warnings.0[0].contains("[anchor]"));
 }
 
-/// Asserts that each of the texts is refused for the problem beside it.
-#[track_caller]
-fn are_told(faults: &[(&str, &str)]) {
-    for (text, problem) in faults {
-        let error = parse(text).expect_err(text).to_string();
-        assert!(error.starts_with("folder/a.toml: ") && error.contains(problem), "{text}: {error}");
-    }
-}
-
 #[test]
 fn faults_of_light_and_of_what_counts_name_their_key_or_line() {
-    are_told(&[
+    are_refused(&[
         ("mask = 3", "line 3: invalid type"),
         ("[groups.a]\nignore = 1", "line 4: invalid type"),
         (
@@ -169,7 +154,7 @@ fn faults_of_light_and_of_what_counts_name_their_key_or_line() {
 
 #[test]
 fn faults_of_what_is_known_of_groups_name_their_key() {
-    are_told(&[
+    are_refused(&[
         ("[groups.a]\nrungs = \"diffuse\"", "line 4: invalid type"),
         ("[groups.a]\nrungs = []", "groups.a.rungs: it is empty"),
         ("[groups.a]\nrungs = [\"shiny\"]", "groups.a.rungs: "),
@@ -255,7 +240,7 @@ fn every_fault_names_its_key_or_line() {
             "is 0; it",
         ),
     ];
-    are_told(&faults);
+    are_refused(&faults);
     let error = Project::parse(Path::new("a.toml"), "photo = \"p\"").unwrap_err();
     assert!(error.to_string().contains("missing field `scene`"), "{error}");
 }

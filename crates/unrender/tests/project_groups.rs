@@ -1,29 +1,11 @@
 //! What a project says of the numbers of groups: bounds, starts, and which groups are alike.
 
-use std::path::Path;
-use unrender::Project;
-use unrender::formats::FileError;
+#[path = "common/project_text.rs"]
+mod project_text;
+
+use project_text::{are_refused, good};
 use unrender::recover::Expected;
-use unrender::scene::{Group, Material, Rgb, Scene, Warnings};
-
-const FILES: &str = "scene = \"s.glb\"\nphoto = \"p.png\"\n";
-
-fn parse(text: &str) -> Result<(Project, Warnings), FileError> {
-    Project::parse(Path::new("folder/a.toml"), &format!("{FILES}{text}"))
-}
-
-fn good(text: &str) -> Project {
-    parse(text).unwrap_or_else(|error| panic!("{text}: {error}")).0
-}
-
-/// Asserts that each of the texts is refused for the problem beside it.
-#[track_caller]
-fn are_told(faults: &[(&str, &str)]) {
-    for (text, problem) in faults {
-        let error = parse(text).expect_err(text).to_string();
-        assert!(error.starts_with("folder/a.toml: ") && error.contains(problem), "{text}: {error}");
-    }
-}
+use unrender::scene::{Group, Material, Rgb, Scene};
 
 #[test]
 fn bounds_and_starts_are_understood() {
@@ -45,7 +27,7 @@ fn bounds_and_starts_are_understood() {
 
 #[test]
 fn faults_of_bounds_and_starts_name_their_key() {
-    are_told(&[
+    are_refused(&[
         ("[groups.a]\nrho_d = 0.4", "line 4: invalid type"),
         ("[groups.a]\nrho_d = { star = 0.4 }", "line 4: unknown field `star`"),
         ("[groups.a]\nrho_d = {}", "groups.a.rho_d: give start, min or max"),
@@ -111,7 +93,7 @@ fn groups_are_like_others() {
 
 #[test]
 fn faults_of_likeness_name_their_key() {
-    are_told(&[
+    are_refused(&[
         ("[groups.a]\nlike = 3", "line 4: invalid type: integer `3`, expected the name of a group"),
         ("[groups.a]\nlike = { group = \"b\", width = 1 }", "line 4: unknown field `width`"),
         ("[groups.a]\nlike = { within = 0.1 }", "line 4: missing field `group`"),
