@@ -10,6 +10,7 @@ use super::{Fit, Hypothesis, Search};
 use crate::evidence::Evidence;
 use crate::expected::{ALPHA_RANGE, Expected};
 use crate::fit::simplex;
+use rayon::prelude::*;
 use std::f32::consts::PI;
 use unrender_scene::{Material, Rgb};
 
@@ -74,12 +75,14 @@ fn anywhere(
         let (best, cost) = simplex::minimise(cost, &first, &size, isotropic::LIKELY, STEPS[0]);
         (cost, shape_of(&best))
     };
-    let best_of = |shapes: &mut dyn Iterator<Item = [f32; 3]>| {
-        let ranked = shapes.map(|shape| (isotropic::deviance(evidence, diffuse, shape), shape));
-        ranked.min_by(|a, b| a.0.total_cmp(&b.0)).map(|best| best.1)
+    let best_of = |shapes: Vec<[f32; 3]>| {
+        let ranked = shapes.into_par_iter();
+        let ranked = ranked.map(|shape| (isotropic::deviance(evidence, diffuse, shape), shape));
+        let ranked: Vec<(f64, [f32; 3])> = ranked.collect();
+        ranked.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|best| best.1)
     };
-    let usual = best_of(&mut std::iter::once(first).chain(shapes)).unwrap_or(first);
-    let started = best_of(&mut started(&evidence.expected).into_iter()).map(downhill);
+    let usual = best_of(std::iter::once(first).chain(shapes).collect()).unwrap_or(first);
+    let started = best_of(started(&evidence.expected)).map(downhill);
     isotropic::preferred(downhill(usual), started)
 }
 

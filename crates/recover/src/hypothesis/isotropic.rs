@@ -10,6 +10,7 @@ use super::{Fit, Hypothesis, Search, judged};
 use crate::evidence::Evidence;
 use crate::fit::simplex;
 use crate::likelihood::Likelihood;
+use rayon::prelude::*;
 use unrender_scene::{Material, Rgb};
 
 /// The steps of the global search: each about 1.6 times the one before.
@@ -53,7 +54,7 @@ fn anywhere(evidence: &Evidence) -> f32 {
         let (best, cost) = simplex::minimise(by_log, &[from], &[0.2], LIKELY, STEPS[0]);
         (cost, bounds.nearest_round(best[0].exp() as f32))
     };
-    let costs = GLOBAL.map(|alpha| (deviance(alpha), alpha));
+    let costs: Vec<_> = GLOBAL.into_par_iter().map(|alpha| (deviance(alpha), alpha)).collect();
     let best = costs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.1, |best| best.1);
     preferred(downhill(best), evidence.expected.start.alpha_x.map(downhill))
 }

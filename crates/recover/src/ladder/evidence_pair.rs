@@ -6,6 +6,7 @@ use crate::hypothesis::{self, Fit, Hypothesis, Search, brushed};
 use crate::model_error::{LightError, ModelError};
 use crate::problem::Options;
 use crate::state::State;
+use rayon::prelude::*;
 use std::collections::HashSet;
 use std::f32::consts::FRAC_PI_2;
 use unrender_scene::Material;
@@ -64,8 +65,8 @@ impl EvidencePair {
         share_weights(&mut self.judging, &material, error);
         let again =
             |fit: &Fit| hypothesis::fit(fit.hypothesis, &self.judging, &fit.material, Search::Kept);
-        let mut fits: Vec<Fit> = fits.iter().map(again).collect();
-        for other in broad.iter().map(again) {
+        let mut fits: Vec<Fit> = fits.par_iter().map(again).collect();
+        for other in broad.par_iter().map(again).collect::<Vec<Fit>>() {
             let same = fits.iter_mut().find(|fit| fit.hypothesis == other.hypothesis);
             if let Some(fit) = same.filter(|f| other.likelihood.deviance < f.likelihood.deviance) {
                 *fit = other;
@@ -118,15 +119,16 @@ fn search_all(evidence: &mut Evidence, state: &State<'_>, group: usize) -> Searc
     ranked.sort_by(f64::total_cmp);
     let promising = ranked.get(PROMISING - 1).copied().unwrap_or(f64::INFINITY);
     share_weights(evidence, &material, error);
-    for fit in &mut fits {
+    let evidence = &*evidence;
+    fits.par_iter_mut().for_each(|fit| {
         let is_promising = deviance(fit) <= promising;
         let again = |search| hypothesis::fit(fit.hypothesis, evidence, &fit.material, search);
         let kept = again(Search::Kept);
         let polished = is_promising.then(|| again(Search::Local));
         let better = polished.filter(|polished| deviance(polished) < deviance(&kept));
         *fit = better.unwrap_or(kept);
-    }
-    let broad = fits.iter().flat_map(|fit| broader(fit, evidence)).collect();
+    });
+    let broad = fits.par_iter().flat_map(|fit| broader(fit, evidence)).collect();
     Searched { fits, broad, material, error }
 }
 
@@ -155,5 +157,6 @@ fn broader(fit: &Fit, evidence: &Evidence) -> Vec<Fit> {
         return vec![near(BROAD, BROAD, 0.0)];
     }
     let turned = |theta_rad: f32| near(BROAD / LONGER, BROAD * LONGER, theta_rad);
-    vec![turned(theta_rad), turned(theta_rad + FRAC_PI_2)]
+    let (along, across) = rayon::join(|| turned(theta_rad), || turned(theta_rad + FRAC_PI_2));
+    vec![along, across]
 }

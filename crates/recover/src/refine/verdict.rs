@@ -3,13 +3,14 @@
 //! A number is worth what its standard deviation allows. A lobe goes that is not significant, neither
 //! by its standard deviation nor by the likelihoods that model selection compared (a single highlight
 //! leaves a lobe's strength uncertain and its presence certain), and so does what is diffuse about a mirror, or not perfect about it, if it is less than what
-//! the ladder's threshold calls explained; an anisotropy that is not significant becomes a round lobe; a group out of sight
+//! the ladder's threshold calls explained; an anisotropy that is not significant becomes a round lobe, and the
+//! sharpest lobe that is searched for a mirror; a group out of sight
 //! whose reflectance stays open is assumed: at its best guess, or white, as the paper does, where
 //! there is nothing to guess from.
 
 use super::relations::Relation;
 use super::{Solution, blocks};
-use crate::expected::Like;
+use crate::expected::{ALPHA_RANGE, Like};
 use crate::hypothesis::{Hypothesis, anisotropic};
 use crate::record::{Covariance, Deviations, LightResult, Status};
 use crate::selection::STRONG;
@@ -57,18 +58,24 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, explained: f6
                     continue;
                 }
             }
-            Hypothesis::DiffuseSpecular
-                if !verdict.is_told_from_zero(state, Quantity::RhoD)
-                    || is_mirror(&state.materials[group], explained) =>
-            {
-                let material = Material::mirror(state.materials[group].rho_s);
-                let perfect = verdict.is_perfect(material.rho_s, explained);
-                let (hypothesis, material) = if perfect {
-                    (Hypothesis::Mirror, Material::mirror(Rgb::ONE))
-                } else {
-                    (Hypothesis::PartialMirror, material)
+            Hypothesis::DiffuseSpecular => {
+                let Some((hypothesis, material)) = verdict.mirror(state, explained) else {
+                    continue;
                 };
                 let note = "its diffuse part is not significant";
+                if !step_down(state, group, hypothesis, material, note) {
+                    continue;
+                }
+            }
+            Hypothesis::Isotropic if is_sharpest(&state.materials[group]) => {
+                let Material { rho_d, rho_s, .. } = state.materials[group];
+                let beside = || {
+                    let material = Material { rho_d, ..Material::mirror(rho_s) };
+                    (Hypothesis::DiffuseSpecular, material)
+                };
+                let (hypothesis, material) =
+                    verdict.mirror(state, explained).unwrap_or_else(beside);
+                let note = "its lobe is as sharp as any that is told from a mirror's";
                 if !step_down(state, group, hypothesis, material, note) {
                     continue;
                 }
@@ -93,6 +100,11 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, explained: f6
 /// Whether hardly any of what `material` reflects is diffuse.
 fn is_mirror(material: &Material, explained: f64) -> bool {
     material.rho_d.max_element() <= explained as f32 * material.rho_s.max_element()
+}
+
+/// Whether the lobe of `material` is the sharpest that is searched for.
+fn is_sharpest(material: &Material) -> bool {
+    material.alpha_x <= ALPHA_RANGE[0] && material.alpha_y <= ALPHA_RANGE[0]
 }
 
 /// A share in percent, to a thousandth of one.
@@ -230,6 +242,19 @@ impl Verdict<'_> {
         let list = self.solution.unknowns.list.iter().enumerate();
         list.filter(move |(_, u)| u.of == self.group && !blocks::of(u.quantity).is_nuisance())
             .map(|(i, _)| i)
+    }
+
+    /// The mirror that the group is if its diffuse part is not significant.
+    fn mirror(&self, state: &State<'_>, explained: f64) -> Option<(Hypothesis, Material)> {
+        let material = &state.materials[self.group];
+        if self.is_told_from_zero(state, Quantity::RhoD) && !is_mirror(material, explained) {
+            return None;
+        }
+        Some(if self.is_perfect(material.rho_s, explained) {
+            (Hypothesis::Mirror, Material::mirror(Rgb::ONE))
+        } else {
+            (Hypothesis::PartialMirror, Material::mirror(material.rho_s))
+        })
     }
 
     /// Whether a mirror's reflectance differs from one by no more than chance or than what is always
