@@ -180,21 +180,6 @@ impl Mean {
         self.paths = paths;
     }
 
-    /// Gives the unknowns other numbers: each the one that `places` says, or none where it is no unknown any
-    /// longer. The derivatives of those that became one add up.
-    pub(crate) fn rename(&mut self, places: &[Option<usize>]) {
-        for row in &mut self.rows {
-            let mut all: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
-            for &(k, a, b) in row.iter() {
-                if let Some(place) = places[k] {
-                    let sum = all.entry(place).or_default();
-                    *sum = (sum.0 + a, sum.1 + b);
-                }
-            }
-            *row = all.into_iter().map(|(k, (a, b))| (k, a, b)).collect();
-        }
-    }
-
     /// Carries the residuals along to where the unknowns move by `step`.
     pub(crate) fn move_by(&mut self, step: &DVector<f64>) {
         for (channel, row) in self.rows.iter().enumerate() {

@@ -9,10 +9,9 @@
 //! The covariance of the result comes from the spread of the picture's blocks. It holds the noise of
 //! the photograph, of our renderings, and what the model does not explain, without being told how
 //! large they are. Then [`verdict`] says what the photograph could not tell; where that makes a
-//! hypothesis simpler, the rest is refined again, from what the passes have found ([`carried`]).
+//! hypothesis simpler, the rest is refined again.
 
 mod blocks;
-mod carried;
 pub(crate) mod local_minima;
 mod means;
 mod normal;
@@ -26,7 +25,6 @@ mod verdict;
 use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Status, Termination};
 use crate::state::State;
-use carried::Found;
 use nalgebra::{DMatrix, DVector};
 use normal::Normal;
 use passes::{COARSE, Passes};
@@ -54,7 +52,6 @@ struct Solution {
     settled: bool,
     /// Whether a step could not be solved.
     failed: bool,
-    found: Found,
 }
 
 /// Refines all unknowns of `state` together and says how well they are known.
@@ -75,18 +72,15 @@ pub(crate) fn refine(
         passes.approach(state, observer);
         return Termination::Refined;
     }
-    let mut found = None;
     for round in 1.. {
-        let solution = passes.converge(state, found.take(), observer);
+        let solution = passes.converge(state, observer);
         if observer.is_cancelled() {
             return Termination::Interrupted;
         }
         if solution.failed {
             return Termination::RefinementFailed;
         }
-        let values = solution.unknowns.values(state);
         if round < ROUNDS_MAX && verdict::simplify(state, &solution, options.thresholds.explained) {
-            found = solution.carried(state, &values);
             continue;
         }
         verdict::record(state, &solution);

@@ -11,7 +11,6 @@
 //! its own standard deviation, and the renderings' noise is below the photograph's or below what
 //! anyone would ask for (`precise_enough`), or after so many passes that more would help little.
 
-use super::carried::{FAR, Found};
 use super::means::{self, Mean};
 use super::normal::Normal;
 use super::sample::{self, Cell};
@@ -36,11 +35,11 @@ const FINE: (usize, u32) = (40_000, 32);
 const FINE_SPP: [f64; 2] = [8.0, 256.0];
 /// Coarse and fine passes at most.
 const PASSES_MAX: [usize; 2] = [10, 10];
-/// A round that goes on from what the one before found has so many passes more to settle, at most. With one it
-/// may end a deviation away from the minimum; with double those of the second round are more than half of all.
-const PASSES_MORE: usize = 3;
 /// A coarse step is taken if one of its numbers is this many standard deviations long.
 const SIGNIFICANT: f64 = 3.0;
+/// What fine passes found is dropped after a step of so many standard deviations: it was found too
+/// far away.
+const FAR: f64 = 4.0;
 /// The first damping after a step that made things worse, relative to the curvature; then tenfold.
 const DAMPING: f64 = 0.1;
 /// A pass is worse if its weighted squared error is higher by this many standard deviations of the
@@ -71,22 +70,16 @@ impl<'o> Passes<'o> {
         Self { options, count: 0 }
     }
 
-    /// Moves the unknowns of `state` to where they explain the photograph best, from what a round before has
-    /// `found`, if there was one.
+    /// Moves the unknowns of `state` to where they explain the photograph best.
     pub(super) fn converge(
         &mut self,
         state: &mut State<'_>,
-        found: Option<Found>,
         observer: &mut dyn Observer,
     ) -> Solution {
         let unknowns = Unknowns::of(state);
         let prior = unknowns.prior_mean(state);
-        let found = found.unwrap_or_else(|| {
-            self.coarse(state, &unknowns, &prior, observer);
-            let spp = vec![FINE.1; state.materials.len()];
-            Found { pixels_seed: self.seed(), spp, average: Vec::new(), passes: 0 }
-        });
-        self.fine(state, unknowns, (&prior, found), observer)
+        self.coarse(state, &unknowns, &prior, observer);
+        self.fine(state, unknowns, &prior, observer)
     }
 
     /// The coarse passes alone.
@@ -148,20 +141,24 @@ impl<'o> Passes<'o> {
         &mut self,
         state: &mut State<'_>,
         unknowns: Unknowns,
-        (prior, mut found): (&DVector<f64>, Found),
+        prior: &DVector<f64>,
         observer: &mut dyn Observer,
     ) -> Solution {
+        let mut spp = vec![FINE.1; state.materials.len()];
+        let mut average: Vec<Mean> = Vec::new();
         let mut stated = DMatrix::zeros(unknowns.len(), unknowns.len());
+        let pixels_seed = self.seed();
         let (mut settled, mut failed) = (false, false);
-        let last = PASSES_MAX[1].max(found.passes + PASSES_MORE);
-        while found.passes < last && !observer.is_cancelled() {
-            found.passes += 1;
+        for pass in 1..=PASSES_MAX[1] {
+            if observer.is_cancelled() {
+                break;
+            }
             state.look_at_photograph();
-            let cells = sample::all(state, FINE.0, found.pixels_seed);
+            let cells = sample::all(state, FINE.0, pixels_seed);
             let seed = self.seed();
-            let means = self.pass(state, &unknowns, &cells, (&found.spp, seed));
-            means::average(&mut found.average, means);
-            let normal = Normal::of(&found.average, &unknowns, state.materials.len());
+            let found = self.pass(state, &unknowns, &cells, (&spp, seed));
+            means::average(&mut average, found);
+            let normal = Normal::of(&average, &unknowns, state.materials.len());
             let values = unknowns.values(state);
             let system = System::new(&unknowns, &normal, &(prior - &values));
             let system = system.related(&unknowns, &values);
@@ -172,26 +169,25 @@ impl<'o> Passes<'o> {
                 break;
             };
             unknowns.apply(state, &step);
-            let error = relative_error(&normal, &found.average);
-            let done = 0.1 + 0.9 * found.passes as f64 / last as f64;
-            tell(state, observer, &unknowns, (&step, error, &found.average), done);
+            let error = relative_error(&normal, &average);
+            let done = 0.1 + 0.9 * pass as f64 / PASSES_MAX[1] as f64;
+            tell(state, observer, &unknowns, (&step, error, &average), done);
             let longest = (0..step.len())
                 .map(|k| step[k].abs() / covariance[(k, k)].sqrt().max(f64::MIN_POSITIVE))
                 .fold(0.0, f64::max);
-            if longest > FAR {
-                found.average.clear();
-            } else {
-                found.average.iter_mut().for_each(|mean| mean.move_by(&step));
-            }
-            settled = longest <= 1.0;
             let rendering = system.rendering_variance();
-            let is_enough = || is_precise(state, &unknowns, &covariance, &rendering);
-            if settled && (found.passes >= PASSES_MAX[1] || is_enough()) {
+            settled = longest <= 1.0;
+            if settled && is_precise(state, &unknowns, &covariance, &rendering) {
                 break;
             }
-            found.spp = allocate(state, &unknowns, &rendering, &cells);
+            if longest > FAR {
+                average.clear();
+            } else {
+                average.iter_mut().for_each(|mean| mean.move_by(&step));
+            }
+            spp = allocate(state, &unknowns, &rendering, &cells);
         }
-        Solution { unknowns, covariance: stated, settled, failed, found }
+        Solution { unknowns, covariance: stated, settled, failed }
     }
 
     fn seed(&mut self) -> u64 {
