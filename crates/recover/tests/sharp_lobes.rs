@@ -1,12 +1,12 @@
-//! A mirror that is thought to be a lobe is found to be a mirror: the sharpest lobe that is searched is none
-//! that a photograph tells from one.
+//! A mirror that is thought to be a sharp lobe is found to be a mirror: no photograph tells it from the sharpest
+//! lobe that is searched.
 
 mod brushed_room;
 
-use brushed_room::{BACK, LAMP, LEFT, camera, room, truth};
+use brushed_room::{BACK, LEFT, camera, room, truth};
 use unrender_recover::{
-    Expected, ExposureRule, GroupSpec, Hypothesis, Observation, Options, Picture, Problem,
-    Recovery, Role, View, refine_from,
+    GroupSpec, Hypothesis, Observation, Options, Picture, Problem, Recovery, Role, View,
+    refine_from,
 };
 use unrender_render::{Settings, Tracer};
 use unrender_scene::{Image, Material, Rgb, RgbImage, Scene, WardModel};
@@ -40,26 +40,9 @@ fn refined(back: Material, alpha: f32) -> Recovery {
     let view = View::new(&tracer, &camera, (SIDE, SIDE), scene.brdf);
     let geometry = unrender_recover::Renderer::geometry(&view);
     let observation = Observation::new(photograph(&scene), geometry, scene.groups.len());
-    let spec = |(i, material): (usize, &Material)| GroupSpec {
-        name: scene.groups[i].name.clone(),
-        role: match i {
-            LAMP => Role::Emitter,
-            LEFT => Role::Known,
-            _ => Role::Unknown,
-        },
-        material: material.clone(),
-        rungs: Hypothesis::ALL.to_vec(),
-        expected: Expected::default(),
-    };
-    let problem = Problem {
-        photometric_parameters: &[],
-        observation: &observation,
-        renderer: &view,
-        groups: materials.iter().enumerate().map(spec).collect(),
-        exposure: ExposureRule::Fixed(Rgb::ONE),
-        unknown_lights: Vec::new(),
-        coloured_lights: Vec::new(),
-    };
+    let mut groups: Vec<GroupSpec> = scene.groups.iter().map(GroupSpec::of).collect();
+    groups[LEFT].role = Role::Known;
+    let problem = Problem::new(&observation, &view, groups);
     let mut thought = materials.clone();
     (thought[BACK].alpha_x, thought[BACK].alpha_y) = (alpha, alpha);
     let options = Options { spp: 2, ..Options::default() };

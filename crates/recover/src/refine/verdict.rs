@@ -75,7 +75,7 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, explained: f6
                 };
                 let (hypothesis, material) =
                     verdict.mirror(state, explained).unwrap_or_else(beside);
-                let note = "its lobe is as sharp as any that is told from a mirror's";
+                let note = "its lobe is the sharpest that is searched, which no photograph tells from a mirror's";
                 if !step_down(state, group, hypothesis, material, note) {
                     continue;
                 }
