@@ -281,6 +281,7 @@ def recover(
     *,
     out: StrPath | None = None,
     ladder: str = "default",
+    effort: str = "normal",
     seed: int = 0,
     spp: int | None = None,
     bounces: int | None = None,
@@ -306,8 +307,10 @@ def recover(
         out: A folder for the results, as the command writes them; by default they are not written.
         ladder: The ladder of hypotheses: "default", or "paper" for the method of Boivin and
             Gagalowicz (2002) as written.
+        effort: How much work to spend: "draft" for a first answer with an eighth of the samples, "normal",
+            or "high" for four times as many.
         seed: Chooses the noise of the renderings.
-        spp: Paths a pixel of the final re-rendering; by default 64.
+        spp: Paths a pixel of the final re-rendering; by default 64, of a draft 16.
         bounces: The most reflections of a path; by default until it carries nothing more.
         no_refine: Leave out the joint refinement, and with it the standard deviations.
         max_rung: The most complex hypothesis that a group may have: "diffuse", "mirror",
@@ -333,6 +336,7 @@ def recover(
     flags = {
         "out": "(in memory)",
         "ladder": ladder,
+        "effort": effort,
         "seed": seed,
         "spp": spp,
         "bounces": bounces,

@@ -189,7 +189,7 @@ impl Driver<'_> {
         // Errors of the light of that size are allowed for: a smaller change decides nothing.
         let tolerated = sample_budget::allowance(REFINED, self.options).light.share;
         let mut asked: Option<Score> = None;
-        for _ in 0..REVISIONS {
+        for _ in 0..self.options.effort.rounds(REVISIONS) {
             refine::settle_nuisances(state, self.options)?;
             let groups = match asked.replace(best.score.clone()) {
                 Some(before) => self.verifier.changed(&best.score, &before, tolerated),

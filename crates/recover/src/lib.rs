@@ -16,6 +16,7 @@ pub mod block_residuals;
 pub mod blocks;
 pub mod contrast;
 mod driver;
+pub mod effort;
 pub mod evidence;
 pub mod expected;
 pub mod fit;
@@ -45,6 +46,7 @@ mod unknown;
 mod verify;
 mod within;
 
+pub use effort::Effort;
 pub use expected::{Expected, Like, ParameterBounds, StartValues};
 pub use hypothesis::Hypothesis;
 pub use journal::Journal;

@@ -60,16 +60,18 @@ pub(crate) fn replace_worse(state: &mut State<'_>, options: &Options) {
 /// The squared residuals of the group's blocks with `material`, the rendering noise taken out.
 fn squares(state: &State<'_>, options: &Options, group: usize, material: &Material) -> Vec<f64> {
     let valid = &state.observation.pixels_of_group[group];
-    let grid = Grid::of(&state.observation, group, valid, PIXELS);
-    let pixels = grid.sample(valid, PIXELS, mix(options.seed ^ 0x91A1));
+    let wanted = options.effort.pixels(PIXELS);
+    let grid = Grid::of(&state.observation, group, valid, wanted);
+    let pixels = grid.sample(valid, wanted, mix(options.seed ^ 0x91A1));
     let blocks = Blocks::of(&pixels, &grid);
     let mut materials = state.materials.clone();
     materials[group] = material.clone();
     let halves = [0u64, 1].map(|half| {
         let seed = mix(options.seed ^ 0x91A1).wrapping_add(half);
         let max_bounces = options.max_bounces;
-        let settings =
-            Settings { spp: SPP, seed, max_bounces, integrator: unrender_render::Integrator::Path };
+        let spp = options.effort.samples(SPP);
+        let integrator = unrender_render::Integrator::Path;
+        let settings = Settings { spp, seed, max_bounces, integrator };
         let appearance = Appearance { materials: &materials, lights: &state.lights };
         state.problem.renderer.rerender(appearance, &pixels, &settings)
     });

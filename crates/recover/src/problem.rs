@@ -1,5 +1,6 @@
 //! What is asked: the photograph, the renderer, and what is known of each group beforehand.
 
+use crate::effort::Effort;
 use crate::expected::Expected;
 use crate::observation::Observation;
 use crate::photometric::PhotometricParameter;
@@ -159,6 +160,8 @@ pub enum LadderKind {
 pub struct Options {
     /// Which way to climb.
     pub ladder: LadderKind,
+    /// How much work to spend.
+    pub effort: Effort,
     /// When to climb.
     pub thresholds: Thresholds,
     /// Another seed, another noise.
@@ -180,9 +183,10 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             ladder: LadderKind::Default,
+            effort: Effort::default(),
             thresholds: Thresholds::default(),
             seed: 0,
-            spp: 64,
+            spp: Effort::default().last_spp(),
             max_bounces: unrender_render::path::MAX_BOUNCES,
             max_iterations: 100,
             refine: true,

@@ -40,6 +40,8 @@ const PER_LOBE: [u32; 3] = [3, 6, 8];
 /// The search for candidates looks for every roughness at once.
 const CANDIDATE_LOBES: [f32; 4] = [0.02, 0.06, 0.16, 0.4];
 const CANDIDATE_PIXELS: usize = 2400;
+const CANDIDATE_COSINE: u32 = 8;
+const CANDIDATE_PER_LOBE: u32 = 6;
 /// A small group's pixels are looked at in up to so many times as many points, so that its hypotheses are told
 /// apart as well as those of a large one. At one the noise of a mirror's light hides whether a thing of 300
 /// pixels is one; double of it pays for things of less than 150 pixels alone.
@@ -47,10 +49,10 @@ const DENSER_MAX: usize = 16;
 
 /// For a group that is diffuse.
 pub fn diffuse(level: usize, options: &Options) -> SampleBudget {
-    let probe =
-        ProbeSettings { cosine: COSINE[level], seed: options.seed, ..ProbeSettings::default() };
+    let cosine = options.effort.samples(COSINE[level]);
+    let probe = ProbeSettings { cosine, seed: options.seed, ..ProbeSettings::default() };
     SampleBudget {
-        pixels: PIXELS[level],
+        pixels: options.effort.pixels(PIXELS[level]),
         pixels_seed: options.seed,
         allowance: allowance(level, options),
         probe,
@@ -67,8 +69,8 @@ pub fn specular(level: usize, options: &Options, material: &Material) -> SampleB
     let lobes = if material.is_glossy() { vec![scaled(0.8), scaled(1.4)] } else { Vec::new() };
     let probe = ProbeSettings {
         probes_per_pixel: POINTS,
-        cosine: GLOSSY_COSINE[level],
-        per_lobe: PER_LOBE[level],
+        cosine: options.effort.samples(GLOSSY_COSINE[level]),
+        per_lobe: options.effort.samples(PER_LOBE[level]),
         lobes,
         mirror: !material.is_glossy(),
         keep_incident: material.is_glossy(),
@@ -76,7 +78,7 @@ pub fn specular(level: usize, options: &Options, material: &Material) -> SampleB
         ..ProbeSettings::default()
     };
     SampleBudget {
-        pixels: GLOSSY_PIXELS[level],
+        pixels: options.effort.pixels(GLOSSY_PIXELS[level]),
         pixels_seed: options.seed,
         allowance: allowance(level, options),
         probe,
@@ -85,11 +87,13 @@ pub fn specular(level: usize, options: &Options, material: &Material) -> SampleB
 
 /// For trying all rungs on a group of so many `pixels`.
 pub fn candidates(level: usize, options: &Options, pixels: usize) -> SampleBudget {
-    let denser = (CANDIDATE_PIXELS / pixels.max(1)).clamp(1, DENSER_MAX) as u32;
+    let effort = options.effort;
+    let wanted = effort.pixels(CANDIDATE_PIXELS);
+    let denser = (wanted / pixels.max(1)).clamp(1, DENSER_MAX) as u32;
     let probe = ProbeSettings {
         probes_per_pixel: denser * POINTS,
-        cosine: 8,
-        per_lobe: 6,
+        cosine: effort.samples(CANDIDATE_COSINE),
+        per_lobe: effort.samples(CANDIDATE_PER_LOBE),
         lobes: round_lobes(&CANDIDATE_LOBES),
         mirror: true,
         keep_incident: true,
@@ -97,7 +101,7 @@ pub fn candidates(level: usize, options: &Options, pixels: usize) -> SampleBudge
         ..ProbeSettings::default()
     };
     SampleBudget {
-        pixels: CANDIDATE_PIXELS,
+        pixels: wanted,
         pixels_seed: options.seed,
         allowance: allowance(level, options),
         probe,
@@ -106,7 +110,7 @@ pub fn candidates(level: usize, options: &Options, pixels: usize) -> SampleBudge
 
 /// For a texture, at every pixel of its group: while the light still changes, and at the end.
 pub fn texture(last: bool, options: &Options) -> SampleBudget {
-    let cosine = if last { 48 } else { 4 };
+    let cosine = options.effort.samples(if last { 48 } else { 4 });
     let probe = ProbeSettings { cosine, seed: options.seed, ..ProbeSettings::default() };
     SampleBudget {
         pixels: usize::MAX,

@@ -57,6 +57,8 @@ const OUTLIER: f64 = 9.0;
 pub(crate) struct Verifier {
     groups: Vec<Sample>,
     settings: Settings,
+    /// Paths a pixel where a group is asked by itself.
+    own_spp: u32,
     /// The share of model error below which nothing counts.
     pub(crate) floor: f64,
 }
@@ -99,10 +101,11 @@ impl Verifier {
     pub(crate) fn new(state: &State<'_>, options: &Options) -> Self {
         let judged = |g: &usize| state.problem.groups[*g].role != Role::Emitter;
         let observation = &state.observation;
+        let wanted = options.effort.pixels(PIXELS);
         let sample = |group: usize| {
             let valid = &observation.pixels_of_group[group];
-            let grid = Grid::of(observation, group, valid, PIXELS);
-            let pixels = grid.sample(valid, PIXELS, mix(options.seed ^ 0x7E57) ^ group as u64);
+            let grid = Grid::of(observation, group, valid, wanted);
+            let pixels = grid.sample(valid, wanted, mix(options.seed ^ 0x7E57) ^ group as u64);
             let blocks = Blocks::of(&pixels, &grid);
             let values: Vec<Rgb> =
                 pixels.iter().map(|&p| observation.picture.values.pixels()[p as usize]).collect();
@@ -117,11 +120,12 @@ impl Verifier {
         Self {
             groups: groups.filter(|sample| !sample.pixels.is_empty()).collect(),
             settings: Settings {
-                spp: SPP,
+                spp: options.effort.samples(SPP),
                 seed,
                 max_bounces: options.max_bounces,
                 integrator: unrender_render::Integrator::Path,
             },
+            own_spp: options.effort.samples(OWN_SPP),
             floor: FLOOR.max(options.thresholds.explained),
         }
     }
@@ -135,7 +139,7 @@ impl Verifier {
     /// How well `state` explains the photograph.
     fn score(&self, state: &State<'_>) -> Score {
         let all: Vec<u32> = self.groups.iter().flat_map(|s| s.pixels.iter().copied()).collect();
-        let halves = self.render(state.appearance(), state, &all, SPP);
+        let halves = self.render(state.appearance(), state, &all, self.settings.spp);
         let mut start = 0;
         let of_group = |sample: &Sample| {
             let range = start..start + sample.pixels.len();
@@ -262,7 +266,7 @@ impl Verifier {
             [now, (before.material(group), before.status())].map(|(material, status)| {
                 materials[group].clone_from(material);
                 let appearance = Appearance { materials: &materials, lights: &state.lights };
-                let halves = self.render(appearance, state, &sample.pixels, OWN_SPP);
+                let halves = self.render(appearance, state, &sample.pixels, self.own_spp);
                 let floor = least.unwrap_or(OWN_FLOOR);
                 self.group(state, (status, floor), sample, halves.each_ref().map(Vec::as_slice))
             })

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f32::consts::{FRAC_PI_2, TAU};
 use unrender_recover::{
-    Expected, ExposureRule, GroupResult, GroupSpec, Hypothesis, Observation, Options, Picture,
-    Problem, Recovery, Role, Status, View, refine_from,
+    Effort, Expected, ExposureRule, GroupResult, GroupSpec, Hypothesis, Observation, Options,
+    Picture, Problem, Recovery, Role, Status, View, refine_from,
 };
 use unrender_render::sampler::mix;
 use unrender_render::{Settings, Tracer};
@@ -91,7 +91,8 @@ fn refined(scene: &Scene, tracer: &Tracer, clean: &RgbImage, realisation: u64) -
         unknown_lights: if unknown_lamp { vec![LAMP] } else { Vec::new() },
         coloured_lights: Vec::new(),
     };
-    let options = Options { seed: realisation, spp: 2, ..Options::default() };
+    let options =
+        Options { effort: Effort::Draft, seed: realisation, spp: 2, ..Options::default() };
     refine_from(&problem, &start(), &options, &mut ()).unwrap()
 }
 

@@ -4,7 +4,7 @@
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 use unrender_recover::{
-    Expected, ExposureRule, GroupSpec, Hypothesis, LadderKind, Like, Observation, Options,
+    Effort, Expected, ExposureRule, GroupSpec, Hypothesis, LadderKind, Like, Observation, Options,
     ParameterBounds, Picture, Problem, Recovery, Renderer, Role, Status, recover, refine_from,
 };
 use unrender_render::geometry::PixelGeometry;
@@ -308,7 +308,7 @@ fn every_rung_is_found_with_its_numbers() {
 #[test]
 fn every_rung_is_found_with_the_numbers_of_ggx() {
     let renderer = Stripes { model: BrdfModel::Ggx, ..Stripes::new(one_of_each()) };
-    let options = Options::default();
+    let options = Options { effort: Effort::Draft, ..Options::default() };
     let recovery = recovered(&renderer, ExposureRule::Fixed(Rgb::ONE), 1.0, &options);
     check(&recovery, &renderer.truth);
 }
@@ -394,7 +394,8 @@ fn mirrors_that_are_thought_a_little_diffuse_are_mirrors() {
 fn an_anchor_fixes_an_unknown_exposure() {
     let renderer = Stripes::new(one_of_each());
     let rule = ExposureRule::Anchor { group: 0, rho_d: Rgb::new(0.2, 0.5, 0.8) };
-    let recovery = recovered(&renderer, rule, 0.4, &Options::default());
+    let options = Options { effort: Effort::Draft, ..Options::default() };
+    let recovery = recovered(&renderer, rule, 0.4, &options);
     assert!(close(recovery.exposure, Rgb::splat(2.5), 1e-3), "{}", recovery.exposure);
     assert_eq!(recovery.groups[0].status, Status::Known);
     assert!(close(recovery.groups[4].material.rho_d, renderer.truth[4].rho_d, 0.002));
@@ -403,7 +404,7 @@ fn an_anchor_fixes_an_unknown_exposure() {
 #[test]
 fn a_group_that_no_pixel_shows_is_assumed_white() {
     let renderer = Stripes::new(one_of_each());
-    let options = Options::default();
+    let options = Options { effort: Effort::Draft, ..Options::default() };
     let recovery = recovered(&renderer, ExposureRule::Fixed(Rgb::ONE), 1.0, &options);
     let unseen = recovery.groups.last().unwrap();
     assert_eq!((unseen.status, unseen.pixels), (Status::Assumed, 0));

@@ -4,8 +4,8 @@
 use glam::{Affine3A, Quat, Vec3};
 use unrender_recover::register::{Registration, margin, register};
 use unrender_recover::{
-    Expected, ExposureRule, GroupSpec, Hypothesis, Observation, Options, Picture, PixelStatus,
-    Problem, Recovery, Role, View, recover,
+    Effort, Expected, ExposureRule, GroupSpec, Hypothesis, Observation, Options, Picture,
+    PixelStatus, Problem, Recovery, Role, View, recover,
 };
 use unrender_render::sampler::mix;
 use unrender_render::{Settings, Tracer};
@@ -175,7 +175,8 @@ fn a_photograph_without_edges_registers_nothing() {
 }
 
 fn recovered(scene: &Scene, photograph: &RgbImage, camera: &Camera, filter: bool) -> Recovery {
-    let options = Options { refine: false, outliers: filter, spp: 8, ..Options::default() };
+    let effort = Effort::Draft;
+    let options = Options { effort, refine: false, outliers: filter, spp: 8, ..Options::default() };
     recovered_as(scene, photograph, camera, &options)
 }
 
@@ -270,7 +271,8 @@ fn what_the_model_lacks_is_found_whatever_the_noise() {
     let photograph = photograph(&room(Vec3::ZERO, true));
     let scene = room(Vec3::ZERO, false);
     for seed in 1..5 {
-        let options = Options { refine: false, spp: 8, seed, ..Options::default() };
+        let effort = Effort::Draft;
+        let options = Options { effort, refine: false, spp: 8, seed, ..Options::default() };
         let recovery = recovered_as(&scene, &photograph, &camera(), &options);
         assert_eq!(recovery.groups[WALL].hypothesis, Hypothesis::Diffuse, "seed {seed}");
         assert!(worst(&recovery) < 0.02, "seed {seed}: {}", worst(&recovery));

@@ -7,8 +7,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use unrender_recover::remote::{Remote, Shared, Worker, Workers};
 use unrender_recover::{
-    Expected, ExposureRule, GroupSpec, Hypothesis, Journal, LadderKind, Observation, Options,
-    Picture, Problem, Recovery, Renderer, Role, View, recover, recover_with,
+    Effort, Expected, ExposureRule, GroupSpec, Hypothesis, Journal, LadderKind, Observation,
+    Options, Picture, Problem, Recovery, Renderer, Role, View, recover, recover_with,
 };
 use unrender_render::{Settings, Tracer};
 use unrender_scene::{Camera, Group, Image, Material, Mesh, Object, Rgb, RgbImage, Scene};
@@ -186,7 +186,7 @@ fn goes_on(role_of_floor: Role, options: &Options) -> BTreeSet<String> {
 
 #[test]
 fn threads_change_no_bit() {
-    let options = Options { spp: 4, ..Options::default() };
+    let options = Options { effort: Effort::Draft, spp: 4, ..Options::default() };
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
@@ -201,7 +201,7 @@ fn threads_change_no_bit() {
 
 #[test]
 fn a_recovery_goes_on_to_the_same_bits() {
-    let options = Options { spp: 4, ..Options::default() };
+    let options = Options { effort: Effort::Draft, spp: 4, ..Options::default() };
     let kinds = goes_on(Role::Unknown, &options);
     for kind in ["iteration", "candidates", "verification", "pass", "textures", "other minima"] {
         assert!(kinds.contains(kind), "{kind}: {kinds:?}");
@@ -211,7 +211,8 @@ fn a_recovery_goes_on_to_the_same_bits() {
 
 #[test]
 fn so_do_one_by_an_anchor_and_the_papers_ladder() {
-    let options = Options { spp: 2, refine: false, ..Options::default() };
+    let effort = Effort::Draft;
+    let options = Options { effort, spp: 2, refine: false, ..Options::default() };
     let kinds = goes_on(Role::Known, &options);
     assert!(kinds.contains("anchor"), "{kinds:?}");
     let options = Options { ladder: LadderKind::Paper, max_iterations: 16, ..options };
@@ -223,7 +224,7 @@ fn so_do_one_by_an_anchor_and_the_papers_ladder() {
 
 #[test]
 fn workers_find_the_bits_of_one_machine() {
-    let options = Options { spp: 8, ..Options::default() };
+    let options = Options { effort: Effort::Draft, spp: 8, ..Options::default() };
     solved(Role::Known, |problem| {
         let alone = bits(&recover(problem, &options, &mut ()).unwrap());
         for (count, fails) in [(1, false), (2, true), (5, false), (0, false)] {

@@ -63,13 +63,24 @@ fn mean(stage: &Stage, pictures: u64, settings: Settings) -> (Estimate, DVec3) {
 
 #[test]
 fn path_reuse_is_unbiased_and_reduces_the_variance() {
+    path_reuse_is_unbiased(20, 6e-3);
+}
+
+#[test]
+#[ignore = "slow: five times as many pictures"]
+fn path_reuse_is_unbiased_to_three_thousandths() {
+    path_reuse_is_unbiased(100, 3e-3);
+}
+
+/// Compares means of so many `pictures`, whose noise is below `noise_max` of them.
+fn path_reuse_is_unbiased(pictures: u64, noise_max: f64) {
     let stage = room();
     for max_bounces in [2, 3, 20] {
         let alone = Settings { max_bounces, ..settings(32) };
         let reused = Settings { integrator: Integrator::PathReuse, ..alone };
-        let (expected, before) = mean(&stage, 100, alone);
-        let (found, after) = mean(&stage, 100, reused);
-        assert_agree(&format!("{max_bounces} bounces"), found, expected, 3e-3);
+        let (expected, before) = mean(&stage, pictures, alone);
+        let (found, after) = mean(&stage, pictures, reused);
+        assert_agree(&format!("{max_bounces} bounces"), found, expected, noise_max);
         let share = (after / before).max_element();
         assert!(share < 0.5, "{max_bounces} bounces: {share} of the variance");
     }
@@ -100,13 +111,24 @@ fn chequers() -> Stage {
 
 #[test]
 fn each_pixel_has_its_own_mean() {
+    pixels_have_their_own_means(1024);
+}
+
+#[test]
+#[ignore = "slow: four times as many paths"]
+fn each_pixel_has_its_own_mean_by_four_thousand_paths() {
+    pixels_have_their_own_means(4096);
+}
+
+/// Compares pixels of `spp` independent paths with those of a quarter of them that are reused.
+fn pixels_have_their_own_means(spp: u32) {
     // A bias that moves light from one pixel to its neighbour would not show in the mean of all.
     let stage = room();
-    let alone = stage.render(&view(), SIDE, settings(4096));
+    let alone = stage.render(&view(), SIDE, settings(spp));
     let reused = stage.render(
         &view(),
         SIDE,
-        Settings { integrator: Integrator::PathReuse, ..settings(1024) },
+        Settings { integrator: Integrator::PathReuse, ..settings(spp / 4) },
     );
     let mut worst = 0.0f64;
     for (pixel, (a, b)) in alone.mean.pixels().iter().zip(reused.mean.pixels()).enumerate() {

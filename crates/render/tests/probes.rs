@@ -142,20 +142,27 @@ fn materials() -> Vec<Material> {
 
 #[test]
 fn probes_foretell_the_rendering_of_any_material_on_either_side() {
-    for (front, model) in [
-        (true, WardModel::WardGmd.into()),
-        (false, WardModel::WardGmd.into()),
-        (true, WardModel::Ward1992.into()),
-        (true, BrdfModel::Ggx),
-    ] {
-        let room = Room::new(front, model, Rgb::ZERO);
-        for (index, material) in materials().iter().enumerate() {
-            let probes = room.probes(material, &gather_all());
-            let found = by_probes(&room, material, &probes);
-            let rendered = Estimate::of_film(&room.render(material, 512));
-            let what = format!("material {index}, front {front}, {model}");
-            assert_agree(&what, found, rendered, 1e-2);
-        }
+    for front in [true, false] {
+        foretell_any_material(front, WardModel::WardGmd.into());
+    }
+}
+
+#[test]
+#[ignore = "slow: the other models of a lobe"]
+fn probes_foretell_the_rendering_of_any_model() {
+    for model in [WardModel::Ward1992.into(), BrdfModel::Ggx] {
+        foretell_any_material(true, model);
+    }
+}
+
+fn foretell_any_material(front: bool, model: BrdfModel) {
+    let room = Room::new(front, model, Rgb::ZERO);
+    for (index, material) in materials().iter().enumerate() {
+        let probes = room.probes(material, &gather_all());
+        let found = by_probes(&room, material, &probes);
+        let rendered = Estimate::of_film(&room.render(material, 512));
+        let what = format!("material {index}, front {front}, {model}");
+        assert_agree(&what, found, rendered, 1e-2);
     }
 }
 

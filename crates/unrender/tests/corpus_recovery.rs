@@ -5,18 +5,33 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-/// Eight bits by Radiance, 6 groups, of which all have the right hypothesis under each of the seeds 0 to 3. Their
-/// largest errors are 0.0083 of rho_d, 0.036 of rho_s (1.1 of its standard deviations) and 3.3 standard
-/// deviations: groups of a hundred pixels are known no better, and one seed may be nearer by luck.
+/// All groups have the right hypothesis under each of the seeds 0 to 3; their largest errors are 0.0105 of rho_d,
+/// 0.028 of rho_s and 5.2 standard deviations, which the few passes of a draft make too small.
 #[test]
+fn glossy_groups_of_a_tiny_photograph_by_another_renderer_are_drafted() {
+    recovered("draft", [0.011, 0.03], 5.5);
+}
+
+/// The same: 0.0083 of rho_d, 0.036 of rho_s (1.1 of its standard deviations) and 3.3 standard deviations: groups
+/// of a hundred pixels are known no better, and one seed may be nearer by luck.
+#[test]
+#[ignore = "slow: the usual effort"]
 fn glossy_groups_of_a_tiny_photograph_by_another_renderer_are_recovered() {
+    recovered("normal", [0.009, 0.038], 3.5);
+}
+
+/// Recovers six groups from eight bits by Radiance. No reflectance (rho_d, rho_s) may be further off than `most`,
+/// and no number by more than `deviations` of its standard deviations.
+fn recovered(effort: &str, most: [f64; 2], deviations: f64) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/corpus/isotropic");
     let out = tempfile::tempdir().unwrap();
     let out = out.path().join("out");
     let unrender = || Command::new(env!("CARGO_BIN_EXE_unrender"));
     let mut recover = unrender();
     recover.arg("recover").arg(folder.join("project.toml")).arg("--out").arg(&out);
-    assert!(recover.args(["--quiet", "--spp", "2"]).status().unwrap().success());
+    assert!(
+        recover.args(["--effort", effort, "--quiet", "--spp", "2"]).status().unwrap().success()
+    );
     let mut score = unrender();
     score.arg("score").arg(&out).arg(folder.join("truth.json")).arg("--json");
     let scored: Value = serde_json::from_slice(&score.output().unwrap().stdout).unwrap();
@@ -26,14 +41,14 @@ fn glossy_groups_of_a_tiny_photograph_by_another_renderer_are_recovered() {
     assert_eq!(counted.len(), 6);
     assert_eq!(right, 6, "{scored}");
     for group in counted {
-        for (reflectance, most) in [("rho_d", 0.009), ("rho_s", 0.038)] {
+        for (reflectance, most) in ["rho_d", "rho_s"].into_iter().zip(most) {
             let error = group[reflectance].as_f64().unwrap();
             assert!(error < most, "{reflectance} of {} is {error} off", group["group"]);
         }
         for parameter in group["parameters"].as_array().unwrap() {
             let in_std = parameter["in_std"].as_array().unwrap();
             let most = in_std.iter().map(|value| value.as_f64().unwrap()).fold(0.0, f64::max);
-            assert!(most < 3.5, "{parameter} of {}", group["group"]);
+            assert!(most < deviations, "{parameter} of {}", group["group"]);
         }
     }
 }

@@ -110,7 +110,7 @@ impl Shot {
         let out = self.0.join("out");
         let mut recover = Command::new(env!("CARGO_BIN_EXE_unrender"));
         recover.arg("recover").arg(self.0.join("project.toml")).arg("--out").arg(&out);
-        let output = recover.args(["--spp", "4"]).output().unwrap();
+        let output = recover.args(["--effort", "draft", "--spp", "4"]).output().unwrap();
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         println!("{}{}", text(&output.stderr), text(&output.stdout));
         materials::read(&out.join("materials.json")).unwrap()

@@ -133,7 +133,10 @@ fn killed(flags: &'static [&'static str], steps: &[usize]) {
 
 #[test]
 fn a_killed_recovery_goes_on_to_the_same_bits() {
-    killed(&["--max-rung", "diffuse", "--no-refine", "--spp", "2"], &[1, 3, 2]);
+    killed(
+        &["--effort", "draft", "--max-rung", "diffuse", "--no-refine", "--spp", "2"],
+        &[1, 3, 2],
+    );
 }
 
 #[test]
@@ -145,7 +148,7 @@ fn so_does_one_with_all_hypotheses_and_the_refinement() {
 #[test]
 fn resuming_where_nothing_was_interrupted_says_so() {
     let folder = tempfile::tempdir().unwrap();
-    let flags = &["--max-rung", "diffuse", "--no-refine", "--spp", "1"];
+    let flags = &["--effort", "draft", "--max-rung", "diffuse", "--no-refine", "--spp", "1"];
     let recovery = Recovery { out: folder.path().join("out"), flags };
     let told = recovery.command(&["--resume"]).output().unwrap();
     let said = String::from_utf8_lossy(&told.stderr).into_owned();

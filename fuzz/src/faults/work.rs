@@ -66,7 +66,7 @@ fn split(words: &str) -> Vec<String> {
 
 /// All of them.
 pub(crate) fn all() -> Vec<Work> {
-    let recover = "recover ../in/p.toml --spp 1 --out out";
+    let recover = "recover ../in/p.toml --effort draft --spp 1 --out out";
     let restage = "restage --recovered ../in/base --height 24 --spp 256 --out out";
     let render = "render ../in/shown.glb --height 24 --spp 1024 --checkpoint c.exr --out a.exr";
     let gltf = "export ../in/base --to gltf --out a.glb";
@@ -135,7 +135,7 @@ impl Bench {
         user.owns(&inputs)?;
         let render = "render shown.glb --height 24 --samples";
         for words in [
-            "recover p.toml --spp 1 --no-refine --out base".to_owned(),
+            "recover p.toml --effort draft --spp 1 --no-refine --out base".to_owned(),
             format!("{render} 0..4 --out part1.exr"),
             format!("{render} 4..8 --out part2.exr"),
         ] {

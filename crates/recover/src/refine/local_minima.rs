@@ -39,7 +39,7 @@ pub(crate) fn find(state: &mut State<'_>, options: &Options) {
         let pixels = &state.observation.pixels_of_group[group];
         let mut budget =
             sample_budget::candidates(sample_budget::REFINED, &other_noise, pixels.len());
-        budget.pixels = PIXELS;
+        budget.pixels = options.effort.pixels(PIXELS);
         budget.probe.max_bounces = options.max_bounces;
         let (stage, appearance) = (state.stage(), state.appearance());
         let evidence = Evidence::gather(&stage, appearance, group, pixels, &budget);

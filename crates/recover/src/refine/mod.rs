@@ -120,11 +120,11 @@ pub(crate) fn settle_nuisances(
 
 fn adjust_nuisances(state: &mut State<'_>, options: &Options) {
     let unknowns = Unknowns::nuisances(state);
-    let cells = sample::known(state, COARSE.0, options.seed);
+    let cells = sample::known(state, options.effort.pixels(COARSE.0), options.seed);
     if unknowns.len() == 0 || cells.is_empty() {
         return;
     }
-    let spp = vec![COARSE.1; state.materials.len()];
+    let spp = vec![options.effort.samples(COARSE.1); state.materials.len()];
     let seed = mix(options.seed ^ 0x11687);
     let settings = Settings {
         spp: 0,

@@ -98,15 +98,16 @@ impl<'o> Passes<'o> {
     ) {
         let mut last: Option<Place> = None;
         let mut damping = 0.0;
-        let spp = vec![COARSE.1; state.materials.len()];
+        let effort = self.options.effort;
+        let spp = vec![effort.samples(COARSE.1); state.materials.len()];
         // All passes see the same pixels by the same random numbers, so that they can be compared.
         let seed = self.seed();
-        for _ in 0..PASSES_MAX[0] {
+        for _ in 0..effort.rounds(PASSES_MAX[0]) {
             if observer.is_cancelled() {
                 return;
             }
             state.look_at_photograph();
-            let cells = sample::all(state, COARSE.0, seed);
+            let cells = sample::all(state, effort.pixels(COARSE.0), seed);
             let means = self.pass(state, unknowns, &cells, (&spp, seed));
             let normal = Normal::of(&means, unknowns, state.materials.len());
             let error = relative_error(&normal, &means);
@@ -144,17 +145,20 @@ impl<'o> Passes<'o> {
         prior: &DVector<f64>,
         observer: &mut dyn Observer,
     ) -> Solution {
-        let mut spp = vec![FINE.1; state.materials.len()];
+        let effort = self.options.effort;
+        let mean_spp = effort.samples(FINE.1);
+        let passes_max = effort.rounds(PASSES_MAX[1]);
+        let mut spp = vec![mean_spp; state.materials.len()];
         let mut average: Vec<Mean> = Vec::new();
         let mut stated = DMatrix::zeros(unknowns.len(), unknowns.len());
         let pixels_seed = self.seed();
         let (mut settled, mut failed) = (false, false);
-        for pass in 1..=PASSES_MAX[1] {
+        for pass in 1..=passes_max {
             if observer.is_cancelled() {
                 break;
             }
             state.look_at_photograph();
-            let cells = sample::all(state, FINE.0, pixels_seed);
+            let cells = sample::all(state, effort.pixels(FINE.0), pixels_seed);
             let seed = self.seed();
             let found = self.pass(state, &unknowns, &cells, (&spp, seed));
             means::average(&mut average, found);
@@ -170,7 +174,7 @@ impl<'o> Passes<'o> {
             };
             unknowns.apply(state, &step);
             let error = relative_error(&normal, &average);
-            let done = 0.1 + 0.9 * pass as f64 / PASSES_MAX[1] as f64;
+            let done = 0.1 + 0.9 * pass as f64 / passes_max as f64;
             tell(state, observer, &unknowns, (&step, error, &average), done);
             let longest = (0..step.len())
                 .map(|k| step[k].abs() / covariance[(k, k)].sqrt().max(f64::MIN_POSITIVE))
@@ -185,7 +189,7 @@ impl<'o> Passes<'o> {
             } else {
                 average.iter_mut().for_each(|mean| mean.move_by(&step));
             }
-            spp = allocate(state, &unknowns, &rendering, &cells);
+            spp = allocate(state, &unknowns, &rendering, (&cells, mean_spp));
         }
         Solution { unknowns, covariance: stated, settled, failed }
     }
@@ -231,13 +235,13 @@ fn is_precise(
     })
 }
 
-/// The paths a pixel of every group for the next pass: all together as many as `FINE` has, most for
+/// The paths a pixel of every group for the next pass: `mean_spp` on average, most for
 /// the groups whose worst number has the largest variance from the renderings.
 fn allocate(
     state: &State<'_>,
     unknowns: &Unknowns,
     rendering: &DVector<f64>,
-    cells: &[Cell],
+    (cells, mean_spp): (&[Cell], u32),
 ) -> Vec<u32> {
     let groups = state.materials.len();
     let mut need = vec![0.0f64; groups];
@@ -248,7 +252,7 @@ fn allocate(
     }
     let mut pixels = vec![0.0f64; groups];
     cells.iter().for_each(|cell| pixels[cell.group] += cell.pixels.len() as f64);
-    let paths = f64::from(FINE.1) * pixels.iter().sum::<f64>();
+    let paths = f64::from(mean_spp) * pixels.iter().sum::<f64>();
     let wanted: f64 = pixels.iter().zip(&need).map(|(n, need)| n * need).sum();
     let spp = |need: &f64| (paths * need / wanted.max(f64::MIN_POSITIVE)).round();
     need.iter().map(|n| spp(n).clamp(FINE_SPP[0], FINE_SPP[1]) as u32).collect()

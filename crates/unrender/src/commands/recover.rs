@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use unrender_formats::Limits;
 use unrender_recover::remote::Workers;
-use unrender_recover::{LadderKind, Options, Termination};
+use unrender_recover::{LadderKind, Options, Termination, effort};
 use unrender_scene::Hypothesis;
 
 /// Recovers the materials of a project's groups from its photograph.
@@ -36,11 +36,14 @@ pub struct Args {
     /// The ladder of hypotheses to climb.
     #[arg(long, value_enum, default_value_t = Ladder::Default)]
     pub ladder: Ladder,
+    /// How much work to spend.
+    #[arg(long, value_enum, default_value_t = Effort::Normal)]
+    pub effort: Effort,
     /// Chooses the noise of the renderings; the same seed gives the same bits.
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
     /// Paths a pixel of the final re-rendering; where pixels nearby share what theirs find, so many
-    /// fewer that there is no more noise [default: 64].
+    /// fewer that there is no more noise [default: 64; of a draft 16].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
     /// The most reflections of a path; 1 is direct light only [default: until it carries nothing].
@@ -78,6 +81,17 @@ pub enum Ladder {
     Paper,
 }
 
+/// How much work to spend on a recovery.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Effort {
+    /// A first answer, for an eighth of the samples: faint and small lobes may be missed.
+    Draft,
+    /// The usual one.
+    Normal,
+    /// Four times as many samples.
+    High,
+}
+
 /// Runs the command.
 ///
 /// # Errors
@@ -108,10 +122,10 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
 impl Args {
     /// What the results depend on, as text: where it differs, so may they.
     fn choices(&self, limits: Limits) -> String {
-        let Self { ladder, seed, spp, bounces, no_refine, max_rung, .. } = self;
+        let Self { ladder, effort, seed, spp, bounces, no_refine, max_rung, .. } = self;
         let Self { refine_camera, keep_camera, no_filter, .. } = self;
         let flags = (no_refine, refine_camera, keep_camera, no_filter, limits.outside);
-        format!("{ladder:?} {seed} {spp:?} {bounces:?} {max_rung:?} {flags:?}")
+        format!("{ladder:?} {effort:?} {seed} {spp:?} {bounces:?} {max_rung:?} {flags:?}")
     }
 }
 
@@ -193,10 +207,16 @@ fn options(args: &Args, project: &Project) -> Options {
         Ladder::Default => LadderKind::Default,
         Ladder::Paper => LadderKind::Paper,
     };
+    let effort = match args.effort {
+        Effort::Draft => effort::Effort::Draft,
+        Effort::Normal => effort::Effort::Normal,
+        Effort::High => effort::Effort::High,
+    };
     Options {
         ladder,
+        effort,
         seed: args.seed,
-        spp: args.spp.unwrap_or(defaults.spp),
+        spp: args.spp.unwrap_or(effort.last_spp()),
         max_bounces: args.bounces.unwrap_or(defaults.max_bounces),
         thresholds: project.thresholds,
         refine: !args.no_refine,

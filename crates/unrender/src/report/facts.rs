@@ -104,6 +104,7 @@ fn settings(source: &RunFolder<'_>) -> Markup {
         table { tbody {
             (row("lobe", &html! { (settings.brdf) }))
             (row("ladder", &html! { (settings.ladder) }))
+            (row("effort", &html! { (settings.effort) }))
             (row("refinement", &html! { @if settings.refine { "yes" } @else { "no" } }))
             (row("seed", &count(&key.at("seed"), settings.seed)))
             (row("final paths a pixel", &count(&key.at("spp"), settings.spp)))

@@ -106,6 +106,7 @@ fn settings(job: &Job, options: &Options) -> SettingsEntry {
     SettingsEntry {
         brdf: job.scene.brdf.name().to_owned(),
         ladder: if paper { "paper" } else { "default" }.to_owned(),
+        effort: options.effort.name().to_owned(),
         refine: options.refine && !paper,
         seed: options.seed,
         spp: options.spp,

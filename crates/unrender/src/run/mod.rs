@@ -106,6 +106,9 @@ pub struct SettingsEntry {
     pub brdf: String,
     /// The ladder: `default` or `paper`.
     pub ladder: String,
+    /// How much work was spent: `draft`, `normal` or `high`; of older files `normal`.
+    #[serde(default = "normal")]
+    pub effort: String,
     /// Whether all numbers were refined together.
     pub refine: bool,
     /// The seed of the renderings' noise.
@@ -149,6 +152,11 @@ pub struct RegistrationEntry {
     pub deviation_pixels: Option<f32>,
     /// Points of edges that the photograph shows.
     pub confirmed_edge_points: Option<usize>,
+}
+
+/// How much work older files were made with.
+fn normal() -> String {
+    unrender_recover::Effort::Normal.name().to_owned()
 }
 
 /// A path as text; what in it is no text is shown as a replacement character.

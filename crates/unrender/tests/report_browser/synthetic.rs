@@ -223,6 +223,7 @@ fn rest() -> Run {
         settings: SettingsEntry {
             brdf: "ward-gmd".into(),
             ladder: "default".into(),
+            effort: "normal".to_owned(),
             refine: true,
             seed: 7,
             spp: 64,

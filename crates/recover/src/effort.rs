@@ -1,0 +1,87 @@
+//! How much work a recovery is worth: an answer at once, the usual one, or one with less noise.
+
+/// How many pixels, light samples and paths are spent on every question.
+///
+/// What is asked is the same with all; with fewer samples fewer differences are significant, and the
+/// standard deviations of the result are larger.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Effort {
+    /// A first answer, for an eighth of the samples: faint and small lobes may be missed.
+    Draft,
+    /// The usual one.
+    #[default]
+    Normal,
+    /// Four times as many samples.
+    High,
+}
+
+impl Effort {
+    /// Pixels, where [`Effort::Normal`] looks at so many. At less than a quarter, things of some hundred
+    /// pixels have too few blocks to tell noise from pattern.
+    #[must_use]
+    pub(crate) fn pixels(self, normal: usize) -> usize {
+        match self {
+            Self::Draft => normal / 4,
+            Self::Normal => normal,
+            Self::High => normal.saturating_mul(2),
+        }
+    }
+
+    /// Light samples or paths a pixel, at least one, where [`Effort::Normal`] takes so many. At a quarter
+    /// instead of half, sharp lobes meet the lamps too seldom to be seen.
+    #[must_use]
+    pub(crate) fn samples(self, normal: u32) -> u32 {
+        match self {
+            Self::Draft => normal.div_ceil(2),
+            Self::Normal => normal,
+            Self::High => normal.saturating_mul(2),
+        }
+    }
+
+    /// How often something is repeated at most, where [`Effort::Normal`] does it so often. Of the passes of a
+    /// refinement, later ones bring a draft no nearer for twice the time.
+    #[must_use]
+    pub(crate) fn rounds(self, normal: usize) -> usize {
+        match self {
+            Self::Draft => normal.div_ceil(3),
+            Self::Normal | Self::High => normal,
+        }
+    }
+
+    /// Paths a pixel of the last picture, where nothing else is asked.
+    #[must_use]
+    pub fn last_spp(self) -> u32 {
+        match self {
+            Self::Draft => 16,
+            Self::Normal | Self::High => 64,
+        }
+    }
+
+    /// Its name in files and on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Draft => "draft",
+            Self::Normal => "normal",
+            Self::High => "high",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Effort;
+
+    #[test]
+    fn more_effort_is_never_less_work() {
+        let all = [Effort::Draft, Effort::Normal, Effort::High];
+        for count in [1, 2, 7, 1000] {
+            let grows = |of: &dyn Fn(Effort) -> usize| all.map(of).is_sorted();
+            assert!(grows(&|e| e.pixels(count)));
+            assert!(grows(&|e| e.samples(count as u32) as usize));
+            assert!(grows(&|e| e.rounds(count)));
+            assert!(Effort::Draft.samples(count as u32) > 0 && Effort::Draft.rounds(count) > 0);
+            assert_eq!(Effort::Normal.pixels(count), count);
+        }
+    }
+}
