@@ -61,7 +61,12 @@ fn start() -> Vec<Material> {
 }
 
 /// Refines one realisation; with odd ones the lamp is unknown, with even ones the exposure.
-fn refined(scene: &Scene, tracer: &Tracer, clean: &RgbImage, realisation: u64) -> Recovery {
+fn refined(
+    (scene, tracer): (&Scene, &Tracer),
+    clean: &RgbImage,
+    realisation: u64,
+    effort: Effort,
+) -> Recovery {
     let camera = camera();
     let view = View::new(tracer, &camera, (SIDE, SIDE), scene.brdf);
     let geometry = unrender_recover::Renderer::geometry(&view);
@@ -91,8 +96,7 @@ fn refined(scene: &Scene, tracer: &Tracer, clean: &RgbImage, realisation: u64) -
         unknown_lights: if unknown_lamp { vec![LAMP] } else { Vec::new() },
         coloured_lights: Vec::new(),
     };
-    let options =
-        Options { effort: Effort::Draft, seed: realisation, spp: 2, ..Options::default() };
+    let options = Options { effort, seed: realisation, spp: 2, ..Options::default() };
     refine_from(&problem, &start(), &options, &mut ()).unwrap()
 }
 
@@ -140,16 +144,16 @@ fn errors(recovery: &Recovery, errors: &mut Errors) {
     }
 }
 
-/// The recoveries of the first `realisations`, and their errors in units of the stated standard
+/// The recoveries of the first `realisations` with so much `effort`, and their errors in units of the stated standard
 /// deviations.
-fn realised(realisations: u64) -> (Vec<Recovery>, Errors) {
+fn realised(realisations: u64, effort: Effort) -> (Vec<Recovery>, Errors) {
     let scene = room(WardModel::WardGmd.into());
     let tracer = Tracer::new(&scene);
     let settings = Settings { spp: 4096, seed: 99, ..Settings::default() };
     let clean = tracer.render(&scene.materials(), &camera(), (SIDE, SIDE), &settings, &|_| {}).mean;
     let recoveries: Vec<Recovery> = (0..realisations)
         .into_par_iter()
-        .map(|realisation| refined(&scene, &tracer, &clean, realisation))
+        .map(|realisation| refined((&scene, &tracer), &clean, realisation, effort))
         .collect();
     let mut all = Errors::new();
     recoveries.iter().for_each(|recovery| errors(recovery, &mut all));
@@ -173,7 +177,7 @@ fn share_within<'a>(errors: impl Iterator<Item = &'a f32>) -> f32 {
 /// All kinds of numbers together, some hundred: their share's standard deviation is 2 %.
 #[test]
 fn a_few_photographs_lie_within_two_standard_deviations() {
-    let (_, all) = realised(FEW);
+    let (_, all) = realised(FEW, Effort::Draft);
     assert_eq!(all.len(), 9, "{:?}", all.keys());
     let within = share_within(all.values().flatten());
     assert!((0.88..=1.0).contains(&within), "{within}");
@@ -185,7 +189,7 @@ fn a_few_photographs_lie_within_two_standard_deviations() {
 #[test]
 #[ignore = "slow: 72 photographs"]
 fn the_truth_lies_within_two_standard_deviations_as_often_as_it_should() {
-    let (recoveries, all) = realised(REALISATIONS);
+    let (recoveries, all) = realised(REALISATIONS, Effort::Normal);
     let unseen = recoveries.iter().map(|r| &r.groups[CEILING]);
     let recovered: Vec<&GroupResult> = unseen.filter(|g| g.status == Status::Recovered).collect();
     println!("ceiling recovered in {} of {REALISATIONS}", recovered.len());
