@@ -2,8 +2,9 @@
 
 /// How many pixels, light samples and paths are spent on every question.
 ///
-/// What is asked is the same with all; with fewer samples fewer differences are significant, and the
-/// standard deviations of the result are larger.
+/// The same is asked with all; with fewer samples fewer differences are significant. The standard deviations of a
+/// draft are larger, and somewhat too small for its errors (`docs/guides/results.md`). The paper's ladder has its own
+/// sample counts, and heeds this only in the choice of the camera, the exposure by an anchor, and the last picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Effort {
     /// A first answer, for an eighth of the samples: faint and small lobes may be missed.
@@ -16,8 +17,8 @@ pub enum Effort {
 }
 
 impl Effort {
-    /// Pixels, where [`Effort::Normal`] looks at so many. At less than a quarter, things of some hundred
-    /// pixels have too few blocks to tell noise from pattern.
+    /// Pixels, where [`Effort::Normal`] looks at so many. Half of a draft's share, and double of it, were not
+    /// tried.
     #[must_use]
     pub(crate) fn pixels(self, normal: usize) -> usize {
         match self {
@@ -27,8 +28,8 @@ impl Effort {
         }
     }
 
-    /// Light samples or paths a pixel, at least one, where [`Effort::Normal`] takes so many. At a quarter
-    /// instead of half, sharp lobes meet the lamps too seldom to be seen.
+    /// Light samples or paths a pixel, at least one, where [`Effort::Normal`] takes so many. Other shares
+    /// than a half were not tried for a draft.
     #[must_use]
     pub(crate) fn samples(self, normal: u32) -> u32 {
         match self {
@@ -38,8 +39,8 @@ impl Effort {
         }
     }
 
-    /// How often something is repeated at most, where [`Effort::Normal`] does it so often. Of the passes of a
-    /// refinement, later ones bring a draft no nearer for twice the time.
+    /// How often something is repeated at most, where [`Effort::Normal`] does it so often. All passes
+    /// of a refinement instead of a third bring a draft no nearer for twice the time.
     #[must_use]
     pub(crate) fn rounds(self, normal: usize) -> usize {
         match self {

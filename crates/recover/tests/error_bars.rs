@@ -144,8 +144,8 @@ fn errors(recovery: &Recovery, errors: &mut Errors) {
     }
 }
 
-/// The recoveries of the first `realisations` with so much `effort`, and their errors in units of the stated standard
-/// deviations.
+/// The recoveries of the first `realisations` with so much `effort`, and their errors in units of the
+/// stated standard deviations.
 fn realised(realisations: u64, effort: Effort) -> (Vec<Recovery>, Errors) {
     let scene = room(WardModel::WardGmd.into());
     let tracer = Tracer::new(&scene);

@@ -15,7 +15,7 @@ use unrender::render::{Film, Settings, Tracer};
 use unrender::scene::RgbImage;
 
 /// Paths a pixel if the environment does not ask for more.
-const SPP: u32 = 32;
+const SPP: u32 = 64;
 /// The reference's paths: its variance has our paths' share of these of our variance.
 const REFERENCE_SPP: f64 = 2048.0;
 /// Means of groups agree to this share, and three standard deviations of what noise remains.

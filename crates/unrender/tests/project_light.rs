@@ -68,6 +68,13 @@ impl Folder {
         stderr
     }
 
+    /// Recovers the project with little effort and these `flags`, into `out`.
+    #[track_caller]
+    fn drafts(&self, flags: &[&str]) {
+        let recover = ["recover", "project.toml", "--effort", "draft", "--out", "out"];
+        self.succeeds(&[&recover[..], flags].concat());
+    }
+
     /// Asserts that `check` refuses a project with the lines `text` because of `problem`.
     #[track_caller]
     fn refuses(&self, text: &str, problem: &str) {
@@ -128,17 +135,7 @@ fn difference(a: &RgbImage, b: &RgbImage) -> f32 {
 fn a_room_is_recovered_in_the_light_of_its_project() {
     let folder = Folder::new("recover");
     folder.succeeds(&["check", "project.toml"]);
-    folder.succeeds(&[
-        "recover",
-        "project.toml",
-        "--effort",
-        "draft",
-        "--no-refine",
-        "--spp",
-        "16",
-        "--out",
-        "out",
-    ]);
+    folder.drafts(&["--no-refine", "--spp", "16"]);
     let found = materials::read(&folder.path("out/materials.json")).unwrap();
     for (name, truth) in [("floor", FLOOR), ("wall", WALL)] {
         let rho_d = Rgb::from_array(found.groups[name].rho_d.unwrap());
@@ -209,16 +206,7 @@ fn lights_of_a_project_may_be_unknown() {
     let folder = Folder::new("unknown");
     let text = LIGHTS.replace("[4, 4, 4]", "[3, 3, 3]\nunknown = true");
     folder.write("project.toml", &format!("{HEAD}{text}"));
-    folder.succeeds(&[
-        "recover",
-        "project.toml",
-        "--effort",
-        "draft",
-        "--spp",
-        "16",
-        "--out",
-        "out",
-    ]);
+    folder.drafts(&["--spp", "16"]);
     let found = materials::read(&folder.path("out/materials.json")).unwrap();
     let bulb = found.lights["bulb"].intensity.unwrap();
     assert!(bulb.iter().all(|v| (v - 4.0).abs() < 0.2), "{bulb:?}");
@@ -358,17 +346,7 @@ fn ignored_groups_are_not_asked_for_and_not_counted() {
     folder.refuses("[groups.door]\nignore = true\n[environment]\ncolor = 1\n", "no group \"door\"");
     folder.write("project.toml", &format!("{HEAD}{LIGHTS}[groups.wall]\nignore = true\n"));
     folder.succeeds(&["check", "project.toml"]);
-    folder.succeeds(&[
-        "recover",
-        "project.toml",
-        "--effort",
-        "draft",
-        "--no-refine",
-        "--spp",
-        "4",
-        "--out",
-        "out",
-    ]);
+    folder.drafts(&["--no-refine", "--spp", "4"]);
     let found = materials::read(&folder.path("out/materials.json")).unwrap();
     let floor = Rgb::from_array(found.groups["floor"].rho_d.unwrap());
     assert!((floor - FLOOR).abs().max_element() < 0.02, "{floor}");
@@ -386,16 +364,7 @@ fn groups_have_the_hypotheses_that_are_allowed() {
     let folder = Folder::new("rungs");
     let rungs = "[recover]\nrungs = [\"diffuse\"]\n[groups.floor]\nrungs = [\"isotropic\"]\n";
     folder.write("project.toml", &format!("{HEAD}{LIGHTS}{rungs}"));
-    folder.succeeds(&[
-        "recover",
-        "project.toml",
-        "--effort",
-        "draft",
-        "--spp",
-        "4",
-        "--out",
-        "out",
-    ]);
+    folder.drafts(&["--spp", "4"]);
     let found = materials::read(&folder.path("out/materials.json")).unwrap();
     for (name, truth, hypothesis) in
         [("floor", FLOOR, Hypothesis::Isotropic), ("wall", WALL, Hypothesis::Diffuse)]
@@ -426,16 +395,7 @@ fn bounds_of_a_project_are_kept_by_its_results() {
     let bounds = "[groups.floor]\nalpha_x = { start = 0.4, min = 0.3 }\n[groups.wall]\n\
                   rho_d = { max = [1, 0.2, 1] }\nrho_s = { max = 0 }\n[recover]\nmax_rung = \"isotropic\"\n";
     folder.write("project.toml", &format!("{HEAD}{LIGHTS}{bounds}"));
-    folder.succeeds(&[
-        "recover",
-        "project.toml",
-        "--effort",
-        "draft",
-        "--spp",
-        "4",
-        "--out",
-        "out",
-    ]);
+    folder.drafts(&["--spp", "4"]);
     let found = materials::read(&folder.path("out/materials.json")).unwrap();
     let [floor, wall] = ["floor", "wall"].map(|name| &found.groups[name]);
     let is_rough = floor.alpha_x.is_some_and(|alpha| alpha >= 0.3);
@@ -451,16 +411,7 @@ fn groups_of_one_material_are_recovered_as_one() {
     let same = "[groups.wall]\nsame_as = \"floor\"\n[recover]\nmax_rung = \"diffuse\"\n";
     folder.write("project.toml", &format!("{HEAD}{LIGHTS}{same}"));
     folder.succeeds(&["check", "project.toml"]);
-    folder.succeeds(&[
-        "recover",
-        "project.toml",
-        "--effort",
-        "draft",
-        "--spp",
-        "4",
-        "--out",
-        "out",
-    ]);
+    folder.drafts(&["--spp", "4"]);
     let found = materials::read(&folder.path("out/materials.json")).unwrap();
     let [floor, wall] = ["floor", "wall"].map(|name| &found.groups[name]);
     assert_eq!((floor.rho_d, floor.hypothesis), (wall.rho_d, wall.hypothesis));
