@@ -271,8 +271,7 @@ fn what_the_model_lacks_is_found_whatever_the_noise() {
     let photograph = photograph(&room(Vec3::ZERO, true));
     let scene = room(Vec3::ZERO, false);
     for seed in 1..5 {
-        let effort = Effort::Draft;
-        let options = Options { effort, refine: false, spp: 8, seed, ..Options::default() };
+        let options = Options { refine: false, spp: 8, seed, ..Options::default() };
         let recovery = recovered_as(&scene, &photograph, &camera(), &options);
         assert_eq!(recovery.groups[WALL].hypothesis, Hypothesis::Diffuse, "seed {seed}");
         assert!(worst(&recovery) < 0.02, "seed {seed}: {}", worst(&recovery));
