@@ -26,6 +26,7 @@ pub mod journal;
 pub mod ladder;
 pub mod likelihood;
 pub mod model_error;
+pub mod noise;
 pub mod observation;
 pub mod outliers;
 mod photometric;

@@ -1,21 +1,17 @@
-//! What the photograph shows of each group: which pixels are valid, and how noisy they are.
+//! What the photograph shows of each group: which pixels are valid.
 //!
 //! Every pixel has a [`PixelStatus`]: it is valid, or there is a reason why not. The photograph may be
 //! cut off there; an edge of the model may be too close, as far as the model may be off
 //! ([`crate::register`]); and what does not fit its group may be no part of it ([`crate::outliers`]). A
 //! group that would be left with next to nothing gets a narrower margin.
-//!
-//! The noise of the photograph is estimated from itself: in the interior of a group, the difference
-//! of a pixel from the mean of its two neighbours in the row holds 3/2 of the noise's variance and
-//! little of the picture. It gives `variance = step^2/12 + s B`, quantisation and a shot noise. One
-//! camera took all groups: where a group's differences are far larger than those of most pixels, they
-//! are a pattern (a mirror image, a fine texture) and not noise.
+//! [`crate::noise`] says how noisy they are.
 
+use crate::noise;
+pub use crate::noise::Noise;
 use crate::register::margin::{self, near_edges};
 use crate::register::offset::EdgePicture;
 use crate::register::steep::steepness;
 use glam::Vec3;
-use serde::{Deserialize, Serialize};
 use unrender_render::{GeometryBuffers, NOTHING};
 use unrender_scene::{Image, Rgb, RgbImage};
 
@@ -39,26 +35,6 @@ pub enum Reading {
     Value,
     /// The scene is at least so bright there: the pixel is clipped.
     AtLeast,
-}
-
-/// The photograph's noise at one pixel: its variance is `base + slope L` where the scene has the
-/// radiance `L`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Noise {
-    /// Of the quantisation, squared radiance.
-    pub base: Rgb,
-    /// Of the shot noise, radiance.
-    pub slope: Rgb,
-}
-
-impl Noise {
-    /// No noise at all.
-    pub const NONE: Self = Self { base: Rgb::ZERO, slope: Rgb::ZERO };
-
-    /// The variance where the scene has the radiance `radiance`.
-    pub fn variance(&self, radiance: Rgb) -> Rgb {
-        self.base + self.slope * radiance.max(Rgb::ZERO)
-    }
 }
 
 /// Whether a pixel is valid, and why not.
@@ -169,8 +145,8 @@ impl Observation {
             all_pixels_of_group.iter().map(|a| a.iter().filter(informs).copied().collect());
         let informative_of_group = informative_of_group.collect();
         let smooth = smooth(&picture.values, geometry, &pixels_of_group);
-        let shots: Vec<Rgb> = pixels_of_group.iter().map(|p| shot_noise(&picture, p)).collect();
-        let shot_of_group = of_one_camera(&shots, &pixels_of_group);
+        let shot_of_group =
+            noise::shot_of_groups((&picture.values, &picture.quantisation_step), &pixels_of_group);
         Self {
             picture,
             status,
@@ -299,56 +275,6 @@ fn smooth(values: &RgbImage, geometry: &GeometryBuffers, groups: &[Vec<u32>]) ->
         }
         if count > 0.0 { sum / count } else { *values.at(x, y) }
     })
-}
-
-/// The noise of a group is at most this many times that of the picture: the same camera took all
-/// groups. At half of it, the renderings that stand in for photographs have glossy groups that are
-/// noisier than this; at double, mirror images and fine textures pass for noise.
-const LIKE_OTHERS: f32 = 2.0;
-
-/// The groups' shot noise, of which what is far above that of most pixels is a pattern and no noise:
-/// the differences of neighbouring pixels in a mirror image, say.
-fn of_one_camera(shots: &[Rgb], pixels: &[Vec<u32>]) -> Vec<Rgb> {
-    let median = |channel: usize| {
-        let measured = shots.iter().zip(pixels).filter(|(shot, _)| shot[channel] > 0.0);
-        let mut sorted: Vec<(f32, usize)> =
-            measured.map(|(shot, pixels)| (shot[channel], pixels.len())).collect();
-        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let half = sorted.iter().map(|s| s.1).sum::<usize>() / 2;
-        let mut count = 0;
-        let middle = sorted.iter().find(|(_, pixels)| {
-            count += pixels;
-            count > half
-        });
-        middle.map_or(f32::INFINITY, |(shot, _)| *shot)
-    };
-    let most = LIKE_OTHERS * Rgb::new(median(0), median(1), median(2));
-    shots.iter().map(|shot| shot.min(most)).collect()
-}
-
-/// A group's variance beyond quantisation per unit of value, per channel.
-fn shot_noise(picture: &Picture, pixels: &[u32]) -> Rgb {
-    let width = picture.values.width();
-    let value = |p: u32| picture.values.pixels()[p as usize];
-    let (mut squares, mut count) = (Rgb::ZERO, 0.0);
-    // Pixels come in scanline order: three in a row are three neighbours in the list.
-    for w in pixels.windows(3) {
-        if w[2] == w[0] + 2 && w[0] as usize / width == w[2] as usize / width {
-            let difference = value(w[1]) - 0.5 * (value(w[0]) + value(w[2]));
-            squares += difference * difference;
-            count += 1.0;
-        }
-    }
-    if count < FEW_PIXELS as f32 {
-        return Rgb::ZERO;
-    }
-    let step = |p: u32| picture.quantisation_step.pixels()[p as usize];
-    let mean =
-        |f: &dyn Fn(u32) -> Rgb| pixels.iter().map(|&p| f(p)).sum::<Rgb>() / pixels.len() as f32;
-    let quantisation = mean(&|p| step(p) * step(p)) / 12.0;
-    let excess = (squares / (1.5 * count) - quantisation).max(Rgb::ZERO);
-    let level = mean(&value);
-    Rgb::select(level.cmpgt(Rgb::ZERO), excess / level.max(Rgb::splat(1e-20)), Rgb::ZERO)
 }
 
 #[cfg(test)]
