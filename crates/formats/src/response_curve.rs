@@ -14,7 +14,7 @@
 //! linear value is proportional to radiance, in any unit: `exposure` is radiance per that unit. Both
 //! grow from row to row. Lines that begin with `#` do not count.
 
-use crate::{FileError, input};
+use crate::{FileError, atomic, input};
 use std::path::Path;
 
 /// The rows of a response file; at least two, codes and values strictly increasing.
@@ -34,6 +34,21 @@ pub struct ResponseRows {
 pub fn read(path: &Path) -> Result<ResponseRows, FileError> {
     let bytes = input::read(path).map_err(|error| FileError::because(path, "", error))?;
     parse(&bytes).map_err(|problem| FileError::new(path, problem))
+}
+
+/// Writes `rows` as a response file with a column for each channel; `comment` is a line that says where they
+/// come from.
+///
+/// # Errors
+/// If the file cannot be written, or these are no rows of a response.
+pub fn write(path: &Path, rows: &ResponseRows, comment: &str) -> Result<(), FileError> {
+    check(rows, &["code", "r", "g", "b"]).map_err(|problem| FileError::new(path, problem))?;
+    let mut text = format!("# {comment}\ncode,r,g,b\n");
+    let [red, green, blue] = &rows.linear;
+    for (row, code) in rows.codes.iter().enumerate() {
+        text.push_str(&format!("{code:.6},{:e},{:e},{:e}\n", red[row], green[row], blue[row]));
+    }
+    atomic::write(path, text.as_bytes())
 }
 
 /// As [`read`], from the bytes of the file.
@@ -116,6 +131,20 @@ mod tests {
         assert!(one.linear.iter().all(|values| values == &[0.0, 0.2, 1.0]));
         let three = parse(b"\xEF\xBB\xBFcode,r,g,b\r\n0,0,0,0.1\r\n1,1,2,3\r\n").unwrap();
         assert_eq!(three.linear, [vec![0.0, 1.0], vec![0.0, 2.0], vec![0.1, 3.0]]);
+    }
+
+    #[test]
+    fn what_is_written_is_read_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("curve.csv");
+        let curve = |gamma: f64| [0.0f64, 0.25, 0.5, 1.0].map(|c| c.powf(gamma)).to_vec();
+        let linear = [curve(1.8), curve(2.2), curve(2.4)];
+        let mut rows = ResponseRows { codes: vec![0.0, 0.25, 0.5, 1.0], linear };
+        write(&path, &rows, "a test").unwrap();
+        assert_eq!(read(&path).unwrap(), rows);
+        rows.linear[2][3] = f64::NAN;
+        rows.linear[1][3] = 0.1;
+        assert!(write(&path, &rows, "a test").is_err());
     }
 
     #[test]

@@ -26,24 +26,24 @@ const FULL: f32 = 0.93;
 const LEAST_BITS: u32 = 10;
 
 /// The indices of the pixels that have in some channel a code at which it is full (see
-/// [`full_codes`]), one from the white level of `transfer` on, or one beyond the last that its
-/// response was measured for; floating-point files have no greatest code.
+/// [`clipped_from`]), or one beyond the last that the response of `transfer` was measured for.
 pub fn clipped_pixels(picture: &Picture, transfer: &Transfer) -> Vec<usize> {
-    // Half a code below the top: codes are exact, their quotients are rounded.
-    let max = picture.depth.max_code();
-    let full = full_codes(picture);
-    let half = max.map_or(0.0, |max| 0.5 / max);
-    let (response, white) = (&transfer.response, transfer.white_level - half);
-    let tops = [0, 1, 2].map(|c| match (max, full[c]) {
-        (Some(max), Some(code)) => (f32::from(code) - 0.5) / max,
-        (Some(max), None) => (max - 0.5) / max,
-        (None, _) => f32::INFINITY,
-    });
-    let beyond = |value: &Rgb| {
-        (0..3).any(|c| value[c] >= tops[c].min(white[c]) || value[c] > response.last_code(c))
-    };
+    let (response, from) = (&transfer.response, clipped_from(picture, transfer.white_level));
+    let beyond =
+        |value: &Rgb| (0..3).any(|c| value[c] >= from[c] || value[c] > response.last_code(c));
     let pixels = picture.values.pixels().iter().enumerate();
     pixels.filter(|(_, value)| beyond(value)).map(|(index, _)| index).collect()
+}
+
+/// For each channel the value from which on it is clipped: half a code below the one at which it is full
+/// (see [`full_codes`]), below the greatest of the file, or below `white_level`. Floating-point files have no
+/// greatest code and no steps: `white_level`, or infinity.
+pub fn clipped_from(picture: &Picture, white_level: Rgb) -> Rgb {
+    let Some(max) = picture.depth.max_code() else { return white_level };
+    // Half a code below the top: codes are exact, their quotients are rounded.
+    let top = full_codes(picture).map(|code| code.map_or(max, f32::from));
+    let tops = Rgb::from_array(top.map(|code| (code - 0.5) / max));
+    tops.min(white_level - 0.5 / max)
 }
 
 /// For each channel the code below the greatest one of the file at which it is full, if there is one.

@@ -5,11 +5,15 @@
 //! excludes clipped pixels, which are a lower bound only, with their neighbours, to which charge
 //! may have spread; and pixels in the noise near black, whose mean is biased ([`dark`]).
 //!
+//! [`bracket`](mod@bracket) merges photographs of several exposures into one picture of linear values, with
+//! the camera's response from the photographs themselves.
+//!
 //! [`calibrate`](mod@calibrate) finds pose, focal length and lens of the camera from measured
 //! points.
 //!
 //! Sources are cited by the keys of `docs/bibliography.md`.
 
+pub mod bracket;
 pub mod calibrate;
 pub mod clipping;
 mod curve;
@@ -25,7 +29,7 @@ pub use response::Response;
 pub use transfer::Transfer;
 pub use vignetting::Vignetting;
 
-use unrender_scene::{Image, Picture, Rgb, RgbImage};
+use unrender_scene::{Image, Merged, Picture, Rgb, RgbImage};
 
 /// Scene radiance per unit of linear pixel value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +66,8 @@ pub struct Photo {
     /// The number of pixels in the noise near black.
     pub dark: usize,
     /// The quantisation step: the radiance between adjacent pixel values; zero for floating-point
-    /// files. Quantisation has the variance step^2 / 12.
+    /// files. Quantisation has the variance step^2 / 12; a picture that was merged from a bracket has a step
+    /// here whose variance is that of the merged value.
     pub quantisation_step: RgbImage,
 }
 
@@ -88,9 +93,10 @@ pub fn develop(picture: &Picture, transfer: &Transfer) -> Photo {
         RgbImage::new(picture.values.width(), picture.values.height(), values)
     };
     let radiance = per_pixel(&|code, share| transfer.radiance(code, share));
-    let quantisation_step = match picture.depth.max_code() {
-        Some(max_code) => per_pixel(&|code, share| transfer.step(code, 1.0 / max_code, share)),
-        None => per_pixel(&|_, _| Rgb::ZERO),
+    let quantisation_step = match (picture.depth.max_code(), &picture.merged) {
+        (Some(max_code), _) => per_pixel(&|code, share| transfer.step(code, 1.0 / max_code, share)),
+        (None, Some(merged)) => merged_step(merged, transfer, &share),
+        (None, None) => per_pixel(&|_, _| Rgb::ZERO),
     };
     let clipped = clipping::clipped_pixels(picture, transfer);
     let dark = dark::dark_pixels(picture, transfer.floor());
@@ -102,6 +108,15 @@ pub fn develop(picture: &Picture, transfer: &Transfer) -> Photo {
     clipped.iter().for_each(|&index| saturated.pixels_mut()[index] = true);
     let (clipped, dark) = (clipped.len(), dark.len());
     Photo { radiance, valid, saturated, clipped, dark, quantisation_step }
+}
+
+/// The step whose variance as a quantisation, step^2 / 12, is that of the merged values.
+fn merged_step(merged: &Merged, transfer: &Transfer, share: &dyn Fn(usize) -> f32) -> RgbImage {
+    let step = |(index, variance): (usize, &Rgb)| {
+        transfer.spread((12.0 * *variance).map(f32::sqrt), share(index))
+    };
+    let steps = merged.variance.pixels().iter().enumerate().map(step).collect();
+    RgbImage::new(merged.variance.width(), merged.variance.height(), steps)
 }
 
 #[cfg(test)]

@@ -77,19 +77,24 @@ impl Transfer {
         })
     }
 
-    /// The radiance between `code` and the adjacent code, `step` away; see [`Response::step`].
-    /// Where primaries are converted, the root of the sum of squares over the channels of the file.
+    /// The radiance between `code` and the adjacent code, `step` away; see [`Response::step`] and
+    /// [`Transfer::spread`].
     pub fn step(&self, code: Rgb, step: f32, share: f32) -> Rgb {
         let range = Rgb::ONE - self.black_level;
         let (code, step) = ((code - self.black_level) / range, Rgb::splat(step) / range);
         let one = |channel| self.response.step(channel, code[channel], step[channel]);
-        let steps = Rgb::new(one(0), one(1), one(2));
-        let steps = self.srgb_from_file.map_or(steps, |m| {
+        self.spread(Rgb::new(one(0), one(1), one(2)), share)
+    }
+
+    /// The radiance of independent small differences of the linear values of the file, one a channel. Where
+    /// primaries are converted, the root of the sum of squares over the channels of the file.
+    pub fn spread(&self, differences: Rgb, share: f32) -> Rgb {
+        let differences = self.srgb_from_file.map_or(differences, |m| {
             let squares =
                 Mat3::from_cols(m.x_axis.powf(2.0), m.y_axis.powf(2.0), m.z_axis.powf(2.0));
-            (squares * (steps * steps)).map(f32::sqrt)
+            (squares * (differences * differences)).map(f32::sqrt)
         });
-        steps * self.exposure / share
+        differences * self.exposure / share
     }
 
     /// The code at and below which values are cut off: black, but for linear responses, which pass

@@ -30,7 +30,7 @@ pub use lens::Lens;
 pub use light::{Light, LightKind, Source};
 pub use material::{BrdfModel, Lobe, Material, Texture, WardModel, Wrap};
 pub use mesh::{Mesh, Object};
-pub use picture::{Depth, Picture, Profile};
+pub use picture::{Depth, Merged, Picture, Profile};
 pub use points::Pair;
 pub use validate::{SceneError, Warnings};
 

@@ -38,12 +38,24 @@ pub struct Picture {
     pub invalid: Vec<usize>,
     /// What the file declares of its colours, if it does.
     pub profile: Option<Profile>,
+    /// What is known of the values of a picture that was merged from a bracket of exposures.
+    pub merged: Option<Merged>,
+}
+
+/// What is known of the linear values of a picture that was merged from a bracket of exposures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Merged {
+    /// The variance of every value, in squares of the picture's unit; finite and not negative.
+    pub variance: Image<Rgb>,
+    /// The value from which on a channel is clipped: what the shortest exposure cuts off. Infinite where
+    /// nothing is cut off.
+    pub white_level: Rgb,
 }
 
 impl Picture {
     /// A picture of finite code values.
     pub fn new(values: Image<Rgb>, depth: Depth) -> Self {
-        Self { values, depth, invalid: Vec::new(), profile: None }
+        Self { values, depth, invalid: Vec::new(), profile: None, merged: None }
     }
 
     /// The picture as linear values, where integer files are taken as sRGB and floating-point

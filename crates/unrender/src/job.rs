@@ -70,7 +70,7 @@ impl Job {
         mut warnings: Warnings,
         given: InMemory,
     ) -> Result<Self, Error> {
-        let picture = photo(&project, given.photo, &mut warnings)?;
+        let picture = photo(&mut project, given.photo, &mut warnings)?;
         let mut scene = model(&project, given.scene, &mut warnings)?;
         warnings.extend(project.light(&mut scene)?);
         project.check_against(&scene)?;
@@ -132,15 +132,16 @@ impl Job {
     }
 }
 
-/// The photograph of `project`, as given or from its file, with warnings of clipped codes.
+/// The photograph of `project`, as given or from its files, with warnings of clipped codes.
 fn photo(
-    project: &Project,
+    project: &mut Project,
     given: Option<Picture>,
     warnings: &mut Warnings,
 ) -> Result<Picture, Error> {
-    let picture = match given {
-        Some(picture) => picture,
-        None => {
+    let picture = match (given, project.bracket.clone()) {
+        (Some(picture), _) => picture,
+        (None, Some(frames)) => photograph::merged(project, &frames, warnings)?,
+        (None, None) => {
             let (picture, noted) = picture::read(Input::new(&project.photo, project.limits))?;
             warnings.extend(noted);
             picture

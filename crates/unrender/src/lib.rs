@@ -95,6 +95,7 @@
 #![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+mod bracket;
 #[cfg(feature = "cli")]
 pub mod check;
 #[cfg(feature = "cli")]

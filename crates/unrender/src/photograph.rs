@@ -1,9 +1,12 @@
 //! The transfer function of a project's photograph, from what project and file say of it.
 
-use crate::project::{Project, ResponseChoice, VignettingChoice};
+use crate::bracket::read_and_merge;
+use crate::project::{Frames, Project, ResponseChoice, VignettingChoice};
 use crate::{Error, photometric};
+use std::path::Path;
 use unrender_formats::picture::{Picture, Profile};
 use unrender_formats::{FileError, response_curve};
+use unrender_photo::bracket::Settings;
 use unrender_photo::vignetting::{DARKEST, Law};
 use unrender_photo::{Curve, Response, Transfer, Vignetting, choose_response, declared_response};
 use unrender_scene::{Camera, Rgb, Warnings};
@@ -29,7 +32,8 @@ pub(crate) fn transfer(
     if let Some(vignetting) = &vignetting {
         check(vignetting).map_err(|problem| FileError::new(&project.path, problem))?;
     }
-    let white_level = project.white_level.unwrap_or(Rgb::INFINITY);
+    let of_merged = picture.merged.as_ref().map(|merged| merged.white_level);
+    let white_level = project.white_level.or(of_merged).unwrap_or(Rgb::INFINITY);
     if picture.depth.max_code().is_some() && project.white_level.is_some_and(is_beyond_one) {
         let [r, g, b] = white_level.to_array();
         let problem = format!(
@@ -75,12 +79,39 @@ fn stated(project: &Project) -> Result<Option<Response>, Error> {
         None => return Ok(None),
         Some(ResponseChoice::Stated(response)) => response.clone(),
         Some(ResponseChoice::Auto) => Response::Gamma(photometric::GAMMA),
-        Some(ResponseChoice::Measured(path)) => {
-            let rows = response_curve::read(path)?;
-            Response::measured(rows.linear.each_ref().map(|linear| Curve::new(&rows.codes, linear)))
-        }
+        Some(ResponseChoice::Measured(path)) => measured(path)?,
     };
     Ok(Some(response))
+}
+
+/// The response in the file at `path`.
+pub(crate) fn measured(path: &Path) -> Result<Response, FileError> {
+    let rows = response_curve::read(path)?;
+    Ok(Response::measured(rows.linear.each_ref().map(|linear| Curve::new(&rows.codes, linear))))
+}
+
+/// Merges the bracket that `project` names as its photograph. The project's response, black level and white
+/// level are those of the photographs; the merged picture is linear, which the project says from then on.
+pub(crate) fn merged(
+    project: &mut Project,
+    frames: &Frames,
+    warnings: &mut Warnings,
+) -> Result<Picture, Error> {
+    let response = match &project.response {
+        Some(ResponseChoice::Auto) | None => None,
+        Some(_) => stated(project)?,
+    };
+    let settings = Settings {
+        response,
+        black_level: project.black_level,
+        white_level: project.white_level.unwrap_or(Rgb::INFINITY),
+    };
+    let (merged, noted) = read_and_merge(frames, &settings, project.limits, &project.path)?;
+    warnings.extend(noted);
+    project.response = Some(ResponseChoice::Stated(Response::Linear));
+    project.black_level = Rgb::ZERO;
+    project.white_level = None;
+    Ok(merged.picture)
 }
 
 /// A lens that lets nothing through says nothing of the corners.

@@ -1,4 +1,4 @@
-//! What a photograph's EXIF data say of its lens.
+//! What a photograph's EXIF data say of its lens and of its exposure.
 
 use exif::{Exif, In, Reader, Tag, Value};
 use std::io::Cursor;
@@ -19,6 +19,44 @@ pub fn exif_focal_px(bytes: &[u8], width: usize, height: usize) -> Option<f64> {
         _ => by_pixel_pitch(&exif, width.max(height))?,
     };
     (focal.is_finite() && focal > 0.0).then_some(focal)
+}
+
+/// How a photograph was exposed, as far as its file says.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Exposure {
+    /// The exposure time, seconds.
+    pub seconds: Option<f64>,
+    /// The f-number: focal length over the diameter of the aperture.
+    pub f_number: Option<f64>,
+    /// The sensitivity, ISO.
+    pub iso: Option<f64>,
+}
+
+/// How the photograph in the file `bytes` was exposed, by its EXIF data, or by the standard attributes
+/// `expTime`, `aperture` and `isoSpeed` of an EXR. Numbers that are not positive count as not there.
+pub fn exposure_of(bytes: &[u8]) -> Exposure {
+    let good = |number: Option<f64>| number.filter(|n| n.is_finite() && *n > 0.0);
+    if let Ok(meta) = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false) {
+        let own = meta.headers.first().map(|header| &header.own_attributes);
+        let of = |number: Option<f32>| good(number.map(f64::from));
+        return own.map_or(Exposure::default(), |own| Exposure {
+            seconds: of(own.exposure),
+            f_number: of(own.aperture),
+            iso: of(own.iso_speed),
+        });
+    }
+    let Ok(exif) = Reader::new().read_from_container(&mut Cursor::new(bytes)) else {
+        return Exposure::default();
+    };
+    // APEX: the time is 2^-Tv, the square of the f-number 2^Av.
+    let apex = |tag, factor: f64| number(&exif, tag).map(|value| (factor * value).exp2());
+    let seconds = good(number(&exif, Tag::ExposureTime));
+    let f_number = good(number(&exif, Tag::FNumber));
+    Exposure {
+        seconds: seconds.or_else(|| good(apex(Tag::ShutterSpeedValue, -1.0))),
+        f_number: f_number.or_else(|| good(apex(Tag::ApertureValue, 0.5))),
+        iso: good(number(&exif, Tag::PhotographicSensitivity)),
+    }
 }
 
 /// Whether the EXIF data in the file `bytes` say, as cameras do instead of a profile, that its
@@ -49,6 +87,7 @@ fn by_pixel_pitch(exif: &Exif, longer_side: f64) -> Option<f64> {
 fn number(exif: &Exif, tag: Tag) -> Option<f64> {
     match &exif.get_field(tag, In::PRIMARY)?.value {
         Value::Rational(values) => values.first().map(exif::Rational::to_f64),
+        Value::SRational(values) => values.first().map(exif::SRational::to_f64),
         other => other.get_uint(0).map(f64::from),
     }
 }
@@ -105,6 +144,27 @@ mod tests {
         // 35 mm at 200 pixels a millimetre, in a picture of half the size.
         let focal = exif_focal_px(&bytes, 1600, 2400).unwrap();
         assert!((focal - 3500.0).abs() < 1e-6, "{focal}");
+    }
+
+    #[test]
+    fn the_exposure_is_read() {
+        let bytes = jpeg(&[
+            (Tag::ExposureTime, rational(1, 60)),
+            (Tag::FNumber, rational(28, 10)),
+            (Tag::PhotographicSensitivity, Value::Short(vec![200])),
+        ]);
+        let found = Exposure { seconds: Some(1.0 / 60.0), f_number: Some(2.8), iso: Some(200.0) };
+        assert_eq!(exposure_of(&bytes), found);
+        let apex = jpeg(&[
+            (Tag::ExposureTime, rational(0, 1)),
+            (Tag::ShutterSpeedValue, Value::SRational(vec![exif::SRational { num: 4, denom: 2 }])),
+            (Tag::ApertureValue, rational(4, 1)),
+        ]);
+        let found = Exposure { seconds: Some(0.25), f_number: Some(4.0), iso: None };
+        assert_eq!(exposure_of(&apex), found);
+        assert_eq!(exposure_of(b"no picture"), Exposure::default());
+        let broken = jpeg(&[(Tag::ExposureTime, rational(1, 0))]);
+        assert_eq!(exposure_of(&broken).seconds, None);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Reads a picture file into code values.
 
-use super::{Depth, Picture, budget, jpeg_end, profile};
+use super::{Depth, Picture, budget, jpeg_end, merged, profile};
 use crate::FileError;
 use crate::input::{Input, Scope};
 use image::codecs::hdr::HdrDecoder;
@@ -57,6 +57,9 @@ fn decode_in(scope: &Scope, bytes: &[u8], path: &Path) -> Result<(Picture, Warni
     }
     let mut picture = picture_of(&decoded);
     picture.profile = profile::of(bytes, format, icc.as_deref());
+    if format == ImageFormat::OpenExr {
+        put_merged(scope, &mut picture, bytes).map_err(|problem| FileError::new(path, problem))?;
+    }
     if !picture.invalid.is_empty() {
         warnings.push(format!(
             "{}: {} pixel(s) are not finite numbers; they were left out",
@@ -65,6 +68,26 @@ fn decode_in(scope: &Scope, bytes: &[u8], path: &Path) -> Result<(Picture, Warni
         ));
     }
     Ok((picture, warnings))
+}
+
+/// Reads the variances of a merged bracket, and which pixels have no value.
+fn put_merged(scope: &Scope, picture: &mut Picture, bytes: &[u8]) -> Result<(), String> {
+    // All six channels as they are in the file, and the variances once more.
+    let pixels = picture.values.pixels().len() as u64;
+    scope.charge(pixels * 36)?;
+    let Some((merged, invalid)) = merged::read_merged(bytes)? else { return Ok(()) };
+    let size = |image: &Image<Rgb>| (image.width(), image.height());
+    if size(&merged.variance) != size(&picture.values) {
+        return Err("has variances of another size than its picture".into());
+    }
+    for index in invalid {
+        picture.values.pixels_mut()[index] = Rgb::ZERO;
+        picture.invalid.push(index);
+    }
+    picture.invalid.sort_unstable();
+    picture.invalid.dedup();
+    picture.merged = Some(merged);
+    Ok(())
 }
 
 fn format_of(bytes: &[u8]) -> Option<ImageFormat> {

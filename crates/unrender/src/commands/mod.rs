@@ -8,6 +8,7 @@ pub mod export;
 pub mod farm;
 pub mod man;
 pub mod merge;
+pub mod merge_exposures;
 pub mod recover;
 pub mod render;
 pub mod report;

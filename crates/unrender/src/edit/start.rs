@@ -5,7 +5,7 @@ use crate::project::CameraTable;
 use crate::{Error, Job, Project, job, result_folder, run};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
-use unrender_formats::picture::{self, Picture};
+use unrender_formats::picture::Picture;
 use unrender_formats::{FileError, Input, LightUnits, Limits, materials};
 use unrender_photo::{Exposure, Photo, Transfer};
 use unrender_scene::{Camera, Rgb, Scene, Warnings};
@@ -127,8 +127,16 @@ impl Start {
         let (mut project, warnings) = Project::read(path)?;
         project.limits = limits;
         project.light_units = light_units.or(project.light_units);
-        let Job { mut scene, mut camera, mut photo, mut transfer, project, mut warnings, .. } =
-            Job::load(project, warnings)?;
+        let Job {
+            mut scene,
+            mut camera,
+            picture,
+            mut photo,
+            mut transfer,
+            project,
+            mut warnings,
+            ..
+        } = Job::load(project, warnings)?;
         let mut found = None;
         if let Some(materials) = materials {
             let input = Input::new(materials, limits);
@@ -151,7 +159,6 @@ impl Start {
         {
             camera = Camera { aspect: camera.aspect, ..used.camera(&camera.name) };
         }
-        let (picture, _) = picture::read(Input::new(&project.photo, limits))?;
         let photograph = Photograph { picture, photo, transfer, camera };
         Ok((Self { scene, path: project.scene, photograph: Some(photograph) }, warnings))
     }

@@ -17,7 +17,8 @@ pub use camera::CameraTable;
 pub use camera_choice::{CalibratedCamera, CameraChoice, CameraFile};
 pub use lights::LightColor;
 pub use like::LikeGroup;
-pub use photograph::{ResponseChoice, VignettingChoice};
+pub(crate) use photograph::seconds;
+pub use photograph::{Frames, ResponseChoice, VignettingChoice};
 pub(crate) use rungs::up_to;
 
 use crate::lighting::EnvironmentChoice;
@@ -36,8 +37,10 @@ pub struct Project {
     pub path: PathBuf,
     /// The scene file.
     pub scene: PathBuf,
-    /// The photograph.
+    /// The photograph; of a bracket the one that is named first.
     pub photo: PathBuf,
+    /// The photographs of the bracket that the photograph is merged from, if it is.
+    pub bracket: Option<Frames>,
     /// The picture that says which pixels of the photograph do not count: those that are black in it.
     pub mask: Option<PathBuf>,
     /// How the photograph is encoded, where the project says so.
@@ -185,10 +188,14 @@ impl Project {
         };
         let panorama = self.environment.as_ref().and_then(EnvironmentChoice::file);
         let mask = self.mask.as_deref().map(|file| ("mask", file));
-        let always = [("scene", self.scene.as_path()), ("photo", self.photo.as_path())];
+        let photos = match &self.bracket {
+            Some(frames) => frames.files.iter().map(|f| ("photo.bracket", f.as_path())).collect(),
+            None => vec![("photo", self.photo.as_path())],
+        };
         let panorama = panorama.map(|file| ("environment.panorama", file));
         let of_camera = self.camera.files();
-        always.into_iter().chain(mask).chain(response).chain(panorama).chain(of_camera).collect()
+        let always = std::iter::once(("scene", self.scene.as_path())).chain(photos);
+        always.chain(mask).chain(response).chain(panorama).chain(of_camera).collect()
     }
 
     /// Checks that the names in the project are names in `scene`.

@@ -50,10 +50,12 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     let expected = expected::all(&raw.groups, &rungs_of, anchored, brdf)?;
     let like = like::all(&raw.groups, anchored)?;
     let light_units = raw.light_units.as_deref().map(str::parse::<LightUnits>).transpose();
+    let (photo, bracket) = photograph::photo(&raw.photo, folder)?;
     let project = Project {
         path: path.to_owned(),
         scene: folder.join(&raw.scene),
-        photo: folder.join(&raw.photo),
+        photo: photo.clone(),
+        bracket,
         mask: raw.mask.as_ref().map(|file| folder.join(file)),
         response: raw.response.as_ref().map(|r| photograph::response(r, folder)).transpose()?,
         black_level,
@@ -78,7 +80,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         light_units: light_units.map_err(|problem| format!("light_units: {problem}"))?,
         limits: Limits::default(),
         camera: match raw.camera {
-            Some(value) => camera_choice::parse(value, folder, &raw.photo)?,
+            Some(value) => camera_choice::parse(value, folder, &photo)?,
             None => CameraChoice::First,
         },
     };

@@ -1,6 +1,7 @@
 //! What a project says of how its photograph was made: response, black and white level, vignetting.
 
 use super::parse::{number, triple};
+use super::raw::{RawBracket, RawPhoto};
 use std::path::{Path, PathBuf};
 use toml::Value;
 use unrender_photo::{Response, vignetting};
@@ -26,9 +27,59 @@ pub enum VignettingChoice {
     Auto,
 }
 
+/// The photographs of a bracket of exposures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frames {
+    /// Their files.
+    pub files: Vec<PathBuf>,
+    /// Their exposure times or anything proportional to their exposures; none: as the files state.
+    pub times: Option<Vec<f64>>,
+}
+
 const RESPONSES: &str =
     "give \"srgb\", \"linear\", { gamma = 2.2 }, a file such as \"curve.csv\", or \"auto\"";
 const VIGNETTINGS: &str = "give \"cos4\", { radial = [a1, a2, a3] } or \"auto\"";
+
+/// The key `photo`: the file that stands for it, and the bracket if it is one. Files are relative to `folder`.
+pub(super) fn photo(raw: &RawPhoto, folder: &Path) -> Result<(PathBuf, Option<Frames>), String> {
+    let RawBracket { bracket, times } = match raw {
+        RawPhoto::File(file) => return Ok((folder.join(file), None)),
+        RawPhoto::Bracket(raw) => raw,
+    };
+    let [first, _, ..] = &bracket[..] else {
+        return Err(format!(
+            "photo.bracket names {} photograph(s); a bracket has two at least: name all of them, or \
+             give photo = \"FILE\"",
+            bracket.len()
+        ));
+    };
+    let time = |value: &Value| match value.as_str() {
+        Some(text) => seconds(text),
+        None => seconds(&value.to_string()),
+    };
+    let times = times.as_ref().map(|times| times.iter().map(time).collect::<Result<Vec<f64>, _>>());
+    let times = times.transpose().map_err(|problem| format!("photo.times: a time {problem}"))?;
+    if let Some(times) = times.as_ref().filter(|times| times.len() != bracket.len()) {
+        return Err(format!(
+            "photo.times has {} times for {} photographs; give one for each, in the same order",
+            times.len(),
+            bracket.len()
+        ));
+    }
+    let files = bracket.iter().map(|file| folder.join(file)).collect();
+    Ok((folder.join(first), Some(Frames { files, times })))
+}
+
+/// An exposure time: a number, or a fraction such as 1/60.
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    let time = match text.split_once('/') {
+        Some((above, below)) => number(above).zip(number(below)).map(|(a, b)| a / b),
+        None => number(text),
+    };
+    let good = time.filter(|time| time.is_finite() && *time > 0.0);
+    good.ok_or_else(|| format!("is {text}; give positive numbers, or fractions such as 1/60"))
+}
 
 /// The key `response`; files are relative to `folder`.
 pub(super) fn response(value: &Value, folder: &Path) -> Result<ResponseChoice, String> {

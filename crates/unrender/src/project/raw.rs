@@ -13,7 +13,7 @@ use toml::Value;
 #[serde(deny_unknown_fields)]
 pub(super) struct RawProject {
     pub(super) scene: PathBuf,
-    pub(super) photo: PathBuf,
+    pub(super) photo: RawPhoto,
     pub(super) mask: Option<PathBuf>,
     pub(super) response: Option<Value>,
     pub(super) black_level: Option<Value>,
@@ -30,6 +30,46 @@ pub(super) struct RawProject {
     pub(super) recover: RawRecover,
     pub(super) camera: Option<Value>,
     pub(super) light_units: Option<String>,
+}
+
+/// The photograph: the name of a file, or a table.
+#[derive(Debug)]
+pub(super) enum RawPhoto {
+    File(PathBuf),
+    Bracket(RawBracket),
+}
+
+/// Its table.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawBracket {
+    pub(super) bracket: Vec<PathBuf>,
+    pub(super) times: Option<Vec<Value>>,
+}
+
+impl<'de> Deserialize<'de> for RawPhoto {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(PhotoVisitor)
+    }
+}
+
+/// Reads both forms. Unlike `#[serde(untagged)]`, it keeps the lines of errors.
+struct PhotoVisitor;
+
+impl<'de> Visitor<'de> for PhotoVisitor {
+    type Value = RawPhoto;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("the name of a file, or { bracket = [\"a.jpg\", \"b.jpg\"] }")
+    }
+
+    fn visit_str<E>(self, name: &str) -> Result<RawPhoto, E> {
+        Ok(RawPhoto::File(name.into()))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<RawPhoto, A::Error> {
+        RawBracket::deserialize(MapAccessDeserializer::new(map)).map(RawPhoto::Bracket)
+    }
 }
 
 #[derive(Debug, Deserialize)]

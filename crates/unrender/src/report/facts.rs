@@ -77,7 +77,12 @@ fn input(source: &RunFolder<'_>) -> Markup {
         table { tbody {
             (row("project", &html! { (run.input.project.display()) }))
             (row("scene", &html! { (run.input.scene.display()) }))
-            (row("photograph", &html! { (run.input.photo.display()) }))
+            @if run.input.bracket.is_empty() {
+                (row("photograph", &html! { (run.input.photo.display()) }))
+            }
+            @for photo in &run.input.bracket {
+                (row("photograph of a bracket", &html! { (photo.display()) }))
+            }
             @if let Some(environment) = &run.input.environment {
                 (row("environment", &html! { (environment) }))
             }

@@ -81,6 +81,7 @@ fn input(job: &Job) -> Input {
         project: job.project.path.clone(),
         scene: job.project.scene.clone(),
         photo: job.project.photo.clone(),
+        bracket: job.project.bracket.as_ref().map_or(Vec::new(), |frames| frames.files.clone()),
         environment: job.project.environment.as_ref().and_then(EnvironmentChoice::in_words),
         width: job.photo.radiance.width(),
         height: job.photo.radiance.height(),

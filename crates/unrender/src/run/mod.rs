@@ -90,6 +90,9 @@ pub struct Input {
     /// The photograph.
     #[serde(serialize_with = "as_text")]
     pub photo: PathBuf,
+    /// The photographs that it was merged from; left out if it is one alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bracket: Vec<PathBuf>,
     /// The environment in the project, in words; left out if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub environment: Option<String>,

@@ -107,6 +107,36 @@ fn faults_are_faults_for_reader_and_schema() {
     }
 }
 
+#[test]
+fn brackets_are_read_as_the_schema_says() {
+    let project = |photo: &str| format!("scene = \"a.glb\"\nexposure = 1\nphoto = {photo}\n");
+    for good in [
+        "{ bracket = [\"a.jpg\", \"b.jpg\"] }",
+        "{ bracket = [\"a.jpg\", \"b.jpg\"], times = [\"1/60\", 0.25] }",
+    ] {
+        holds("project", &from_toml(&project(good)), good);
+        assert!(Project::parse(Path::new("a.toml"), &project(good)).is_ok(), "{good}");
+    }
+    for fault in [
+        "3",
+        "{}",
+        "{ bracket = [] }",
+        "{ bracket = [\"a.jpg\"] }",
+        "{ bracket = [\"a.jpg\", 3] }",
+        "{ bracket = [\"a.jpg\", \"b.jpg\"], times = [0, 1] }",
+        "{ bracket = [\"a.jpg\", \"b.jpg\"], times = [-1, 1] }",
+        "{ bracket = [\"a.jpg\", \"b.jpg\"], times = [\"soon\", 1] }",
+        "{ bracket = [\"a.jpg\", \"b.jpg\"], time = 1 }",
+    ] {
+        let text = project(fault);
+        assert!(!faults("project", &from_toml(&text)).is_empty(), "the schema takes {fault}");
+        assert!(Project::parse(Path::new("a.toml"), &text).is_err(), "the reader takes {fault}");
+    }
+    let text = project("{ bracket = [], no_such_key = 1 }");
+    let error = Project::parse(Path::new("a.toml"), &text).unwrap_err().to_string();
+    assert_eq!(expected(&error), keys("project", "/$defs/bracket"));
+}
+
 /// The keys that an error on an unknown key says there are.
 fn expected(error: &str) -> BTreeSet<String> {
     let (_, list) = error
@@ -251,6 +281,7 @@ fn filled_run() -> Run {
     let names: Vec<String> = (0..9).map(|index| format!("group {index}")).collect();
     let mut run = synthetic::write(place.path(), &names, (64, 48));
     run.input.environment = Some("sky.hdr".into());
+    run.input.bracket = vec!["a.jpg".into(), "b.jpg".into()];
     run.registration.camera = json!({
         "eye": [0.0, 1.6, 4.0], "target": [0.0, 1.2, 0.0], "up": [0.0, 1.0, 0.0],
         "fov_y_deg": 40.0, "principal_point": [0.0, 0.0], "k1": 0.0, "k2": 0.0,

@@ -1,0 +1,172 @@
+//! Brackets of exposures: their files as frames, and what is to be said of the merged picture.
+
+use crate::project::Frames;
+use std::path::{Path, PathBuf};
+use unrender_formats::picture::{self, Exposure};
+use unrender_formats::{FileError, Input, Limits, input};
+use unrender_photo::bracket::{Bracket, Frame, Report, Settings, merge};
+use unrender_scene::Warnings;
+
+/// A share of the pixels above which what moved is said: below, it is edges and single pixels.
+const MOVED: f64 = 1e-3;
+/// The two fits of a response agree up to this share of white. At half of it good brackets of noisy cameras are
+/// doubted; at double a wrong exposure time passes.
+const DISAGREEMENT: f64 = 0.02;
+/// Exposure times are right up to this share. Cameras round 1/64 to 1/60, which is 6 %.
+const TIMES: f64 = 0.03;
+/// Codes beyond these are extrapolated by a fitted response; more than that is said.
+const COVERED: [f64; 2] = [0.15, 0.85];
+
+/// Reads the files of `bracket` and merges them as `settings` say.
+///
+/// # Errors
+/// If a file cannot be read, says no exposure time where none is stated, or the frames are no bracket; the
+/// last as the fault of `place`, a file or a command line.
+pub(crate) fn read_and_merge(
+    bracket: &Frames,
+    settings: &Settings,
+    limits: Limits,
+    place: &Path,
+) -> Result<(Bracket, Warnings), FileError> {
+    let (frames, mut warnings) = read(bracket, limits, place)?;
+    let merged = merge(&frames, settings).map_err(|problem| FileError::new(place, problem))?;
+    let names: Vec<&str> = frames.iter().map(|frame| frame.name.as_str()).collect();
+    warnings.extend(doubts(&merged.report, &names));
+    Ok((merged, warnings))
+}
+
+fn read(
+    bracket: &Frames,
+    limits: Limits,
+    place: &Path,
+) -> Result<(Vec<Frame>, Warnings), FileError> {
+    let mut warnings = Warnings::default();
+    let mut frames = Vec::new();
+    let mut exposures = Vec::new();
+    for path in &bracket.files {
+        let bytes = input::read(Input::new(path, limits))
+            .map_err(|error| FileError::because(path, "", error))?;
+        exposures.push(picture::exposure_of(&bytes));
+        drop(bytes);
+        let (picture, noted) = picture::read(Input::new(path, limits))?;
+        warnings.extend(noted);
+        frames.push(Frame { name: name(path), picture, exposure: 1.0, gain: 1.0 });
+    }
+    match &bracket.times {
+        Some(times) if times.len() != frames.len() => {
+            let problem = format!(
+                "there are {} exposure times for {} photographs of the bracket; give one for each, \
+                 in the same order",
+                times.len(),
+                frames.len()
+            );
+            return Err(FileError::new(place, problem));
+        }
+        Some(times) => {
+            frames.iter_mut().zip(times).for_each(|(frame, time)| frame.exposure = *time);
+        }
+        None => by_files(&mut frames, &bracket.files, &exposures, &mut warnings)?,
+    }
+    Ok((frames, warnings))
+}
+
+/// The exposures that the files state: time, times sensitivity, divided by the square of the f-number.
+fn by_files(
+    frames: &mut [Frame],
+    files: &[PathBuf],
+    exposures: &[Exposure],
+    warnings: &mut Warnings,
+) -> Result<(), FileError> {
+    let count = |of: &dyn Fn(&Exposure) -> Option<f64>| exposures.iter().filter_map(of).count();
+    let all = exposures.len();
+    let [apertures, speeds] = [count(&|e| e.f_number), count(&|e| e.iso)];
+    for (found, what) in [(apertures, "f-number"), (speeds, "ISO number")] {
+        if found > 0 && found < all {
+            warnings.push(format!(
+                "{found} of {all} photographs of the bracket state their {what}; it was taken to be \
+                 the same in all"
+            ));
+        }
+    }
+    for ((frame, exposure), file) in frames.iter_mut().zip(exposures).zip(files) {
+        let seconds = exposure.seconds.ok_or_else(|| {
+            FileError::new(
+                file,
+                "states no exposure time; give those of all photographs of the bracket, by --times \
+                 1/60,1/15,1/4 or in the project by times",
+            )
+        })?;
+        let f_number = exposure.f_number.filter(|_| apertures == all).unwrap_or(1.0);
+        frame.gain = exposure.iso.filter(|_| speeds == all).unwrap_or(1.0);
+        frame.exposure = seconds * frame.gain / (f_number * f_number);
+    }
+    Ok(())
+}
+
+fn name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// What is doubtful about a merged bracket whose frames have these names.
+fn doubts(report: &Report, names: &[&str]) -> Warnings {
+    let mut warnings = Warnings::default();
+    let percent = |share: f64| 100.0 * share;
+    let reference = names[report.reference];
+    for (name, shift) in names.iter().zip(&report.shifts).filter(|(_, shift)| **shift != [0, 0]) {
+        let [right, down] = shift;
+        warnings.push(format!(
+            "{name} is shifted against {reference} by {right} pixel(s) to the right and {down} down; \
+             this was undone"
+        ));
+    }
+    if report.moved > MOVED {
+        warnings.push(format!(
+            "between the photographs of the bracket something moved, in {:.1} % of the pixels: what \
+             differs from {reference} was left out there",
+            percent(report.moved)
+        ));
+    }
+    if report.clipped > 0.0 {
+        warnings.push(format!(
+            "{:.2} % of the pixels are clipped in every photograph of the bracket, and stay clipped",
+            percent(report.clipped)
+        ));
+    }
+    for (name, brightness) in names.iter().zip(&report.brightness) {
+        if (brightness - 1.0).abs() > TIMES {
+            warnings.push(format!(
+                "{name} is {brightness:.2} times as bright as its exposure and the next longer one \
+                 say; is its exposure time right? Cameras round it: 1/60 may be 1/64"
+            ));
+        }
+    }
+    if report.noise.is_none() {
+        warnings.push(
+            "too little is well exposed in two photographs of the bracket to measure their noise; \
+             that of a usual camera was taken",
+        );
+    }
+    warnings.extend(doubts_of_fit(report));
+    warnings
+}
+
+/// What is doubtful about a fitted response.
+fn doubts_of_fit(report: &Report) -> Warnings {
+    let mut warnings = Warnings::default();
+    let Some(fit) = &report.fit else { return warnings };
+    if fit.disagreement > DISAGREEMENT {
+        warnings.push(format!(
+            "two fits of the camera's response differ by {:.1} % of white; take more exposures, or \
+             measure the response and state it",
+            100.0 * fit.disagreement
+        ));
+    }
+    let [low, high] = fit.covered;
+    if low > COVERED[0] || high < COVERED[1] {
+        warnings.push(format!(
+            "the photographs show the same things at two exposures between the pixel values {low:.2} \
+             and {high:.2} of 1 alone; the camera's response beyond is a guess"
+        ));
+    }
+    warnings
+}

@@ -1,0 +1,236 @@
+//! Brackets of exposures by the command line and in projects.
+
+use glam::Vec3;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use unrender::formats::picture::{self, Depth};
+use unrender::formats::{gltf, response_curve};
+use unrender::photo::Response;
+use unrender::project::ResponseChoice;
+use unrender::scene::color::srgb_from_linear;
+use unrender::scene::{
+    Camera, Group, Image, Material, Mesh, Object, Picture, Rgb, RgbImage, Scene,
+};
+use unrender::{Job, Project};
+
+const SIZE: (usize, usize) = (96, 72);
+const TIMES: [f32; 3] = [0.125, 0.5, 2.0];
+const STATED: &str = "1/8,1/2,2";
+
+/// Fields of eight by eight pixels over three decades, whose brightest the longest exposures clip.
+fn radiance(x: usize, y: usize) -> f32 {
+    let field = (x / 8 * 7919 + y / 8 * 104_729) % 1000;
+    4e-3 * 10f32.powf(3.0 * field as f32 / 1000.0)
+}
+
+struct Place(tempfile::TempDir);
+
+impl Place {
+    /// A folder with a bracket of 8-bit sRGB pictures.
+    fn new() -> Self {
+        let place = Self(tempfile::tempdir().unwrap());
+        for (name, time) in ["a.png", "b.png", "c.png"].iter().zip(TIMES) {
+            let code = |x, y| Rgb::splat(srgb_from_linear((time * radiance(x, y)).min(1.0)));
+            let codes = RgbImage::from_fn(SIZE.0, SIZE.1, code);
+            picture::write_png_codes(&place.path(name), &codes, Depth::Eight).unwrap();
+        }
+        place
+    }
+
+    fn path(&self, name: impl AsRef<Path>) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_unrender"));
+        command.current_dir(self.0.path()).args(arguments).output().unwrap()
+    }
+
+    fn merge(&self, more: &[&str]) -> Output {
+        self.run(&[&["merge-exposures", "a.png", "b.png", "c.png"], more].concat())
+    }
+
+    fn picture(&self, name: &str) -> Picture {
+        picture::read(&self.path(name)).unwrap().0
+    }
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The largest error of the merged picture relative to the radiance, whose unit is the white of `unit`.
+fn error(merged: &Picture, unit: f32) -> f32 {
+    let white = merged.merged.as_ref().unwrap().white_level.x;
+    let mut worst: f32 = 0.0;
+    for (x, y) in (0..SIZE.0 * SIZE.1).map(|i| (i % SIZE.0, i / SIZE.0)) {
+        // Insides of fields: their borders lie beside clipped pixels.
+        if (1..7).contains(&(x % 8)) && (1..7).contains(&(y % 8)) && radiance(x, y) > 0.04 {
+            let value = merged.values.at(x, y).x;
+            let truth = (unit * radiance(x, y)).min(white);
+            worst = worst.max((value / truth - 1.0).abs());
+        }
+    }
+    worst
+}
+
+#[test]
+fn a_bracket_becomes_one_picture() {
+    let place = Place::new();
+    let flags = ["--times", STATED, "--out", "m.exr", "--response-out", "curve.csv"];
+    let output = place.merge(&flags);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        text.contains("reference: 1 is its white") && text.contains("response found"),
+        "{text}"
+    );
+    let merged = place.picture("m.exr");
+    let found = error(&merged, 0.5).min(error(&merged, 2.0));
+    assert!(found < 0.04, "{found}");
+    let variance = &merged.merged.as_ref().unwrap().variance;
+    assert!(variance.pixels().iter().any(|v| v.x > 0.0));
+    let rows = response_curve::read(&place.path("curve.csv")).unwrap();
+    assert_eq!(rows.codes.len(), 256);
+    // The response as a file, and as a name.
+    for response in ["curve.csv", "srgb"] {
+        let output = place.merge(&["--times", STATED, "--response", response, "--out", "n.exr"]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let again = place.picture("n.exr");
+        let found = error(&again, 0.5).min(error(&again, 2.0));
+        assert!(found < 0.03, "{response}: {found}");
+    }
+    // Floating-point files need none.
+    for (name, time) in ["a.exr", "b.exr"].iter().zip(TIMES) {
+        let image = Image::from_fn(SIZE.0, SIZE.1, |x, y| Rgb::splat(time * radiance(x, y)));
+        picture::write(&place.path(name), &image).unwrap();
+    }
+    let output =
+        place.run(&["merge-exposures", "a.exr", "b.exr", "--times", "0.125,0.5", "--out", "f.exr"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let merged = place.picture("f.exr");
+    assert!(merged.merged.is_some_and(|merged| merged.white_level == Rgb::INFINITY));
+    let ratio = merged.values.at(4, 4).x / radiance(4, 4);
+    assert!((ratio / 0.5 - 1.0).abs() < 1e-4, "{ratio}");
+}
+
+#[test]
+fn what_is_merged_is_read_back() {
+    let place = Place::new();
+    let variance = RgbImage::from_fn(3, 2, |x, y| Rgb::splat(0.01 * (x + y) as f32));
+    let values = RgbImage::from_fn(3, 2, |x, y| Rgb::new(x as f32, y as f32, 7.0));
+    let white_level = Rgb::new(9.0, 10.0, 11.0);
+    let merged = Some(picture::Merged { variance, white_level });
+    let mut written = Picture { merged, ..Picture::new(values, Depth::Float) };
+    written.invalid = vec![4];
+    written.values.pixels_mut()[4] = Rgb::ZERO;
+    written.merged.as_mut().unwrap().variance.pixels_mut()[4] = Rgb::ZERO;
+    picture::write_merged(&place.path("m.exr"), &written).unwrap();
+    assert_eq!(place.picture("m.exr"), written);
+}
+
+#[test]
+fn faults_are_said_and_nothing_is_written() {
+    let place = Place::new();
+    let small = RgbImage::from_fn(8, 8, |_, _| Rgb::splat(0.5));
+    picture::write_png_codes(&place.path("small.png"), &small, Depth::Eight).unwrap();
+    let black = RgbImage::from_fn(SIZE.0, SIZE.1, |_, _| Rgb::ZERO);
+    picture::write_png_codes(&place.path("black.png"), &black, Depth::Eight).unwrap();
+    let out = ["--out", "m.exr"];
+    for (words, problem) in [
+        (&["a.png", "--times", "1"][..], "there is 1"),
+        (&["a.png", "b.png"], "a.png: states no exposure time"),
+        (&["a.png", "b.png", "--times", "1,1"], "same exposure"),
+        (&["a.png", "b.png", "--times", "1,nan"], "is nan; give positive numbers"),
+        (&["a.png", "b.png", "--times", "1,0"], "is 0; give positive numbers"),
+        (&["a.png", "b.png", "--times", "1,1/0"], "is 1/0; give positive numbers"),
+        (&["a.png", "b.png", "--times", "1,2,3"], "there are 3 exposure times for 2"),
+        (&["a.png", "small.png", "--times", "1,2"], "8 x 8 pixels, but a.png has 96 x 72"),
+        (&["a.png", "none.png", "--times", "1,2"], "none.png: cannot be read: it does not exist"),
+        (&["a.png", "black.png", "--times", "1,2"], "too little is well exposed"),
+        (
+            &["a.png", "b.png", "--times", "1,4", "--response", "none.csv"],
+            "none.csv: cannot be read",
+        ),
+        (&["a.png", "b.png", "--times", "1,4", "--black-level", "0.6"], "from 0 to below 0.5"),
+        (
+            &["a.png", "b.png", "--times", "1,4", "--response", "srgb", "--response-out", "r.csv"],
+            "no response was found, as it is stated",
+        ),
+    ] {
+        let output = place.run(&[&["merge-exposures"], words, &out].concat());
+        let text = stderr(&output);
+        assert!(!output.status.success() && text.contains(problem), "{words:?}: {text}");
+        assert!(!place.path("m.exr").exists() && !place.path("r.csv").exists(), "{words:?}");
+    }
+    let output = place.merge(&["--times", STATED, "--out", "m.png"]);
+    assert!(stderr(&output).contains("end the name of the merged picture in .exr"));
+}
+
+/// A wall before a camera, and a lamp behind it.
+fn scene() -> Scene {
+    let mut scene = Scene::default();
+    let quads = [
+        ("wall", [[-2., -2., 0.], [2., -2., 0.], [2., 2., 0.], [-2., 2., 0.]], Rgb::ZERO),
+        ("lamp", [[2., -2., 6.], [-2., -2., 6.], [-2., 2., 6.], [2., 2., 6.]], Rgb::splat(3.)),
+    ];
+    for (group, (name, corners, emission)) in quads.into_iter().enumerate() {
+        let mesh = Mesh::flat(&corners.map(Vec3::from_array), &[], &[[0, 1, 2], [0, 2, 3]]);
+        scene.objects.push(Object { name: name.into(), group, mesh });
+        let material = Material::diffuse(Rgb::splat(0.5));
+        scene.groups.push(Group { name: name.into(), material, emission });
+    }
+    scene.cameras.push(Camera::look_at("front", 3.0 * Vec3::Z, Vec3::ZERO, Vec3::Y, 0.8));
+    scene
+}
+
+#[test]
+fn projects_name_brackets() {
+    let place = Place::new();
+    std::fs::write(place.path("scene.glb"), gltf::to_glb(&scene()).unwrap()).unwrap();
+    let bracket =
+        "photo = { bracket = [\"a.png\", \"b.png\", \"c.png\"], times = [\"1/8\", 0.5, 2] }";
+    let text = |photo: &str| format!("scene = \"scene.glb\"\n{photo}\nexposure = 3\n");
+    std::fs::write(place.path("p.toml"), text(bracket)).unwrap();
+    let (project, warnings) = Project::read(&place.path("p.toml")).unwrap();
+    assert_eq!((project.inputs().len(), project.photo.clone()), (5, place.path("a.png")));
+    let job = Job::load(project, warnings).unwrap();
+    assert_eq!(job.transfer.response, Response::Linear);
+    assert_eq!(job.project.response, Some(ResponseChoice::Stated(Response::Linear)));
+    let ratio = job.photo.radiance.at(20, 20).x / (3.0 * radiance(20, 20));
+    assert!([0.125, 0.5, 2.0].iter().any(|unit| (ratio / unit - 1.0).abs() < 0.03), "{ratio}");
+    // Its noise is that of the merged values, and what the shortest exposure clips is clipped.
+    let variance = job.picture.merged.as_ref().unwrap().variance.at(20, 20).x;
+    let step = job.photo.quantisation_step.at(20, 20).x;
+    assert!((step / (3.0 * (12.0 * variance).sqrt()) - 1.0).abs() < 1e-4);
+    let white = job.picture.merged.as_ref().unwrap().white_level.x;
+    assert!(job.transfer.white_level.x == white && white.is_finite());
+    // The merged file is the same photograph.
+    let output = place.merge(&["--times", STATED, "--out", "m.exr", "--quiet"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    std::fs::write(place.path("m.toml"), text("photo = \"m.exr\"")).unwrap();
+    let (project, warnings) = Project::read(&place.path("m.toml")).unwrap();
+    let merged = Job::load(project, warnings).unwrap();
+    assert!(merged.photo == job.photo && merged.transfer.white_level == job.transfer.white_level);
+    // A file that is not there, and times of which one is none.
+    std::fs::remove_file(place.path("b.png")).unwrap();
+    let fault = Project::read(&place.path("p.toml")).unwrap_err().to_string();
+    assert!(fault.contains("photo.bracket: there is no file"), "{fault}");
+    for (photo, problem) in [
+        ("photo = { bracket = [\"a.png\"] }", "photo.bracket names 1 photograph(s)"),
+        ("photo = { bracket = [\"a.png\", \"c.png\"], times = [1, nan] }", "a time is nan"),
+        ("photo = { bracket = [\"a.png\", \"c.png\"], times = [1] }", "has 1 times for 2"),
+        ("photo = { bracket = 3 }", "line 2"),
+    ] {
+        let error = Project::parse(Path::new("p.toml"), &text(photo)).unwrap_err().to_string();
+        assert!(error.contains(problem), "{photo}: {error}");
+    }
+    for (times, problem) in [("", "states no exposure time"), (", times = [1, 1]", "same exposure")]
+    {
+        let photo = format!("photo = {{ bracket = [\"a.png\", \"c.png\"]{times} }}");
+        std::fs::write(place.path("p.toml"), text(&photo)).unwrap();
+        let (project, warnings) = Project::read(&place.path("p.toml")).unwrap();
+        let error = Job::load(project, warnings).unwrap_err().to_string();
+        assert!(error.contains(problem), "{times}: {error}");
+    }
+}
