@@ -232,6 +232,8 @@ fn what_moved_is_left_out() {
     frames[3] = STYLE.take(SIZE, with, TIMES[3], 3);
     let found = merged(&frames);
     assert_eq!(found.report.reference, 2);
+    let fit = found.report.fit.as_ref().unwrap();
+    assert!(fit.disagreement < 0.02, "{}", fit.disagreement);
     let share = 900.0 / (SIZE.0 * SIZE.1) as f64;
     let left_out = found.report.ghosts[3];
     assert!((0.9 * share..1.4 * share).contains(&left_out), "{left_out} of {share}");

@@ -115,8 +115,11 @@ fn doubts(report: &Report, names: &[&str]) -> Warnings {
     for (name, shift) in names.iter().zip(&report.shifts).filter(|(_, shift)| **shift != [0, 0]) {
         let [right, down] = shift;
         warnings.push(format!(
-            "{name} is shifted against {reference} by {right} pixel(s) to the right and {down} down; \
-             this was undone"
+            "{name} is shifted against {reference} by {} pixel(s) to the {} and {} {}; this was undone",
+            right.abs(),
+            if *right < 0 { "left" } else { "right" },
+            down.abs(),
+            if *down < 0 { "up" } else { "down" },
         ));
     }
     if report.moved > MOVED {

@@ -34,11 +34,15 @@ const SMOOTHNESS: f64 = 3000.0;
 const ROUNDS: usize = 3;
 /// Tukey's constant: 95 % efficiency for normal errors.
 const TUKEY: f64 = 4.685;
+/// A place whose readings all have this weight is no outlier: they are within half of Tukey's reach. At double of
+/// it a tenth of normal errors would be left out, at half of it some of what moved stays.
+const KEPT: f64 = 0.5;
 /// From one row to the next linear values grow by this share at least, so that the curve can be inverted.
 const LEAST_GROWTH: f64 = 1e-6;
 
-/// The linear values of the codes 0, 1/255, ... 1; that of 0 is 0, that of 1 is 1.
-pub(super) fn fit(samples: &[Sample]) -> Vec<f64> {
+/// The linear values of the codes 0, 1/255, ... 1; that of 0 is 0, that of 1 is 1. And for each sample whether it
+/// kept its weight, or something moved there.
+pub(super) fn fit(samples: &[Sample]) -> (Vec<f64>, Vec<bool>) {
     let mut weights: Vec<Vec<f64>> = samples.iter().map(|s| vec![1.0; s.readings.len()]).collect();
     let mut logarithms = solve(samples, &weights);
     for _ in 0..ROUNDS {
@@ -54,7 +58,8 @@ pub(super) fn fit(samples: &[Sample]) -> Vec<f64> {
         grown[k] = grown[k].max(grown[k - 1] * (1.0 + LEAST_GROWTH)).max(f64::MIN_POSITIVE);
     }
     let white = grown[KNOTS - 1];
-    grown.iter().map(|value| value / white).collect()
+    let kept = weights.iter().map(|weights| weights.iter().all(|w| *w > KEPT)).collect();
+    (grown.iter().map(|value| value / white).collect(), kept)
 }
 
 /// The knot at or below `code`, and how far it is from there to the next.
@@ -186,7 +191,8 @@ mod tests {
     #[test]
     fn a_gamma_and_a_toe_with_a_shoulder_are_found() {
         let gamma = |x: f64| x.powf(1.0 / 2.2);
-        let curve = fit(&samples(gamma));
+        let (curve, kept) = fit(&samples(gamma));
+        assert!(2 * kept.iter().filter(|kept| **kept).count() > kept.len());
         let worst = (0..KNOTS).map(|k| (curve[k] - (k as f64 / 255.0).powf(2.2)).abs());
         assert!(worst.clone().fold(0.0, f64::max) < 1e-3, "{:?}", worst.fold(0.0, f64::max));
         // A toe below and a shoulder above.
@@ -199,7 +205,7 @@ mod tests {
             }
             low
         };
-        let curve = fit(&samples(code));
+        let (curve, _) = fit(&samples(code));
         let worst = (0..KNOTS).map(|k| (curve[k] - inverse(k as f64 / 255.0)).abs());
         assert!(worst.clone().fold(0.0, f64::max) < 1e-3, "{:?}", worst.fold(0.0, f64::max));
     }

@@ -4,7 +4,7 @@
 //! with the exposures `t_q` and `t_q+1`, `R = t_q / t_q+1`, the sum of `(f(M_q) - R f(M_q+1))^2` over all
 //! places is least. Exposures are known here; the paper finds them too. The order is the least whose sum is
 //! not much above the best. The paper weighs nothing; here a pair is divided by `sqrt(1 + R^2)`, so that it
-//! does not matter which frame is called the first.
+//! does not matter which frame is called the first. Places where something moved are left out beforehand.
 
 use super::patches::Sample;
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -16,7 +16,7 @@ const MOST: usize = 10;
 const ENOUGH: f64 = 1.05;
 
 /// The coefficients `c_1` to `c_n`.
-pub(super) fn fit(samples: &[Sample]) -> Vec<f64> {
+pub(super) fn fit(samples: &[&Sample]) -> Vec<f64> {
     let all: Vec<(f64, Vec<f64>)> = (1..=MOST).filter_map(|n| of_order(samples, n)).collect();
     let least = all.iter().map(|(sum, _)| *sum).fold(f64::INFINITY, f64::min);
     let enough = all.into_iter().find(|(sum, _)| *sum <= ENOUGH * least);
@@ -50,7 +50,7 @@ pub(super) fn disagreement(
 }
 
 /// The least sum with a polynomial of `order`, and its coefficients.
-fn of_order(samples: &[Sample], order: usize) -> Option<(f64, Vec<f64>)> {
+fn of_order(samples: &[&Sample], order: usize) -> Option<(f64, Vec<f64>)> {
     // The last coefficient is 1 less the others.
     let free = order - 1;
     let mut matrix = DMatrix::<f64>::zeros(free, free);
@@ -113,7 +113,7 @@ mod tests {
             Sample { readings: readings.to_vec() }
         };
         let samples: Vec<Sample> = (1..200).map(place).collect();
-        let found = fit(&samples);
+        let found = fit(&samples.iter().collect::<Vec<_>>());
         let codes: Vec<f64> = (0..=255).map(|k| f64::from(k) / 255.0).collect();
         let values: Vec<f64> = codes.iter().map(|code| value(&truth, *code)).collect();
         let differs = disagreement(&found, &codes, &values, [0.0, 1.0]);

@@ -295,8 +295,9 @@ fn fit_response(
     let codes: Vec<f64> = (0..=255).map(|k| f64::from(k) / 255.0).collect();
     let mut disagreement: f64 = 0.0;
     let fitted = samples.each_ref().map(|samples| {
-        let values = debevec_malik::fit(samples);
-        let other = mitsunaga_nayar::fit(samples);
+        let (values, kept) = debevec_malik::fit(samples);
+        let still = samples.iter().zip(kept).filter(|(_, kept)| *kept).map(|(sample, _)| sample);
+        let other = mitsunaga_nayar::fit(&still.collect::<Vec<_>>());
         let differs = mitsunaga_nayar::disagreement(&other, &codes, &values, covered);
         disagreement = disagreement.max(differs);
         values
