@@ -9,9 +9,9 @@ use unrender_scene::Warnings;
 
 /// A share of the pixels above which what moved is said: below, it is edges and single pixels.
 const MOVED: f64 = 1e-3;
-/// The two fits of a response agree up to this share of white. At half of it good brackets of noisy cameras are
-/// doubted; at double a wrong exposure time passes.
-const DISAGREEMENT: f64 = 0.02;
+/// The two fits of a response agree up to this share of white. At two thirds of it some JPEG files are doubted whose
+/// response is right; at double a wrong exposure time passes.
+const DISAGREEMENT: f64 = 0.03;
 /// Exposure times are right up to this share. Cameras round 1/64 to 1/60, which is 6 %.
 const TIMES: f64 = 0.03;
 /// Codes beyond these are extrapolated by a fitted response; more than that is said.

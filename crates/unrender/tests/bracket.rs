@@ -132,6 +132,13 @@ fn what_is_merged_is_read_back() {
     written.merged.as_mut().unwrap().variance.pixels_mut()[4] = Rgb::ZERO;
     picture::write_merged(&place.path("m.exr"), &written).unwrap();
     assert_eq!(place.picture("m.exr"), written);
+    written.merged.as_mut().unwrap().white_level = Rgb::INFINITY;
+    picture::write_merged(&place.path("m.exr"), &written).unwrap();
+    assert_eq!(place.picture("m.exr"), written);
+    written.merged.as_mut().unwrap().white_level = Rgb::new(1.0, -1.0, 1.0);
+    picture::write_merged(&place.path("m.exr"), &written).unwrap();
+    let fault = picture::read(&place.path("m.exr")).unwrap_err().to_string();
+    assert!(fault.contains("unrenderWhiteLevel that is not above zero"), "{fault}");
 }
 
 #[test]

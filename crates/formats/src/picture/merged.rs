@@ -2,8 +2,9 @@
 //!
 //! Beside R, G and B the file has the channels `variance.R`, `variance.G` and `variance.B`: a layer in the
 //! words of EXR. A variance of -1 says that the pixel has no value. The attribute `unrenderWhiteLevel` has the
-//! values from which on the channels are clipped; it is left out if nothing is. The frames' primaries become
-//! the standard attribute `chromaticities`.
+//! values from which on the channels are clipped, the greatest finite number where nothing is; a file without it
+//! is none of ours, whatever its channels are called. The frames' primaries become the standard attribute
+//! `chromaticities`.
 
 use crate::{FileError, atomic};
 use exr::meta::MetaData;
@@ -48,10 +49,9 @@ pub fn write_merged(path: &Path, picture: &Picture) -> Result<(), FileError> {
             invalid.for_each(|index| variances[index] = NO_VALUE);
             channels.push(channel(name, variances));
         }
-        if merged.white_level.is_finite() {
-            let white_level = AttributeValue::FloatVec3(merged.white_level.into());
-            attributes.other.insert(WHITE_LEVEL.into(), white_level);
-        }
+        let white_level = merged.white_level.min(Rgb::MAX);
+        let white_level = AttributeValue::FloatVec3(white_level.into());
+        attributes.other.insert(WHITE_LEVEL.into(), white_level);
     }
     let size = (values.width(), values.height());
     let channels = AnyChannels::sort(channels);
@@ -76,19 +76,17 @@ fn chromaticities(srgb_from_file: Mat3) -> Chromaticities {
 }
 
 /// What [`write_merged`] wrote beside the values of the EXR in `bytes`: variances and white level, and which
-/// pixels have no value. None if it is another file, an error if these are no variances.
+/// pixels have no value. None if it is another file, an error if it lacks them.
 pub(super) fn read_merged(bytes: &[u8]) -> Result<Option<(Merged, Vec<usize>)>, String> {
     let corrupt = |error: exr::error::Error| format!("is cut short or corrupt ({error})");
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(corrupt)?;
     let Some(header) = meta.headers.first() else { return Ok(None) };
-    let has = |name: &str| header.channels.list.iter().any(|c| c.name.eq(name));
-    if !VARIANCES.iter().all(|name| has(name)) {
-        return Ok(None);
-    }
     let white_level = match header.own_attributes.other.get(WHITE_LEVEL.as_bytes()) {
         Some(AttributeValue::FloatVec3((r, g, b))) => Rgb::new(*r, *g, *b),
-        _ => Rgb::INFINITY,
+        _ => return Ok(None),
     };
+    let unclipped = white_level.cmpge(Rgb::MAX);
+    let white_level = Rgb::select(unclipped, Rgb::INFINITY, white_level);
     if white_level.cmple(Rgb::ZERO).any() || white_level.is_nan() {
         return Err(format!("has a {WHITE_LEVEL} that is not above zero"));
     }
@@ -104,7 +102,7 @@ pub(super) fn read_merged(bytes: &[u8]) -> Result<Option<(Merged, Vec<usize>)>, 
     let channels = &image.layer_data.channel_data.list;
     let of = |name: &str| match channels.iter().find(|c| c.name.eq(name)).map(|c| &c.sample_data) {
         Some(FlatSamples::F32(samples)) if samples.len() == width * height => Ok(samples),
-        _ => Err(format!("has a channel {name} that is no layer of 32-bit floats")),
+        _ => Err(format!("has a channel {name} that is missing or has no 32-bit floats")),
     };
     let [red, green, blue] = [of(VARIANCES[0])?, of(VARIANCES[1])?, of(VARIANCES[2])?];
     let mut invalid = Vec::new();

@@ -4,7 +4,7 @@
 //! changes. Two bitmaps are compared by counting the pixels in which they differ, but for those close to the
 //! median, whose bit is noise. The search goes from coarse to fine: in each level of a pyramid the shift is
 //! doubled and changed by at most one pixel a direction. The paper follows the best shift alone; here the
-//! best [`KEPT`] are, since fine patterns are noise in the coarse levels. Frames are compared with their
+//! best `KEPT` are, since fine patterns are noise in the coarse levels. Frames are compared with their
 //! neighbours in exposure. Time: some thirty passes over the pixels of each pair.
 
 use super::frame::Exposed;

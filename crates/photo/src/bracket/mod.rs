@@ -1,11 +1,11 @@
 //! Exposure brackets: photographs of one scene by one camera at several exposures, merged into one picture
 //! of linear values with their variances.
 //!
-//! 1. Shifts between the frames are found and undone ([`align`]).
-//! 2. The camera's response is fitted to pixels that several frames show ([`debevec_malik`]), unless it is
-//!    known; a second method checks it ([`mitsunaga_nayar`]).
-//! 3. The noise is measured on the differences between frames ([`noise`]).
-//! 4. What moved is found ([`ghosts`]), and the frames are averaged with inverse variances ([`combine`]).
+//! 1. Shifts between the frames are found and undone (`align`).
+//! 2. The camera's response is fitted to pixels that several frames show (`debevec_malik`), unless it is
+//!    known; a second method checks it (`mitsunaga_nayar`).
+//! 3. The noise is measured on the differences between frames (`noise`).
+//! 4. What moved is found (`ghosts`), and the frames are averaged with inverse variances (`combine`).
 //!
 //! The unit of the result: 1 is what is white (pixel value 1) in the reference frame, the one with most
 //! pixels that are neither dark nor clipped. Time: proportional to pixels times frames; memory: beside the
