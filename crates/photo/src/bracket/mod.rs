@@ -9,7 +9,7 @@
 //!
 //! The unit of the result: 1 is what is white (pixel value 1) in the reference frame, the one with most
 //! pixels that are neither dark nor clipped. Time: proportional to pixels times frames; memory: beside the
-//! frames two bytes for each of their pixels and 24 for each pixel of the result.
+//! frames some eight bytes for each of their pixels, and some forty for each pixel of the result.
 
 mod align;
 mod combine;
