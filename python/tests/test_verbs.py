@@ -20,6 +20,7 @@ VERBS: dict[str, Callable[..., object]] = {
     "check": unrender.check,
     "export": unrender.export,
     "merge": unrender.merge,
+    "merge-exposures": unrender.merge_exposures,
     "recover": unrender.recover,
     "render": unrender.render,
     "report": unrender.report,
@@ -93,6 +94,18 @@ def test_report_and_export_write_their_files(recovery: unrender.Recovery, tmp_pa
     assert glb.read_bytes()[:4] == b"glTF"
     with pytest.raises(unrender.RequestError, match="to"):
         unrender.export(recovery, to="paper", out=tmp_path / "x")
+
+
+def test_exposures_are_merged(tmp_path: Path) -> None:
+    scene = np.linspace(0.02, 0.9, 64 * 48 * 3, dtype=np.float32).reshape(48, 64, 3)
+    dark, bright = tmp_path / "dark.exr", tmp_path / "bright.exr"
+    unrender.Picture(scene).save(dark)
+    unrender.Picture(4.0 * scene).save(bright)
+    merged = unrender.merge_exposures([dark, bright], times=["1/60", "1/15"], out=tmp_path / "m.exr")
+    shares = merged / scene
+    assert np.ptp(shares) < 2e-3 * shares.mean()
+    with pytest.raises(unrender.Error, match="exposure time"):
+        unrender.merge_exposures([dark, bright], out=tmp_path / "again.exr")
 
 
 def test_restage_makes_new_pictures(recovery: unrender.Recovery, corpus: Path) -> None:

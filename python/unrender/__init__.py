@@ -30,7 +30,7 @@ from .materials import Materials
 from .pictures import Picture, read_picture
 from .project import Project
 from .recovery import Covariance, Recovery, recover
-from .rendering import merge, render
+from .rendering import merge, merge_exposures, render
 from .scene import Camera, Group, Light, Mesh, Scene
 from .verbs import (
     Calibration,
@@ -76,6 +76,7 @@ __all__ = [
     "check",
     "export",
     "merge",
+    "merge_exposures",
     "read_picture",
     "recover",
     "render",

@@ -160,6 +160,51 @@ def merge(
     return read_picture(out)
 
 
+def merge_exposures(
+    photos: list[StrPath] | list[str] | list[Path],
+    *,
+    times: list[float] | list[str] | None = None,
+    response: StrPath | None = None,
+    black_level: float = 0.0,
+    white_level: float | None = None,
+    response_out: StrPath | None = None,
+    out: StrPath,
+    allow_outside: bool = False,
+    input_memory: float | None = None,
+) -> Picture:
+    """Merges photographs of several exposures into one linear picture.
+
+    Args:
+        photos: The photographs, in any order: of one scene by one camera that did not move.
+        times: Their exposure times in the same order, seconds or "1/60"; by default exposure time, ISO
+            number and f-number by EXIF.
+        response: The camera's response: "srgb", "linear", or a file as for projects; by default it is
+            found from the photographs.
+        black_level: The pixel value of no light, of 1.
+        white_level: The pixel value from which on the photographs are clipped; by default the greatest of
+            the file, none of floating-point files.
+        response_out: A .csv file for the response that was found, to be stated from then on.
+        out: The picture to write, .exr: with its variances, which a project that has it as its photo uses.
+        allow_outside: Whether files may be named outside their folder.
+        input_memory: The memory that a picture may take while it is read, GiB.
+
+    Returns:
+        The picture in that file, (H, W, 3): 1 is the white of the photograph that is best exposed.
+    """
+    flags = {
+        "times": None if times is None else ",".join(map(str, times)),
+        "response": response,
+        "black_level": black_level,
+        "white_level": white_level,
+        "response_out": response_out,
+        "out": out,
+    }
+    with control(None, None, None) as controls:
+        line = words("merge-exposures", list(photos), flags, allow_outside, input_memory)
+        _unrender.call(line, controls)
+    return read_picture(out)
+
+
 def _rendered(
     positional: list[Any],
     flags: dict[str, object],
