@@ -86,7 +86,7 @@ struct GroupScore {
     outlier: Vec<bool>,
     /// The share of model error below which nothing counts.
     floor: f64,
-    /// What is left within blocks, beyond a model error of [`FLOOR`].
+    /// What is left within blocks.
     within: Within,
 }
 
@@ -206,11 +206,10 @@ impl Verifier {
         };
         let of_half = |half: &Vec<Rgb>| (0..n).map(|i| value(i) - half[i]).collect::<Vec<Rgb>>();
         let of_halves = model.each_ref().map(of_half);
-        let model_error = (FLOOR * FLOOR) as f32;
+        let model_error = (floor * floor) as f32;
         let variance =
             |i: usize| photograph[i] + model_error * sample.level2[blocks.of_pixel[i] as usize];
-        let of_halves = of_halves.each_ref().map(Vec::as_slice);
-        let within = Within::of(blocks, (of_halves, &light), variance, counts);
+        let within = Within::of(blocks, of_halves.each_ref().map(Vec::as_slice), variance, counts);
         let photograph = blocks.mean_where(&photograph, counts);
         let pixels = |k: usize| valid[k].max(1) as f32;
         let rendering: Vec<Rgb> = (0..blocks.len()).map(|k| rendering[k] / pixels(k)).collect();
@@ -250,15 +249,13 @@ impl Verifier {
     /// tell that it is wrong. A texture, which fits every block, has to gain significantly more than it
     /// would from residuals that are chance, or that the better ones of the other groups have too; from block
     /// to block, where what changes slowly over the surface is as well an error of a lobe, or from pixel to
-    /// pixel within blocks. What is chance the other groups say, as the noise of a compressed photograph is
-    /// larger than its neighbouring pixels tell.
+    /// pixel within blocks.
     pub(crate) fn bears_out(
         &self,
         state: &State<'_>,
-        present: &Verified,
+        before: &Snapshot,
         proposal: &Proposal,
     ) -> bool {
-        let before = &present.snapshot;
         let Proposal { group, adds, least, .. } = *proposal;
         let Some(sample) = self.groups.iter().find(|sample| sample.group == group) else {
             return true;
@@ -283,55 +280,14 @@ impl Verifier {
         let independent = contrast.independent * sample.blocks.len() as f64;
         let asks = if is_textured {
             // The squares of as many residuals as it can take away, and chance.
-            let floor = least.unwrap_or(OWN_FLOOR);
-            let usual = self.usual(state, present, group, |score| score.over_variance(floor));
-            let squares = 3.0 * usual * independent;
-            squares + WORSE * (2.0 * squares).sqrt()
+            3.0 * independent + WORSE * (2.0 * 3.0 * independent).sqrt()
         } else {
             adds * independent.max(1.0).ln()
         };
         let criterion = contrast.independent * contrast.difference + asks;
-        let is_fine_pattern = || {
-            let usual = self.usual(state, present, group, |score| score.within.over_variance());
-            let chance = usual * mine.within.count;
-            is_textured && mine.within.gains(&other.within, chance, WORSE)
-        };
+        let is_fine_pattern =
+            || is_textured && mine.within.gains(&other.within, mine.within.count, WORSE);
         criterion < 0.0 || is_fine_pattern() || !is_textured && contrast.may_be_right()
-    }
-}
-
-impl Verifier {
-    /// What the other groups without a texture usually have of the ratio `of` of squared residuals to their
-    /// variance: that of the middle one, and at least one. Less would be chance.
-    fn usual(
-        &self,
-        state: &State<'_>,
-        Verified { score, .. }: &Verified,
-        group: usize,
-        of: impl Fn(&GroupScore) -> f64,
-    ) -> f64 {
-        let others = self.groups.iter().zip(&score.groups).filter(|(sample, _)| {
-            let is_textured = state.groups[sample.group].hypothesis == Hypothesis::Textured;
-            sample.group != group && !is_textured
-        });
-        let mut ratios: Vec<f64> = others.map(|(_, score)| of(score)).collect();
-        ratios.sort_by(f64::total_cmp);
-        ratios.get(ratios.len() / 2).map_or(1.0, |usual| usual.max(1.0))
-    }
-}
-
-impl GroupScore {
-    /// The squared residuals of the blocks over their variance by the photograph's noise and a model error of
-    /// the share `floor`, free of the renderings' noise.
-    fn over_variance(&self, floor: f64) -> f64 {
-        let BlockResiduals { noise, rendering, level2, .. } = &self.residuals;
-        let [a, b] = self.residuals.halves();
-        let of_block = |k: usize| {
-            let variance = noise[k] - rendering[k] + (floor * floor) as f32 * level2[k];
-            let squares = a[k] * b[k] / variance.max(Rgb::splat(f32::MIN_POSITIVE));
-            f64::from(squares.element_sum())
-        };
-        (0..a.len()).map(of_block).sum::<f64>() / (3 * a.len()).max(1) as f64
     }
 }
 
