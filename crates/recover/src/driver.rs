@@ -120,7 +120,12 @@ impl Driver<'_> {
                 proposals.iter().for_each(|proposal| proposal.record(state, true));
                 (*best, accepted) = (found, true);
                 let next = proposals.into_iter().filter_map(|proposal| proposal.afterwards(state));
-                waiting.extend(next.map(|next| vec![next]));
+                let next: Vec<Proposal> = next.collect();
+                if matches!(follow, Follow::Refine) && !next.is_empty() {
+                    // A texture fits what is left of a lobe: it meets the lobe at its best.
+                    self.refine_once(state, best, Depth::Coarse, observer);
+                }
+                waiting.extend(next.into_iter().map(|next| vec![next]));
                 continue;
             }
             state.restore(&best.snapshot);
@@ -139,8 +144,8 @@ impl Driver<'_> {
 
     /// The state with the changes of `proposals`, if the picture does not speak against it. Other
     /// groups were fitted in the light of what is changed here, right or wrong: where the changed
-    /// groups gain and others lose, these follow before it is decided. A more complex hypothesis has
-    /// to be borne out by its own group's pixels: nothing else speaks for it.
+    /// groups gain and others lose, these follow before it is decided. A more complex hypothesis, or another
+    /// minimum of the same, has to be borne out by its own group's pixels: nothing else speaks for it.
     fn try_one(
         &mut self,
         state: &mut State<'_>,
@@ -151,7 +156,7 @@ impl Driver<'_> {
     ) -> Result<Option<Verified>, RecoverError> {
         proposals.iter().for_each(|proposal| proposal.apply(state));
         let is_borne_out = |proposal: &Proposal| {
-            !proposal.is_more_complex || self.verifier.bears_out(state, &best.snapshot, proposal)
+            !proposal.is_to_be_borne_out() || self.verifier.bears_out(state, best, proposal)
         };
         if !proposals.iter().all(is_borne_out) {
             return Ok(None);

@@ -86,7 +86,7 @@ struct GroupScore {
     outlier: Vec<bool>,
     /// The share of model error below which nothing counts.
     floor: f64,
-    /// What is left within blocks.
+    /// What is left within blocks, beyond a model error of [`FLOOR`].
     within: Within,
 }
 
@@ -206,10 +206,11 @@ impl Verifier {
         };
         let of_half = |half: &Vec<Rgb>| (0..n).map(|i| value(i) - half[i]).collect::<Vec<Rgb>>();
         let of_halves = model.each_ref().map(of_half);
-        let model_error = (floor * floor) as f32;
+        let model_error = (FLOOR * FLOOR) as f32;
         let variance =
             |i: usize| photograph[i] + model_error * sample.level2[blocks.of_pixel[i] as usize];
-        let within = Within::of(blocks, of_halves.each_ref().map(Vec::as_slice), variance, counts);
+        let of_halves = of_halves.each_ref().map(Vec::as_slice);
+        let within = Within::of(blocks, (of_halves, &light), variance, counts);
         let photograph = blocks.mean_where(&photograph, counts);
         let pixels = |k: usize| valid[k].max(1) as f32;
         let rendering: Vec<Rgb> = (0..blocks.len()).map(|k| rendering[k] / pixels(k)).collect();
@@ -249,13 +250,15 @@ impl Verifier {
     /// tell that it is wrong. A texture, which fits every block, has to gain significantly more than it
     /// would from residuals that are chance, or that the better ones of the other groups have too; from block
     /// to block, where what changes slowly over the surface is as well an error of a lobe, or from pixel to
-    /// pixel within blocks.
+    /// pixel within blocks. What is chance the other groups say, as the noise of a compressed photograph is
+    /// larger than its neighbouring pixels tell.
     pub(crate) fn bears_out(
         &self,
         state: &State<'_>,
-        before: &Snapshot,
+        present: &Verified,
         proposal: &Proposal,
     ) -> bool {
+        let before = &present.snapshot;
         let Proposal { group, adds, least, .. } = *proposal;
         let Some(sample) = self.groups.iter().find(|sample| sample.group == group) else {
             return true;
@@ -285,9 +288,26 @@ impl Verifier {
             adds * independent.max(1.0).ln()
         };
         let criterion = contrast.independent * contrast.difference + asks;
-        let is_fine_pattern =
-            || is_textured && mine.within.gains(&other.within, mine.within.count, WORSE);
-        criterion < 0.0 || is_fine_pattern() || !is_textured && contrast.may_be_right()
+        let is_fine_pattern = || {
+            let chance = self.usual(state, present, group) * mine.within.count;
+            is_textured && mine.within.gains(&other.within, chance, WORSE)
+        };
+        let may_be_right = !is_textured && !proposal.is_other_minimum && contrast.may_be_right();
+        criterion < 0.0 || is_fine_pattern() || may_be_right
+    }
+}
+
+impl Verifier {
+    /// What the other groups without a texture usually have of the ratio of squared residuals within blocks to
+    /// their variance: that of the middle one, and at least one. Less would be chance.
+    fn usual(&self, state: &State<'_>, Verified { score, .. }: &Verified, group: usize) -> f64 {
+        let others = self.groups.iter().zip(&score.groups).filter(|(sample, _)| {
+            let is_textured = state.groups[sample.group].hypothesis == Hypothesis::Textured;
+            sample.group != group && !is_textured
+        });
+        let mut ratios: Vec<f64> = others.map(|(_, score)| score.within.over_variance()).collect();
+        ratios.sort_by(f64::total_cmp);
+        ratios.get(ratios.len() / 2).map_or(1.0, |usual| usual.max(1.0))
     }
 }
 

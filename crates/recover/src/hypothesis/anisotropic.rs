@@ -214,6 +214,18 @@ mod tests {
     }
 
     #[test]
+    fn a_lobe_across_the_direction_is_told_from_the_minimum() {
+        let evidence = ambiguous([0.1, 0.3, 0.6]);
+        let at = |theta_rad: f32| {
+            let lobe = Material::isotropic(Rgb::splat(0.2), Rgb::splat(0.3), 0.1);
+            fit(&evidence, &Material { alpha_y: 0.3, theta_rad, ..lobe }, Search::Kept)
+        };
+        let (right, near, across) = (at(0.6), at(0.605), at(0.6 + PI / 2.0));
+        assert!(crate::selection::explains_alike(&near, &right, &evidence));
+        assert!(!crate::selection::explains_alike(&across, &right, &evidence));
+    }
+
+    #[test]
     fn shapes_are_searched_within_the_bounds() {
         let bounds = ParameterBounds { alpha_x: [0.14, 0.4], ..ParameterBounds::default() };
         let [x, y, _] = found(StartValues::default(), bounds);

@@ -6,18 +6,18 @@
 //! neighbours: once it is right, their errors may be gone. A proposal changes nothing by itself; the
 //! driver accepts it if the re-rendering of the whole picture is not worse for it.
 
-use super::evidence_pair::EvidencePair;
+use super::evidence_pair::{EvidencePair, Fits};
+use super::others::{MIDDLE, error_of_others, light_of_others};
 use super::textures;
 use crate::evidence::Evidence;
 use crate::hypothesis::{Fit, Hypothesis};
 use crate::likelihood::Likelihood;
-use crate::model_error::LightError;
 use crate::outliers;
 use crate::problem::Options;
 use crate::record::{CandidateRecord, Status};
 use crate::residual::ResidualStats;
 use crate::sample_budget;
-use crate::selection::{Comparison, Decision, parameters};
+use crate::selection::{Comparison, Decision, explains_alike, parameters};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
 use unrender_scene::Material;
@@ -40,14 +40,6 @@ const TEXTURED: f64 = 2.0;
 /// The scene's better groups: those below this quantile of the model errors. A group that no hypothesis
 /// explains yet does not make the others' textures explained.
 const BETTER: f64 = 0.25;
-/// Candidates are distinguished down to the model error of the middle one of the other groups. At the lower
-/// quartile a real scene's rough lamps make lobes, at the upper one faint lobes wait until every group
-/// is right.
-const MIDDLE: f64 = 0.5;
-/// The incident light of a group is wrong by at most so many times the error of that of the middle one
-/// of the other groups: it comes from the same lamps and walls. At half of it the group beside a wrong
-/// one gets a lobe, at double broad faint lobes pass for errors of the light.
-const LIKE_OTHERS: f64 = 2.0;
 /// The model error of the better groups is taken as at least this: a real scene is not known better.
 const TYPICAL_MIN: f64 = 0.01;
 /// Outliers are looked for so often, each time without those before.
@@ -71,6 +63,9 @@ pub(crate) struct Proposal {
     likelihood: Likelihood,
     /// Pixels that show something that is not in the model.
     outliers: Vec<u32>,
+    /// Whether it is the present hypothesis in another minimum, which explains the group better than the one
+    /// that the present numbers lead to.
+    pub(crate) is_other_minimum: bool,
     /// The share of model error below which what it gains does not count, if not that of all changes.
     pub(crate) least: Option<f64>,
     /// What is to be tried where the picture speaks against it.
@@ -98,6 +93,7 @@ impl Proposal {
             residual: fit.residual,
             likelihood: fit.likelihood,
             outliers: outliers.to_vec(),
+            is_other_minimum: false,
             least: None,
             next,
             then: None,
@@ -106,7 +102,14 @@ impl Proposal {
 
     /// Whether it changes anything of `state`.
     fn moves(&self, state: &State<'_>) -> bool {
-        self.hypothesis != state.groups[self.group].hypothesis || !self.outliers.is_empty()
+        self.is_other_minimum
+            || self.hypothesis != state.groups[self.group].hypothesis
+            || !self.outliers.is_empty()
+    }
+
+    /// Whether the group's own pixels have to bear it out: nothing else speaks for it.
+    pub(crate) fn is_to_be_borne_out(&self) -> bool {
+        self.is_more_complex || self.is_other_minimum
     }
 
     /// What is to be tried where the picture speaks against this, if it changes anything of `state`.
@@ -276,7 +279,7 @@ impl<'o> Candidates<'o> {
             (group, light_of_others(state, group)),
             budget,
         )?;
-        let (evidence, fits) = evidence.fit_all(state, group);
+        let (evidence, Fits { all: fits, present }) = evidence.fit_all(state, group);
         if fits.is_empty() {
             return None;
         }
@@ -284,7 +287,11 @@ impl<'o> Candidates<'o> {
         let typical = error_of_others(state, group, BETTER).max(TYPICAL_MIN);
         let chosen = fits[decisions[0].chosen].clone();
         log(state, group, &fits, &decisions[0]);
-        let uniform = chain(state, group, &Fitted { fits, decisions, outliers: Vec::new() })?;
+        let mut uniform = chain(state, group, &Fitted { fits, decisions, outliers: Vec::new() })?;
+        uniform.is_other_minimum = present.is_some_and(|present| {
+            chosen.hypothesis == present.hypothesis
+                && !explains_alike(&present, &chosen, &evidence.judging)
+        });
         if !state.problem.groups[group].allows(chosen.hypothesis) {
             return self.texture(state, group, &chosen).filter(|texture| texture.moves(state));
         }
@@ -407,7 +414,7 @@ impl<'o> Candidates<'o> {
             if found.len() as f32 > outliers::SHARE_MAX * valid.len() as f32 {
                 return None;
             }
-            let (left, fits) = evidence.without(&flags).fit_all(state, group);
+            let (left, Fits { all: fits, .. }) = evidence.without(&flags).fit_all(state, group);
             if fits.is_empty() {
                 return None;
             }
@@ -421,33 +428,6 @@ impl<'o> Candidates<'o> {
         }
         None
     }
-}
-
-/// The model error of the groups other than `group` below which a `share` of them lies; zero without
-/// others.
-fn error_of_others(state: &State<'_>, group: usize, share: f64) -> f64 {
-    of_others(state, group, share, |likelihood| likelihood.error.share).unwrap_or(0.0)
-}
-
-/// The quantile at `share` of what `of` says of the other groups; none without others.
-fn of_others(
-    state: &State<'_>,
-    group: usize,
-    share: f64,
-    of: impl Fn(&Likelihood) -> f64,
-) -> Option<f64> {
-    let others = state.visible_unknowns().into_iter().filter(|g| *g != group);
-    let mut values: Vec<f64> =
-        others.filter_map(|g| state.groups[g].likelihood.as_ref().map(&of)).collect();
-    values.sort_by(f64::total_cmp);
-    values.get((share * values.len() as f64) as usize).copied()
-}
-
-/// The largest error of the incident light that candidates for `group` may call upon; no limit without
-/// others.
-fn light_of_others(state: &State<'_>, group: usize) -> LightError {
-    let others = of_others(state, group, MIDDLE, |likelihood| likelihood.light.share);
-    LightError { share: others.map_or(f64::INFINITY, |share| LIKE_OTHERS * share) }
 }
 
 /// Whether `fit` leaves no more model error than `limit`, from block to block or from pixel to

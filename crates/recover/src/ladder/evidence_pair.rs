@@ -57,24 +57,52 @@ impl EvidencePair {
     }
 
     /// All uniform rungs that the group may have, under common weights: those of the most likely fit's
-    /// light. Shapes are from one half, reflectances and likelihoods from the other. Fits that overflowed are
-    /// none.
-    pub(super) fn fit_all(mut self, state: &State<'_>, group: usize) -> (Self, Vec<Fit>) {
+    /// light. Shapes are from one half, reflectances and likelihoods from the other; that of the present lobe may
+    /// be what it is already, which all pixels and passes of the refinement may have found. Fits that overflowed
+    /// are none.
+    pub(super) fn fit_all(mut self, state: &State<'_>, group: usize) -> (Self, Fits) {
         let Searched { fits, broad, material, error } =
             search_all(&mut self.searching, state, group);
         share_weights(&mut self.judging, &material, error);
         let again =
             |fit: &Fit| hypothesis::fit(fit.hypothesis, &self.judging, &fit.material, Search::Kept);
         let mut fits: Vec<Fit> = fits.par_iter().map(again).collect();
-        for other in broad.par_iter().map(again).collect::<Vec<Fit>>() {
+        let present = self.present(state, group);
+        let broad: Vec<Fit> = broad.par_iter().map(again).collect();
+        for other in broad.into_iter().chain(present.clone()) {
             let same = fits.iter_mut().find(|fit| fit.hypothesis == other.hypothesis);
-            if let Some(fit) = same.filter(|f| other.likelihood.deviance < f.likelihood.deviance) {
+            if let Some(fit) = same.filter(|fit| deviance(&other) < deviance(fit)) {
                 *fit = other;
             }
         }
         fits.retain(Fit::is_finite);
-        (self, fits)
+        (self, Fits { all: fits, present })
     }
+
+    /// The present lobe of `group`, if it has one: as it is, or in the minimum that it leads to.
+    fn present(&self, state: &State<'_>, group: usize) -> Option<Fit> {
+        let (rung, material) = (state.groups[group].hypothesis, &state.materials[group]);
+        if !matches!(rung, Hypothesis::Isotropic | Hypothesis::Anisotropic) {
+            return None;
+        }
+        let nearby = hypothesis::fit(rung, &self.searching, material, Search::Local).material;
+        let judged = [material, &nearby]
+            .map(|material| hypothesis::fit(rung, &self.judging, material, Search::Kept));
+        let finite = judged.into_iter().filter(Fit::is_finite);
+        finite.min_by(|a, b| deviance(a).total_cmp(&deviance(b)))
+    }
+}
+
+/// The candidates of one group.
+pub(super) struct Fits {
+    /// All rungs, from simple to complex.
+    pub(super) all: Vec<Fit>,
+    /// The present lobe, near where it stands.
+    pub(super) present: Option<Fit>,
+}
+
+fn deviance(fit: &Fit) -> f64 {
+    fit.likelihood.deviance
 }
 
 /// What a search found: the fits, and the most likely material and model error that their weights are
@@ -110,7 +138,6 @@ fn search_all(evidence: &mut Evidence, state: &State<'_>, group: usize) -> Searc
         }
         fits.push(hypothesis::fit(rung, evidence, &start, Search::Global));
     }
-    let deviance = |fit: &Fit| fit.likelihood.deviance;
     let best = fits.iter().min_by(|a, b| deviance(a).total_cmp(&deviance(b)));
     let (material, error) = best.map_or((diffuse.material, ModelError::START), |b| {
         (b.material.clone(), b.likelihood.error)

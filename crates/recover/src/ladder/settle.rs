@@ -6,6 +6,7 @@
 //! most of the way to their fits ([`crate::approach`]). Sample counts grow from level to level
 //! ([`crate::sample_budget`]).
 
+use super::others::light_of_others;
 use super::textures;
 use crate::approach::Way;
 use crate::evidence::{Evidence, SampleBudget};
@@ -117,6 +118,7 @@ impl<'o> Settler<'o> {
         if evidence.is_empty() {
             return None;
         }
+        evidence.field.most = light_of_others(state, group);
         let error = state.groups[group].likelihood.map_or(ModelError::START, |l| l.error);
         evidence.reweigh(&material, error);
         let mut fit = hypothesis::fit(hypothesis, &evidence, &material, Search::Local);
