@@ -33,6 +33,7 @@ def render(
     camera: Camera | str | None = None,
     width: int | None = None,
     height: int | None = None,
+    denoise: bool = False,
     spp: int | None = None,
     time: float | None = None,
     noise: float | None = None,
@@ -69,6 +70,8 @@ def render(
             scene's first.
         width: Pixels in a row; by default by the height and the camera's aspect.
         height: Rows; by default by the width and the camera's aspect, else 512.
+        denoise: Remove noise from the picture, for a small bias. Its ``noise`` is then the relative error
+            with the bias, as two halves of the samples tell it.
         spp: Samples a pixel, on average; with ``time`` or ``noise`` the most. By default 64 without
             those.
         time: Stop after so many seconds; how far that is depends on the machine.
@@ -101,6 +104,7 @@ def render(
         "environment": environment,
         "width": width,
         "height": height,
+        "denoise": denoise,
         "spp": spp,
         "time": time,
         "noise": noise,

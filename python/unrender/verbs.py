@@ -186,6 +186,7 @@ def restage(
     out: StrPath | None = None,
     composite: bool = False,
     grain: bool = False,
+    denoise: bool = False,
     recovered: Recovery | StrPath | None = None,
     project: Project | StrPath | None = None,
     scene: StrPath | None = None,
@@ -223,6 +224,7 @@ def restage(
         out: A folder for the pictures; by default they are not kept.
         composite: Put the change into the photograph, and leave the rest of it as it is.
         grain: Give what is synthetic in the composite the noise of the photograph.
+        denoise: Remove noise from the pictures, for a small bias.
         recovered: A recovery to start from, or the folder of one.
         project: The project that was recovered, for its photograph.
         scene: Start from a scene file.
@@ -261,6 +263,7 @@ def restage(
             "out": place,
             "composite": composite,
             "grain": grain,
+            "denoise": denoise,
             "recovered": stack.enter_context(_results(recovered)),
             "project": None if project is None else stack.enter_context(_project_file(project)),
             "scene": scene,

@@ -83,6 +83,10 @@ pub enum SampleAllocation<'a> {
     Uniform(Range<u32>),
     /// Adaptive: [`AdaptiveSampling::samples`] of this range.
     Adaptive(&'a AdaptiveSampling, Range<u32>),
+    /// Every other sample number of an allocation, numbered on their own: the even ones for half 0, the odd ones
+    /// for half 1. Halves with random numbers of their own are as well stratified as whole pictures
+    /// ([`crate::denoise`]).
+    Half(&'a SampleAllocation<'a>, usize),
 }
 
 impl SampleAllocation<'_> {
@@ -91,6 +95,11 @@ impl SampleAllocation<'_> {
         match self {
             Self::Uniform(samples) => samples.clone(),
             Self::Adaptive(sampling, mean) => sampling.samples(index, mean.clone()),
+            Self::Half(whole, half) => {
+                let numbered = |whole: u32| if *half == 0 { whole.div_ceil(2) } else { whole / 2 };
+                let Range { start, end } = whole.of(index);
+                numbered(start)..numbered(end)
+            }
         }
     }
 }

@@ -75,6 +75,20 @@ impl PixelAccumulator {
         self.faulty = self.faulty.saturating_add(other.faulty);
     }
 
+    /// The samples without those of `part`, a subset of them.
+    #[must_use]
+    pub fn without(&self, part: &Self) -> Self {
+        let less = |all: [u128; 3], part: [u128; 3]| {
+            std::array::from_fn(|channel| all[channel].saturating_sub(part[channel]))
+        };
+        Self {
+            sum: less(self.sum, part.sum),
+            squares: less(self.squares, part.squares),
+            count: self.count.saturating_sub(part.count),
+            faulty: self.faulty.saturating_sub(part.faulty),
+        }
+    }
+
     /// The mean radiance, W sr^-1 m^-2 per channel; zero without samples.
     pub fn mean(&self) -> Rgb {
         self.mean_f64().as_vec3()
@@ -167,6 +181,18 @@ impl Accumulator {
         pairs.for_each(|(mine, theirs)| mine.add(theirs));
     }
 
+    /// The samples without those of `part`, a subset of them.
+    ///
+    /// # Panics
+    /// If the pictures differ in size.
+    #[must_use]
+    pub fn without(&self, part: &Self) -> Self {
+        assert_eq!(self.size(), part.size(), "accumulators of one picture have one size");
+        let pairs = self.pixels.pixels().iter().zip(part.pixels.pixels());
+        let pixels = pairs.map(|(all, part)| all.without(part)).collect();
+        Self::from_image(Image::new(self.size().0, self.size().1, pixels))
+    }
+
     /// The mean radiance of every pixel, W sr^-1 m^-2 per channel.
     pub fn mean(&self) -> RgbImage {
         self.pixels.map(PixelAccumulator::mean)
@@ -234,6 +260,7 @@ mod tests {
             let mut grouped = shards[0];
             grouped.add(&last_two);
             assert_eq!(grouped, whole);
+            assert_eq!(whole.without(&last_two), shards[0]);
         }
     }
 

@@ -9,6 +9,8 @@
 //!    [`adaptive`]); with path reuse among neighbouring pixels ([`Integrator::PathReuse`], module
 //!    `path_reuse`);
 //!  - [`Tracer::geometry`]: object, group, depth and normal of each pixel (module [`geometry`]);
+//!  - [`Tracer::features`]: what the camera sees at first hit, averaged over each pixel (module [`features`]), and
+//!    with it [`Tracer::denoise`]: a picture with less noise and a small bias (module [`denoise`]);
 //!  - [`Tracer::probe`]: the light incident at the surfaces behind given pixels, so that any
 //!    reflectance can be evaluated there without tracing again (module [`probe`]);
 //!  - [`Tracer::jacobian`]: the derivative of the picture by every parameter (module [`jacobian`]).
@@ -27,8 +29,10 @@ pub mod adaptive;
 pub mod appearance;
 pub mod bsdf;
 pub mod camera_sample;
+pub mod denoise;
 pub mod emitters;
 pub mod environment;
+pub mod features;
 pub mod film;
 pub mod geometry;
 pub mod guiding;
@@ -46,6 +50,7 @@ pub mod tracer;
 pub use appearance::Appearance;
 pub use bsdf::lobe::GlossyLobe;
 pub use bsdf::ward::WardLobe;
+pub use features::{FeatureBuffers, PixelFeatures};
 pub use film::{Accumulator, Film, PixelAccumulator};
 pub use geometry::{GeometryBuffers, NOTHING, PixelGeometry};
 pub use integrator::{Integrator, Settings};

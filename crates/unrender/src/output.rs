@@ -10,7 +10,7 @@ use std::io::{ErrorKind, Write};
 use std::path::Path;
 use unrender_formats::{FileError, atomic, picture};
 use unrender_render::Accumulator;
-use unrender_scene::Warnings;
+use unrender_scene::{RgbImage, Warnings};
 
 /// Makes the folder for results where it is missing and checks that files can be made in it.
 pub(crate) fn prepare_folder(folder: &Path) -> Result<(), FileError> {
@@ -47,9 +47,13 @@ pub(crate) fn check_picture(path: &Path) -> Result<(), FileError> {
     check_file(path, &["exr", "hdr", "png"], "end the name of the picture in .exr, .hdr or .png")
 }
 
-/// Writes the picture that `accumulator` has come to; the warnings say what in it is no number.
-pub(crate) fn write_picture(path: &Path, accumulator: &Accumulator) -> Result<Warnings, FileError> {
-    picture::write(path, &accumulator.mean())?;
+/// Writes the `radiance` that `accumulator` has come to; the warnings say what in it is no number.
+pub(crate) fn write_picture(
+    path: &Path,
+    radiance: &RgbImage,
+    accumulator: &Accumulator,
+) -> Result<Warnings, FileError> {
+    picture::write(path, radiance)?;
     Ok(doubts(accumulator))
 }
 

@@ -194,3 +194,27 @@ fn ctrl_c_keeps_what_there_is() {
     succeeds(&render(&folder, &again).output().unwrap());
     assert!(folder.bytes("so_far.exr") == folder.bytes("whole.exr"), "the bits differ");
 }
+
+#[test]
+fn a_denoised_picture_goes_on_from_its_checkpoint_to_the_same_bits() {
+    let folder = Folder::new("denoise");
+    let common = "--height 32 --denoise --adaptive";
+    succeeds(&render(&folder, &format!("{common} --spp 16 --out whole.exr")).output().unwrap());
+    for (spp, threads) in [(9, 1), (16, 2)] {
+        let arguments =
+            format!("{common} --spp {spp} --threads {threads} --checkpoint c.exr --out b.exr");
+        succeeds(&render(&folder, &arguments).output().unwrap());
+    }
+    assert_eq!(folder.bytes("b.exr"), folder.bytes("whole.exr"));
+
+    // The samples of a picture that is not denoised are others.
+    let other = "--height 32 --adaptive --spp 32 --independent --checkpoint c.exr --out c2.exr";
+    let output = render(&folder, other).output().unwrap();
+    assert!(!output.status.success());
+    assert!(String::from_utf8_lossy(&output.stderr).contains("second half"));
+    for refused in ["--spp 4", "--samples 0..64"] {
+        let arguments = format!("--denoise {refused} --out no.exr");
+        assert!(!render(&folder, &arguments).output().unwrap().status.success(), "{refused}");
+        assert!(!folder.0.join("no.exr").exists());
+    }
+}

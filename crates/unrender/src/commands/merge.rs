@@ -35,7 +35,9 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     output::check_picture(&args.out)?;
     output::check_inputs(&args.out, args.parts.iter().map(PathBuf::as_path))?;
     let (sum, warnings) = shard::join(&args.parts, args.allow_gaps)?;
-    let [accumulator] = &sum.layers[..] else {
+    // A picture that was to be denoised has a half of it as well; it is merged as it is.
+    let is_picture = sum.head.layers.first().is_some_and(|layer| layer == "picture");
+    let Some(accumulator) = sum.layers.first().filter(|_| is_picture) else {
         return Err(FileError::new(
             &args.parts[0],
             "is a part of a composite; `unrender restage EDIT.toml --composite --parts ...` puts \
@@ -48,6 +50,6 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         global.console.tell(&progressive::in_words(sum.head.samples.end, accumulator));
     }
     let _until_written = interrupt::writing();
-    global.console.warn(&output::write_picture(&args.out, accumulator)?);
+    global.console.warn(&output::write_picture(&args.out, &accumulator.mean(), accumulator)?);
     Ok(ExitCode::SUCCESS)
 }

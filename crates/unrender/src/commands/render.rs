@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use unrender_formats::{Input, LightUnits, Limits, materials, picture};
 use unrender_render::Accumulator;
+use unrender_render::denoise::Denoised;
 use unrender_scene::{Camera, RgbImage, Scene, Warnings};
 
 const DEFAULT_HEIGHT: usize = 512;
@@ -22,6 +23,7 @@ const MAX_SIDE: usize = 65_536;
 #[command(after_help = "Examples:\n  \
     unrender render room.glb --out room.exr\n  \
     unrender render room.glb --materials result/materials.json --spp 256 --out room.png\n  \
+    unrender render room.glb --denoise --out clean.png\n  \
     unrender render room.glb --camera door --height 1080 --seed 7 --out door.exr\n  \
     unrender render vase.glb --environment sky.hdr --environment-rotation 90 --out vase.png\n  \
     unrender render --project room.toml --materials result/materials.json --out again.png\n  \
@@ -63,6 +65,11 @@ pub struct Args {
     /// Rows [default: by the width and the camera's aspect, else 512].
     #[arg(long, value_name = "N")]
     pub height: Option<usize>,
+    /// Remove noise from the picture, for a small bias: it is rendered as two independent halves, and
+    /// pixels are averaged that both halves and the surfaces say are alike. With --independent. Not
+    /// for pictures whose noise is to be measured, or that materials are recovered from.
+    #[arg(long, conflicts_with = "samples")]
+    pub denoise: bool,
     /// How much is rendered.
     #[command(flatten)]
     pub sampling: SamplingArgs,
@@ -79,7 +86,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     check_outputs(args)?;
     let shot = Shot::load(args, InMemory::default(), global.limits())?;
     global.console.warn(&shot.warnings);
-    let render = PictureRender::new(&shot.scene, &shot.camera, args.sampling.settings());
+    let render = shot.render(args);
     let job = shot.job(args, &render);
     let progress = Progress::new("render", global);
     let rendered = progressive::run(&job, &args.sampling.goal(), &progress)?;
@@ -96,7 +103,12 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     if args.sampling.is_open() && !global.quiet {
         global.console.tell(&progressive::in_words(rendered.samples.end, accumulator));
     }
-    global.console.warn(&output::write_picture(&args.out, accumulator)?);
+    let denoised = render.denoised(&rendered.layers);
+    if let Some(denoised) = denoised.as_ref().filter(|_| !global.quiet) {
+        global.console.tell(&in_words(denoised, accumulator));
+    }
+    let radiance = denoised.map_or_else(|| accumulator.mean(), |denoised| denoised.radiance);
+    global.console.warn(&output::write_picture(&args.out, &radiance, accumulator)?);
     Ok(ExitCode::SUCCESS)
 }
 
@@ -117,16 +129,21 @@ pub struct InMemory<'a> {
 /// # Errors
 /// If the input cannot be used.
 pub fn picture(args: &Args, given: InMemory<'_>, global: &Global) -> Result<Rendering, Error> {
+    check_denoise(args.denoise, &args.sampling)?;
     let shot = Shot::load(args, given, global.limits())?;
     global.console.warn(&shot.warnings);
-    let render = PictureRender::new(&shot.scene, &shot.camera, args.sampling.settings());
+    let render = shot.render(args);
     let job = shot.job(args, &render);
     let progress = Progress::new("render", global);
     let rendered = progressive::run(&job, &args.sampling.goal(), &progress)?;
     let accumulator: &Accumulator = &rendered.layers[0];
     global.console.warn(&output::doubts(accumulator));
     let (samples, interrupted) = (rendered.samples.clone(), rendered.interrupted);
-    Ok(Rendering { radiance: accumulator.mean(), noise: accumulator.noise(), samples, interrupted })
+    let (radiance, noise) = match render.denoised(&rendered.layers) {
+        Some(denoised) => (denoised.radiance, denoised.error),
+        None => (accumulator.mean(), accumulator.noise()),
+    };
+    Ok(Rendering { radiance, noise, samples, interrupted })
 }
 
 /// A picture, and how far it came.
@@ -134,12 +151,25 @@ pub fn picture(args: &Args, given: InMemory<'_>, global: &Global) -> Result<Rend
 pub struct Rendering {
     /// Radiance, W sr^-1 m^-2 per channel.
     pub radiance: RgbImage,
-    /// Its relative standard error: the root mean square of the standard errors over the mean.
+    /// Its relative standard error: the root mean square of the standard errors over the mean. Of a
+    /// denoised picture the root mean square error with its bias, as the halves tell it; zero if
+    /// that is too small to be told.
     pub noise: f64,
     /// The numbers of its samples; with adaptive sampling, of a pixel of mean noise.
     pub samples: Range<u32>,
     /// Whether it was ended before its goal.
     pub interrupted: bool,
+}
+
+/// What denoising did to the picture of `accumulator`.
+fn in_words(denoised: &Denoised, accumulator: &Accumulator) -> String {
+    format!(
+        "denoised: relative error {:.3} % by its two halves, {:.3} % before; {:.0} % of the picture \
+         left as it was",
+        100.0 * denoised.error,
+        100.0 * accumulator.noise(),
+        100.0 * denoised.untouched
+    )
 }
 
 /// What is rendered.
@@ -162,7 +192,14 @@ impl Shot {
     }
 
     fn job<'a>(&self, args: &Args, render: &'a PictureRender<'_>) -> Job<'a> {
-        Job { render, identity: args.sampling.identity(&self.scene, &self.camera, self.size) }
+        let mut identity = args.sampling.identity(&self.scene, &self.camera, self.size);
+        identity.shared &= !args.denoise;
+        Job { render, identity }
+    }
+
+    fn render(&self, args: &Args) -> PictureRender<'_> {
+        let settings = args.sampling.settings();
+        PictureRender::new(&self.scene, &self.camera, settings).halved(args.denoise)
     }
 }
 
@@ -179,6 +216,7 @@ pub(crate) fn check(args: &Args, global: &Global) -> Result<(), Error> {
 
 /// Asks, before the work, whether its results can be written.
 fn check_outputs(args: &Args) -> Result<(), Error> {
+    check_denoise(args.denoise, &args.sampling)?;
     let inputs = [&args.scene, &args.project, &args.materials, &args.environment];
     let inputs = inputs.map(Option::as_ref);
     for out in std::iter::once(&args.out).chain(&args.sampling.checkpoint) {
@@ -193,6 +231,24 @@ fn check_outputs(args: &Args) -> Result<(), Error> {
         return Err(Error::Request("--checkpoint and --out need files of their own".into()));
     }
     Ok(output::check_picture(&args.out)?)
+}
+
+/// The least number of samples a pixel that noise is known from. With half of it the noise of a pixel
+/// is that of two samples, with double of it drafts could not be denoised.
+const DENOISE_SPP_MIN: u32 = 8;
+
+/// Checks that there will be samples enough to denoise.
+///
+/// # Errors
+/// If there are not.
+pub(crate) fn check_denoise(denoise: bool, sampling: &SamplingArgs) -> Result<(), Error> {
+    if denoise && sampling.spp.is_some_and(|spp| spp < DENOISE_SPP_MIN) {
+        return Err(Error::Request(format!(
+            "--denoise needs at least {DENOISE_SPP_MIN} samples a pixel to know the noise from; \
+             give --spp {DENOISE_SPP_MIN} or more"
+        )));
+    }
+    Ok(())
 }
 
 /// A scene and what of a project belongs to it.

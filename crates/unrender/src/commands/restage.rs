@@ -1,6 +1,6 @@
 //! `unrender restage`: new pictures of a recovered scene, and the change put into the photograph.
 
-use super::render::size;
+use super::render::{check_denoise, size};
 use super::sampling::{self, SamplingArgs};
 use crate::Error;
 use crate::edit::{Composite, Flag, Photograph, Restaging, Sheet, View};
@@ -81,6 +81,9 @@ pub struct Args {
     /// Put a model into the scene: 'FILE: on = "GROUP", at = [x, z]'.
     #[arg(long, value_name = "EDIT")]
     pub insert: Vec<String>,
+    /// Remove noise from the pictures, for a small bias, as `unrender render --denoise` does.
+    #[arg(long, conflicts_with_all = ["composite", "samples", "parts"])]
+    pub denoise: bool,
     /// The scene's camera to look through [default: the photograph's].
     #[arg(long, value_name = "NAME", conflicts_with = "composite")]
     pub camera: Option<String>,
@@ -108,6 +111,7 @@ pub struct Args {
 /// # Errors
 /// If the input cannot be used, an edit does not fit the scene, or the pictures cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
+    check_denoise(args.denoise, &args.sampling)?;
     let sheets = sheets(args, global)?;
     let restaging = Restaging::load(&sheets)?;
     let photograph = photograph(args, &restaging)?;
@@ -236,14 +240,17 @@ fn synthetic(
             (None, None, Some(photograph)) => photograph.size(),
             (width, height, _) => size(width, height, camera)?,
         };
-        let render = PictureRender::new(&restaging.after, camera, args.sampling.settings());
-        let identity = identity(args, &restaging.after, camera, size);
+        let render = PictureRender::new(&restaging.after, camera, args.sampling.settings())
+            .halved(args.denoise);
+        let mut identity = identity(args, &restaging.after, camera, size);
+        identity.shared &= !args.denoise;
         let layers = match samples(args, global, &Job { render: &render, identity }, folder)? {
             ControlFlow::Continue(layers) => layers,
             ControlFlow::Break(code) => return Ok(code),
         };
         let number = is_sequence.then_some(frame as usize);
-        let radiance = layers[0].mean();
+        let denoised = render.denoised(&layers);
+        let radiance = denoised.map_or_else(|| layers[0].mean(), |denoised| denoised.radiance);
         let bad = folder.write(true, |place| {
             Ok(restaged::write_synthetic(&radiance, photograph, place, number)?)
         })?;

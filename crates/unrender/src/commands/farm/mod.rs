@@ -65,6 +65,11 @@ pub enum Target {
 /// # Errors
 /// If the input cannot be rendered, or the job cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
+    if args.render.denoise {
+        return Err(Error::Request(
+            "the parts of a farm are put together and not denoised; leave out --denoise".into(),
+        ));
+    }
     render::check(&args.render, global)?;
     let folder = folder(args);
     let job = Job::new(&args.render, global, args.parts, &folder)?;
