@@ -250,8 +250,8 @@ impl Verifier {
     /// tell that it is wrong. A texture, which fits every block, has to gain significantly more than it
     /// would from residuals that are chance, or that the better ones of the other groups have too; from block
     /// to block, where what changes slowly over the surface is as well an error of a lobe, or from pixel to
-    /// pixel within blocks. What is chance the other groups say, as the noise of a compressed photograph is
-    /// larger than its neighbouring pixels tell.
+    /// pixel within blocks. There the other groups say what is chance, as the noise of a compressed photograph
+    /// is larger than its neighbouring pixels tell.
     pub(crate) fn bears_out(
         &self,
         state: &State<'_>,

@@ -207,6 +207,9 @@ fn a_denoised_picture_goes_on_from_its_checkpoint_to_the_same_bits() {
     }
     assert_eq!(folder.bytes("b.exr"), folder.bytes("whole.exr"));
 
+    // What is merged is not denoised, and this is said.
+    assert!(told_by_merge(&folder, "m.exr").contains("written as it is"));
+
     // The samples of a picture that is not denoised are others.
     let other = "--height 32 --adaptive --spp 32 --independent --checkpoint c.exr --out c2.exr";
     let output = render(&folder, other).output().unwrap();

@@ -34,7 +34,7 @@ pub struct Args {
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     output::check_picture(&args.out)?;
     output::check_inputs(&args.out, args.parts.iter().map(PathBuf::as_path))?;
-    let (sum, warnings) = shard::join(&args.parts, args.allow_gaps)?;
+    let (sum, mut warnings) = shard::join(&args.parts, args.allow_gaps)?;
     // A picture that was to be denoised has a half of it as well; it is merged as it is.
     let is_picture = sum.head.layers.first().is_some_and(|layer| layer == "picture");
     let Some(accumulator) = sum.layers.first().filter(|_| is_picture) else {
@@ -45,6 +45,12 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         )
         .into());
     };
+    if sum.layers.len() > 1 {
+        warnings.push(
+            "the picture was to be denoised, and is written as it is: `render --denoise` with the \
+             checkpoint denoises it",
+        );
+    }
     global.console.warn(&warnings);
     if !global.quiet {
         global.console.tell(&progressive::in_words(sum.head.samples.end, accumulator));
