@@ -17,7 +17,7 @@ use unrender::job::{InMemory, Job};
 use unrender::listener::{Console, Listener};
 use unrender::project::Project;
 use unrender::recover::{Covariance, IterationRecord, Quantity, Recovery, Termination};
-use unrender::scene::Image;
+use unrender::scene::{ENVIRONMENT, Image};
 use unrender::{Error, engine};
 use unrender_formats::materials::{GroupEntry, MaterialsFile};
 use unrender_formats::picture::{Depth, Picture};
@@ -277,7 +277,20 @@ impl Recovered {
     /// What each number of `covariance` is, and what makes its unit that of materials.json.
     fn named(&self, covariance: &Covariance) -> Vec<(Value, f64)> {
         let groups = &self.recovery().groups;
-        let sources: Vec<_> = self.job.scene.sources().collect();
+        let scene = &self.job.scene;
+        let sources: Vec<_> = scene.sources().collect();
+        let parts = scene.environment_parts();
+        // The name of a source of light, and its strength in the scene.
+        let source = |of: usize| match (
+            sources.iter().find(|source| source.index == of),
+            &scene.environment,
+        ) {
+            (_, Some(around)) if parts.len() > 1 && parts.contains(&of) => {
+                let part = of - parts.start;
+                Some((format!("{ENVIRONMENT} {part}"), around.panorama().pixels()[part]))
+            }
+            (found, _) => found.map(|source| (source.name.to_owned(), source.strength)),
+        };
         let one = |unknown: &unrender::recover::Unknown| {
             let of = unknown.of;
             let material = groups.get(of).map(|group| &group.material);
@@ -291,18 +304,16 @@ impl Recovered {
                 Quantity::AlphaY => ("alpha_y", alpha(|m| m.alpha_y)),
                 Quantity::Theta => ("theta_deg", 1f32.to_degrees()),
                 Quantity::Light => {
-                    let source = sources.iter().find(|source| source.index == of);
-                    ("intensity", source.map_or(1.0, |source| strength(source.strength)))
+                    let of_source = source(of);
+                    ("intensity", of_source.map_or(1.0, |(_, unit)| strength(unit)))
                 }
                 Quantity::Exposure => ("exposure", strength(self.recovery().exposure)),
                 Quantity::Camera => ("camera", 1.0),
             };
             let owner = match unknown.quantity {
-                Quantity::Light => {
-                    sources.iter().find(|source| source.index == of).map(|source| source.name)
-                }
+                Quantity::Light => source(of).map(|(name, _)| name),
                 Quantity::Exposure | Quantity::Camera => None,
-                _ => groups.get(of).map(|group| group.name.as_str()),
+                _ => groups.get(of).map(|group| group.name.clone()),
             };
             (json!([name, owner, unknown.channel]), f64::from(unit))
         };

@@ -22,6 +22,7 @@ VERBS: dict[str, Callable[..., object]] = {
     "merge": unrender.merge,
     "merge-exposures": unrender.merge_exposures,
     "recover": unrender.recover,
+    "relight": unrender.relight,
     "render": unrender.render,
     "report": unrender.report,
     "restage": unrender.restage,
@@ -94,6 +95,21 @@ def test_report_and_export_write_their_files(recovery: unrender.Recovery, tmp_pa
     assert glb.read_bytes()[:4] == b"glTF"
     with pytest.raises(unrender.RequestError, match="to"):
         unrender.export(recovery, to="paper", out=tmp_path / "x")
+
+
+def test_lights_are_made_brighter_by_their_layers(corpus: Path, tmp_path: Path) -> None:
+    scene, layers, out = corpus / "plastic" / "scene.glb", tmp_path / "layers.exr", tmp_path / "relit.exr"
+    picture = unrender.render(scene, width=40, height=30, spp=4, layers=True, out=layers)
+    np.testing.assert_allclose(unrender.relight(layers, out=out), picture, rtol=1e-4, atol=1e-6)
+    with pytest.raises(unrender.Error, match="has no light") as refused:
+        unrender.relight(layers, light={"nobody": 1}, out=out)
+    lights = str(refused.value).split("it has ")[1].replace('"', "").split(", ")
+    doubled = unrender.relight(layers, light={name: (2, 2, 2) for name in lights}, out=out)
+    np.testing.assert_allclose(doubled, 2 * picture, rtol=1e-4, atol=1e-6)
+    alone = sum(unrender.relight(layers, only=[name], out=out) for name in lights)
+    np.testing.assert_allclose(alone, picture, rtol=1e-4, atol=1e-6)
+    with pytest.raises(unrender.RequestError, match="give out"):
+        unrender.render(scene, layers=True)
 
 
 def test_exposures_are_merged(tmp_path: Path) -> None:

@@ -30,7 +30,7 @@ from .materials import Materials
 from .pictures import Picture, read_picture
 from .project import Project
 from .recovery import Covariance, Recovery, recover
-from .rendering import merge, merge_exposures, render
+from .rendering import merge, merge_exposures, relight, render
 from .scene import Camera, Group, Light, Mesh, Scene
 from .verbs import (
     Calibration,
@@ -79,6 +79,7 @@ __all__ = [
     "merge_exposures",
     "read_picture",
     "recover",
+    "relight",
     "render",
     "report",
     "restage",

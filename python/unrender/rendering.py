@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +34,7 @@ def render(
     width: int | None = None,
     height: int | None = None,
     denoise: bool = False,
+    layers: bool = False,
     spp: int | None = None,
     time: float | None = None,
     noise: float | None = None,
@@ -72,6 +73,8 @@ def render(
         height: Rows; by default by the width and the camera's aspect, else 512.
         denoise: Remove noise from the picture, for a small bias. Its ``noise`` is then the relative error
             with the bias, as two halves of the samples tell it.
+        layers: Write what each light contributes as well, as layers of the file ``out``, a .exr:
+            :func:`relight` makes lights brighter and darker by them.
         spp: Samples a pixel, on average; with ``time`` or ``noise`` the most. By default 64 without
             those.
         time: Stop after so many seconds; how far that is depends on the machine.
@@ -105,6 +108,7 @@ def render(
         "width": width,
         "height": height,
         "denoise": denoise,
+        "layers": layers,
         "spp": spp,
         "time": time,
         "noise": noise,
@@ -126,8 +130,10 @@ def render(
         flags["camera"] = camera.name
     else:
         flags["camera"] = camera
-    if samples is not None and out is not None and isinstance(materials, (str, os.PathLike)):
-        # A part names its inputs, which the command reads itself.
+    if layers and out is None:
+        raise RequestError("light layers are written to a file: give out")
+    if (layers or samples is not None) and out is not None and isinstance(materials, (str, os.PathLike)):
+        # Such a file is what the command makes of the files that it reads itself.
         path = Path(materials)
         flags["materials"] = path / "materials.json" if path.is_dir() else path
         materials = None
@@ -161,6 +167,42 @@ def merge(
     with control(None, None, None) as controls:
         line = words("merge", list(parts), {"allow_gaps": allow_gaps, "out": out})
         _unrender.call(line, controls)
+    return read_picture(out)
+
+
+def relight(
+    layers: StrPath,
+    *,
+    light: Mapping[str, float | Sequence[float]] | None = None,
+    only: list[str] | None = None,
+    out: StrPath,
+    allow_outside: bool = False,
+    input_memory: float | None = None,
+) -> Picture:
+    """Makes lights of a rendering brighter or darker, at once: by the sum of its light layers.
+
+    Args:
+        layers: The file that ``render(..., layers=True, out=...)`` wrote.
+        light: How many times as bright lights are, by name: one factor for all channels, or three for
+            red, green and blue. 0 is off; what is not named stays as it is.
+        only: The lights that are on, all others being off.
+        out: The picture to write: .exr, .hdr or .png.
+        allow_outside: Whether files may be named outside their folder.
+        input_memory: The memory that the layers may take while they are read, GiB.
+
+    Returns:
+        The picture in that file, (H, W, 3).
+    """
+    factors = (
+        (name, factor if isinstance(factor, Sequence) else [factor]) for name, factor in (light or {}).items()
+    )
+    flags = {
+        "light": [f"{name}={','.join(map(str, numbers))}" for name, numbers in factors],
+        "only": only,
+        "out": out,
+    }
+    with control(None, None, None) as controls:
+        _unrender.call(words("relight", [layers], flags, allow_outside, input_memory), controls)
     return read_picture(out)
 
 
@@ -218,8 +260,8 @@ def _rendered(
     allow_outside: bool,
     input_memory: float | None,
 ) -> Picture:
-    if out is not None and flags["samples"] is not None:
-        return _part(positional, flags, given, os.fspath(out), controls, allow_outside, input_memory)
+    if out is not None and (flags["samples"] is not None or flags["layers"]):
+        return _written(positional, flags, given, os.fspath(out), controls, allow_outside, input_memory)
     flags["out"] = "(in memory).exr"
     line = words("render", positional, flags, allow_outside, input_memory)
     radiance, _, _, _, signalled = _unrender.render(line, *given, controls)
@@ -231,7 +273,7 @@ def _rendered(
     return picture
 
 
-def _part(
+def _written(
     positional: list[Any],
     flags: dict[str, object],
     given: tuple[_unrender.Scene | None, Parts | None],
@@ -240,9 +282,10 @@ def _part(
     allow_outside: bool,
     input_memory: float | None,
 ) -> Picture:
-    """A part is what the command makes of files."""
+    """Samples and light layers are what the command makes of files."""
     if given != (None, None):
-        raise RequestError("samples are written from files: give the paths of scene and materials")
+        what = "light layers" if flags["layers"] else "samples"
+        raise RequestError(f"{what} are written from files: give the paths of scene and materials")
     flags["out"] = out
     line = words("render", positional, flags, allow_outside, input_memory)
     _, succeeded, signalled = _unrender.call(line, controls)

@@ -99,7 +99,7 @@ fn lights_and_alternatives_come_back_and_are_left_out_where_there_are_none() {
     let folder = folder("lights");
     let path = folder.join("materials.json");
     let mut file = MaterialsFile::default();
-    let light = |intensity, std| LightEntry { intensity, std };
+    let light = |intensity, std| LightEntry { intensity, std, panorama: None };
     file.lights.insert("z".into(), light(Some([1.0, 2.0, 0.1]), Some([0.1, f32::NAN, 0.1])));
     file.lights.insert("a".into(), light(Some([f32::INFINITY; 3]), Some([0.5; 3])));
     let alternative = AlternativeEntry {

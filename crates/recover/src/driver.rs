@@ -37,10 +37,19 @@ pub(crate) fn drive(
     let mut termination = driver.select_models(state, observer)?;
     if options.refine && !observer.is_cancelled() {
         termination = driver.refine(state, observer)?;
-        state.step("other minima", |state| refine::local_minima::find(state, options));
     }
     state.step("textures", |state| textures::finish(state, options));
-    state.step("never worse than plain", |state| plain::replace_worse(state, options));
+    let replaced =
+        state.step("never worse than plain", |state| plain::replace_worse(state, options));
+    if options.refine && !observer.is_cancelled() {
+        if replaced {
+            // The other numbers were refined beside the hypothesis that is gone.
+            let mut best = driver.verifier.verify(state);
+            termination = driver.refine_once(state, &mut best, Depth::Fine, observer).0;
+            state.step("textures", |state| textures::finish(state, options));
+        }
+        state.step("other minima", |state| refine::local_minima::find(state, options));
+    }
     Ok(if observer.is_cancelled() { Termination::Interrupted } else { termination })
 }
 
@@ -75,6 +84,11 @@ impl Driver<'_> {
             self.settle(state, &settler, observer)?;
             self.candidates.enforce(state, level);
             let mut best = self.verifier.verify(state);
+            if !state.problem.unknown_lights.is_empty() {
+                // Fits of one group at a time leave unknown lights where they are: the hypotheses are asked under
+                // lights that suit the present ones.
+                self.refine_once(state, &mut best, Depth::Coarse, observer);
+            }
             while self.left > 0 && !observer.is_cancelled() {
                 let proposals = self.candidates.propose_worst(state, level);
                 if proposals.is_empty() {

@@ -28,6 +28,7 @@ pub mod likelihood;
 pub mod model_error;
 pub mod noise;
 pub mod observation;
+mod others;
 pub mod outliers;
 mod photometric;
 mod picture;

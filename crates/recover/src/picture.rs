@@ -77,13 +77,8 @@ fn group_result(state: &State<'_>, group: usize, squares: &Squares, whole: f64) 
         }
         _ => None,
     });
-    let note =
-        [note, on_bounds(state, group)].into_iter().flatten().reduce(|a, b| format!("{a}; {b}"));
-    let note = match (&doubt, note) {
-        (Some(doubt), Some(note)) => Some(format!("{doubt}; {note}")),
-        (Some(doubt), None) => Some(doubt.clone()),
-        (None, note) => note,
-    };
+    let notes = [doubt.clone(), of_group.untextured.clone(), note, on_bounds(state, group)];
+    let note = notes.into_iter().flatten().reduce(|a, b| format!("{a}; {b}"));
     GroupResult {
         name: spec.name.clone(),
         status: if doubt.is_some() { Status::Doubtful } else { of_group.status },

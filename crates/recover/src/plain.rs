@@ -22,8 +22,9 @@ const SPP: u32 = 16;
 /// Plain is better if the squared error is lower by this many standard deviations of the difference.
 const BETTER: f64 = 3.0;
 
-/// Replaces hypotheses that explain their group worse than a plain diffuse reflectance.
-pub(crate) fn replace_worse(state: &mut State<'_>, options: &Options) {
+/// Replaces hypotheses that explain their group worse than a plain diffuse reflectance; whether there were any.
+pub(crate) fn replace_worse(state: &mut State<'_>, options: &Options) -> bool {
+    let mut replaced = false;
     for group in state.visible_unknowns() {
         let hypothesis = state.groups[group].hypothesis;
         let may_be_plain = state.problem.groups[group].allows(Hypothesis::Diffuse);
@@ -53,8 +54,10 @@ pub(crate) fn replace_worse(state: &mut State<'_>, options: &Options) {
                  that was found: taken as diffuse"
             ));
             state.materials[group] = plain.material;
+            replaced = true;
         }
     }
+    replaced
 }
 
 /// The squared residuals of the group's blocks with `material`, the rendering noise taken out.

@@ -23,6 +23,9 @@ pub struct Problem<'a> {
     pub unknown_lights: Vec<usize>,
     /// Those among them whose colour is known: one factor holds for all channels.
     pub coloured_lights: Vec<usize>,
+    /// Pairs of unknown lights beside each other: the parts of an environment, of which each is about as bright as
+    /// those about it.
+    pub neighbouring_lights: Vec<[usize; 2]>,
     /// The numbers of the camera that are asked for too.
     pub photometric_parameters: &'a [PhotometricParameter],
 }
@@ -43,6 +46,7 @@ impl<'a> Problem<'a> {
             exposure: ExposureRule::Fixed(Rgb::ONE),
             unknown_lights: Vec::new(),
             coloured_lights: Vec::new(),
+            neighbouring_lights: Vec::new(),
             photometric_parameters: &[],
         }
     }

@@ -55,6 +55,8 @@ pub(crate) struct GroupState {
     pub(crate) selection_log: Vec<CandidateRecord>,
     pub(crate) seen_texels: Option<Image<bool>>,
     pub(crate) note: Option<String>,
+    /// Why it has no texture, though nothing uniform explained it when it was asked last.
+    pub(crate) untextured: Option<String>,
     pub(crate) std: Option<Deviations>,
     /// Other fits that explain the photograph alike.
     pub(crate) alternatives: Vec<Fit>,
@@ -70,26 +72,6 @@ impl GroupState {
             Some(before) => Some(format!("{before}; {note}")),
             None => Some(note),
         };
-    }
-
-    /// By how much the information criterion spoke against the hypothesis `simpler` and for the present
-    /// one when candidates were last compared and one was accepted; zero if none were.
-    pub(crate) fn evidence_against(&self, simpler: Hypothesis) -> f64 {
-        let accepted = self.selection_log.iter().rposition(|candidate| candidate.accepted);
-        let Some(iteration) = accepted.map(|at| self.selection_log[at].iteration) else {
-            return 0.0;
-        };
-        let criterion = |hypothesis: Hypothesis| {
-            let candidates = self.selection_log.iter().rev();
-            let mut of_both = candidates.filter(|candidate| {
-                candidate.iteration == iteration && candidate.hypothesis == hypothesis
-            });
-            of_both.next().map(|candidate| candidate.criterion)
-        };
-        match (criterion(simpler), criterion(self.hypothesis)) {
-            (Some(simpler), Some(present)) => simpler - present,
-            _ => 0.0,
-        }
     }
 
     /// Writes into the selection log, after the re-rendering was asked, whether the one that was `tried`
@@ -137,6 +119,7 @@ impl<'a> State<'a> {
             selection_log: Vec::new(),
             seen_texels: None,
             note: None,
+            untextured: None,
             std: None,
             alternatives: Vec::new(),
             last_way: None,

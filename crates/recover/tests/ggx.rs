@@ -45,6 +45,7 @@ fn recovered(scene: &Scene) -> Recovery {
         exposure: ExposureRule::Fixed(Rgb::ONE),
         unknown_lights: Vec::new(),
         coloured_lights: Vec::new(),
+        neighbouring_lights: Vec::new(),
     };
     recover(&problem, &Options::default(), &mut ()).unwrap()
 }

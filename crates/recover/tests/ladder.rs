@@ -263,6 +263,7 @@ fn with_problem(
         exposure,
         unknown_lights: Vec::new(),
         coloured_lights: Vec::new(),
+        neighbouring_lights: Vec::new(),
     };
     solve(&problem)
 }

@@ -214,6 +214,7 @@ fn recovered_as(
         exposure: ExposureRule::Fixed(Rgb::ONE),
         unknown_lights: Vec::new(),
         coloured_lights: Vec::new(),
+        neighbouring_lights: Vec::new(),
     };
     recover(&problem, options, &mut ()).unwrap()
 }

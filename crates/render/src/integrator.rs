@@ -58,7 +58,7 @@ impl Default for Settings {
 }
 
 /// Pixels per parallel task, after which it reports progress.
-const CHUNK: usize = 256;
+pub(crate) const CHUNK: usize = 256;
 
 impl Tracer {
     /// Renders what `camera` sees in `width` x `height` pixels. `progress` is called with the

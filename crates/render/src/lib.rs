@@ -11,6 +11,7 @@
 //!  - [`Tracer::geometry`]: object, group, depth and normal of each pixel (module [`geometry`]);
 //!  - [`Tracer::features`]: what the camera sees at first hit, averaged over each pixel (module [`features`]), and
 //!    with it [`Tracer::denoise`]: a picture with less noise and a small bias (module [`denoise`]);
+//!  - [`Tracer::accumulate_layers`]: what each light source contributes to a picture (module [`layers`]);
 //!  - [`Tracer::probe`]: the light incident at the surfaces behind given pixels, so that any
 //!    reflectance can be evaluated there without tracing again (module [`probe`]);
 //!  - [`Tracer::jacobian`]: the derivative of the picture by every parameter (module [`jacobian`]).
@@ -39,6 +40,7 @@ pub mod guiding;
 pub mod integrator;
 pub mod jacobian;
 mod lanes;
+pub mod layers;
 pub mod path;
 mod path_reuse;
 pub mod probe;

@@ -108,8 +108,8 @@ pub(crate) trait PathObserver {
 
 /// The observer that adds up radiance.
 pub(crate) struct RadianceSum<'a> {
-    appearance: Appearance<'a>,
-    layout: SourceLayout,
+    pub(crate) appearance: Appearance<'a>,
+    layout: &'a SourceLayout,
     pub(crate) radiance: Rgb,
 }
 
@@ -121,7 +121,7 @@ impl<'a> RadianceSum<'a> {
 
     #[inline]
     fn brightness(&self, source: LightSource) -> Rgb {
-        self.appearance.light(self.layout.index(source))
+        self.appearance.brightness(self.layout, source)
     }
 }
 
@@ -247,7 +247,7 @@ impl<'a> Transport<'a> {
     /// The emission of the environment along `wi` in the scene as it is.
     pub(crate) fn background(&self, wi: Vec3) -> Emission {
         let radiance = self.tracer.emitters.environment(wi);
-        Emission { source: LightSource::Environment, radiance }
+        Emission { source: LightSource::Environment(wi), radiance }
     }
 
     /// The radiance of an emission under the appearance.
@@ -257,7 +257,7 @@ impl<'a> Transport<'a> {
 
     /// The factor of the appearance on the emission of `source`.
     pub(crate) fn brightness(&self, source: LightSource) -> Rgb {
-        self.appearance.light(self.tracer.emitters.layout().index(source))
+        self.appearance.brightness(self.tracer.emitters.layout(), source)
     }
 
     /// The BRDF at `surface`.

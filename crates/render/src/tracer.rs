@@ -112,7 +112,7 @@ impl Tracer {
             accel.bounds(),
             scene.environment.as_ref(),
         );
-        let guide = SpecularGuide::new(scene, emitters.layout());
+        let guide = SpecularGuide::new(scene, emitters.layout().clone());
         Ok(Self { accel, emitters, guide, model: scene.brdf, objects, faces, vertices })
     }
 

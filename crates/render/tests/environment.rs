@@ -257,3 +257,35 @@ fn probes_and_derivatives_know_the_environment() {
         assert!((*mean - 2.0 * found.derivatives[index]).abs().max_element() < 1e-5);
     }
 }
+
+#[test]
+fn parts_of_an_environment_are_sources_of_their_own() {
+    let mut random = Random::new(7);
+    let factors: Vec<Rgb> = (0..32).map(|_| random.rgb(0.0, 2.0)).collect();
+    let mut stage = floor(Material::diffuse(RHO), constant(Rgb::ONE).in_parts());
+    let wall = stage.group(Material::isotropic(0.5 * RHO, 0.3 * RHO, 0.3), BLACK);
+    stage.plate(wall, -Vec3::Z, 2.0 * Vec3::X, 2.0 * Vec3::Y);
+    let first = stage.scene.environment_parts().start;
+    let lights: Vec<Rgb> = vec![Rgb::ONE; first].into_iter().chain(factors.clone()).collect();
+    let materials = stage.scene.materials();
+    let appearance = Appearance { materials: &materials, lights: &lights };
+    let parameters: Vec<Parameter> =
+        (0..32).map(|k| Parameter::Light((first + k) as u32)).collect();
+    let (size, pixels) = ((8, 8), (0..64).collect::<Vec<u32>>());
+    let camera = camera(Vec3::new(0.8, 2.0, 3.5), Vec3::ZERO, 0.7);
+    let tracer = unrender_render::Tracer::new(&stage.scene);
+    let found =
+        tracer.jacobian(appearance, &camera, size, &pixels, &parameters, &settings(256), None);
+    for (row, radiance) in found.derivatives.chunks(32).zip(&found.radiance) {
+        let sum: Rgb = row.iter().zip(&factors).map(|(by, factor)| *by * *factor).sum();
+        assert!((sum - radiance).abs().max_element() <= 2e-5 * radiance.max_element());
+    }
+    // The same as a panorama with these pixels, which draws other directions.
+    let panorama = RgbImage::new(8, 4, factors);
+    stage.scene.environment = Some(environment(panorama, 0.0));
+    let other = unrender_render::Tracer::new(&stage.scene);
+    let other =
+        other.jacobian(&materials, &camera, size, &pixels, &[], &settings(256), None).radiance;
+    let [a, b] = [&found.radiance, &other].map(|of| of.iter().map(|v| v.as_dvec3()).sum::<DVec3>());
+    assert!((a / b - 1.0).abs().max_element() < 0.01, "{a} {b}");
+}

@@ -95,13 +95,14 @@ pub(crate) fn apply(edit: &LightEdit, stage: &mut Stage<'_>) -> Result<(), Strin
 
 fn find(name: &str, stage: &Stage<'_>) -> Result<LightRef, String> {
     let groups = stage.scene.groups.len();
-    let found: Vec<usize> =
-        stage.scene.sources().filter(|s| s.name == name).map(|s| s.index).collect();
+    // The environment is changed by itself.
+    let lights = || stage.scene.sources().filter(|s| s.index < groups + stage.scene.lights.len());
+    let found: Vec<usize> = lights().filter(|s| s.name == name).map(|s| s.index).collect();
     match found[..] {
         [index] if index < groups => Ok(LightRef::Area(index)),
         [index] => Ok(LightRef::Punctual(index - groups)),
         [] => {
-            let there = some_names(stage.scene.sources().map(|s| s.name));
+            let there = some_names(lights().map(|s| s.name));
             Err(format!(
                 "the scene has no light \"{name}\"; it has {there}; add = \"...\" adds one"
             ))

@@ -12,9 +12,10 @@
 
 use crate::color::luminance;
 use crate::{Rgb, RgbImage};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
+use std::f64::consts::PI as PI_64;
 use std::sync::Arc;
 
 /// An environment map, visible behind the scene.
@@ -24,6 +25,50 @@ pub struct Environment {
     #[serde(serialize_with = "crate::serial::pointee")]
     radiance: Arc<RgbImage>,
     rotation_rad: f32,
+    is_in_parts: bool,
+    #[serde(skip_serializing)]
+    mean: Rgb,
+}
+
+/// Where a direction lies between the centres of a panorama's pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corners {
+    /// The pixels about it: above left, above right, below left, below right.
+    pub pixels: [usize; 4],
+    /// How far it lies to the right of the left ones, and below the upper ones, 0 to 1.
+    right: f32,
+    down: f32,
+}
+
+impl Corners {
+    /// Those of the place (u, v), in widths and heights from the upper left corner of a panorama of `columns` and
+    /// `rows`; columns wrap around, rows end at the poles.
+    fn at((u, v): (f32, f32), columns: usize, rows: usize) -> Self {
+        let (x, y) = (u * columns as f32 - 0.5, v * rows as f32 - 0.5);
+        let (column, row) = (x.floor(), y.floor());
+        let at = |i: i32, j: i32| {
+            let x = (column as i32 + i).rem_euclid(columns as i32) as usize;
+            let y = (row as i32 + j).clamp(0, rows as i32 - 1) as usize;
+            y * columns + x
+        };
+        let pixels = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
+        Self { pixels, right: x - column, down: y - row }
+    }
+
+    /// The share of each of the pixels; they sum to one.
+    pub fn shares(&self) -> [f32; 4] {
+        let Self { right, down, .. } = *self;
+        let (left, up) = (1.0 - right, 1.0 - down);
+        [left * up, right * up, left * down, right * down]
+    }
+
+    /// What lies between the pixels `of`, bilinear.
+    fn between(&self, of: impl Fn(usize) -> Rgb) -> Rgb {
+        let [a, b, c, d] = self.pixels.map(of);
+        let upper = a * (1.0 - self.right) + b * self.right;
+        let lower = c * (1.0 - self.right) + d * self.right;
+        upper * (1.0 - self.down) + lower * self.down
+    }
 }
 
 /// An [`Environment`] before its pixels were checked.
@@ -31,13 +76,16 @@ pub struct Environment {
 struct Unchecked {
     radiance: RgbImage,
     rotation_rad: f32,
+    #[serde(default)]
+    is_in_parts: bool,
 }
 
 impl TryFrom<Unchecked> for Environment {
     type Error = EnvironmentError;
 
     fn try_from(read: Unchecked) -> Result<Self, EnvironmentError> {
-        Self::new(read.radiance, read.rotation_rad)
+        let environment = Self::new(read.radiance, read.rotation_rad)?;
+        Ok(Self { is_in_parts: read.is_in_parts, ..environment })
     }
 }
 
@@ -77,7 +125,56 @@ impl Environment {
         if !rotation_rad.is_finite() {
             return Err(EnvironmentError::Rotation);
         }
-        Ok(Self { radiance: Arc::new(radiance), rotation_rad })
+        let mean = mean_over_directions(&radiance);
+        Ok(Self { radiance: Arc::new(radiance), rotation_rad, is_in_parts: false, mean })
+    }
+
+    /// The same environment, of which each pixel is a source of light of its own: how bright each one is may be
+    /// asked for.
+    pub fn in_parts(self) -> Self {
+        Self { is_in_parts: true, ..self }
+    }
+
+    /// The columns and rows of its parts: of the panorama if each pixel is a source of its own, else one.
+    pub fn parts(&self) -> [usize; 2] {
+        if self.is_in_parts { [self.radiance.width(), self.radiance.height()] } else { [1, 1] }
+    }
+
+    /// The radiance from everywhere, W sr^-1 m^-2, its mean over all directions.
+    pub fn mean(&self) -> Rgb {
+        self.mean
+    }
+
+    /// The share of the mean over all directions that one of its parts has: the solid angle of a pixel of its row
+    /// over that of the sphere.
+    pub fn share(&self, part: usize) -> f64 {
+        let [columns, rows] = self.parts();
+        row_share(part / columns, rows) / columns as f64
+    }
+
+    /// Makes it as many times as bright as `factor` says, channel by channel; factors that are negative or not
+    /// finite, and those that would make a pixel infinite, change nothing.
+    pub fn scale(&mut self, factor: Rgb) {
+        self.change(self.radiance.map(|radiance| *radiance * factor));
+    }
+
+    /// Makes one part as many times as bright as `factor` says; see [`Environment::scale`].
+    pub fn scale_part(&mut self, part: usize, factor: Rgb) {
+        if !self.is_in_parts {
+            return self.scale(factor);
+        }
+        let mut scaled = (*self.radiance).clone();
+        if let Some(radiance) = scaled.pixels_mut().get_mut(part) {
+            *radiance *= factor;
+        }
+        self.change(scaled);
+    }
+
+    /// Shows `radiance` if it is one.
+    fn change(&mut self, radiance: RgbImage) {
+        if let Ok(changed) = Self::new(radiance, self.rotation_rad) {
+            *self = Self { is_in_parts: self.is_in_parts, ..changed };
+        }
     }
 
     /// The panorama.
@@ -109,25 +206,36 @@ impl Environment {
     /// The radiance from the direction of the unit vector `direction`, bilinear between the pixels'
     /// centres; columns wrap around, rows end at the poles.
     pub fn radiance(&self, direction: Vec3) -> Rgb {
-        let (u, v) = self.place(direction);
+        self.corners(direction).between(|pixel| self.radiance.pixels()[pixel])
+    }
+
+    /// The pixels about the direction of the unit vector `direction`.
+    pub fn corners(&self, direction: Vec3) -> Corners {
         let (width, height) = (self.radiance.width(), self.radiance.height());
-        let (x, y) = (u * width as f32 - 0.5, v * height as f32 - 0.5);
-        let (column, row) = (x.floor(), y.floor());
-        let (right, down) = (x - column, y - row);
-        let at = |i: i32, j: i32| {
-            let x = (column as i32 + i).rem_euclid(width as i32) as usize;
-            let y = (row as i32 + j).clamp(0, height as i32 - 1) as usize;
-            *self.radiance.at(x, y)
-        };
-        let upper = at(0, 0) * (1.0 - right) + at(1, 0) * right;
-        let lower = at(0, 1) * (1.0 - right) + at(1, 1) * right;
-        upper * (1.0 - down) + lower * down
+        Corners::at(self.place(direction), width, height)
     }
 
     /// The cosine of the polar angle at `v` heights from the panorama's top.
     pub fn cos_polar(v: f32) -> f32 {
         (v * PI).cos()
     }
+}
+
+/// The solid angle of one of `rows` rows over that of the sphere.
+fn row_share(row: usize, rows: usize) -> f64 {
+    let cos_polar = |row: usize| (PI_64 * row as f64 / rows as f64).cos();
+    0.5 * (cos_polar(row) - cos_polar(row + 1))
+}
+
+/// The mean of `panorama` over all directions: a row counts as much as the part of the sphere that it covers.
+fn mean_over_directions(panorama: &RgbImage) -> Rgb {
+    let (width, height) = (panorama.width(), panorama.height());
+    let mut mean = DVec3::ZERO;
+    for (row, pixels) in panorama.pixels().chunks(width).enumerate() {
+        mean += row_share(row, height) / width as f64
+            * pixels.iter().map(|rgb| rgb.as_dvec3()).sum::<DVec3>();
+    }
+    mean.as_vec3()
 }
 
 #[cfg(test)]
@@ -187,5 +295,43 @@ mod tests {
         assert_eq!(empty, Err(EnvironmentError::Empty));
         let one = RgbImage::new(1, 1, vec![Rgb::ONE]);
         assert_eq!(Environment::new(one, f32::NAN), Err(EnvironmentError::Rotation));
+    }
+
+    #[test]
+    fn corners_share_what_lies_between_them() {
+        let environment = numbered(30.0);
+        for direction in [Vec3::NEG_Z, Vec3::Y, Vec3::new(0.3, -0.4, 0.5).normalize()] {
+            let corners = environment.corners(direction);
+            let shares = corners.pixels.iter().zip(corners.shares());
+            let sum: Rgb =
+                shares.map(|(pixel, share)| environment.panorama().pixels()[*pixel] * share).sum();
+            assert!((sum - environment.radiance(direction)).abs().max_element() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn each_part_may_be_a_source_of_its_own() {
+        let mut whole = numbered(0.0);
+        whole.scale_part(3, Rgb::splat(2.0));
+        assert_eq!((whole.parts(), whole.panorama().pixels()[4].x), ([1, 1], 20.0));
+        let mut apart = numbered(0.0).in_parts();
+        apart.scale_part(3, Rgb::splat(2.0));
+        assert_eq!(apart.parts(), [4, 2]);
+        assert_eq!(apart.panorama().pixels()[3..5], [6.0, 10.0].map(Rgb::splat));
+    }
+
+    #[test]
+    fn its_mean_is_over_the_sphere() {
+        // Half of the sphere is less than a quarter turn from straight up, and a quarter of it within 60 degrees.
+        let rows = [1.0, 2.0, 4.0].map(Rgb::splat);
+        let mut environment = Environment::new(RgbImage::new(1, 3, rows.to_vec()), 0.3).unwrap();
+        assert!((environment.mean() - Rgb::splat(0.25 + 1.0 + 1.0)).length() < 1e-6);
+        environment.scale(Rgb::new(2.0, 0.0, 1.0));
+        assert!((environment.mean() - Rgb::new(4.5, 0.0, 2.25)).length() < 1e-6);
+        let before = environment.clone();
+        for odd in [Rgb::splat(-1.0), Rgb::splat(f32::NAN), Rgb::MAX] {
+            environment.scale(odd);
+        }
+        assert_eq!(environment, before);
     }
 }

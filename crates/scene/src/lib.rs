@@ -23,11 +23,11 @@ pub mod validate;
 
 pub use camera::Camera;
 pub use color::Rgb;
-pub use environment::{Environment, EnvironmentError};
+pub use environment::{Corners, Environment, EnvironmentError};
 pub use hypothesis::{Hypothesis, Status};
 pub use image::{Image, RgbImage};
 pub use lens::Lens;
-pub use light::{Light, LightKind, Source};
+pub use light::{ENVIRONMENT, Light, LightKind, Source};
 pub use material::{BrdfModel, Lobe, Material, Texture, WardModel, Wrap};
 pub use mesh::{Mesh, Object};
 pub use picture::{Depth, Merged, Picture, Profile};

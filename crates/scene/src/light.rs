@@ -3,7 +3,7 @@
 //! Area lights are groups whose `emission` is not zero.
 //! glTF counts these lights in candela and lux; the numbers are taken as radiometric, per channel.
 
-use crate::{Rgb, Scene};
+use crate::{Environment, Rgb, Scene};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
@@ -52,18 +52,22 @@ pub enum LightKind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source<'a> {
     /// The group's index for area lights; for the others, the number of groups plus the index in
-    /// [`Scene::lights`].
+    /// [`Scene::lights`]; for the environment, the number of groups and lights, from which on its parts follow.
     pub index: usize,
-    /// The name of the group or of the light; two sources may share one.
+    /// The name of the group or of the light; two sources may share one. That of the environment is
+    /// [`ENVIRONMENT`].
     pub name: &'a str,
     /// Its strength: radiance of area lights, radiant intensity of point and spot lights,
-    /// irradiance of directional ones.
+    /// irradiance of directional ones, mean radiance of the environment.
     pub strength: Rgb,
 }
 
+/// The name of the environment among the sources.
+pub const ENVIRONMENT: &str = "environment";
+
 impl Scene {
-    /// All named light sources: the groups that emit, then the punctual lights. In indices the
-    /// environment follows after them.
+    /// All named light sources: the groups that emit, then the punctual lights, then the environment if there
+    /// is one.
     pub fn sources(&self) -> impl Iterator<Item = Source<'_>> {
         let groups = self.groups.iter().enumerate().filter(|(_, group)| group.is_emitter());
         let area = groups.map(|(index, g)| Source { index, name: &g.name, strength: g.emission });
@@ -72,10 +76,34 @@ impl Scene {
             name: &light.name,
             strength: light.kind.strength(),
         });
-        area.chain(others)
+        let around = self.environment.iter().map(|environment| Source {
+            index: self.groups.len() + self.lights.len(),
+            name: ENVIRONMENT,
+            strength: environment.mean(),
+        });
+        area.chain(others).chain(around)
     }
 
-    /// The strength of the light source with this index; none if there is none.
+    /// The indices of the parts of the environment among the sources: one if it is not in parts, none if there is
+    /// no environment.
+    pub fn environment_parts(&self) -> std::ops::Range<usize> {
+        let first = self.groups.len() + self.lights.len();
+        let [columns, rows] = self.environment.as_ref().map_or([0, 0], Environment::parts);
+        first..first + columns * rows
+    }
+
+    /// Makes the light source with this index as many times as bright as `factor` says, channel by channel;
+    /// nothing happens if there is none. Of an environment in parts the index goes on from part to part.
+    pub fn scale_source(&mut self, index: usize, factor: Rgb) {
+        if let Some(strength) = self.strength_mut(index) {
+            *strength *= factor;
+        } else {
+            let part = index - self.groups.len() - self.lights.len();
+            self.environment.iter_mut().for_each(|around| around.scale_part(part, factor));
+        }
+    }
+
+    /// The strength of the area light or punctual light with this index; none if there is none.
     pub fn strength_mut(&mut self, index: usize) -> Option<&mut Rgb> {
         match index.checked_sub(self.groups.len()) {
             None => Some(&mut self.groups[index].emission),

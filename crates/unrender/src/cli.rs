@@ -1,8 +1,8 @@
 //! The command line: global flags, the subcommands, and what becomes of errors.
 
 use crate::commands::{
-    calibrate, check, completions, export, farm, man, merge, merge_exposures, recover, render,
-    report, restage, score, split,
+    calibrate, check, completions, export, farm, man, merge, merge_exposures, recover, relight,
+    render, report, restage, score, split,
 };
 pub use crate::global::Global;
 use crate::listener::{Console, Listener};
@@ -35,6 +35,7 @@ enum Command {
     Check(check::Args),
     Render(render::Args),
     Merge(merge::Args),
+    Relight(relight::Args),
     MergeExposures(merge_exposures::Args),
     Farm(farm::Args),
     Restage(restage::Args),
@@ -155,6 +156,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Check(args) => check::run(args, &cli.global),
         Command::Render(args) => render::run(args, &cli.global),
         Command::Merge(args) => merge::run(args, &cli.global),
+        Command::Relight(args) => relight::run(args, &cli.global),
         Command::MergeExposures(args) => merge_exposures::run(args, &cli.global),
         Command::Farm(args) => farm::run(args, &cli.global),
         Command::Restage(args) => restage::run(args, &cli.global),

@@ -1,13 +1,15 @@
 //! Everything a recovery starts from, read and checked.
 
+use crate::lighting::EnvironmentChoice;
 use crate::project::{CameraChoice, Project};
 use crate::{Error, mask, photograph, same_as};
+use glam::DVec3;
 use std::path::Path;
 use unrender_formats::picture::{self, Picture};
 use unrender_formats::{FileError, Input};
 use unrender_photo::{Photo, Transfer, clipping, develop};
 use unrender_render::GeometryBuffers;
-use unrender_scene::{Camera, Image, Scene, Warnings};
+use unrender_scene::{Camera, Image, Rgb, Scene, Warnings};
 
 /// Two aspects (width over height) are alike up to this share.
 const ASPECT_TOLERANCE: f32 = 0.01;
@@ -94,6 +96,9 @@ impl Job {
                 photo.dark
             ));
         }
+        if matches!(project.environment, Some(EnvironmentChoice::Unknown { .. })) {
+            start_environment(&mut scene, &photo);
+        }
         let mask = match given.mask {
             Some(mask) => {
                 let counts = mask::counts(&mask, &picture.values);
@@ -130,6 +135,18 @@ impl Job {
         let pixels = geometry.pixels().iter().enumerate();
         pixels.map(|(index, pixel)| !masked(index) && !is_ignored(pixel.group)).collect()
     }
+}
+
+/// Begins the search for an unknown radiance from everywhere at what the photograph shows on the mean: what lights
+/// things as bright as these is about as bright.
+fn start_environment(scene: &mut Scene, photo: &Photo) {
+    let valid = photo.radiance.pixels().iter().zip(photo.valid.pixels());
+    let valid = valid.filter(|(_, valid)| **valid).map(|(radiance, _)| radiance.as_dvec3());
+    let (sum, count) = valid.fold((DVec3::ZERO, 0.0), |(sum, n), value| (sum + value, n + 1.0));
+    let mean = (sum / f64::max(count, 1.0)).as_vec3();
+    // A channel of which nothing is seen starts as one.
+    let mean = Rgb::select(mean.cmpgt(Rgb::ZERO), mean, Rgb::ONE);
+    scene.environment.iter_mut().for_each(|environment| environment.scale(mean));
 }
 
 /// The photograph of `project`, as given or from its files, with warnings of clipped codes.

@@ -12,6 +12,11 @@ use unrender_formats::{FileError, Limits, picture};
 use unrender_restage::light::{Alter, LightChange, LightEdit, NewLight};
 use unrender_scene::{Environment, LightKind, Rgb, RgbImage, Warnings};
 
+/// Columns and rows of an unknown environment: 45 degrees a part, as fine as the light on diffuse surfaces tells
+/// [Ramamoorthi and Hanrahan 2001]. At half of it, light from a window comes from a quarter of the sphere; double
+/// of it takes four times the derivatives for what only sharp lobes show.
+const PARTS: [usize; 2] = [8, 4];
+
 /// One entry of `[[lights]]` as TOML has it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -62,6 +67,26 @@ pub(crate) struct RawEnvironment {
     remove: bool,
     rotation_deg: Option<Finite>,
     scale: Option<Positive>,
+    /// Of project files alone: whether the brightness is asked for.
+    pub(crate) unknown: Option<RawUnknown>,
+}
+
+/// What of an environment is unknown, as TOML has it.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(untagged, expecting = "unknown is true, false or \"uniform\"")]
+pub(crate) enum RawUnknown {
+    /// Whether its radiance is asked for, direction by direction.
+    Whether(bool),
+    /// Its radiance is asked for, and is the same from everywhere.
+    As(UnknownAs),
+}
+
+/// What else of an environment may be unknown.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum UnknownAs {
+    /// One radiance from everywhere.
+    Uniform,
 }
 
 /// The environment that a file asks for.
@@ -78,6 +103,11 @@ pub enum EnvironmentChoice {
     },
     /// The same radiance from everywhere, W sr^-1 m^-2.
     Uniform(Rgb),
+    /// One of which nothing is known but that radiance changes slowly with direction, or not at all.
+    Unknown {
+        /// Whether it is the same from everywhere.
+        is_uniform: bool,
+    },
     /// None.
     Nothing,
 }
@@ -180,6 +210,11 @@ impl RawLight {
 }
 
 impl RawEnvironment {
+    /// Whether its brightness is asked for.
+    pub(crate) fn is_unknown(&self) -> bool {
+        self.unknown.is_some_and(|unknown| unknown != RawUnknown::Whether(false))
+    }
+
     /// The environment that the table asks for; `place` makes a path whole.
     ///
     /// # Errors
@@ -188,7 +223,11 @@ impl RawEnvironment {
         &self,
         place: &dyn Fn(&Path) -> PathBuf,
     ) -> Result<EnvironmentChoice, String> {
+        let is_unknown = self.is_unknown();
         match (&self.file, self.color, self.remove) {
+            (_, _, true) if is_unknown => {
+                Err("environment: it is unknown or removed, not both".into())
+            }
             (Some(file), None, false) => Ok(EnvironmentChoice::Panorama {
                 file: place(file),
                 rotation_rad: self.rotation_deg.map_or(0.0, |angle| angle.0.to_radians()),
@@ -200,8 +239,11 @@ impl RawEnvironment {
             }
             (None, Some(color), false) => Ok(EnvironmentChoice::Uniform(color.0)),
             (None, None, true) => Ok(EnvironmentChoice::Nothing),
+            (None, None, false) if is_unknown => Ok(EnvironmentChoice::Unknown {
+                is_uniform: self.unknown == Some(RawUnknown::As(UnknownAs::Uniform)),
+            }),
             _ => Err("environment: give one of a panorama (a file), a color, the same from \
-                      everywhere, and remove = true"
+                      everywhere, in a project unknown = true, and remove = true"
                 .into()),
         }
     }
@@ -212,7 +254,7 @@ impl EnvironmentChoice {
     pub fn file(&self) -> Option<&Path> {
         match self {
             Self::Panorama { file, .. } => Some(file),
-            Self::Uniform(_) | Self::Nothing => None,
+            Self::Uniform(_) | Self::Unknown { .. } | Self::Nothing => None,
         }
     }
 
@@ -224,11 +266,13 @@ impl EnvironmentChoice {
                 let [r, g, b] = color.to_array();
                 Some(format!("[{r}, {g}, {b}] from everywhere"))
             }
+            Self::Unknown { is_uniform: true } => Some("the same from everywhere, unknown".into()),
+            Self::Unknown { is_uniform: false } => Some("unknown".into()),
             Self::Nothing => None,
         }
     }
 
-    /// The environment, its panorama read.
+    /// The environment, its panorama read; a radiance of one where nothing is known.
     ///
     /// # Errors
     /// If the panorama cannot be read, or is no radiance.
@@ -240,12 +284,20 @@ impl EnvironmentChoice {
                     picture::read_environment(input, *rotation_rad, *scale)?;
                 Ok((Some(environment), warnings))
             }
-            // One pixel is a panorama of one colour. It is finite and not negative.
-            Self::Uniform(radiance) => {
-                let panorama = RgbImage::new(1, 1, vec![*radiance]);
-                Ok((Environment::new(panorama, 0.0).ok(), Warnings::default()))
+            Self::Uniform(radiance) => Ok((uniform(*radiance), Warnings::default())),
+            Self::Unknown { is_uniform: true } => Ok((uniform(Rgb::ONE), Warnings::default())),
+            Self::Unknown { is_uniform: false } => {
+                let [columns, rows] = PARTS;
+                let panorama = RgbImage::from_fn(columns, rows, |_, _| Rgb::ONE);
+                let environment = Environment::new(panorama, 0.0).ok();
+                Ok((environment.map(Environment::in_parts), Warnings::default()))
             }
             Self::Nothing => Ok((None, Warnings::default())),
         }
     }
+}
+
+/// The same `radiance` from everywhere, which is finite and not negative: a panorama of one pixel.
+fn uniform(radiance: Rgb) -> Option<Environment> {
+    Environment::new(RgbImage::new(1, 1, vec![radiance]), 0.0).ok()
 }

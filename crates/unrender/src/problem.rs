@@ -9,7 +9,7 @@ use unrender_recover::{
     Role, View,
 };
 use unrender_render::Tracer;
-use unrender_scene::{Material, Rgb};
+use unrender_scene::{Environment, Material, Rgb, Scene};
 
 /// What `solve` makes of the problem that `job` poses, its model registered as `registered` says; `workers` may render for
 /// it.
@@ -33,9 +33,24 @@ pub(crate) fn with_problem<T>(
         groups: (0..job.scene.groups.len()).map(|group| spec(job, group)).collect(),
         exposure: exposure_rule(job),
         unknown_lights: job.unknown_lights.clone(),
+        neighbouring_lights: neighbours(&job.scene),
         coloured_lights: job.project.coloured_sources(&job.scene),
         photometric_parameters,
     })
+}
+
+/// The pairs of parts beside each other of an environment in parts; columns close in a ring.
+fn neighbours(scene: &Scene) -> Vec<[usize; 2]> {
+    let first = scene.environment_parts().start;
+    let [columns, rows] = scene.environment.as_ref().map_or([1, 1], Environment::parts);
+    let part = |x: usize, y: usize| first + y * columns + x % columns;
+    let all = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y)));
+    let pairs = all.flat_map(|(x, y)| {
+        let right = [part(x, y), part(x + 1, y)];
+        let below = (y + 1 < rows).then(|| [part(x, y), part(x, y + 1)]);
+        std::iter::once(right).chain(below)
+    });
+    pairs.filter(|[a, b]| a != b).collect()
 }
 
 /// What the project says of a group.

@@ -71,7 +71,7 @@ impl Rendered {
 
     /// What a part of these samples says of itself.
     pub(crate) fn head(&self, job: &Job<'_>) -> Head {
-        let layers = job.render.layers().iter().map(|layer| (*layer).to_owned()).collect();
+        let layers = job.render.layers();
         Head { identity: job.identity.clone(), samples: self.samples.clone(), layers }
     }
 }
@@ -207,7 +207,7 @@ pub(crate) fn in_words(end: u32, accumulator: &Accumulator) -> String {
 fn begin(job: &Job<'_>, goal: &Goal) -> Result<Rendered, Error> {
     let Range { start, end } = goal.samples;
     let Some(path) = goal.checkpoint.as_ref().filter(|path| path.exists()) else {
-        let empty = |_: &&str| Accumulator::new(job.identity.width, job.identity.height);
+        let empty = |_: &String| Accumulator::new(job.identity.width, job.identity.height);
         let layers = job.render.layers().iter().map(empty).collect();
         return Ok(Rendered { layers, samples: start..start, interrupted: false });
     };

@@ -1,15 +1,16 @@
 //! What is rendered in passes: one picture, or a composite's scenes before and after.
 
+use unrender_formats::picture::LightLayer;
 use unrender_render::adaptive::{AdaptiveSampling, SampleAllocation};
 use unrender_render::denoise::Denoised;
 use unrender_render::{Accumulator, Integrator, Settings, Tracer};
 use unrender_restage::pair::{self, Pairing};
-use unrender_scene::{Camera, Material, Scene};
+use unrender_scene::{Camera, ENVIRONMENT, Material, Scene};
 
 /// What is rendered: a picture, or several sums of one at once.
 pub(crate) trait ProgressiveRender {
     /// What each sum is called; the first is the picture whose noise counts.
-    fn layers(&self) -> &'static [&'static str];
+    fn layers(&self) -> Vec<String>;
 
     /// Adds the paths that `samples` asks for to `layers`.
     fn accumulate(
@@ -29,28 +30,70 @@ pub(crate) struct PictureRender<'a> {
     materials: Vec<Material>,
     camera: &'a Camera,
     settings: Settings,
-    /// Whether it is to be denoised, which two independent halves of it are for.
-    is_halved: bool,
+    sums: Sums,
+}
+
+/// What is summed up of a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Sums {
+    /// The picture.
+    Whole,
+    /// The picture and its second half, independent of the first: to be denoised.
+    Halves,
+    /// The picture and what each of these lights contributes.
+    Lights(Vec<String>),
 }
 
 impl<'a> PictureRender<'a> {
     pub(crate) fn new(scene: &Scene, camera: &'a Camera, settings: Settings) -> Self {
         let (tracer, materials) = (Tracer::new(scene), scene.materials());
-        Self { tracer, materials, camera, settings, is_halved: false }
+        Self { tracer, materials, camera, settings, sums: Sums::Whole }
     }
 
     /// The same picture in two halves of independent paths, if `denoise`.
     pub(crate) fn halved(mut self, denoise: bool) -> Self {
         if denoise {
-            self.is_halved = true;
+            self.sums = Sums::Halves;
             self.settings.integrator = Integrator::Path;
         }
         self
     }
 
+    /// The same picture with what each light of `scene`, whose picture it is, contributes.
+    pub(crate) fn by_light(mut self, scene: &Scene) -> Self {
+        let around = scene.environment_parts();
+        let name = |place: usize| match place.checked_sub(around.start) {
+            Some(part) if around.len() > 1 => format!("{ENVIRONMENT} {part}"),
+            _ => {
+                let source = scene.sources().find(|source| source.index == place);
+                source.map_or_else(|| place.to_string(), |source| source.name.to_owned())
+            }
+        };
+        let mut names: Vec<String> = Vec::new();
+        for name in self.tracer.light_sources().into_iter().map(name) {
+            let numbered = (2..).map(|number| format!("{name} {number}"));
+            let free = std::iter::once(name.clone()).chain(numbered).find(|n| !names.contains(n));
+            names.extend(free);
+        }
+        self.sums = Sums::Lights(names);
+        self.settings.integrator = Integrator::Path;
+        self
+    }
+
+    /// What each light contributes, if that was accumulated in `layers`.
+    pub(crate) fn light_layers(&self, layers: &[Accumulator]) -> Option<Vec<LightLayer>> {
+        let Sums::Lights(names) = &self.sums else { return None };
+        let each = names.iter().zip(&layers[1..]);
+        let layer = |(name, sum): (&String, &Accumulator)| LightLayer {
+            name: name.clone(),
+            radiance: sum.mean(),
+        };
+        Some(each.map(layer).collect())
+    }
+
     /// The picture whose `layers` were accumulated, denoised, if it is to be.
     pub(crate) fn denoised(&self, layers: &[Accumulator]) -> Option<Denoised> {
-        let [picture, second] = layers else { return None };
+        let (Sums::Halves, [picture, second]) = (&self.sums, layers) else { return None };
         let first = picture.without(second);
         let Self { tracer, materials, camera, settings, .. } = self;
         Some(tracer.denoise(materials, camera, settings, [&first, second]))
@@ -77,8 +120,13 @@ impl<'a> PictureRender<'a> {
 }
 
 impl ProgressiveRender for PictureRender<'_> {
-    fn layers(&self) -> &'static [&'static str] {
-        if self.is_halved { &["picture", "second half"] } else { &["picture"] }
+    fn layers(&self) -> Vec<String> {
+        let behind = match &self.sums {
+            Sums::Whole => Vec::new(),
+            Sums::Halves => vec!["second half".to_owned()],
+            Sums::Lights(names) => names.iter().map(|name| format!("light {name}")).collect(),
+        };
+        std::iter::once("picture".to_owned()).chain(behind).collect()
     }
 
     fn accumulate(
@@ -87,11 +135,18 @@ impl ProgressiveRender for PictureRender<'_> {
         layers: &mut [Accumulator],
         progress: &(dyn Fn(f64) + Sync),
     ) {
-        if let [picture, second] = layers {
-            return self.accumulate_halves(samples, picture, second, progress);
+        let Self { tracer, materials, camera, settings, sums } = self;
+        match (sums, layers) {
+            (Sums::Halves, [picture, second]) => {
+                self.accumulate_halves(samples, picture, second, progress);
+            }
+            (Sums::Lights(_), layers) => {
+                tracer.accumulate_layers(materials, camera, settings, samples, layers, progress);
+            }
+            (_, layers) => {
+                tracer.accumulate(materials, camera, settings, samples, &mut layers[0], progress);
+            }
         }
-        let Self { tracer, materials, camera, settings, .. } = self;
-        tracer.accumulate(materials, camera, settings, samples, &mut layers[0], progress);
     }
 
     fn adaptive_sampling(&self, size: (usize, usize)) -> AdaptiveSampling {
@@ -100,8 +155,8 @@ impl ProgressiveRender for PictureRender<'_> {
 }
 
 impl ProgressiveRender for Pairing<'_> {
-    fn layers(&self) -> &'static [&'static str] {
-        &pair::LAYERS
+    fn layers(&self) -> Vec<String> {
+        pair::LAYERS.map(str::to_owned).to_vec()
     }
 
     fn accumulate(

@@ -148,7 +148,8 @@ fn faults_of_light_and_of_what_counts_name_their_key_or_line() {
         ("[environment]\ncolor = -0.1", "line 4: -0.1 cannot be; light is not negative"),
         ("[environment]\ncolor = 1\nscale = 2", "rotation_deg and scale are for a panorama"),
         ("[environment]\nfile = \"a.hdr\"\nscale = 0", "line 5: 0 is not above zero"),
-        ("[environment]\nunknown = true", "line 4: unknown field `unknown`"),
+        ("[environment]\nunknown = \"dark\"", "line 4: "),
+        ("[environment]\nunknown = true\nremove = true", "environment: it is unknown or removed"),
     ]);
 }
 

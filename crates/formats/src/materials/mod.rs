@@ -11,7 +11,7 @@ mod std_entry;
 
 pub use alternative::AlternativeEntry;
 pub use apply::{apply, apply_from, mean_of, read_texture, read_texture_beside};
-pub use light_entry::LightEntry;
+pub use light_entry::{LightEntry, PanoramaEntry};
 pub use photograph_entry::{PhotographEntry, PhotographStd};
 pub use std_entry::StdEntry;
 

@@ -7,11 +7,11 @@
 //! driver accepts it if the re-rendering of the whole picture is not worse for it.
 
 use super::evidence_pair::{EvidencePair, Fits};
-use super::others::{MIDDLE, error_of_others, light_of_others};
 use super::textures;
 use crate::evidence::Evidence;
 use crate::hypothesis::{Fit, Hypothesis};
 use crate::likelihood::Likelihood;
+use crate::others::{MIDDLE, error_of_others, light_of_others};
 use crate::outliers;
 use crate::problem::Options;
 use crate::record::{CandidateRecord, Status};
@@ -268,6 +268,7 @@ impl<'o> Candidates<'o> {
 
     /// What the candidates of `group` come to.
     fn ask(&self, state: &mut State<'_>, group: usize, level: usize) -> Option<Proposal> {
+        state.groups[group].untextured = None;
         let pixels = state.observation.informative_of_group[group].len();
         let mut budget = sample_budget::candidates(level, self.options, pixels);
         // What the model of the other groups gets wrong, it may get wrong here.

@@ -7,7 +7,6 @@
 
 pub(crate) mod candidates;
 mod evidence_pair;
-mod others;
 pub(crate) mod paper;
 pub(crate) mod settle;
 pub(crate) mod textures;

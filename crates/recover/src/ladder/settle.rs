@@ -6,12 +6,12 @@
 //! most of the way to their fits ([`crate::approach`]). Sample counts grow from level to level
 //! ([`crate::sample_budget`]).
 
-use super::others::light_of_others;
 use super::textures;
 use crate::approach::Way;
 use crate::evidence::{Evidence, SampleBudget};
 use crate::hypothesis::{self, Hypothesis, Search};
 use crate::model_error::ModelError;
+use crate::others::light_of_others;
 use crate::problem::{Options, RecoverError, Role};
 use crate::record::{Observer, Status};
 use crate::refine;

@@ -11,7 +11,7 @@ use unrender_scene::Material;
 const PIXELS_MIN: usize = 200;
 
 /// The group's texture under the present light; none without texture coordinates or with too
-/// few pixels, which the group's note then says.
+/// few pixels, which its state then says.
 pub(crate) fn extract(
     state: &mut State<'_>,
     options: &Options,
@@ -31,7 +31,7 @@ pub(crate) fn extract(
     let of_group = &mut state.groups[group];
     let Some(mut extracted) = extracted else {
         let reason = if few { "too few pixels" } else { "no texture coordinates" };
-        of_group.note = Some(format!(
+        of_group.untextured = Some(format!(
             "no uniform reflectance explains this group, and it has {reason} for a texture"
         ));
         return None;

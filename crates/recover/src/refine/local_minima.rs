@@ -6,19 +6,16 @@
 //! answer; every other dip is followed down, and kept if no difference of the two is significant on
 //! the same light.
 
+use super::anew;
 use crate::evidence::Evidence;
 use crate::expected::ParameterBounds;
 use crate::hypothesis::{self, Fit, Hypothesis, Search};
-use crate::model_error::ModelError;
 use crate::problem::Options;
-use crate::sample_budget;
 use crate::selection;
 use crate::state::State;
 use std::f32::consts::PI;
 use unrender_scene::Material;
 
-/// Pixels that are looked at.
-const PIXELS: usize = 2000;
 /// Roughnesses about that of the answer, as factors.
 const FACTORS: [f32; 7] = [0.15, 0.3, 0.55, 1.0, 1.8, 3.3, 6.0];
 /// Directions about that of the answer, over half a turn.
@@ -35,20 +32,9 @@ pub(crate) fn find(state: &mut State<'_>, options: &Options) {
         if !matches!(hypothesis, Hypothesis::Isotropic | Hypothesis::Anisotropic) {
             continue;
         }
-        let other_noise = Options { seed: options.seed ^ 0xBA51, ..options.clone() };
-        let pixels = &state.observation.pixels_of_group[group];
-        let mut budget =
-            sample_budget::candidates(sample_budget::REFINED, &other_noise, pixels.len());
-        budget.pixels = options.effort.pixels(PIXELS);
-        budget.probe.max_bounces = options.max_bounces;
-        let (stage, appearance) = (state.stage(), state.appearance());
-        let evidence = Evidence::gather(&stage, appearance, group, pixels, &budget);
-        let mut evidence = evidence.expecting(state.problem.groups[group].expected);
-        if evidence.is_empty() {
+        let Some(evidence) = anew::evidence(state, options, group) else {
             continue;
-        }
-        let error = state.groups[group].likelihood.map_or(ModelError::START, |l| l.error);
-        evidence.reweigh(&state.materials[group], error);
+        };
         let others = others(hypothesis, &evidence, &state.materials[group]);
         if !others.is_empty() {
             state.groups[group].add_note(

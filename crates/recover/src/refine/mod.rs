@@ -11,6 +11,7 @@
 //! large they are. Then [`verdict`] says what the photograph could not tell; where that makes a
 //! hypothesis simpler, the rest is refined again.
 
+mod anew;
 mod blocks;
 pub(crate) mod local_minima;
 mod means;
@@ -80,7 +81,7 @@ pub(crate) fn refine(
         if solution.failed {
             return Termination::RefinementFailed;
         }
-        if round < ROUNDS_MAX && verdict::simplify(state, &solution, options.thresholds.explained) {
+        if round < ROUNDS_MAX && verdict::simplify(state, &solution, options) {
             continue;
         }
         verdict::record(state, &solution);

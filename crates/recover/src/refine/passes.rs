@@ -172,7 +172,7 @@ impl<'o> Passes<'o> {
                 failed = true;
                 break;
             };
-            unknowns.apply(state, &step);
+            let step = unknowns.apply(state, &step);
             let error = relative_error(&normal, &average);
             let done = 0.1 + 0.9 * pass as f64 / passes_max as f64;
             tell(state, observer, &unknowns, (&step, error, &average), done);

@@ -1,4 +1,5 @@
-//! Soft relations between unknowns: groups that the user calls alike.
+//! Soft relations between unknowns: groups that the user calls alike, and directions beside each other in an
+//! unknown environment.
 //!
 //! The difference `d = p_a - p_b` of a number of both groups has the prior `d ~ N(0, sigma^2)`, which adds
 //! `(e_a - e_b)(e_a - e_b)^T / sigma^2` to the precision of the prior. What `sigma` is, the number's block says
@@ -9,7 +10,12 @@ use super::blocks::{self, At};
 use crate::expected::Like;
 use crate::hypothesis::{self, Hypothesis};
 use crate::problem::Role;
-use crate::unknown::Unknown;
+use crate::unknown::{Quantity, Unknown};
+
+/// The standard deviation of the difference of two directions beside each other, as a share of the mean radiance
+/// from everywhere. At half of it a window fades into the wall about it, at double what the photograph does not
+/// show of the environment is left open without gain elsewhere.
+const SMOOTH: f64 = 0.7;
 
 /// One relation of an unknown.
 pub(super) struct Relation {
@@ -74,5 +80,27 @@ pub(super) fn find(list: &[Unknown], at: At<'_>) -> Vec<Relation> {
         };
         Some(Relation { unknown: index, other, deviation })
     };
-    list.iter().enumerate().filter_map(of).collect()
+    let alike = list.iter().enumerate().filter_map(of);
+    alike.chain(neighbours(list, at)).collect()
+}
+
+/// Parts of an unknown environment beside each other differ by about [`SMOOTH`] of what such parts are on the
+/// mean, channel by channel.
+fn neighbours<'a>(list: &'a [Unknown], at: At<'a>) -> impl Iterator<Item = Relation> + 'a {
+    let pairs = &at.state.problem.neighbouring_lights;
+    let place = |of: usize, channel: usize| {
+        let wanted = Unknown { quantity: Quantity::Light, of, channel: Some(channel) };
+        list.iter().position(|unknown| *unknown == wanted)
+    };
+    let mean = |channel: usize| {
+        let factors = pairs.iter().flatten().map(|of| at.state.appearance().light(*of as u32));
+        factors.map(|factor| f64::from(factor[channel])).sum::<f64>() / (2 * pairs.len()) as f64
+    };
+    (0..3).flat_map(move |channel| {
+        let deviation = SMOOTH * mean(channel).max(f64::MIN_POSITIVE);
+        pairs.iter().filter_map(move |[a, b]| {
+            let other = Other::Unknown(place(*b, channel)?);
+            Some(Relation { unknown: place(*a, channel)?, other, deviation })
+        })
+    })
 }

@@ -13,6 +13,10 @@ use nalgebra::DVector;
 use unrender_render::Parameter;
 use unrender_scene::{Image, Rgb};
 
+/// The largest relative step of a reflectance that is a step of its reciprocal, which doubles it. At half of it
+/// dark groups need more passes, at double they jump to infinity.
+const SMALL: f64 = 0.5;
+
 /// All free numbers, and the derivatives to ask for.
 pub(crate) struct Unknowns {
     pub(crate) list: Vec<Unknown>,
@@ -191,12 +195,27 @@ impl Unknowns {
         pairs
     }
 
-    /// Moves the state by `step`.
-    pub(crate) fn apply(&self, state: &mut State<'_>, step: &DVector<f64>) {
-        for (u, step) in self.list.iter().zip(step.iter()) {
-            let value = self.value(state, u) + step;
-            blocks::of(u.quantity).set(state, &self.start, u, value);
+    /// Moves the state by `step`, and returns how far it went: differences of numbers, of angles the short way.
+    ///
+    /// Where lights are unknown, a reflectance `rho` goes to `rho / (1 - s)` for a relative step `s`, which is a
+    /// straight step of its reciprocal: the picture is `P = rho (B + f E)` with a known light `B` and unknown
+    /// factors `f`, so that what explains it alike, `P / rho = B + f E`, is a line in `1 / rho` and `f`.
+    pub(crate) fn apply(&self, state: &mut State<'_>, step: &DVector<f64>) -> DVector<f64> {
+        let is_light_unknown = !state.problem.unknown_lights.is_empty();
+        let values = self.values(state);
+        let mut moved = step.clone();
+        for (k, u) in self.list.iter().enumerate() {
+            let (block, value) = (blocks::of(u.quantity), values[k]);
+            let share = step[k] / value;
+            let is_factor = matches!(u.quantity, Quantity::RhoD | Quantity::RhoS);
+            if is_light_unknown && is_factor && share <= SMALL {
+                let Range { low, high, .. } = block.range(state, u, value);
+                let next = (value / (1.0 - share)).clamp(low.min(value), high.max(value));
+                moved[k] = next - value;
+            }
+            block.set(state, &self.start, u, value + moved[k]);
         }
+        moved
     }
 }
 

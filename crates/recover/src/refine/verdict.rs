@@ -1,21 +1,22 @@
 //! What the photograph determines, and what it does not.
 //!
 //! A number is worth what its standard deviation allows. A lobe goes that is not significant, neither
-//! by its standard deviation nor by the likelihoods that model selection compared (a single highlight
-//! leaves a lobe's strength uncertain and its presence certain), and so does what is diffuse about a mirror, or not perfect about it, if it is less than what
+//! by its standard deviation nor by the likelihoods of evidence gathered under the refined light ([`super::anew`]),
+//! and so does what is diffuse about a mirror, or not perfect about it, if it is less than what
 //! the ladder's threshold calls explained; an anisotropy that is not significant becomes a round lobe, and the
 //! sharpest lobe that is searched for a mirror; a group out of sight
 //! whose reflectance stays open is assumed: at its best guess, or white, as the paper does, where
 //! there is nothing to guess from.
 
 use super::relations::Relation;
-use super::{Solution, blocks};
+use super::{Solution, anew, blocks};
 use crate::expected::{ALPHA_RANGE, Like};
 use crate::hypothesis::{Hypothesis, anisotropic};
+use crate::problem::Options;
 use crate::record::{Covariance, Deviations, LightResult, Status};
-use crate::selection::STRONG;
 use crate::state::State;
 use crate::unknown::{Quantity, Unknown};
+use std::collections::BTreeSet;
 use unrender_scene::{Material, Rgb};
 
 /// A number is significant at this many standard deviations.
@@ -33,9 +34,9 @@ const UNLIKE: f64 = 3.0;
 /// A roughness with a larger relative standard deviation than this is said to be open.
 const ALPHA_OPEN: f64 = 0.5;
 
-/// Makes simpler what the photograph does not bear out; `explained` is the ladder's threshold. True
-/// if something changed.
-pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, explained: f64) -> bool {
+/// Makes simpler what the photograph does not bear out. True if something changed.
+pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, options: &Options) -> bool {
+    let explained = options.thresholds.explained;
     let mut changed = false;
     for group in 0..state.materials.len() {
         let verdict = Verdict { solution, group };
@@ -50,7 +51,7 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, explained: f6
             }
             Hypothesis::DiffuseSpecular | Hypothesis::Isotropic | Hypothesis::Anisotropic
                 if !verdict.is_told_from_zero(state, Quantity::RhoS)
-                    && state.groups[group].evidence_against(Hypothesis::Diffuse) < STRONG =>
+                    && !anew::speaks_against_diffuse(state, options, group) =>
             {
                 let material = Material::diffuse(state.materials[group].rho_d);
                 let note = "its specular part is not determined by this photograph";
@@ -169,7 +170,7 @@ pub(super) fn record(state: &mut State<'_>, solution: &Solution) {
         if let Some(note) = verdict.likeness(state) {
             state.groups[group].add_note(note);
         }
-        for note in verdict.doubts() {
+        for note in verdict.doubts().into_iter().chain(verdict.ties_to_lights(state)) {
             state.groups[group].add_note(note);
         }
     }
@@ -317,7 +318,10 @@ impl Verdict<'_> {
         let name = &state.problem.groups[group].name;
         let unknowns = &self.solution.unknowns;
         let values = unknowns.values(state);
-        let of_group = |relation: &&Relation| unknowns.list[relation.unknown].of == self.group;
+        let of_group = |relation: &&Relation| {
+            let unknown = &unknowns.list[relation.unknown];
+            unknown.of == self.group && !blocks::of(unknown.quantity).is_nuisance()
+        };
         let apart = |relation: &Relation| {
             (relation.difference(|index| values[index]) / relation.deviation).abs()
         };
@@ -333,6 +337,51 @@ impl Verdict<'_> {
             ),
             Some(_) => format!("like \"{name}\" within {} %, as the project says", percent(within)),
         })
+    }
+
+    /// The unknown lights that would explain the group's brightness as well as its reflectance does: those whose
+    /// brightness, of an environment in parts that of all parts together, is tied to it.
+    fn ties_to_lights(&self, state: &State<'_>) -> Vec<String> {
+        let problem = state.problem;
+        let parts: BTreeSet<usize> =
+            problem.neighbouring_lights.iter().flatten().copied().collect();
+        let alone = problem.unknown_lights.iter().filter(|of| !parts.contains(of));
+        let mut lights: Vec<(String, Vec<usize>)> = alone
+            .map(|&of| {
+                let lamp = problem.groups.get(of).map(|group| format!("\"{}\"", group.name));
+                (lamp.unwrap_or_else(|| "a light without a surface".to_owned()), vec![of])
+            })
+            .collect();
+        if !parts.is_empty() {
+            lights.push(("the environment".to_owned(), parts.into_iter().collect()));
+        }
+        let tied = |(name, of): (String, Vec<usize>)| {
+            let most = (0..3).filter_map(|channel| self.correlation(&of, channel));
+            let most = most.fold(0.0, f64::min);
+            (most < -TIED).then(|| {
+                format!(
+                    "rho_d and the brightness of {name} are tied together (correlation \
+                     {most:.3}): more of one and less of the other explain the photograph as well"
+                )
+            })
+        };
+        lights.into_iter().filter_map(tied).collect()
+    }
+
+    /// The correlation of the group's diffuse reflectance with the summed factors of the lights `of`, in one
+    /// channel.
+    fn correlation(&self, of: &[usize], channel: usize) -> Option<f64> {
+        let place = |quantity, of| {
+            let of_channel = self.solution.index(quantity, of, Some(channel));
+            of_channel.or_else(|| self.solution.index(quantity, of, None))
+        };
+        let own = place(Quantity::RhoD, self.group)?;
+        let lights: Vec<usize> = of.iter().filter_map(|of| place(Quantity::Light, *of)).collect();
+        let c = &self.solution.covariance;
+        let both: f64 = lights.iter().map(|i| c[(own, *i)]).sum();
+        let square: f64 = lights.iter().flat_map(|i| lights.iter().map(|j| c[(*i, *j)])).sum();
+        let correlation = both / (c[(own, own)] * square).sqrt();
+        correlation.is_finite().then_some(correlation)
     }
 
     /// What the user should know about the group's numbers.

@@ -162,7 +162,7 @@ impl Emitters {
             triangles: emitting,
             punctual: lights.iter().map(|l| l.kind).collect(),
             environment: environment.and_then(EnvironmentSampler::new),
-            layout: SourceLayout { groups, punctual: lights.len() as u32 },
+            layout: SourceLayout::new(groups, lights.len() as u32, environment),
             pools: Default::default(),
             sole: None,
             bounds: ClusterBounds::default(),
@@ -240,8 +240,18 @@ impl Emitters {
 
     /// The order of the light sources.
     #[inline]
-    pub fn layout(&self) -> SourceLayout {
-        self.layout
+    pub fn layout(&self) -> &SourceLayout {
+        &self.layout
+    }
+
+    /// Whether surfaces of the group with this index emit.
+    pub(crate) fn emits_from_group(&self, group: u32) -> bool {
+        self.triangles.iter().any(|triangle| triangle.group == group)
+    }
+
+    /// Whether light comes from the environment.
+    pub(crate) fn has_environment(&self) -> bool {
+        self.environment.is_some()
     }
 
     /// The radiance of the environment along the unit vector `wi`; zero without an environment.
@@ -356,7 +366,7 @@ impl Emitters {
         if pdf <= 0.0 || radiance.max_element() <= 0.0 {
             return None;
         }
-        let (source, distance) = (LightSource::Environment, f32::INFINITY);
+        let (source, distance) = (LightSource::Environment(wi), f32::INFINITY);
         Some(LightSample { source, wi, distance, weight: radiance / pdf, pdf: Some(pdf) })
     }
 }

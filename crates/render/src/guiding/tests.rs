@@ -45,7 +45,7 @@ fn scene(parts: Vec<(Mesh, f32, f32)>) -> Scene {
 
 fn guide(scene: &Scene) -> SpecularGuide {
     let (groups, punctual) = (scene.groups.len() as u32, scene.lights.len() as u32);
-    SpecularGuide::new(scene, SourceLayout { groups, punctual })
+    SpecularGuide::new(scene, SourceLayout::new(groups, punctual, None))
 }
 
 fn pairs(scene: &Scene) -> Vec<GlossyPair> {

@@ -25,7 +25,7 @@ pub(super) struct Plan<'a> {
     /// The number of sums.
     pub(super) count: usize,
     pub(super) groups: Vec<GroupPlan<'a>>,
-    layout: SourceLayout,
+    layout: &'a SourceLayout,
     /// By place in `layout`.
     lights: Vec<Slot>,
     /// The slot of the factor on the cache.
@@ -48,7 +48,7 @@ pub(super) struct GroupPlan<'a> {
 
 impl<'a> Plan<'a> {
     pub(super) fn new(
-        tracer: &Tracer,
+        tracer: &'a Tracer,
         appearance: Appearance<'a>,
         sampled_as: Appearance<'_>,
         parameters: &[Parameter],
@@ -101,16 +101,24 @@ impl<'a> Plan<'a> {
         Some(&mut group.slots[kind])
     }
 
-    /// The slot of a light source's brightness.
+    /// The slots of a light source's brightness, each with its share of it: one, or those of the parts of an
+    /// environment.
     #[inline]
-    pub(super) fn light(&self, source: LightSource) -> Slot {
-        self.lights[self.layout.index(source) as usize]
+    pub(super) fn light(&self, source: LightSource) -> [(Slot, f32); 4] {
+        let first = self.layout.index(source) as usize;
+        match self.layout.corners(source) {
+            None => [(self.lights[first], 1.0), (None, 0.0), (None, 0.0), (None, 0.0)],
+            Some(corners) => {
+                let shares = corners.shares();
+                std::array::from_fn(|k| (self.lights[first + corners.pixels[k]], shares[k]))
+            }
+        }
     }
 
     /// The factor of the appearance on a light source's emission.
     #[inline]
     pub(super) fn brightness(&self, source: LightSource) -> Rgb {
-        self.appearance.light(self.layout.index(source))
+        self.appearance.brightness(self.layout, source)
     }
 }
 

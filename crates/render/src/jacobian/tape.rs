@@ -1,6 +1,7 @@
 //! The tape: records one path forwards and differentiates it backwards.
 
 use super::plan::{Plan, Slot};
+use crate::appearance::LightSource;
 use crate::bsdf::ward::LobeDerivatives;
 use crate::bsdf::{BsdfSample, Specular, Terms};
 use crate::path::{DirectLight, Emission, PathObserver, Vertex};
@@ -80,6 +81,14 @@ impl<'a> Tape<'a> {
         self.radiance
     }
 
+    /// Adds light of `source`, without the factor on it, to the derivatives by that factor.
+    #[inline]
+    fn add_light(&mut self, source: LightSource, light: Rgb) {
+        for (slot, share) in self.plan.light(source) {
+            add(&mut self.sums, slot, light * share);
+        }
+    }
+
     /// Adds the derivatives by the BRDF parameters of a vertex of `group`, where `light` is the
     /// contribution of the path through the vertex divided by its BRDF.
     #[inline]
@@ -141,7 +150,7 @@ impl PathObserver for Tape<'_> {
         if self.plan.count > 0 {
             let rho_d = entry.rho_d;
             let unit = self.throughput * sample.weight * mis;
-            add(&mut self.sums, self.plan.light(sample.source), unit * f_cos);
+            self.add_light(sample.source, unit * f_cos);
             self.add_derivatives(at.surface.group, rho_d, &terms, unit * factor * wi.z);
         }
     }
@@ -174,7 +183,7 @@ impl PathObserver for Tape<'_> {
         if let Some(entry) = self.entries.last_mut() {
             entry.emitted = emitted * mis;
         }
-        add(&mut self.sums, self.plan.light(source), self.throughput * radiance * mis);
+        self.add_light(source, self.throughput * radiance * mis);
     }
 
     #[inline]

@@ -45,11 +45,16 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         )
         .into());
     };
-    if sum.layers.len() > 1 {
-        warnings.push(
+    match sum.head.layers.get(1) {
+        None => {}
+        Some(layer) if layer.starts_with("light ") => warnings.push(
+            "the picture is written without its light layers: `render --layers` with the checkpoint \
+             writes them",
+        ),
+        Some(_) => warnings.push(
             "the picture was to be denoised, and is written as it is: `render --denoise` with the \
              checkpoint denoises it",
-        );
+        ),
     }
     global.console.warn(&warnings);
     if !global.quiet {

@@ -10,6 +10,7 @@ pub mod man;
 pub mod merge;
 pub mod merge_exposures;
 pub mod recover;
+pub mod relight;
 pub mod render;
 pub mod report;
 pub mod restage;

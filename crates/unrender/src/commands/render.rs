@@ -24,6 +24,7 @@ const MAX_SIDE: usize = 65_536;
     unrender render room.glb --out room.exr\n  \
     unrender render room.glb --materials result/materials.json --spp 256 --out room.png\n  \
     unrender render room.glb --denoise --out clean.png\n  \
+    unrender render room.glb --layers --out layers.exr    (see unrender relight)\n  \
     unrender render room.glb --camera door --height 1080 --seed 7 --out door.exr\n  \
     unrender render vase.glb --environment sky.hdr --environment-rotation 90 --out vase.png\n  \
     unrender render --project room.toml --materials result/materials.json --out again.png\n  \
@@ -70,6 +71,11 @@ pub struct Args {
     /// for pictures whose noise is to be measured, or that materials are recovered from.
     #[arg(long, conflicts_with = "samples")]
     pub denoise: bool,
+    /// Write what each light contributes as well, as layers of the .exr file: `unrender relight` makes
+    /// lights brighter and darker by them, and compositing programs show them. With --independent.
+    /// 112 bytes of memory a pixel and light.
+    #[arg(long, conflicts_with_all = ["samples", "denoise"])]
+    pub layers: bool,
     /// How much is rendered.
     #[command(flatten)]
     pub sampling: SamplingArgs,
@@ -107,6 +113,11 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     if let Some(denoised) = denoised.as_ref().filter(|_| !global.quiet) {
         global.console.tell(&in_words(denoised, accumulator));
     }
+    if let Some(lights) = render.light_layers(&rendered.layers) {
+        picture::write_layers(&args.out, &accumulator.mean(), &lights)?;
+        global.console.warn(&output::doubts(accumulator));
+        return Ok(ExitCode::SUCCESS);
+    }
     let radiance = denoised.map_or_else(|| accumulator.mean(), |denoised| denoised.radiance);
     global.console.warn(&output::write_picture(&args.out, &radiance, accumulator)?);
     Ok(ExitCode::SUCCESS)
@@ -130,6 +141,11 @@ pub struct InMemory<'a> {
 /// If the input cannot be used.
 pub fn picture(args: &Args, given: InMemory<'_>, global: &Global) -> Result<Rendering, Error> {
     check_denoise(args.denoise, &args.sampling)?;
+    if args.layers {
+        return Err(Error::Request(
+            "light layers are written to a file, not kept in memory".into(),
+        ));
+    }
     let shot = Shot::load(args, given, global.limits())?;
     global.console.warn(&shot.warnings);
     let render = shot.render(args);
@@ -193,13 +209,14 @@ impl Shot {
 
     fn job<'a>(&self, args: &Args, render: &'a PictureRender<'_>) -> Job<'a> {
         let mut identity = args.sampling.identity(&self.scene, &self.camera, self.size);
-        identity.shared &= !args.denoise;
+        identity.shared &= !(args.denoise || args.layers);
         Job { render, identity }
     }
 
     fn render(&self, args: &Args) -> PictureRender<'_> {
         let settings = args.sampling.settings();
-        PictureRender::new(&self.scene, &self.camera, settings).halved(args.denoise)
+        let render = PictureRender::new(&self.scene, &self.camera, settings);
+        if args.layers { render.by_light(&self.scene) } else { render.halved(args.denoise) }
     }
 }
 
@@ -226,6 +243,9 @@ fn check_outputs(args: &Args) -> Result<(), Error> {
     let parts = parts.chain(&args.sampling.checkpoint);
     for part in parts {
         output::check_file(part, &["exr"], "the samples of a picture are kept in .exr files")?;
+    }
+    if args.layers {
+        output::check_file(&args.out, &["exr"], "light layers are kept in .exr files")?;
     }
     if args.sampling.checkpoint.as_ref() == Some(&args.out) {
         return Err(Error::Request("--checkpoint and --out need files of their own".into()));

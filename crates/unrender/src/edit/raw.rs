@@ -98,6 +98,11 @@ fn light(raw: &RawLight) -> Result<Edit, String> {
 }
 
 fn surround(raw: &RawEnvironment, sheet: &Sheet, notes: &mut Warnings) -> Result<Edit, String> {
+    if raw.unknown.is_some() {
+        return Err(
+            "environment: unknown is a key of project files: what is edited is known".into()
+        );
+    }
     let read = raw.choice(&|file| sheet.path(file))?.read(sheet.limits());
     let (environment, warnings) = read.map_err(|error| error.to_string())?;
     notes.extend(warnings);

@@ -105,7 +105,10 @@ impl Project {
     /// have passed [`Project::check_against`].
     pub fn unknown_sources(&self, scene: &Scene) -> Vec<usize> {
         let unknown = scene.sources().filter(|source| self.unknown_lights.contains(source.name));
-        unknown.map(|source| source.index).collect()
+        let around = scene.environment_parts();
+        let parts =
+            |index: usize| if index == around.start { around.clone() } else { index..index + 1 };
+        unknown.flat_map(|source| parts(source.index)).collect()
     }
 
     /// Those of [`Project::unknown_sources`] whose colour the project says.
@@ -181,15 +184,12 @@ fn settle_scale(project: &mut Project, scene: &Scene) -> Result<Warnings, String
         warnings.extend(dark_channels(&find(name, scene)?)?);
     }
     let is_unknown = |source: &Source| project.unknown_lights.contains(source.name);
-    // The environment is known.
-    let around = || scene.environment.iter().flat_map(|e| e.panorama().pixels()).copied();
     // Of an area light that was taken away, the group is left.
     let removed = project.light_edits.iter().filter(|edit| edit.change == LightChange::Remove);
     let removed: Vec<&str> = removed.map(|edit| edit.name.as_str()).collect();
     let sources = || scene.sources().filter(|source| !removed.contains(&source.name));
-    let lit = channels(sources().map(|source| source.strength).chain(around()));
-    let known = sources().filter(|source| !is_unknown(source));
-    let known = channels(known.map(|source| source.strength).chain(around()));
+    let lit = channels(sources().map(|source| source.strength));
+    let known = channels(sources().filter(|source| !is_unknown(source)).map(|s| s.strength));
     // Where light comes from unknown lights alone.
     let open: [bool; 3] = std::array::from_fn(|c| lit[c] && !known[c]);
     if open == [false; 3] {

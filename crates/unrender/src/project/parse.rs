@@ -12,7 +12,7 @@ use unrender_formats::{LightUnits, Limits};
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
 use unrender_restage::light::LightEdit;
-use unrender_scene::{BrdfModel, Hypothesis, Rgb, Warnings};
+use unrender_scene::{BrdfModel, ENVIRONMENT, Hypothesis, Rgb, Warnings};
 
 pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), String> {
     let raw: RawProject = toml::from_str(text).map_err(|error| with_line(&error, text))?;
@@ -20,7 +20,9 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     let mut warnings = Warnings::default();
     let anchor = raw.anchor.as_ref().map(anchor).transpose()?;
     let exposure = exposure(raw.exposure.as_ref(), anchor.is_some(), &mut warnings)?;
-    let any_light_unknown = raw.lights.unknown.iter().any(|(_, unknown)| *unknown);
+    let is_around_unknown = raw.environment.as_ref().is_some_and(|table| table.is_unknown());
+    let any_light_unknown =
+        is_around_unknown || raw.lights.unknown.iter().any(|(_, unknown)| *unknown);
     if anchor.is_some() && exposure != Exposure::Auto && !any_light_unknown {
         warnings.push("[anchor] was not used, as the exposure is stated and no light is unknown");
     }
@@ -32,7 +34,8 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     let rungs = rungs::read("recover", list, max)?;
     let named_lights = |unknown| {
         let named = raw.lights.unknown.iter().filter(move |(_, is)| *is == unknown);
-        named.map(|(name, _)| name.clone()).collect()
+        let around = (unknown && is_around_unknown).then(|| ENVIRONMENT.to_owned());
+        named.map(|(name, _)| name.clone()).chain(around).collect()
     };
     let environment = raw.environment.as_ref();
     let environment = environment.map(|table| table.choice(&|file| folder.join(file)));

@@ -1,15 +1,17 @@
 //! materials.json and the texture files that it names.
 
+use super::around;
 use crate::engine::Recovered;
 use crate::{Error, Job};
 use glam::Vec3;
+use indexmap::IndexMap;
 use std::path::Path;
 use unrender_formats::materials::{
     AlternativeEntry, GroupEntry, LightEntry, MaterialsFile, StdEntry, VERSION,
 };
 use unrender_formats::picture;
 use unrender_recover::{Alternative, Deviations, GroupResult};
-use unrender_scene::{Hypothesis, Image, Material, Rgb, RgbImage};
+use unrender_scene::{Hypothesis, Image, Material, Rgb, RgbImage, Source};
 
 /// The contents of materials.json; writes the textures beside it and counts bad values in `bad`.
 pub(super) fn write_textures(
@@ -38,19 +40,29 @@ pub(crate) fn build(job: &Job, recovered: &Recovered) -> MaterialsFile {
         termination: Some(recovery.termination.message(recovery.iterations.len())),
         ..MaterialsFile::default()
     };
-    let sources: Vec<_> = job.scene.sources().collect();
-    for light in &recovery.lights {
-        let Some(source) = sources.iter().find(|s| s.index == light.source) else { continue };
-        let entry = LightEntry {
-            intensity: Some((source.strength * light.factor).to_array()),
-            std: Some((source.strength * light.std).to_array()),
-        };
-        file.lights.insert(source.name.to_owned(), entry);
-    }
+    file.lights = lights(job, recovered);
     for group in &recovery.groups {
         file.groups.insert(group.name.clone(), entry(group));
     }
     file
+}
+
+/// The lights that were asked for, by name.
+pub(super) fn lights(job: &Job, recovered: &Recovered) -> IndexMap<String, LightEntry> {
+    let around = job.scene.environment_parts().start;
+    let of = |source: Source<'_>| {
+        if source.index == around {
+            return Some((source.name.to_owned(), around::entry(job, recovered)?));
+        }
+        let light = recovered.recovery.lights.iter().find(|l| l.source == source.index)?;
+        let entry = LightEntry {
+            intensity: Some((source.strength * light.factor).to_array()),
+            std: Some((source.strength * light.std).to_array()),
+            panorama: None,
+        };
+        Some((source.name.to_owned(), entry))
+    };
+    job.scene.sources().filter_map(of).collect()
 }
 
 fn entry(group: &GroupResult) -> GroupEntry {

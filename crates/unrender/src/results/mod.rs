@@ -1,6 +1,7 @@
 //! What `recover` leaves in its folder, and the tables that it and `calibrate` print.
 
 mod alike;
+mod around;
 mod ball;
 mod calibration;
 mod error_picture;
@@ -155,9 +156,7 @@ pub(crate) fn with_recovered_materials(job: &Job, recovered: &Recovered) -> Scen
         group.material = result.material.clone();
     }
     for light in &recovered.recovery.lights {
-        if let Some(strength) = scene.strength_mut(light.source) {
-            *strength *= light.factor;
-        }
+        scene.scale_source(light.source, light.factor);
     }
     scene
 }

@@ -1,6 +1,6 @@
 //! The table at the end: what a person wants to know in ten seconds. Black lamps are left out.
 
-use super::{alike, parts};
+use super::{alike, materials_file, parts};
 use crate::Job;
 use crate::engine::Recovered;
 use crate::text_table::table;
@@ -26,11 +26,11 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
     let mut lines = vec![header.map(str::to_owned)];
     lines.extend(groups);
     let mut text = table(&lines);
-    for source in job.scene.sources() {
-        if let Some(light) = recovery.lights.iter().find(|l| l.source == source.index) {
-            let [found, std] = [light.factor, light.std].map(|v| rgb(v * source.strength));
-            text.push_str(&format!("{}: intensity {found}, std {std}\n", source.name));
-        }
+    for (name, light) in materials_file::lights(job, recovered) {
+        let [found, std] =
+            [light.intensity, light.std].map(|v| rgb(Rgb::from_array(v.unwrap_or_default())));
+        let what = if light.panorama.is_some() { "mean radiance" } else { "intensity" };
+        text.push_str(&format!("{name}: {what} {found}, std {std}\n"));
     }
     text.push_str(&recovered.photograph.as_ref().map_or(String::new(), photograph));
     for group in &recovery.groups {

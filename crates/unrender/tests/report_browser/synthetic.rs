@@ -2,7 +2,8 @@
 
 use std::path::Path;
 use unrender::formats::materials::{
-    AlternativeEntry, GroupEntry, LightEntry, PhotographEntry, PhotographStd, StdEntry,
+    AlternativeEntry, GroupEntry, LightEntry, PanoramaEntry, PhotographEntry, PhotographStd,
+    StdEntry,
 };
 use unrender::formats::picture;
 use unrender::run::{
@@ -211,7 +212,14 @@ fn photograph() -> PhotographEntry {
 }
 
 fn rest() -> Run {
-    let light = LightEntry { intensity: Some(triple(31)), std: Some(triple(32)) };
+    let panorama = PanoramaEntry {
+        columns: 1,
+        rows: 2,
+        radiance: vec![triple(33), triple(34)],
+        std: vec![triple(35), triple(36)],
+    };
+    let light =
+        LightEntry { intensity: Some(triple(31)), std: Some(triple(32)), panorama: Some(panorama) };
     Run {
         version: VERSION,
         program: Program {

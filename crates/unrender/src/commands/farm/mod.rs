@@ -70,6 +70,11 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
             "the parts of a farm are put together and not denoised; leave out --denoise".into(),
         ));
     }
+    if args.render.layers {
+        return Err(Error::Request(
+            "the parts of a farm are put together without light layers; leave out --layers".into(),
+        ));
+    }
     render::check(&args.render, global)?;
     let folder = folder(args);
     let job = Job::new(&args.render, global, args.parts, &folder)?;

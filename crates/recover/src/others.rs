@@ -7,14 +7,14 @@ use crate::state::State;
 /// Candidates are distinguished down to the model error of the middle one of the other groups. At the lower
 /// quartile a real scene's rough lamps make lobes, at the upper one faint lobes wait until every group
 /// is right.
-pub(super) const MIDDLE: f64 = 0.5;
+pub(crate) const MIDDLE: f64 = 0.5;
 /// The incident light of a group is wrong by at most so many times the error of that of the middle one
 /// of the other groups: it comes from the same lamps and walls. At half of it the group beside a wrong
 /// one gets a lobe, at double broad faint lobes pass for errors of the light.
 const LIKE_OTHERS: f64 = 2.0;
 /// The model error of the groups other than `group` below which a `share` of them lies; zero without
 /// others.
-pub(super) fn error_of_others(state: &State<'_>, group: usize, share: f64) -> f64 {
+pub(crate) fn error_of_others(state: &State<'_>, group: usize, share: f64) -> f64 {
     of_others(state, group, share, |likelihood| likelihood.error.share).unwrap_or(0.0)
 }
 
@@ -34,7 +34,7 @@ fn of_others(
 
 /// The largest error of the incident light that fits of `group` may call upon; no limit without
 /// others.
-pub(super) fn light_of_others(state: &State<'_>, group: usize) -> LightError {
+pub(crate) fn light_of_others(state: &State<'_>, group: usize) -> LightError {
     let others = of_others(state, group, MIDDLE, |likelihood| likelihood.light.share);
     LightError { share: others.map_or(f64::INFINITY, |share| LIKE_OTHERS * share) }
 }
