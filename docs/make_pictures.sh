@@ -28,10 +28,10 @@ sheet docs/images/removal.png 1 examples/hall/photo.png \
 
 docs/figure11.sh
 
-# The report of Figure 8, by a browser; see crates/unrender/tests/report_browser.
+# The report of Figure 8, by a browser; see crates/unrender/tests/external/report_browser.
 cargo run --release -- recover examples/fig8/fig8.toml --no-refine --out "$out/report"
 mkdir "$out/browser"
-cp crates/unrender/tests/report_browser/*.{json,mjs} "$out/browser"
+cp crates/unrender/tests/external/report_browser/*.{json,mjs} "$out/browser"
 npm ci --prefix "$out/browser"
 node "$out/browser/screenshot.mjs" "$out/report/report.html" docs/images/report.png 1100 640 light "#groups"
 

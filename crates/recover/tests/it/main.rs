@@ -1,0 +1,12 @@
+//! Tests of the recovery: every rung in closed form, rooms by the path tracer, standard deviations, and the same
+//! bits wherever it is cut off.
+
+mod brushed_room;
+mod cornell_box;
+
+mod error_bars;
+mod ggx;
+mod ladder;
+mod registration;
+mod same_bits;
+mod sharp_lobes;

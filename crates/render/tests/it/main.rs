@@ -1,0 +1,19 @@
+//! Proofs of the renderer: closed forms, laws of reflectance, derivatives against differences of renderings, and
+//! the same bits on any number of threads.
+
+mod common;
+
+mod adaptive;
+mod anisotropy;
+mod bsdf_laws;
+mod closed_form;
+mod denoise;
+mod determinism;
+mod environment;
+mod guiding;
+mod jacobian;
+mod jacobian_independent;
+mod layers;
+mod path_reuse;
+mod probes;
+mod ward_table;

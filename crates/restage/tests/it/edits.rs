@@ -1,0 +1,153 @@
+//! Edits done to a scene, and those that cannot be.
+
+use crate::common::{insertion, model};
+use glam::{Vec2, Vec3};
+use unrender_restage::insert::Place;
+use unrender_restage::light::{Alter, LightChange, LightEdit, NewLight};
+use unrender_restage::remove::{Bearer, Remove};
+use unrender_restage::repaint::{Paint, Repaint};
+use unrender_restage::{Edit, apply};
+use unrender_scene::{LightKind, Rgb};
+
+const STILL: Alter = Alter { scale: Rgb::ONE, strength: None, shift: Vec3::ZERO, direction: None };
+
+fn remove(name: &str) -> Edit {
+    Edit::Remove(Remove { name: name.into(), what: Bearer::Any })
+}
+
+fn light(name: &str, change: LightChange) -> Edit {
+    Edit::Light(LightEdit { name: name.into(), change })
+}
+
+fn repaint(group: &str, paint: Paint) -> Edit {
+    Edit::Repaint(Repaint { group: group.into(), paint })
+}
+
+/// The problem of the last of `edits`, the others being fine.
+#[track_caller]
+fn fails(edits: &[Edit], problem: &str) {
+    let error = apply(&mut model(), edits).unwrap_err();
+    assert!(error.problem.contains(problem), "{error}");
+    assert_eq!(error.edit, edits.len() - 1, "{error}");
+}
+
+#[test]
+fn objects_are_told_from_those_that_were_there() {
+    let mut scene = model();
+    let edits = [remove("left"), Edit::Insert(insertion(0.3, 0.2))];
+    let change = apply(&mut scene, &edits).unwrap();
+    assert_eq!(change.origin, [Some(0), Some(1), Some(3), Some(4), Some(5), None]);
+    let added = scene.objects.last().unwrap();
+    assert_eq!(
+        (added.name.as_str(), scene.groups[added.group].name.as_str()),
+        ("box.red", "box.red")
+    );
+}
+
+#[test]
+fn things_are_put_down_where_their_foot_is() {
+    for (place, foot) in [
+        (Place::Onto { group: "floor".into(), x: 0.5, z: -1.0 }, Vec3::new(0.5, 0.0, -1.0)),
+        (
+            Place::Seen {
+                origin: Vec3::new(0.0, 1.0, 0.0),
+                direction: Vec3::new(1.0, -1.0, 0.0).normalize(),
+                group: Some("floor".into()),
+            },
+            Vec3::new(1.0, 0.0, 0.0),
+        ),
+        (Place::At(Vec3::new(0.1, 0.7, 0.3)), Vec3::new(0.1, 0.7, 0.3)),
+    ] {
+        let mut scene = model();
+        let mut insert = insertion(0.0, 0.0);
+        (insert.place, insert.scale) = (place, 0.5);
+        apply(&mut scene, &[Edit::Insert(insert)]).unwrap();
+        let points = &scene.objects.last().unwrap().mesh.positions;
+        let low = points.iter().copied().reduce(Vec3::min).unwrap();
+        let high = points.iter().copied().reduce(Vec3::max).unwrap();
+        let found = (0.5 * (low + high)).with_y(low.y);
+        assert!((found - foot).length() < 1e-5, "{found} for {foot}");
+        assert!((high.y - low.y - 0.25).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn the_highest_surface_that_can_be_stood_on_is_found() {
+    let mut scene = model();
+    let mut second = insertion(0.3, 0.2);
+    second.name = "second".into();
+    second.place = Place::Onto { group: "box.red".into(), x: 0.3, z: 0.2 };
+    apply(&mut scene, &[Edit::Insert(insertion(0.3, 0.2)), Edit::Insert(second)]).unwrap();
+    let points = &scene.objects.last().unwrap().mesh.positions;
+    let low = points.iter().fold(f32::INFINITY, |low, p| low.min(p.y));
+    assert!((low - 0.5).abs() < 1e-6, "{low}");
+}
+
+#[test]
+fn lights_are_changed_moved_added_and_removed() {
+    let mut scene = model();
+    let shift = Vec3::new(0.2, 0.0, 0.0);
+    let alter = Alter { scale: Rgb::new(0.5, 1.0, 2.0), shift, ..STILL };
+    let centre = Vec3::new(1.0, 2.0, 0.0);
+    let (normal, size) = (Vec3::NEG_Y, Vec2::new(0.4, 0.2));
+    let panel = NewLight::Area { centre, normal, size, radiance: Rgb::splat(3.0) };
+    let position = Vec3::Y;
+    let bulb = NewLight::Punctual(LightKind::Point { position, intensity: Rgb::ONE });
+    let before = scene.objects[5].mesh.positions[0];
+    let edits = [
+        light("lamp", LightChange::Alter(alter)),
+        light("panel", LightChange::Add(panel)),
+        light("bulb", LightChange::Add(bulb)),
+    ];
+    let change = apply(&mut scene, &edits).unwrap();
+    assert_eq!(scene.groups[5].emission, Rgb::new(4.0, 8.0, 16.0));
+    assert_eq!(scene.objects[5].mesh.positions[0], before + shift);
+    assert_eq!(change.origin[5..], [None, None]);
+    let panel = &scene.objects[6].mesh;
+    let [a, b, c] = panel.corners(0);
+    let across = (b - a).cross(c - a);
+    assert!(across.normalize().dot(normal) > 0.999 && (across.length() - 0.08).abs() < 1e-6);
+    assert_eq!(scene.lights.len(), 1);
+    let ball = NewLight::Sphere { centre, radius: 0.1, radiance: Rgb::ONE };
+    let mut with_ball = scene.clone();
+    let change = apply(&mut with_ball, &[light("ball", LightChange::Add(ball))]).unwrap();
+    assert_eq!(change.origin.last(), Some(&None));
+    let ball = &with_ball.objects[7].mesh;
+    assert!(ball.positions.iter().all(|p| (p.distance(centre) - 0.1).abs() < 1e-6));
+    apply(&mut scene, &[light("bulb", LightChange::Remove), light("lamp", LightChange::Remove)])
+        .unwrap();
+    assert!(scene.lights.is_empty() && scene.objects.len() == 6);
+}
+
+#[test]
+fn paint_takes_the_place_of_a_texture_and_leaves_the_rest() {
+    let mut scene = common::truth();
+    let paint = Paint { rho_d: Some(Rgb::splat(0.2)), ..Paint::default() };
+    apply(&mut scene, &[repaint("floor", paint)]).unwrap();
+    assert_eq!(scene.groups[0].material, unrender_scene::Material::diffuse(Rgb::splat(0.2)));
+    let gloss = Paint { rho_s: Some(Rgb::splat(0.1)), alpha_x: Some(0.2), ..Paint::default() };
+    fails(&[repaint("floor", gloss)], "both are positive");
+}
+
+#[test]
+fn what_cannot_be_is_reported() {
+    fails(&[remove("sofa")], "no \"sofa\" to remove; its groups: back, floor");
+    fails(&[repaint("sofa", Paint::default())], "no group \"sofa\"");
+    fails(&[remove("back"), repaint("back", Paint::default())], "no surface left");
+    fails(&[repaint("back", Paint::default()), repaint("back", Paint::default())], "edited twice");
+    fails(&[light("sun", LightChange::Remove)], "no light \"sun\"; it has lamp");
+    let direction = Alter { direction: Some(Vec3::X), ..STILL };
+    fails(&[light("lamp", LightChange::Alter(direction))], "area light, which has no direction");
+    let insert = Edit::Insert(insertion(0.3, 0.2));
+    fails(&[insert.clone(), insert], "\"box\" already");
+    fails(&[Edit::Insert(insertion(9.0, 0.0))], "nothing of \"floor\" can be stood on");
+    let mut far = insertion(0.0, 0.0);
+    far.place = Place::At(Vec3::new(0.0, 30.0, 0.0));
+    fails(&[Edit::Insert(far)], "stands outside the scene");
+    let mut wall = insertion(0.0, 0.0);
+    let (origin, direction) = (Vec3::Y, Vec3::NEG_Z);
+    wall.place = Place::Seen { origin, direction, group: Some("floor".into()) };
+    fails(&[Edit::Insert(wall.clone())], "shows \"back\", not \"floor\"");
+    wall.place = Place::Seen { origin, direction, group: None };
+    fails(&[Edit::Insert(wall)], "does not face upwards");
+}

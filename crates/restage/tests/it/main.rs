@@ -1,0 +1,6 @@
+//! Tests of edits and of composites.
+
+mod common;
+
+mod composite;
+mod edits;

@@ -1,0 +1,56 @@
+//! The pages in headless Chromium: they load whole and offline, answer to pointer and keys, hold
+//! with many groups, failed ones and names full of markup, and say what run.json says.
+//!
+//! What is done in the browser stands in `check.mjs`. Node.js drives it with puppeteer; the browser
+//! is Chromium or Chrome where there is one, or else one from npm.
+
+use crate::kit::pages::make;
+use crate::kit::programs::{installed, need};
+use crate::kit::recovered;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use unrender::report::{self, Exhibit};
+
+/// The exit code with which check.mjs says that there is no browser.
+const NO_BROWSER: i32 = 77;
+
+#[test]
+#[ignore = "slow: needs a browser, which .ci/programs installs"]
+fn the_pages_work_in_a_browser() {
+    let Some(scripts) = need(scripts()) else { return };
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("external");
+    std::fs::create_dir_all(&folder).unwrap();
+    recovered::make(&folder.join("real"));
+    make(&folder.join("few"), 9, (480, 320));
+    make(&folder.join("many"), 60, (480, 320));
+    let runs = ["few", "many"].map(|name| folder.join(name));
+    let text = report::comparison(&runs).unwrap();
+    std::fs::write(folder.join("comparison.html"), text).unwrap();
+    let exhibit = |file: &str| Exhibit {
+        file: file.to_owned(),
+        title: "<i>Title</i>".to_owned(),
+        caption: "The caption & more".to_owned(),
+    };
+    let exhibits = ["photo.png", "rerendered.png"].map(exhibit);
+    let text =
+        report::gallery("A gallery", "of two", &runs[0], Some(&exhibits), &exhibits).unwrap();
+    std::fs::write(folder.join("gallery.html"), text).unwrap();
+    let output = Command::new("node").arg(scripts.join("check.mjs")).arg(&folder).output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    println!("{}", text(&output.stdout));
+    if output.status.code() == Some(NO_BROWSER) {
+        need::<()>(Err(text(&output.stderr)));
+        return;
+    }
+    assert!(output.status.success(), "{}", text(&output.stderr));
+}
+
+/// The scripts as they are now, beside what npm has installed for them.
+fn scripts() -> Result<PathBuf, String> {
+    let folder = installed("report-browser")?;
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/external/report_browser");
+    for file in ["browser.mjs", "check.mjs"] {
+        std::fs::copy(source.join(file), folder.join(file)).map_err(|error| error.to_string())?;
+    }
+    Ok(folder)
+}

@@ -1,0 +1,62 @@
+//! Figure 8 of the paper from its picture: a Cornell box with an anisotropic floor. At full size it
+//! takes minutes; a picture of a sixteenth of the pixels guards the same on every run.
+
+use crate::kit::example::{Limits, beside_crates, recovers};
+use unrender::formats::picture;
+use unrender::scene::{Image, Rgb, RgbImage};
+
+/// Pixels of the full picture on a side of one of the small picture.
+const SHRINK: usize = 4;
+
+/// The picture of `SHRINK` times larger pixels: their radiance is the mean.
+fn small(picture: &RgbImage) -> RgbImage {
+    Image::from_fn(picture.width() / SHRINK, picture.height() / SHRINK, |x, y| {
+        let at = |i: usize| *picture.at(SHRINK * x + i % SHRINK, SHRINK * y + i / SHRINK);
+        let count = SHRINK * SHRINK;
+        (0..count).map(at).sum::<Rgb>() / count as f32
+    })
+}
+
+// Reached are 0.0025, 1.32 % and 0.22 degrees; by the seeds 2 to 5 up to 0.0046, 1.86 % and 1.41 degrees. Under
+// seed 1 the floor is called isotropic: the anisotropic lobe that light samples lead to is 13 degrees off, and is
+// not borne out.
+#[test]
+fn a_small_figure_8_is_drafted() {
+    let limits = Limits { rho: 0.005, alpha_percent: 1.9, degrees: 1.5 };
+    small_figure_8_is_recovered("draft", &limits);
+}
+
+// Reached are 0.0016, 0.36 % and 0.15 degrees.
+#[test]
+#[ignore = "slow: the usual effort"]
+fn a_small_figure_8_is_recovered() {
+    let limits = Limits { rho: 0.0025, alpha_percent: 0.7, degrees: 0.4 };
+    small_figure_8_is_recovered("normal", &limits);
+}
+
+fn small_figure_8_is_recovered(effort: &str, limits: &Limits) {
+    let example = beside_crates("examples/fig8");
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["fig8.toml", "scene.glb", "truth.json"] {
+        std::fs::copy(example.join(name), folder.path().join(name)).unwrap();
+    }
+    let (full, _) = picture::read(&example.join("photo.exr")).unwrap();
+    picture::write(&folder.path().join("photo.exr"), &small(&full.to_linear())).unwrap();
+    recovers(folder.path(), "fig8.toml", &["--effort", effort, "--spp", "2"], limits);
+}
+
+// The direction's standard deviation is 0.18 degrees: it is not held to the tenth of a degree that
+// was wished for.
+#[test]
+#[ignore = "slow: Figure 8 at 512 x 512"]
+fn figure_8_is_recovered_from_linear_radiance() {
+    let limits = Limits { rho: 0.002, alpha_percent: 0.5, degrees: 0.25 };
+    recovers(&beside_crates("examples/fig8"), "fig8.toml", &[], &limits);
+}
+
+#[test]
+#[ignore = "slow: Figure 8 at 512 x 512"]
+fn figure_8_is_recovered_from_8_bits() {
+    let limits = Limits { rho: 0.005, alpha_percent: 2.0, degrees: 0.5 };
+    recovers(&beside_crates("examples/fig8"), "fig8_png.toml", &[], &limits);
+}

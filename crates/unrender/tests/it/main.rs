@@ -1,0 +1,32 @@
+//! Tests of the command and of the library behind it, and of what the documents say.
+
+#[path = "../kit/mod.rs"]
+mod kit;
+
+mod architecture;
+mod book;
+mod bracket;
+mod calibrate;
+mod check;
+mod command;
+mod corpus_recovery;
+mod export_command;
+mod exports;
+mod farm;
+mod fig8_recovery;
+mod fig8_reference;
+mod interrupt;
+mod long_render;
+mod photometric;
+mod project;
+mod project_camera;
+mod project_groups;
+mod project_light;
+mod relight;
+mod report;
+mod restage;
+mod resume;
+mod room_recovery;
+mod safe;
+mod score;
+mod split;
