@@ -1,7 +1,7 @@
 //! The other programs, from PyPI, each in a folder of its own beside the build's outputs.
 
 pub(crate) mod cycles;
-#[path = "../../../crates/unrender/tests/it/programs/install.rs"]
+#[path = "../../../crates/unrender/tests/kit/programs/install.rs"]
 #[allow(dead_code)]
 mod install;
 pub(crate) mod mitsuba;

@@ -6,7 +6,6 @@
 //! each, for every mirrored surface, in a table for `docs/method/paper.md`. Written are
 //! `paper-steps.png`, and `paper-directions.svg`: the difference's mean deviation against the direction.
 
-#[path = "../../tests/cornell_box/mod.rs"]
 mod cornell_box;
 mod floor;
 mod plots;

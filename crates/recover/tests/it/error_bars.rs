@@ -16,11 +16,11 @@ use unrender_render::sampler::mix;
 use unrender_render::{Settings, Tracer};
 use unrender_scene::{Group, Image, Material, Rgb, RgbImage, Scene, WardModel};
 
-const SIDE: usize = 64;
+const SIDE: usize = 40;
 /// Of the slow test, whose shares have standard deviations of about one percent.
 const REALISATIONS: u64 = 72;
 /// Of the fast one: a third of its time, the rest is the picture that they are of.
-const FEW: u64 = 16;
+const FEW: u64 = 12;
 /// Of the photograph, relative.
 const NOISE: f32 = 0.03;
 
@@ -148,7 +148,7 @@ fn errors(recovery: &Recovery, errors: &mut Errors) {
 fn realised(realisations: u64, effort: Effort) -> (Vec<Recovery>, Errors) {
     let scene = room(WardModel::WardGmd.into());
     let tracer = Tracer::new(&scene);
-    let settings = Settings { spp: 4096, seed: 99, ..Settings::default() };
+    let settings = Settings { spp: 2048, seed: 99, ..Settings::default() };
     let clean = tracer.render(&scene.materials(), &camera(), (SIDE, SIDE), &settings, &|_| {}).mean;
     let recoveries: Vec<Recovery> = (0..realisations)
         .into_par_iter()

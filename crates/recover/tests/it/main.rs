@@ -2,7 +2,7 @@
 //! bits wherever it is cut off.
 
 mod brushed_room;
-mod cornell_box;
+mod stripes;
 
 mod error_bars;
 mod ggx;

@@ -1,7 +1,7 @@
 //! A mirror that is thought to be a sharp lobe is found to be a mirror: no photograph tells it from the sharpest
 //! lobe that is searched.
 
-use crate::brushed_room::{BACK, LEFT, camera, room, truth};
+use crate::brushed_room::{BACK, camera, room, truth};
 use unrender_recover::{
     GroupSpec, Hypothesis, Observation, Options, Picture, Problem, Recovery, Role, View,
     refine_from,
@@ -9,7 +9,7 @@ use unrender_recover::{
 use unrender_render::{Settings, Tracer};
 use unrender_scene::{Image, Material, Rgb, RgbImage, Scene, WardModel};
 
-const SIDE: usize = 64;
+const SIDE: usize = 40;
 /// Paths a pixel of the photograph.
 const PATHS: u32 = 256;
 
@@ -27,7 +27,8 @@ fn photograph(scene: &Scene) -> Picture {
     }
 }
 
-/// What becomes of the room with this back wall where it is thought to be a lobe of the roughness `alpha`.
+/// What becomes of the room with this back wall where it is thought to be a lobe of the roughness `alpha`, and all
+/// else is known.
 fn refined(back: Material, alpha: f32) -> Recovery {
     let mut materials = truth();
     materials[BACK] = back;
@@ -39,7 +40,9 @@ fn refined(back: Material, alpha: f32) -> Recovery {
     let geometry = unrender_recover::Renderer::geometry(&view);
     let observation = Observation::new(photograph(&scene), geometry, scene.groups.len());
     let mut groups: Vec<GroupSpec> = scene.groups.iter().map(GroupSpec::of).collect();
-    groups[LEFT].role = Role::Known;
+    for (_, known) in groups.iter_mut().enumerate().filter(|(group, _)| *group != BACK) {
+        known.role = Role::Known;
+    }
     let problem = Problem::new(&observation, &view, groups);
     let mut thought = materials.clone();
     (thought[BACK].alpha_x, thought[BACK].alpha_y) = (alpha, alpha);

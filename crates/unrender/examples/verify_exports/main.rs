@@ -5,7 +5,7 @@
 //! ...]`. Programs
 //! that are not named keep their tables. What is needed comes from PyPI, Blender's 350 MB included.
 
-#[path = "../../tests/programs/mod.rs"]
+#[path = "../../tests/kit/programs/mod.rs"]
 mod programs;
 mod table;
 

@@ -13,7 +13,7 @@ use unrender::scene::{
     Camera, Group, Light, LightKind, Material, Mesh, Object, Rgb, RgbImage, Scene, WardModel, color,
 };
 
-const SIZE: (usize, usize) = (96, 80);
+const SIZE: (usize, usize) = (72, 60);
 const EXPOSURE: f32 = 2.4;
 const RHO: [(&str, [f32; 3]); 5] = [
     ("floor", [0.5, 0.4, 0.3]),
@@ -80,7 +80,7 @@ impl Shot {
         let folder = std::env::temp_dir().join(format!("unrender-{}-{test}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let camera = scene.cameras[0].clone();
-        let render = Settings { spp: 512, seed: 77, ..Settings::default() };
+        let render = Settings { spp: 256, seed: 77, ..Settings::default() };
         let tracer = Tracer::new(scene);
         let radiance = tracer.render(&scene.materials(), &camera, SIZE, &render, &|_| {}).mean;
         let vignetting = law.map(|law| Vignetting { law, camera, size: SIZE });

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use unrender::scene::{Image, Rgb, RgbImage};
 
 /// The largest errors that an example's result may have.
 pub(crate) struct Limits {
@@ -13,6 +14,15 @@ pub(crate) struct Limits {
 /// The folder `name` beside the crates.
 pub(crate) fn beside_crates(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
+}
+
+/// The picture of `times` by `times` larger pixels: their radiance is the mean.
+pub(crate) fn shrunk(picture: &RgbImage, times: usize) -> RgbImage {
+    Image::from_fn(picture.width() / times, picture.height() / times, |x, y| {
+        let at = |i: usize| *picture.at(times * x + i % times, times * y + i / times);
+        let count = times * times;
+        (0..count).map(at).sum::<Rgb>() / count as f32
+    })
 }
 
 /// Recovers the project `file` in `folder`, with `flags`, and scores it against the folder's

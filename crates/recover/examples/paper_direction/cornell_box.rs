@@ -1,7 +1,5 @@
 //! The box of the paper's Figure 8, as `examples/fig8` has it: metres, y up.
 
-#![allow(dead_code)]
-
 use glam::{Vec2, Vec3};
 use unrender_scene::{BrdfModel, Camera, Group, Material, Mesh, Object, Rgb, Scene, WardModel};
 
