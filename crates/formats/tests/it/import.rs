@@ -1,34 +1,11 @@
 //! Scenes of Mitsuba and Radiance that others wrote: common plugins and primitives, and faults.
 
+use crate::support::Folder;
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use unrender_formats::load_scene;
 use unrender_scene::{BrdfModel, LightKind, Rgb, Scene, Warnings};
-
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let name = format!("unrender-import-{}-{name}", std::process::id());
-        let path = std::env::temp_dir().join(name);
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn write(&self, name: &str, text: &str) -> PathBuf {
-        let path = self.0.join(name);
-        std::fs::write(&path, text).unwrap();
-        path
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // A folder that is left behind in the temporary files does no harm.
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
 
 fn loaded(path: &Path) -> (Scene, Warnings) {
     load_scene(path).unwrap_or_else(|error| panic!("{error}"))
@@ -72,8 +49,8 @@ const MITSUBA: &str = r#"<scene version="3.0.0">
 
 #[test]
 fn common_plugins_of_mitsuba_are_read() {
-    let folder = Folder::new("mitsuba");
-    let (scene, warnings) = loaded(&folder.write("scene.xml", MITSUBA));
+    let folder = Folder::new();
+    let (scene, warnings) = loaded(&folder.file("scene.xml", MITSUBA));
     let group = |name: &str| &scene.groups[scene.group_index(name).unwrap()];
     assert_eq!(group("white").material.rho_d, Rgb::new(0.7, 0.6, 0.5));
     let steel = &group("steel").material;
@@ -128,7 +105,7 @@ fn assert_round(scene: &Scene, name: &str, area: f32, is_right: impl Fn(&Vec3) -
 
 #[test]
 fn microfacets_are_those_of_ggx_where_all_are() {
-    let folder = Folder::new("ggx");
+    let folder = Folder::new();
     let rough = |id: &str, kind: &str| {
         format!(
             "<bsdf type=\"roughconductor\" id=\"{id}\"><string name=\"material\" value=\"none\"/>\
@@ -139,7 +116,7 @@ fn microfacets_are_those_of_ggx_where_all_are() {
     };
     let scene = |kinds: [&str; 2]| {
         let (one, other) = (rough("one", kinds[0]), rough("other", kinds[1]));
-        loaded(&folder.write("scene.xml", &format!("<scene>{one}{other}</scene>")))
+        loaded(&folder.file("scene.xml", format!("<scene>{one}{other}</scene>")))
     };
     let (all, warnings) = scene(["ggx", "ggx"]);
     assert_eq!((all.brdf, warnings.0.len()), (BrdfModel::Ggx, 0), "{warnings:?}");
@@ -155,7 +132,7 @@ fn microfacets_are_those_of_ggx_where_all_are() {
 
 #[test]
 fn faults_in_mitsuba_scenes_are_named() {
-    let folder = Folder::new("mitsuba-faults");
+    let folder = Folder::new();
     let cases = [
         ("<scene><shape type=\"rectangle\">", "is no XML"),
         ("<scene version=\"3.0.0\"/>", "no triangles"),
@@ -178,16 +155,14 @@ fn faults_in_mitsuba_scenes_are_named() {
         ),
     ];
     for (text, said) in cases {
-        let told = problem(&folder.write("scene.xml", text));
+        let told = problem(&folder.file("scene.xml", text));
         assert!(told.contains("scene.xml: ") && told.contains(said), "{told}");
     }
-    folder.write(
-        "bad.ply",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n",
-    );
+    folder
+        .file("bad.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n");
     let text =
         "<scene><shape type=\"ply\"><string name=\"filename\" value=\"bad.ply\"/></shape></scene>";
-    assert!(problem(&folder.write("scene.xml", text)).contains("bad.ply"));
+    assert!(problem(&folder.file("scene.xml", text)).contains("bad.ply"));
 }
 
 const RADIANCE: &str = "# a room
@@ -215,10 +190,10 @@ sun source disk 0 0 4 0 1 0 .5
 
 #[test]
 fn common_primitives_of_radiance_are_read() {
-    let folder = Folder::new("radiance");
-    folder.write("part.rad", RADIANCE);
-    let main = folder.write("scene.rad", "!xform part.rad\n!gensky 6 21 12\n");
-    folder.write("scene.vf", "rvu -vtv -vp 0 1 4 -vd 0 0 -1 -vu 0 1 0 -vh 60 -vv 30 -vs 0 -vl 0\n");
+    let folder = Folder::new();
+    folder.file("part.rad", RADIANCE);
+    let main = folder.file("scene.rad", "!xform part.rad\n!gensky 6 21 12\n");
+    folder.file("scene.vf", "rvu -vtv -vp 0 1 4 -vd 0 0 -1 -vu 0 1 0 -vh 60 -vv 30 -vs 0 -vl 0\n");
     let (scene, warnings) = loaded(&main);
     let group = |name: &str| &scene.groups[scene.group_index(name).unwrap()];
     assert_eq!(group("white").material.rho_d, Rgb::new(0.7, 0.6, 0.5));
@@ -246,7 +221,7 @@ fn common_primitives_of_radiance_are_read() {
 
 #[test]
 fn faults_in_radiance_scenes_are_named() {
-    let folder = Folder::new("radiance-faults");
+    let folder = Folder::new();
     let cases = [
         ("void plastic", "line 1: ends in the middle"),
         ("void plastic a 0 0 5 1 1", "how many arguments"),
@@ -258,7 +233,7 @@ fn faults_in_radiance_scenes_are_named() {
         ("!xform scene.rad", "including itself"),
     ];
     for (text, said) in cases {
-        let told = problem(&folder.write("scene.rad", text));
+        let told = problem(&folder.file("scene.rad", text));
         assert!(told.contains("scene.rad: ") && told.contains(said), "{told}");
     }
 }
@@ -278,7 +253,7 @@ const L: [[f32; 2]; 6] = [[2., 0.], [2., 1.], [1., 1.], [1., 2.], [0., 2.], [0.,
 
 #[test]
 fn polygons_that_are_not_convex_keep_their_shape() {
-    let folder = Folder::new("concave");
+    let folder = Folder::new();
     let corners: String = L.map(|[x, y]| format!("{x} {y} 0 ")).concat();
     let rad = format!("void light l 0 0 3 1 1 1\nl polygon p 0 0 18 {corners}\n");
     let corners: String = L.map(|[x, y]| format!("v {x} {y} 0\n")).concat();
@@ -289,11 +264,11 @@ fn polygons_that_are_not_convex_keep_their_shape() {
          property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
          {corners}6 0 1 2 3 4 5\n"
     );
-    folder.write("l.ply", &ply);
+    folder.file("l.ply", &ply);
     let shape = "<shape type=\"ply\"><string name=\"filename\" value=\"l.ply\"/></shape>";
     let xml = format!("<scene version=\"3.0.0\">{shape}</scene>");
     for (name, text) in [("l.rad", rad), ("l.obj", obj), ("l.xml", xml)] {
-        let scene = unrender_formats::load_model(&folder.write(name, &text)).unwrap().0;
+        let scene = unrender_formats::load_model(&folder.file(name, &text)).unwrap().0;
         assert!((area(&scene) - 3.0).abs() < 1e-5, "{name}: {} instead of 3", area(&scene));
     }
 }
@@ -302,22 +277,22 @@ fn polygons_that_are_not_convex_keep_their_shape() {
 /// (rendered with Mitsuba 3.9.1 to see: a red-over-blue picture on a PLY quad with v = 0 at the top).
 #[test]
 fn mitsuba_counts_v_from_the_top() {
-    let folder = Folder::new("upright");
+    let folder = Folder::new();
     let vertices = "0 1 0 0 0\n1 1 0 1 0\n0 0 0 0 1\n";
-    folder.write(
+    folder.file(
         "t.ply",
-        &format!(
+        format!(
             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
              property float z\nproperty float u\nproperty float v\nelement face 1\n\
              property list uchar int vertex_indices\nend_header\n{vertices}3 0 2 1\n"
         ),
     );
-    folder.write("t.obj", "v 0 1 0\nv 1 1 0\nv 0 0 0\nvt 0 1\nvt 1 1\nvt 0 0\nf 1/1 3/3 2/2\n");
+    folder.file("t.obj", "v 0 1 0\nv 1 1 0\nv 0 0 0\nvt 0 1\nvt 1 1\nvt 0 0\nf 1/1 3/3 2/2\n");
     let at_top = |kind: &str, more: &str| {
         let file = format!("<string name=\"filename\" value=\"t.{kind}\"/>");
         let shape = format!("<shape type=\"{kind}\">{file}{more}</shape>");
         let xml = format!("<scene version=\"3.0.0\">{shape}</scene>");
-        let path = folder.write("scene.xml", &xml);
+        let path = folder.file("scene.xml", &xml);
         let mesh = unrender_formats::load_model(&path).unwrap().0.objects[0].mesh.clone();
         let top = mesh.positions.iter().position(|p| p.y > 0.5).unwrap();
         mesh.uvs[top].y
@@ -329,12 +304,12 @@ fn mitsuba_counts_v_from_the_top() {
 
 #[test]
 fn pictures_of_materials_lie_beside_the_material_file() {
-    let folder = Folder::new("mtl");
-    std::fs::create_dir_all(folder.0.join("mats")).unwrap();
+    let folder = Folder::new();
+    std::fs::create_dir_all(folder.path("mats")).unwrap();
     let tex = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/hostile/tex a.png");
-    std::fs::copy(&tex, folder.0.join("mats/wood.png")).unwrap();
-    std::fs::write(folder.0.join("mats/a.mtl"), "newmtl wood\nmap_Kd wood.png\n").unwrap();
+    std::fs::copy(&tex, folder.path("mats/wood.png")).unwrap();
+    folder.file("mats/a.mtl", "newmtl wood\nmap_Kd wood.png\n");
     let text = "mtllib mats/a.mtl\nusemtl wood\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-    let (scene, _) = unrender_formats::load_model(&folder.write("a.obj", text)).unwrap();
+    let (scene, _) = unrender_formats::load_model(&folder.file("a.obj", text)).unwrap();
     assert!(scene.groups[0].material.texture.is_some());
 }

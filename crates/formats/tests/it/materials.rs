@@ -1,19 +1,13 @@
 //! materials.json: read leniently, written in a fixed order, put onto a scene.
 
+use crate::support::Folder;
 use glam::Vec3;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use unrender_formats::materials::{
     self, AlternativeEntry, GroupEntry, Hypothesis, LightEntry, MaterialsFile, Status, StdEntry,
 };
 use unrender_formats::picture;
 use unrender_scene::{Group, Image, Light, LightKind, Material, Rgb, Scene, WardModel};
-
-fn folder(test: &str) -> PathBuf {
-    let folder =
-        std::env::temp_dir().join(format!("unrender-materials-{}-{test}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
 
 fn scene(names: &[&str]) -> Scene {
     let group = |name: &&str| Group {
@@ -96,8 +90,8 @@ fn lights_shine_as_the_file_says() {
 
 #[test]
 fn lights_and_alternatives_come_back_and_are_left_out_where_there_are_none() {
-    let folder = folder("lights");
-    let path = folder.join("materials.json");
+    let folder = Folder::new();
+    let path = folder.path("materials.json");
     let mut file = MaterialsFile::default();
     let light = |intensity, std| LightEntry { intensity, std, panorama: None };
     file.lights.insert("z".into(), light(Some([1.0, 2.0, 0.1]), Some([0.1, f32::NAN, 0.1])));
@@ -127,7 +121,6 @@ fn lights_and_alternatives_come_back_and_are_left_out_where_there_are_none() {
     materials::write(&path, &file).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     assert!(!text.contains("lights") && !text.contains("alternatives"), "{text}");
-    std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]
@@ -150,8 +143,8 @@ fn numbers_out_of_range_name_group_and_key() {
 
 #[test]
 fn files_come_back_as_they_were_written() {
-    let folder = folder("round");
-    let path = folder.join("materials.json");
+    let folder = Folder::new();
+    let path = folder.path("materials.json");
     let floor = GroupEntry {
         hypothesis: Some(Hypothesis::PartialMirror),
         status: Some(Status::Assumed),
@@ -173,13 +166,12 @@ fn files_come_back_as_they_were_written() {
     let at = |key: &str| text.find(key).unwrap();
     assert!(at("\"z\"") < at("\"a\"") && at("hypothesis") < at("status"), "{text}");
     assert!(text.contains("partial-mirror") && text.contains("0.1,"), "{text}");
-    std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]
 fn faulty_files_are_named() {
-    let folder = folder("faults");
-    let path = folder.join("m.json");
+    let folder = Folder::new();
+    let path = folder.path("m.json");
     for (text, problem) in [
         ("{", "EOF"),
         ("{}", "missing field `groups`"),
@@ -194,31 +186,29 @@ fn faulty_files_are_named() {
     std::fs::write(&path, r#"{"groups": {"a": {"alpha_x": -1}}}"#).unwrap();
     let error = materials::apply_from(&path, &mut scene(&["a"])).unwrap_err().to_string();
     assert!(error.contains("m.json: the materials' group \"a\": alpha_x"), "{error}");
-    std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]
 fn textures_prefer_the_linear_exr_and_give_way_to_rho_d() {
-    let folder = folder("texture");
+    let folder = Folder::new();
     let texture = Image::from_fn(2, 1, |x, _| Rgb::splat(if x == 0 { 0.2 } else { 0.3 }));
-    picture::write(&folder.join("t.png"), &texture).unwrap();
+    picture::write(&folder.path("t.png"), &texture).unwrap();
     let file = parsed(r#"{"groups": {"floor": {"texture": "t.png"}}}"#);
     let mut scene = scene(&["floor"]);
     let first = |scene: &Scene| scene.groups[0].material.texture.as_ref().unwrap().image.clone();
 
-    materials::apply(&file, &folder, &mut scene).unwrap();
+    materials::apply(&file, folder.root(), &mut scene).unwrap();
     assert!((first(&scene).pixels()[0].x - 0.2).abs() < 2e-3);
-    picture::write(&folder.join("t.exr"), &texture).unwrap();
-    materials::apply(&file, &folder, &mut scene).unwrap();
+    picture::write(&folder.path("t.exr"), &texture).unwrap();
+    materials::apply(&file, folder.root(), &mut scene).unwrap();
     assert_eq!(first(&scene), texture);
     assert!((scene.groups[0].material.rho_d.x - 0.25).abs() < 1e-6);
 
     let file = parsed(r#"{"groups": {"floor": {"rho_d": [1, 1, 1]}}}"#);
-    let warnings = materials::apply(&file, &folder, &mut scene).unwrap();
+    let warnings = materials::apply(&file, folder.root(), &mut scene).unwrap();
     assert!(scene.groups[0].material.texture.is_none() && warnings.0.len() == 1);
 
     let file = parsed(r#"{"groups": {"floor": {"texture": "none.png"}}}"#);
-    let error = materials::apply(&file, &folder, &mut scene).unwrap_err();
+    let error = materials::apply(&file, folder.root(), &mut scene).unwrap_err();
     assert!(error.to_string().contains("none.png"), "{error}");
-    std::fs::remove_dir_all(folder).unwrap();
 }

@@ -1,19 +1,13 @@
 //! Pictures: what is written comes back, whatever the orientation, and faults are named.
 
+use crate::support::Folder;
 use image::codecs::png::PngEncoder;
 use image::codecs::tiff::TiffEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use std::io::Cursor;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use unrender_formats::picture::{self, Depth, Picture};
 use unrender_scene::{Image, Rgb, RgbImage};
-
-fn folder(test: &str) -> PathBuf {
-    let folder =
-        std::env::temp_dir().join(format!("unrender-pictures-{}-{test}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
 
 fn ramp() -> RgbImage {
     Image::from_fn(7, 5, |x, y| Rgb::new(x as f32, y as f32, 3.0) / 7.0)
@@ -152,32 +146,30 @@ fn float_tiffs_keep_their_values() {
 
 #[test]
 fn written_pictures_come_back() {
-    let folder = folder("round");
+    let folder = Folder::new();
     for (name, tolerance) in [("a.exr", 0.0), ("a.hdr", 0.01), ("a.png", 0.005)] {
-        assert_eq!(picture::write(&folder.join(name), &ramp()), Ok(0));
-        let (picture, warnings) = picture::read(&folder.join(name)).unwrap();
+        assert_eq!(picture::write(&folder.path(name), &ramp()), Ok(0));
+        let (picture, warnings) = picture::read(&folder.path(name)).unwrap();
         assert!(warnings.0.is_empty());
         for (back, wanted) in picture.to_linear().pixels().iter().zip(ramp().pixels()) {
             assert!((*back - *wanted).abs().max_element() <= tolerance, "{name}: {back} {wanted}");
         }
     }
-    let error = picture::write(&folder.join("a.bmp"), &ramp()).unwrap_err();
+    let error = picture::write(&folder.path("a.bmp"), &ramp()).unwrap_err();
     assert!(error.to_string().contains("end the name in .exr"), "{error}");
-    std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]
 fn what_is_not_finite_is_counted_and_never_written() {
-    let folder = folder("finite");
+    let folder = Folder::new();
     let mut picture = ramp();
     picture.pixels_mut()[3] = Rgb::new(f32::NAN, 1.0, f32::INFINITY);
     for name in ["a.exr", "a.hdr", "a.png"] {
-        assert_eq!(picture::write(&folder.join(name), &picture), Ok(2), "{name}");
-        let (back, _) = picture::read(&folder.join(name)).unwrap();
+        assert_eq!(picture::write(&folder.path(name), &picture), Ok(2), "{name}");
+        let (back, _) = picture::read(&folder.path(name)).unwrap();
         assert!(back.invalid.is_empty());
         assert_eq!(back.values.pixels()[3].x, 0.0);
     }
-    std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]

@@ -1,31 +1,10 @@
 //! Pictures of whole numbers come back to the bit, and panoramas as environments; faults are named.
 
-use std::path::{Path, PathBuf};
+use crate::support::Folder;
+use std::path::Path;
 use unrender_formats::picture::{self, read_environment};
 use unrender_formats::planes::{self, Planes};
 use unrender_scene::{Image, Rgb, RgbImage};
-
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(test: &str) -> Self {
-        let name = format!("unrender-planes-{}-{test}", std::process::id());
-        let path = std::env::temp_dir().join(name);
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // A folder that is left behind in the temporary files does no harm.
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
 
 fn ramp() -> RgbImage {
     Image::from_fn(7, 5, |x, y| Rgb::new(x as f32, y as f32, 3.0) / 7.0)
@@ -39,7 +18,7 @@ fn planes() -> Planes {
 
 #[test]
 fn whole_numbers_come_back_and_the_picture_is_a_picture() {
-    let folder = Folder::new("round");
+    let folder = Folder::new();
     let path = folder.path("a.exr");
     planes::write(&path, planes(), &ramp()).unwrap();
     let back = planes::read(&path).unwrap();
@@ -51,7 +30,7 @@ fn whole_numbers_come_back_and_the_picture_is_a_picture() {
 
 #[test]
 fn files_of_another_kind_and_damaged_ones_are_reported() {
-    let folder = Folder::new("bad");
+    let folder = Folder::new();
     let path = folder.path("a.exr");
     let problem = |path: &Path| planes::read(path).unwrap_err().to_string();
     assert!(problem(&path).contains("cannot be read"));
@@ -74,7 +53,7 @@ fn files_of_another_kind_and_damaged_ones_are_reported() {
 
 #[test]
 fn panoramas_are_linear_and_what_is_doubtful_is_reported() {
-    let folder = Folder::new("panorama");
+    let folder = Folder::new();
     let path = folder.path("sky.exr");
     let told = |path: &Path| {
         let (environment, warnings) = read_environment(path, 0.0, 2.0).unwrap();

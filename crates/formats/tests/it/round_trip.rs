@@ -1,7 +1,7 @@
 //! What is written reads back the same: numbers to the bit, geometry, textures, and, in files
 //! that only get other materials, everything else as well.
 
-use crate::support::{Folder, Numbers, changed, damaged, triangle_bytes, triangle_json};
+use crate::support::{Folder, Numbers, changed, damaged, glb, triangle_bytes, triangle_json};
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -130,8 +130,7 @@ fn without_the_extras_the_reader_understands_the_writer() {
         m.as_object_mut().unwrap().remove("extras");
     });
     let start = 28 + u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
-    let (back, _) =
-        load_scene(&folder.file("a.glb", support::glb(&json, &bytes[start..]))).unwrap();
+    let (back, _) = load_scene(&folder.file("a.glb", glb(&json, &bytes[start..]))).unwrap();
     for (group, material) in back.groups.iter().zip(materials()) {
         let near = |a: Rgb, b: Rgb| (a - b).abs().max_element() < 1e-4;
         assert!(near(group.material.rho_s, material.rho_s), "{}", group.name);

@@ -3,7 +3,7 @@
 //! Photographs are renderings of the true room; the model has no textures and wrong reflectances,
 //! as a recovery may leave it.
 
-use crate::common::{SIZE, camera, cuboid, insertion, model, picture, psnr, truth};
+use crate::common::{self, SIZE, camera, cuboid, insertion, model, picture, psnr, truth};
 use glam::Vec3;
 use unrender_render::{Settings, Tracer};
 use unrender_restage::composite::{Gain, Photograph, composite};

@@ -1,6 +1,6 @@
 //! Edits done to a scene, and those that cannot be.
 
-use crate::common::{insertion, model};
+use crate::common::{self, insertion, model};
 use glam::{Vec2, Vec3};
 use unrender_restage::insert::Place;
 use unrender_restage::light::{Alter, LightChange, LightEdit, NewLight};

@@ -1,16 +1,15 @@
 //! Brackets of exposures by the command line and in projects.
 
-use glam::Vec3;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use crate::kit::floor_and_lamp;
+use crate::kit::folder::{Folder, is_refused, stderr, succeeds};
+use std::path::Path;
+use std::process::Output;
 use unrender::formats::picture::{self, Depth};
 use unrender::formats::{gltf, response_curve};
 use unrender::photo::Response;
 use unrender::project::ResponseChoice;
 use unrender::scene::color::srgb_from_linear;
-use unrender::scene::{
-    Camera, Group, Image, Material, Mesh, Object, Picture, Rgb, RgbImage, Scene,
-};
+use unrender::scene::{Image, Picture, Rgb, RgbImage};
 use unrender::{Job, Project};
 
 const SIZE: (usize, usize) = (96, 72);
@@ -23,40 +22,25 @@ fn radiance(x: usize, y: usize) -> f32 {
     4e-3 * 10f32.powf(3.0 * field as f32 / 1000.0)
 }
 
-struct Place(tempfile::TempDir);
-
-impl Place {
-    /// A folder with a bracket of 8-bit sRGB pictures.
-    fn new() -> Self {
-        let place = Self(tempfile::tempdir().unwrap());
-        for (name, time) in ["a.png", "b.png", "c.png"].iter().zip(TIMES) {
-            let code = |x, y| Rgb::splat(srgb_from_linear((time * radiance(x, y)).min(1.0)));
-            let codes = RgbImage::from_fn(SIZE.0, SIZE.1, code);
-            picture::write_png_codes(&place.path(name), &codes, Depth::Eight).unwrap();
-        }
-        place
+/// A folder with a bracket of 8-bit sRGB pictures.
+fn bracket() -> Folder {
+    let folder = Folder::new();
+    for (name, time) in ["a.png", "b.png", "c.png"].iter().zip(TIMES) {
+        let code = |x, y| Rgb::splat(srgb_from_linear((time * radiance(x, y)).min(1.0)));
+        let codes = RgbImage::from_fn(SIZE.0, SIZE.1, code);
+        picture::write_png_codes(&folder.path(name), &codes, Depth::Eight).unwrap();
     }
-
-    fn path(&self, name: impl AsRef<Path>) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn run(&self, arguments: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_unrender"));
-        command.current_dir(self.0.path()).args(arguments).output().unwrap()
-    }
-
-    fn merge(&self, more: &[&str]) -> Output {
-        self.run(&[&["merge-exposures", "a.png", "b.png", "c.png"], more].concat())
-    }
-
-    fn picture(&self, name: &str) -> Picture {
-        picture::read(&self.path(name)).unwrap().0
-    }
+    folder
 }
 
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+/// Merges the bracket, with `more` arguments.
+fn merge(folder: &Folder, more: &[&str]) -> Output {
+    folder.run(&[&["merge-exposures", "a.png", "b.png", "c.png"], more].concat())
+}
+
+/// The picture `name` of the folder.
+fn read(folder: &Folder, name: &str) -> Picture {
+    picture::read(&folder.path(name)).unwrap().0
 }
 
 /// The largest error of the merged picture relative to the radiance, after one factor; and that factor, of the
@@ -82,38 +66,44 @@ fn errors(merged: &Picture) -> [f32; 2] {
 
 #[test]
 fn a_bracket_becomes_one_picture() {
-    let place = Place::new();
+    let folder = bracket();
     let flags = ["--times", STATED, "--out", "m.exr", "--response-out", "curve.csv"];
-    let output = place.merge(&flags);
-    assert!(output.status.success(), "{}", stderr(&output));
-    let text = String::from_utf8(output.stdout).unwrap();
+    let output = merge(&folder, &flags);
+    let text = succeeds(&output);
     assert!(
         text.contains("reference: 1 is its white") && text.contains("response found"),
         "{text}"
     );
-    let merged = place.picture("m.exr");
+    let merged = read(&folder, "m.exr");
     let [worst, unit] = errors(&merged);
     assert!(worst < 0.03 && unit < 0.05, "{worst} {unit}");
     let variance = &merged.merged.as_ref().unwrap().variance;
     assert!(variance.pixels().iter().any(|v| v.x > 0.0));
-    let rows = response_curve::read(&place.path("curve.csv")).unwrap();
+    let rows = response_curve::read(&folder.path("curve.csv")).unwrap();
     assert_eq!(rows.codes.len(), 256);
     // The response as a file, and as a name.
     for response in ["curve.csv", "srgb"] {
-        let output = place.merge(&["--times", STATED, "--response", response, "--out", "n.exr"]);
-        assert!(output.status.success(), "{}", stderr(&output));
-        let [worst, unit] = errors(&place.picture("n.exr"));
+        let output = merge(&folder, &["--times", STATED, "--response", response, "--out", "n.exr"]);
+        succeeds(&output);
+        let [worst, unit] = errors(&read(&folder, "n.exr"));
         assert!(worst < 0.03 && unit < 0.05, "{response}: {worst} {unit}");
     }
     // Floating-point files need none.
     for (name, time) in ["a.exr", "b.exr"].iter().zip(TIMES) {
         let image = Image::from_fn(SIZE.0, SIZE.1, |x, y| Rgb::splat(time * radiance(x, y)));
-        picture::write(&place.path(name), &image).unwrap();
+        picture::write(&folder.path(name), &image).unwrap();
     }
-    let output =
-        place.run(&["merge-exposures", "a.exr", "b.exr", "--times", "0.125,0.5", "--out", "f.exr"]);
-    assert!(output.status.success(), "{}", stderr(&output));
-    let merged = place.picture("f.exr");
+    let output = folder.run(&[
+        "merge-exposures",
+        "a.exr",
+        "b.exr",
+        "--times",
+        "0.125,0.5",
+        "--out",
+        "f.exr",
+    ]);
+    succeeds(&output);
+    let merged = read(&folder, "f.exr");
     assert!(merged.merged.is_some_and(|merged| merged.white_level == Rgb::INFINITY));
     let ratio = merged.values.at(4, 4).x / radiance(4, 4);
     assert!((ratio / 0.5 - 1.0).abs() < 1e-4, "{ratio}");
@@ -121,7 +111,7 @@ fn a_bracket_becomes_one_picture() {
 
 #[test]
 fn what_is_merged_is_read_back() {
-    let place = Place::new();
+    let folder = bracket();
     let variance = RgbImage::from_fn(3, 2, |x, y| Rgb::splat(0.01 * (x + y) as f32));
     let values = RgbImage::from_fn(3, 2, |x, y| Rgb::new(x as f32, y as f32, 7.0));
     let white_level = Rgb::new(9.0, 10.0, 11.0);
@@ -130,24 +120,24 @@ fn what_is_merged_is_read_back() {
     written.invalid = vec![4];
     written.values.pixels_mut()[4] = Rgb::ZERO;
     written.merged.as_mut().unwrap().variance.pixels_mut()[4] = Rgb::ZERO;
-    picture::write_merged(&place.path("m.exr"), &written).unwrap();
-    assert_eq!(place.picture("m.exr"), written);
+    picture::write_merged(&folder.path("m.exr"), &written).unwrap();
+    assert_eq!(read(&folder, "m.exr"), written);
     written.merged.as_mut().unwrap().white_level = Rgb::INFINITY;
-    picture::write_merged(&place.path("m.exr"), &written).unwrap();
-    assert_eq!(place.picture("m.exr"), written);
+    picture::write_merged(&folder.path("m.exr"), &written).unwrap();
+    assert_eq!(read(&folder, "m.exr"), written);
     written.merged.as_mut().unwrap().white_level = Rgb::new(1.0, -1.0, 1.0);
-    picture::write_merged(&place.path("m.exr"), &written).unwrap();
-    let fault = picture::read(&place.path("m.exr")).unwrap_err().to_string();
+    picture::write_merged(&folder.path("m.exr"), &written).unwrap();
+    let fault = picture::read(&folder.path("m.exr")).unwrap_err().to_string();
     assert!(fault.contains("unrenderWhiteLevel that is not above zero"), "{fault}");
 }
 
 #[test]
 fn faults_are_said_and_nothing_is_written() {
-    let place = Place::new();
+    let folder = bracket();
     let small = RgbImage::from_fn(8, 8, |_, _| Rgb::splat(0.5));
-    picture::write_png_codes(&place.path("small.png"), &small, Depth::Eight).unwrap();
+    picture::write_png_codes(&folder.path("small.png"), &small, Depth::Eight).unwrap();
     let black = RgbImage::from_fn(SIZE.0, SIZE.1, |_, _| Rgb::ZERO);
-    picture::write_png_codes(&place.path("black.png"), &black, Depth::Eight).unwrap();
+    picture::write_png_codes(&folder.path("black.png"), &black, Depth::Eight).unwrap();
     let out = ["--out", "m.exr"];
     for (words, problem) in [
         (&["a.png", "--times", "1"][..], "there is 1"),
@@ -170,42 +160,24 @@ fn faults_are_said_and_nothing_is_written() {
             "no response was found, as it is stated",
         ),
     ] {
-        let output = place.run(&[&["merge-exposures"], words, &out].concat());
-        let text = stderr(&output);
-        assert!(!output.status.success() && text.contains(problem), "{words:?}: {text}");
-        assert!(!place.path("m.exr").exists() && !place.path("r.csv").exists(), "{words:?}");
+        let output = folder.run(&[&["merge-exposures"], words, &out].concat());
+        is_refused(&output, problem);
+        assert!(!folder.path("m.exr").exists() && !folder.path("r.csv").exists(), "{words:?}");
     }
-    let output = place.merge(&["--times", STATED, "--out", "m.png"]);
+    let output = merge(&folder, &["--times", STATED, "--out", "m.png"]);
     assert!(stderr(&output).contains("end the name of the merged picture in .exr"));
-}
-
-/// A wall before a camera, and a lamp behind it.
-fn scene() -> Scene {
-    let mut scene = Scene::default();
-    let quads = [
-        ("wall", [[-2., -2., 0.], [2., -2., 0.], [2., 2., 0.], [-2., 2., 0.]], Rgb::ZERO),
-        ("lamp", [[2., -2., 6.], [-2., -2., 6.], [-2., 2., 6.], [2., 2., 6.]], Rgb::splat(3.)),
-    ];
-    for (group, (name, corners, emission)) in quads.into_iter().enumerate() {
-        let mesh = Mesh::flat(&corners.map(Vec3::from_array), &[], &[[0, 1, 2], [0, 2, 3]]);
-        scene.objects.push(Object { name: name.into(), group, mesh });
-        let material = Material::diffuse(Rgb::splat(0.5));
-        scene.groups.push(Group { name: name.into(), material, emission });
-    }
-    scene.cameras.push(Camera::look_at("front", 3.0 * Vec3::Z, Vec3::ZERO, Vec3::Y, 0.8));
-    scene
 }
 
 #[test]
 fn projects_name_brackets() {
-    let place = Place::new();
-    std::fs::write(place.path("scene.glb"), gltf::to_glb(&scene()).unwrap()).unwrap();
+    let folder = bracket();
+    folder.write("scene.glb", &gltf::to_glb(&floor_and_lamp::scene()).unwrap());
     let bracket =
         "photo = { bracket = [\"a.png\", \"b.png\", \"c.png\"], times = [\"1/8\", 0.5, 2] }";
     let text = |photo: &str| format!("scene = \"scene.glb\"\n{photo}\nexposure = 3\n");
-    std::fs::write(place.path("p.toml"), text(bracket)).unwrap();
-    let (project, warnings) = Project::read(&place.path("p.toml")).unwrap();
-    assert_eq!((project.inputs().len(), project.photo.clone()), (5, place.path("a.png")));
+    folder.write("p.toml", &text(bracket));
+    let (project, warnings) = Project::read(&folder.path("p.toml")).unwrap();
+    assert_eq!((project.inputs().len(), project.photo.clone()), (5, folder.path("a.png")));
     let job = Job::load(project, warnings).unwrap();
     assert_eq!(job.transfer.response, Response::Linear);
     assert_eq!(job.project.response, Some(ResponseChoice::Stated(Response::Linear)));
@@ -218,15 +190,15 @@ fn projects_name_brackets() {
     let white = job.picture.merged.as_ref().unwrap().white_level.x;
     assert!(job.transfer.white_level.x == white && white.is_finite());
     // The merged file is the same photograph.
-    let output = place.merge(&["--times", STATED, "--out", "m.exr", "--quiet"]);
-    assert!(output.status.success(), "{}", stderr(&output));
-    std::fs::write(place.path("m.toml"), text("photo = \"m.exr\"")).unwrap();
-    let (project, warnings) = Project::read(&place.path("m.toml")).unwrap();
+    let output = merge(&folder, &["--times", STATED, "--out", "m.exr", "--quiet"]);
+    succeeds(&output);
+    folder.write("m.toml", &text("photo = \"m.exr\""));
+    let (project, warnings) = Project::read(&folder.path("m.toml")).unwrap();
     let merged = Job::load(project, warnings).unwrap();
     assert!(merged.photo == job.photo && merged.transfer.white_level == job.transfer.white_level);
     // A file that is not there, and times of which one is none.
-    std::fs::remove_file(place.path("b.png")).unwrap();
-    let fault = Project::read(&place.path("p.toml")).unwrap_err().to_string();
+    std::fs::remove_file(folder.path("b.png")).unwrap();
+    let fault = Project::read(&folder.path("p.toml")).unwrap_err().to_string();
     assert!(fault.contains("photo.bracket: there is no file"), "{fault}");
     for (photo, problem) in [
         ("photo = { bracket = [\"a.png\"] }", "photo.bracket names 1 photograph(s)"),
@@ -240,8 +212,8 @@ fn projects_name_brackets() {
     for (times, problem) in [("", "states no exposure time"), (", times = [1, 1]", "same exposure")]
     {
         let photo = format!("photo = {{ bracket = [\"a.png\", \"c.png\"]{times} }}");
-        std::fs::write(place.path("p.toml"), text(&photo)).unwrap();
-        let (project, warnings) = Project::read(&place.path("p.toml")).unwrap();
+        folder.write("p.toml", &text(&photo));
+        let (project, warnings) = Project::read(&folder.path("p.toml")).unwrap();
         let error = Job::load(project, warnings).unwrap_err().to_string();
         assert!(error.contains(problem), "{times}: {error}");
     }

@@ -1,68 +1,44 @@
 //! `unrender calibrate`: from files to files that `recover` and `render` read, and its messages.
 
+use crate::kit::folder::{Folder, ends_in_error, stderr, succeeds};
+use crate::kit::meshes::square;
 use glam::{Affine3A, Mat4, Vec3};
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::ops::Deref;
+use std::path::Path;
+use std::process::Output;
 use unrender::formats::{gltf, load_scene, picture};
 use unrender::render::Tracer;
-use unrender::scene::{Camera, Group, Image, Lens, Material, Mesh, Object, Rgb, Scene};
+use unrender::scene::{Camera, Group, Image, Lens, Material, Object, Rgb, Scene};
 use unrender::{Job, Project};
 
 const SIZE: (usize, usize) = (800, 600);
 
 /// A folder with a scene of small tiles in a room, a photograph of the right size, and room for more.
-struct Folder(PathBuf);
+struct Tiles(Folder);
 
-impl Folder {
-    fn new(test: &str) -> Self {
-        let path =
-            std::env::temp_dir().join(format!("unrender-calibrate-{}-{test}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        let folder = Self(path);
-        std::fs::write(folder.path("s.glb"), gltf::to_glb(&scene()).unwrap()).unwrap();
+impl Deref for Tiles {
+    type Target = Folder;
+
+    fn deref(&self) -> &Folder {
+        &self.0
+    }
+}
+
+impl Tiles {
+    /// The folder, with both.
+    fn new() -> Self {
+        let folder = Folder::new();
+        folder.write("s.glb", &gltf::to_glb(&scene()).unwrap());
         let grey = Image::from_fn(SIZE.0, SIZE.1, |_, _| Rgb::splat(0.5));
         picture::write(&folder.path("p.png"), &grey).unwrap();
-        folder
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-
-    fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
-        std::fs::write(self.path(name), content).unwrap();
-        self.path(name)
+        Self(folder)
     }
 
     /// Runs `unrender calibrate` in the folder.
     fn calibrate(&self, arguments: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_unrender"));
-        command.current_dir(&self.0).arg("calibrate").args(arguments).output().unwrap()
+        self.run(&[&["calibrate"], arguments].concat())
     }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // A folder that is left behind in the temporary files does no harm.
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-fn assert_good(output: &Output) -> String {
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    text(&output.stdout)
-}
-
-fn assert_error(output: &Output, problem: &str) {
-    let stderr = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{stderr}");
-    assert!(stderr.contains("error: ") && stderr.contains(problem), "{stderr}");
-    assert!(!stderr.contains("panicked"), "{stderr}");
 }
 
 /// The middles of the tiles.
@@ -77,15 +53,10 @@ fn places() -> Vec<Vec3> {
 }
 
 fn scene() -> Scene {
-    let tile = |middle: &Vec3| {
-        let corner = |x: f32, y: f32| *middle + 0.02 * Vec3::new(x, y, 0.0);
-        let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
-        Mesh::flat(&corners, &[], &[[0, 1, 2], [0, 2, 3]])
-    };
     let object = |(index, middle): (usize, &Vec3)| Object {
         name: format!("tile{index}"),
         group: 0,
-        mesh: tile(middle),
+        mesh: square(*middle, Vec3::Z, 0.02),
     };
     let material = Material::diffuse(Rgb::splat(0.5));
     let groups = vec![Group { name: "tiles".into(), material, emission: Rgb::ONE }];
@@ -130,10 +101,10 @@ fn job(path: &Path) -> Job {
 
 #[test]
 fn a_new_project_has_the_camera_of_the_photograph() {
-    let folder = Folder::new("new");
-    folder.write("points.csv", points(&bent()));
+    let folder = Tiles::new();
+    folder.write("points.csv", &points(&bent()));
     std::fs::create_dir(folder.path("sub")).unwrap();
-    let told = assert_good(&folder.calibrate(&[
+    let told = succeeds(&folder.calibrate(&[
         "p.png",
         "--scene",
         "s.glb",
@@ -172,37 +143,38 @@ fn rays_go_through_the_lens() {
 
 #[test]
 fn a_project_keeps_all_but_its_camera_and_wrong_pairs_are_named() {
-    let folder = Folder::new("keep");
+    let folder = Tiles::new();
     let mut lines: Vec<String> = points(&view()).lines().map(str::to_owned).collect();
     for (line, pixel) in [(3, "700.5,20.5"), (8, "12.5,580.5"), (9, "400.5,300.5")] {
         let rest: Vec<&str> = lines[line].split(',').skip(2).collect();
         lines[line] = format!("{pixel},{}", rest.join(","));
     }
-    folder.write("points.csv", lines.join("\n"));
+    folder.write("points.csv", &lines.join("\n"));
     let head = "# the room\nscene = \"s.glb\" # as measured\nphoto = \"p.png\"\nexposure = 1.0\n";
-    folder.write("a.toml", format!("{head}camera = \"door\"\n\n[recover]\nbrdf = \"ward-1992\"\n"));
-    let told = assert_good(&folder.calibrate(&["--points", "points.csv", "--out", "a.toml"]));
+    folder
+        .write("a.toml", &format!("{head}camera = \"door\"\n\n[recover]\nbrdf = \"ward-1992\"\n"));
+    let told = succeeds(&folder.calibrate(&["--points", "points.csv", "--out", "a.toml"]));
     assert!(told.contains("21 of 24 pairs"), "{told}");
     for name in ["tile 1,", "tile 6,", "tile 7,"] {
         assert!(told.contains(&format!("thrown out: {name}")), "{told}");
     }
     assert!(told.contains("k1                 0.00000") && told.contains("held"), "{told}");
-    let text = std::fs::read_to_string(folder.path("a.toml")).unwrap();
+    let text = folder.text("a.toml");
     assert!(text.starts_with(&format!("{head}\n[recover]\nbrdf = \"ward-1992\"\n")), "{text}");
     assert!(text.contains("# Calibrated from points.csv: 21 of 24 pairs,"), "{text}");
     assert_alike(&job(&folder.path("a.toml")).camera, &view(), 0.02);
-    let again = assert_good(&folder.calibrate(&["--points", "points.csv", "--out", "a.toml"]));
+    let again = succeeds(&folder.calibrate(&["--points", "points.csv", "--out", "a.toml"]));
     assert_eq!(told, again);
-    assert_eq!(std::fs::read_to_string(folder.path("a.toml")).unwrap(), text);
+    assert_eq!(folder.text("a.toml"), text);
 }
 
 #[test]
 fn a_scene_gets_the_camera() {
-    let folder = Folder::new("scene");
-    folder.write("points.csv", points(&view()));
+    let folder = Tiles::new();
+    folder.write("points.csv", &points(&view()));
     let arguments =
         ["p.png", "--scene", "s.glb", "--points", "points.csv", "--out", "seen.glb", "--quiet"];
-    assert_eq!(assert_good(&folder.calibrate(&arguments)), "");
+    assert_eq!(succeeds(&folder.calibrate(&arguments)), "");
     let (seen, _) = load_scene(&folder.path("seen.glb")).unwrap();
     let (before, _) = load_scene(&folder.path("s.glb")).unwrap();
     assert_eq!((&seen.objects, &seen.groups), (&before.objects, &before.groups));
@@ -211,10 +183,10 @@ fn a_scene_gets_the_camera() {
     assert_alike(&seen.cameras[0], &view(), 0.02);
     // A second time, into the file itself, replaces the camera.
     let again = ["p.png", "--scene", "seen.glb", "--points", "points.csv", "--out", "seen.glb"];
-    assert_good(&folder.calibrate(&again));
+    succeeds(&folder.calibrate(&again));
     assert_eq!(load_scene(&folder.path("seen.glb")).unwrap().0, seen);
     let bending = [&arguments[..7], &["--distortion"]].concat();
-    assert_error(&folder.calibrate(&bending), "seen.glb: glTF has no words for");
+    ends_in_error(&folder.calibrate(&bending), "seen.glb: glTF has no words for");
 }
 
 /// An fSpy project whose world has z upwards, and lengths in feet.
@@ -247,27 +219,27 @@ fn fspy(camera: &Camera) -> Vec<u8> {
 
 #[test]
 fn a_camera_comes_from_fspy() {
-    let folder = Folder::new("fspy");
+    let folder = Tiles::new();
     let lens = Lens { principal_point: [0.02, -0.015], ..Lens::default() };
     let shifted = Camera { lens, ..view() };
-    folder.write("m.fspy", fspy(&shifted));
+    folder.write("m.fspy", &fspy(&shifted));
     let arguments = ["p.png", "--scene", "s.glb", "--fspy", "m.fspy", "--out"];
-    let told = assert_good(&folder.calibrate(&[&arguments[..], &["a.toml"]].concat()));
+    let told = succeeds(&folder.calibrate(&[&arguments[..], &["a.toml"]].concat()));
     assert!(told.contains("fSpy's z points upwards"), "{told}");
     assert_alike(&job(&folder.path("a.toml")).camera, &shifted, 0.02);
     let output = folder.calibrate(&[&arguments[..], &["a.glb"]].concat());
-    assert_error(&output, "a.glb: glTF has no words for");
-    folder.write("m.fspy", fspy(&view()));
-    assert_good(&folder.calibrate(&[&arguments[..], &["a.glb"]].concat()));
+    ends_in_error(&output, "a.glb: glTF has no words for");
+    folder.write("m.fspy", &fspy(&view()));
+    succeeds(&folder.calibrate(&[&arguments[..], &["a.glb"]].concat()));
     assert_alike(&load_scene(&folder.path("a.glb")).unwrap().0.cameras[0], &view(), 0.02);
     folder.write("m.fspy", "fspx");
     let output = folder.calibrate(&[&arguments[..], &["a.toml"]].concat());
-    assert_error(&output, "m.fspy: is not an fSpy project");
+    ends_in_error(&output, "m.fspy: is not an fSpy project");
 }
 
 #[test]
 fn faults_say_which_file_and_what() {
-    let folder = Folder::new("faults");
+    let folder = Tiles::new();
     let good = points(&view());
     let lines: Vec<&str> = good.lines().collect();
     folder.write("good.csv", &good);
@@ -275,14 +247,14 @@ fn faults_say_which_file_and_what() {
         let all = ["p.png", "--scene", "s.glb", "--points", points, "--out", "a.toml"];
         folder.calibrate(&[&all[..], more].concat())
     };
-    folder.write("three.csv", lines[..5].join("\n"));
-    assert_error(
+    folder.write("three.csv", &lines[..5].join("\n"));
+    ends_in_error(
         &run("three.csv", &[]),
         "three.csv: 3 pairs are too few for pose and focal length",
     );
-    assert_error(&run("three.csv", &["--fov-y-deg", "45.8"]), "need 4; measure more");
-    folder.write("bad.csv", format!("{}\n1,2,three,4,5,x\n", lines[..9].join("\n")));
-    assert_error(&run("bad.csv", &[]), "bad.csv: line 10: x_m is \"three\"");
+    ends_in_error(&run("three.csv", &["--fov-y-deg", "45.8"]), "need 4; measure more");
+    folder.write("bad.csv", &format!("{}\n1,2,three,4,5,x\n", lines[..9].join("\n")));
+    ends_in_error(&run("bad.csv", &[]), "bad.csv: line 10: x_m is \"three\"");
     let mirrored: Vec<String> = places()
         .iter()
         .filter_map(|place| {
@@ -290,26 +262,26 @@ fn faults_say_which_file_and_what() {
             Some(format!("{x},{y},{},{},{}", place.x, place.y, -place.z))
         })
         .collect();
-    folder.write("mirrored.csv", format!("x_px,y_px,x_m,y_m,z_m\n{}\n", mirrored.join("\n")));
-    assert_error(&run("mirrored.csv", &[]), "only as seen in a mirror");
-    assert_error(&run("good.csv", &["--fov-y-deg", "180"]), "--fov-y-deg is 180");
+    folder.write("mirrored.csv", &format!("x_px,y_px,x_m,y_m,z_m\n{}\n", mirrored.join("\n")));
+    ends_in_error(&run("mirrored.csv", &[]), "only as seen in a mirror");
+    ends_in_error(&run("good.csv", &["--fov-y-deg", "180"]), "--fov-y-deg is 180");
     let no_scene = ["p.png", "--points", "good.csv", "--out", "new.toml"];
-    assert_error(&folder.calibrate(&no_scene), "--scene");
+    ends_in_error(&folder.calibrate(&no_scene), "--scene");
     let no_photo = ["--scene", "s.glb", "--points", "good.csv", "--out", "new.toml"];
-    assert_error(&folder.calibrate(&no_photo), "give the photo");
+    ends_in_error(&folder.calibrate(&no_photo), "give the photo");
     let missing = ["p.png", "--scene", "no.glb", "--points", "good.csv", "--out", "a.toml"];
-    assert_error(&folder.calibrate(&missing), "no.glb: there is no such scene file");
+    ends_in_error(&folder.calibrate(&missing), "no.glb: there is no such scene file");
     let odd = ["p.png", "--scene", "s.glb", "--points", "good.csv", "--out", "a.gltf"];
-    assert_error(&folder.calibrate(&odd), "a.gltf: end --out in .toml");
+    ends_in_error(&folder.calibrate(&odd), "a.gltf: end --out in .toml");
     assert!(!folder.path("a.toml").exists() && !folder.path("new.toml").exists());
     assert_eq!(folder.calibrate(&["p.png", "--out", "a.toml"]).status.code(), Some(2));
 }
 
 #[test]
 fn points_far_from_photo_and_scene_are_reported() {
-    let folder = Folder::new("doubts");
+    let folder = Tiles::new();
     let far = "900.5,100.5,1,1,-50,tower\n";
-    folder.write("points.csv", points(&view()) + far);
+    folder.write("points.csv", &(points(&view()) + far));
     let output = folder.calibrate(&[
         "p.png",
         "--scene",
@@ -319,23 +291,23 @@ fn points_far_from_photo_and_scene_are_reported() {
         "--out",
         "a.toml",
     ]);
-    assert_good(&output);
-    let warnings = text(&output.stderr);
+    succeeds(&output);
+    let warnings = stderr(&output);
     assert!(warnings.contains("not in the photo of 800 x 600 pixels: tower"), "{warnings}");
     assert!(warnings.contains("points outside the scene"), "{warnings}");
-    folder.write("s.glb", gltf::to_glb(&Scene::default()).unwrap());
+    folder.write("s.glb", &gltf::to_glb(&Scene::default()).unwrap());
     let output = folder.calibrate(&["--points", "points.csv", "--out", "a.toml"]);
-    assert_good(&output);
-    let warnings = text(&output.stderr);
+    succeeds(&output);
+    let warnings = stderr(&output);
     assert!(warnings.contains("were not held against the scene"), "{warnings}");
 }
 
 #[test]
 fn a_known_field_of_view_is_held() {
-    let folder = Folder::new("held");
-    folder.write("points.csv", points(&view()));
+    let folder = Tiles::new();
+    folder.write("points.csv", &points(&view()));
     let degrees = 0.8f64.to_degrees().to_string();
-    let told = assert_good(&folder.calibrate(&[
+    let told = succeeds(&folder.calibrate(&[
         "p.png",
         "--scene",
         "s.glb",
@@ -353,6 +325,6 @@ fn a_known_field_of_view_is_held() {
 
 #[test]
 fn help_has_examples() {
-    let help = text(&Folder::new("help").calibrate(&["--help"]).stdout);
+    let help = succeeds(&Tiles::new().calibrate(&["--help"]));
     assert!(help.contains("Examples:") && help.contains("x_px,y_px,x_m,y_m,z_m"), "{help}");
 }

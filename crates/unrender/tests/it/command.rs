@@ -1,52 +1,16 @@
 //! The `unrender` command: exit codes and messages.
 
+use crate::kit::folder::{Folder, command, fails};
 use serde_json::json;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::ffi::OsStr;
+use std::path::Path;
+use std::process::Output;
 use unrender::formats::picture;
 use unrender::scene::{Image, Rgb};
 
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(test: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("unrender-cli-{}-{test}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
-        let path = self.0.join(name);
-        std::fs::write(&path, content).unwrap();
-        path
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // A folder that is left behind in the temporary files does no harm.
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-fn unrender(arguments: &[&dyn AsRef<std::ffi::OsStr>]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_unrender"));
-    arguments.iter().for_each(|argument| {
-        command.arg(argument);
-    });
-    command.output().unwrap()
-}
-
-/// Asserts that the command failed with exit code 1 and one error line that contains `problem`.
-fn assert_error(output: &Output, problem: &str) {
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{stderr}");
-    assert!(stderr.starts_with("error: ") && stderr.contains(problem), "{stderr}");
-    assert!(!stderr.contains("panicked"), "{stderr}");
+/// Runs the command with `arguments`, which are words and whole paths.
+fn unrender(arguments: &[&dyn AsRef<OsStr>]) -> Output {
+    command(arguments).output().unwrap()
 }
 
 fn recover(project: &Path, out: &Path) -> Output {
@@ -57,48 +21,48 @@ const PROJECT: &str = "scene = \"s.glb\"\nphoto = \"p.png\"\nexposure = 1\nrespo
 
 #[test]
 fn missing_files_are_named() {
-    let folder = Folder::new("missing");
-    assert_error(&recover(&folder.path("no.toml"), &folder.path("out")), "no.toml: cannot be read");
+    let folder = Folder::new();
+    fails(&recover(&folder.path("no.toml"), &folder.path("out")), "no.toml: cannot be read");
     let project = folder.write("a.toml", PROJECT);
-    assert_error(&recover(&project, &folder.path("out")), "scene: there is no file");
+    fails(&recover(&project, &folder.path("out")), "scene: there is no file");
     assert!(!folder.path("out").exists());
     let out = folder.path("a.exr");
     let scene = folder.path("no.glb");
-    assert_error(&unrender(&[&"render", &scene, &"--out", &out]), "no.glb");
-    assert_error(&unrender(&[&"score", &folder.0, &"truth.json"]), "materials.json");
+    fails(&unrender(&[&"render", &scene, &"--out", &out]), "no.glb");
+    fails(&unrender(&[&"score", &folder.root(), &"truth.json"]), "materials.json");
 }
 
 #[test]
 fn a_truncated_photo_is_named() {
-    let folder = Folder::new("truncated");
+    let folder = Folder::new();
     folder.write("s.glb", "");
     let photo = folder.path("p.png");
     picture::write(&photo, &Image::from_fn(64, 64, |x, y| Rgb::splat((x * y) as f32 / 4096.0)))
         .unwrap();
-    let bytes = std::fs::read(&photo).unwrap();
-    std::fs::write(&photo, &bytes[..bytes.len() / 2]).unwrap();
+    let bytes = folder.bytes("p.png");
+    folder.write("p.png", &bytes[..bytes.len() / 2]);
     let project = folder.write("a.toml", PROJECT);
-    assert_error(&recover(&project, &folder.path("out")), "p.png: is cut short or corrupt");
+    fails(&recover(&project, &folder.path("out")), "p.png: is cut short or corrupt");
 }
 
 #[test]
 fn an_output_that_cannot_be_written_is_told_before_any_work() {
-    let folder = Folder::new("unwritable");
+    let folder = Folder::new();
     folder.write("s.glb", "");
     let photo = folder.write("p.png", "not even a picture");
     let project = folder.write("a.toml", PROJECT);
-    assert_error(&recover(&project, &photo.join("out")), "results cannot be written there");
+    fails(&recover(&project, &photo.join("out")), "results cannot be written there");
     let scene = folder.path("s.glb");
     let render = |out: &Path| unrender(&[&"render", &scene, &"--out", &out]);
-    assert_error(&render(&folder.path("no/a.exr")), "cannot be written");
-    assert_error(&render(&folder.path("a.bmp")), ".exr, .hdr or .png");
+    fails(&render(&folder.path("no/a.exr")), "cannot be written");
+    fails(&render(&folder.path("a.bmp")), ".exr, .hdr or .png");
 }
 
 #[test]
 fn faults_in_the_project_have_a_line() {
-    let folder = Folder::new("faults");
-    let project = folder.write("a.toml", format!("{PROJECT}colour = 1\n"));
-    assert_error(&recover(&project, &folder.path("out")), "a.toml: line 5: unknown field `colour`");
+    let folder = Folder::new();
+    let project = folder.write("a.toml", &format!("{PROJECT}colour = 1\n"));
+    fails(&recover(&project, &folder.path("out")), "a.toml: line 5: unknown field `colour`");
 }
 
 /// The smallest glTF scene: one glowing triangle called "lamp" and a camera.
@@ -113,11 +77,11 @@ const TRIANGLE: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{
     "buffers": [{"byteLength": 36, "uri": "triangle.bin"}]}"#;
 
 /// A folder with that scene and a white photograph.
-fn triangle(test: &str) -> Folder {
-    let folder = Folder::new(test);
+fn triangle() -> Folder {
+    let folder = Folder::new();
     let corners = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let bytes: Vec<u8> = corners.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
-    folder.write("triangle.bin", bytes);
+    folder.write("triangle.bin", &bytes);
     folder.write("s.gltf", TRIANGLE);
     picture::write(&folder.path("p.png"), &Image::from_fn(8, 8, |_, _| Rgb::ONE)).unwrap();
     folder
@@ -125,48 +89,48 @@ fn triangle(test: &str) -> Folder {
 
 #[test]
 fn responses_and_lenses_must_make_sense() {
-    let folder = triangle("response");
+    let folder = triangle();
     let files = "scene = \"s.gltf\"\nphoto = \"p.png\"\nexposure = 1\n";
     let recovered = |settings: &str| {
-        recover(&folder.write("a.toml", format!("{files}{settings}\n")), &folder.path("out"))
+        recover(&folder.write("a.toml", &format!("{files}{settings}\n")), &folder.path("out"))
     };
     let curve = "response = \"curve.csv\"";
-    assert_error(&recovered(curve), "response: there is no file");
+    fails(&recovered(curve), "response: there is no file");
     folder.write("curve.csv", "code,linear\n0,0\n0.6,0.5\n0.5,1\n");
-    assert_error(&recovered(curve), "curve.csv: is not monotone: code is 0.6 in row 2 and 0.5");
+    fails(&recovered(curve), "curve.csv: is not monotone: code is 0.6 in row 2 and 0.5");
     folder.write("curve.csv", "code,linear\n0,0\n");
-    assert_error(&recovered(curve), "curve.csv: has 1 row(s)");
+    fails(&recovered(curve), "curve.csv: has 1 row(s)");
     let dark = "vignetting = { radial = [-1.5] }";
-    assert_error(&recovered(dark), "a.toml: vignetting: by it a pixel of the photo gets");
+    fails(&recovered(dark), "a.toml: vignetting: by it a pixel of the photo gets");
     assert!(!folder.path("out/materials.json").exists());
 }
 
 #[test]
 fn unknown_groups_are_named() {
-    let folder = triangle("group");
+    let folder = triangle();
     let text = PROJECT.replace("s.glb", "s.gltf") + "[groups.lam]\nknown = { rho_d = 1 }\n";
-    let output = recover(&folder.write("a.toml", text), &folder.path("out"));
-    assert_error(&output, "groups.lam: the scene has no group \"lam\"; it has lamp");
+    let output = recover(&folder.write("a.toml", &text), &folder.path("out"));
+    fails(&output, "groups.lam: the scene has no group \"lam\"; it has lamp");
 }
 
 #[test]
 fn panoramas_that_cannot_be_used_are_named() {
-    let folder = Folder::new("panorama");
+    let folder = Folder::new();
     let corners = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let bytes: Vec<u8> = corners.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
-    folder.write("triangle.bin", bytes);
+    folder.write("triangle.bin", &bytes);
     let (scene, out) = (folder.write("s.gltf", TRIANGLE), folder.path("a.exr"));
     let render = |panorama: &Path, scale: &str| {
         let scale = format!("--environment-scale={scale}");
         let size = "--height=4";
         unrender(&[&"render", &scene, &size, &"--environment", &panorama, &scale, &"--out", &out])
     };
-    assert_error(&render(&folder.path("no.hdr"), "1"), "no.hdr: cannot be read");
+    fails(&render(&folder.path("no.hdr"), "1"), "no.hdr: cannot be read");
     let text = folder.write("text.hdr", "no picture");
-    assert_error(&render(&text, "1"), "text.hdr: is not a PNG, JPEG, TIFF, EXR or HDR file");
+    fails(&render(&text, "1"), "text.hdr: is not a PNG, JPEG, TIFF, EXR or HDR file");
     let sky = folder.path("sky.exr");
     picture::write(&sky, &Image::from_fn(4, 2, |_, _| Rgb::splat(9.0))).unwrap();
-    assert_error(&render(&sky, "1e38"), "sky.exr: pixel 0 of the panorama is negative or not");
+    fails(&render(&sky, "1e38"), "sky.exr: pixel 0 of the panorama is negative or not");
     assert!(!out.exists());
     let lit = render(&sky, "0.5");
     assert!(lit.status.success() && lit.stderr.is_empty());
@@ -187,9 +151,7 @@ fn usage_errors_have_exit_code_two() {
         &["render", "s.glb", "--out", "a.exr", "--environment-rotation", "90"],
         &["merge", "--out", "a.exr"],
     ] {
-        let arguments: Vec<&dyn AsRef<std::ffi::OsStr>> =
-            arguments.iter().map(|a| a as &dyn AsRef<std::ffi::OsStr>).collect();
-        assert_eq!(unrender(&arguments).status.code(), Some(2));
+        assert_eq!(command(arguments).output().unwrap().status.code(), Some(2));
     }
     let help = unrender(&[&"render", &"--help"]);
     assert!(String::from_utf8_lossy(&help.stdout).contains("Examples:"));
@@ -197,23 +159,23 @@ fn usage_errors_have_exit_code_two() {
 
 #[test]
 fn score_prints_columns_or_json_and_holds_limits() {
-    let folder = Folder::new("score");
+    let folder = Folder::new();
     let entry = |rho: f32| {
         format!(
             r#"{{"groups": {{"wall": {{"hypothesis": "diffuse", "status": "recovered",
                 "rho_d": [0.5, 0.5, {rho}], "rho_s": [0, 0, 0]}}}}}}"#
         )
     };
-    folder.write("materials.json", entry(0.51));
-    let truth = folder.write("truth.json", entry(0.5));
-    let plain = unrender(&[&"score", &folder.0, &truth]);
+    folder.write("materials.json", &entry(0.51));
+    let truth = folder.write("truth.json", &entry(0.5));
+    let plain = unrender(&[&"score", &folder.root(), &truth]);
     let text = String::from_utf8_lossy(&plain.stdout).into_owned();
     assert!(plain.status.success(), "{text}");
     assert_eq!(text.lines().count(), 3, "{text}");
     assert!(text.lines().all(|line| line.starts_with(['g', 'w'])) && text.contains("0.0100"));
-    assert!(unrender(&[&"score", &folder.0, &truth, &"--max-rho", &"0.02"]).status.success());
-    let over = unrender(&[&"score", &folder.0, &truth, &"--max-rho", &"0.005", &"--json"]);
-    assert_error(&over, "wall: rho_d is 0.0100 off");
+    assert!(unrender(&[&"score", &folder.root(), &truth, &"--max-rho", &"0.02"]).status.success());
+    let over = unrender(&[&"score", &folder.root(), &truth, &"--max-rho", &"0.005", &"--json"]);
+    fails(&over, "wall: rho_d is 0.0100 off");
     let json: serde_json::Value = serde_json::from_slice(&over.stdout).unwrap();
     assert_eq!(json["worst"]["counted"], 1);
     assert_eq!((&json["certainty"], &json["lights"]), (&serde_json::Value::Null, &json!([])));
@@ -221,18 +183,18 @@ fn score_prints_columns_or_json_and_holds_limits() {
 
 #[test]
 fn score_prints_every_std_that_is_stated() {
-    let folder = Folder::new("std");
+    let folder = Folder::new();
     let wall = r#""wall": {"status": "recovered", "rho_d": [0.5, 0.5, 0.5],
         "std": {"rho_d": [0.1, 0.2, 0.4]}}"#;
     let lamp = r#""lamp": {"intensity": [9, 9, 9], "std": [1, 1, 1]}"#;
     let file = format!(r#"{{"groups": {{{wall}}}, "lights": {{{lamp}}}}}"#);
     folder.write("materials.json", &file);
-    let truth = folder.write("truth.json", file.replace("0.5, 0.5, 0.5", "0.7, 0.7, 0.7"));
-    let plain = unrender(&[&"score", &folder.0, &truth]);
+    let truth = folder.write("truth.json", &file.replace("0.5, 0.5, 0.5", "0.7, 0.7, 0.7"));
+    let plain = unrender(&[&"score", &folder.root(), &truth]);
     let text = String::from_utf8_lossy(&plain.stdout).into_owned();
     assert!(text.contains("\n\nlight  error %\nlamp      0.00\n\ngroup  parameter"), "{text}");
     assert!(text.ends_with("6 parameters: 83 % within 1 std, 100 % within 2 std, worst 2.0\n"));
-    let output = unrender(&[&"score", &folder.0, &truth, &"--json"]);
+    let output = unrender(&[&"score", &folder.root(), &truth, &"--json"]);
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(json["groups"][0]["parameters"][0]["parameter"], "rho_d");
     assert_eq!(json["lights"][0]["parameters"][0]["in_std"], json!([0.0, 0.0, 0.0]));

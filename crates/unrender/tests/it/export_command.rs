@@ -1,45 +1,21 @@
 //! `unrender export` on the command line: what it says and leaves behind where it cannot write, and
 //! scenes of Mitsuba 3 and Radiance that a user would write, rendered and exported.
 
+use crate::kit::folder::{Folder, command, stderr};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A folder of this test that is removed at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let name = format!("unrender-export-command-{}-{name}", std::process::id());
-        let path = std::env::temp_dir().join(name);
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn write(&self, name: &str, text: &str) -> PathBuf {
-        std::fs::write(self.0.join(name), text).unwrap();
-        self.0.join(name)
-    }
-
-    /// The names of all that is in it, in order.
-    fn list(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(&self.0).unwrap();
-        let mut names: Vec<String> =
-            entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
-        names.sort();
-        names
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // A folder that is left behind in the temporary files does no harm.
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
+/// The names of all that is in the folder, in order.
+fn list(folder: &Folder) -> Vec<String> {
+    let entries = std::fs::read_dir(folder.root()).unwrap();
+    let mut names: Vec<String> =
+        entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
 }
 
 fn unrender(words: &[&str], paths: &[(&str, &Path)]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_unrender"));
-    command.args(words);
+    let mut command = command(words);
     for (flag, path) in paths {
         command.args([flag.as_ref(), path.as_os_str()].into_iter().filter(|word| !word.is_empty()));
     }
@@ -88,12 +64,12 @@ fn scenes(folder: &Folder) -> [PathBuf; 2] {
 
 #[test]
 fn scenes_written_by_hand_are_rendered_and_exported() {
-    let folder = Folder::new("by-hand");
+    let folder = Folder::new();
     for (scene, said) in scenes(&folder).iter().zip(["constant", "line 7: the command \"genbox"]) {
-        let photo = folder.0.join("picture.exr");
+        let photo = folder.path("picture.exr");
         let words = ["render", "--height", "30", "--spp", "4"];
         let rendered = unrender(&words, &[("", scene), ("--out", &photo)]);
-        let told = String::from_utf8_lossy(&rendered.stderr).into_owned();
+        let told = stderr(&rendered);
         assert!(rendered.status.success() && told.contains(said), "{told}");
         let (picture, _) = unrender::formats::picture::read(&photo).unwrap();
         let bright = picture.values.pixels().iter().filter(|p| p.min_element() > 0.0).count();
@@ -101,14 +77,13 @@ fn scenes_written_by_hand_are_rendered_and_exported() {
         let name = scene.file_name().unwrap().to_string_lossy();
         let project = format!("scene = \"{name}\"\nphoto = \"picture.exr\"\nexposure = 1.0\n");
         let project = folder.write("project.toml", &project);
-        let checked =
-            unrender(&["check"], &[("", &project), ("--out", &folder.0.join("check.png"))]);
-        let told = String::from_utf8_lossy(&checked.stderr).into_owned();
+        let checked = unrender(&["check"], &[("", &project), ("--out", &folder.path("check.png"))]);
+        let told = stderr(&checked);
         assert!(checked.status.success(), "{told}");
         for format in ["blender", "gltf", "materialx", "mitsuba", "pbrt", "radiance"] {
-            let out = folder.0.join(format).with_extension("glb");
+            let out = folder.path(format).with_extension("glb");
             let exported = export(scene, format, &out);
-            let told = String::from_utf8_lossy(&exported.stderr).into_owned();
+            let told = stderr(&exported);
             assert!(exported.status.success() && out.exists(), "{format}: {told}");
             let _ = std::fs::remove_dir_all(&out).or_else(|_| std::fs::remove_file(&out));
         }
@@ -117,23 +92,23 @@ fn scenes_written_by_hand_are_rendered_and_exported() {
 
 #[test]
 fn what_cannot_be_written_is_told_and_leaves_nothing_behind() {
-    let folder = Folder::new("unwritable");
+    let folder = Folder::new();
     let [scene, _] = scenes(&folder);
     folder.write("file", "mine");
-    std::fs::create_dir_all(folder.0.join("taken.glb/inside")).unwrap();
-    let before = folder.list();
+    std::fs::create_dir_all(folder.path("taken.glb/inside")).unwrap();
+    let before = list(&folder);
     for format in ["blender", "gltf", "materialx", "mitsuba", "pbrt", "radiance"] {
         let mut bad = vec!["missing/scene.glb", "file/scene.glb", "taken.glb"];
         // A file in the place of a folder; one .glb replaces another.
         bad.extend(if format == "gltf" { None } else { Some("file") });
         for name in bad {
-            let output = export(&scene, format, &folder.0.join(name));
-            let told = String::from_utf8_lossy(&output.stderr).into_owned();
+            let output = export(&scene, format, &folder.path(name));
+            let told = stderr(&output);
             assert_eq!(output.status.code(), Some(1), "{format} {name}: {told}");
             assert!(told.contains("error") && told.contains(name), "{format} {name}: {told}");
             assert!(output.stdout.is_empty(), "{format} {name}");
-            assert_eq!(folder.list(), before, "{format} {name}");
-            assert_eq!(std::fs::read_to_string(folder.0.join("file")).unwrap(), "mine");
+            assert_eq!(list(&folder), before, "{format} {name}");
+            assert_eq!(folder.text("file"), "mine");
         }
     }
 }
@@ -152,24 +127,26 @@ fn without_roots_rights(command: &mut Command, ours: &Path) {
 #[test]
 fn a_folder_without_permission_stays_as_it_is() {
     use std::os::unix::fs::PermissionsExt;
-    let folder = Folder::new("permission");
+    let folder = Folder::new();
     let [scene, _] = scenes(&folder);
-    let locked = folder.0.join("locked");
+    let locked = folder.path("locked");
     std::fs::create_dir(&locked).unwrap();
-    let permit = |mode| {
-        std::fs::set_permissions(&locked, std::fs::Permissions::from_mode(mode)).unwrap();
+    let permit = |path: &Path, mode| {
+        std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode)).unwrap();
     };
-    permit(0o555);
+    // Others may read the scene, and find the way to what is locked.
+    permit(folder.root(), 0o755);
+    permit(&locked, 0o555);
     for format in ["gltf", "mitsuba"] {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_unrender"));
-        command.args(["export", "--to", format, "--scene"]).arg(&scene);
+        let mut command = command(&["export", "--to", format, "--scene"]);
+        command.arg(&scene);
         command.arg("--out").arg(locked.join("scene.glb"));
         without_roots_rights(&mut command, &locked);
         let output = command.output().unwrap();
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        let told = stderr(&output);
         assert_eq!(output.status.code(), Some(1), "{told}");
         assert!(told.contains("scene.glb") && told.contains("ermission"), "{told}");
         assert_eq!(std::fs::read_dir(&locked).unwrap().count(), 0, "{format}");
     }
-    permit(0o755);
+    permit(&locked, 0o755);
 }

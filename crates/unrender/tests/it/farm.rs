@@ -1,31 +1,18 @@
 //! Renderings as jobs for many machines: what the jobs make has the bits of one run.
 
-use std::path::{Path, PathBuf};
+use crate::kit::example::beside_crates;
+use crate::kit::folder::{Folder, is_refused, succeeds};
+use std::path::Path;
 use std::process::{Command, Output};
 
-fn example(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(path)
-}
-
-fn unrender(folder: &Path, words: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_unrender"));
-    command.current_dir(folder).args(words).output().unwrap()
-}
-
-#[track_caller]
-fn succeeds(output: &Output) -> String {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
 /// Figure 8, small, and with a name that a shell would split.
-fn job(folder: &Path, to: &str, flags: &[&str]) -> Output {
-    let scene = folder.join("the scene.glb");
-    std::fs::copy(example("fig8/scene.glb"), scene).unwrap();
-    let truth = example("fig8/truth.json");
+fn job(folder: &Folder, to: &str, flags: &[&str]) -> Output {
+    let scene = folder.path("the scene.glb");
+    std::fs::copy(beside_crates("examples/fig8/scene.glb"), scene).unwrap();
+    let truth = beside_crates("examples/fig8/truth.json");
     let words = ["farm", "the scene.glb", "--materials", truth.to_str().unwrap()];
     let rest = ["--height", "24", "--seed", "3", "--out", "it's.exr", "--to", to];
-    unrender(folder, &[&words[..], &rest, flags].concat())
+    folder.run(&[&words[..], &rest, flags].concat())
 }
 
 /// A stand-in for Slurm: it runs what is submitted at once, task by task, and prints a number.
@@ -44,12 +31,12 @@ echo 17
 #[test]
 fn slurm_makes_the_picture_of_one_run() {
     use std::os::unix::fs::PermissionsExt;
-    let folder = tempfile::tempdir().unwrap();
-    let told = job(folder.path(), "slurm", &["--spp", "7", "--parts", "3"]);
+    let folder = Folder::new();
+    let told = job(&folder, "slurm", &["--spp", "7", "--parts", "3"]);
     succeeds(&told);
-    let script = folder.path().join("it's_job/job.sh");
+    let script = folder.path("it's_job/job.sh");
     succeeds(&Command::new("bash").arg("-n").arg(&script).output().unwrap());
-    let bin = folder.path().join("bin");
+    let bin = folder.path("bin");
     std::fs::create_dir(&bin).unwrap();
     std::fs::write(bin.join("sbatch"), SBATCH).unwrap();
     let executable = std::fs::Permissions::from_mode(0o755);
@@ -57,37 +44,39 @@ fn slurm_makes_the_picture_of_one_run() {
     std::fs::set_permissions(&script, executable).unwrap();
     let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap());
     let mut submit = Command::new("bash");
-    submit.current_dir(folder.path()).arg(&script).arg("--cpus-per-task=2");
+    submit.current_dir(folder.root()).arg(&script).arg("--cpus-per-task=2");
     submit.env("PATH", path).env("UNRENDER", env!("CARGO_BIN_EXE_unrender"));
     succeeds(&submit.output().unwrap());
-    let log = std::fs::read_to_string(folder.path().join("sbatch.log")).unwrap();
+    let log = folder.text("sbatch.log");
     let [array, merge] = log.lines().collect::<Vec<_>>()[..] else { panic!("{log}") };
     assert!(array.contains("--array=0-2") && array.contains("--cpus-per-task=2"), "{array}");
     assert!(merge.contains("--dependency=afterok:17"), "{merge}");
-    is_the_picture_of_one_run(folder.path());
+    is_the_picture_of_one_run(&folder);
 }
 
-fn is_the_picture_of_one_run(folder: &Path) {
-    let truth = example("fig8/truth.json");
+fn is_the_picture_of_one_run(folder: &Folder) {
+    let truth = beside_crates("examples/fig8/truth.json");
     let words = ["render", "the scene.glb", "--materials", truth.to_str().unwrap()];
     let rest = ["--height", "24", "--seed", "3", "--spp", "7", "--out", "whole.exr"];
-    succeeds(&unrender(folder, &[&words[..], &rest].concat()));
-    let bytes = |name: &str| std::fs::read(folder.join(name)).unwrap();
-    assert!(bytes("it's.exr") == bytes("whole.exr"), "the job's picture is another one");
+    succeeds(&folder.run(&[&words[..], &rest].concat()));
+    assert!(
+        folder.bytes("it's.exr") == folder.bytes("whole.exr"),
+        "the job's picture is another one"
+    );
 }
 
 #[test]
 fn a_template_of_open_job_description_names_inputs_and_depends() {
-    let folder = tempfile::tempdir().unwrap();
-    succeeds(&job(folder.path(), "openjd", &["--spp", "100", "--job", "."]));
-    let text = std::fs::read_to_string(folder.path().join("template.json")).unwrap();
+    let folder = Folder::new();
+    succeeds(&job(&folder, "openjd", &["--spp", "100", "--job", "."]));
+    let text = folder.text("template.json");
     let template: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(template["specificationVersion"], "jobtemplate-2023-09");
     let parameters = template["parameterDefinitions"].as_array().unwrap();
     let named = |name: &str| parameters.iter().find(|p| p["name"] == name).unwrap();
     assert_eq!(named("Scene")["default"], "the scene.glb");
     assert_eq!(named("Materials")["default"], serde_json::Value::Null);
-    let text = std::fs::read_to_string(folder.path().join("parameters.json")).unwrap();
+    let text = folder.text("parameters.json");
     let values: serde_json::Map<_, _> = serde_json::from_str(&text).unwrap();
     assert_eq!(values.keys().collect::<Vec<_>>(), ["Materials"]);
     assert!(Path::new(values["Materials"].as_str().unwrap()).is_absolute());
@@ -101,16 +90,15 @@ fn a_template_of_open_job_description_names_inputs_and_depends() {
 
 #[test]
 fn what_cannot_be_cut_beforehand_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for (flags, problem) in [
         (&["--noise", "0.1"][..], "--noise cannot be cut into parts beforehand"),
         (&["--checkpoint", "c.exr"], "--checkpoint cannot be cut"),
         (&["--adaptive"], "--adaptive cannot be cut"),
         (&["--parts", "1001"], "1001 is not in 1..=1000"),
     ] {
-        let output = job(folder.path(), "openjd", flags);
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(!output.status.success() && said.contains(problem), "{flags:?}: {said}");
-        assert!(!folder.path().join("it's_job").exists());
+        let output = job(&folder, "openjd", flags);
+        is_refused(&output, problem);
+        assert!(!folder.path("it's_job").exists());
     }
 }

@@ -1,79 +1,33 @@
 //! Pictures made in parts, with breaks, on other numbers of threads: to the bit those of one run.
 
+use crate::kit::example::beside_crates;
+use crate::kit::folder::{Folder, fails, is_refused, stderr, succeeds};
 use std::io::{BufRead, BufReader, Read};
-use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use unrender::formats::picture;
 use unrender::scene::{Image, Rgb};
 
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(test: &str) -> Self {
-        let name = format!("unrender-long-{}-{test}", std::process::id());
-        let path = std::env::temp_dir().join(name);
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.join(name).to_str().unwrap().to_owned()
-    }
-
-    fn bytes(&self, name: &str) -> Vec<u8> {
-        std::fs::read(self.0.join(name)).unwrap()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // A folder that is left behind in the temporary files does no harm.
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-fn example(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(path)
-}
-
 /// `unrender render` of the box of Figure 8, with `arguments` separated by spaces.
 fn render(folder: &Folder, arguments: &str) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_unrender"));
-    command.current_dir(&folder.0).arg("render").arg(example("fig8/scene.glb"));
-    command.arg("--quiet").args(arguments.split(' '));
+    let mut command = folder.command(&["render", "--quiet"]);
+    command.arg(beside_crates("examples/fig8/scene.glb")).args(arguments.split(' '));
     command
 }
 
 fn merge(folder: &Folder, arguments: &str) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_unrender"));
-    command.current_dir(&folder.0).args(["merge", "--quiet"]).args(arguments.split(' '));
-    command.output().unwrap()
+    folder.command(&["merge", "--quiet"]).args(arguments.split(' ')).output().unwrap()
 }
 
 /// What `merge` says of the checkpoint c.exr when it makes the picture `out` of it.
 fn told_by_merge(folder: &Folder, out: &str) -> String {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_unrender"));
-    command.current_dir(&folder.0).args(["merge", "c.exr", "--out", out]);
-    let output = command.output().unwrap();
+    let output = folder.run(&["merge", "c.exr", "--out", out]);
     succeeds(&output);
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-#[track_caller]
-fn succeeds(output: &Output) {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-}
-
-#[track_caller]
-fn fails(output: &Output, problem: &str) {
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{stderr}");
-    assert!(stderr.starts_with("error: ") && stderr.contains(problem), "{stderr}");
+    stderr(&output)
 }
 
 #[test]
 fn parts_merge_to_the_bits_of_one_run() {
-    let folder = Folder::new("merge");
+    let folder = Folder::new();
     let run = |arguments: &str| succeeds(&render(&folder, arguments).output().unwrap());
     run("--height 40 --spp 21 --out whole.exr");
     run("--height 40 --samples 0..5 --threads 1 --out a.exr");
@@ -86,14 +40,14 @@ fn parts_merge_to_the_bits_of_one_run() {
     assert!(folder.bytes("merged.png") == folder.bytes("whole.png"), "the bits differ");
     // A part is a picture itself.
     run("--height 40 --spp 5 --out first.exr");
-    let values = |name: &str| picture::read(Path::new(&folder.path(name))).unwrap().0.values;
+    let values = |name: &str| picture::read(&folder.path(name)).unwrap().0.values;
     assert!(values("a.exr") == values("first.exr"));
 
     fails(&merge(&folder, "c.exr a.exr --out x.exr"), "the samples 5..6 are in no part; render");
     fails(&merge(&folder, "b.exr c.exr --out x.exr"), "the samples 0..5 are in no part");
     let output = merge(&folder, "c.exr a.exr --allow-gaps --out gap.exr");
     succeeds(&output);
-    assert!(String::from_utf8_lossy(&output.stderr).starts_with("warning: the samples 5..6 are"));
+    assert!(stderr(&output).starts_with("warning: the samples 5..6 are"));
     run("--height 40 --samples 4..7 --out d.exr");
     let overlap = "has the samples 4..7, of which a.exr has some too (0..5)";
     fails(&merge(&folder, "a.exr d.exr --out x.exr"), overlap);
@@ -101,18 +55,18 @@ fn parts_merge_to_the_bits_of_one_run() {
     run("--height 40 --samples 5..6 --seed 4 --out b.exr");
     let belongs = "b.exr: does not belong to a.exr: it has another seed (4, not 0)";
     fails(&merge(&folder, "a.exr b.exr c.exr --out x.exr"), belongs);
-    assert!(!folder.0.join("x.exr").exists());
+    assert!(!folder.path("x.exr").exists());
 }
 
 #[test]
 fn parts_of_other_renderings_are_told_apart() {
-    let folder = Folder::new("others");
+    let folder = Folder::new();
     let run = |arguments: &str| succeeds(&render(&folder, arguments).output().unwrap());
     run("--height 8 --samples 0..2 --out a.exr");
     let materials = r#"{"groups": {"floor": {"rho_d": [0.2, 0.2, 0.2]}}}"#;
-    std::fs::write(folder.path("m.json"), materials).unwrap();
+    folder.write("m.json", materials);
     let sky = Image::from_fn(4, 2, |_, _| Rgb::ONE);
-    picture::write(Path::new(&folder.path("sky.exr")), &sky).unwrap();
+    picture::write(&folder.path("sky.exr"), &sky).unwrap();
     for (arguments, problem) in [
         ("--height 9", "another size (9 x 9, not 8 x 8)"),
         ("--height 8 --bounces 3", "another --bounces (3, not 500)"),
@@ -126,7 +80,7 @@ fn parts_of_other_renderings_are_told_apart() {
 
 #[test]
 fn a_rendering_goes_on_from_its_checkpoint() {
-    let folder = Folder::new("resume");
+    let folder = Folder::new();
     let run = |arguments: &str| succeeds(&render(&folder, arguments).output().unwrap());
     run("--height 30 --spp 23 --out whole.exr");
     run("--height 30 --spp 9 --checkpoint c.exr --out early.exr");
@@ -147,7 +101,7 @@ fn a_rendering_goes_on_from_its_checkpoint() {
 
 #[test]
 fn noise_ends_a_rendering_alike_with_and_without_breaks() {
-    let folder = Folder::new("noise");
+    let folder = Folder::new();
     let run = |arguments: &str| succeeds(&render(&folder, arguments).output().unwrap());
     run("--height 24 --noise 0.02 --adaptive --out whole.exr");
     // Broken off at a number of samples at which the noise is not looked at.
@@ -160,33 +114,32 @@ fn noise_ends_a_rendering_alike_with_and_without_breaks() {
     fails(&merge(&folder, "c.exr c.exr --out x.exr"), "was sampled adaptively");
     let timed = render(&folder, "--height 24 --time 0.001 --out timed.exr").output().unwrap();
     succeeds(&timed);
-    assert!(folder.0.join("timed.exr").exists());
+    assert!(folder.path("timed.exr").exists());
 }
 
 #[cfg(unix)]
 #[test]
 fn ctrl_c_keeps_what_there_is() {
-    let folder = Folder::new("interrupt");
+    let folder = Folder::new();
     let arguments = "--height 200 --spp 1000000 --checkpoint c.exr --out x.exr";
-    let mut running = Command::new(env!("CARGO_BIN_EXE_unrender"))
-        .current_dir(&folder.0)
-        .arg("render")
-        .arg(example("fig8/scene.glb"))
+    let mut running = folder
+        .command(&["render"])
+        .arg(beside_crates("examples/fig8/scene.glb"))
         .args(arguments.split(' '))
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    let mut stderr = BufReader::new(running.stderr.take().unwrap());
+    let mut said = BufReader::new(running.stderr.take().unwrap());
     // The first line of progress: it is rendering.
     let mut told = String::new();
-    stderr.read_line(&mut told).unwrap();
+    said.read_line(&mut told).unwrap();
     assert!(told.starts_with("render: "), "{told}");
     let pid = running.id().to_string();
     assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
-    stderr.read_to_string(&mut told).unwrap();
+    said.read_to_string(&mut told).unwrap();
     assert_eq!(running.wait().unwrap().code(), Some(130), "{told}");
     assert!(told.contains("the same command goes on from there"), "{told}");
-    assert!(!folder.0.join("x.exr").exists());
+    assert!(!folder.path("x.exr").exists());
     // What is there is a whole picture of fewer samples.
     let text = told_by_merge(&folder, "so_far.exr");
     let samples = text.split(' ').find_map(|word| word.parse::<u32>().ok()).unwrap();
@@ -197,7 +150,7 @@ fn ctrl_c_keeps_what_there_is() {
 
 #[test]
 fn a_denoised_picture_goes_on_from_its_checkpoint_to_the_same_bits() {
-    let folder = Folder::new("denoise");
+    let folder = Folder::new();
     let common = "--height 32 --denoise --adaptive";
     succeeds(&render(&folder, &format!("{common} --spp 16 --out whole.exr")).output().unwrap());
     for (spp, threads) in [(9, 1), (16, 2)] {
@@ -213,11 +166,10 @@ fn a_denoised_picture_goes_on_from_its_checkpoint_to_the_same_bits() {
     // The samples of a picture that is not denoised are others.
     let other = "--height 32 --adaptive --spp 32 --independent --checkpoint c.exr --out c2.exr";
     let output = render(&folder, other).output().unwrap();
-    assert!(!output.status.success());
-    assert!(String::from_utf8_lossy(&output.stderr).contains("second half"));
+    is_refused(&output, "second half");
     for refused in ["--spp 4", "--samples 0..64"] {
         let arguments = format!("--denoise {refused} --out no.exr");
         assert!(!render(&folder, &arguments).output().unwrap().status.success(), "{refused}");
-        assert!(!folder.0.join("no.exr").exists());
+        assert!(!folder.path("no.exr").exists());
     }
 }

@@ -1,38 +1,34 @@
 //! Light layers of the command: they add up to the picture, relight it as a rendering would, and what does not go
 //! is refused.
 
-use std::path::Path;
-use std::process::{Command, Output};
+use crate::kit::example::beside_crates;
+use crate::kit::folder::{self, Folder, is_refused, stderr};
+use std::process::Output;
 use unrender::formats::picture;
 use unrender::scene::{Rgb, RgbImage};
 
 /// Rounding of single precision over the lights and samples of a pixel, relative to the brightest one.
 const ROUNDING: f32 = 1e-5;
 
-fn unrender(folder: &Path, arguments: &str) -> Output {
-    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/fig8/scene.glb");
+fn unrender(folder: &Folder, arguments: &str) -> Output {
+    let scene = beside_crates("examples/fig8/scene.glb");
     let scene = scene.to_str().unwrap();
     let words = arguments.split(' ').map(|word| if word == "SCENE" { scene } else { word });
-    let mut command = Command::new(env!("CARGO_BIN_EXE_unrender"));
-    command.current_dir(folder).args(words).output().unwrap()
+    folder.run(&words.collect::<Vec<_>>())
 }
 
 #[track_caller]
-fn succeeds(folder: &Path, arguments: &str) {
-    let output = unrender(folder, arguments);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+fn succeeds(folder: &Folder, arguments: &str) {
+    folder::succeeds(&unrender(folder, arguments));
 }
 
 #[track_caller]
-fn fails(folder: &Path, arguments: &str, problem: &str) -> String {
-    let output = unrender(folder, arguments);
-    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(!output.status.success() && stderr.contains(problem), "{stderr}");
-    stderr
+fn fails(folder: &Folder, arguments: &str, problem: &str) -> String {
+    is_refused(&unrender(folder, arguments), problem)
 }
 
-fn read(folder: &Path, name: &str) -> RgbImage {
-    picture::read(&folder.join(name)).unwrap().0.to_linear()
+fn read(folder: &Folder, name: &str) -> RgbImage {
+    picture::read(&folder.path(name)).unwrap().0.to_linear()
 }
 
 /// The largest difference, relative to the brightest pixel of `a`.
@@ -44,17 +40,16 @@ fn difference(a: &RgbImage, b: &RgbImage) -> f32 {
 
 #[test]
 fn lights_become_brighter_and_darker_without_tracing() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = &Folder::new();
     let sky = RgbImage::from_fn(4, 2, |x, y| Rgb::new(0.1, 0.2, 0.3) * (1 + x + 4 * y) as f32);
-    picture::write(&folder.join("sky.exr"), &sky).unwrap();
+    picture::write(&folder.path("sky.exr"), &sky).unwrap();
     let render = "render SCENE --environment sky.exr --height 24 --spp 8 --quiet";
     succeeds(folder, &format!("{render} --layers --out layers.exr"));
     succeeds(folder, &format!("{render} --independent --out whole.exr"));
     let whole = read(folder, "whole.exr");
     assert_eq!(read(folder, "layers.exr"), whole, "the picture beside its layers");
 
-    let layers = picture::read_layers(folder.join("layers.exr").as_path()).unwrap();
+    let layers = picture::read_layers(folder.path("layers.exr").as_path()).unwrap();
     let names: Vec<&str> = layers.iter().map(|layer| layer.name.as_str()).collect();
     assert_eq!((names.len(), names.last()), (2, Some(&"environment")), "{names:?}");
     let lamp = names[0];
@@ -83,23 +78,20 @@ fn lights_become_brighter_and_darker_without_tracing() {
 
 #[test]
 fn a_checkpoint_goes_on_with_its_layers() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = &Folder::new();
     let render = "render SCENE --height 16 --layers --quiet";
     succeeds(folder, &format!("{render} --spp 6 --out whole.exr"));
     succeeds(folder, &format!("{render} --spp 2 --checkpoint c.exr --out half.exr"));
     succeeds(folder, &format!("{render} --spp 6 --checkpoint c.exr --out done.exr"));
-    let bytes = |name: &str| std::fs::read(folder.join(name)).unwrap();
-    assert_eq!(bytes("whole.exr"), bytes("done.exr"));
+    assert_eq!(folder.bytes("whole.exr"), folder.bytes("done.exr"));
     let told = unrender(folder, "merge c.exr --out merged.exr");
-    assert!(String::from_utf8_lossy(&told.stderr).contains("without its light layers"));
+    assert!(stderr(&told).contains("without its light layers"));
     assert_eq!(read(folder, "merged.exr"), read(folder, "whole.exr"));
 }
 
 #[test]
 fn what_does_not_go_is_refused_before_anything_is_written() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = &Folder::new();
     fails(folder, "render SCENE --layers --out a.png", "light layers are kept in .exr files");
     fails(folder, "render SCENE --layers --denoise --out a.exr", "cannot be used with");
     fails(folder, "farm SCENE --layers --spp 9 --out a.exr --to slurm", "without light layers");
@@ -112,6 +104,7 @@ fn what_does_not_go_is_refused_before_anything_is_written() {
     assert!(told.contains("it has \""), "{told}");
     fails(folder, "relight layers.exr --light none --out a.png", "write a name and a factor");
     fails(folder, "relight layers.exr --out layers.exr", "is an input");
-    let left: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name()).collect();
+    let left: Vec<_> =
+        std::fs::read_dir(folder.root()).unwrap().map(|e| e.unwrap().file_name()).collect();
     assert_eq!(left.len(), 2, "{left:?}");
 }

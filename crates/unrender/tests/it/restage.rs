@@ -1,25 +1,33 @@
 //! `unrender restage`: the edit file, its errors, and what it leaves in its folder.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use crate::kit::folder::{Folder, fails, is_refused, stderr, succeeds};
+use crate::kit::meshes::{add, quad};
+use glam::Vec3;
+use std::ops::Deref;
+use std::path::Path;
+use std::process::Output;
 use unrender::formats::picture::{self, Depth};
 use unrender::formats::{gltf, materials};
 use unrender::render::{Settings, Tracer};
-use unrender::scene::{Camera, Group, Image, Material, Mesh, Object, Rgb, Scene};
-
-use glam::{Vec2, Vec3};
+use unrender::scene::{Camera, Image, Rgb, Scene};
 
 const SIZE: (usize, usize) = (48, 36);
 
 /// A folder with a scene, its materials, a photograph, a project and a model to insert.
-struct Folder(PathBuf);
+struct Stage(Folder);
 
-impl Folder {
-    fn new(test: &str) -> Self {
-        let name = format!("unrender-restage-{}-{test}", std::process::id());
-        let path = std::env::temp_dir().join(name);
-        std::fs::create_dir_all(&path).unwrap();
-        let folder = Self(path);
+impl Deref for Stage {
+    type Target = Folder;
+
+    fn deref(&self) -> &Folder {
+        &self.0
+    }
+}
+
+impl Stage {
+    /// The folder, with all of it.
+    fn new() -> Self {
+        let folder = Folder::new();
         let mut scene = scene();
         scene.validate().unwrap();
         let settings = Settings { spp: 128, seed: 5, ..Settings::default() };
@@ -33,35 +41,21 @@ impl Folder {
             );
             folder.write(&name.replace("png", "toml"), &text);
         }
-        std::fs::write(folder.path("scene.glb"), gltf::to_glb(&scene).unwrap()).unwrap();
-        std::fs::write(folder.path("box.glb"), gltf::to_glb(&red_box()).unwrap()).unwrap();
+        folder.write("scene.glb", &gltf::to_glb(&scene).unwrap());
+        folder.write("box.glb", &gltf::to_glb(&red_box()).unwrap());
         materials::write(&folder.path("materials.json"), &Default::default()).unwrap();
-        folder
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        std::fs::write(self.path(name), text).unwrap();
-    }
-
-    fn bytes(&self, name: &str) -> Vec<u8> {
-        std::fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+        Self(folder)
     }
 
     /// `unrender restage` with `arguments`, in this folder.
     fn restage(&self, arguments: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_unrender"));
-        command.current_dir(&self.0).args(["restage", "--quiet"]).args(arguments);
-        command.output().unwrap()
+        self.run(&[&["restage", "--quiet"], arguments].concat())
     }
 
+    /// Asserts that `unrender restage` succeeds with `arguments`.
     #[track_caller]
     fn succeeds(&self, arguments: &[&str]) {
-        let output = self.restage(arguments);
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        succeeds(&self.restage(arguments));
     }
 
     /// Asserts that the edit file `text` is refused with `problem`, and that nothing is written.
@@ -69,31 +63,9 @@ impl Folder {
     fn refuses(&self, text: &str, problem: &str) {
         self.write("bad.toml", text);
         let output = self.restage(&["bad.toml", "--spp", "1", "--out", "none"]);
-        let stderr = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{stderr}");
-        assert!(stderr.starts_with("error: ") && stderr.contains(problem), "{stderr}");
-        assert!(!self.path("none").exists(), "{stderr}");
+        fails(&output, problem);
+        assert!(!self.path("none").exists(), "{}", stderr(&output));
     }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // A folder that is left behind in the temporary files does no harm.
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-fn quad(corner: Vec3, across: Vec3, up: Vec3) -> Mesh {
-    let positions = [corner, corner + across, corner + across + up, corner + up];
-    let uvs = [Vec2::new(0.0, 1.0), Vec2::ONE, Vec2::new(1.0, 0.0), Vec2::ZERO];
-    Mesh::flat(&positions, &uvs, &[[0, 1, 2], [0, 2, 3]])
-}
-
-fn add(scene: &mut Scene, name: &str, rho_d: Rgb, mesh: Mesh) {
-    let group = scene.groups.len();
-    let material = Material::diffuse(rho_d);
-    scene.groups.push(Group { name: name.into(), material, emission: Rgb::ZERO });
-    scene.objects.push(Object { name: name.into(), group, mesh });
 }
 
 fn scene() -> Scene {
@@ -130,7 +102,7 @@ fn read(path: &Path) -> picture::Picture {
 
 #[test]
 fn a_composite_keeps_the_codes_and_the_depth_of_the_photograph() {
-    let folder = Folder::new("codes");
+    let folder = Stage::new();
     for (name, depth) in [("8", Depth::Eight), ("16", Depth::Sixteen)] {
         folder.write("e.toml", &format!("project = \"{name}.toml\"\n{INSERT}"));
         folder.succeeds(&["e.toml", "--composite", "--spp", "64", "--out", name]);
@@ -156,7 +128,7 @@ fn a_composite_keeps_the_codes_and_the_depth_of_the_photograph() {
 
 #[test]
 fn flags_are_lines_of_the_file() {
-    let folder = Folder::new("flags");
+    let folder = Stage::new();
     folder.write(
         "e.toml",
         &format!(
@@ -190,7 +162,7 @@ fn flags_are_lines_of_the_file() {
 
 #[test]
 fn parts_and_breaks_change_no_bit() {
-    let folder = Folder::new("parts");
+    let folder = Stage::new();
     folder.write("e.toml", &format!("project = \"8.toml\"\n{INSERT}"));
     let run = |arguments: &[&str]| {
         folder.succeeds(&[&["e.toml", "--composite"], arguments].concat());
@@ -209,13 +181,12 @@ fn parts_and_breaks_change_no_bit() {
     // A part of another picture is none of this one.
     let other = ["e.toml", "--composite", "--remove", "wall", "--parts", "farm/part_0_5.exr"];
     let output = folder.restage(&[&other[..], &["--out", "no"]].concat());
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert!(!output.status.success() && stderr.contains("part of another picture"), "{stderr}");
+    is_refused(&output, "part of another picture");
 }
 
 #[test]
 fn a_sequence_is_numbered_and_goes_through_its_keys() {
-    let folder = Folder::new("sequence");
+    let folder = Stage::new();
     folder.write(
         "e.toml",
         "scene = \"scene.glb\"\n[camera]\nframes = 3\nfov_y_deg = 45\n\
@@ -240,7 +211,7 @@ fn a_sequence_is_numbered_and_goes_through_its_keys() {
 
 #[test]
 fn a_photograph_of_numbers_keeps_them() {
-    let folder = Folder::new("float");
+    let folder = Stage::new();
     let photo =
         Image::from_fn(SIZE.0, SIZE.1, |x, y| Rgb::new(0.3, 0.01 * x as f32, 0.02 * y as f32));
     picture::write_exr(&folder.path("p.exr"), &photo).unwrap();
@@ -255,10 +226,10 @@ fn a_photograph_of_numbers_keeps_them() {
 
 #[test]
 fn relit_is_as_if_the_lamp_had_been_so() {
-    let folder = Folder::new("relit");
+    let folder = Stage::new();
     let mut other = scene();
     other.groups[2].emission *= Rgb::new(0.5, 1.0, 2.0);
-    std::fs::write(folder.path("other.glb"), gltf::to_glb(&other).unwrap()).unwrap();
+    folder.write("other.glb", &gltf::to_glb(&other).unwrap());
     let size = ["--camera", "photo", "--width", "24", "--spp", "8"];
     let edit = ["--scene", "scene.glb", "--light", "lamp: scale = [0.5, 1, 2]", "--out", "relit"];
     folder.succeeds(&[&edit[..], &size[..]].concat());
@@ -268,7 +239,7 @@ fn relit_is_as_if_the_lamp_had_been_so() {
 
 #[test]
 fn the_camera_and_the_exposure_of_the_recovery_count() {
-    let folder = Folder::new("recovery");
+    let folder = Stage::new();
     std::fs::create_dir(folder.path("rec")).unwrap();
     folder.write("rec/materials.json", r#"{"version": 1, "exposure": [2, 2, 2], "groups": {}}"#);
     let camera = r#"{"eye": [0.5, 1.25, 2.5], "target": [0, 0.5, -0.5], "up": [0, 1, 0],
@@ -297,13 +268,13 @@ fn the_camera_and_the_exposure_of_the_recovery_count() {
         assert!((code(*radiance) - *shown).abs().max_element() < 0.003);
     }
     let output = folder.restage(&["--project", "auto.toml", "--out", "none"]);
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert!(stderr.contains("name the recovery that found it"), "{stderr}");
+    let said = stderr(&output);
+    assert!(said.contains("name the recovery that found it"), "{said}");
 }
 
 #[test]
 fn grain_goes_into_what_is_synthetic_alone() {
-    let folder = Folder::new("grain");
+    let folder = Stage::new();
     folder.write("e.toml", &format!("project = \"8.toml\"\n{INSERT}"));
     folder.succeeds(&["e.toml", "--composite", "--spp", "64", "--out", "plain"]);
     folder.succeeds(&["e.toml", "--composite", "--spp", "64", "--grain", "--out", "grain"]);
@@ -318,7 +289,7 @@ fn grain_goes_into_what_is_synthetic_alone() {
 
 #[test]
 fn bad_edits_are_told_with_their_line() {
-    let folder = Folder::new("bad");
+    let folder = Stage::new();
     let scene = "scene = \"scene.glb\"\n";
     let with = |edit: &str| format!("{scene}\n{edit}");
     for (edit, problem) in [
@@ -357,10 +328,10 @@ fn bad_edits_are_told_with_their_line() {
     folder.refuses("", "nothing to start from");
     folder.refuses("recovered = \"nowhere\"", "scene.glb: does not exist");
     let output = folder.restage(&["--scene", "scene.glb", "--remove", "sofa", "--out", "none"]);
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert!(stderr.contains("--remove 'sofa': the scene has no \"sofa\""), "{stderr}");
+    let said = stderr(&output);
+    assert!(said.contains("--remove 'sofa': the scene has no \"sofa\""), "{said}");
     folder.write("c.toml", "project = \"8.toml\"\n[camera]\neye = [0, 1, 2]\ntarget = [0, 0, 0]\n");
     let output = folder.restage(&["c.toml", "--composite", "--out", "none"]);
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert!(stderr.contains("c.toml: line 2: a composite is seen by"), "{stderr}");
+    let said = stderr(&output);
+    assert!(said.contains("c.toml: line 2: a composite is seen by"), "{said}");
 }

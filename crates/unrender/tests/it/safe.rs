@@ -1,50 +1,48 @@
 //! Nothing is lost: inputs, earlier results, work whose output nobody reads.
 #![cfg(unix)]
 
-use glam::Vec3;
+use crate::kit::floor_and_lamp::{self, RHO};
+use crate::kit::folder::{Folder, ends_in_error, stderr, succeeds};
 use std::ffi::OsStr;
 use std::fs::{self, File};
+use std::ops::Deref;
 use std::os::unix::ffi::OsStrExt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use unrender::formats::{gltf, picture};
 use unrender::render::{Settings, Tracer};
-use unrender::scene::{Camera, Group, Material, Mesh, Object, Rgb, Scene};
+use unrender::scene::{Material, Rgb};
 
 /// A floor under a lamp, its photograph, and the project of both.
-struct Room(tempfile::TempDir);
+struct Room(Folder);
+
+impl Deref for Room {
+    type Target = Folder;
+
+    fn deref(&self) -> &Folder {
+        &self.0
+    }
+}
 
 impl Room {
     fn new() -> Self {
-        let room = Self(tempfile::tempdir().unwrap());
-        let mut scene = scene();
-        fs::write(room.path("scene.glb"), gltf::to_glb(&scene).unwrap()).unwrap();
-        scene.groups[0].material = Material::diffuse(Rgb::new(0.6, 0.4, 0.2));
+        let folder = Folder::new();
+        let mut scene = floor_and_lamp::scene();
+        // What the floor reflects is not in the file.
+        scene.groups[0].material = Material::diffuse(Rgb::ZERO);
+        folder.write("scene.glb", &gltf::to_glb(&scene).unwrap());
+        scene.groups[0].material = Material::diffuse(RHO);
         let settings = Settings { spp: 64, ..Settings::default() };
         let camera = scene.cameras[0].clone();
         let tracer = Tracer::new(&scene);
         let view = unrender::recover::View::new(&tracer, &camera, (24, 24), scene.brdf);
         let photo = view.render(&scene.materials(), &settings, &|_| {}).mean;
-        picture::write(&room.path("photo.png"), &photo).unwrap();
+        picture::write(&folder.path("photo.png"), &photo).unwrap();
         let project =
             "scene = \"scene.glb\"\nphoto = \"photo.png\"\nexposure = 1\nresponse = \"srgb\"\n";
-        fs::write(room.path("p.toml"), project).unwrap();
-        room
-    }
-
-    fn path(&self, name: impl AsRef<Path>) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_unrender"));
-        command.current_dir(self.0.path()).args(arguments);
-        command
-    }
-
-    fn run(&self, arguments: &[&str]) -> Output {
-        self.command(arguments).output().unwrap()
+        folder.write("p.toml", project);
+        Self(folder)
     }
 
     fn recover(&self, out: &str) -> Output {
@@ -55,7 +53,7 @@ impl Room {
     fn shell(&self, line: &str) -> Output {
         let program = ("U", env!("CARGO_BIN_EXE_unrender"));
         let mut shell = Command::new("sh");
-        shell.current_dir(self.0.path()).envs([program]).args(["-c", line]).output().unwrap()
+        shell.current_dir(self.root()).envs([program]).args(["-c", line]).output().unwrap()
     }
 
     /// All files with their contents.
@@ -75,38 +73,10 @@ impl Room {
     }
 }
 
-fn scene() -> Scene {
-    let mut scene = Scene::default();
-    let quads = [
-        ("floor", [[-1., 0., 1.], [1., 0., 1.], [1., 0., -1.], [-1., 0., -1.]], Rgb::ZERO),
-        (
-            "lamp",
-            [[-0.4, 2., -0.4], [0.4, 2., -0.4], [0.4, 2., 0.4], [-0.4, 2., 0.4]],
-            Rgb::splat(4.),
-        ),
-    ];
-    for (group, (name, corners, emission)) in quads.into_iter().enumerate() {
-        let mesh = Mesh::flat(&corners.map(Vec3::from_array), &[], &[[0, 1, 2], [0, 2, 3]]);
-        scene.objects.push(Object { name: name.into(), group, mesh });
-        let material = Material::diffuse(Rgb::ZERO);
-        scene.groups.push(Group { name: name.into(), material, emission });
-    }
-    let (eye, target) = (Vec3::new(0., 1.4, 2.), Vec3::ZERO);
-    scene
-        .cameras
-        .push(Camera { aspect: Some(1.0), ..Camera::look_at("c", eye, target, Vec3::Y, 0.8) });
-    scene
-}
-
+/// Asserts that the command failed with an error that has all of `words`.
+#[track_caller]
 fn assert_refused(output: &Output, words: &[&str]) {
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{stderr}");
-    assert!(stderr.contains("error: ") && !stderr.contains("panicked"), "{stderr}");
-    words.iter().for_each(|word| assert!(stderr.contains(word), "{word}: {stderr}"));
-}
-
-fn assert_good(output: &Output) {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    words.iter().for_each(|word| ends_in_error(output, word));
 }
 
 #[test]
@@ -140,8 +110,8 @@ fn results_replace_only_results() {
     fs::write(room.path("out/photo.png"), "mine").unwrap();
     assert_refused(&room.recover("out"), &["photo.png", "move them away"]);
     fs::remove_file(room.path("out/photo.png")).unwrap();
-    assert_good(&room.recover("out"));
-    assert_good(&room.recover("out"));
+    succeeds(&room.recover("out"));
+    succeeds(&room.recover("out"));
     assert_eq!(fs::read(room.path("out/notes.txt")).unwrap(), b"mine");
     // Each result is protected as soon as it is somebody else's.
     for (path, _) in room.files("out") {
@@ -182,7 +152,7 @@ fn a_reader_that_has_gone_away_loses_no_work() {
         let out = format!("room{}.glb", line.len());
         let export = format!("$U export --scene scene.glb --to gltf --out {out} {line}");
         let told = room.shell(&export);
-        assert!(!String::from_utf8_lossy(&told.stderr).contains("panicked"), "{told:?}");
+        assert!(!stderr(&told).contains("panicked"), "{told:?}");
         assert!(room.path(&out).exists(), "{line}");
     }
 }
@@ -190,9 +160,9 @@ fn a_reader_that_has_gone_away_loses_no_work() {
 #[test]
 fn results_of_two_runs_are_not_taken_for_one() {
     let room = Room::new();
-    assert_good(&room.recover("out"));
-    assert_good(&room.run(&["report", "out"]));
-    assert_good(&room.run(&["report", "out"]));
+    succeeds(&room.recover("out"));
+    succeeds(&room.run(&["report", "out"]));
+    succeeds(&room.run(&["report", "out"]));
     // As after kill -9 between two files: the manifest is that of the new run.
     let manifest = room.path("out/manifest.json");
     let whole = fs::read_to_string(&manifest).unwrap();
@@ -210,8 +180,10 @@ fn results_of_two_runs_are_not_taken_for_one() {
         assert_refused(&room.run(command), &["two runs"]);
     }
     // The next run sets it right.
-    assert_good(&room.recover("out"));
-    commands.iter().for_each(|command| assert_good(&room.run(command)));
+    succeeds(&room.recover("out"));
+    for command in commands {
+        succeeds(&room.run(command));
+    }
     // A file of another run, copied over.
     fs::write(room.path("out/run.json"), fs::read(room.path("p.toml")).unwrap()).unwrap();
     assert_refused(&room.run(&["report", "out"]), &["run.json", "changed"]);
@@ -225,7 +197,7 @@ fn the_second_process_is_reported() {
     folder.lock().unwrap();
     assert_refused(&room.recover("out"), &["another unrender"]);
     drop(folder);
-    assert_good(&room.recover("out"));
+    succeeds(&room.recover("out"));
 }
 
 #[test]
@@ -233,8 +205,8 @@ fn threads_that_cannot_help_are_reported() {
     let room = Room::new();
     let render = ["render", "scene.glb", "--height", "8", "--spp", "1", "--out", "a.exr"];
     let told = room.run(&[&render[..], &["--threads", "100000"]].concat());
-    assert_good(&told);
-    assert!(String::from_utf8_lossy(&told.stderr).contains("more than can help"), "{told:?}");
+    succeeds(&told);
+    assert!(stderr(&told).contains("more than can help"), "{told:?}");
 }
 
 #[test]
@@ -243,7 +215,7 @@ fn names_that_are_no_text_are_good_or_told_before_the_work() {
     let name = OsStr::from_bytes(b"out\xff");
     let arguments = ["recover", "p.toml", "--no-refine", "--spp", "1", "--out"];
     let told = room.command(&arguments).arg(name).output().unwrap();
-    assert_good(&told);
+    succeeds(&told);
     assert!(room.path(name).join("report.html").exists());
     let project = OsStr::from_bytes(b"p\xff.toml");
     fs::rename(room.path("p.toml"), room.path(project)).unwrap();
@@ -252,7 +224,7 @@ fn names_that_are_no_text_are_good_or_told_before_the_work() {
         .arg(project)
         .output()
         .unwrap();
-    assert_good(&told);
+    succeeds(&told);
 }
 
 #[test]
@@ -262,7 +234,7 @@ fn outputs_are_asked_before_the_work_and_stay_what_they_are() {
     fs::write(room.path("elsewhere/a.exr"), "old").unwrap();
     std::os::unix::fs::symlink("elsewhere/a.exr", room.path("a.exr")).unwrap();
     let render = ["render", "scene.glb", "--height", "8", "--spp", "1", "--out", "a.exr"];
-    assert_good(&room.run(&render));
+    succeeds(&room.run(&render));
     assert!(fs::symlink_metadata(room.path("a.exr")).unwrap().is_symlink());
     assert_ne!(fs::read(room.path("elsewhere/a.exr")).unwrap(), b"old");
     let mut mode = fs::metadata(room.path("elsewhere/a.exr")).unwrap().permissions();
@@ -317,7 +289,7 @@ fn what_faults_leave_is_whole_or_refused() {
     let room = Room::new();
     let inputs = room.files(".");
     let started = Instant::now();
-    assert_good(&room.recover("out"));
+    succeeds(&room.recover("out"));
     let length = started.elapsed();
     let (mut whole, mut refused) = (0, 0);
     for fault in 0..FAULTS {
@@ -333,7 +305,7 @@ fn what_faults_leave_is_whole_or_refused() {
         let _ = Command::new("kill").args([signal, &pid]).stderr(Stdio::null()).status();
         running.wait().unwrap();
         let report = room.run(&["report", "out", "--quiet"]);
-        let said = String::from_utf8_lossy(&report.stderr).into_owned();
+        let said = stderr(&report);
         match report.status.code() {
             Some(0) => whole += 1,
             Some(1) if said.contains("two runs") => refused += 1,
@@ -341,8 +313,8 @@ fn what_faults_leave_is_whole_or_refused() {
         }
     }
     println!("{FAULTS} faults: {whole} whole results, {refused} refused");
-    assert_good(&room.recover("out"));
-    assert_good(&room.run(&["report", "out"]));
+    succeeds(&room.recover("out"));
+    succeeds(&room.run(&["report", "out"]));
     let hidden = |(path, _): &&(PathBuf, Vec<u8>)| path.to_string_lossy().contains(".unrender-");
     assert_eq!(room.files("out").iter().filter(hidden).count(), 0);
     fs::remove_dir_all(room.path("out")).unwrap();

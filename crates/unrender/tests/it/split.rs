@@ -1,14 +1,14 @@
 //! Groups that hold two materials: they are named after a recovery, and `unrender split` writes the
 //! scene with them apart, from which both are recovered.
 
+use crate::kit::folder::{Folder, is_refused, succeeds};
+use crate::kit::meshes::quad;
 use glam::Vec3;
-use std::path::Path;
-use std::process::{Command, Output};
 use unrender::formats::picture::{self, Depth};
 use unrender::formats::{gltf, load_model, materials};
 use unrender::render::{Settings, Tracer};
 use unrender::scene::color::srgb_from_linear;
-use unrender::scene::{Camera, Group, Light, LightKind, Material, Mesh, Object, Rgb, Scene};
+use unrender::scene::{Camera, Group, Light, LightKind, Material, Object, Rgb, Scene};
 
 const SIZE: (usize, usize) = (80, 60);
 const FLOOR: Rgb = Rgb::new(0.5, 0.4, 0.3);
@@ -28,9 +28,6 @@ fn room(apart: bool) -> Scene {
     if apart {
         scene.groups.push(group("dark", DARK));
     }
-    let quad = |a: Vec3, b: Vec3, c: Vec3| {
-        Mesh::flat(&[a, a + b, a + b + c, a + c], &[], &[[0, 1, 2], [0, 2, 3]])
-    };
     let low = Vec3::new(-1.5, 0.0, -1.5);
     let floor = quad(low + 3.0 * Vec3::Z, 3.0 * Vec3::X, -3.0 * Vec3::Z);
     scene.objects.push(Object { name: "floor".into(), group: 0, mesh: floor });
@@ -46,84 +43,57 @@ fn room(apart: bool) -> Scene {
     scene
 }
 
-fn write(place: &Path, name: &str, text: &str) {
-    std::fs::write(place.join(name), text).unwrap();
-}
-
-fn run(place: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_unrender"));
-    command.current_dir(place).args(arguments).output().unwrap()
-}
-
-/// What the command with `arguments` prints.
-#[track_caller]
-fn prints(place: &Path, arguments: &[&str]) -> String {
-    let output = run(place, arguments);
-    let told = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success(), "{arguments:?}: {told}");
-    String::from_utf8(output.stdout).unwrap()
-}
-
-#[track_caller]
-fn fails(place: &Path, arguments: &[&str], problem: &str) {
-    let output = run(place, arguments);
-    let told = String::from_utf8(output.stderr).unwrap();
-    assert!(!output.status.success() && told.contains(problem), "{arguments:?}: {told}");
-}
-
-fn project(place: &Path, scene: &str) {
+fn project(folder: &Folder, scene: &str) {
     let text = format!(
         "scene = \"{scene}\"\nphoto = \"photo.png\"\nresponse = \"srgb\"\nexposure = 1\n\
          [recover]\nmax_rung = \"diffuse\"\n"
     );
-    write(place, "project.toml", &text);
+    folder.write("project.toml", &text);
 }
 
 #[test]
 fn two_materials_in_one_group_are_named_and_written_apart() {
-    let place = tempfile::tempdir().unwrap();
-    let place = place.path();
+    let folder = Folder::new();
     let mut truth = room(true);
     truth.validate().unwrap();
     let settings = Settings { spp: 256, seed: 5, ..Settings::default() };
     let tracer = Tracer::new(&truth);
     let photo = tracer.render(&truth.materials(), &truth.cameras[0], SIZE, &settings, &|_| ()).mean;
     let codes = photo.map(|rgb| rgb.map(srgb_from_linear));
-    picture::write_png_codes(&place.join("photo.png"), &codes, Depth::Sixteen).unwrap();
-    std::fs::write(place.join("scene.glb"), gltf::to_glb(&room(false)).unwrap()).unwrap();
-    project(place, "scene.glb");
+    picture::write_png_codes(&folder.path("photo.png"), &codes, Depth::Sixteen).unwrap();
+    folder.write("scene.glb", &gltf::to_glb(&room(false)).unwrap());
+    project(&folder, "scene.glb");
     let recover = ["recover", "project.toml", "--no-refine", "--spp", "16", "--out", "out"];
-    let told = prints(place, &recover);
+    let told = succeeds(&folder.run(&recover));
     let line = "wall: one material does not explain all its objects: ";
     let told = told.lines().find(|told| told.starts_with(line)).expect(&told).to_owned();
     assert!(told.contains("panel, door | panel (2)"), "{told}");
-    let page = std::fs::read_to_string(place.join("out/report.html")).unwrap();
+    let page = folder.text("out/report.html");
     assert!(page.contains("of several materials"));
 
-    fails(place, &["split", "out", "--out", "apart.obj"], "end --out in .glb");
-    fails(place, &["split", "out", "--group", "roof", "--out", "a.glb"], "no group \"roof\"");
-    fails(
-        place,
-        &["split", "out", "--group", "floor", "--out", "a.glb"],
-        "all objects of \"floor\"",
-    );
-    fails(place, &["split", "none", "--out", "a.glb"], "name a folder that recover wrote");
-    fails(place, &["split", "out", "--out", "scene.glb"], "scene.glb");
-    let told = prints(place, &["split", "out", "--out", "apart.glb"]);
+    let refuses = |arguments: &[&str], problem: &str| {
+        is_refused(&folder.run(arguments), problem);
+    };
+    refuses(&["split", "out", "--out", "apart.obj"], "end --out in .glb");
+    refuses(&["split", "out", "--group", "roof", "--out", "a.glb"], "no group \"roof\"");
+    refuses(&["split", "out", "--group", "floor", "--out", "a.glb"], "all objects of \"floor\"");
+    refuses(&["split", "none", "--out", "a.glb"], "name a folder that recover wrote");
+    refuses(&["split", "out", "--out", "scene.glb"], "scene.glb");
+    let told = succeeds(&folder.run(&["split", "out", "--out", "apart.glb"]));
     assert_eq!(told, "wall: \"wall\" of panel, door, \"wall 2\" of panel (2)\n");
-    let (apart, _) = load_model(&place.join("apart.glb")).unwrap();
+    let (apart, _) = load_model(&folder.path("apart.glb")).unwrap();
     let groups: Vec<&str> =
         apart.objects.iter().map(|o| apart.groups[o.group].name.as_str()).collect();
     assert_eq!(groups, ["floor", "wall", "wall 2", "wall"]);
     assert_eq!((apart.lights.len(), apart.cameras.len()), (1, 1));
 
-    project(place, "apart.glb");
-    let told = prints(place, &recover);
+    project(&folder, "apart.glb");
+    let told = succeeds(&folder.run(&recover));
     assert!(!told.contains("does not explain all"), "{told}");
-    let found = materials::read(&place.join("out/materials.json")).unwrap();
+    let found = materials::read(&folder.path("out/materials.json")).unwrap();
     for (name, truth) in [("floor", FLOOR), ("wall", LIGHT), ("wall 2", DARK)] {
         let rho_d = Rgb::from_array(found.groups[name].rho_d.unwrap());
         assert!((rho_d - truth).abs().max_element() < 0.01, "{name}: {rho_d}");
     }
-    fails(place, &["split", "out", "--out", "again.glb"], "explains all objects of every group");
+    refuses(&["split", "out", "--out", "again.glb"], "explains all objects of every group");
 }

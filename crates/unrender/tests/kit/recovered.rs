@@ -1,12 +1,13 @@
 //! A recovery by the command, of a scene small enough to be done at once.
 
+use super::floor_and_lamp::{self, RHO};
+use super::meshes::{add, square};
 use glam::Vec3;
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 use unrender::formats::{gltf, picture};
 use unrender::render::{Settings, Tracer};
-use unrender::scene::{Camera, Group, Material, Mesh, Object, Rgb, Scene};
 
 const SIZE: (usize, usize) = (48, 48);
 const PROJECT: &str =
@@ -16,7 +17,8 @@ const PROJECT: &str =
 pub(crate) fn make(folder: &Path) -> Value {
     let inputs = folder.with_extension("inputs");
     std::fs::create_dir_all(&inputs).unwrap();
-    let mut scene = scene();
+    let mut scene = floor_and_lamp::scene();
+    add(&mut scene, "wall & co", RHO, square(Vec3::new(0.0, 1.0, -1.0), Vec3::Z, 1.0));
     scene.validate().unwrap();
     let settings = Settings { spp: 64, ..Settings::default() };
     let tracer = Tracer::new(&scene);
@@ -30,28 +32,4 @@ pub(crate) fn make(folder: &Path) -> Value {
     let output = output.output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).unwrap()
-}
-
-fn scene() -> Scene {
-    let mut scene = Scene::default();
-    let quads = [
-        ("floor", [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0]]),
-        ("wall & co", [[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 2.0, -1.0], [-1.0, 2.0, -1.0]]),
-        ("lamp", [[-0.4, 2.0, -0.4], [0.4, 2.0, -0.4], [0.4, 2.0, 0.4], [-0.4, 2.0, 0.4]]),
-    ];
-    for (group, (name, corners)) in quads.into_iter().enumerate() {
-        let mesh = Mesh::flat(&corners.map(Vec3::from_array), &[], &[[0, 1, 2], [0, 2, 3]]);
-        scene.objects.push(Object { name: name.into(), group, mesh });
-        let is_lamp = name == "lamp";
-        let emission = if is_lamp { Rgb::splat(8.0) } else { Rgb::ZERO };
-        let rho_d = if is_lamp { Rgb::ZERO } else { Rgb::new(0.6, 0.4, 0.2) };
-        scene.groups.push(Group {
-            name: name.into(),
-            material: Material::diffuse(rho_d),
-            emission,
-        });
-    }
-    let (eye, target) = (Vec3::new(0.0, 1.2, 3.0), Vec3::new(0.0, 0.7, 0.0));
-    scene.cameras.push(Camera::look_at("camera", eye, target, Vec3::Y, 0.7));
-    scene
 }

@@ -1,39 +1,37 @@
-//! Small glTF files for tests: one triangle, a lamp, and whatever a test changes about them.
+//! Folders of tests, and small glTF files: one triangle, a lamp, and whatever a test changes about them.
 
 #![allow(dead_code, reason = "not every test uses everything here")]
 
 use serde_json::{Value, json};
 use std::fs;
-use std::path::PathBuf;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::path::{Path, PathBuf};
 
 /// A folder of its own for a test; it goes with the value.
-pub(crate) struct Folder(PathBuf);
+pub(crate) struct Folder(tempfile::TempDir);
 
 impl Folder {
     /// An empty folder.
     pub(crate) fn new() -> Self {
-        static COUNT: AtomicUsize = AtomicUsize::new(0);
-        let number = COUNT.fetch_add(1, Ordering::Relaxed);
-        let name = format!("unrender-formats-{}-{number}", std::process::id());
-        let path = std::env::temp_dir().join(name);
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
+        Self(tempfile::Builder::new().prefix("unrender-").tempdir().unwrap())
+    }
+
+    /// Where it is.
+    pub(crate) fn root(&self) -> &Path {
+        self.0.path()
+    }
+
+    /// Where `name` is in it, or would be.
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.root().join(name)
     }
 
     /// Writes `bytes` under `name` and returns the path.
     pub(crate) fn file(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
-        let path = self.0.join(name);
+        let path = self.path(name);
         // Some file systems flush a file that is overwritten, which would slow the loops down.
         let _ = fs::remove_file(&path);
         fs::write(&path, bytes).unwrap();
         path
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
     }
 }
 

@@ -3,7 +3,7 @@
 use super::*;
 
 /// Paints the right half of the photograph white, as if something stood there that the model lacks.
-fn spoil(folder: &Folder) {
+fn spoil(folder: &Corner) {
     let photo = folder.read("photo.png");
     let spoiled = RgbImage::from_fn(SIZE.0, SIZE.1, |x, y| {
         if x < SIZE.0 / 2 { *photo.at(x, y) } else { Rgb::new(0.9, 0.1, 0.1) }
@@ -13,7 +13,7 @@ fn spoil(folder: &Folder) {
 
 #[test]
 fn what_the_mask_leaves_out_does_not_count() {
-    let folder = Folder::new("mask");
+    let folder = Corner::new();
     spoil(&folder);
     let mask = |width: usize| {
         let white = |x: usize| Rgb::splat(f32::from(u8::from(x < SIZE.0 / 2)));
@@ -51,7 +51,7 @@ fn what_the_mask_leaves_out_does_not_count() {
 
 #[test]
 fn ignored_groups_are_not_asked_for_and_not_counted() {
-    let folder = Folder::new("ignore");
+    let folder = Corner::new();
     folder.refuses("[groups.door]\nignore = true\n[environment]\ncolor = 1\n", "no group \"door\"");
     folder.write("project.toml", &format!("{HEAD}{LIGHTS}[groups.wall]\nignore = true\n"));
     folder.succeeds(&["check", "project.toml"]);
@@ -61,7 +61,7 @@ fn ignored_groups_are_not_asked_for_and_not_counted() {
     assert!((floor - FLOOR).abs().max_element() < 0.02, "{floor}");
     let wall = Rgb::from_array(found.groups["wall"].rho_d.unwrap());
     assert!((wall - WALL).abs().max_element() < 1e-5, "as in the scene: {wall}");
-    let run = std::fs::read_to_string(folder.path("out/run.json")).unwrap();
+    let run = folder.text("out/run.json");
     let run: serde_json::Value = serde_json::from_str(&run).unwrap();
     let wall = &run["groups"]["wall"];
     assert_eq!((&wall["asked"], &wall["counted"]["valid"]), (&false.into(), &0.into()));
@@ -70,7 +70,7 @@ fn ignored_groups_are_not_asked_for_and_not_counted() {
 
 #[test]
 fn groups_have_the_hypotheses_that_are_allowed() {
-    let folder = Folder::new("rungs");
+    let folder = Corner::new();
     let rungs = "[recover]\nrungs = [\"diffuse\"]\n[groups.floor]\nrungs = [\"isotropic\"]\n";
     folder.write("project.toml", &format!("{HEAD}{LIGHTS}{rungs}"));
     folder.drafts(&["--spp", "4"]);
@@ -100,7 +100,7 @@ fn groups_have_the_hypotheses_that_are_allowed() {
 
 #[test]
 fn bounds_of_a_project_are_kept_by_its_results() {
-    let folder = Folder::new("bounds");
+    let folder = Corner::new();
     let bounds = "[groups.floor]\nalpha_x = { start = 0.4, min = 0.3 }\n[groups.wall]\n\
                   rho_d = { max = [1, 0.2, 1] }\nrho_s = { max = 0 }\n[recover]\nmax_rung = \"isotropic\"\n";
     folder.write("project.toml", &format!("{HEAD}{LIGHTS}{bounds}"));
@@ -116,7 +116,7 @@ fn bounds_of_a_project_are_kept_by_its_results() {
 
 #[test]
 fn groups_of_one_material_are_recovered_as_one() {
-    let folder = Folder::new("same");
+    let folder = Corner::new();
     let same = "[groups.wall]\nsame_as = \"floor\"\n[recover]\nmax_rung = \"diffuse\"\n";
     folder.write("project.toml", &format!("{HEAD}{LIGHTS}{same}"));
     folder.succeeds(&["check", "project.toml"]);
@@ -141,7 +141,7 @@ fn groups_of_one_material_are_recovered_as_one() {
 
 #[test]
 fn from_the_white_level_on_a_photograph_is_clipped() {
-    let folder = Folder::new("white");
+    let folder = Corner::new();
     let clipped = |line: &str| {
         folder.write("project.toml", &format!("{HEAD}{line}{LIGHTS}"));
         let (project, warnings) = Project::read(&folder.path("project.toml")).unwrap();

@@ -1,16 +1,16 @@
 //! What a project says of the light: the environment and the lights that the scene lacks. A corner
 //! of a room whose file has no light at all is photographed, recovered and rendered again.
 
+use crate::kit::folder::{Folder, fails, stderr, succeeds};
+use crate::kit::meshes::{add, quad};
 use glam::Vec3;
-use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::ops::Deref;
+use std::process::Output;
 use unrender::formats::picture::{self, Depth};
 use unrender::formats::{gltf, materials};
 use unrender::render::{Settings, Tracer};
 use unrender::scene::color::srgb_from_linear;
-use unrender::scene::{
-    Camera, Environment, Group, Hypothesis, LightKind, Material, Mesh, Object, Rgb, RgbImage, Scene,
-};
+use unrender::scene::{Camera, Environment, Hypothesis, LightKind, Mesh, Rgb, RgbImage, Scene};
 use unrender::{Job, Project};
 
 const SIZE: (usize, usize) = (48, 36);
@@ -29,33 +29,33 @@ mod stated;
 mod unknown;
 
 /// A folder with the scene, which has no light, and the photograph, which was taken in some.
-struct Folder(PathBuf);
+struct Corner(Folder);
 
-impl Folder {
-    fn new(test: &str) -> Self {
+impl Deref for Corner {
+    type Target = Folder;
+
+    fn deref(&self) -> &Folder {
+        &self.0
+    }
+}
+
+impl Corner {
+    /// The corner in light of one colour from all around.
+    fn new() -> Self {
         let ambient = RgbImage::new(1, 1, vec![AMBIENT]);
-        Self::in_light(test, Environment::new(ambient, 0.0).unwrap())
+        Self::in_light(Environment::new(ambient, 0.0).unwrap())
     }
 
-    fn in_light(test: &str, around: Environment) -> Self {
-        let name = format!("unrender-light-{}-{test}", std::process::id());
-        let folder = Self(std::env::temp_dir().join(name));
-        std::fs::create_dir_all(&folder.0).unwrap();
+    /// The corner in the light of `around`.
+    fn in_light(around: Environment) -> Self {
+        let folder = Folder::new();
         let mut scene = corner();
-        std::fs::write(folder.path("scene.glb"), gltf::to_glb(&scene).unwrap()).unwrap();
+        folder.write("scene.glb", &gltf::to_glb(&scene).unwrap());
         let radiance = photograph(&mut scene, around);
         let codes = radiance.map(|rgb| rgb.map(srgb_from_linear));
         picture::write_png_codes(&folder.path("photo.png"), &codes, Depth::Sixteen).unwrap();
         folder.write("project.toml", &format!("{HEAD}{LIGHTS}"));
-        folder
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        std::fs::write(self.path(name), text).unwrap();
+        Self(folder)
     }
 
     fn read(&self, name: &str) -> RgbImage {
@@ -64,17 +64,15 @@ impl Folder {
 
     /// The command with `arguments`, in this folder.
     fn run(&self, arguments: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_unrender"));
-        command.current_dir(&self.0).arg("--quiet").args(arguments).output().unwrap()
+        self.0.run(&[&["--quiet"], arguments].concat())
     }
 
     /// What it says on stderr when it succeeds.
     #[track_caller]
     fn succeeds(&self, arguments: &[&str]) -> String {
         let output = self.run(arguments);
-        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.success(), "{stderr}");
-        stderr
+        succeeds(&output);
+        stderr(&output)
     }
 
     /// Recovers the project with little effort and these `flags`, into `out`.
@@ -88,17 +86,7 @@ impl Folder {
     #[track_caller]
     fn refuses(&self, text: &str, problem: &str) {
         self.write("bad.toml", &format!("{HEAD}{text}"));
-        let output = self.run(&["check", "bad.toml"]);
-        let stderr = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{stderr}");
-        assert!(stderr.starts_with("error: ") && stderr.contains(problem), "{stderr}");
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // A folder that is left behind in the temporary files does no harm.
-        let _ = std::fs::remove_dir_all(&self.0);
+        fails(&self.run(&["check", "bad.toml"]), problem);
     }
 }
 
@@ -107,11 +95,7 @@ fn corner() -> Scene {
     let (x, y, z) = (3.0 * Vec3::X, 2.0 * Vec3::Y, 3.0 * Vec3::Z);
     let low = Vec3::new(-1.5, 0.0, -1.5);
     for (name, rho_d, a, b, c) in [("floor", FLOOR, low + z, x, -z), ("wall", WALL, low, x, y)] {
-        let mesh = Mesh::flat(&[a, a + b, a + b + c, a + c], &[], &[[0, 1, 2], [0, 2, 3]]);
-        let group = scene.groups.len();
-        let (material, emission) = (Material::diffuse(rho_d), Rgb::ZERO);
-        scene.groups.push(Group { name: name.into(), material, emission });
-        scene.objects.push(Object { name: name.into(), group, mesh });
+        add(&mut scene, name, rho_d, quad(a, b, c));
     }
     let (eye, target) = (Vec3::new(0.3, 1.3, 2.6), Vec3::new(0.0, 0.5, -0.5));
     let camera = Camera::look_at("photo", eye, target, Vec3::Y, 0.8);
@@ -122,11 +106,8 @@ fn corner() -> Scene {
 /// Lights `scene` as it was, with `around` about it, and takes a photograph of it.
 fn photograph(scene: &mut Scene, around: Environment) -> RgbImage {
     scene.environment = Some(around);
-    let group = scene.groups.len();
-    let (material, emission) = (Material::diffuse(Rgb::ZERO), Rgb::splat(4.0));
-    scene.groups.push(Group { name: "bulb".into(), material, emission });
-    let mesh = Mesh::sphere(BULB.0, BULB.1);
-    scene.objects.push(Object { name: "bulb".into(), group, mesh });
+    add(scene, "bulb", Rgb::ZERO, Mesh::sphere(BULB.0, BULB.1));
+    scene.groups.last_mut().unwrap().emission = Rgb::splat(4.0);
     scene.validate().unwrap();
     let settings = Settings { spp: 256, seed: 5, ..Settings::default() };
     let tracer = Tracer::new(scene);

@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn a_room_is_recovered_in_the_light_of_its_project() {
-    let folder = Folder::new("recover");
+    let folder = Corner::new();
     folder.succeeds(&["check", "project.toml"]);
     folder.drafts(&["--no-refine", "--spp", "16"]);
     let found = materials::read(&folder.path("out/materials.json")).unwrap();
@@ -16,7 +16,7 @@ fn a_room_is_recovered_in_the_light_of_its_project() {
     let scene = gltf::read(&folder.path("out/scene.glb")).unwrap().0;
     let bulb = scene.group_index("bulb").unwrap();
     assert_eq!(scene.groups[bulb].emission, Rgb::splat(4.0));
-    let page = std::fs::read_to_string(folder.path("out/report.html")).unwrap();
+    let page = folder.text("out/report.html");
     assert!(page.contains("[0.2, 0.25, 0.3] from everywhere"));
     let size = ["--spp", "64", "--width", "48", "--height", "36"];
     let around = ["--camera", "photo"];
@@ -45,7 +45,7 @@ fn a_room_is_recovered_in_the_light_of_its_project() {
 
 #[test]
 fn lights_are_put_in_place_before_their_names_are_looked_for() {
-    let folder = Folder::new("names");
+    let folder = Corner::new();
     let ambient = "[environment]\ncolor = 0.2\n";
     let lamp = |keys: &str| format!("{ambient}[[lights]]\nname = \"lamp\"\n{keys}");
     folder.refuses(&lamp("scale = 2\n"), "bad.toml: lights.lamp: the scene has no light \"lamp\"");
@@ -74,7 +74,7 @@ fn lights_are_put_in_place_before_their_names_are_looked_for() {
 
 #[test]
 fn edits_have_the_same_lights_and_environments() {
-    let folder = Folder::new("edits");
+    let folder = Corner::new();
     let lit = LIGHTS.replace("4, 4, 4", "1, 2, 4");
     folder.write("project.toml", &format!("{HEAD}{LIGHTS}"));
     folder.write("lit.toml", &format!("{HEAD}{lit}"));
@@ -85,8 +85,7 @@ fn edits_have_the_same_lights_and_environments() {
         let (file, out) = (format!("{name}.toml"), format!("{name}.out"));
         folder.succeeds(&["restage", &file, "--spp", "2", "--out", &out]);
     }
-    let of = |name: &str| std::fs::read(folder.path(name).join("synthetic.exr")).unwrap();
-    assert_eq!(of("edit.out"), of("none.out"));
+    assert_eq!(folder.bytes("edit.out/synthetic.exr"), folder.bytes("none.out/synthetic.exr"));
     let edit = |text: &str| {
         folder.write("edit.toml", &format!("project = \"project.toml\"\n{text}"));
         let arguments = ["restage", "edit.toml", "--spp", "1", "--out", "new"];
@@ -107,7 +106,7 @@ fn edits_have_the_same_lights_and_environments() {
 
 #[test]
 fn panoramas_turn_and_scale_as_in_edits() {
-    let folder = Folder::new("panorama");
+    let folder = Corner::new();
     let sky = RgbImage::from_fn(16, 8, |x, y| Rgb::splat((x * y) as f32));
     picture::write_exr(&folder.path("sky.exr"), &sky).unwrap();
     let text = "[environment]\npanorama = \"sky.exr\"\nrotation_deg = 90\nscale = 0.5\n";
@@ -131,7 +130,7 @@ fn panoramas_turn_and_scale_as_in_edits() {
 
 #[test]
 fn a_project_is_rendered_as_its_photograph_was_taken() {
-    let folder = Folder::new("render");
+    let folder = Corner::new();
     let output =
         folder.run(&["render", "scene.glb", "--project", "project.toml", "--out", "a.exr"]);
     assert_eq!(output.status.code(), Some(2), "a scene or a project");

@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn lights_of_a_project_may_be_unknown() {
-    let folder = Folder::new("unknown");
+    let folder = Corner::new();
     let text = LIGHTS.replace("[4, 4, 4]", "[3, 3, 3]\nunknown = true");
     folder.write("project.toml", &format!("{HEAD}{text}"));
     folder.drafts(&["--spp", "16"]);
@@ -15,7 +15,7 @@ fn lights_of_a_project_may_be_unknown() {
 
 #[test]
 fn the_light_from_all_around_may_be_unknown() {
-    let folder = Folder::new("around");
+    let folder = Corner::new();
     let bulb = LIGHTS.replace("color = [0.2, 0.25, 0.3]", "unknown = \"uniform\"");
     folder.write("project.toml", &format!("{HEAD}{bulb}"));
     folder.succeeds(&["recover", "project.toml", "--spp", "16", "--out", "out"]);
@@ -48,7 +48,7 @@ fn the_light_from_all_around_may_be_unknown() {
 
 #[test]
 fn of_lights_of_known_colour_one_factor_is_unknown() {
-    let folder = Folder::new("colour");
+    let folder = Corner::new();
     let text = LIGHTS.replace("[4, 4, 4]", "[1, 2, 3]\nunknown = true\ncolor = [5, 5, 5]");
     folder.write("project.toml", &format!("{HEAD}{text}"));
     folder.succeeds(&["recover", "project.toml", "--spp", "16", "--out", "out"]);
@@ -79,7 +79,7 @@ fn light_may_be_unknown_direction_by_direction() {
         AMBIENT * (1.0 + 3.0 * height * (-heading.sin()).max(0.0))
     };
     let sky = Environment::new(RgbImage::from_fn(16, 8, sky), 0.0).unwrap();
-    let folder = Folder::in_light("sky", sky.clone());
+    let folder = Corner::in_light(sky.clone());
     let project = LIGHTS.replace("color = [0.2, 0.25, 0.3]", "unknown = true");
     folder.write("project.toml", &format!("{HEAD}{project}"));
     folder.succeeds(&["recover", "project.toml", "--spp", "16", "--out", "out"]);
