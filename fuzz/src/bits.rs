@@ -25,8 +25,8 @@ pub(crate) struct Args {
 }
 
 /// How a command is run: its threads, and what is set in its environment.
-const WAYS: [(&str, Option<(&str, &str)>); 6] =
-    [("1", None), ("2", None), ("7", None), ("1", NO_AVX2), ("7", NO_AVX2), ("2", NO_FMA)];
+const WAYS: [(&str, Option<(&str, &str)>); 4] =
+    [("1", None), ("7", None), ("2", NO_AVX2), ("2", NO_FMA)];
 const NO_AVX2: Option<(&str, &str)> = Some(("UNRENDER_AVX2", "0"));
 const NO_FMA: Option<(&str, &str)> =
     Some(("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F"));

@@ -36,12 +36,12 @@ def fig8() -> Path:
 @pytest.fixture(scope="session")
 def command() -> Command:
     """Runs the command that Cargo built, not the one in the package: what it printed."""
-    places = [ROOT / "target" / profile / "unrender" for profile in ("debug", "release")]
+    places = [ROOT / "target" / profile / "unrender" for profile in ("release", "debug")]
     built = [path for path in places if path.is_file()]
     named = os.environ.get("UNRENDER_BINARY")
     binary = Path(named) if named else (built[0] if built else None)
     if binary is None:
-        pytest.fail("build the command first (cargo build), or name it in UNRENDER_BINARY")
+        pytest.fail("build the command first (cargo build --release), or name it in UNRENDER_BINARY")
 
     def run(*words: object) -> str:
         line = [str(binary), *map(str, words), "--quiet"]

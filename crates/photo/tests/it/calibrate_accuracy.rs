@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use unrender_photo::calibrate::{Calibration, Estimate, Focal, Request, calibrate};
 
 const SIGMA: f64 = 0.5;
-const REALISATIONS: usize = 200;
+const REALISATIONS: usize = 100;
 /// The most that an error may be above the bound, as a share of it.
 const ABOVE_BOUND: f64 = 1.2;
 
@@ -142,8 +142,9 @@ fn reaches_the_bound(what: &str, truth: &Truth, points: &[DVec3], request: &Requ
     for n in 0..count {
         assert!(errors[n] < ABOVE_BOUND, "{what}, number {}: {}", free[n], errors[n]);
         assert!((stated[n] - 1.0).abs() < 0.15, "{what}, number {}: {}", free[n], stated[n]);
-        // 68 % of normal errors, somewhat less for the few equations that sigma comes from.
-        assert!((0.58..0.77).contains(&within[n]), "{what}, number {}: {}", free[n], within[n]);
+        // 68 % of normal errors, somewhat less for the few equations that sigma comes from; three standard
+        // deviations of the share of so many.
+        assert!((0.54..0.81).contains(&within[n]), "{what}, number {}: {}", free[n], within[n]);
     }
 }
 

@@ -4,7 +4,6 @@ use glam::{Vec2, Vec3};
 use unrender_scene::{BrdfModel, Camera, Group, Material, Mesh, Object, Rgb, Scene, WardModel};
 
 pub(crate) const FLOOR: usize = 0;
-pub(crate) const CEILING: usize = 1;
 pub(crate) const LIGHT: usize = 7;
 
 const NAMES: [&str; 8] =

@@ -24,8 +24,8 @@ pub(crate) struct Stripes {
     /// What is expected of the stripes; nothing of those beyond its end.
     pub(crate) expected: Vec<Expected>,
     /// The lights, the same at every pixel, and the sum of their irradiances.
-    incident: Vec<Incident>,
-    irradiance: Rgb,
+    pub(crate) incident: Vec<Incident>,
+    pub(crate) irradiance: Rgb,
 }
 
 impl Stripes {

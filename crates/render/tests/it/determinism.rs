@@ -72,8 +72,8 @@ fn another_seed_gives_other_noise_around_the_same_mean() {
     let differ = pairs().filter(|(a, b)| a != b).count();
     assert!(differ > SIDE * SIDE * 9 / 10, "{differ} pixels differ");
     assert!(probes.probes != other_probes.probes);
-    let [a, b] = [&film, &other_film].map(common::Estimate::of_film);
-    common::assert_agree("two seeds", a, b, 0.03);
+    let [a, b] = [&film, &other_film].map(crate::common::Estimate::of_film);
+    crate::common::assert_agree("two seeds", a, b, 0.03);
 }
 
 #[test]
@@ -135,8 +135,8 @@ fn textures_lie_as_gltf_says() {
     for (x, y) in (0..3).flat_map(|x| (0..4).map(move |y| (x, y))) {
         let centre = Vec3::new(0.5 * x as f32 - 0.5, 0.75 - 0.5 * y as f32, 0.0);
         let film = stage.render(&camera(eye, centre, 1e-4), 16, settings(256));
-        let found = common::Estimate::of_film(&film);
-        let expected = common::Estimate::exactly(radiance * texel(x, y));
-        common::assert_agree(&format!("texel ({x}, {y})"), found, expected, 2e-3);
+        let found = crate::common::Estimate::of_film(&film);
+        let expected = crate::common::Estimate::exactly(radiance * texel(x, y));
+        crate::common::assert_agree(&format!("texel ({x}, {y})"), found, expected, 2e-3);
     }
 }

@@ -130,7 +130,7 @@ fn derivatives_are_differences(spp: u32, noisier: f64, far: f64) {
     for (k, (parameter, step, noise_max)) in all.into_iter().enumerate() {
         // Renderings under two roughnesses share less of their noise: more paths for these.
         let rough = matches!(parameter, Parameter::AlphaX(_) | Parameter::AlphaY(_));
-        let of_difference = if rough { common::settings(3 * spp) } else { settings };
+        let of_difference = if rough { crate::common::settings(3 * spp) } else { settings };
         let expected = view.difference(parameter, step, of_difference);
         assert_agree(&format!("{parameter:?}"), found[k], expected, noisier * noise_max);
         // Light of the fourth bounce and later is not lost in the noise.

@@ -14,6 +14,7 @@ use unrender_restage::repaint::{Paint, Repaint};
 use unrender_restage::{Edit, apply, touched};
 use unrender_scene::{Image, Material, Rgb, RgbImage, Scene};
 
+/// Paths a pixel where pictures are compared by their noise.
 const SPP: u32 = 400;
 /// A code of 8 bits, about, where these pictures are bright.
 const STEP: f32 = 0.004;
@@ -28,15 +29,20 @@ struct Case {
 }
 
 impl Case {
-    fn new(mut real: Scene, mut before: Scene, edits: &[Edit]) -> Self {
+    fn new(real: Scene, before: Scene, edits: &[Edit]) -> Self {
+        Self::of_paths(SPP, real, before, edits)
+    }
+
+    /// The same by `spp` paths a pixel.
+    fn of_paths(spp: u32, mut real: Scene, mut before: Scene, edits: &[Edit]) -> Self {
         before.validate().unwrap();
-        let photograph = picture(&real, SPP);
+        let photograph = picture(&real, spp);
         apply(&mut real, edits).unwrap();
-        let truth = picture(&real, SPP);
+        let truth = picture(&real, spp);
         let mut after = before.clone();
         let change = apply(&mut after, edits).unwrap();
         let scenes = Scenes { before: &before, after: &after, change: &change };
-        let settings = Settings { spp: SPP, ..Settings::default() };
+        let settings = Settings { spp, ..Settings::default() };
         let paired = pair::render(&scenes, &camera(), SIZE, &settings, &|_| ());
         let geometry = Tracer::new(&before).geometry(&camera(), SIZE.0, SIZE.1);
         let step = photograph.map(|_| Rgb::splat(STEP));
@@ -107,7 +113,7 @@ fn the_noise_of_the_change_is_far_below_that_of_the_picture(case: &Case) {
 
 #[test]
 fn the_mirror_shows_the_box_and_the_wall_its_colour() {
-    let case = Case::new(truth(), model(), &[Edit::Insert(insertion(-1.2, -0.4))]);
+    let case = Case::of_paths(100, truth(), model(), &[Edit::Insert(insertion(-1.2, -0.4))]);
     let made = case.composite(Gain::Auto);
     let mirror = case.group("mirror");
     let in_mirror = |i: usize| mirror(i) && case.paired.pixels()[i].replaced == 1.0;
@@ -136,7 +142,8 @@ fn what_no_path_meets_changes_nothing() {
     };
     let mut insert = insertion(0.0, 0.0);
     insert.place = Place::At(Vec3::new(0.0, 0.2, -0.4));
-    let case = Case::new(with_crate(), with_crate(), &[Edit::Insert(insert)]);
+    // Nothing differs, by however few paths.
+    let case = Case::of_paths(16, with_crate(), with_crate(), &[Edit::Insert(insert)]);
     for pixel in case.paired.pixels() {
         assert_eq!(pixel.before, pixel.after);
         assert_eq!((pixel.change_variance, pixel.replaced), (Rgb::ZERO, 0.0));

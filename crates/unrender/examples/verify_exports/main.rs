@@ -5,6 +5,8 @@
 //! ...]`. Programs
 //! that are not named keep their tables. What is needed comes from PyPI, Blender's 350 MB included.
 
+// The tests use all of it.
+#[allow(dead_code, unused_imports)]
 #[path = "../../tests/kit/programs/mod.rs"]
 mod programs;
 mod table;

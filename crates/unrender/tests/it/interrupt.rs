@@ -1,7 +1,7 @@
 //! Ctrl-C in the middle of a recovery: exit code 130, and whole results, marked as interrupted.
 #![cfg(unix)]
 
-use std::path::Path;
+use crate::kit::floor_and_lamp;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -10,12 +10,12 @@ const PATIENCE: Duration = Duration::from_secs(240);
 
 #[test]
 fn an_interrupted_recovery_delivers_the_best_state_so_far() {
-    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/fig8/fig8.toml");
-    let out = std::env::temp_dir().join(format!("unrender-interrupt-{}", std::process::id()));
+    let folder = floor_and_lamp::project();
+    let (project, out) = (folder.path("p.toml"), folder.path("out"));
     let mut running = Command::new(env!("CARGO_BIN_EXE_unrender"))
         .arg("recover")
         .arg(project)
-        .args(["--spp", "4096", "--out"])
+        .args(["--spp", "65536", "--out"])
         .arg(&out)
         .stderr(Stdio::null())
         .spawn()
@@ -50,5 +50,4 @@ fn an_interrupted_recovery_delivers_the_best_state_so_far() {
     for file in ["materials.json", "rerendered.exr", "report.html", "scene.glb", "manifest.json"] {
         assert!(out.join(file).is_file(), "{file} is missing");
     }
-    std::fs::remove_dir_all(out).unwrap();
 }

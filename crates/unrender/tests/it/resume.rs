@@ -2,6 +2,8 @@
 //! one that was not.
 #![cfg(unix)]
 
+use crate::kit::example::beside_crates;
+use crate::kit::floor_and_lamp;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,17 +14,17 @@ use std::time::{Duration, Instant};
 /// A step takes seconds on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-/// A tiny scene of the corpus, recovered into a folder.
+/// A project that is recovered into a folder.
 struct Recovery {
+    project: PathBuf,
     out: PathBuf,
     flags: &'static [&'static str],
 }
 
 impl Recovery {
     fn command(&self, more: &[&str]) -> Command {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         let mut command = Command::new(env!("CARGO_BIN_EXE_unrender"));
-        command.arg("recover").arg(root.join("examples/corpus/isotropic/project.toml"));
+        command.arg("recover").arg(&self.project);
         command.args(self.flags).args(more).arg("--out").arg(&self.out);
         command.stdout(Stdio::null());
         command
@@ -89,14 +91,16 @@ fn without_times(value: &mut Value) {
     }
 }
 
-/// Kills a recovery with `flags` after each number of `steps`, lets it go on, and compares; once in
+/// Kills a recovery of `project` with `flags` after each number of `steps`, lets it go on, and compares; once in
 /// between it is asked to end.
-fn killed(flags: &'static [&'static str], steps: &[usize]) {
+fn killed(project: &Path, flags: &'static [&'static str], steps: &[usize]) {
     let folder = tempfile::tempdir().unwrap();
-    let alone = Recovery { out: folder.path().join("alone"), flags };
+    let into =
+        |name: &str| Recovery { project: project.to_owned(), out: folder.path().join(name), flags };
+    let alone = into("alone");
     assert!(alone.command(&["--quiet"]).stderr(Stdio::null()).status().unwrap().success());
     assert_eq!(alone.journal(), 0, "the journal of a recovery that is done is removed");
-    let often = Recovery { out: folder.path().join("often"), flags };
+    let often = into("often");
     let mut kills = 0;
     for steps in steps {
         let Some(mut running) = often.until(*steps) else { break };
@@ -133,23 +137,22 @@ fn killed(flags: &'static [&'static str], steps: &[usize]) {
 
 #[test]
 fn a_killed_recovery_goes_on_to_the_same_bits() {
-    killed(
-        &["--effort", "draft", "--max-rung", "diffuse", "--no-refine", "--spp", "2"],
-        &[1, 3, 2],
-    );
+    let folder = floor_and_lamp::project();
+    killed(&folder.path("p.toml"), &["--effort", "draft", "--spp", "8"], &[1, 3, 2]);
 }
 
 #[test]
 #[ignore = "slow: eight recoveries that are killed"]
 fn so_does_one_with_all_hypotheses_and_the_refinement() {
-    killed(&["--spp", "4"], &[2, 9, 1, 14, 5, 11, 3, 8]);
+    let project = beside_crates("examples/corpus/isotropic/project.toml");
+    killed(&project, &["--spp", "4"], &[2, 9, 1, 14, 5, 11, 3, 8]);
 }
 
 #[test]
 fn resuming_where_nothing_was_interrupted_says_so() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = floor_and_lamp::project();
     let flags = &["--effort", "draft", "--max-rung", "diffuse", "--no-refine", "--spp", "1"];
-    let recovery = Recovery { out: folder.path().join("out"), flags };
+    let recovery = Recovery { project: folder.path("p.toml"), out: folder.path("out"), flags };
     let told = recovery.command(&["--resume"]).output().unwrap();
     let said = String::from_utf8_lossy(&told.stderr).into_owned();
     assert!(told.status.success() && said.contains("from the beginning"), "{said}");

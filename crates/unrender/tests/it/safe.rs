@@ -1,7 +1,7 @@
 //! Nothing is lost: inputs, earlier results, work whose output nobody reads.
 #![cfg(unix)]
 
-use crate::kit::floor_and_lamp::{self, RHO};
+use crate::kit::floor_and_lamp;
 use crate::kit::folder::{Folder, ends_in_error, stderr, succeeds};
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -10,9 +10,8 @@ use std::os::unix::ffi::OsStrExt;
 use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
-use unrender::formats::{gltf, picture};
-use unrender::render::{Settings, Tracer};
-use unrender::scene::{Material, Rgb};
+use unrender::formats::picture;
+use unrender::scene::Rgb;
 
 /// A floor under a lamp, its photograph, and the project of both.
 struct Room(Folder);
@@ -27,22 +26,7 @@ impl Deref for Room {
 
 impl Room {
     fn new() -> Self {
-        let folder = Folder::new();
-        let mut scene = floor_and_lamp::scene();
-        // What the floor reflects is not in the file.
-        scene.groups[0].material = Material::diffuse(Rgb::ZERO);
-        folder.write("scene.glb", &gltf::to_glb(&scene).unwrap());
-        scene.groups[0].material = Material::diffuse(RHO);
-        let settings = Settings { spp: 64, ..Settings::default() };
-        let camera = scene.cameras[0].clone();
-        let tracer = Tracer::new(&scene);
-        let view = unrender::recover::View::new(&tracer, &camera, (24, 24), scene.brdf);
-        let photo = view.render(&scene.materials(), &settings, &|_| {}).mean;
-        picture::write(&folder.path("photo.png"), &photo).unwrap();
-        let project =
-            "scene = \"scene.glb\"\nphoto = \"photo.png\"\nexposure = 1\nresponse = \"srgb\"\n";
-        folder.write("p.toml", project);
-        Self(folder)
+        Self(floor_and_lamp::project())
     }
 
     fn recover(&self, out: &str) -> Output {

@@ -1,8 +1,11 @@
 //! A scene for tests that need just any: a floor under a lamp.
 
+use super::folder::Folder;
 use super::meshes::{add, square};
 use glam::Vec3;
-use unrender::scene::{Camera, Rgb, Scene};
+use unrender::formats::{gltf, picture};
+use unrender::render::{Settings, Tracer};
+use unrender::scene::{Camera, Material, Rgb, Scene};
 
 /// What the floor reflects.
 pub(crate) const RHO: Rgb = Rgb::new(0.6, 0.4, 0.2);
@@ -16,4 +19,24 @@ pub(crate) fn scene() -> Scene {
     let eye = Vec3::new(0.0, 1.4, 2.0);
     scene.cameras.push(Camera::look_at("camera", eye, Vec3::ZERO, Vec3::Y, 0.8));
     scene
+}
+
+/// A folder with the scene, its floor unknown, its photograph, and the project of both, `p.toml`.
+pub(crate) fn project() -> Folder {
+    let folder = Folder::new();
+    let mut scene = scene();
+    // What the floor reflects is not in the file.
+    scene.groups[0].material = Material::diffuse(Rgb::ZERO);
+    folder.write("scene.glb", &gltf::to_glb(&scene).unwrap());
+    scene.groups[0].material = Material::diffuse(RHO);
+    let settings = Settings { spp: 64, ..Settings::default() };
+    let camera = scene.cameras[0].clone();
+    let tracer = Tracer::new(&scene);
+    let view = unrender::recover::View::new(&tracer, &camera, (24, 24), scene.brdf);
+    let photo = view.render(&scene.materials(), &settings, &|_| {}).mean;
+    picture::write(&folder.path("photo.png"), &photo).unwrap();
+    let project =
+        "scene = \"scene.glb\"\nphoto = \"photo.png\"\nexposure = 1\nresponse = \"srgb\"\n";
+    folder.write("p.toml", project);
+    folder
 }
