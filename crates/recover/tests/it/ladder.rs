@@ -108,7 +108,7 @@ fn check(recovery: &Recovery, truth: &[Material]) {
 #[test]
 fn every_rung_is_found_with_its_numbers() {
     let renderer = Stripes::new(one_of_each());
-    let options = Options::default();
+    let options = Options { effort: Effort::Draft, ..Options::default() };
     let recovery = recovered(&renderer, ExposureRule::Fixed(Rgb::ONE), 1.0, &options);
     check(&recovery, &renderer.truth);
     let checkers = recovery.groups[6].material.texture.as_ref().unwrap();
@@ -148,7 +148,8 @@ fn bounds_are_kept_whatever_the_photograph_says() {
     ];
     let expected = bounds.map(|bounds| Expected { bounds, ..Expected::default() }).to_vec();
     let renderer = Stripes { expected, ..Stripes::new(truth) };
-    let recovery = recovered(&renderer, ExposureRule::Fixed(Rgb::ONE), 1.0, &Options::default());
+    let options = Options { effort: Effort::Draft, ..Options::default() };
+    let recovery = recovered(&renderer, ExposureRule::Fixed(Rgb::ONE), 1.0, &options);
     for (group, bounds) in recovery.groups.iter().zip(&bounds) {
         assert!(bounds.allow(group.hypothesis), "{} is {}", group.name, group.hypothesis);
         assert_eq!(group.material, bounds.nearest(&group.material), "{}", group.name);

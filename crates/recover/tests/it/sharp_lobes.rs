@@ -1,15 +1,15 @@
 //! A mirror that is thought to be a sharp lobe is found to be a mirror: no photograph tells it from the sharpest
 //! lobe that is searched.
 
-use crate::brushed_room::{BACK, camera, room, truth};
+use crate::brushed_room::{BACK, LEFT, camera, room, truth};
 use unrender_recover::{
-    GroupSpec, Hypothesis, Observation, Options, Picture, Problem, Recovery, Role, View,
+    Effort, GroupSpec, Hypothesis, Observation, Options, Picture, Problem, Recovery, Role, View,
     refine_from,
 };
 use unrender_render::{Settings, Tracer};
 use unrender_scene::{Image, Material, Rgb, RgbImage, Scene, WardModel};
 
-const SIDE: usize = 40;
+const SIDE: usize = 48;
 /// Paths a pixel of the photograph.
 const PATHS: u32 = 256;
 
@@ -27,8 +27,7 @@ fn photograph(scene: &Scene) -> Picture {
     }
 }
 
-/// What becomes of the room with this back wall where it is thought to be a lobe of the roughness `alpha`, and all
-/// else is known.
+/// What becomes of the room with this back wall where it is thought to be a lobe of the roughness `alpha`.
 fn refined(back: Material, alpha: f32) -> Recovery {
     let mut materials = truth();
     materials[BACK] = back;
@@ -40,13 +39,11 @@ fn refined(back: Material, alpha: f32) -> Recovery {
     let geometry = unrender_recover::Renderer::geometry(&view);
     let observation = Observation::new(photograph(&scene), geometry, scene.groups.len());
     let mut groups: Vec<GroupSpec> = scene.groups.iter().map(GroupSpec::of).collect();
-    for (_, known) in groups.iter_mut().enumerate().filter(|(group, _)| *group != BACK) {
-        known.role = Role::Known;
-    }
+    groups[LEFT].role = Role::Known;
     let problem = Problem::new(&observation, &view, groups);
     let mut thought = materials.clone();
     (thought[BACK].alpha_x, thought[BACK].alpha_y) = (alpha, alpha);
-    let options = Options { spp: 2, ..Options::default() };
+    let options = Options { effort: Effort::Draft, spp: 2, ..Options::default() };
     refine_from(&problem, &thought, &options, &mut ()).unwrap()
 }
 

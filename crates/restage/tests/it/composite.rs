@@ -113,7 +113,7 @@ fn the_noise_of_the_change_is_far_below_that_of_the_picture(case: &Case) {
 
 #[test]
 fn the_mirror_shows_the_box_and_the_wall_its_colour() {
-    let case = Case::of_paths(100, truth(), model(), &[Edit::Insert(insertion(-1.2, -0.4))]);
+    let case = Case::of_paths(200, truth(), model(), &[Edit::Insert(insertion(-1.2, -0.4))]);
     let made = case.composite(Gain::Auto);
     let mirror = case.group("mirror");
     let in_mirror = |i: usize| mirror(i) && case.paired.pixels()[i].replaced == 1.0;

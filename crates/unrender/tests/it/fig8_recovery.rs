@@ -1,5 +1,5 @@
 //! Figure 8 of the paper from its picture: a Cornell box with an anisotropic floor. At full size it
-//! takes minutes; a picture of a sixteenth of the pixels guards the same on every run.
+//! takes minutes; a picture of a sixteenth of the pixels is drafted at each `.ci/run`.
 
 use crate::kit::example::{Limits, beside_crates, recovers, shrunk};
 use unrender::formats::picture;
@@ -11,6 +11,7 @@ const SHRINK: usize = 4;
 // seed 1 the floor is called isotropic: the anisotropic lobe that light samples lead to is 13 degrees off, and is
 // not borne out.
 #[test]
+#[ignore = "slow: a recovery of 128 x 128 pixels"]
 fn a_small_figure_8_is_drafted() {
     let limits = Limits { rho: 0.005, alpha_percent: 1.9, degrees: 1.5 };
     small_figure_8_is_recovered("draft", &limits);
