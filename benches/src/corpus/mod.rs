@@ -17,7 +17,7 @@ mod recover;
 mod relight;
 mod request;
 mod result;
-mod score;
+pub(crate) mod score;
 mod spoil;
 mod store;
 mod summary;

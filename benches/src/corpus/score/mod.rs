@@ -2,7 +2,7 @@
 
 pub(crate) mod entry;
 mod parameters;
-mod simpler;
+pub(crate) mod simpler;
 pub(crate) mod wilson;
 
 pub(crate) use parameters::Errors;
