@@ -52,8 +52,9 @@ def test_recover_has_the_bits_of_the_command(
     name: str, corpus: Path, command: Command, tmp_path: Path
 ) -> None:
     project = corpus / name / "project.toml"
-    command("recover", project, "--out", tmp_path / "command", "--seed=3", "--spp=4")
-    recovery = unrender.recover(project, seed=3, spp=4, out=tmp_path / "python")
+    command("recover", project, "--out", tmp_path / "command", "--seed=3", "--spp=2", "--effort=draft")
+    options: dict[str, Any] = {"seed": 3, "spp": 2, "effort": "draft"}
+    recovery = unrender.recover(project, out=tmp_path / "python", **options)
     by_command = unrender.Recovery.read(tmp_path / "command")
     by_python = unrender.Recovery.read(tmp_path / "python")
     np.testing.assert_array_equal(recovery.rerendered, by_command.rerendered)

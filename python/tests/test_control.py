@@ -185,8 +185,12 @@ def test_materials_are_heard_after_iterations(corpus: Path) -> None:
         heard.append(materials)
         threads.add(threading.get_ident())
 
-    recovery = unrender.recover(project, spp=2, no_refine=True, on_iteration=hear)
+    recovery = unrender.recover(
+        project, spp=2, effort="draft", no_refine=True, on_iteration=hear
+    )
     assert heard and threads == {here}
     assert all(set(materials) == set(recovery.materials) for materials in heard)
     with pytest.raises(ZeroDivisionError):
-        unrender.recover(project, spp=2, no_refine=True, on_iteration=lambda materials: 1 // 0)
+        unrender.recover(
+            project, spp=2, effort="draft", no_refine=True, on_iteration=lambda materials: 1 // 0
+        )

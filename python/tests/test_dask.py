@@ -14,10 +14,25 @@ import pytest
 import unrender
 import unrender.dask
 from cluster import cluster as made
-from cluster import sha256
+from cluster import room, sha256
 
 distributed: Any = pytest.importorskip("distributed")
 pytestmark = pytest.mark.filterwarnings("ignore")
+
+# All steps of a recovery, but few paths.
+OPTIONS: dict[str, Any] = {"spp": 2, "effort": "draft", "no_refine": True}
+
+
+@pytest.fixture(scope="module")
+def project() -> unrender.Project:
+    """A small room."""
+    return room()
+
+
+@pytest.fixture(scope="module")
+def alone(project: unrender.Project) -> str:
+    """What one process finds."""
+    return sha256(unrender.recover(project, **OPTIONS))
 
 
 @pytest.fixture(scope="module")
@@ -73,20 +88,18 @@ def test_a_lost_worker_changes_no_bit(cluster: Any, client: Any, corpus: Path) -
 
 def test_a_recovery_has_the_bits_of_one_process(client: Any, corpus: Path) -> None:
     project = corpus / "isotropic" / "project.toml"
-    here = unrender.recover(project, spp=2, no_refine=True)
+    here = unrender.recover(project, **OPTIONS)
     counted: list[Any] = []
-    there = unrender.dask.recover(
-        project, client=client, counted=counted.append, spp=2, no_refine=True
-    )
+    there = unrender.dask.recover(project, client=client, counted=counted.append, **OPTIONS)
     assert sha256(there) == sha256(here)
     assert counted[0].requests > 20
     # The scene goes to each worker once, and the cache when it changes.
     assert counted[0].sent < 100 * (corpus / "isotropic" / "scene.glb").stat().st_size
 
 
-def test_a_recovery_outlives_its_workers(cluster: Any, client: Any, corpus: Path) -> None:
-    project = corpus / "isotropic" / "project.toml"
-    here = sha256(unrender.recover(project, spp=2, no_refine=True))
+def test_a_recovery_outlives_its_workers(
+    cluster: Any, client: Any, project: unrender.Project, alone: str
+) -> None:
     killed: list[int] = []
 
     def kill(done: float, message: str) -> None:
@@ -95,17 +108,15 @@ def test_a_recovery_outlives_its_workers(cluster: Any, client: Any, corpus: Path
             killed.append(workers[0])
             os.kill(workers[0], signal.SIGKILL)
 
-    there = unrender.dask.recover(project, client=client, spp=2, no_refine=True, progress=kill)
+    there = unrender.dask.recover(project, client=client, progress=kill, **OPTIONS)
     assert killed
-    assert sha256(there) == here
+    assert sha256(there) == alone
 
 
 def test_a_recovery_goes_on_by_itself_when_its_cluster_is_gone(
-    corpus: Path, monkeypatch: pytest.MonkeyPatch
+    project: unrender.Project, alone: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("unrender._workers.PATIENCE", 0.5)
-    project = corpus / "isotropic" / "project.toml"
-    here = sha256(unrender.recover(project, spp=2, no_refine=True))
     with made(1) as cluster, distributed.Client(cluster) as client:
 
         def heard(done: float, message: str) -> None:
@@ -114,22 +125,18 @@ def test_a_recovery_goes_on_by_itself_when_its_cluster_is_gone(
 
         with warnings.catch_warnings(record=True) as told:
             warnings.simplefilter("always")
-            there = unrender.dask.recover(
-                project, client=client, spp=2, no_refine=True, progress=heard
-            )
-    assert sha256(there) == here
+            there = unrender.dask.recover(project, client=client, progress=heard, **OPTIONS)
+    assert sha256(there) == alone
     assert any("goes on without its workers" in str(warning.message) for warning in told)
 
 
 def test_a_worker_with_another_build_is_refused(
-    client: Any, corpus: Path, monkeypatch: pytest.MonkeyPatch
+    client: Any, project: unrender.Project, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("unrender._workers.build", lambda: "another")
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
-        unrender.dask.recover(
-            corpus / "isotropic" / "project.toml", client=client, spp=2, no_refine=True
-        )
+        unrender.dask.recover(project, client=client, **OPTIONS)
     assert any("install the same wheel" in str(warning.message) for warning in told)
 
 
@@ -139,14 +146,13 @@ def test_a_batch_hands_over_what_came_out(client: Any, corpus: Path, tmp_path: P
         [*projects, tmp_path / "missing.toml"],
         client=client,
         out=tmp_path / "out",
-        spp=2,
-        no_refine=True,
+        **OPTIONS,
     )
     results = {result.project: result for result in batch}
     assert set(results) == {*projects, tmp_path / "missing.toml"}
     failed = results[tmp_path / "missing.toml"].error
     assert isinstance(failed, unrender.FileError)
-    here = unrender.recover(projects[0], spp=2, no_refine=True)
+    here = unrender.recover(projects[0], **OPTIONS)
     found = results[projects[0]].materials
     assert found is not None
     assert dict(found) == dict(here.materials)

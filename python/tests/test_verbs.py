@@ -67,7 +67,7 @@ def test_options_have_the_names_and_defaults_of_flags(verb: str) -> None:
 
 @pytest.fixture(scope="module")
 def recovery(corpus: Path) -> unrender.Recovery:
-    return unrender.recover(corpus / "plastic" / "project.toml", spp=4, no_refine=True)
+    return unrender.recover(corpus / "plastic" / "project.toml", spp=4, effort="draft", no_refine=True)
 
 
 def test_check_says_what_to_mend(corpus: Path) -> None:

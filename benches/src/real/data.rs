@@ -63,14 +63,15 @@ impl Display for Absent {
 impl std::error::Error for Absent {}
 
 impl Source {
-    /// The folder with the data.
+    /// The folder with the data: the one `given` by the option, or else by the environment.
     ///
     /// # Errors
     /// If none was given, or it is another folder.
     pub(crate) fn find(&self, given: Option<&Path>) -> Result<PathBuf, Absent> {
         let [option, variable] = self.given_by;
-        let why = match given {
-            Some(folder) if folder.join(self.mark).is_file() => return Ok(folder.to_owned()),
+        let in_environment = || std::env::var_os(variable).map(PathBuf::from);
+        let why = match given.map(Path::to_owned).or_else(in_environment) {
+            Some(folder) if folder.join(self.mark).is_file() => return Ok(folder),
             Some(folder) => format!("{} has no {}", folder.display(), self.mark),
             None => "its folder was not given".to_owned(),
         };

@@ -30,14 +30,15 @@ pub(crate) struct RealRequest {
     /// The cases [default: all whose data is there].
     #[arg(value_enum)]
     cases: Vec<Case>,
-    /// The folder `Datasets/Ball_DiliGenT` of yqueau/robust_ps at 86a1fbe.
-    #[arg(long, value_name = "DIR", env = "UNRENDER_BALL")]
+    /// The folder `Datasets/Ball_DiliGenT` of yqueau/robust_ps at 86a1fbe [default: UNRENDER_BALL of the environment].
+    #[arg(long, value_name = "DIR")]
     ball: Option<PathBuf>,
-    /// The folder `images` of NewProggie/Photometric-Stereo.
-    #[arg(long, value_name = "DIR", env = "UNRENDER_GRAY")]
+    /// The folder `images` of NewProggie/Photometric-Stereo [default: UNRENDER_GRAY of the environment].
+    #[arg(long, value_name = "DIR")]
     gray: Option<PathBuf>,
-    /// The folder with photo0, photo1, photo2 and truth.json of the measured box.
-    #[arg(long, value_name = "DIR", env = "UNRENDER_ISET")]
+    /// The folder with photo0, photo1, photo2 and truth.json of the measured box [default: UNRENDER_ISET of the
+    /// environment].
+    #[arg(long, value_name = "DIR")]
     iset: Option<PathBuf>,
     /// The unrender command to measure [default: that of this repository, built].
     #[arg(long, value_name = "PATH")]

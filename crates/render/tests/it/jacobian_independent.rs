@@ -190,13 +190,13 @@ fn an_enclosure_has_the_derivative_of_the_geometric_series() {
     let (emission, rho) = (Rgb::new(1.0, 0.5, 0.1), Rgb::new(0.5, 0.9, 0.0));
     let view = in_the_enclosure(&enclosure(emission, rho));
     let [by_rho, by_light] =
-        &view.derivatives(&[Parameter::RhoD(0), Parameter::Light(0)], settings(256))[..]
+        &view.derivatives(&[Parameter::RhoD(0), Parameter::Light(0)], settings(128))[..]
     else {
         unreachable!()
     };
     let rest = Rgb::ONE - rho;
-    assert_agree("rho_d", *by_rho, Estimate::exactly(emission / (rest * rest)), 5e-3);
-    assert_agree("light", *by_light, Estimate::exactly(emission / rest), 5e-3);
+    assert_agree("rho_d", *by_rho, Estimate::exactly(emission / (rest * rest)), 7e-3);
+    assert_agree("light", *by_light, Estimate::exactly(emission / rest), 7e-3);
     // With n bounces: E (1 + rho + ... + rho^n).
     for max_bounces in 0..4 {
         let settings = Settings { max_bounces, ..settings(64) };
@@ -209,11 +209,11 @@ fn an_enclosure_has_the_derivative_of_the_geometric_series() {
 
 #[test]
 fn a_furnace_does_not_care_how_its_floor_reflects() {
-    furnace_does_not_care(256, 2.0);
+    furnace_does_not_care(128, 2.9);
 }
 
 #[test]
-#[ignore = "slow: four times as many paths"]
+#[ignore = "slow: eight times as many paths"]
 fn a_furnace_does_not_care_how_its_floor_reflects_by_a_thousand_paths() {
     furnace_does_not_care(1024, 1.0);
 }
@@ -267,7 +267,7 @@ fn what_reflects_nothing_still_says_what_it_would_reflect() {
     let render = |material: Material| {
         let view = lonely_ball(material);
         let one = |seed| {
-            let settings = Settings { seed, ..settings(256) };
+            let settings = Settings { seed, ..settings(128) };
             view.rendered((Parameter::Light(0), 0.0), settings)
         };
         Estimate::of_samples(&(0..SEEDS).map(one).collect::<Vec<_>>())
@@ -285,8 +285,8 @@ fn what_reflects_nothing_still_says_what_it_would_reflect() {
         ("hardly glossy", glossy(0.9, 0.01), lobe),
     ] {
         let asked = [Parameter::RhoD(0), Parameter::RhoS(0)];
-        let found = lonely_ball(material).derivatives(&asked, settings(256));
-        assert_agree(&format!("{name}, rho_d"), found[0], diffuse, 1e-2);
-        assert_agree(&format!("{name}, rho_s"), found[1], specular, 1e-2);
+        let found = lonely_ball(material).derivatives(&asked, settings(128));
+        assert_agree(&format!("{name}, rho_d"), found[0], diffuse, 1.5e-2);
+        assert_agree(&format!("{name}, rho_s"), found[1], specular, 1.5e-2);
     }
 }

@@ -15,7 +15,7 @@ use unrender_restage::{Edit, apply, touched};
 use unrender_scene::{Image, Material, Rgb, RgbImage, Scene};
 
 /// Paths a pixel where pictures are compared by their noise.
-const SPP: u32 = 400;
+const SPP: u32 = 200;
 /// A code of 8 bits, about, where these pictures are bright.
 const STEP: f32 = 0.004;
 
@@ -113,7 +113,7 @@ fn the_noise_of_the_change_is_far_below_that_of_the_picture(case: &Case) {
 
 #[test]
 fn the_mirror_shows_the_box_and_the_wall_its_colour() {
-    let case = Case::of_paths(200, truth(), model(), &[Edit::Insert(insertion(-1.2, -0.4))]);
+    let case = Case::new(truth(), model(), &[Edit::Insert(insertion(-1.2, -0.4))]);
     let made = case.composite(Gain::Auto);
     let mirror = case.group("mirror");
     let in_mirror = |i: usize| mirror(i) && case.paired.pixels()[i].replaced == 1.0;

@@ -27,7 +27,7 @@ fn run_json_reads_back() {
 #[test]
 fn a_page_of_a_large_photograph_stays_small() {
     let folder = workplace().join("large");
-    make(&folder, 60, (2000, 1500));
+    make(&folder, 60, (1600, 1200));
     let bytes = std::fs::metadata(folder.join(report::FILE)).unwrap().len();
     assert!(bytes < 5_000_000, "{bytes} bytes");
 }

@@ -37,9 +37,9 @@ fn room_beside(shrink: usize, pixels: f64) -> Checkup {
 }
 
 #[test]
-fn a_camera_is_moved_for_less_than_half_a_pixel_and_left_where_it_is_right() {
-    assert!(room_beside(3, 0.4).edges.camera_is_off);
-    assert!(!room_beside(3, 0.0).edges.camera_is_off);
+fn a_camera_is_moved_for_half_a_pixel_and_left_where_it_is_right() {
+    assert!(room_beside(2, 0.5).edges.camera_is_off);
+    assert!(!room_beside(2, 0.0).edges.camera_is_off);
 }
 
 #[test]

@@ -51,7 +51,7 @@ fn of_lights_of_known_colour_one_factor_is_unknown() {
     let folder = Corner::new();
     let text = LIGHTS.replace("[4, 4, 4]", "[1, 2, 3]\nunknown = true\ncolor = [5, 5, 5]");
     folder.write("project.toml", &format!("{HEAD}{text}"));
-    folder.drafts(&["--spp", "16"]);
+    folder.succeeds(&["recover", "project.toml", "--spp", "16", "--out", "out"]);
     let found = materials::read(&folder.path("out/materials.json")).unwrap();
     let bulb = &found.lights["bulb"];
     let [r, g, b] = bulb.intensity.unwrap();
@@ -82,7 +82,7 @@ fn light_may_be_unknown_direction_by_direction() {
     let folder = Corner::in_light(sky.clone());
     let project = LIGHTS.replace("color = [0.2, 0.25, 0.3]", "unknown = true");
     folder.write("project.toml", &format!("{HEAD}{project}"));
-    folder.drafts(&["--spp", "16"]);
+    folder.succeeds(&["recover", "project.toml", "--spp", "16", "--out", "out"]);
     let found = materials::read(&folder.path("out/materials.json")).unwrap();
     let around = &found.lights["environment"];
     let (mean, std) = (around.intensity.unwrap(), around.std.unwrap());
