@@ -142,17 +142,18 @@ def test_a_worker_with_another_build_is_refused(
 
 def test_a_batch_hands_over_what_came_out(client: Any, corpus: Path, tmp_path: Path) -> None:
     projects = [corpus / name / "project.toml" for name in ("isotropic", "plastic")]
+    options = {**OPTIONS, "max_rung": "diffuse"}
     batch = unrender.dask.batch(
         [*projects, tmp_path / "missing.toml"],
         client=client,
         out=tmp_path / "out",
-        **OPTIONS,
+        **options,
     )
     results = {result.project: result for result in batch}
     assert set(results) == {*projects, tmp_path / "missing.toml"}
     failed = results[tmp_path / "missing.toml"].error
     assert isinstance(failed, unrender.FileError)
-    here = unrender.recover(projects[0], **OPTIONS)
+    here = unrender.recover(projects[0], **options)
     found = results[projects[0]].materials
     assert found is not None
     assert dict(found) == dict(here.materials)
