@@ -65,7 +65,7 @@ fn path_reuse_is_unbiased_and_reduces_the_variance() {
 }
 
 #[test]
-#[ignore = "slow: five times as many pictures"]
+#[ignore = "slow: eight times as many pictures"]
 fn path_reuse_is_unbiased_to_three_thousandths() {
     path_reuse_is_unbiased(&[2, 3, 20], 100, 3e-3);
 }

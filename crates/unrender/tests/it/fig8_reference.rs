@@ -2,7 +2,7 @@
 //! Mitsuba 3 made of it with 2048 paths a pixel and unlimited bounces.
 //!
 //! A pixel is four by four of the reference's. More paths make a sharper test:
-//! `UNRENDER_REFERENCE_SPP=16384 cargo test --release -p unrender --test it fig8_reference -- --nocapture` prints
+//! `UNRENDER_REFERENCE_SPP=16384 cargo test --release --test it fig8_reference -- --nocapture` prints
 //! the ratios that the paths of a quick run do not determine.
 
 use crate::kit::example::{beside_crates, shrunk};

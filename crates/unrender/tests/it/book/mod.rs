@@ -62,7 +62,7 @@ fn hold(path: &str, (begin, end): (&str, &str), wanted: &str) {
     if stretch == wanted {
         return;
     }
-    let remedy = "run `UNRENDER_WRITE_PAGES=1 cargo test --release -p unrender --test it book::`";
+    let remedy = "run `UNRENDER_WRITE_PAGES=1 cargo test --release --test it book::`";
     assert!(
         std::env::var_os("UNRENDER_WRITE_PAGES").is_some(),
         "{path}: what follows {begin} is stale; {remedy}"
