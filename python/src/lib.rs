@@ -2,7 +2,7 @@
 //!
 //! This is the thin half of the package. What a user types is in `python/unrender`, with its types and
 //! its docstrings; here is what that half cannot do: call the library without the interpreter's lock,
-//! hand arrays over, and pass on warnings, progress and Ctrl-C ([`supervise`]). Structured data goes
+//! hand arrays over, and pass on warnings, progress and Ctrl-C (`supervise`). Structured data goes
 //! through JSON, as in the files of the command.
 
 mod arrays;

@@ -208,7 +208,7 @@ impl Renderer for Stripes {
             }
         }
         let radiance = self.radiances(appearance.materials, pixels);
-        Jacobian { radiance, derivatives, ..Jacobian::default() }
+        Jacobian { radiance, derivatives }
     }
 
     fn rerender(&self, appearance: Appearance<'_>, pixels: &[u32], _: &Settings) -> Vec<Rgb> {
