@@ -335,6 +335,27 @@ mod tests {
     }
 
     #[test]
+    fn clipped_pixels_do_not_count_and_are_lower_bounds() {
+        // The rows from 20 on are clipped; row 19 lies beside them.
+        let picture = Picture {
+            values: RgbImage::new(SIDE, SIDE, vec![Rgb::splat(0.5); SIDE * SIDE]),
+            valid: Image::from_fn(SIDE, SIDE, |_, y| y < 19),
+            saturated: Image::from_fn(SIDE, SIDE, |_, y| y >= 20),
+            quantisation_step: RgbImage::new(SIDE, SIDE, vec![Rgb::ZERO; SIDE * SIDE]),
+        };
+        let margins = Image::new(SIDE, SIDE, vec![1.0; SIDE * SIDE]);
+        let observation = Observation::with_margins(picture, &stripes(), &margins, 3);
+        let rows = |pixels: &[u32]| {
+            let rows = pixels.iter().map(|&pixel| pixel as usize / SIDE);
+            rows.collect::<std::collections::BTreeSet<_>>().into_iter().collect::<Vec<_>>()
+        };
+        assert_eq!(rows(&observation.pixels_of_group[0]), (0..19).collect::<Vec<_>>());
+        let informative = rows(&observation.informative_of_group[0]);
+        assert_eq!(informative, (0..SIDE).filter(|&row| row != 19).collect::<Vec<_>>());
+        assert_eq!(*observation.status.at(5, 22), PixelStatus::Clipped);
+    }
+
+    #[test]
     fn outliers_no_longer_count() {
         let mut observation = observed(1.0, |_, _| 0.5);
         let before = observation.pixels_of_group[0].len();
