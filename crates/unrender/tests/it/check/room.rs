@@ -1,5 +1,6 @@
 //! A small room and its photograph.
 
+pub(crate) use crate::kit::meshes::{append, cuboid, quad};
 use glam::Vec3;
 use std::sync::OnceLock;
 use unrender::render::{Settings, Tracer};
@@ -15,36 +16,6 @@ pub(crate) const GROUPS: [(&str, [f32; 3]); 5] = [
     ("block", [0.7, 0.3, 0.2]),
     ("lamp", [0.0, 0.0, 0.0]),
 ];
-
-pub(crate) fn quad(corner: Vec3, u: Vec3, v: Vec3) -> Mesh {
-    let corners = [corner, corner + u, corner + u + v, corner + v];
-    Mesh::flat(&corners, &[], &[[0, 1, 2], [0, 2, 3]])
-}
-
-/// A box between two corners, its fronts outwards.
-pub(crate) fn cuboid(low: Vec3, high: Vec3) -> Mesh {
-    let side = high - low;
-    let [x, y, z] = [side.x * Vec3::X, side.y * Vec3::Y, side.z * Vec3::Z];
-    let mut whole = Mesh::default();
-    for (corner, u, v) in [
-        (low + z, x, y),
-        (low + x, -x, y),
-        (low, z, y),
-        (low + x + z, -z, y),
-        (low + y + z, x, -z),
-        (low, x, z),
-    ] {
-        append(&mut whole, &quad(corner, u, v));
-    }
-    whole
-}
-
-pub(crate) fn append(whole: &mut Mesh, part: &Mesh) {
-    let first = whole.positions.len() as u32;
-    whole.positions.extend(&part.positions);
-    whole.normals.extend(&part.normals);
-    whole.triangles.extend(part.triangles.iter().map(|t| t.map(|i| first + i)));
-}
 
 /// The other side becomes the front.
 pub(crate) fn flipped(mesh: &Mesh) -> Mesh {
