@@ -12,16 +12,18 @@
 //! `D`, `M` and a set of incident samples `(wi, L cos_i / density)`; `S` for any roughness and anisotropy
 //! direction is a sum over them.
 //!
-//! The samples come from a mixture: the cosine, half-vector lobes of given roughnesses, and light
-//! samples. Each is weighted by one over the sum of all densities times their numbers, the
-//! multi-sample balance heuristic [Veach 1997, section 9.2]. So the sum is unbiased for every lobe,
-//! and its variance is low for lobes like those of the mixture.
+//! The samples come from a mixture: the cosine, half-vector lobes of given roughnesses, light
+//! samples, and lobes about the mirror images of lamps ([`crate::guiding`]). Each is weighted by one
+//! over the sum of all densities times their numbers, the multi-sample balance heuristic [Veach
+//! 1997, section 9.2]. So the sum is unbiased for every lobe, and its variance is low for lobes like
+//! those of the mixture.
 
 use crate::accel::Ray;
 use crate::appearance::Appearance;
 use crate::bsdf::lobe::GlossyLobe;
 use crate::bsdf::{lambert, mirror};
 use crate::camera_sample::camera_ray;
+use crate::guiding::VmfMixture;
 use crate::path::{MAX_BOUNCES, Transport, VisibleLight};
 use crate::radiance_cache::CacheLookup;
 use crate::sampler::Sampler;
@@ -38,7 +40,8 @@ use unrender_scene::{Camera, Material, Rgb};
 pub struct ProbeSettings {
     /// Camera rays per pixel; each becomes one probe.
     pub probes_per_pixel: u32,
-    /// Directions by the cosine, and as many light samples, per probe.
+    /// Directions by the cosine, as many light samples, and as many towards images of lamps in glossy
+    /// planes, per probe.
     pub cosine: u32,
     /// Directions for each of `lobes`, per probe.
     pub per_lobe: u32,
@@ -200,7 +203,8 @@ const CAMERA: u64 = 0;
 const MIRROR: u64 = 1;
 const LIGHT: u64 = 2;
 const COSINE: u64 = 3;
-const FIRST_LOBE: u64 = 4;
+const IMAGE: u64 = 4;
+const FIRST_LOBE: u64 = 5;
 const STREAMS: u64 = 16;
 /// One path in the mirror direction per so many directions by the cosine. Half of it spends twice
 /// the time on mirrors, double of it makes `M` noisier than `D`.
@@ -280,7 +284,8 @@ impl<'a> Gatherer<'a> {
         let FirstSurface { surface, wo, throughput, bounces } = first;
         let wo_local = surface.frame.local_from_world(wo);
         let first = out.incident.len();
-        let mut gathering = Gathering { gatherer: self, surface, wo: wo_local, bounces, out };
+        let images = self.transport.images(&surface);
+        let mut gathering = Gathering { gatherer: self, surface, wo: wo_local, bounces, images, out };
         // Mirrors on the way may have used up all bounces.
         let reflects = bounces < self.settings.max_bounces;
         if reflects && wo_local.z > 0.0 {
@@ -328,16 +333,6 @@ impl<'a> Gatherer<'a> {
         }
         None
     }
-
-    /// The sum of the densities of all directional techniques, each times its number of samples.
-    fn density(&self, wo: Vec3, wi: Vec3) -> f32 {
-        let mut density = self.settings.cosine as f32 * lambert::pdf(wi);
-        for RotatedLobe { lobe, cos, sin } in &self.lobes {
-            let pdf = lobe.pdf(rotated(wo, *cos, *sin), rotated(wi, *cos, *sin));
-            density += self.settings.per_lobe as f32 * pdf;
-        }
-        density
-    }
 }
 
 /// The vector in a frame that is rotated about z by the angle with the given cosine and sine.
@@ -352,10 +347,23 @@ struct Gathering<'a, 'b> {
     surface: Surface,
     wo: Vec3,
     bounces: u32,
+    /// The lobes about the images of lamps, if there are any.
+    images: VmfMixture,
     out: &'b mut Probes,
 }
 
 impl Gathering<'_, '_> {
+    /// The sum of the densities of all directional techniques, each times its number of samples.
+    fn density(&self, wi: Vec3) -> f32 {
+        let settings = self.gatherer.settings;
+        let mut density = settings.cosine as f32 * (lambert::pdf(wi) + self.images.pdf(wi));
+        for RotatedLobe { lobe, cos, sin } in &self.gatherer.lobes {
+            let pdf = lobe.pdf(rotated(self.wo, *cos, *sin), rotated(wi, *cos, *sin));
+            density += settings.per_lobe as f32 * pdf;
+        }
+        density
+    }
+
     /// Takes the light samples.
     fn lights(&mut self, pixel: u32, index: u32) {
         let count = self.gatherer.settings.cosine;
@@ -366,7 +374,7 @@ impl Gathering<'_, '_> {
             let Some(VisibleLight { wi, weight, pdf }) = light else { continue };
             let wi = self.surface.frame.local_from_world(wi);
             let factor = match pdf {
-                Some(pdf) => pdf / (count as f32 * pdf + self.gatherer.density(self.wo, wi)),
+                Some(pdf) => pdf / (count as f32 * pdf + self.density(wi)),
                 None => 1.0 / count as f32,
             };
             self.keep(wi, weight * factor);
@@ -380,6 +388,13 @@ impl Gathering<'_, '_> {
             let mut sampler = self.gatherer.sampler(pixel, COSINE, index * settings.cosine + k);
             let [u, v, ..] = sampler.next4();
             self.follow(lambert::sample([u, v]), sampler);
+        }
+        // As many as by the cosine, since nobody knows which of them find more light.
+        let images = if self.images.share() > 0.0 { settings.cosine } else { 0 };
+        for k in 0..images {
+            let mut sampler = self.gatherer.sampler(pixel, IMAGE, index * settings.cosine + k);
+            let [pick, u, v, _] = sampler.next4();
+            self.follow(self.images.sample(pick, [u, v]), sampler);
         }
         for lobe in 0..settings.lobes.len() {
             let technique = FIRST_LOBE + lobe as u64;
@@ -402,7 +417,7 @@ impl Gathering<'_, '_> {
             return;
         }
         let transport = &self.gatherer.transport;
-        let density = self.gatherer.density(self.wo, wi);
+        let density = self.density(wi);
         let lights = self.gatherer.settings.cosine as f32;
         let Some(next) = transport.surface(&Transport::leave(&self.surface, world)) else {
             let by_light = lights * transport.environment_pdf(&self.surface, world);

@@ -85,6 +85,8 @@ pub struct BsdfSample {
     pub wi: Vec3,
     /// `f cos_i / pdf`.
     pub weight: Rgb,
+    /// What `weight` would be had the direction been drawn without a guide.
+    pub unguided: Rgb,
     /// Density of `wi` over solid angle; infinite for a perfect mirror.
     pub pdf: f32,
 }
@@ -147,16 +149,18 @@ impl<'a> Bsdf<'a> {
 
     /// [`Bsdf::value`] and [`Bsdf::pdf`], which share most of the work.
     pub fn value_and_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+        let (value, unguided) = self.value_and_unguided_pdf(wo, wi);
+        (value, self.guided(unguided, wi))
+    }
+
+    /// [`Bsdf::value`], and the density of `wi` if directions were drawn without the guide.
+    #[inline]
+    fn value_and_unguided_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return (Rgb::ZERO, 0.0);
         }
-        let share = self.guide.share();
-        let mut diffuse = (1.0 - share) * lambert::pdf(wi);
-        if share > 0.0 {
-            diffuse += share * self.guide.pdf(wi);
-        }
         let value = self.rho_d * lambert::VALUE;
-        let pdf = (1.0 - self.specular_share) * diffuse;
+        let pdf = (1.0 - self.specular_share) * lambert::pdf(wi);
         match self.specular {
             Specular::Glossy(lobe) => {
                 let (specular, density) = lobe.value_and_pdf(wo, wi);
@@ -164,6 +168,18 @@ impl<'a> Bsdf<'a> {
             }
             Specular::None | Specular::Mirror => (value, pdf),
         }
+    }
+
+    /// The density of a direction that has the density `unguided` without the guide, which takes
+    /// its share of the directions by the cosine.
+    #[inline]
+    fn guided(&self, unguided: f32, wi: Vec3) -> f32 {
+        let share = self.guide.share();
+        if share <= 0.0 || unguided <= 0.0 {
+            return unguided;
+        }
+        let moved = share * (self.guide.pdf(wi) - lambert::pdf(wi));
+        unguided + (1.0 - self.specular_share) * moved
     }
 
     /// Draws `wi` from three numbers in [0, 1); none if the direction falls below the surface.
@@ -177,17 +193,19 @@ impl<'a> Bsdf<'a> {
         let take_specular = u[0] < self.specular_share;
         let wi = match self.specular {
             Specular::Mirror if take_specular => {
-                let weight = self.rho_s / self.specular_share;
-                return Some(BsdfSample { wi: mirror::reflect(wo), weight, pdf: f32::INFINITY });
+                let (wi, weight) = (mirror::reflect(wo), self.rho_s / self.specular_share);
+                return Some(BsdfSample { wi, weight, unguided: weight, pdf: f32::INFINITY });
             }
             Specular::Glossy(lobe) if take_specular => lobe.sample(wo, [u[1], u[2]]),
             _ => self.sample_diffuse(u),
         };
-        let (value, pdf) = self.value_and_pdf(wo, wi);
+        let (value, unguided) = self.value_and_unguided_pdf(wo, wi);
+        let pdf = self.guided(unguided, wi);
         if wi.z <= 0.0 || pdf <= 0.0 || !pdf.is_finite() {
             return None;
         }
-        Some(BsdfSample { wi, weight: value * (wi.z / pdf), pdf })
+        let value = value * wi.z;
+        Some(BsdfSample { wi, weight: value / pdf, unguided: value / unguided, pdf })
     }
 
     /// A direction for the diffuse term, given that `u[0]` chose it.

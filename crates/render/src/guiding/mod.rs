@@ -14,8 +14,7 @@
 //! Ward's slopes have the standard deviation `alpha / sqrt 2`, so the caustic has
 //! `sqrt 2 alpha / (1 + a/b)`; the angular radius of the lamp is added in quadrature.
 //!
-//! Cost: each of the first diffuse vertices of a path tests up to `PAIRS_MAX` pairs of a plane
-//! and a lamp.
+//! Cost: each diffuse vertex of a path tests up to `PAIRS_MAX` pairs of a plane and a lamp.
 
 mod vmf;
 
@@ -30,14 +29,17 @@ use std::f32::consts::{PI, SQRT_2};
 use unrender_scene::color::luminance;
 use unrender_scene::{LightKind, Mesh, Rgb, Scene};
 
-/// The share of directions drawn from the lobes at the first diffuse vertex of a path, the second,
-/// and so on; later vertices have none. Samples by the cosine weigh `1 / (1 - share)` as much at
-/// every vertex, so the weights multiply along a path: with double of these shares rare bright
-/// paths add more noise than the lobes remove, with half of them caustics are sampled half as
-/// often.
-const SHARES: [f32; 4] = [0.2, 0.2, 0.1, 0.1];
-/// The number of vertices of a path that are guided.
-pub(crate) const BOUNCES: u32 = SHARES.len() as u32;
+/// The share of directions drawn from the lobes at the first two diffuse vertices of a path. With
+/// half of it caustics are sampled half as often, with double of it rare bright paths add more noise
+/// than the lobes remove.
+const SHARE: f32 = 0.2;
+/// The share at the vertices after them.
+const SHARE_LATER: f32 = 0.1;
+/// From this bounce on the share falls with the square of the bounce's number. A direction by the
+/// cosine weighs `1 / (1 - share)` as much, and these weights multiply along a path: as the shares
+/// have a finite sum, the product stays below 3.1 however long the path is. With half of it the light
+/// of later bounces by way of a plane is noisier, with double of it the bound is 6.9.
+const FALLS_FROM: u32 = 4;
 /// Most pairs of a plane and a lamp in a scene: the strongest by power and reflectance. Each guided
 /// vertex tests all of them; with half of them rooms of several lamps lose caustics.
 const PAIRS_MAX: usize = 16;
@@ -283,15 +285,24 @@ struct ImageLobe {
     deviation: f32,
 }
 
+/// The share of directions drawn from the lobes at the bounce number `bounce`.
+fn share(bounce: u32) -> f32 {
+    match bounce {
+        0..2 => SHARE,
+        2..FALLS_FROM => SHARE_LATER,
+        _ => SHARE_LATER * (FALLS_FROM as f32 / bounce as f32).powi(2),
+    }
+}
+
 /// The mixture of lobes for `surface`, given in `frame`: those of the first `pairs` whose light can
-/// arrive there. The surface is the vertex number `bounce` of its path, less than [`BOUNCES`].
+/// arrive there. The surface is the vertex number `bounce` of its path.
 pub(crate) fn mixture(
     surface: &Surface,
     frame: &Frame,
     pairs: &[GlossyPair],
     bounce: u32,
 ) -> VmfMixture {
-    let mut mixture = VmfMixture::with_share(SHARES[bounce as usize]);
+    let mut mixture = VmfMixture::with_share(share(bounce));
     for lobe in pairs.iter().filter_map(|pair| pair.lobe(surface)) {
         if !mixture.push(frame.local_from_world(lobe.direction), lobe.deviation) {
             break;
