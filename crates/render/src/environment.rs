@@ -28,6 +28,8 @@ pub struct EnvironmentSampler {
     cells: Vec<f32>,
     /// The integral of the radiance's luminance over all directions, W m^-2.
     flux: f32,
+    /// The solid angle that the light comes from, sr.
+    spread_sr: f32,
 }
 
 impl EnvironmentSampler {
@@ -41,6 +43,7 @@ impl EnvironmentSampler {
         let mut brightness = Vec::with_capacity(columns * (height + 1));
         let mut rows = Vec::with_capacity(height + 1);
         let mut cells = Vec::with_capacity(columns * (height + 1));
+        let mut squares = 0.0;
         for row in 0..=height {
             let (above, below) = (row.saturating_sub(1), row.min(height - 1));
             let mean = |x: usize| {
@@ -49,6 +52,7 @@ impl EnvironmentSampler {
             let of_row: Vec<f64> = (0..columns).map(mean).collect();
             let solid_angle = TAU / columns as f64 * (cosines[row] - cosines[row + 1]);
             rows.push(of_row.iter().sum::<f64>() * solid_angle);
+            squares += of_row.iter().map(|b| b * b).sum::<f64>() * solid_angle;
             cells.extend(cumulative(&of_row));
             brightness.extend(of_row);
         }
@@ -61,7 +65,14 @@ impl EnvironmentSampler {
             rows: cumulative(&rows).collect(),
             cells,
             flux: flux as f32,
+            spread_sr: (flux * flux / squares) as f32,
         })
+    }
+
+    /// The solid angle that most of the light comes from, sr: the square of the integral of the
+    /// luminance over that of its square, 4 pi if all directions are alike.
+    pub fn spread_sr(&self) -> f32 {
+        self.spread_sr
     }
 
     /// The integral of the radiance's luminance over all directions, W m^-2.

@@ -10,9 +10,10 @@ use crate::adaptive::SampleAllocation;
 use crate::appearance::{Appearance, LightSource, SourceLayout};
 use crate::bsdf::BsdfSample;
 use crate::camera_sample::{camera_ray, pixel_sampler};
+use crate::direct::DirectLight;
 use crate::film::{Accumulator, PixelAccumulator};
 use crate::integrator::{CHUNK, Settings};
-use crate::path::{DirectLight, Emission, PathObserver, RadianceSum, Transport, Vertex};
+use crate::path::{Emission, PathObserver, RadianceSum, Transport, Vertex};
 use crate::tracer::Tracer;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -144,7 +145,7 @@ impl LayeredPicture<'_> {
         };
         let emission = transport.emission(&surface);
         sums.add(emission.source, emission.radiance);
-        transport.trace(surface, -ray.direction, &mut sampler, 0, &mut sums);
+        transport.trace(surface, -ray.direction, &mut sampler, 0, None, &mut sums);
         transport.scaled(&emission) + sums.whole.radiance
     }
 }
@@ -186,7 +187,8 @@ impl PathObserver for LightSums<'_> {
 
     fn record_direct(&mut self, throughput: Rgb, at: &Vertex<'_>, light: &DirectLight<'_>) {
         self.whole.record_direct(throughput, at, light);
-        let radiance = throughput * (light.f_cos * light.sample.weight * light.mis);
+        let arriving = light.sample.weight * light.transmittance;
+        let radiance = throughput * (light.f_cos * arriving * light.mis);
         self.add(light.sample.source, radiance);
     }
 

@@ -31,6 +31,7 @@ pub mod appearance;
 pub mod bsdf;
 pub mod camera_sample;
 pub mod denoise;
+mod direct;
 pub mod emitters;
 pub mod environment;
 pub mod features;
@@ -48,6 +49,7 @@ pub mod radiance_cache;
 pub mod sampler;
 pub mod surface;
 pub mod tracer;
+mod virtual_lamps;
 
 pub use appearance::Appearance;
 pub use bsdf::lobe::GlossyLobe;

@@ -16,15 +16,16 @@
 //! `PathObserver`: `RadianceSum` adds up the radiance, and the tape of [`crate::jacobian`]
 //! differentiates it.
 
-use crate::accel::{self, Bundle, Occluders, Ray};
+use crate::accel::{self, Ray};
 use crate::appearance::{Appearance, LightSource, SourceLayout};
 use crate::bsdf::{Bsdf, BsdfSample, Specular};
-use crate::emitters::LightSample;
+use crate::direct::DirectLight;
 use crate::guiding::{self, GlossyPair, VmfMixture};
 use crate::radiance_cache::CacheLookup;
 use crate::sampler::Sampler;
 use crate::surface::{Frame, Surface};
 use crate::tracer::Tracer;
+use crate::virtual_lamps::{MirrorTrail, VirtualLamps};
 use glam::Vec3;
 use unrender_scene::Rgb;
 
@@ -45,11 +46,6 @@ const ROULETTE_CARRIED: f32 = 0.2;
 /// The largest probability of surviving a bounce. It bounds the mean length of paths at reflectance
 /// one, 50 bounces; at 0.96 it would end bright paths, at 0.99 they would be twice as long.
 const SURVIVAL_MAX: f32 = 0.98;
-/// Shadow rays end at this share of the distance to the light, so that they do not hit the light
-/// itself: about 170 units in the last place. With half of it large lamps may occlude themselves,
-/// with double of it thin objects directly before a lamp are missed.
-const SHADOW_LENGTH: f32 = 1.0 - 1e-5;
-
 /// The BRDF at a surface and its frame.
 pub struct LocalBsdf {
     /// The BRDF.
@@ -68,17 +64,6 @@ pub(crate) struct Vertex<'a> {
     pub(crate) frame: &'a Frame,
     /// Unit vector back along the path.
     pub(crate) wo: Vec3,
-}
-
-/// Light from a light sample that is not occluded.
-pub(crate) struct DirectLight<'a> {
-    /// Unit vector towards the light, in the frame of the vertex.
-    pub(crate) wi: Vec3,
-    /// The BRDF times the cosine.
-    pub(crate) f_cos: Rgb,
-    pub(crate) sample: &'a LightSample,
-    /// The weight of multiple importance sampling.
-    pub(crate) mis: f32,
 }
 
 /// Emission in a direction, in the scene as it is ([`Appearance::lights`] not applied).
@@ -135,7 +120,8 @@ impl PathObserver for RadianceSum<'_> {
     #[inline]
     fn record_direct(&mut self, throughput: Rgb, _: &Vertex<'_>, light: &DirectLight<'_>) {
         let factor = self.brightness(light.sample.source);
-        self.radiance += throughput * (light.f_cos * light.sample.weight * factor * light.mis);
+        let arriving = light.sample.weight * light.transmittance * factor;
+        self.radiance += throughput * (light.f_cos * arriving * light.mis);
     }
 
     #[inline]
@@ -157,49 +143,19 @@ impl PathObserver for RadianceSum<'_> {
 pub(crate) struct RayHit {
     pub(crate) surface: Option<Surface>,
     pub(crate) emission: Emission,
-    /// The density over solid angle with which light samples draw this direction; zero if nothing
-    /// emits there.
-    pub(crate) light_pdf: f32,
-}
-
-impl RayHit {
-    /// Reports the emission to `observer`. The direction was drawn with the density `pdf`, beside
-    /// `lights` light samples.
-    #[inline]
-    pub(crate) fn record_emission(
-        &self,
-        throughput: Rgb,
-        pdf: f32,
-        lights: u32,
-        observer: &mut impl PathObserver,
-    ) {
-        if self.emission.radiance != Rgb::ZERO {
-            let balance = pdf / (pdf + lights as f32 * self.light_pdf);
-            let mis = if pdf.is_finite() { balance } else { 1.0 };
-            observer.record_emission(throughput, &self.emission, mis);
-        }
-    }
-}
-
-/// A light sample that is not occluded, for any BRDF.
-pub struct VisibleLight {
-    /// Unit vector towards the light, world space.
-    pub wi: Vec3,
-    /// Radiance over density, or of a punctual light irradiance over probability.
-    pub weight: Rgb,
-    /// The density over solid angle; none for punctual lights.
-    pub pdf: Option<f32>,
 }
 
 /// The light transport of one scene under one appearance.
 #[derive(Clone)]
 pub struct Transport<'a> {
-    tracer: &'a Tracer,
+    pub(crate) tracer: &'a Tracer,
     appearance: Appearance<'a>,
     max_bounces: u32,
     cache: Option<CacheLookup<'a>>,
     /// The pairs of a glossy plane and a lamp that guide sampling.
     glossy_pairs: Vec<GlossyPair>,
+    /// The lamps in planar mirrors.
+    pub(crate) virtual_lamps: VirtualLamps,
 }
 
 impl<'a> Transport<'a> {
@@ -209,7 +165,8 @@ impl<'a> Transport<'a> {
     /// Later, if the appearance has fewer materials than the scene has groups.
     pub fn new(tracer: &'a Tracer, appearance: Appearance<'a>, max_bounces: u32) -> Self {
         let glossy_pairs = tracer.guide.pairs(&appearance);
-        Self { tracer, appearance, max_bounces, cache: None, glossy_pairs }
+        let virtual_lamps = VirtualLamps::new(tracer, &appearance);
+        Self { tracer, appearance, max_bounces, cache: None, glossy_pairs, virtual_lamps }
     }
 
     /// The same transport with paths that end at surfaces whose radiance is in `cache`, except at
@@ -277,13 +234,22 @@ impl<'a> Transport<'a> {
     /// bounce number `bounce`, from zero.
     pub fn radiance(&self, ray: &Ray, sampler: &mut Sampler, bounce: u32) -> Rgb {
         let Some(surface) = self.surface(ray) else { return self.environment(ray.direction) };
-        self.emitted(&surface) + self.reflected(surface, -ray.direction, sampler, bounce)
+        self.emitted(&surface) + self.reflected(surface, -ray.direction, sampler, bounce, None)
     }
 
-    /// The radiance that `surface` reflects into `wo` (world space), without its emission.
-    pub fn reflected(&self, surface: Surface, wo: Vec3, sampler: &mut Sampler, bounce: u32) -> Rgb {
+    /// The radiance that `surface` reflects into `wo` (world space), without its emission. `trail` is
+    /// that of a vertex which takes virtual samples and has drawn this direction; none if there is no such
+    /// vertex.
+    pub(crate) fn reflected(
+        &self,
+        surface: Surface,
+        wo: Vec3,
+        sampler: &mut Sampler,
+        bounce: u32,
+        trail: Option<MirrorTrail>,
+    ) -> Rgb {
         let mut sum = RadianceSum::new(self);
-        self.trace(surface, wo, sampler, bounce, &mut sum);
+        self.trace(surface, wo, sampler, bounce, trail, &mut sum);
         sum.radiance
     }
 
@@ -296,6 +262,7 @@ impl<'a> Transport<'a> {
         mut wo: Vec3,
         sampler: &mut Sampler,
         bounce: u32,
+        mut trail: Option<MirrorTrail>,
         observer: &mut impl PathObserver,
     ) {
         let mut throughput = Rgb::ONE;
@@ -321,9 +288,9 @@ impl<'a> Transport<'a> {
             observer.record_vertex(&at);
 
             // Next-event estimation.
-            let [pick, u, v, _] = sampler.next4();
+            let numbers = sampler.next4();
             if !bsdf.is_pure_mirror() {
-                self.sample_light(throughput, &at, [pick, u, v], 1, observer);
+                self.sample_lights(throughput, &at, numbers, (1, bounce), observer);
             }
 
             // The next direction.
@@ -348,10 +315,35 @@ impl<'a> Transport<'a> {
             }
             observer.record_bounce(&at, &sample, probability);
 
+            trail = self.trail(trail, &surface, &bsdf, sample.pdf, 1);
             let hit = self.hit(&surface, wi);
-            hit.record_emission(throughput, sample.pdf, 1, observer);
+            if hit.emission.radiance != Rgb::ZERO {
+                let mis = self.share_of_direction(&surface, &hit, wi, (sample.pdf, 1), trail);
+                observer.record_emission(throughput, &hit.emission, mis);
+            }
             let Some(next) = hit.surface else { break };
             (surface, wo) = (next, -wi);
+        }
+    }
+
+    /// The trail after a direction was drawn at `surface` with the density `pdf`, beside `samples`
+    /// virtual samples, or after the reflection in a perfect mirror, whose density is infinite; `before` is
+    /// the trail up to there. None if virtual samples cannot find what comes.
+    #[inline]
+    pub(crate) fn trail(
+        &self,
+        before: Option<MirrorTrail>,
+        surface: &Surface,
+        bsdf: &Bsdf<'_>,
+        pdf: f32,
+        samples: u32,
+    ) -> Option<MirrorTrail> {
+        if self.virtual_lamps.is_empty() {
+            None
+        } else if pdf.is_finite() {
+            Some(MirrorTrail::new(surface, pdf, samples))
+        } else {
+            before?.reflected(self.tracer.flat_faces.of(surface.triangle), bsdf.specular_share())
         }
     }
 
@@ -363,12 +355,7 @@ impl<'a> Transport<'a> {
             Some(surface) => self.emission(surface),
             None => self.background(wi),
         };
-        let light_pdf = match &surface {
-            _ if emission.radiance == Rgb::ZERO => 0.0,
-            Some(surface) => self.light_pdf(from, surface, wi),
-            None => self.environment_pdf(from, wi),
-        };
-        RayHit { surface, emission, light_pdf }
+        RayHit { surface, emission }
     }
 
     /// Whether the sampling of a BRDF is guided.
@@ -397,6 +384,7 @@ impl<'a> Transport<'a> {
     }
 
     /// Whether paths may have a bounce number `bounce`, from zero.
+    #[inline]
     pub(crate) fn reflects(&self, bounce: u32) -> bool {
         bounce < self.max_bounces
     }
@@ -406,91 +394,20 @@ impl<'a> Transport<'a> {
         self.tracer.emitters.are_several()
     }
 
-    /// Whether no part of the BRDF of `surface` is a perfect mirror.
-    pub(crate) fn is_not_specular(&self, surface: &Surface) -> bool {
-        self.bsdf(surface).bsdf.specular != Specular::Mirror
+    /// Whether what `surface` reflects can be reused for receivers in other directions: no part of its
+    /// BRDF is a perfect mirror; nor is it glossy where lamps light it through mirrors, whose virtual
+    /// samples would have a weight of their own for each receiver.
+    pub(crate) fn is_reusable(&self, surface: &Surface) -> bool {
+        match self.bsdf(surface).bsdf.specular {
+            Specular::None => true,
+            Specular::Glossy(_) => self.virtual_lamps.is_empty(),
+            Specular::Mirror => false,
+        }
     }
 
     /// The radiance of `surface` from the cache.
     #[inline]
     fn cached(&self, surface: &Surface, bounce: u32) -> Option<Rgb> {
         self.cache.filter(|_| bounce > 0).and_then(|cache| cache.radiance(surface))
-    }
-
-    /// The density over solid angle with which light samples at `from` draw `emitter` along `wi`.
-    pub fn light_pdf(&self, from: &Surface, emitter: &Surface, wi: Vec3) -> f32 {
-        let distance = (emitter.point - from.point).length();
-        let cos = -wi.dot(self.tracer.front_normal(emitter.triangle));
-        let origin = accel::offset(from.point, from.geometric_normal);
-        self.tracer.emitters.pdf(origin, emitter.triangle, distance, cos)
-    }
-
-    /// The density over solid angle with which light samples at `from` draw the environment along
-    /// `wi`.
-    pub fn environment_pdf(&self, from: &Surface, wi: Vec3) -> f32 {
-        let origin = accel::offset(from.point, from.geometric_normal);
-        self.tracer.emitters.environment_pdf(origin, wi)
-    }
-
-    /// Takes one of `count` light samples at a vertex, weighted by the balance heuristic against
-    /// one sample of the BRDF, and reports it to `observer` if it contributes.
-    #[inline]
-    pub(crate) fn sample_light(
-        &self,
-        throughput: Rgb,
-        at: &Vertex<'_>,
-        u: [f32; 3],
-        count: u32,
-        observer: &mut impl PathObserver,
-    ) {
-        let origin = accel::offset(at.surface.point, at.surface.geometric_normal);
-        let Some(light) = self.tracer.emitters.sample(origin, u) else { return };
-        if !at.surface.is_above(light.wi) {
-            return;
-        }
-        let wi = at.frame.local_from_world(light.wi);
-        let (f, bsdf_pdf) = at.bsdf.value_and_pdf(at.wo, wi);
-        let f_cos = f * wi.z;
-        if f_cos.max_element() <= 0.0 || !self.is_visible(origin, light.wi, light.distance) {
-            return;
-        }
-        let count = count as f32;
-        let mis = match light.pdf {
-            Some(pdf) => pdf / (count * pdf + bsdf_pdf),
-            None => 1.0 / count,
-        };
-        observer.record_direct(throughput, at, &DirectLight { wi, f_cos, sample: &light, mis });
-    }
-
-    /// Whether nothing occludes a light at `distance` along `wi` from `origin`.
-    pub(crate) fn is_visible(&self, origin: Vec3, wi: Vec3, distance: f32) -> bool {
-        let t_max = distance * SHADOW_LENGTH;
-        !self.tracer.accel.occluded(&Ray { origin, direction: wi, t_max })
-    }
-
-    /// The triangles that may occlude the segments between `apex` and the points of `bundle`.
-    pub(crate) fn occluders(&self, apex: Vec3, bundle: &Bundle) -> Occluders {
-        self.tracer.accel.occluders(apex, bundle)
-    }
-
-    /// [`Transport::is_visible`] where the possible `occluders` are known.
-    pub(crate) fn is_visible_among(
-        &self,
-        occluders: &Occluders,
-        origin: Vec3,
-        wi: Vec3,
-        distance: f32,
-    ) -> bool {
-        let t_max = distance * SHADOW_LENGTH;
-        !self.tracer.accel.occluded_among(occluders, &Ray { origin, direction: wi, t_max })
-    }
-
-    /// A light sample at a surface for any BRDF; none if it is occluded.
-    pub fn visible_light(&self, at: &Surface, u: [f32; 3]) -> Option<VisibleLight> {
-        let origin = accel::offset(at.point, at.geometric_normal);
-        let light = self.tracer.emitters.sample(origin, u)?;
-        let visible = at.is_above(light.wi) && self.is_visible(origin, light.wi, light.distance);
-        let weight = light.weight * self.brightness(light.source);
-        visible.then_some(VisibleLight { wi: light.wi, weight, pdf: light.pdf })
     }
 }

@@ -23,12 +23,14 @@ use crate::appearance::Appearance;
 use crate::bsdf::lobe::GlossyLobe;
 use crate::bsdf::{lambert, mirror};
 use crate::camera_sample::camera_ray;
+use crate::direct::VisibleLight;
 use crate::guiding::VmfMixture;
-use crate::path::{MAX_BOUNCES, Transport, VisibleLight};
+use crate::path::{MAX_BOUNCES, Transport};
 use crate::radiance_cache::CacheLookup;
 use crate::sampler::Sampler;
 use crate::surface::Surface;
 use crate::tracer::Tracer;
+use crate::virtual_lamps::MirrorTrail;
 use glam::Vec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -285,7 +287,8 @@ impl<'a> Gatherer<'a> {
         let wo_local = surface.frame.local_from_world(wo);
         let first = out.incident.len();
         let images = self.transport.images(&surface);
-        let mut gathering = Gathering { gatherer: self, surface, wo: wo_local, bounces, images, out };
+        let mut gathering =
+            Gathering { gatherer: self, surface, wo: wo_local, bounces, images, out };
         // Mirrors on the way may have used up all bounces.
         let reflects = bounces < self.settings.max_bounces;
         if reflects && wo_local.z > 0.0 {
@@ -369,15 +372,20 @@ impl Gathering<'_, '_> {
         let count = self.gatherer.settings.cosine;
         for k in 0..count {
             let mut sampler = self.gatherer.sampler(pixel, LIGHT, index * count + k);
-            let [pick, u, v, _] = sampler.next4();
-            let light = self.gatherer.transport.visible_light(&self.surface, [pick, u, v]);
-            let Some(VisibleLight { wi, weight, pdf }) = light else { continue };
-            let wi = self.surface.frame.local_from_world(wi);
-            let factor = match pdf {
-                Some(pdf) => pdf / (count as f32 * pdf + self.density(wi)),
-                None => 1.0 / count as f32,
-            };
-            self.keep(wi, weight * factor);
+            let [pick, u, v, again] = sampler.next4();
+            let transport = &self.gatherer.transport;
+            let straight = transport.visible_light(&self.surface, [pick, u, v]);
+            let mirrored = transport.virtual_light(&self.surface, [again, u, v], self.bounces);
+            for VisibleLight { wi, weight, pdf, by_direction } in
+                straight.into_iter().chain(mirrored)
+            {
+                let wi = self.surface.frame.local_from_world(wi);
+                let factor = match pdf {
+                    Some(pdf) => pdf / (count as f32 * pdf + self.density(wi) * by_direction),
+                    None => 1.0 / count as f32,
+                };
+                self.keep(wi, weight * factor);
+            }
         }
     }
 
@@ -426,10 +434,13 @@ impl Gathering<'_, '_> {
         };
         let emitted = transport.emitted(&next);
         if emitted != Rgb::ZERO {
-            let by_light = lights * transport.light_pdf(&self.surface, &next, world);
+            let by_light = lights * transport.triangle_pdf(&self.surface, &next, world);
             self.keep(wi, emitted / (density + by_light));
         }
-        let reflected = transport.reflected(next, -world, &mut sampler, self.bounces + 1);
+        let samples = self.gatherer.settings.cosine;
+        let trail = MirrorTrail::new(&self.surface, density, samples);
+        let reflected =
+            transport.reflected(next, -world, &mut sampler, self.bounces + 1, Some(trail));
         self.keep(wi, reflected / density);
     }
 
@@ -455,7 +466,7 @@ impl Gathering<'_, '_> {
         let count = self.gatherer.settings.cosine.div_ceil(MIRROR_SHARE).max(1);
         let paths = (0..count).map(|k| {
             let mut sampler = self.gatherer.sampler(pixel, MIRROR, index * count + k);
-            transport.reflected(next, -wi, &mut sampler, self.bounces + 1)
+            transport.reflected(next, -wi, &mut sampler, self.bounces + 1, None)
         });
         let radiance = transport.emitted(&next) + paths.sum::<Rgb>() / count as f32;
         let surface = Some(Mirrored { object: next.object, point: next.point });

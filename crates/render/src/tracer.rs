@@ -5,7 +5,9 @@ use crate::accel::{self, Accel, Hit, Ray};
 use crate::emitters::{Emitters, TriangleEmission};
 use crate::guiding::SpecularGuide;
 use crate::surface::{Frame, Surface};
+use crate::virtual_lamps::{FlatFaces, Sight};
 use glam::{Vec2, Vec3, Vec4};
+use std::sync::OnceLock;
 use unrender_scene::{BrdfModel, Mesh, Scene, SceneError};
 
 /// A scene prepared for ray tracing.
@@ -18,6 +20,8 @@ pub struct Tracer {
     pub(crate) accel: Accel,
     pub(crate) emitters: Emitters,
     pub(crate) guide: SpecularGuide,
+    pub(crate) flat_faces: FlatFaces,
+    sight: OnceLock<Sight>,
     pub(crate) model: BrdfModel,
     objects: Vec<TracedObject>,
     /// All triangles and all vertices of the scene.
@@ -113,7 +117,10 @@ impl Tracer {
             scene.environment.as_ref(),
         );
         let guide = SpecularGuide::new(scene, emitters.layout().clone());
-        Ok(Self { accel, emitters, guide, model: scene.brdf, objects, faces, vertices })
+        let flat_faces = FlatFaces::new(scene);
+        let model = scene.brdf;
+        let sight = OnceLock::new();
+        Ok(Self { accel, emitters, guide, flat_faces, sight, model, objects, faces, vertices })
     }
 
     /// The nearest surface along the ray.
@@ -127,12 +134,25 @@ impl Tracer {
         (object, self.objects[object as usize].group)
     }
 
+    /// Which flat faces see which lamps; found when it is first asked for.
+    pub(crate) fn sight(&self) -> &Sight {
+        self.sight.get_or_init(|| Sight::new(self))
+    }
+
+    /// A point of a triangle, uniform over its area, from two numbers in [0, 1).
+    pub(crate) fn point_of(&self, triangle: u32, [u, v]: [f32; 2]) -> Vec3 {
+        let [a, b, c] =
+            self.faces[triangle as usize].corners.map(|i| self.vertices[i as usize].position);
+        let root = u.sqrt();
+        a * (1.0 - root) + b * (root * (1.0 - v)) + c * (root * v)
+    }
+
     /// The unit normal of the front of a triangle.
     pub(crate) fn front_normal(&self, triangle: u32) -> Vec3 {
         self.faces[triangle as usize].normal
     }
 
-    fn surface_at(&self, ray: &Ray, hit: Hit) -> Surface {
+    pub(crate) fn surface_at(&self, ray: &Ray, hit: Hit) -> Surface {
         let face = &self.faces[hit.triangle as usize];
         let object = &self.objects[face.object as usize];
         let corners = face.corners.map(|i| self.vertices[i as usize]);

@@ -11,7 +11,7 @@
 //! and zero where `theta'` exceeds the angle within which the lights emit. There are at most
 //! [`CLUSTERS_MAX`] clusters instead of a tree of them; all are evaluated, several at a time.
 
-use super::Emitter;
+use super::{Emitter, LampSphere};
 use glam::Vec3;
 use std::f32::consts::PI;
 use unrender_scene::LightKind;
@@ -180,6 +180,25 @@ impl ClusterBounds {
             bounds.strength[lane] = cluster.strength;
         }
         bounds
+    }
+
+    /// The bounding sphere of a cluster.
+    pub(super) fn sphere(&self, lane: usize) -> LampSphere {
+        let [centre, axis] =
+            [self.centre, self.axis].map(|all| Vec3::from_array(all.map(|x| x[lane])));
+        // One axis, within rounding.
+        let is_one = self.spread[0][lane] > 1.0 - 1e-5;
+        LampSphere {
+            centre,
+            radius: self.radius[lane],
+            axis: if is_one { axis } else { Vec3::ZERO },
+            cos_reach: if is_one { self.cos_reach[lane] } else { -1.0 },
+        }
+    }
+
+    /// The strength of a cluster; none if there are not as many.
+    pub(super) fn strength(&self, lane: usize) -> Option<f32> {
+        self.strength.get(lane).copied()
     }
 
     /// The importance of each cluster at `point`, W m^-2; zero only if no light of it arrives.

@@ -26,8 +26,13 @@ const BY_POWER: f32 = 0.2;
 /// The pool of the directional lights, after all clusters.
 const DIRECTIONAL: usize = CLUSTERS_MAX;
 /// The pool of the environment.
-const ENVIRONMENT: usize = DIRECTIONAL + 1;
-const POOLS: usize = ENVIRONMENT + 1;
+pub(crate) const ENVIRONMENT: usize = DIRECTIONAL + 1;
+/// The number of pools; some are empty.
+pub(crate) const POOLS: usize = ENVIRONMENT + 1;
+/// An environment whose light comes from fewer steradians than this counts as a lamp: mirrors
+/// concentrate it. Ten times the sun with its aureole; with half or double of it the few panoramas in
+/// between are looked for in mirrors or found by chance.
+const SUN_SR: f32 = 0.1;
 
 /// All lights of a scene.
 #[derive(Debug)]
@@ -127,6 +132,27 @@ pub struct LightSample {
     pub weight: Rgb,
     /// Density over solid angle; none for punctual lights, which no other ray can hit.
     pub pdf: Option<f32>,
+}
+
+/// Where the light of a pool comes from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum PoolOrigin {
+    Sphere(LampSphere),
+    /// The unit vector towards one light at infinity.
+    Direction(Vec3),
+    /// Several directions.
+    Anywhere,
+}
+
+/// The bounding sphere of lights, and the cone that they emit into.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LampSphere {
+    pub(crate) centre: Vec3,
+    pub(crate) radius: f32,
+    /// The axis of emission, a unit vector, if all lights have one; else zero.
+    pub(crate) axis: Vec3,
+    /// The cosine of the angle from the axis within which they emit.
+    pub(crate) cos_reach: f32,
 }
 
 /// What a triangle emits.
@@ -263,8 +289,12 @@ impl Emitters {
     /// The density over solid angle with which [`Emitters::sample`] at `point` draws `wi` to the
     /// environment.
     pub fn environment_pdf(&self, point: Vec3, wi: Vec3) -> f32 {
-        let Some(environment) = &self.environment else { return 0.0 };
-        self.probability(ENVIRONMENT, point) * environment.pdf(wi)
+        self.environment_pdf_of(self.probability(ENVIRONMENT, point), wi)
+    }
+
+    /// The density over solid angle of `wi` to the environment, if that is drawn with `probability`.
+    pub(crate) fn environment_pdf_of(&self, probability: f32, wi: Vec3) -> f32 {
+        self.environment.as_ref().map_or(0.0, |environment| probability * environment.pdf(wi))
     }
 
     /// The radiance that a triangle emits from its front.
@@ -278,14 +308,17 @@ impl Emitters {
     /// The density over solid angle with which [`Emitters::sample`] at `point` draws the direction
     /// in which the front of `triangle` lies at `distance`, under the cosine `cos` to its normal.
     pub fn pdf(&self, point: Vec3, triangle: u32, distance: f32, cos: f32) -> f32 {
-        match self.emitting[triangle as usize] {
-            None => 0.0,
-            Some(index) => {
-                let triangle = &self.triangles[index.get()];
-                let probability = self.probability(triangle.pool as usize, point);
-                probability * triangle.density * distance * distance / cos.max(1e-6)
-            }
-        }
+        self.pool_of(triangle)
+            .map_or(0.0, |pool| self.pdf_of(self.probability(pool, point), triangle, distance, cos))
+    }
+
+    /// The density over solid angle of the direction in which the front of `triangle` lies at
+    /// `distance`, under the cosine `cos` to its normal, if its pool is drawn with `probability`.
+    pub(crate) fn pdf_of(&self, probability: f32, triangle: u32, distance: f32, cos: f32) -> f32 {
+        self.emitting[triangle as usize].map_or(0.0, |index| {
+            let density = self.triangles[index.get()].density;
+            probability * density * distance * distance / cos.max(1e-6)
+        })
     }
 
     /// The probability of one pool at `point`.
@@ -297,11 +330,51 @@ impl Emitters {
         }
     }
 
+    /// Bounds of the irradiance of all pools at `point`, W m^-2.
+    #[inline]
+    pub(crate) fn importances(&self, point: Vec3) -> [f32; POOLS] {
+        let mut result = self.irradiances;
+        result[..CLUSTERS_MAX].copy_from_slice(&self.bounds.importances(point));
+        result
+    }
+
+    /// Where the light of the pool with the index `pool` comes from; none if nothing is in it that mirrors can
+    /// be asked for.
+    pub(crate) fn origin(&self, pool: usize) -> Option<PoolOrigin> {
+        match (pool, self.pools[pool].lights.as_slice()) {
+            (_, []) => None,
+            (ENVIRONMENT, _) => {
+                let is_sun = self.environment.as_ref().is_some_and(|e| e.spread_sr() < SUN_SR);
+                is_sun.then_some(PoolOrigin::Anywhere)
+            }
+            (DIRECTIONAL, [Weighted { light: Emitter::Punctual(light), .. }]) => {
+                match self.punctual[*light as usize] {
+                    LightKind::Directional { direction, .. } => {
+                        Some(PoolOrigin::Direction(-direction))
+                    }
+                    _ => Some(PoolOrigin::Anywhere),
+                }
+            }
+            (DIRECTIONAL, _) => Some(PoolOrigin::Anywhere),
+            _ => Some(PoolOrigin::Sphere(self.bounds.sphere(pool))),
+        }
+    }
+
+    /// The strength of a pool: luminance of radiance times area, or of the intensity; of lights at infinity, of
+    /// the irradiance.
+    pub(crate) fn strength(&self, pool: usize) -> f32 {
+        self.bounds.strength(pool).unwrap_or(self.irradiances[pool])
+    }
+
+    /// The pool of a triangle, if it emits.
+    pub(crate) fn pool_of(&self, triangle: u32) -> Option<usize> {
+        self.emitting[triangle as usize].map(|index| self.triangles[index.get()].pool as usize)
+    }
+
     /// The probabilities of all pools at `point`, where there are several; all zero where no light
     /// arrives.
     fn probabilities(&self, point: Vec3) -> [f32; POOLS] {
-        let mut result = self.irradiances;
-        result[..CLUSTERS_MAX].copy_from_slice(&self.bounds.importances(point));
+        let mut result = self.importances(point);
         let (mut sum, mut power) = (0.0, 0.0);
         for (importance, of_pool) in result.iter().zip(&self.powers) {
             sum += importance;
@@ -340,7 +413,29 @@ impl Emitters {
     /// Draws light for the surface point `point` from three numbers in [0, 1).
     pub fn sample(&self, point: Vec3, u: [f32; 3]) -> Option<LightSample> {
         let DrawnPool { pool, probability, rest } = self.draw(point, u[0])?;
-        let place = pool.place(rest);
+        self.sample_from(pool, probability, point, [rest, u[1], u[2]])
+    }
+
+    /// Draws light of the pool with the index `pool`, which was drawn with `probability`, for the
+    /// surface point `point` from three numbers in [0, 1).
+    pub(crate) fn sample_pool(
+        &self,
+        pool: usize,
+        probability: f32,
+        point: Vec3,
+        u: [f32; 3],
+    ) -> Option<LightSample> {
+        self.sample_from(&self.pools[pool], probability, point, u)
+    }
+
+    fn sample_from(
+        &self,
+        pool: &Pool,
+        probability: f32,
+        point: Vec3,
+        u: [f32; 3],
+    ) -> Option<LightSample> {
+        let place = pool.place(u[0]);
         match pool.lights[place].light {
             Emitter::Triangle(index) => {
                 self.triangles[index as usize].sample(point, probability, [u[1], u[2]])

@@ -192,7 +192,7 @@ impl Estimator<'_> {
             let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
             if let Some(surface) = self.transport.surface(&ray) {
                 tape.start(&self.transport.emission(&surface));
-                self.transport.trace(surface, -ray.direction, &mut sampler, 0, tape);
+                self.transport.trace(surface, -ray.direction, &mut sampler, 0, None, tape);
             } else {
                 tape.start(&self.transport.background(ray.direction));
             }

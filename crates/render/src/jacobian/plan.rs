@@ -135,6 +135,12 @@ impl<'a> GroupPlan<'a> {
         }
     }
 
+    /// The reflectance as a perfect mirror; zero if it is none.
+    #[inline]
+    pub(super) fn mirror(&self) -> Rgb {
+        if self.specular == Specular::Mirror { self.material.rho_s } else { Rgb::ZERO }
+    }
+
     /// The diffuse reflectance at a vertex.
     #[inline]
     pub(super) fn rho_d(&self, at: &Vertex<'_>) -> Rgb {

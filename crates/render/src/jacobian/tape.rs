@@ -4,7 +4,8 @@ use super::plan::{Plan, Slot};
 use crate::appearance::LightSource;
 use crate::bsdf::ward::LobeDerivatives;
 use crate::bsdf::{BsdfSample, Specular, Terms};
-use crate::path::{DirectLight, Emission, PathObserver, Vertex};
+use crate::direct::DirectLight;
+use crate::path::{Emission, PathObserver, Vertex};
 use glam::DVec3;
 use unrender_scene::Rgb;
 
@@ -112,6 +113,19 @@ impl<'a> Tape<'a> {
             add(&mut self.sums, slot, light * factor);
         }
     }
+    /// Adds the derivatives by the specular reflectance of the groups of mirrors on the way of a light
+    /// sample, which would contribute `light` if all of them reflected everything.
+    #[inline]
+    fn add_mirror_derivatives(&mut self, groups: &[u32], light: Rgb) {
+        for (index, group) in groups.iter().enumerate() {
+            let others = groups.iter().enumerate().filter(|(other, _)| *other != index);
+            let others = others.map(|(_, other)| self.plan.groups[*other as usize].mirror());
+            let light = light * others.product::<Rgb>();
+            let group = &self.plan.groups[*group as usize];
+            let is_mirror = group.specular == Specular::Mirror;
+            add(&mut self.sums, group.slots[1].filter(|_| is_mirror), light);
+        }
+    }
 }
 
 #[inline]
@@ -139,19 +153,24 @@ impl PathObserver for Tape<'_> {
 
     #[inline]
     fn record_direct(&mut self, _: Rgb, at: &Vertex<'_>, light: &DirectLight<'_>) {
-        let DirectLight { wi, sample, mis, .. } = *light;
+        let DirectLight { wi, sample, ref passed, mis, .. } = *light;
         let Some(entry) = self.entries.last_mut() else { return };
         let group = &self.plan.groups[entry.group as usize];
         let terms = group.specular.terms(group.rotated(at.wo), group.rotated(wi));
         let f_cos = terms.value(entry.rho_d, group.material.rho_s) * wi.z;
         let factor = self.plan.brightness(sample.source);
-        entry.direct = f_cos * sample.weight * factor * mis;
+        let mirrors =
+            passed.groups().iter().map(|group| self.plan.groups[*group as usize].mirror());
+        let arriving = sample.weight * mis * mirrors.product::<Rgb>();
+        entry.direct = f_cos * arriving * factor;
         self.radiance += self.throughput * entry.direct;
         if self.plan.count > 0 {
             let rho_d = entry.rho_d;
-            let unit = self.throughput * sample.weight * mis;
+            let unit = self.throughput * arriving;
             self.add_light(sample.source, unit * f_cos);
             self.add_derivatives(at.surface.group, rho_d, &terms, unit * factor * wi.z);
+            let unit = self.throughput * f_cos * sample.weight * factor * mis;
+            self.add_mirror_derivatives(passed.groups(), unit);
         }
     }
 

@@ -4,7 +4,7 @@
 use crate::accel::{self, Ray};
 use crate::bsdf::{Bsdf, Specular, lambert};
 use crate::guiding::VmfMixture;
-use crate::path::{LocalBsdf, RadianceSum, Transport, Vertex};
+use crate::path::{LocalBsdf, PathObserver, RadianceSum, Transport, Vertex};
 use crate::path_reuse::reused::ReusableVertex;
 use crate::sampler::Sampler;
 use crate::surface::{Frame, Surface};
@@ -68,7 +68,7 @@ impl Receiver {
         let local = transport.bsdf(&surface);
         let LocalBsdf { bsdf, frame } = &local;
         if !transport.reflects(0) || bsdf.is_black() || bsdf.is_pure_mirror() {
-            let reflected = transport.reflected(surface, -ray.direction, sampler, 0);
+            let reflected = transport.reflected(surface, -ray.direction, sampler, 0, None);
             return CameraHit::Radiance(transport.emitted(&surface) + reflected);
         }
         CameraHit::Receiver(Self {
@@ -97,8 +97,8 @@ impl Receiver {
         let lights = LIGHTS[usize::from(transport.has_several_lights())];
         let mut sum = RadianceSum::new(transport);
         sum.radiance = transport.emitted(&self.surface);
-        for [pick, u, v, _] in sampler.next4_each(lights) {
-            transport.sample_light(Rgb::ONE, &at, [pick, u, v], lights, &mut sum);
+        for numbers in sampler.next4_each(lights) {
+            transport.sample_lights(Rgb::ONE, &at, numbers, (lights, 0), &mut sum);
         }
         let [lobe, u, v, _] = sampler.next4();
         let sample = bsdf.sample(self.wo, [lobe, u, v]);
@@ -106,17 +106,22 @@ impl Receiver {
         let Some((sample, wi)) = sample.filter(|(_, wi)| self.surface.is_above(*wi)) else {
             return Contribution { radiance: sum.radiance, reusable: None };
         };
+        let trail = transport.trail(None, &self.surface, &bsdf, sample.pdf, lights);
         let hit = transport.hit(&self.surface, wi);
-        hit.record_emission(sample.weight, sample.pdf, lights, &mut sum);
+        if hit.emission.radiance != Rgb::ZERO {
+            let drawn = (sample.pdf, lights);
+            let mis = transport.share_of_direction(&self.surface, &hit, wi, drawn, trail);
+            sum.record_emission(sample.weight, &hit.emission, mis);
+        }
         let radiance = sum.radiance;
         let Some(surface) = hit.surface else {
             return Contribution { radiance, reusable: None };
         };
-        if sample.pdf.is_finite() && transport.is_not_specular(&surface) {
+        if sample.pdf.is_finite() && transport.is_reusable(&surface) {
             let reusable = ReusableVertex::new(transport, surface, -wi, sampler);
             return Contribution { radiance, reusable };
         }
-        let reflected = transport.reflected(surface, -wi, sampler, 1);
+        let reflected = transport.reflected(surface, -wi, sampler, 1, trail);
         Contribution { radiance: radiance + sample.weight * reflected, reusable: None }
     }
 

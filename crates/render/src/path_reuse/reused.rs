@@ -2,8 +2,9 @@
 
 use crate::accel;
 use crate::bsdf::Specular;
+use crate::direct::VisibleLight;
 use crate::guiding::VmfMixture;
-use crate::path::{LocalBsdf, Transport, VisibleLight};
+use crate::path::{LocalBsdf, Transport};
 use crate::sampler::Sampler;
 use crate::surface::Surface;
 use glam::Vec3;
@@ -69,7 +70,7 @@ impl ReusableVertex {
         }
         let reflection = if local.bsdf.specular == Specular::None {
             let paths = PATHS[usize::from(transport.has_several_lights())];
-            let each = (0..paths).map(|_| transport.reflected(surface, wo, sampler, 1));
+            let each = (0..paths).map(|_| transport.reflected(surface, wo, sampler, 1, None));
             let radiance = each.sum::<Rgb>() / paths as f32;
             (radiance != Rgb::ZERO).then_some(Reflection::Diffuse(radiance))
         } else {
@@ -101,7 +102,7 @@ impl GlossyReflection {
         }
         let [pick, u, v, _] = sampler.next4();
         if let Some(light) = transport.visible_light(surface, [pick, u, v]) {
-            let VisibleLight { wi, weight, pdf } = light;
+            let VisibleLight { wi, weight, pdf, .. } = light;
             self.incident[0] = Some(IncidentLight {
                 wi: self.local.frame.local_from_world(wi),
                 radiance: weight * pdf.unwrap_or(1.0),
@@ -123,9 +124,10 @@ impl GlossyReflection {
             let light = IncidentLight { wi: sample.wi, radiance, light_pdf, by_bsdf: true };
             (radiance != Rgb::ZERO).then_some(light)
         };
-        self.incident[1] = incident(transport.scaled(&hit.emission), hit.light_pdf);
+        self.incident[1] =
+            incident(transport.scaled(&hit.emission), transport.light_pdf(surface, &hit, wi));
         if let Some(next) = hit.surface {
-            self.incident[2] = incident(transport.reflected(next, -wi, sampler, 2), 0.0);
+            self.incident[2] = incident(transport.reflected(next, -wi, sampler, 2, None), 0.0);
         }
     }
 

@@ -66,6 +66,17 @@ impl FlatFaces {
         &self.faces
     }
 
+    /// The triangles of the scene that belong to each face.
+    pub(crate) fn triangles(&self) -> Vec<Vec<u32>> {
+        let mut triangles = vec![Vec::new(); self.faces.len()];
+        for (triangle, face) in (0..).zip(&self.of_triangle) {
+            if *face != NONE {
+                triangles[*face as usize].push(triangle);
+            }
+        }
+        triangles
+    }
+
     /// The face that a triangle of the scene belongs to.
     #[inline]
     pub(crate) fn of(&self, triangle: u32) -> Option<u16> {

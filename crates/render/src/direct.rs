@@ -1,0 +1,259 @@
+//! Direct light: light samples at a vertex, straight and by way of planar mirrors, their densities, and
+//! the weights of multiple importance sampling between them and directions drawn from the BRDF.
+
+use crate::accel::{self, Bundle, Occluders, Ray};
+use crate::emitters::LightSample;
+use crate::path::{PathObserver, RayHit, Transport, Vertex};
+use crate::surface::Surface;
+use crate::virtual_lamps::{MirrorTrail, MirrorsPassed, VirtualSample};
+use glam::Vec3;
+use unrender_scene::Rgb;
+
+/// Shadow rays end at this share of the distance to the light, so that they do not hit the light
+/// itself: about 170 units in the last place. With half of it large lamps may occlude themselves,
+/// with double of it thin objects directly before a lamp are missed.
+const SHADOW_LENGTH: f32 = 1.0 - 1e-5;
+
+/// Light from a light sample that is not occluded.
+pub(crate) struct DirectLight<'a> {
+    /// Unit vector towards the light, or towards the first mirror on the way, in the frame of the
+    /// vertex.
+    pub(crate) wi: Vec3,
+    /// The BRDF times the cosine.
+    pub(crate) f_cos: Rgb,
+    pub(crate) sample: &'a LightSample,
+    /// The mirrors on the way.
+    pub(crate) passed: MirrorsPassed,
+    /// The product of their reflectances.
+    pub(crate) transmittance: Rgb,
+    /// The weight of multiple importance sampling.
+    pub(crate) mis: f32,
+}
+
+/// A light sample that is not occluded, for any BRDF.
+pub struct VisibleLight {
+    /// Unit vector towards the light, or towards the first mirror on the way, world space.
+    pub wi: Vec3,
+    /// Radiance over density, or of a punctual light irradiance over probability.
+    pub weight: Rgb,
+    /// The density over solid angle; none for punctual lights.
+    pub pdf: Option<f32>,
+    /// The probability with which a direction drawn as `wi` finds the same light: one, or the product of
+    /// those with which the mirrors on the way reflect as mirrors.
+    pub by_direction: f32,
+}
+
+/// A way by mirrors that nothing occludes.
+struct OpenWay {
+    passed: MirrorsPassed,
+    transmittance: Rgb,
+    /// The product of the probabilities with which the mirrors are taken for mirrors.
+    probability: f32,
+}
+
+impl Transport<'_> {
+    /// The density over solid angle with which light samples at `from` draw what `hit` emits along
+    /// `wi`; zero if nothing does.
+    pub(crate) fn light_pdf(&self, from: &Surface, hit: &RayHit, wi: Vec3) -> f32 {
+        match &hit.surface {
+            _ if hit.emission.radiance == Rgb::ZERO => 0.0,
+            Some(surface) => self.triangle_pdf(from, surface, wi),
+            None => self.environment_pdf(from, wi),
+        }
+    }
+
+    /// The density over solid angle with which light samples at `from` draw `emitter` along `wi`.
+    pub(crate) fn triangle_pdf(&self, from: &Surface, emitter: &Surface, wi: Vec3) -> f32 {
+        let distance = (emitter.point - from.point).length();
+        let cos = -wi.dot(self.tracer.front_normal(emitter.triangle));
+        let origin = accel::offset(from.point, from.geometric_normal);
+        self.tracer.emitters.pdf(origin, emitter.triangle, distance, cos)
+    }
+
+    /// The density over solid angle with which light samples at `from` draw the environment along
+    /// `wi`.
+    pub(crate) fn environment_pdf(&self, from: &Surface, wi: Vec3) -> f32 {
+        let origin = accel::offset(from.point, from.geometric_normal);
+        self.tracer.emitters.environment_pdf(origin, wi)
+    }
+
+    /// The weight of multiple importance sampling of what `hit` emits towards `from` along `wi`, a
+    /// direction that was drawn with the density `pdf`, beside `lights` light samples. Behind a perfect
+    /// mirror, where the density is infinite, `trail` knows by which other samples it may be found.
+    #[inline]
+    pub(crate) fn share_of_direction(
+        &self,
+        from: &Surface,
+        hit: &RayHit,
+        wi: Vec3,
+        (pdf, lights): (f32, u32),
+        trail: Option<MirrorTrail>,
+    ) -> f32 {
+        if pdf.is_finite() {
+            return pdf / (pdf + lights as f32 * self.light_pdf(from, hit, wi));
+        }
+        let emitters = &self.tracer.emitters;
+        trail.map_or(1.0, |trail| self.virtual_lamps.share_of_path(emitters, &trail, hit, wi))
+    }
+
+    /// Takes one of `count` light samples at the vertex number `bounce` of a path, and one by way of planar
+    /// mirrors if there are any, from four numbers in [0, 1). Both are weighted by the balance heuristic against one sample of the
+    /// BRDF, and reported to `observer` if they contribute.
+    #[inline]
+    pub(crate) fn sample_lights(
+        &self,
+        throughput: Rgb,
+        at: &Vertex<'_>,
+        [pick, u, v, again]: [f32; 4],
+        (count, bounce): (u32, u32),
+        observer: &mut impl PathObserver,
+    ) {
+        self.sample_light(throughput, at, [pick, u, v], count, observer);
+        if !self.virtual_lamps.is_empty() {
+            // The same strata, half of them away, so that the two errors are not alike.
+            let [u, v] = [u, v].map(|u| if u < 0.5 { u + 0.5 } else { u - 0.5 });
+            self.sample_virtual_lamp(throughput, at, [again, u, v], (count, bounce), observer);
+        }
+    }
+
+    #[inline]
+    fn sample_light(
+        &self,
+        throughput: Rgb,
+        at: &Vertex<'_>,
+        u: [f32; 3],
+        count: u32,
+        observer: &mut impl PathObserver,
+    ) {
+        let origin = accel::offset(at.surface.point, at.surface.geometric_normal);
+        let Some(light) = self.tracer.emitters.sample(origin, u) else { return };
+        if !at.surface.is_above(light.wi) {
+            return;
+        }
+        let wi = at.frame.local_from_world(light.wi);
+        let (f, bsdf_pdf) = at.bsdf.value_and_pdf(at.wo, wi);
+        let f_cos = f * wi.z;
+        if f_cos.max_element() <= 0.0 || !self.is_visible(origin, light.wi, light.distance) {
+            return;
+        }
+        let mis = balance(light.pdf, count, bsdf_pdf);
+        let (passed, transmittance) = (MirrorsPassed::default(), Rgb::ONE);
+        let sample = &light;
+        let light = DirectLight { wi, f_cos, sample, passed, transmittance, mis };
+        observer.record_direct(throughput, at, &light);
+    }
+
+    // Few scenes have planar mirrors.
+    #[inline(never)]
+    fn sample_virtual_lamp(
+        &self,
+        throughput: Rgb,
+        at: &Vertex<'_>,
+        u: [f32; 3],
+        (count, bounce): (u32, u32),
+        observer: &mut impl PathObserver,
+    ) {
+        let origin = accel::offset(at.surface.point, at.surface.geometric_normal);
+        let emitters = &self.tracer.emitters;
+        let Some(sample) = self.virtual_lamps.sample(emitters, origin, u) else { return };
+        // The mirrors are vertices as well.
+        if !at.surface.is_above(sample.wi) || !self.reflects(bounce + sample.count as u32) {
+            return;
+        }
+        let wi = at.frame.local_from_world(sample.wi);
+        let (f, bsdf_pdf) = at.bsdf.value_and_pdf(at.wo, wi);
+        let f_cos = f * wi.z;
+        if f_cos.max_element() <= 0.0 {
+            return;
+        }
+        let Some(OpenWay { passed, transmittance, probability }) = self.open_way(origin, &sample)
+        else {
+            return;
+        };
+        let sample = &sample.light;
+        let mis = balance(sample.pdf, count, bsdf_pdf * probability);
+        let light = DirectLight { wi, f_cos, sample, passed, transmittance, mis };
+        observer.record_direct(throughput, at, &light);
+    }
+
+    /// The way of `sample` from `origin`, if its mirrors are there and nothing occludes it.
+    fn open_way(&self, origin: Vec3, sample: &VirtualSample) -> Option<OpenWay> {
+        let mut way =
+            OpenWay { passed: MirrorsPassed::default(), transmittance: Rgb::ONE, probability: 1.0 };
+        let mut ray = Ray::new(origin, sample.wi);
+        for (index, place) in sample.places[..sample.count].iter().enumerate() {
+            let hit = self.tracer.accel.closest(&ray)?;
+            if self.tracer.flat_faces.of(hit.triangle) != Some(*place) {
+                return None;
+            }
+            let surface = self.tracer.surface_at(&ray, hit);
+            let bsdf = self.bsdf(&surface).bsdf;
+            way.passed.push(surface.group);
+            way.transmittance *= bsdf.rho_s;
+            way.probability *= bsdf.specular_share();
+            let next = sample.crossings.get(index + 1).filter(|_| index + 1 < sample.count);
+            let wi = next.map_or(sample.light.wi, |next| (next - surface.point).normalize());
+            if !surface.is_above(wi) {
+                return None;
+            }
+            ray = Self::leave(&surface, wi);
+        }
+        self.is_visible(ray.origin, ray.direction, sample.rest).then_some(way)
+    }
+
+    /// Whether nothing occludes a light at `distance` along `wi` from `origin`.
+    pub(crate) fn is_visible(&self, origin: Vec3, wi: Vec3, distance: f32) -> bool {
+        let t_max = distance * SHADOW_LENGTH;
+        !self.tracer.accel.occluded(&Ray { origin, direction: wi, t_max })
+    }
+
+    /// The triangles that may occlude the segments between `apex` and the points of `bundle`.
+    pub(crate) fn occluders(&self, apex: Vec3, bundle: &Bundle) -> Occluders {
+        self.tracer.accel.occluders(apex, bundle)
+    }
+
+    /// [`Transport::is_visible`] where the possible `occluders` are known.
+    pub(crate) fn is_visible_among(
+        &self,
+        occluders: &Occluders,
+        origin: Vec3,
+        wi: Vec3,
+        distance: f32,
+    ) -> bool {
+        let t_max = distance * SHADOW_LENGTH;
+        !self.tracer.accel.occluded_among(occluders, &Ray { origin, direction: wi, t_max })
+    }
+
+    /// A light sample at a surface for any BRDF; none if it is occluded.
+    pub fn visible_light(&self, at: &Surface, u: [f32; 3]) -> Option<VisibleLight> {
+        let origin = accel::offset(at.point, at.geometric_normal);
+        let light = self.tracer.emitters.sample(origin, u)?;
+        let visible = at.is_above(light.wi) && self.is_visible(origin, light.wi, light.distance);
+        let weight = light.weight * self.brightness(light.source);
+        let LightSample { wi, pdf, .. } = light;
+        visible.then_some(VisibleLight { wi, weight, pdf, by_direction: 1.0 })
+    }
+
+    /// A light sample by way of planar mirrors at a surface, the vertex number `bounce` of a path, for any
+    /// BRDF; none if there is none, or it is occluded.
+    pub fn virtual_light(&self, at: &Surface, u: [f32; 3], bounce: u32) -> Option<VisibleLight> {
+        if self.virtual_lamps.is_empty() {
+            return None;
+        }
+        let origin = accel::offset(at.point, at.geometric_normal);
+        let sample = self.virtual_lamps.sample(&self.tracer.emitters, origin, u)?;
+        let reflects = at.is_above(sample.wi) && self.reflects(bounce + sample.count as u32);
+        let way = reflects.then(|| self.open_way(origin, &sample)).flatten()?;
+        let VirtualSample { wi, light, .. } = sample;
+        let weight = light.weight * self.brightness(light.source) * way.transmittance;
+        Some(VisibleLight { wi, weight, pdf: light.pdf, by_direction: way.probability })
+    }
+}
+
+/// The weight by the balance heuristic of one of `count` samples of the density `pdf`, none for what no
+/// direction finds, beside one direction drawn with the density `by_direction`.
+#[inline]
+fn balance(pdf: Option<f32>, count: u32, by_direction: f32) -> f32 {
+    let count = count as f32;
+    pdf.map_or(1.0 / count, |pdf| pdf / (count * pdf + by_direction))
+}

@@ -1,0 +1,314 @@
+//! Virtual lamps: light samples by way of planar mirrors.
+//!
+//! A mirror on the wall lights the floor like a second lamp behind it. Directions drawn at the floor
+//! hit the image of a small lamp by chance, and each hit weighs thousands; of a point light there is
+//! no hit at all. For a plane the way is known in closed form, the method of images: reflect the
+//! *point on the floor* at the mirror's plane, and from that image the lamp is seen in a straight line
+//! through the mirror, as through a window. So a light sample drawn for the image point is a light
+//! sample of the floor, with the same distance, cosine at the lamp and density over solid angle; of two
+//! mirrors in a row likewise with the image of the image. Rays decide whether the mirrors are really
+//! where the line meets their planes, and whether anything occludes a part of the way.
+//!
+//! The same light is found by a direction drawn from the BRDF that meets the mirrors and then the
+//! lamp. Both are weighted by the balance heuristic [Veach and Guibas 1995] with the density over
+//! solid angle at the point where the direction was drawn, times the probability with which each
+//! mirror on the way is taken for one; so nothing is counted twice. A path keeps what that takes in
+//! its [`MirrorTrail`].
+//!
+//! Which lamp by which chain of mirrors a sample takes is drawn by about the irradiance that it brings,
+//! where the lamp can be seen through the window; then a pool of its lights ([`crate::emitters`]) by the
+//! bound of their irradiance at the image point.
+//!
+//! Cost: at each vertex a test of up to [`LAMPS_MAX`] virtual lamps, and two or three rays where one of
+//! them may be seen.
+
+mod chain;
+mod faces;
+mod lamps;
+mod sight;
+
+pub(crate) use faces::FlatFaces;
+pub(crate) use sight::Sight;
+
+use crate::accel;
+use crate::appearance::Appearance;
+use crate::emitters::{ENVIRONMENT, Emitters, LightSample, POOLS};
+use crate::path::RayHit;
+use crate::surface::Surface;
+use crate::tracer::Tracer;
+use chain::{Chain, Crossings, MIRRORS_MAX, Mirror};
+use faces::FlatFace;
+use glam::Vec3;
+use lamps::{Lamp, VirtualLamp};
+use unrender_scene::color::luminance;
+
+/// Most mirrors: those of the largest area times reflectance. With half of it rooms of several
+/// mirrors have light that is found by chance, double of it costs time at every vertex.
+const MIRRORS: usize = 8;
+/// Most virtual lamps: the strongest by power, reflectance and area of the mirrors. With half of it some
+/// lamps of rooms with many are found by chance, double of it costs time at every vertex.
+const LAMPS_MAX: usize = 32;
+
+/// Where mirrors bring less than this share of the light that lamps bring straight, a vertex takes virtual
+/// samples with a probability in proportion to it. With half of it time is spent on light that does not
+/// matter, with double of it the light of weak mirrors is noisier.
+const WORTH: f32 = 0.2;
+
+/// The lamps of a scene as its planar mirrors show them, under one appearance.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct VirtualLamps {
+    chains: Vec<Chain>,
+    lamps: Vec<VirtualLamp>,
+    /// The lamps themselves.
+    straight: Vec<Lamp>,
+}
+
+/// A light sample by way of mirrors, of which it is not known yet whether they are there.
+pub(crate) struct VirtualSample {
+    /// As a sample for the last image: `wi` is the direction in which it leaves the last mirror.
+    pub(crate) light: LightSample,
+    /// Unit vector towards the first mirror.
+    pub(crate) wi: Vec3,
+    /// Where the way meets the mirrors, and the places of their faces.
+    pub(crate) crossings: Crossings,
+    pub(crate) places: [u16; MIRRORS_MAX],
+    pub(crate) count: usize,
+    /// The length of the way from the last mirror to the light.
+    pub(crate) rest: f32,
+}
+
+/// Mirrors that light passes on its way from a lamp to a vertex.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct MirrorsPassed {
+    groups: [u32; MIRRORS_MAX],
+    count: usize,
+}
+
+impl MirrorsPassed {
+    /// Adds a mirror of the group.
+    pub(crate) fn push(&mut self, group: u32) {
+        self.groups[self.count] = group;
+        self.count += 1;
+    }
+
+    /// Their groups.
+    #[inline]
+    pub(crate) fn groups(&self) -> &[u32] {
+        &self.groups[..self.count]
+    }
+}
+
+/// What a path keeps of the vertex at which its direction was last drawn from a density, and of the
+/// perfect mirrors since.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MirrorTrail {
+    /// The origin of rays that leave the vertex.
+    origin: Vec3,
+    /// The density over solid angle of the direction there, times the probabilities of the mirrors'
+    /// reflections since; of several directions, the sum.
+    pdf: f32,
+    /// The number of virtual samples that the vertex takes.
+    samples: u32,
+    /// The places of the mirrors' faces, and their number.
+    places: [u16; MIRRORS_MAX],
+    count: usize,
+}
+
+impl MirrorTrail {
+    /// That of a vertex where a direction was drawn with the density `pdf`, beside `samples` virtual
+    /// samples.
+    #[inline]
+    pub(crate) fn new(from: &Surface, pdf: f32, samples: u32) -> Self {
+        let origin = accel::offset(from.point, from.geometric_normal);
+        Self { origin, pdf, samples, places: [0; MIRRORS_MAX], count: 0 }
+    }
+
+    /// The same after the reflection, taken with `probability`, in the mirror of the face at `place`; none
+    /// if virtual samples cannot come that way.
+    pub(crate) fn reflected(mut self, place: Option<u16>, probability: f32) -> Option<Self> {
+        *self.places.get_mut(self.count)? = place?;
+        self.count += 1;
+        self.pdf *= probability;
+        Some(self)
+    }
+}
+
+impl VirtualLamps {
+    /// Those of the mirrors among `faces` under `appearance`.
+    pub(crate) fn new(tracer: &Tracer, appearance: &Appearance<'_>) -> Self {
+        let mirror = |(face, place): (&FlatFace, u16)| {
+            let material = appearance.materials.get(face.group as usize)?;
+            let reflectance = luminance(material.rho_s);
+            let reflects = material.is_delta() && reflectance > 0.0;
+            reflects.then(|| Mirror::new(place, *face, reflectance))
+        };
+        let mut mirrors: Vec<_> =
+            tracer.flat_faces.all().iter().zip(0..).filter_map(mirror).collect();
+        if mirrors.is_empty() {
+            return Self::default();
+        }
+        let strength = |mirror: &Mirror| mirror.face.area * mirror.reflectance;
+        mirrors.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
+        mirrors.truncate(MIRRORS);
+        let pairs = mirrors.iter().flat_map(|first| {
+            mirrors.iter().filter_map(move |second| Chain::pair(*first, *second))
+        });
+        let singles = mirrors.iter().copied().map(Chain::single);
+        let chains: Vec<_> = singles.chain(pairs).collect();
+        let sight = tracer.sight();
+        let of_chain = |(index, chain): (usize, &Chain)| {
+            let lit = |lamp: &usize| match chain.mirrors() {
+                [only] => sight.is_lit(only.place, *lamp),
+                [first, second, ..] => sight.is_lit_by(first.place, second.place, *lamp),
+                [] => false,
+            };
+            let lamps = (0..sight.lamps.len()).filter(lit);
+            let lamps = lamps.filter_map(|lamp| VirtualLamp::new(index, chain, &sight.lamps[lamp]));
+            lamps.map(|lamp| (lamp.strength * chain.area(), lamp)).collect::<Vec<_>>()
+        };
+        let mut lamps: Vec<_> = chains.iter().enumerate().flat_map(of_chain).collect();
+        lamps.sort_by(|a, b| b.0.total_cmp(&a.0));
+        lamps.truncate(LAMPS_MAX);
+        let lamps = lamps.into_iter().map(|(_, lamp)| lamp).collect();
+        Self { chains, lamps, straight: sight.lamps.clone() }
+    }
+
+    /// Whether there are none.
+    #[inline]
+    pub(crate) fn is_empty(&self) -> bool {
+        self.lamps.is_empty()
+    }
+
+    /// The irradiance of each virtual lamp at `origin`, and the sum.
+    #[inline]
+    fn irradiances(&self, origin: Vec3) -> ([f32; LAMPS_MAX], f32) {
+        let mut irradiances = [0.0; LAMPS_MAX];
+        let mut sum = 0.0;
+        for (slot, lamp) in irradiances.iter_mut().zip(&self.lamps) {
+            *slot = lamp.irradiance(&self.chains[lamp.chain], origin);
+            sum += *slot;
+        }
+        (irradiances, sum)
+    }
+
+    /// The probability with which a vertex takes a virtual sample, given the irradiance of all virtual lamps
+    /// there.
+    #[inline]
+    fn chance(&self, origin: Vec3, irradiance: f32) -> f32 {
+        let straight: f32 = self.straight.iter().map(|lamp| lamp.irradiance(origin)).sum();
+        (irradiance / (WORTH * straight)).min(1.0)
+    }
+
+    /// Draws light for a vertex whose rays leave from `origin`, from three numbers in [0, 1).
+    pub(crate) fn sample(
+        &self,
+        emitters: &Emitters,
+        origin: Vec3,
+        u: [f32; 3],
+    ) -> Option<VirtualSample> {
+        let (irradiances, sum) = self.irradiances(origin);
+        if sum <= 0.0 {
+            return None;
+        }
+        let chance = self.chance(origin, sum);
+        if u[0] >= chance {
+            return None;
+        }
+        let (index, of_lamp, rest) = draw(&irradiances, sum, u[0] / chance)?;
+        let lamp = &self.lamps[index];
+        let chain = &self.chains[lamp.chain];
+        let images = chain.images(origin)?;
+        let image = chain.last(&images);
+        let (bounds, sum) = pools(emitters, &lamp.lamp, image);
+        let (pool, of_pool, rest) = draw(&bounds, sum, rest)?;
+        let light =
+            emitters.sample_pool(pool, chance * of_lamp * of_pool, image, [rest, u[1], u[2]])?;
+        let crossings = chain.crossings(&images, light.wi, light.distance)?;
+        let mut places = [0; MIRRORS_MAX];
+        let mirrors = chain.mirrors();
+        places.iter_mut().zip(mirrors).for_each(|(place, mirror)| *place = mirror.place);
+        let count = mirrors.len();
+        Some(VirtualSample {
+            wi: (crossings[0] - origin).normalize(),
+            rest: light.distance - image.distance(crossings[count - 1]),
+            light,
+            crossings,
+            places,
+            count,
+        })
+    }
+
+    /// The share of multiple importance sampling that light has which `hit` emits along `wi` (world
+    /// space), and which the path found by the mirrors of `trail`.
+    pub(crate) fn share_of_path(
+        &self,
+        emitters: &Emitters,
+        trail: &MirrorTrail,
+        hit: &RayHit,
+        wi: Vec3,
+    ) -> f32 {
+        let pdf = self.pdf(emitters, trail, hit, wi);
+        trail.pdf / (trail.pdf + trail.samples as f32 * pdf)
+    }
+
+    /// The density over solid angle with which virtual samples find that light.
+    fn pdf(&self, emitters: &Emitters, trail: &MirrorTrail, hit: &RayHit, wi: Vec3) -> f32 {
+        let places = &trail.places[..trail.count];
+        let is_same =
+            |chain: &Chain| chain.mirrors().iter().map(|m| m.place).eq(places.iter().copied());
+        let Some(chain) = self.chains.iter().position(is_same) else { return 0.0 };
+        let pool = match &hit.surface {
+            Some(surface) => emitters.pool_of(surface.triangle),
+            None => Some(ENVIRONMENT),
+        };
+        let Some(pool) = pool else { return 0.0 };
+        let is_that = |lamp: &VirtualLamp| lamp.chain == chain && lamp.lamp.has(pool);
+        let Some(index) = self.lamps.iter().position(is_that) else { return 0.0 };
+        let (irradiances, sum) = self.irradiances(trail.origin);
+        let Some(images) = self.chains[chain].images(trail.origin) else { return 0.0 };
+        let image = self.chains[chain].last(&images);
+        let (bounds, of_pools) = pools(emitters, &self.lamps[index].lamp, image);
+        if irradiances[index] <= 0.0 || bounds[pool] <= 0.0 {
+            return 0.0;
+        }
+        let chance = self.chance(trail.origin, sum);
+        let probability = chance * irradiances[index] / sum * (bounds[pool] / of_pools);
+        match &hit.surface {
+            Some(surface) => {
+                let distance = image.distance(surface.point);
+                let cos = wi.dot(surface.geometric_normal).abs();
+                emitters.pdf_of(probability, surface.triangle, distance, cos)
+            }
+            None => emitters.environment_pdf_of(probability, wi),
+        }
+    }
+}
+
+/// The bounds of the irradiance of a lamp's pools at `image`, and their sum.
+fn pools(emitters: &Emitters, lamp: &Lamp, image: Vec3) -> ([f32; POOLS], f32) {
+    let mut bounds = emitters.importances(image);
+    let mut sum = 0.0;
+    for (pool, bound) in bounds.iter_mut().enumerate() {
+        *bound = if lamp.has(pool) { *bound } else { 0.0 };
+        sum += *bound;
+    }
+    (bounds, sum)
+}
+
+/// Draws an index in proportion to `weights`, whose sum is `sum`, by a number in [0, 1): the index, its
+/// probability, and a number in [0, 1) that is uniform given the index. None if all are zero.
+fn draw(weights: &[f32], sum: f32, u: f32) -> Option<(usize, f32, f32)> {
+    let mut before = 0.0;
+    let mut drawn = None;
+    for (index, weight) in weights.iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
+        let probability = weight / sum;
+        // Where rounding leaves the sum of all below one, the last one is drawn.
+        let rest = ((u - before) / probability).clamp(0.0, 1.0 - f32::EPSILON);
+        drawn = Some((index, probability, rest));
+        before += probability;
+        if u < before {
+            break;
+        }
+    }
+    drawn
+}
