@@ -7,12 +7,14 @@
 //! one cannot be had, its rows say so. To add a claim, write a module with a `measure` beside
 //! [`traversal`] and name it in [`Claim`].
 //!
-//! Three requests are no claims of speed: [`real`] and [`corpus`] recover from photographs that the program did
-//! not make, and [`one_unknown`] is an experiment in seconds on one group at a time.
+//! Four requests are no claims of speed: [`real`] and [`corpus`] recover from photographs that the program did
+//! not make, [`one_unknown`] is an experiment in seconds on one group at a time, and [`noise`] says how noisy our
+//! light is, before a change of the renderer and after it.
 
 mod command;
 mod corpus;
 mod machine;
+mod noise;
 mod one_unknown;
 mod page;
 mod peers;
@@ -61,6 +63,8 @@ enum Other {
     Corpus(corpus::CorpusRequest),
     /// Recovers one group at a time while all others have their true materials.
     OneUnknown(one_unknown::OneUnknownRequest),
+    /// Measures how noisy our light is, scene by scene and group by group.
+    Noise(noise::NoiseRequest),
 }
 
 /// How much is measured.
@@ -121,6 +125,7 @@ fn run(request: &Request) -> Result<(), Failure> {
         Some(Other::Real(real)) => return real::run(real),
         Some(Other::Corpus(corpus)) => return corpus::run(corpus),
         Some(Other::OneUnknown(one_unknown)) => return one_unknown::run(one_unknown),
+        Some(Other::Noise(noise)) => return noise::run(noise),
         None => {}
     }
     let effort = if request.quick { Effort::Quick } else { Effort::Full };

@@ -9,7 +9,7 @@
 
 mod dice;
 mod family;
-mod generate;
+pub(crate) mod generate;
 mod make;
 mod page;
 mod photograph;

@@ -14,7 +14,8 @@
 //!  - [`Tracer::accumulate_layers`]: what each light source contributes to a picture (module [`layers`]);
 //!  - [`Tracer::probe`]: the light incident at the surfaces behind given pixels, so that any
 //!    reflectance can be evaluated there without tracing again (module [`probe`]);
-//!  - [`Tracer::jacobian`]: the derivative of the picture by every parameter (module [`jacobian`]).
+//!  - [`Tracer::jacobian`]: the derivative of the picture by every parameter (module [`jacobian`]);
+//!  - [`Tracer::bright_paths`]: the paths that make a picture noisy, and what happened along each (module [`explain`]).
 //!
 //! Reading order: [`path`] is the light transport; [`surface`] and [`bsdf`] are what a ray hits,
 //! [`emitters`] and [`environment`] the lights, [`guiding`] directs samples to them by way of
@@ -34,6 +35,7 @@ pub mod denoise;
 mod direct;
 pub mod emitters;
 pub mod environment;
+pub mod explain;
 pub mod features;
 pub mod film;
 pub mod geometry;
@@ -54,6 +56,7 @@ mod virtual_lamps;
 pub use appearance::Appearance;
 pub use bsdf::lobe::GlossyLobe;
 pub use bsdf::ward::WardLobe;
+pub use explain::BrightPath;
 pub use features::{FeatureBuffers, PixelFeatures};
 pub use film::{Accumulator, Film, PixelAccumulator};
 pub use geometry::{GeometryBuffers, NOTHING, PixelGeometry};

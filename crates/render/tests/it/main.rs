@@ -10,6 +10,7 @@ mod closed_form;
 mod denoise;
 mod determinism;
 mod environment;
+mod explain;
 mod guiding;
 mod jacobian;
 mod jacobian_independent;
