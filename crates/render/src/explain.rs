@@ -13,6 +13,7 @@
 //! | `L` | a ray in a drawn direction hit a lamp |
 //! | `l` | a light sample found a lamp or a light without a surface |
 //! | `E`, `e` | the same for the environment |
+//! | `v` | a light sample found any of them by way of planar mirrors |
 //!
 //! So `l` is light that comes straight to what the camera sees, and `DML` a caustic: from a diffuse
 //! surface by way of a mirror to a lamp.
@@ -20,8 +21,9 @@
 use crate::appearance::{Appearance, LightSource};
 use crate::bsdf::{Bsdf, BsdfSample, Specular};
 use crate::camera_sample::{camera_ray, pixel_sampler};
+use crate::direct::DirectLight;
 use crate::integrator::Settings;
-use crate::path::{DirectLight, Emission, PathObserver, Transport, Vertex};
+use crate::path::{Emission, PathObserver, Transport, Vertex};
 use crate::tracer::Tracer;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -65,7 +67,7 @@ impl Tracer {
                 let ray = camera_ray(camera, size, pixel, &mut sampler);
                 observer.begin(sample);
                 if let Some(surface) = transport.surface(&ray) {
-                    transport.trace(surface, -ray.direction, &mut sampler, 0, &mut observer);
+                    transport.trace(surface, -ray.direction, &mut sampler, 0, None, &mut observer);
                 }
             }
             observer.found
@@ -114,8 +116,10 @@ impl PathObserver for Bright<'_> {
     fn record_vertex(&mut self, _: &Vertex<'_>) {}
 
     fn record_direct(&mut self, throughput: Rgb, _: &Vertex<'_>, light: &DirectLight<'_>) {
-        let radiance = throughput * (light.f_cos * light.sample.weight * light.mis);
-        self.keep(radiance, light.sample.source, ['l', 'e']);
+        let arriving = light.sample.weight * light.transmittance;
+        let radiance = throughput * (light.f_cos * arriving * light.mis);
+        let letters = if light.passed.groups().is_empty() { ['l', 'e'] } else { ['v', 'v'] };
+        self.keep(radiance, light.sample.source, letters);
     }
 
     fn record_bounce(&mut self, at: &Vertex<'_>, sample: &BsdfSample, _: f32) {
@@ -154,7 +158,11 @@ mod tests {
         let wo = Vec3::new(0.6, 0.0, 0.8);
         let named = |specular, wi: Vec3| {
             let bsdf = Bsdf::with(half, half, specular);
-            letter(&bsdf, wo, &BsdfSample { wi, weight: Rgb::ONE, pdf: bsdf.pdf(wo, wi) })
+            letter(
+                &bsdf,
+                wo,
+                &BsdfSample { wi, weight: Rgb::ONE, unguided: Rgb::ONE, pdf: bsdf.pdf(wo, wi) },
+            )
         };
         let mirrored = Vec3::new(-0.6, 0.0, 0.8);
         assert_eq!(named(lobe, mirrored), 'G');

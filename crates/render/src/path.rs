@@ -9,7 +9,8 @@
 //!
 //! The integral is estimated by one light sample and one direction drawn from the BRDF, along which
 //! the path continues. Light that both strategies can find is weighted by their densities. Perfect
-//! mirrors take no light samples. Paths end by Russian roulette, at [`MAX_BOUNCES`], or at a
+//! mirrors take no light samples; where lamps are seen in planar ones, a second light sample goes by
+//! way of those (`crate::virtual_lamps`). Paths end by Russian roulette, at [`MAX_BOUNCES`], or at a
 //! surface whose radiance the image-based cache knows ([`crate::radiance_cache`]).
 //!
 //! One function traces all paths, `Transport::trace`. It reports the events of a path to a

@@ -132,6 +132,10 @@ impl SpecularGuide {
     pub(crate) fn pairs(&self, appearance: &Appearance<'_>) -> Vec<GlossyPair> {
         let glossy = |plane: &Plane| {
             let material = appearance.materials.get(plane.group as usize)?;
+            // The lamps in a perfect mirror have light samples of their own (`crate::virtual_lamps`).
+            if material.is_delta() {
+                return None;
+            }
             let alpha = (material.alpha_x * material.alpha_y).sqrt();
             Some((plane.area * luminance(material.rho_s), (*plane, alpha)))
         };

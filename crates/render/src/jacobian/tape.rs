@@ -22,7 +22,7 @@ struct Entry {
     scale: f32,
     /// `w`: the BRDF times `scale`.
     weight: Rgb,
-    /// The reflected light of the light sample.
+    /// The reflected light of the light samples.
     direct: Rgb,
     /// The emission that the path hits next.
     emitted: Rgb,
@@ -162,8 +162,9 @@ impl PathObserver for Tape<'_> {
         let mirrors =
             passed.groups().iter().map(|group| self.plan.groups[*group as usize].mirror());
         let arriving = sample.weight * mis * mirrors.product::<Rgb>();
-        entry.direct = f_cos * arriving * factor;
-        self.radiance += self.throughput * entry.direct;
+        let direct = f_cos * arriving * factor;
+        entry.direct += direct;
+        self.radiance += self.throughput * direct;
         if self.plan.count > 0 {
             let rho_d = entry.rho_d;
             let unit = self.throughput * arriving;

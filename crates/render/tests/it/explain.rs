@@ -2,6 +2,7 @@
 
 use crate::common::{Stage, camera, settings};
 use glam::Vec3;
+use unrender_render::BrightPath;
 use unrender_scene::{Camera, Environment, Material, Rgb, RgbImage};
 
 /// A diffuse wall above a mirror floor, under a lamp, in dim light from everywhere.
@@ -50,14 +51,17 @@ fn the_kinds_of_paths_are_those_of_the_scene() {
     let (tracer, materials) = (stage().tracer(), stage().scene.materials());
     let paths = tracer.bright_paths(&materials, &view(), (12, 12), &settings(64), 0.0);
     let count = |kind: &str| paths.iter().filter(|path| path.kind == kind).count();
-    for kind in ["l", "e", "DL", "DE", "DML", "Ml", "Me"] {
+    for kind in ["l", "e", "v", "DL", "DE", "DML", "Ml", "Me"] {
         assert!(count(kind) > 0, "{kind}");
     }
     // A mirror takes no light samples, and nothing is glossy.
     assert!(paths.iter().all(|path| !path.kind.contains('G')));
-    // Direct light by light samples is what there is most of, and it is not bright: a caustic is.
-    let bright = tracer.bright_paths(&materials, &view(), (12, 12), &settings(64), 3.0);
+    let brightness = |path: &BrightPath| path.radiance.element_sum() / 3.0;
+    let mut all: Vec<f32> = paths.iter().map(brightness).collect();
+    all.sort_by(f32::total_cmp);
+    let threshold = all[all.len() * 49 / 50];
+    let bright = tracer.bright_paths(&materials, &view(), (12, 12), &settings(64), threshold);
     assert!(!bright.is_empty() && bright.len() < paths.len() / 20);
-    assert!(bright.iter().all(|path| path.radiance.element_sum() > 9.0));
-    assert!(bright.iter().any(|path| path.kind == "DML"));
+    let is_bright = |path: &&BrightPath| brightness(path) > threshold;
+    assert_eq!(bright, paths.iter().filter(is_bright).cloned().collect::<Vec<_>>());
 }

@@ -20,15 +20,23 @@ fn lamp() -> [Vec3; 4] {
 }
 
 /// A diffuse wall in the plane z = 0 above a floor of `material` in the plane y = 0. With a crumb,
-/// which nobody sees, the floor is not taken for a plane, and nothing looks for images in it.
+/// which nobody sees, the floor is not taken for a plane, and nothing looks for images in it; a mirror's
+/// normals are turned by a twelfth of a degree this way and that as well, so that it is no flat face.
 fn stage(material: Material, crumb: bool) -> Stage {
     let mut stage = Stage::default();
     stage.scene.brdf = WardModel::WardGmd.into();
     let wall = stage.group(Material::diffuse(RHO), Rgb::ZERO);
     stage.plate(wall, Vec3::Y, Vec3::X, Vec3::Y);
+    let is_mirror = material.is_delta();
     let floor = stage.group(material, Rgb::ZERO);
     let mut mesh = quad_mesh(plate_corners(2.0 * Vec3::Z, 2.0 * Vec3::Z, 2.0 * Vec3::X), &[]);
     if crumb {
+        if is_mirror {
+            for (index, normal) in mesh.normals.iter_mut().enumerate() {
+                let sign = if index % 2 == 0 { 1.5e-3 } else { -1.5e-3 };
+                *normal = Vec3::new(0.0, 1.0, sign).normalize();
+            }
+        }
         let crumb = plate_corners(Vec3::new(0.0, -1.0, 2.0), 1e-2 * Vec3::X, 1e-2 * Vec3::Y);
         let crumb = quad_mesh(crumb, &[]);
         let first = mesh.positions.len() as u32;
@@ -66,7 +74,7 @@ fn floors() -> [(&'static str, Material); 5] {
 }
 
 /// The irradiance by a polygon of radiance one [Lambert 1760]; see `closed_form.rs`.
-fn irradiance_by_polygon(point: Vec3, normal: Vec3, corners: &[Vec3; 4]) -> f32 {
+pub(crate) fn irradiance_by_polygon(point: Vec3, normal: Vec3, corners: &[Vec3; 4]) -> f32 {
     let at = |i: usize| (corners[i % 4] - point).as_dvec3().normalize();
     let edge = |i: usize| -> f64 {
         let (a, b) = (at(i), at(i + 1));
@@ -136,7 +144,8 @@ fn area_lights(paths: Paths) {
 }
 
 fn point_lights(paths: Paths) {
-    for (floor, material) in floors() {
+    // In a bumpy mirror nothing finds a light at a point: `virtual_lamps` has those.
+    for (floor, material) in floors().into_iter().filter(|(_, floor)| !floor.is_delta()) {
         assert_unbiased(floor, paths, |crumb| {
             let mut stage = stage(material.clone(), crumb);
             let position = Vec3::new(0.2, 0.7, 1.4);
@@ -166,6 +175,7 @@ fn variance(film: &Film) -> f64 {
 
 #[test]
 fn looking_for_images_takes_most_of_the_noise_away() {
+    // A mirror has virtual lamps beside them.
     for (floor, material) in floors() {
         let noise = |crumb| {
             variance(&with_area_lamp(material.clone(), crumb).render(&view(), 24, settings(256)))

@@ -17,4 +17,5 @@ mod jacobian_independent;
 mod layers;
 mod path_reuse;
 mod probes;
+mod virtual_lamps;
 mod ward_table;
