@@ -89,8 +89,8 @@ fn sharp_floor() -> Result<Scene, EnvironmentError> {
     Ok(stage.seen(Vec3::new(0.9, 1.5, 1.4), Vec3::new(-0.2, 0.5, -0.8), 1.2))
 }
 
-/// Sun through a window onto a mirror on the floor, which throws it on a wall: no ray from the wall can hit the sun,
-/// and no light sample sees it in the mirror.
+/// Sun through a window, onto the floor and onto a mirror there, which throws it on a wall: no ray from the wall can
+/// hit the sun, and no light sample sees it in the mirror.
 fn sun_on_mirror() -> Result<Scene, EnvironmentError> {
     let mut stage = Stage::default();
     // The wall opens from z = -0.6 to 0.4 and from y = 0.9 to 2.
@@ -98,11 +98,11 @@ fn sun_on_mirror() -> Result<Scene, EnvironmentError> {
     let others = ROOM.sides(&[Side::Left, Side::Back, Side::Front]);
     shell(&mut stage, others);
     stage.add("window_wall", diffuse(0.6, 0.6, 0.6), opened);
-    let mirror = panel(Vec3::new(-0.2, BEFORE_WALL, -0.35), 0.4 * Vec3::Z, 0.4 * Vec3::X);
+    let mirror = panel(Vec3::new(-0.2, BEFORE_WALL, -0.35), 0.3 * Vec3::Z, 0.3 * Vec3::X);
     stage.add("mirror", Material::mirror(Rgb::splat(0.9)), mirror);
     let direction = Vec3::new(-0.7, -0.6, -0.1).normalize();
-    stage.light("sun", LightKind::Directional { direction, irradiance: Rgb::splat(20.0) });
-    let sky = RgbImage::new(1, 1, vec![Rgb::new(0.25, 0.3, 0.4)]);
+    stage.light("sun", LightKind::Directional { direction, irradiance: Rgb::splat(60.0) });
+    let sky = RgbImage::new(1, 1, vec![Rgb::new(0.6, 0.8, 1.0)]);
     stage.scene.environment = Some(Environment::new(sky, 0.0)?);
     Ok(stage.seen(Vec3::new(1.2, 1.7, 1.4), Vec3::new(-0.5, 0.7, -0.7), 1.2))
 }

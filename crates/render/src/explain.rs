@@ -21,9 +21,8 @@
 use crate::appearance::{Appearance, LightSource};
 use crate::bsdf::{Bsdf, BsdfSample, Specular};
 use crate::camera_sample::{camera_ray, pixel_sampler};
-use crate::direct::DirectLight;
 use crate::integrator::Settings;
-use crate::path::{Emission, PathObserver, Transport, Vertex};
+use crate::path::{DirectLight, Emission, PathObserver, Transport, Vertex};
 use crate::tracer::Tracer;
 use glam::Vec3;
 use rayon::prelude::*;

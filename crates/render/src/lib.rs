@@ -18,8 +18,8 @@
 //!  - [`Tracer::bright_paths`]: the paths that make a picture noisy, and what happened along each (module [`explain`]).
 //!
 //! Reading order: [`path`] is the light transport; [`surface`] and [`bsdf`] are what a ray hits,
-//! [`emitters`] and [`environment`] the lights, `direct` samples them, `virtual_lamps` by way of
-//! planar mirrors, [`guiding`] directs samples to them by way of glossy planes, [`sampler`] draws the
+//! [`emitters`] and [`environment`] the lights, `virtual_lamps` asks for them by way of planar
+//! mirrors, [`guiding`] directs samples to them by way of glossy planes, [`sampler`] draws the
 //! random numbers, [`accel`] intersects rays with triangles.
 //!
 //! Sources are cited by the keys of `docs/bibliography.md`.
@@ -33,7 +33,6 @@ pub mod appearance;
 pub mod bsdf;
 pub mod camera_sample;
 pub mod denoise;
-mod direct;
 pub mod emitters;
 pub mod environment;
 pub mod explain;

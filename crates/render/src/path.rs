@@ -17,10 +17,14 @@
 //! `PathObserver`: `RadianceSum` adds up the radiance, and the tape of [`crate::jacobian`]
 //! differentiates it.
 
+mod direct;
+
+pub(crate) use direct::DirectLight;
+pub use direct::VisibleLight;
+
 use crate::accel::{self, Ray};
 use crate::appearance::{Appearance, LightSource, SourceLayout};
 use crate::bsdf::{Bsdf, BsdfSample, Specular};
-use crate::direct::DirectLight;
 use crate::guiding::{self, GlossyPair, VmfMixture};
 use crate::radiance_cache::CacheLookup;
 use crate::sampler::Sampler;
@@ -166,7 +170,7 @@ impl<'a> Transport<'a> {
     /// Later, if the appearance has fewer materials than the scene has groups.
     pub fn new(tracer: &'a Tracer, appearance: Appearance<'a>, max_bounces: u32) -> Self {
         let glossy_pairs = tracer.guide.pairs(&appearance);
-        let virtual_lamps = VirtualLamps::new(tracer, &appearance);
+        let virtual_lamps = tracer.virtual_lamps(&appearance);
         Self { tracer, appearance, max_bounces, cache: None, glossy_pairs, virtual_lamps }
     }
 

@@ -2,12 +2,12 @@
 //! the light samplers.
 
 use crate::accel::{self, Accel, Hit, Ray};
+use crate::appearance::Appearance;
 use crate::emitters::{Emitters, TriangleEmission};
 use crate::guiding::SpecularGuide;
 use crate::surface::{Frame, Surface};
-use crate::virtual_lamps::{FlatFaces, Sight};
+use crate::virtual_lamps::{FlatFaces, VirtualLamps};
 use glam::{Vec2, Vec3, Vec4};
-use std::sync::OnceLock;
 use unrender_scene::{BrdfModel, Mesh, Scene, SceneError};
 
 /// A scene prepared for ray tracing.
@@ -21,7 +21,6 @@ pub struct Tracer {
     pub(crate) emitters: Emitters,
     pub(crate) guide: SpecularGuide,
     pub(crate) flat_faces: FlatFaces,
-    sight: OnceLock<Sight>,
     pub(crate) model: BrdfModel,
     objects: Vec<TracedObject>,
     /// All triangles and all vertices of the scene.
@@ -119,8 +118,7 @@ impl Tracer {
         let guide = SpecularGuide::new(scene, emitters.layout().clone());
         let flat_faces = FlatFaces::new(scene);
         let model = scene.brdf;
-        let sight = OnceLock::new();
-        Ok(Self { accel, emitters, guide, flat_faces, sight, model, objects, faces, vertices })
+        Ok(Self { accel, emitters, guide, flat_faces, model, objects, faces, vertices })
     }
 
     /// The nearest surface along the ray.
@@ -134,17 +132,9 @@ impl Tracer {
         (object, self.objects[object as usize].group)
     }
 
-    /// Which flat faces see which lamps; found when it is first asked for.
-    pub(crate) fn sight(&self) -> &Sight {
-        self.sight.get_or_init(|| Sight::new(self))
-    }
-
-    /// A point of a triangle, uniform over its area, from two numbers in [0, 1).
-    pub(crate) fn point_of(&self, triangle: u32, [u, v]: [f32; 2]) -> Vec3 {
-        let [a, b, c] =
-            self.faces[triangle as usize].corners.map(|i| self.vertices[i as usize].position);
-        let root = u.sqrt();
-        a * (1.0 - root) + b * (root * (1.0 - v)) + c * (root * v)
+    /// The lamps as planar mirrors show them under `appearance`.
+    pub(crate) fn virtual_lamps(&self, appearance: &Appearance<'_>) -> VirtualLamps {
+        VirtualLamps::new(&self.flat_faces, &self.accel, &self.emitters, appearance)
     }
 
     /// The unit normal of the front of a triangle.

@@ -4,8 +4,7 @@ use super::plan::{Plan, Slot};
 use crate::appearance::LightSource;
 use crate::bsdf::ward::LobeDerivatives;
 use crate::bsdf::{BsdfSample, Specular, Terms};
-use crate::direct::DirectLight;
-use crate::path::{Emission, PathObserver, Vertex};
+use crate::path::{DirectLight, Emission, PathObserver, Vertex};
 use glam::DVec3;
 use unrender_scene::Rgb;
 

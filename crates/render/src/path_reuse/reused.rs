@@ -2,9 +2,8 @@
 
 use crate::accel;
 use crate::bsdf::Specular;
-use crate::direct::VisibleLight;
 use crate::guiding::VmfMixture;
-use crate::path::{LocalBsdf, Transport};
+use crate::path::{LocalBsdf, Transport, VisibleLight};
 use crate::sampler::Sampler;
 use crate::surface::Surface;
 use glam::Vec3;

@@ -17,6 +17,9 @@ const SAME_NORMAL: f32 = 1e-3;
 /// Corners lie in a plane if they are off it by less than this share of the object's extent. Half of
 /// it is near single precision, double of it shifts images by as much.
 const SAME_PLANE: f32 = 1e-5;
+/// Most triangles of a face that rays start from when it is asked what the face sees. With half of it a
+/// face of many triangles is judged by a part of it, double of it takes memory.
+const SHOWN: usize = 64;
 /// The face of a triangle that belongs to none.
 const NONE: u16 = u16::MAX;
 
@@ -24,6 +27,8 @@ const NONE: u16 = u16::MAX;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FlatFaces {
     faces: Vec<FlatFace>,
+    /// The corners of triangles of each face, at most [`SHOWN`].
+    triangles: Vec<Vec<[Vec3; 3]>>,
     /// By triangle: the index of its face, or [`NONE`].
     of_triangle: Vec<u16>,
 }
@@ -52,6 +57,14 @@ impl FlatFaces {
             // The last index means that there is none.
             let room = (NONE as usize).saturating_sub(first).min(faces.len());
             all.faces.extend(&faces[..room]);
+            all.triangles.resize(all.faces.len(), Vec::new());
+            for (triangle, place) in places.iter().enumerate() {
+                let Some(place) = place.filter(|place| *place < room) else { continue };
+                let shown = &mut all.triangles[first + place];
+                if shown.len() < SHOWN {
+                    shown.push(object.mesh.corners(triangle));
+                }
+            }
             let index = |place: Option<usize>| match place {
                 Some(place) if place < room => (first + place) as u16,
                 _ => NONE,
@@ -66,15 +79,9 @@ impl FlatFaces {
         &self.faces
     }
 
-    /// The triangles of the scene that belong to each face.
-    pub(crate) fn triangles(&self) -> Vec<Vec<u32>> {
-        let mut triangles = vec![Vec::new(); self.faces.len()];
-        for (triangle, face) in (0..).zip(&self.of_triangle) {
-            if *face != NONE {
-                triangles[*face as usize].push(triangle);
-            }
-        }
-        triangles
+    /// The corners of triangles of the face at `place`.
+    pub(super) fn triangles(&self, place: u16) -> &[[Vec3; 3]] {
+        &self.triangles[place as usize]
     }
 
     /// The face that a triangle of the scene belongs to.

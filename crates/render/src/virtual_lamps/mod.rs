@@ -28,18 +28,16 @@ mod lamps;
 mod sight;
 
 pub(crate) use faces::FlatFaces;
-pub(crate) use sight::Sight;
 
-use crate::accel;
+use crate::accel::{self, Accel};
 use crate::appearance::Appearance;
 use crate::emitters::{ENVIRONMENT, Emitters, LightSample, POOLS};
-use crate::path::RayHit;
 use crate::surface::Surface;
-use crate::tracer::Tracer;
 use chain::{Chain, Crossings, MIRRORS_MAX, Mirror};
 use faces::FlatFace;
 use glam::Vec3;
 use lamps::{Lamp, VirtualLamp};
+use sight::Sight;
 use unrender_scene::color::luminance;
 
 /// Most mirrors: those of the largest area times reflectance. With half of it rooms of several
@@ -135,15 +133,19 @@ impl MirrorTrail {
 
 impl VirtualLamps {
     /// Those of the mirrors among `faces` under `appearance`.
-    pub(crate) fn new(tracer: &Tracer, appearance: &Appearance<'_>) -> Self {
+    pub(crate) fn new(
+        faces: &FlatFaces,
+        accel: &Accel,
+        emitters: &Emitters,
+        appearance: &Appearance<'_>,
+    ) -> Self {
         let mirror = |(face, place): (&FlatFace, u16)| {
             let material = appearance.materials.get(face.group as usize)?;
             let reflectance = luminance(material.rho_s);
             let reflects = material.is_delta() && reflectance > 0.0;
             reflects.then(|| Mirror::new(place, *face, reflectance))
         };
-        let mut mirrors: Vec<_> =
-            tracer.flat_faces.all().iter().zip(0..).filter_map(mirror).collect();
+        let mut mirrors: Vec<_> = faces.all().iter().zip(0..).filter_map(mirror).collect();
         if mirrors.is_empty() {
             return Self::default();
         }
@@ -155,7 +157,7 @@ impl VirtualLamps {
         });
         let singles = mirrors.iter().copied().map(Chain::single);
         let chains: Vec<_> = singles.chain(pairs).collect();
-        let sight = tracer.sight();
+        let sight = Sight::new(&mirrors, faces, accel, emitters);
         let of_chain = |(index, chain): (usize, &Chain)| {
             let lit = |lamp: &usize| match chain.mirrors() {
                 [only] => sight.is_lit(only.place, *lamp),
@@ -170,7 +172,7 @@ impl VirtualLamps {
         lamps.sort_by(|a, b| b.0.total_cmp(&a.0));
         lamps.truncate(LAMPS_MAX);
         let lamps = lamps.into_iter().map(|(_, lamp)| lamp).collect();
-        Self { chains, lamps, straight: sight.lamps.clone() }
+        Self { chains, lamps, straight: sight.lamps }
     }
 
     /// Whether there are none.
@@ -238,26 +240,32 @@ impl VirtualLamps {
         })
     }
 
-    /// The share of multiple importance sampling that light has which `hit` emits along `wi` (world
-    /// space), and which the path found by the mirrors of `trail`.
+    /// The share of multiple importance sampling that light has which `emitter`, or else the
+    /// environment, emits along `wi` (world space), and which the path found by the mirrors of `trail`.
     pub(crate) fn share_of_path(
         &self,
         emitters: &Emitters,
         trail: &MirrorTrail,
-        hit: &RayHit,
+        emitter: Option<&Surface>,
         wi: Vec3,
     ) -> f32 {
-        let pdf = self.pdf(emitters, trail, hit, wi);
+        let pdf = self.pdf(emitters, trail, emitter, wi);
         trail.pdf / (trail.pdf + trail.samples as f32 * pdf)
     }
 
     /// The density over solid angle with which virtual samples find that light.
-    fn pdf(&self, emitters: &Emitters, trail: &MirrorTrail, hit: &RayHit, wi: Vec3) -> f32 {
+    fn pdf(
+        &self,
+        emitters: &Emitters,
+        trail: &MirrorTrail,
+        emitter: Option<&Surface>,
+        wi: Vec3,
+    ) -> f32 {
         let places = &trail.places[..trail.count];
         let is_same =
             |chain: &Chain| chain.mirrors().iter().map(|m| m.place).eq(places.iter().copied());
         let Some(chain) = self.chains.iter().position(is_same) else { return 0.0 };
-        let pool = match &hit.surface {
+        let pool = match emitter {
             Some(surface) => emitters.pool_of(surface.triangle),
             None => Some(ENVIRONMENT),
         };
@@ -273,7 +281,7 @@ impl VirtualLamps {
         }
         let chance = self.chance(trail.origin, sum);
         let probability = chance * irradiances[index] / sum * (bounds[pool] / of_pools);
-        match &hit.surface {
+        match emitter {
             Some(surface) => {
                 let distance = image.distance(surface.point);
                 let cos = wi.dot(surface.geometric_normal).abs();
@@ -312,3 +320,6 @@ fn draw(weights: &[f32], sum: f32, u: f32) -> Option<(usize, f32, f32)> {
     }
     drawn
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,84 +1,112 @@
-//! Which faces see which lamps, and which faces they would mirror them into: found once a scene by a few
-//! rays, so that vertices do not ask for lamps that no mirror can show.
+//! Which mirrors see which lamps, and which mirrors they would show them to: found by a few rays before a
+//! rendering, so that vertices do not ask for lamps that no mirror can show.
 
+use super::chain::Mirror;
+use super::faces::FlatFaces;
 use super::lamps::Lamp;
-use crate::accel::{self, Ray};
+use crate::accel::{self, Accel, Ray};
 use crate::emitters::{Emitters, PoolOrigin};
 use crate::sampler::Sampler;
-use crate::tracer::Tracer;
 use glam::Vec3;
 
-/// Rays from each face to each lamp. A face of which less than a hundredth sees a lamp may be left out:
-/// area lights are then found by chance as by any other surface. With half of it that is a fiftieth, double
+/// Rays from each mirror to each lamp. A mirror of which less than a fiftieth sees a lamp may be left out:
+/// area lights are then found by chance as by any other surface. With half of it that is a twentieth, double
 /// of it takes twice the time.
-const RAYS: u32 = 256;
+const RAYS: u32 = 64;
+/// Farther than anything, metres; half or double of it are so as well.
+const FAR: f32 = 1e9;
 
-/// The lamps of a scene, and which faces see them.
-#[derive(Debug, Default)]
-pub(crate) struct Sight {
+/// The lamps of a scene, and which mirrors see them.
+pub(super) struct Sight {
     pub(super) lamps: Vec<Lamp>,
-    /// Face and lamp that see each other.
+    /// Mirror and lamp that see each other.
     singles: Vec<(u16, usize)>,
-    /// Two faces and a lamp whose light the second face mirrors into the first.
+    /// Two mirrors and a lamp that the second mirror shows to the first.
     pairs: Vec<(u16, u16, usize)>,
 }
 
+/// What rays meet.
+struct Surroundings<'a> {
+    faces: &'a FlatFaces,
+    accel: &'a Accel,
+    emitters: &'a Emitters,
+}
+
 impl Sight {
-    /// Looks from all flat faces of a scene to all lamps.
-    pub(crate) fn new(tracer: &Tracer) -> Self {
-        let lamps = Lamp::all(&tracer.emitters);
-        let mut sight = Self { lamps, ..Self::default() };
-        for (face, triangles) in (0..).zip(tracer.flat_faces.triangles()) {
+    /// Looks from all `mirrors` to all lamps.
+    pub(super) fn new(
+        mirrors: &[Mirror],
+        faces: &FlatFaces,
+        accel: &Accel,
+        emitters: &Emitters,
+    ) -> Self {
+        let around = Surroundings { faces, accel, emitters };
+        let lamps = Lamp::all(emitters);
+        let mut sight = Self { lamps, singles: Vec::new(), pairs: Vec::new() };
+        for mirror in mirrors {
             for lamp in 0..sight.lamps.len() {
-                sight.look(tracer, face, &triangles, lamp);
+                sight.look(&around, mirror, lamp);
             }
         }
         sight
     }
 
-    /// Whether `face` sees the lamp.
-    pub(super) fn is_lit(&self, face: u16, lamp: usize) -> bool {
-        self.singles.binary_search(&(face, lamp)).is_ok()
+    /// Whether the mirror at the place `mirror` sees the lamp.
+    pub(super) fn is_lit(&self, mirror: u16, lamp: usize) -> bool {
+        self.singles.contains(&(mirror, lamp))
     }
 
-    /// Whether `second` mirrors the lamp into `first`.
+    /// Whether `second` shows the lamp to `first`.
     pub(super) fn is_lit_by(&self, first: u16, second: u16, lamp: usize) -> bool {
         self.pairs.contains(&(first, second, lamp))
     }
 
-    /// Looks from a face with the given triangles to a lamp, and from there as a mirror would.
-    fn look(&mut self, tracer: &Tracer, face: u16, triangles: &[u32], lamp: usize) {
+    /// Looks from a mirror to a lamp, and from there as light goes on.
+    fn look(&mut self, around: &Surroundings<'_>, mirror: &Mirror, lamp: usize) {
         let mut is_lit = false;
         let mut others: Vec<u16> = Vec::new();
+        let triangles = around.faces.triangles(mirror.place);
         for index in 0..RAYS {
-            let mut sampler = Sampler::new(u64::from(face), lamp as u64, index);
-            let [pick, u, v, _] = sampler.next4();
-            let triangle =
-                triangles[((pick * triangles.len() as f32) as usize).min(triangles.len() - 1)];
-            let point = tracer.point_of(triangle, [u, v]);
+            let mut sampler = Sampler::new(u64::from(mirror.place), lamp as u64, index);
+            let point = point_of(triangles, sampler.next4());
             let Some(to_light) = towards(&self.lamps[lamp], point, &mut sampler) else {
                 is_lit = true;
                 break;
             };
-            let front = tracer.front_normal(triangle);
-            let normal = if to_light.dot(front) > 0.0 { front } else { -front };
+            let normal = mirror.face.normal * to_light.dot(mirror.face.normal).signum();
             let origin = accel::offset(point, normal);
-            if !reaches(tracer, &tracer.emitters, origin, to_light) {
+            if !around.are_open(origin, to_light) {
                 continue;
             }
             is_lit = true;
             let out = (2.0 * to_light.dot(normal) * normal - to_light).normalize();
-            let hit = tracer.accel.closest(&Ray::new(origin, out));
-            let other = hit.and_then(|hit| tracer.flat_faces.of(hit.triangle));
-            if let Some(other) = other.filter(|other| *other != face && !others.contains(other)) {
-                others.push(other);
-            }
+            let hit = around.accel.closest(&Ray::new(origin, out));
+            let other = hit.and_then(|hit| around.faces.of(hit.triangle));
+            others.extend(other.filter(|other| *other != mirror.place && !others.contains(other)));
         }
         if is_lit {
-            self.singles.push((face, lamp));
+            self.singles.push((mirror.place, lamp));
         }
-        self.pairs.extend(others.into_iter().map(|other| (other, face, lamp)));
+        self.pairs.extend(others.into_iter().map(|other| (other, mirror.place, lamp)));
     }
+}
+
+impl Surroundings<'_> {
+    /// Whether nothing but a lamp lies on the way from `origin` along `way`.
+    fn are_open(&self, origin: Vec3, way: Vec3) -> bool {
+        let distance = way.length();
+        let ray = Ray { origin, direction: way / distance, t_max: 0.999 * distance };
+        let hit = self.accel.closest(&ray);
+        hit.is_none_or(|hit| self.emitters.pool_of(hit.triangle).is_some())
+    }
+}
+
+/// A point of one of `triangles`, of which there is at least one.
+fn point_of(triangles: &[[Vec3; 3]], [pick, u, v, _]: [f32; 4]) -> Vec3 {
+    let index = (pick * triangles.len() as f32) as usize;
+    let [a, b, c] = triangles[index.min(triangles.len() - 1)];
+    let root = u.sqrt();
+    a * (1.0 - root) + b * (root * (1.0 - v)) + c * (root * v)
 }
 
 /// A vector from `point` to a random point of the lamp's bounding sphere, or far along its direction; none
@@ -89,18 +117,8 @@ fn towards(lamp: &Lamp, point: Vec3, sampler: &mut Sampler) -> Option<Vec3> {
         PoolOrigin::Direction(direction) => Some(FAR * direction),
         PoolOrigin::Sphere(sphere) => {
             let [x, y, z, _] = sampler.next4();
-            let within = 2.0 * Vec3::new(x, y, z) - 1.0;
-            Some(sphere.centre + sphere.radius * within.clamp_length_max(1.0) - point)
+            let within = (2.0 * Vec3::new(x, y, z) - 1.0).clamp_length_max(1.0);
+            Some(sphere.centre + sphere.radius * within - point)
         }
     }
-}
-
-/// Farther than anything, metres; twice or half of it as well.
-const FAR: f32 = 1e9;
-
-/// Whether nothing but a lamp lies on the way from `origin` along `way`.
-fn reaches(tracer: &Tracer, emitters: &Emitters, origin: Vec3, way: Vec3) -> bool {
-    let distance = way.length();
-    let ray = Ray { origin, direction: way / distance, t_max: 0.999 * distance };
-    tracer.accel.closest(&ray).is_none_or(|hit| emitters.pool_of(hit.triangle).is_some())
 }

@@ -1,9 +1,9 @@
 //! Direct light: light samples at a vertex, straight and by way of planar mirrors, their densities, and
 //! the weights of multiple importance sampling between them and directions drawn from the BRDF.
 
+use super::{PathObserver, RayHit, Transport, Vertex};
 use crate::accel::{self, Bundle, Occluders, Ray};
 use crate::emitters::LightSample;
-use crate::path::{PathObserver, RayHit, Transport, Vertex};
 use crate::surface::Surface;
 use crate::virtual_lamps::{MirrorTrail, MirrorsPassed, VirtualSample};
 use glam::Vec3;
@@ -93,7 +93,8 @@ impl Transport<'_> {
             return pdf / (pdf + lights as f32 * self.light_pdf(from, hit, wi));
         }
         let emitters = &self.tracer.emitters;
-        trail.map_or(1.0, |trail| self.virtual_lamps.share_of_path(emitters, &trail, hit, wi))
+        let surface = hit.surface.as_ref();
+        trail.map_or(1.0, |trail| self.virtual_lamps.share_of_path(emitters, &trail, surface, wi))
     }
 
     /// Takes one of `count` light samples at the vertex number `bounce` of a path, and one by way of planar
