@@ -116,12 +116,12 @@ impl VirtualLamp {
                 }
                 self.strength
             }
-            PoolOrigin::Sphere(sphere) => self.from_sphere(sphere, chain, origin),
+            PoolOrigin::Sphere(sphere) => self.through_mirrors(sphere, chain, origin),
         }
     }
 
     #[inline]
-    fn from_sphere(&self, sphere: &LampSphere, chain: &Chain, origin: Vec3) -> f32 {
+    fn through_mirrors(&self, sphere: &LampSphere, chain: &Chain, origin: Vec3) -> f32 {
         let mut point = origin;
         let mut radius = sphere.radius;
         for (mirror, image) in chain.mirrors().iter().zip(self.images) {

@@ -1,7 +1,8 @@
 //! Flat faces, and what they see.
 
 use super::*;
-use crate::tracer::Tracer;
+use crate::accel::Accel;
+use crate::emitters::TriangleEmission;
 use unrender_scene::{Group, Light, LightKind, Material, Mesh, Object, Rgb, Scene};
 
 fn quad(centre: Vec3, x: Vec3, y: Vec3) -> Mesh {
@@ -75,8 +76,16 @@ fn rounded_and_small_faces_are_none() {
 
 /// The virtual lamps of a scene: the number of those in one mirror, and in two.
 fn counts(scene: &Scene) -> [usize; 2] {
-    let tracer = Tracer::new(scene);
-    let lamps = tracer.virtual_lamps(&(&scene.materials()).into());
+    let meshes = scene.objects.iter().map(|object| &object.mesh);
+    let triangles: Vec<_> =
+        meshes.flat_map(|mesh| (0..mesh.triangles.len()).map(|i| mesh.corners(i))).collect();
+    let accel = Accel::build(&triangles);
+    let dark = |_| TriangleEmission { group: 0, radiance: Rgb::ZERO };
+    let groups = scene.groups.len() as u32;
+    let emitters = Emitters::new(&triangles, dark, groups, &scene.lights, accel.bounds(), None);
+    let faces = FlatFaces::new(scene);
+    let materials = scene.materials();
+    let lamps = VirtualLamps::new(&faces, &accel, &emitters, &(&materials).into());
     let of = |count: usize| {
         let chain = |lamp: &&VirtualLamp| lamps.chains[lamp.chain].mirrors().len() == count;
         lamps.lamps.iter().filter(chain).count()
