@@ -5,107 +5,171 @@ use std::collections::BTreeMap;
 use unrender::render::BrightPath;
 
 /// A path is bright from so many times the mean radiance of the picture on. At 64 paths a pixel it changes its pixel
-/// by a third of the mean, which is seen. At half of it there are four times as many, and most are no trouble; at
-/// double what makes a tenth of the variance is missed.
+/// by a third of the mean, which is seen. At half of it there are several times as many, and most are no trouble; at
+/// double much of the noise of pictures without caustics is left without a name.
 const BRIGHT: f64 = 20.0;
 /// So many kinds have a line. At half of them the rest is often more than a tenth of the variance, at double the
-/// lines are mostly of long paths that nobody can do anything about.
+/// lines are mostly of long paths with a thousandth each.
 const KINDS: usize = 8;
+
+/// A bright path.
+struct Found {
+    pixel: usize,
+    /// What it adds to its sample, mean of the channels.
+    radiance: f64,
+    /// What happened along it, a letter each.
+    letters: String,
+}
+
+impl From<BrightPath> for Found {
+    fn from(path: BrightPath) -> Self {
+        let radiance = path.radiance.as_dvec3().element_sum() / 3.0;
+        Self { pixel: path.pixel as usize, radiance, letters: path.kind }
+    }
+}
 
 /// The bright paths of one kind, of both pictures.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Kind {
-    /// What happened, a letter each.
     letters: String,
     paths: usize,
     /// The largest radiance of a path.
     worst: f64,
-    /// Its part of the sum of both pictures' variances over all pixels.
-    variance: f64,
+    /// Its share of the variance of all pixels that count.
+    share: f64,
 }
 
 /// The lines about a scene of which `pictures` were rendered.
 pub(super) fn lines(shot: &Shot, paths: Paths, pictures: &Pictures) -> Vec<String> {
-    let counting = || pictures.group_of.iter().zip(&pictures.values).filter(|(g, _)| g.is_some());
-    let count = counting().count().max(1) as f64;
-    let mean = counting().map(|(_, [a, b])| 0.5 * (a + b)).sum::<f64>() / count;
-    // The difference of two pictures has the variances of both.
-    let variance: f64 = counting().map(|(_, [a, b])| (a - b).powi(2)).sum();
+    let counts = |pixel: usize| pictures.group_of[pixel].is_some();
+    let difference = |(pixel, [a, b]): (usize, &[f64; 2])| if counts(pixel) { a - b } else { 0.0 };
+    let differences: Vec<f64> = pictures.values.iter().enumerate().map(difference).collect();
+    let mean = pictures.mean();
     let materials = shot.scene.materials();
-    let mut both = Vec::new();
-    for settings in paths.of_both() {
+    let both = paths.of_both().map(|settings| {
         let threshold = (BRIGHT * mean) as f32;
         let tracer = &pictures.tracer;
-        let mut bright =
-            tracer.bright_paths(&materials, &shot.camera, shot.size, &settings, threshold);
-        bright.retain(|path| pictures.group_of[path.pixel as usize].is_some());
-        both.push(bright);
-    }
-    text(&kinds(&both, paths.spp), mean, variance)
+        let found = tracer.bright_paths(&materials, &shot.camera, shot.size, &settings, threshold);
+        found.into_iter().map(Found::from).filter(|path| counts(path.pixel)).collect()
+    });
+    text(&kinds(&both, &differences, paths.spp), mean)
 }
 
-/// The kinds of `pictures`' paths, that of the largest variance first.
+/// The kinds of the paths of both pictures, that of the largest share of the variance first.
 ///
-/// Of `n` samples of a pixel, those along a kind of path have the sum `s` and the sum of squares `q`, the others
-/// being zero; the variance of the pixel by this kind is then `(q - s^2 / n) / (n (n - 1))`. A path that all
-/// samples find, like the image of a lamp in a mirror, has none.
-fn kinds(pictures: &[Vec<BrightPath>], spp: u32) -> Vec<Kind> {
-    let n = f64::from(spp);
+/// With `a - b` the difference of the two pictures in a pixel, and `c` that of what a kind of path contributes to
+/// it, the share of the kind is its covariance: the sum of `c (a - b)` over the sum of `(a - b)^2`. The shares of all
+/// paths, bright or not, sum to one. What both pictures find alike, like the image of a lamp in a mirror, has none.
+fn kinds(both: &[Vec<Found>; 2], differences: &[f64], spp: u32) -> Vec<Kind> {
+    let variance: f64 = differences.iter().map(|d| d * d).sum();
     let mut kinds: BTreeMap<&str, Kind> = BTreeMap::new();
-    for of_pixel in pictures.iter().flat_map(|paths| paths.chunk_by(|a, b| a.pixel == b.pixel)) {
-        let mut sums: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
-        for path in of_pixel {
-            let radiance = path.radiance.as_dvec3().element_sum() / 3.0;
-            let [sum, squares] = sums.entry(&path.kind).or_default();
-            *sum += radiance;
-            *squares += radiance * radiance;
-            let kind = kinds.entry(&path.kind).or_default();
+    for (paths, sign) in both.iter().zip([1.0, -1.0]) {
+        for path in paths {
+            let kind = kinds.entry(&path.letters).or_default();
             kind.paths += 1;
-            kind.worst = kind.worst.max(radiance);
-        }
-        for (letters, [sum, squares]) in sums {
-            let kind = kinds.entry(letters).or_default();
-            kind.variance += (squares - sum * sum / n).max(0.0) / (n * (n - 1.0));
+            kind.worst = kind.worst.max(path.radiance);
+            if variance > 0.0 {
+                let contribution = sign * path.radiance / f64::from(spp);
+                kind.share += contribution * differences[path.pixel] / variance;
+            }
         }
     }
     let named = |(letters, kind): (&str, Kind)| Kind { letters: letters.to_owned(), ..kind };
     let mut kinds: Vec<Kind> = kinds.into_iter().map(named).collect();
-    kinds.sort_by(|a, b| b.variance.total_cmp(&a.variance));
+    kinds.sort_by(|a, b| b.share.total_cmp(&a.share));
     kinds
 }
 
-/// The lines of `kinds` in a picture of this `mean` radiance and of this `variance` of all pixels.
-fn text(kinds: &[Kind], mean: f64, variance: f64) -> Vec<String> {
-    let percent = |part: f64| if variance > 0.0 { 100.0 * part / variance } else { 0.0 };
-    let shown = &kinds[..kinds.len().min(KINDS)];
-    let spaced = |kind: &Kind| {
-        let letters: Vec<String> = kind.letters.chars().map(String::from).collect();
-        letters.join(" ")
+/// The lines of `kinds` in a picture of this `mean` radiance.
+fn text(kinds: &[Kind], mean: f64) -> Vec<String> {
+    if kinds.is_empty() {
+        return vec![format!("no path is {BRIGHT:.0} times as bright as the picture")];
+    }
+    let (shown, rest) = kinds.split_at(kinds.len().min(KINDS));
+    let names: Vec<String> = shown.iter().map(|kind| spaced(&kind.letters)).collect();
+    let others = format!("{} more kinds", rest.len());
+    let dim = "all other paths".to_owned();
+    let width = names.iter().chain([&others, &dim]).map(String::len).max().unwrap_or(0);
+    let line = |name: &str, [paths, worst]: [String; 2], share: f64| {
+        let percent = 100.0 * share;
+        format!("{name:<width$}  {paths:>14}   {worst:>20}   {percent:>5.1} % of the variance")
     };
-    let width = shown.iter().map(|kind| spaced(kind).len()).max().unwrap_or(0);
-    let mut lines: Vec<String> = shown
-        .iter()
-        .map(|kind| {
-            format!(
-                "{:<width$}  {:>8} paths   worst {:>9.1}   {:>5.1} % of the variance",
-                spaced(kind),
-                kind.paths,
-                kind.worst / mean,
-                percent(kind.variance)
-            )
-        })
-        .collect();
-    let rest = &kinds[shown.len()..];
+    let numbers = |kinds: &[Kind]| {
+        let paths = kinds.iter().map(|kind| kind.paths).sum::<usize>();
+        let worst = kinds.iter().map(|kind| kind.worst).fold(0.0, f64::max) / mean;
+        let plural = if paths == 1 { "" } else { "s" };
+        [format!("{paths} path{plural}"), format!("worst {worst:.1} x mean")]
+    };
+    let sum = |kinds: &[Kind]| kinds.iter().map(|kind| kind.share).sum::<f64>();
+    let of_kind = |(name, kind): (&String, &Kind)| {
+        line(name, numbers(std::slice::from_ref(kind)), kind.share)
+    };
+    let mut lines: Vec<String> = names.iter().zip(shown).map(of_kind).collect();
     if !rest.is_empty() {
-        lines.push(format!(
-            "{} other kinds: {} paths, {:.1} % of the variance",
-            rest.len(),
-            rest.iter().map(|kind| kind.paths).sum::<usize>(),
-            percent(rest.iter().map(|kind| kind.variance).sum())
-        ));
+        lines.push(line(&others, numbers(rest), sum(rest)));
     }
-    if lines.is_empty() {
-        lines.push(format!("no path is {BRIGHT:.0} times as bright as the picture"));
-    }
+    lines.push(line(&dim, [String::new(), String::new()], 1.0 - sum(kinds)));
     lines
+}
+
+/// Letters with spaces between.
+fn spaced(letters: &str) -> String {
+    let letters: Vec<String> = letters.chars().map(String::from).collect();
+    letters.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(pixel: usize, radiance: f64, letters: &str) -> Found {
+        Found { pixel, radiance, letters: letters.to_owned() }
+    }
+
+    #[test]
+    fn a_path_that_one_picture_found_has_the_variance() {
+        // Four samples a pixel. In the first pixel one picture found a caustic of 40, in the second both found the
+        // image of a lamp; in the third one is 1 brighter by paths that are not bright.
+        let both = [
+            vec![found(0, 40.0, "DML"), found(1, 80.0, "ML")],
+            vec![found(1, 80.0, "ML"), found(1, 8.0, "l")],
+        ];
+        let kinds = kinds(&both, &[10.0, -2.0, 1.0], 4);
+        let of = |letters: &str| kinds.iter().find(|kind| kind.letters == letters).unwrap();
+        let variance = 100.0 + 4.0 + 1.0;
+        assert_eq!((kinds[0].letters.as_str(), of("DML").paths, of("ML").paths), ("DML", 1, 2));
+        assert_eq!(of("DML").worst, 40.0);
+        for (letters, part) in [("DML", 100.0), ("ML", 0.0), ("l", 4.0)] {
+            assert!((of(letters).share - part / variance).abs() < 1e-12, "{letters}");
+        }
+        let lines = text(&kinds, 0.5);
+        assert_eq!(lines.len(), 4);
+        assert_eq!(
+            lines[0],
+            "D M L                    1 path      worst 80.0 x mean    95.2 % of the variance"
+        );
+        let rest: Vec<&str> = lines[3].split_whitespace().collect();
+        assert_eq!(rest.join(" "), "all other paths 1.0 % of the variance");
+    }
+
+    #[test]
+    fn equal_pictures_and_dim_ones_have_something_to_say() {
+        let both = [vec![found(0, 9.0, "l")], vec![found(0, 9.0, "l")]];
+        assert_eq!(kinds(&both, &[0.0], 4)[0].share, 0.0);
+        assert_eq!(text(&[], 1.0), ["no path is 20 times as bright as the picture"]);
+    }
+
+    #[test]
+    fn kinds_beyond_the_first_share_a_line() {
+        let kind = |index: usize| Kind {
+            letters: "D".repeat(index) + "L",
+            paths: 2,
+            worst: 3.0,
+            share: 0.1 / (index + 1) as f64,
+        };
+        let kinds: Vec<Kind> = (0..KINDS + 3).map(kind).collect();
+        let lines = text(&kinds, 1.0);
+        assert_eq!(lines.len(), KINDS + 2);
+        assert!(lines[KINDS].starts_with("3 more kinds") && lines[KINDS].contains(" 6 paths"));
+    }
 }

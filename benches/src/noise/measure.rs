@@ -125,6 +125,11 @@ pub(super) fn measure(shot: &Shot, paths: Paths) -> Result<(SceneNoise, Pictures
 }
 
 impl Pictures {
+    /// The mean value of the pixels that count.
+    pub(super) fn mean(&self) -> f64 {
+        self.noise(|_| true).mean
+    }
+
     /// The noise of the pixels that count and whose group is one that `is_wanted`.
     fn noise(&self, is_wanted: impl Fn(usize) -> bool) -> Noise {
         let pixels = self.group_of.iter().zip(&self.values);

@@ -42,7 +42,7 @@ Columns:
   ratio      rms over robust: 1 for Gaussian noise that is alike everywhere, 1 to 2 where light is uneven,
              more where a few pixels are much too bright (fireflies)
   worst %    share of the variance in the worst 0.1 % of the pixels, at least one pixel: 1 for Gaussian noise of
-             many pixels, near 100 for fireflies
+             many pixels, near 100 for a few fireflies
   s          seconds of one rendering
   Mpaths/s   million paths from the camera a second
 Pixels that show a lamp, even in part, and pixels that show nothing do not count. Groups of fewer than 100
@@ -56,8 +56,10 @@ Columns with --against (above 1 is better, but for \"mean x\"):
   speed       paths a second over those of before
 
 Kinds of paths with --explain, a letter for each vertex: D diffuse, G glossy, M mirror; then how the light was found:
-L a ray hit it, l a light sample; E and e the environment likewise. \"D M L\" is a caustic. Paths count from 20 times
-the picture's mean radiance on, and \"worst\" is in units of it.
+L a ray hit it, l a light sample, E and e the environment likewise, v a light sample by way of planar mirrors; g before
+l, e and v: a glossy lobe reflects most of it. \"D M L\" is a caustic. Paths of both pictures have a line from 20 times
+the picture's mean radiance on. Their share of the variance is their covariance with the difference of the two
+pictures: all shares sum to 100, and what both pictures find alike has none.
 
 Examples:
   cargo run --release --bin performance -- noise

@@ -1,7 +1,7 @@
 //! The lines of the table, which is printed while it grows.
 
 use super::compare::{Compared, Quotients};
-use super::measure::SceneNoise;
+use super::measure::{GroupNoise, SceneNoise};
 use super::statistics::Noise;
 
 /// The row of all groups together.
@@ -43,7 +43,7 @@ impl Table {
         noise: &SceneNoise,
         compared: Option<&Compared>,
     ) -> Vec<String> {
-        let group = |(index, group): (usize, &super::measure::GroupNoise)| {
+        let group = |(index, group): (usize, &GroupNoise)| {
             let compared = compared.and_then(|compared| compared.groups[index].as_ref());
             let numbers = numbers(&group.noise, [None, None]);
             self.line([scene, &group.name], numbers, of_group(compared))
@@ -69,7 +69,7 @@ impl Table {
             let width = head.len().max(NUMBER_WIDTH);
             line.push_str(&format!("  {cell:>width$}"));
         }
-        line
+        line.trim_end().to_owned()
     }
 }
 

@@ -14,12 +14,14 @@
 //! | `l` | a light sample found a lamp or a light without a surface |
 //! | `E`, `e` | the same for the environment |
 //! | `v` | a light sample found any of them by way of planar mirrors |
+//! | `g` | before `l`, `e` and `v`: the glossy lobe reflects most of it, else the diffuse part does |
 //!
-//! So `l` is light that comes straight to what the camera sees, and `DML` a caustic: from a diffuse
-//! surface by way of a mirror to a lamp.
+//! So `l` is light that comes straight to a diffuse surface which the camera sees, and `DML` a
+//! caustic: from a diffuse surface by way of a mirror to a lamp. `Dgl` is a light sample at a glossy
+//! surface that happens to lie where a diffuse one sees the light in it.
 
 use crate::appearance::{Appearance, LightSource};
-use crate::bsdf::{Bsdf, BsdfSample, Specular};
+use crate::bsdf::{Bsdf, BsdfSample, Specular, lambert};
 use crate::camera_sample::{camera_ray, pixel_sampler};
 use crate::integrator::Settings;
 use crate::path::{DirectLight, Emission, PathObserver, Transport, Vertex};
@@ -59,20 +61,31 @@ impl Tracer {
         threshold: f32,
     ) -> Vec<BrightPath> {
         let transport = Transport::new(self, appearance.into(), settings.max_bounces);
-        let of_pixel = |pixel: u32| {
-            let mut observer = Bright::new(&transport, threshold, pixel);
-            for sample in 0..settings.spp {
-                let mut sampler = pixel_sampler(settings.seed, pixel, sample);
-                let ray = camera_ray(camera, size, pixel, &mut sampler);
-                observer.begin(sample);
-                if let Some(surface) = transport.surface(&ray) {
-                    transport.trace(surface, -ray.direction, &mut sampler, 0, None, &mut observer);
-                }
-            }
-            observer.found
-        };
-        (0..(size.0 * size.1) as u32).into_par_iter().flat_map_iter(of_pixel).collect()
+        bright_paths(&transport, camera, size, settings, threshold)
     }
+}
+
+/// [`Tracer::bright_paths`], compiled once.
+fn bright_paths(
+    transport: &Transport<'_>,
+    camera: &Camera,
+    size: (usize, usize),
+    settings: &Settings,
+    threshold: f32,
+) -> Vec<BrightPath> {
+    let of_pixel = |pixel: u32| {
+        let mut observer = Bright::new(transport, threshold, pixel);
+        for sample in 0..settings.spp {
+            let mut sampler = pixel_sampler(settings.seed, pixel, sample);
+            let ray = camera_ray(camera, size, pixel, &mut sampler);
+            observer.begin(sample);
+            if let Some(surface) = transport.surface(&ray) {
+                transport.trace(surface, -ray.direction, &mut sampler, 0, None, &mut observer);
+            }
+        }
+        observer.found
+    };
+    (0..(size.0 * size.1) as u32).into_par_iter().flat_map_iter(of_pixel).collect()
 }
 
 /// The observer that keeps the bright paths of one pixel.
@@ -99,12 +112,12 @@ impl<'a> Bright<'a> {
 
     /// Keeps the path if it is bright. Light of `source` was found as `lamp` says, or, if it is of
     /// the environment, as `environment` says.
-    fn keep(&mut self, radiance: Rgb, source: LightSource, [lamp, environment]: [char; 2]) {
+    fn keep(&mut self, radiance: Rgb, source: LightSource, [lamp, environment]: [&str; 2]) {
         let radiance = radiance * self.transport.brightness(source);
         if radiance.element_sum() / 3.0 > self.threshold {
             let of_environment = matches!(source, LightSource::Environment(_));
             let mut kind = self.kind.clone();
-            kind.push(if of_environment { environment } else { lamp });
+            kind.push_str(if of_environment { environment } else { lamp });
             let (pixel, sample) = (self.pixel, self.sample);
             self.found.push(BrightPath { pixel, sample, radiance, kind });
         }
@@ -114,10 +127,15 @@ impl<'a> Bright<'a> {
 impl PathObserver for Bright<'_> {
     fn record_vertex(&mut self, _: &Vertex<'_>) {}
 
-    fn record_direct(&mut self, throughput: Rgb, _: &Vertex<'_>, light: &DirectLight<'_>) {
+    fn record_direct(&mut self, throughput: Rgb, at: &Vertex<'_>, light: &DirectLight<'_>) {
         let arriving = light.sample.weight * light.transmittance;
         let radiance = throughput * (light.f_cos * arriving * light.mis);
-        let letters = if light.passed.groups().is_empty() { ['l', 'e'] } else { ['v', 'v'] };
+        let letters = match (light.passed.groups().is_empty(), is_glossy(at, light.wi)) {
+            (true, false) => ["l", "e"],
+            (true, true) => ["gl", "ge"],
+            (false, false) => ["v", "v"],
+            (false, true) => ["gv", "gv"],
+        };
         self.keep(radiance, light.sample.source, letters);
     }
 
@@ -126,7 +144,7 @@ impl PathObserver for Bright<'_> {
     }
 
     fn record_emission(&mut self, throughput: Rgb, emission: &Emission, mis: f32) {
-        self.keep(throughput * (emission.radiance * mis), emission.source, ['L', 'E']);
+        self.keep(throughput * (emission.radiance * mis), emission.source, ["L", "E"]);
     }
 
     /// No transport here has a cache.
@@ -142,6 +160,14 @@ fn letter(bsdf: &Bsdf<'_>, wo: Vec3, sample: &BsdfSample) -> char {
     let Specular::Glossy(lobe) = bsdf.specular else { return 'D' };
     let by_lobe = bsdf.specular_share() * lobe.pdf(wo, sample.wi);
     if by_lobe > 0.5 * sample.pdf { 'G' } else { 'D' }
+}
+
+/// Whether the glossy lobe reflects more of the light from `wi` than the diffuse part does.
+fn is_glossy(at: &Vertex<'_>, wi: Vec3) -> bool {
+    let Bsdf { rho_d, rho_s, specular, .. } = at.bsdf;
+    let Specular::Glossy(lobe) = specular else { return false };
+    let (diffuse, glossy) = (*rho_d * lambert::VALUE, *rho_s * lobe.value(at.wo, wi));
+    glossy.element_sum() > diffuse.element_sum()
 }
 
 #[cfg(test)]

@@ -50,6 +50,8 @@ pub mod probe;
 pub mod radiance_cache;
 pub mod sampler;
 pub mod surface;
+#[cfg(test)]
+mod test_meshes;
 pub mod tracer;
 mod virtual_lamps;
 

@@ -8,6 +8,9 @@
 //! density `p d^2 / (A cos)`. Directions to the environment are drawn by [`crate::environment`].
 
 mod bounds;
+mod origins;
+
+pub(crate) use origins::{LampSphere, PoolOrigin};
 
 use crate::accel;
 use crate::appearance::{LightSource, SourceLayout};
@@ -29,10 +32,6 @@ const DIRECTIONAL: usize = CLUSTERS_MAX;
 pub(crate) const ENVIRONMENT: usize = DIRECTIONAL + 1;
 /// The number of pools; some are empty.
 pub(crate) const POOLS: usize = ENVIRONMENT + 1;
-/// An environment whose light comes from fewer steradians than this counts as a lamp: mirrors
-/// concentrate it. Ten times the sun with its aureole; with half or double of it the few panoramas in
-/// between are looked for in mirrors or found by chance.
-const SUN_SR: f32 = 0.1;
 
 /// All lights of a scene.
 #[derive(Debug)]
@@ -132,27 +131,6 @@ pub struct LightSample {
     pub weight: Rgb,
     /// Density over solid angle; none for punctual lights, which no other ray can hit.
     pub pdf: Option<f32>,
-}
-
-/// Where the light of a pool comes from.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum PoolOrigin {
-    Sphere(LampSphere),
-    /// The unit vector towards one light at infinity.
-    Direction(Vec3),
-    /// Several directions.
-    Anywhere,
-}
-
-/// The bounding sphere of lights, and the cone that they emit into.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LampSphere {
-    pub(crate) centre: Vec3,
-    pub(crate) radius: f32,
-    /// The axis of emission, a unit vector, if all lights have one; else zero.
-    pub(crate) axis: Vec3,
-    /// The cosine of the angle from the axis within which they emit.
-    pub(crate) cos_reach: f32,
 }
 
 /// What a triangle emits.
@@ -336,34 +314,6 @@ impl Emitters {
         let mut result = self.irradiances;
         result[..CLUSTERS_MAX].copy_from_slice(&self.bounds.importances(point));
         result
-    }
-
-    /// Where the light of the pool with the index `pool` comes from; none if nothing is in it that mirrors can
-    /// be asked for.
-    pub(crate) fn origin(&self, pool: usize) -> Option<PoolOrigin> {
-        match (pool, self.pools[pool].lights.as_slice()) {
-            (_, []) => None,
-            (ENVIRONMENT, _) => {
-                let is_sun = self.environment.as_ref().is_some_and(|e| e.spread_sr() < SUN_SR);
-                is_sun.then_some(PoolOrigin::Anywhere)
-            }
-            (DIRECTIONAL, [Weighted { light: Emitter::Punctual(light), .. }]) => {
-                match self.punctual[*light as usize] {
-                    LightKind::Directional { direction, .. } => {
-                        Some(PoolOrigin::Direction(-direction))
-                    }
-                    _ => Some(PoolOrigin::Anywhere),
-                }
-            }
-            (DIRECTIONAL, _) => Some(PoolOrigin::Anywhere),
-            _ => Some(PoolOrigin::Sphere(self.bounds.sphere(pool))),
-        }
-    }
-
-    /// The strength of a pool: luminance of radiance times area, or of the intensity; of lights at infinity, of
-    /// the irradiance.
-    pub(crate) fn strength(&self, pool: usize) -> f32 {
-        self.bounds.strength(pool).unwrap_or(self.irradiances[pool])
     }
 
     /// The pool of a triangle, if it emits.

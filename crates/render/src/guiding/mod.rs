@@ -43,8 +43,7 @@ const FALLS_FROM: u32 = 4;
 /// Most pairs of a plane and a lamp in a scene: the strongest by power and reflectance. Each guided
 /// vertex tests all of them; with half of them rooms of several lamps lose caustics.
 const PAIRS_MAX: usize = 16;
-/// Caustics narrower than this (radians) are not guided, nor are those of a mirror and a point
-/// light: single precision does not resolve the lobe.
+/// Caustics narrower than this (radians) are not guided: single precision does not resolve the lobe.
 const DEVIATION_MIN: f32 = 2e-3;
 /// Caustics wider than this (radians) are not guided: cosine sampling finds them.
 const DEVIATION_MAX: f32 = 0.5;

@@ -1,35 +1,11 @@
 //! Planes, lamps, pairs of them, and the lobes towards mirror images.
 
 use super::*;
+use crate::test_meshes::{cuboid, merged, quad};
 use unrender_scene::{Group, Light, Material, Object};
 
 const UP: [Vec3; 2] = [Vec3::Z, Vec3::X];
 const DOWN: [Vec3; 2] = [Vec3::X, Vec3::Z];
-
-fn quad(centre: Vec3, [x, y]: [Vec3; 2]) -> Mesh {
-    let corners = [centre - x - y, centre + x - y, centre + x + y, centre - x + y];
-    Mesh::flat(&corners, &[], &[[0, 1, 2], [0, 2, 3]])
-}
-
-fn merged(meshes: impl IntoIterator<Item = Mesh>) -> Mesh {
-    meshes.into_iter().fold(Mesh::default(), |mut all, mesh| {
-        let first = all.positions.len() as u32;
-        all.positions.extend(mesh.positions);
-        all.normals.extend(mesh.normals);
-        all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + first)));
-        all
-    })
-}
-
-/// The faces of a box around the origin.
-fn cuboid(half: Vec3) -> Mesh {
-    let face = |i: usize| {
-        let axis = |j: usize| Vec3::AXES[j % 3] * half[j % 3];
-        let (x, y, z) = (axis(i + 1), axis(i + 2), axis(i));
-        [quad(z, [x, y]), quad(-z, [y, x])]
-    };
-    merged((0..3).flat_map(face))
-}
 
 /// A group per mesh, with the given specular reflectance and emission.
 fn scene(parts: Vec<(Mesh, f32, f32)>) -> Scene {
@@ -79,7 +55,7 @@ fn flat_meshes_are_planes_and_no_others() {
     let mut smooth = floor();
     smooth.normals[0] = Vec3::new(0.3, 1.0, 0.0).normalize();
     let ball = {
-        let mut mesh = cuboid(Vec3::ONE);
+        let mut mesh = cuboid(Vec3::ZERO, Vec3::ONE);
         mesh.normals = mesh.positions.iter().map(|p| p.normalize()).collect();
         mesh.positions.clone_from(&mesh.normals);
         mesh
@@ -88,8 +64,8 @@ fn flat_meshes_are_planes_and_no_others() {
         ("bent", bent),
         ("shaded as if bent", smooth),
         ("ball", ball),
-        ("box", cuboid(Vec3::ONE)),
-        ("thin box", cuboid(Vec3::new(1.0, 1e-3, 1.0))),
+        ("box", cuboid(Vec3::ZERO, Vec3::ONE)),
+        ("thin box", cuboid(Vec3::ZERO, Vec3::new(1.0, 1e-3, 1.0))),
         ("two floors", merged([floor(), quad(0.01 * Vec3::Y, UP)])),
         ("no triangles", Mesh::default()),
         ("no area", without_area()),
@@ -197,4 +173,11 @@ fn lobes_point_to_the_mirror_image_of_the_lamp() {
             assert!(lobe.is_none_or(finite), "{lobe:?}");
         }
     }
+}
+
+#[test]
+fn the_weights_of_all_bounces_together_are_bounded() {
+    // What a path may weigh whose directions are all drawn by the cosine, longer than any path is.
+    let weight: f32 = (0..1000).map(|bounce| 1.0 / (1.0 - share(bounce))).product();
+    assert!((1.9..3.1).contains(&weight), "{weight}");
 }

@@ -18,7 +18,7 @@ const MARGIN: f32 = 1e-3;
 pub(super) struct Chain {
     mirrors: [Mirror; MIRRORS_MAX],
     count: usize,
-    /// The luminance of the product of the reflectances.
+    /// The product of the luminances of the reflectances.
     pub(super) reflectance: f32,
 }
 
@@ -46,11 +46,10 @@ impl Chain {
         Self { mirrors: [mirror; MIRRORS_MAX], count: 1, reflectance: mirror.reflectance }
     }
 
-    /// Of two mirrors; none if neither sees the other's front.
-    pub(super) fn pair(first: Mirror, second: Mirror) -> Option<Self> {
-        let faces = first.sees(&second) && second.sees(&first) && first.place != second.place;
+    /// Of two mirrors.
+    pub(super) fn pair(first: Mirror, second: Mirror) -> Self {
         let reflectance = first.reflectance * second.reflectance;
-        faces.then_some(Self { mirrors: [first, second], count: 2, reflectance })
+        Self { mirrors: [first, second], count: 2, reflectance }
     }
 
     /// The mirrors.
@@ -133,12 +132,5 @@ impl Mirror {
     /// Whether a point lies in its plane.
     pub(super) fn is_close(&self, point: Vec3) -> bool {
         self.face.height(point).abs() <= CLOSE * self.face.extent()
-    }
-
-    /// Whether part of `other` lies off its plane.
-    fn sees(&self, other: &Self) -> bool {
-        let [low, high] = other.face.bounds;
-        let far = self.face.height(low).abs().max(self.face.height(high).abs());
-        far > CLOSE * other.face.extent()
     }
 }

@@ -19,6 +19,10 @@
 //! where the lamp can be seen through the window; then a pool of its lights ([`crate::emitters`]) by the
 //! bound of their irradiance at the image point.
 //!
+//! Limits: what is not asked for (mirrors and lamps beyond the largest numbers, chains of three mirrors, what
+//! the rays of `sight` miss) is found by chance if the light has an extent, as by any other surface. Of
+//! point, spot and directional lights nothing else finds it, and it is missing.
+//!
 //! Cost: at each vertex a test of up to [`LAMPS_MAX`] virtual lamps, and two or three rays where one of
 //! them may be seen.
 
@@ -152,9 +156,10 @@ impl VirtualLamps {
         let strength = |mirror: &Mirror| mirror.face.area * mirror.reflectance;
         mirrors.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
         mirrors.truncate(MIRRORS);
-        let pairs = mirrors.iter().flat_map(|first| {
-            mirrors.iter().filter_map(move |second| Chain::pair(*first, *second))
-        });
+        // Of these, `sight` knows the few that show a lamp.
+        let pairs = mirrors
+            .iter()
+            .flat_map(|first| mirrors.iter().map(move |second| Chain::pair(*first, *second)));
         let singles = mirrors.iter().copied().map(Chain::single);
         let chains: Vec<_> = singles.chain(pairs).collect();
         let sight = Sight::new(&mirrors, faces, accel, emitters);

@@ -9,8 +9,8 @@ use crate::emitters::{Emitters, PoolOrigin};
 use crate::sampler::Sampler;
 use glam::Vec3;
 
-/// Rays from each mirror to each lamp. A mirror of which less than a fiftieth sees a lamp may be left out:
-/// area lights are then found by chance as by any other surface. With half of it that is a twentieth, double
+/// Rays from each mirror to each lamp. A mirror of which less than a fiftieth sees a lamp may be left out.
+/// With half of it that is a twentieth, double
 /// of it takes twice the time.
 const RAYS: u32 = 64;
 /// Farther than anything, metres; half or double of it are so as well.

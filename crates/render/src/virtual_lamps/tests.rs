@@ -3,31 +3,8 @@
 use super::*;
 use crate::accel::Accel;
 use crate::emitters::TriangleEmission;
+use crate::test_meshes::{cuboid, merged, quad};
 use unrender_scene::{Group, Light, LightKind, Material, Mesh, Object, Rgb, Scene};
-
-fn quad(centre: Vec3, x: Vec3, y: Vec3) -> Mesh {
-    let corners = [centre - x - y, centre + x - y, centre + x + y, centre - x + y];
-    Mesh::flat(&corners, &[], &[[0, 1, 2], [0, 2, 3]])
-}
-
-fn merged(meshes: impl IntoIterator<Item = Mesh>) -> Mesh {
-    meshes.into_iter().fold(Mesh::default(), |mut all, mesh| {
-        let first = all.positions.len() as u32;
-        all.positions.extend(mesh.positions);
-        all.normals.extend(mesh.normals);
-        all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + first)));
-        all
-    })
-}
-
-/// A box that faces outwards.
-fn cuboid(centre: Vec3, half: Vec3) -> Mesh {
-    merged((0..3).flat_map(|i| {
-        let axis = |j: usize| Vec3::AXES[j % 3] * half[j % 3];
-        let (x, y, z) = (axis(i + 1), axis(i + 2), axis(i));
-        [quad(centre + z, x, y), quad(centre - z, y, x)]
-    }))
-}
 
 /// Mirrors under a light at a point, a group a mesh.
 fn scene(meshes: Vec<Mesh>, position: Vec3) -> Scene {
@@ -65,12 +42,12 @@ fn a_box_and_a_table_of_one_mesh_have_their_sides_as_faces() {
 
 #[test]
 fn rounded_and_small_faces_are_none() {
-    let mut smooth = quad(Vec3::ZERO, Vec3::X, Vec3::Y);
+    let mut smooth = quad(Vec3::ZERO, [Vec3::X, Vec3::Y]);
     smooth.normals[0] = Vec3::new(3e-3, 0.0, 1.0).normalize();
     let found = faces(smooth);
     assert!(found.of(0).is_none(), "one corner of its normals is turned");
-    let small = quad(Vec3::Z, 0.1 * Vec3::X, 0.1 * Vec3::Y);
-    let found = faces(merged([quad(Vec3::ZERO, Vec3::X, Vec3::Y), small]));
+    let small = quad(Vec3::Z, [0.1 * Vec3::X, 0.1 * Vec3::Y]);
+    let found = faces(merged([quad(Vec3::ZERO, [Vec3::X, Vec3::Y]), small]));
     assert_eq!((found.all().len(), found.of(2)), (1, None));
 }
 
@@ -100,10 +77,11 @@ fn faces_that_no_lamp_sees_are_not_asked() {
     assert_eq!(counts(&scene(vec![cube()], 3.0 * Vec3::Y)), [1, 0]);
     assert_eq!(counts(&scene(vec![cube()], Vec3::new(3.0, 3.0, 0.0))), [2, 0]);
     // Two facing mirrors with a light between them: each alone, and each by way of the other.
-    let facing = vec![quad(Vec3::ZERO, Vec3::X, Vec3::Y), quad(3.0 * Vec3::Z, Vec3::Y, Vec3::X)];
+    let facing =
+        vec![quad(Vec3::ZERO, [Vec3::X, Vec3::Y]), quad(3.0 * Vec3::Z, [Vec3::Y, Vec3::X])];
     assert_eq!(counts(&scene(facing, Vec3::Z)), [2, 2]);
     // A lid hides the light.
-    let lid = quad(2.0 * Vec3::Y, 9.0 * Vec3::X, 9.0 * Vec3::Z);
+    let lid = quad(2.0 * Vec3::Y, [9.0 * Vec3::X, 9.0 * Vec3::Z]);
     let mut hidden = scene(vec![cube(), lid], 3.0 * Vec3::Y);
     hidden.groups[1].material = Material::diffuse(Rgb::ONE);
     assert_eq!(counts(&hidden), [0, 0]);

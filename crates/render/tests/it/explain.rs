@@ -28,7 +28,7 @@ fn view() -> Camera {
 fn all_paths_together_are_the_picture() {
     let (side, spp) = (12, 16);
     let (tracer, materials) = (stage().tracer(), stage().scene.materials());
-    // The second sample of light is not that of the first: the factor is on all of them.
+    // Of the groups, of which the third is the lamp, and of the environment.
     let lights = [Rgb::ONE, Rgb::ONE, Rgb::new(1.0, 2.0, 3.0), Rgb::splat(0.5)];
     let appearance = unrender_render::Appearance { materials: &materials, lights: &lights };
     let size = (side, side);
@@ -64,4 +64,17 @@ fn the_kinds_of_paths_are_those_of_the_scene() {
     assert!(!bright.is_empty() && bright.len() < paths.len() / 20);
     let is_bright = |path: &&BrightPath| brightness(path) > threshold;
     assert_eq!(bright, paths.iter().filter(is_bright).cloned().collect::<Vec<_>>());
+}
+
+#[test]
+fn light_samples_that_a_lobe_reflects_are_told_from_the_others() {
+    let mut stage = stage();
+    stage.scene.groups[1].material = Material::isotropic(Rgb::splat(0.2), Rgb::splat(0.5), 0.05);
+    let materials = stage.scene.materials();
+    let paths = stage.tracer().bright_paths(&materials, &view(), (12, 12), &settings(64), 0.0);
+    for kind in ["l", "Dl", "Dgl", "DGL"] {
+        assert!(paths.iter().any(|path| path.kind == kind), "{kind}");
+    }
+    // The wall has no lobe: what the floor's lobe sends there is not reflected by another one.
+    assert!(paths.iter().all(|path| path.kind != "Ggl"));
 }

@@ -175,7 +175,7 @@ fn variance(film: &Film) -> f64 {
 
 #[test]
 fn looking_for_images_takes_most_of_the_noise_away() {
-    // A mirror has virtual lamps beside them.
+    // A perfect mirror has virtual lamps instead.
     for (floor, material) in floors() {
         let noise = |crumb| {
             variance(&with_area_lamp(material.clone(), crumb).render(&view(), 24, settings(256)))

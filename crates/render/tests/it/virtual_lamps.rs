@@ -5,9 +5,9 @@
 use crate::common::{Estimate, Stage, assert_agree, camera, plate_corners, settings};
 use crate::guiding::irradiance_by_polygon;
 use glam::{DVec3, Vec3};
-use std::f32::consts::FRAC_1_PI;
+use std::f32::consts::{FRAC_1_PI, TAU};
 use unrender_render::{Integrator, Parameter, ProbeSettings, Settings};
-use unrender_scene::{Camera, LightKind, Material, Rgb};
+use unrender_scene::{Camera, Environment, LightKind, Material, Rgb, RgbImage};
 
 /// Of the wall, the floor and the mirror on the right.
 const RHO: Rgb = Rgb::new(0.2, 0.5, 0.8);
@@ -46,6 +46,12 @@ fn images(point: Vec3, side: bool) -> Vec<(Vec3, Rgb)> {
     all
 }
 
+/// What a light at a point sends to `point` of the wall, from one of its images.
+fn irradiance(point: Vec3, (image, share): (Vec3, Rgb)) -> Rgb {
+    let away = image - point;
+    LIGHT * share * (away.z / away.length().powi(3))
+}
+
 /// Points of the wall: near the floor, and near both mirrors.
 const POINTS: [Vec3; 2] = [Vec3::new(-0.4, 0.3, 0.0), Vec3::new(0.7, 0.2, 0.0)];
 
@@ -59,11 +65,8 @@ fn a_light_at_a_point_has_an_image_in_each_mirror_and_one_in_both() {
     for (side, point) in [false, true].into_iter().flat_map(|side| POINTS.map(|p| (side, p))) {
         let mut stage = stage(side);
         stage.light(LightKind::Point { position: PLACE, intensity: LIGHT });
-        let irradiance = |(image, share): (Vec3, Rgb)| {
-            let away = image - point;
-            LIGHT * share * (away.z / away.length().powi(3))
-        };
-        let light: Rgb = images(PLACE, side).into_iter().map(irradiance).sum();
+        let light: Rgb =
+            images(PLACE, side).into_iter().map(|image| irradiance(point, image)).sum();
         let expected = Estimate::exactly(RHO * FRAC_1_PI * light);
         let found = Estimate::of_film(&stage.render(&view(point), 16, settings(256)));
         assert_agree(&format!("side {side}, {point}"), found, expected, 4e-3);
@@ -84,8 +87,7 @@ fn a_spot_at_the_floor_and_the_sun_light_the_wall_from_below() {
         inner_rad: 0.1,
         outer_rad: 0.2,
     };
-    let away = image - point;
-    let by_spot = LIGHT * FLOOR * (away.z / away.length().powi(3));
+    let by_spot = irradiance(point, (image, FLOOR));
     // The sun comes from above.
     let down = Vec3::new(0.1, -0.8, -0.4).normalize();
     let sun = LightKind::Directional { direction: down, irradiance: LIGHT };
@@ -97,6 +99,40 @@ fn a_spot_at_the_floor_and_the_sun_light_the_wall_from_below() {
         let found = Estimate::of_film(&stage.render(&view(point), 8, settings(64)));
         assert_agree(what, found, expected, 4e-3);
     }
+}
+
+#[test]
+fn the_sun_of_a_panorama_lights_the_wall_from_below() {
+    let [point, _] = POINTS;
+    // One pixel of the sky is as bright as the sun.
+    let (width, height) = (64, 32);
+    let sun = 6 * width + 3;
+    let pixels = (0..width * height).map(|i| if i == sun { 2e3 * LIGHT } else { 0.1 * LIGHT });
+    let around = RgbImage::new(width, height, pixels.collect());
+    let around = Environment::new(around, 0.0).unwrap();
+    // What arrives along `wi`: from the sky, or by way of the floor, whose edges are those of `stage`.
+    let arriving = |wi: Vec3| {
+        let crossing = point - wi * (point.y / wi.y);
+        let floor = wi.y < 0.0 && (-3.0..1.0).contains(&crossing.x) && crossing.z < 4.0;
+        if floor {
+            FLOOR * around.radiance(wi * Vec3::new(1.0, -1.0, 1.0))
+        } else {
+            around.radiance(wi)
+        }
+    };
+    // By the midpoint rule over directions by the cosine.
+    let steps = 2000;
+    let part = |i: usize| (i as f32 + 0.5) / steps as f32;
+    let mut sum = DVec3::ZERO;
+    for (u, v) in (0..steps * steps).map(|i| (part(i / steps), part(i % steps))) {
+        let (y, x) = (TAU * v).sin_cos();
+        sum += arriving(Vec3::new(x * u.sqrt(), y * u.sqrt(), (1.0 - u).sqrt())).as_dvec3();
+    }
+    let mean = (sum / (steps * steps) as f64).as_vec3();
+    let mut stage = stage(false);
+    stage.scene.environment = Some(around.clone());
+    let film = stage.render(&view(point), 24, settings(256));
+    assert_agree("panorama", Estimate::of_film(&film), Estimate::exactly(RHO * mean), 4e-3);
 }
 
 /// The corners of an area light of side 0.1 that looks down and at the wall.
@@ -127,8 +163,7 @@ fn what_occludes_either_part_of_the_way_takes_the_image_away() {
     let [point, _] = POINTS;
     let image = Vec3::new(PLACE.x, -PLACE.y, PLACE.z);
     let crossing = point + (image - point) * (point.y / (point.y - image.y));
-    let away = PLACE - point;
-    let expected = Estimate::exactly(RHO * FRAC_1_PI * LIGHT * (away.z / away.length().powi(3)));
+    let expected = Estimate::exactly(RHO * FRAC_1_PI * irradiance(point, (PLACE, Rgb::ONE)));
     for end in [point, PLACE] {
         let mut stage = stage(false);
         stage.light(LightKind::Point { position: PLACE, intensity: LIGHT });
@@ -146,11 +181,8 @@ fn mirrors_count_as_reflections_of_a_path() {
     let mut stage = stage(true);
     stage.light(LightKind::Point { position: PLACE, intensity: LIGHT });
     for (bounces, count) in [(1, 1), (2, 3), (3, 4)] {
-        let irradiance = |(image, share): (Vec3, Rgb)| {
-            let away = image - point;
-            LIGHT * share * (away.z / away.length().powi(3))
-        };
-        let light: Rgb = images(PLACE, true).into_iter().take(count).map(irradiance).sum();
+        let light: Rgb =
+            images(PLACE, true).into_iter().take(count).map(|image| irradiance(point, image)).sum();
         let settings = Settings { max_bounces: bounces, ..settings(256) };
         let found = Estimate::of_film(&stage.render(&view(point), 16, settings));
         let expected = Estimate::exactly(RHO * FRAC_1_PI * light);
@@ -185,12 +217,8 @@ fn the_derivative_by_a_mirror_is_the_light_of_its_images() {
     let [_, point] = POINTS;
     let mut stage = stage(true);
     stage.light(LightKind::Point { position: PLACE, intensity: LIGHT });
-    let irradiance = |(image, share): (Vec3, Rgb)| {
-        let away = image - point;
-        LIGHT * share * (away.z / away.length().powi(3))
-    };
     let images = images(PLACE, true);
-    let light = irradiance(images[1]) + irradiance(images[3]);
+    let light = irradiance(point, images[1]) + irradiance(point, images[3]);
     let pixels: Vec<u32> = (0..256).collect();
     let jacobian = stage.tracer().jacobian(
         &stage.scene.materials(),
