@@ -30,9 +30,57 @@ pub(crate) fn cross([ax, ay, az]: Vec3x4, [bx, by, bz]: Vec3x4) -> Vec3x4 {
     [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
 }
 
+/// The sum of the four lanes, in the same order on all processors.
+#[inline(always)]
+pub(crate) fn total(four: Vec4) -> f32 {
+    (four.x + four.y) + (four.z + four.w)
+}
+
+/// Draws an index in proportion to `weights`, which may be zero, by a number between zero and their sum: the
+/// index, its weight, and a number in [0, 1) that is uniform given the index. None if all are zero.
+#[inline]
+pub(crate) fn draw(weights: &[Vec4], u: f32) -> Option<(usize, f32, f32)> {
+    // Where rounding leaves the sum below `u`, the last possible index is drawn.
+    let (mut before, mut last) = (0.0, None);
+    for (four, numbers) in weights.iter().enumerate() {
+        let sum = total(*numbers);
+        if sum > 0.0 {
+            last = Some((four, before));
+            before += sum;
+            if u < before {
+                break;
+            }
+        }
+    }
+    let (four, mut before) = last?;
+    let mut drawn = None;
+    for lane in 0..4 {
+        let weight = weights[four][lane];
+        if weight > 0.0 {
+            let rest = ((u - before) / weight).clamp(0.0, 1.0 - f32::EPSILON);
+            drawn = Some((4 * four + lane, weight, rest));
+            before += weight;
+            if u < before {
+                break;
+            }
+        }
+    }
+    drawn
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn indices_are_drawn_in_proportion_to_weights() {
+        let mut weights = [Vec4::ZERO; 3];
+        (weights[0][1], weights[2][3]) = (1.0, 3.0);
+        assert_eq!(draw(&weights, 0.5), Some((1, 1.0, 0.5)));
+        assert_eq!(draw(&weights, 2.5), Some((11, 3.0, 0.5)));
+        assert_eq!(draw(&weights, 4.0).map(|drawn| drawn.0), Some(11));
+        assert_eq!(draw(&[Vec4::ZERO; 3], 0.0), None);
+    }
 
     #[test]
     fn lanes_behave_like_their_vectors() {

@@ -53,6 +53,7 @@ pub mod surface;
 #[cfg(test)]
 mod test_meshes;
 pub mod tracer;
+mod turn;
 mod virtual_lamps;
 
 pub use appearance::Appearance;

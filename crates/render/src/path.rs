@@ -32,7 +32,7 @@ use crate::surface::{Frame, Surface};
 use crate::tracer::Tracer;
 use crate::virtual_lamps::{MirrorTrail, VirtualLamps};
 use glam::Vec3;
-use unrender_scene::Rgb;
+use unrender_scene::{BrdfModel, Material, Rgb};
 
 /// The longest path. In a closed room of reflectance 0.95 the light beyond is e^-25 of the total,
 /// below single precision; with half of it e^-13, with double of it a bug would take twice as long
@@ -57,6 +57,26 @@ pub struct LocalBsdf {
     pub bsdf: Bsdf<'static>,
     /// The anisotropy frame, in which its directions are given.
     pub frame: Frame,
+}
+
+/// What the vertices of a group have in common.
+#[derive(Clone, Copy)]
+struct GroupBsdf {
+    /// The BRDF but for a texture.
+    bsdf: Bsdf<'static>,
+    is_textured: bool,
+    /// Sine and cosine of the angle of anisotropy, if it is not zero.
+    rotation: Option<(f32, f32)>,
+}
+
+impl GroupBsdf {
+    fn new(material: &Material, model: BrdfModel) -> Self {
+        Self {
+            bsdf: Bsdf::new(material, material.rho_d, model),
+            is_textured: material.texture.is_some(),
+            rotation: (material.theta_rad != 0.0).then(|| material.theta_rad.sin_cos()),
+        }
+    }
 }
 
 /// A vertex of a path: a surface and its BRDF.
@@ -155,6 +175,8 @@ pub(crate) struct RayHit {
 pub struct Transport<'a> {
     pub(crate) tracer: &'a Tracer,
     appearance: Appearance<'a>,
+    /// The BRDF of each group.
+    groups: Vec<GroupBsdf>,
     max_bounces: u32,
     cache: Option<CacheLookup<'a>>,
     /// The pairs of a glossy plane and a lamp that guide sampling.
@@ -171,7 +193,8 @@ impl<'a> Transport<'a> {
     pub fn new(tracer: &'a Tracer, appearance: Appearance<'a>, max_bounces: u32) -> Self {
         let glossy_pairs = tracer.guide.pairs(&appearance);
         let virtual_lamps = tracer.virtual_lamps(&appearance);
-        Self { tracer, appearance, max_bounces, cache: None, glossy_pairs, virtual_lamps }
+        let groups = appearance.materials.iter().map(|m| GroupBsdf::new(m, tracer.model)).collect();
+        Self { tracer, appearance, groups, max_bounces, cache: None, glossy_pairs, virtual_lamps }
     }
 
     /// The same transport with paths that end at surfaces whose radiance is in `cache`, except at
@@ -230,9 +253,13 @@ impl<'a> Transport<'a> {
     // longer.
     #[inline(always)]
     pub fn bsdf(&self, surface: &Surface) -> LocalBsdf {
-        let material = &self.appearance.materials[surface.group as usize];
-        let bsdf = Bsdf::new(material, material.rho_d_at(surface.uv), self.tracer.model);
-        LocalBsdf { bsdf, frame: surface.frame.rotated(material.theta_rad) }
+        let GroupBsdf { mut bsdf, is_textured, rotation } = self.groups[surface.group as usize];
+        if is_textured {
+            let material = &self.appearance.materials[surface.group as usize];
+            bsdf = Bsdf::with(material.rho_d_at(surface.uv), bsdf.rho_s, bsdf.specular);
+        }
+        let frame = rotation.map_or(surface.frame, |rotation| surface.frame.turned(rotation));
+        LocalBsdf { bsdf, frame }
     }
 
     /// The radiance that arrives along the ray. The reflection at the first surface counts as the

@@ -5,10 +5,24 @@
 //! along a path stratification no longer reduces the variance; those sets are independent hashed
 //! numbers, which cost less [Jarzynski and Olano 2020: pcg4d].
 
+use sobol_burley::parts::{self, Int4};
+
 /// Number of stratified sets: the position in the pixel, and light and direction at the first two
 /// vertices. With three sets the second vertex loses its stratification, with ten each path costs
 /// more and is hardly less noisy.
 const STRATIFIED: u32 = 5;
+
+/// Sobol' points by their index, bits reversed: those of the indices below 256 and of their multiples by 256,
+/// from which each point is the exclusive or of two.
+static SOBOL: [[[u32; 4]; 256]; 2] = tables();
+/// Primitive polynomials of the second, third and fourth dimension, each by its degree, its inner coefficients,
+/// and the first direction numbers [Joe and Kuo 2008, new-joe-kuo-6.21201].
+const POLYNOMIALS: [(usize, u32, [u32; 3]); 3] =
+    [(1, 0, [1, 0, 0]), (2, 1, [1, 3, 0]), (3, 1, [1, 3, 1])];
+/// The scrambles of the four dimensions, those of `sobol_burley`.
+const SCRAMBLES: [u32; 4] = [0x912f_69ba, 0x174f_18ab, 0x691e_72ca, 0xb40c_c1b8];
+/// The scramble of the index, likewise.
+const SCRAMBLE_OF_INDEX: u32 = 0x79c6_8e4a;
 
 /// The random numbers of one sample.
 #[derive(Clone, Copy, Debug)]
@@ -49,9 +63,70 @@ impl Sampler {
     /// The point number `index` of this set.
     fn stratified(&self, index: u32) -> [f32; 4] {
         let block = u64::from(index / LENGTH) << 32;
-        let seed = self.seed ^ (mix(block | u64::from(self.set)) as u32);
-        sobol_burley::sample_4d(index % LENGTH, 0, seed)
+        scrambled(index % LENGTH, self.seed ^ (mix(block | u64::from(self.set)) as u32))
     }
+}
+
+/// The point number `index` of the sequence that `seed` scrambles: the same as
+/// `sobol_burley::sample_4d(index, 0, seed)`, which takes one step for each bit of the index.
+#[inline]
+fn scrambled(index: u32, seed: u32) -> [f32; 4] {
+    let index =
+        parts::owen_scramble_rev(index.reverse_bits(), parts::hash(seed ^ SCRAMBLE_OF_INDEX));
+    let bytes = index.reverse_bits().to_le_bytes();
+    let [low, high] = [0, 1].map(|i| Int4::from(SOBOL[i][bytes[i] as usize]));
+    let scramble = Int4::from(SCRAMBLES.map(|s| s ^ seed.wrapping_mul(0x9c8f_2d3b)));
+    let point = parts::owen_scramble_int4_rev(low ^ high, parts::hash_int4(scramble));
+    point.reverse_bits().to_f32_norm()
+}
+
+/// The direction numbers of dimension `dimension`, bits reversed: one for each bit of an index
+/// [Joe and Kuo 2008, equation 2].
+const fn directions(dimension: usize) -> [u32; 16] {
+    let mut reversed = [0; 16];
+    let mut numbers = [1u32; 16];
+    let mut k = 0;
+    while k < 16 {
+        if dimension > 0 {
+            let (degree, inner, first) = POLYNOMIALS[dimension - 1];
+            if k < degree {
+                numbers[k] = first[k];
+            } else {
+                numbers[k] = numbers[k - degree] ^ (numbers[k - degree] << degree);
+                let mut i = 1;
+                while i < degree {
+                    let coefficient = (inner >> (degree - 1 - i)) & 1;
+                    numbers[k] ^= (coefficient * numbers[k - i]) << i;
+                    i += 1;
+                }
+            }
+        }
+        reversed[k] = (numbers[k] << (31 - k)).reverse_bits();
+        k += 1;
+    }
+    reversed
+}
+
+const fn tables() -> [[[u32; 4]; 256]; 2] {
+    let mut tables = [[[0; 4]; 256]; 2];
+    let mut dimension = 0;
+    while dimension < 4 {
+        let directions = directions(dimension);
+        let mut entry = 0;
+        while entry < 512 {
+            let (table, index) = (entry / 256, entry % 256);
+            let mut bit = 0;
+            while bit < 8 {
+                if index >> bit & 1 == 1 {
+                    tables[table][index][dimension] ^= directions[8 * table + bit];
+                }
+                bit += 1;
+            }
+            entry += 1;
+        }
+        dimension += 1;
+    }
+    tables
 }
 
 /// The hash pcg4d: four numbers whose bits depend on all bits of the input.
@@ -85,6 +160,14 @@ pub fn mix(x: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn points_are_those_of_the_library() {
+        for index in (0..LENGTH).step_by(7) {
+            let seed = mix(u64::from(index)) as u32;
+            assert_eq!(scrambled(index, seed), sobol_burley::sample_4d(index, 0, seed), "{index}");
+        }
+    }
 
     #[test]
     fn samples_of_a_pixel_are_stratified_in_every_set() {

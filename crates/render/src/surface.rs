@@ -53,6 +53,13 @@ impl Frame {
         Self { tangent: bitangent.cross(front_normal), bitangent, normal }
     }
 
+    /// The same where the tangent is a unit vector orthogonal to the normal.
+    #[inline]
+    pub(crate) fn orthonormal(front_normal: Vec3, tangent: Vec3, front: bool) -> Self {
+        let normal = if front { front_normal } else { -front_normal };
+        Self { tangent, bitangent: front_normal.cross(tangent), normal }
+    }
+
     /// A direction in world space as one in this frame.
     #[inline]
     pub fn local_from_world(&self, v: Vec3) -> Vec3 {
@@ -71,7 +78,12 @@ impl Frame {
         if theta_rad == 0.0 {
             return *self;
         }
-        let (sin, cos) = theta_rad.sin_cos();
+        self.turned(theta_rad.sin_cos())
+    }
+
+    /// The same, given the sine and cosine of the angle.
+    #[inline]
+    pub(crate) fn turned(&self, (sin, cos): (f32, f32)) -> Self {
         Self {
             tangent: self.tangent * cos + self.bitangent * sin,
             bitangent: self.bitangent * cos - self.tangent * sin,

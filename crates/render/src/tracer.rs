@@ -47,8 +47,10 @@ struct Face {
     object: u32,
     /// Unit normal of the front.
     normal: Vec3,
-    /// The unit vector `dp/du`; zero where there is none.
-    dp_du: Vec3,
+    /// If `is_flat`, the tangent of its frame; else the unit vector `dp/du`, zero where there is none.
+    tangent: Vec3,
+    /// Whether all its points have one frame: that of the shading normal of its first corner and `tangent`.
+    is_flat: bool,
 }
 
 /// A vertex.
@@ -99,6 +101,9 @@ impl Tracer {
                 tangents: object.mesh.tangents.clone(),
             });
         }
+        faces.iter_mut().for_each(|face: &mut Face| {
+            face.flatten(&objects[face.object as usize], &vertices);
+        });
         let corners = |face: &Face| face.corners.map(|i| vertices[i as usize].position);
         let triangles: Vec<_> = faces.iter().map(corners).collect();
         let accel = Accel::build(&triangles);
@@ -149,13 +154,18 @@ impl Tracer {
         let [v, w] = hit.barycentric;
         let weights = [1.0 - v - w, v, w];
         let blend = |of: fn(&Vertex) -> Vec3| -> Vec3 {
-            (0..3).map(|i| of(&corners[i]) * weights[i]).sum()
+            of(&corners[0]) * weights[0]
+                + of(&corners[1]) * weights[1]
+                + of(&corners[2]) * weights[2]
         };
         let front = ray.direction.dot(face.normal) < 0.0;
-        let mut shading = blend(|vertex| vertex.normal).try_normalize().unwrap_or(face.normal);
-        if shading.dot(face.normal) < 0.0 {
-            shading = -shading;
-        }
+        let frame = if face.is_flat {
+            Frame::orthonormal(corners[0].normal, face.tangent, front)
+        } else {
+            let shading = blend(|vertex| vertex.normal).try_normalize().unwrap_or(face.normal);
+            let shading = if shading.dot(face.normal) < 0.0 { -shading } else { shading };
+            Frame::new(shading, object.tangent(face, weights, shading), front)
+        };
         Surface {
             point: blend(|vertex| vertex.position),
             triangle: hit.triangle,
@@ -163,7 +173,7 @@ impl Tracer {
             group: object.group,
             front,
             geometric_normal: if front { face.normal } else { -face.normal },
-            frame: Frame::new(shading, object.tangent(face, weights, shading), front),
+            frame,
             uv: object.uv(face, weights),
         }
     }
@@ -190,8 +200,8 @@ impl TracedObject {
                 return given;
             }
         }
-        if usable(face.dp_du) {
-            return face.dp_du;
+        if usable(face.tangent) {
+            return face.tangent;
         }
         if Vec3::X.reject_from(normal).length_squared() > 1e-4 { Vec3::X } else { Vec3::Z }
     }
@@ -209,8 +219,20 @@ impl Face {
                 dp_du(mesh, corners.map(|i| i as usize)).normalize_or_zero()
             };
             let normal = accel::front_normal(mesh.corners(index));
-            Self { corners: corners.map(|i| i + first_vertex), object, normal, dp_du }
+            let corners = corners.map(|i| i + first_vertex);
+            Self { corners, object, normal, tangent: dp_du, is_flat: false }
         })
+    }
+
+    /// Notices whether all points have one frame, and prepares it.
+    fn flatten(&mut self, object: &TracedObject, vertices: &[Vertex]) {
+        let [normal, b, c] = self.corners.map(|i| vertices[i as usize].normal);
+        let is_unit = (normal.length_squared() - 1.0).abs() < 1e-6;
+        let is_one = normal == b && normal == c && normal.dot(self.normal) > 0.0;
+        if is_unit && is_one && object.tangents.is_empty() {
+            let tangent = object.tangent(self, [1.0, 0.0, 0.0], normal);
+            (self.tangent, self.is_flat) = (Frame::new(normal, tangent, true).tangent, true);
+        }
     }
 }
 

@@ -169,10 +169,11 @@ pub fn offset(point: Vec3, normal: Vec3) -> Vec3 {
     const NEAR_ORIGIN: f32 = 1.0 / 65536.0;
     /// Units in the last place, relative to the coordinate; the value of the source.
     const RELATIVE: f32 = 256.0 * f32::EPSILON;
-    let size = point.abs();
-    let steps =
-        Vec3::select(size.cmplt(Vec3::splat(ORIGIN)), Vec3::splat(NEAR_ORIGIN), size * RELATIVE);
-    point + normal * steps
+    let step = |coordinate: f32| {
+        let size = coordinate.abs();
+        if size < ORIGIN { NEAR_ORIGIN } else { size * RELATIVE }
+    };
+    point + normal * Vec3::new(step(point.x), step(point.y), step(point.z))
 }
 
 /// The unit normal of the front of a triangle, computed in double precision.

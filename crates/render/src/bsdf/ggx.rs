@@ -14,8 +14,9 @@
 //! than once. Sampled by the distribution of visible normals [Heitz 2018].
 
 use super::ward::{ALPHA_MIN, LobeDerivatives};
+use crate::turn;
 use glam::Vec3;
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::PI;
 
 /// The lobe for one pair of roughnesses, for `rho_s = 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,7 +84,7 @@ impl GgxLobe {
         let stretched = Vec3::new(self.alpha_x * wo.x, self.alpha_y * wo.y, wo.z).normalize();
         let across = Vec3::Z.cross(stretched).try_normalize().unwrap_or(Vec3::X);
         let up = stretched.cross(across);
-        let (sin, cos) = (TAU * u[1]).sin_cos();
+        let (sin, cos) = turn::sin_cos(u[1]);
         let radius = u[0].sqrt();
         let (x, y) = (radius * cos, radius * sin);
         // The lower half disk is foreshortened.

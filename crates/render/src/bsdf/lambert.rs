@@ -1,8 +1,9 @@
 //! The Lambertian term `f = rho_d / pi`, with cosine-weighted sampling [Pharr et al. 2023, section
 //! A.5.3].
 
+use crate::turn;
 use glam::Vec3;
-use std::f32::consts::{FRAC_1_PI, TAU};
+use std::f32::consts::FRAC_1_PI;
 
 /// `f / rho_d`, sr^-1.
 pub const VALUE: f32 = FRAC_1_PI;
@@ -11,7 +12,7 @@ pub const VALUE: f32 = FRAC_1_PI;
 #[inline]
 pub fn sample(u: [f32; 2]) -> Vec3 {
     let radius = u[0].sqrt();
-    let (sin, cos) = (TAU * u[1]).sin_cos();
+    let (sin, cos) = turn::sin_cos(u[1]);
     Vec3::new(radius * cos, radius * sin, (1.0 - u[0]).max(0.0).sqrt())
 }
 

@@ -11,8 +11,9 @@
 //! at grazing angles; sampling it together with the diffuse term, and multiple importance sampling
 //! with light samples, keep its weights finite.
 
+use crate::turn;
 use glam::Vec3;
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::PI;
 use unrender_scene::WardModel;
 
 /// The least roughness. The half vector of two unit vectors has a rounding error of about 1e-7,
@@ -121,7 +122,7 @@ impl WardLobe {
     /// Draws `wi` for `wo` from two numbers in [0, 1); it may lie below the surface.
     pub fn sample(&self, wo: Vec3, u: [f32; 2]) -> Vec3 {
         // tan phi = (alpha_y / alpha_x) tan(2 pi u), in the quadrant of 2 pi u.
-        let (sin, cos) = (TAU * u[0]).sin_cos();
+        let (sin, cos) = turn::sin_cos(u[0]);
         let (x, y) = (cos / self.inv_alpha_x, sin / self.inv_alpha_y);
         let length = x.hypot(y);
         let (cos_phi, sin_phi) = (x / length, y / length);

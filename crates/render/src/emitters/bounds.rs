@@ -12,7 +12,8 @@
 //! [`CLUSTERS_MAX`] clusters instead of a tree of them; all are evaluated, several at a time.
 
 use super::{Emitter, LampSphere};
-use glam::Vec3;
+use crate::lanes::{Vec3x4, dot, set_lane};
+use glam::{Vec3, Vec4};
 use std::f32::consts::PI;
 use unrender_scene::LightKind;
 use unrender_scene::color::luminance;
@@ -146,88 +147,92 @@ impl Extent {
     }
 }
 
-/// The bounds of all clusters as a structure of arrays, so that the compiler vectorises over them.
+/// The bounds of all clusters, four at a time.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ClusterBounds {
-    centre: [Lanes; 3],
-    axis: [Lanes; 3],
-    radius: Lanes,
-    /// Cosine and sine of the half angle of the cone of axes.
-    spread: [Lanes; 2],
-    cos_reach: Lanes,
-    strength: Lanes,
+    fours: [Bounds4; CLUSTERS_MAX / 4],
+    count: usize,
 }
 
-/// One number per cluster.
-pub(super) type Lanes = [f32; CLUSTERS_MAX];
+/// The bounds of four clusters, one per lane; a lane without a cluster has no strength.
+#[derive(Clone, Copy, Debug, Default)]
+struct Bounds4 {
+    centre: Vec3x4,
+    axis: Vec3x4,
+    radius: Vec4,
+    /// Cosine and sine of the half angle of the cone of axes.
+    spread: [Vec4; 2],
+    cos_reach: Vec4,
+    strength: Vec4,
+}
 
 impl ClusterBounds {
     pub(super) fn new(clusters: &[LightCluster]) -> Self {
-        let mut bounds = Self::default();
-        for (lane, cluster) in clusters.iter().enumerate() {
-            for (axis, all) in bounds.centre.iter_mut().enumerate() {
-                all[lane] = cluster.centre[axis];
-            }
-            for (axis, all) in bounds.axis.iter_mut().enumerate() {
-                all[lane] = cluster.axis[axis];
-            }
+        let mut bounds = Self { count: clusters.len(), ..Self::default() };
+        for (index, cluster) in clusters.iter().enumerate() {
+            let (four, lane) = (&mut bounds.fours[index / 4], index % 4);
+            set_lane(&mut four.centre, lane, cluster.centre);
+            set_lane(&mut four.axis, lane, cluster.axis);
             let everywhere = cluster.spread_rad + cluster.reach_rad >= PI;
             let spread = if everywhere { PI } else { cluster.spread_rad };
-            bounds.spread[0][lane] = if everywhere { -2.0 } else { spread.cos() };
-            bounds.spread[1][lane] = spread.sin();
-            bounds.cos_reach[lane] = cluster.reach_rad.cos();
-            bounds.radius[lane] = cluster.radius;
-            bounds.strength[lane] = cluster.strength;
+            four.spread[0][lane] = if everywhere { -2.0 } else { spread.cos() };
+            four.spread[1][lane] = spread.sin();
+            four.cos_reach[lane] = cluster.reach_rad.cos();
+            four.radius[lane] = cluster.radius;
+            four.strength[lane] = cluster.strength;
         }
         bounds
     }
 
     /// The bounding sphere of a cluster.
-    pub(super) fn sphere(&self, lane: usize) -> LampSphere {
+    pub(super) fn sphere(&self, cluster: usize) -> LampSphere {
+        let (four, lane) = (&self.fours[cluster / 4], cluster % 4);
         let [centre, axis] =
-            [self.centre, self.axis].map(|all| Vec3::from_array(all.map(|x| x[lane])));
+            [four.centre, four.axis].map(|all| Vec3::from_array(all.map(|x| x[lane])));
         // One axis, within rounding.
-        let is_one = self.spread[0][lane] > 1.0 - 1e-5;
+        let is_one = four.spread[0][lane] > 1.0 - 1e-5;
         LampSphere {
             centre,
-            radius: self.radius[lane],
+            radius: four.radius[lane],
             axis: if is_one { axis } else { Vec3::ZERO },
-            cos_reach: if is_one { self.cos_reach[lane] } else { -1.0 },
+            cos_reach: if is_one { four.cos_reach[lane] } else { -1.0 },
         }
     }
 
     /// The strength of a cluster; none if there are not as many.
-    pub(super) fn strength(&self, lane: usize) -> Option<f32> {
-        self.strength.get(lane).copied()
+    pub(super) fn strength(&self, cluster: usize) -> Option<f32> {
+        (cluster < self.count).then(|| self.fours[cluster / 4].strength[cluster % 4])
     }
 
-    /// The importance of each cluster at `point`, W m^-2; zero only if no light of it arrives.
+    /// The number of fours that have a cluster.
     #[inline]
-    pub(super) fn importances(&self, point: Vec3) -> Lanes {
-        let mut importances = [0.0; CLUSTERS_MAX];
-        for (lane, importance) in importances.iter_mut().enumerate() {
-            let x = point.x - self.centre[0][lane];
-            let y = point.y - self.centre[1][lane];
-            let z = point.z - self.centre[2][lane];
-            // Keeps the importance finite at a light.
-            let distance2 = (x * x + y * y + z * z).max(1e-12);
-            let distance = distance2.sqrt();
-            // The largest distance of the point from the sphere's centre along any of the axes: by
-            // the difference of the angle to the mean axis and the half angle of the cone.
-            let along = x * self.axis[0][lane] + y * self.axis[1][lane] + z * self.axis[2][lane];
-            let across = (distance2 - along * along).max(0.0).sqrt();
-            let [cos, sin] = [self.spread[0][lane], self.spread[1][lane]];
-            let turned = along * cos + across * sin;
-            let along = if along >= distance * cos { distance } else { turned };
-            // The same from any point of the sphere.
-            let (before, radius) = (along + self.radius[lane], self.radius[lane]);
-            // The margin covers rounding at the edge of the cone of emission.
-            let edge = (distance - radius) * self.cos_reach[lane] - 1e-4 * distance;
-            let share = (before / distance).clamp(1e-3, 1.0);
-            let bound = self.strength[lane] * share / distance2.max(radius * radius);
-            *importance = if before > edge { bound } else { 0.0 };
-        }
-        importances
+    pub(super) fn fours(&self) -> usize {
+        self.count.div_ceil(4)
+    }
+
+    /// The importance of each cluster of the four number `four` at `point`, W m^-2; zero only if no light of
+    /// it arrives.
+    #[inline]
+    pub(super) fn importances(&self, four: usize, point: Vec3) -> Vec4 {
+        let four = &self.fours[four];
+        let from = [0, 1, 2].map(|axis| Vec4::splat(point[axis]) - four.centre[axis]);
+        // Keeps the importance finite at a light.
+        let distance2 = dot(from, from).max(Vec4::splat(1e-12));
+        let distance = distance2.sqrt();
+        // The largest distance of the point from the sphere's centre along any of the axes: by
+        // the difference of the angle to the mean axis and the half angle of the cone.
+        let along = dot(from, four.axis);
+        let across = (distance2 - along * along).max(Vec4::ZERO).sqrt();
+        let [cos, sin] = four.spread;
+        let turned = along * cos + across * sin;
+        let along = Vec4::select(along.cmpge(distance * cos), distance, turned);
+        // The same from any point of the sphere.
+        let (before, radius) = (along + four.radius, four.radius);
+        // The margin covers rounding at the edge of the cone of emission.
+        let edge = (distance - radius) * four.cos_reach - 1e-4 * distance;
+        let facing = before.max(1e-3 * distance).min(distance);
+        let bound = four.strength * facing / (distance * distance2.max(radius * radius));
+        Vec4::select(before.cmpgt(edge), bound, Vec4::ZERO)
     }
 }
 
@@ -260,7 +265,7 @@ mod tests {
     fn importance_is_zero_behind_a_lamp_and_falls_with_the_distance() {
         let cluster = LightCluster::new(vec![lamp(0, Vec3::ZERO, Vec3::Y)], 1.0);
         let bounds = ClusterBounds::new(&[cluster]);
-        let at = |point: Vec3| bounds.importances(point)[0];
+        let at = |point: Vec3| bounds.importances(0, point)[0];
         assert_eq!(at(-Vec3::Y), 0.0);
         assert!((at(Vec3::Y) - 2.0).abs() < 1e-6);
         assert!((at(2.0 * Vec3::Y) - 0.5).abs() < 1e-6);
@@ -282,7 +287,7 @@ mod tests {
         let spot = LightBounds::of_punctual(Emitter::Punctual(0), &kind);
         let spot = spot.map(|bounds| LightCluster::new(vec![bounds], 1.0));
         let bounds = ClusterBounds::new(&[spot.expect("a spot has bounds")]);
-        let at = |angle: f32| bounds.importances(Vec3::new(angle.sin(), -angle.cos(), 0.0))[0];
+        let at = |angle: f32| bounds.importances(0, Vec3::new(angle.sin(), -angle.cos(), 0.0))[0];
         assert!(at(0.29) > 0.0 && at(0.31) == 0.0);
     }
 }

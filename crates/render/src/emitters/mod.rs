@@ -15,8 +15,9 @@ pub(crate) use origins::{LampSphere, PoolOrigin};
 use crate::accel;
 use crate::appearance::{LightSource, SourceLayout};
 use crate::environment::EnvironmentSampler;
+use crate::lanes::{self, total};
 use bounds::{CLUSTERS_MAX, ClusterBounds, LightBounds, LightCluster};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::num::NonZeroU32;
 use unrender_scene::color::luminance;
@@ -32,11 +33,19 @@ const DIRECTIONAL: usize = CLUSTERS_MAX;
 pub(crate) const ENVIRONMENT: usize = DIRECTIONAL + 1;
 /// The number of pools; some are empty.
 pub(crate) const POOLS: usize = ENVIRONMENT + 1;
+/// The number of fours of pools.
+const FOURS: usize = POOLS.div_ceil(4);
+
+/// A number for each pool, in fours.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PoolWeights([Vec4; FOURS]);
 
 /// All lights of a scene.
 #[derive(Debug)]
 pub struct Emitters {
     triangles: Vec<EmittingTriangle>,
+    /// What they emit: each different emission once.
+    emissions: Vec<TriangleEmission>,
     punctual: Vec<LightKind>,
     environment: Option<EnvironmentSampler>,
     layout: SourceLayout,
@@ -47,9 +56,9 @@ pub struct Emitters {
     /// Bounds of the irradiance from clusters.
     bounds: ClusterBounds,
     /// Luminance of the irradiance from the other pools, W m^-2.
-    irradiances: [f32; POOLS],
+    irradiances: PoolWeights,
     /// The power of each pool, W.
-    powers: [f32; POOLS],
+    powers: PoolWeights,
     /// For each triangle of the scene: its place in `triangles`, if it emits.
     emitting: Vec<Option<EmittingIndex>>,
 }
@@ -80,13 +89,17 @@ impl EmittingIndex {
 }
 
 /// A lamp may have thousands of triangles, of which each sample meets another one: one lies in one line
-/// of the processor's cache, and what can be computed is not stored.
+/// of the processor's cache.
 #[derive(Debug)]
 #[repr(align(64))]
 struct EmittingTriangle {
-    corners: [Vec3; 3],
-    radiance: Rgb,
-    group: u32,
+    corner: Vec3,
+    /// From the corner to the other two.
+    edges: [Vec3; 2],
+    /// Unit normal of the front.
+    normal: Vec3,
+    /// The index of its emission.
+    emission: u32,
     pool: u32,
     /// Probability of the triangle, given its pool, over its area, m^-2.
     density: f32,
@@ -109,14 +122,6 @@ struct Weighted {
     until: f32,
 }
 
-/// A pool that was drawn.
-struct DrawnPool<'a> {
-    pool: &'a Pool,
-    probability: f32,
-    /// A number in [0, 1), uniform given the pool.
-    rest: f32,
-}
-
 /// Light that arrives at a point unless it is occluded.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
@@ -134,7 +139,7 @@ pub struct LightSample {
 }
 
 /// What a triangle emits.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TriangleEmission {
     /// The triangle's group.
     pub group: u32,
@@ -155,23 +160,29 @@ impl Emitters {
     ) -> Self {
         let mut of_triangle = vec![None; triangles.len()];
         let mut emitting = Vec::new();
+        let mut emissions: Vec<TriangleEmission> = Vec::new();
         for (index, corners) in triangles.iter().enumerate() {
             let emission = emission(index);
             if area(corners) * luminance(emission.radiance) > 0.0 {
                 of_triangle[index] = EmittingIndex::new(emitting.len());
-                emitting.push(EmittingTriangle::new(emission, *corners));
+                // The triangles of a group follow each other.
+                if emissions.last() != Some(&emission) {
+                    emissions.push(emission);
+                }
+                emitting.push(EmittingTriangle::new(emissions.len() as u32 - 1, *corners));
             }
         }
         let mut emitters = Self {
             triangles: emitting,
+            emissions,
             punctual: lights.iter().map(|l| l.kind).collect(),
             environment: environment.and_then(EnvironmentSampler::new),
             layout: SourceLayout::new(groups, lights.len() as u32, environment),
             pools: Default::default(),
             sole: None,
             bounds: ClusterBounds::default(),
-            irradiances: [0.0; POOLS],
-            powers: [0.0; POOLS],
+            irradiances: PoolWeights::default(),
+            powers: PoolWeights::default(),
             emitting: of_triangle,
         };
         emitters.fill_pools(0.5 * (bounds[1] - bounds[0]).length());
@@ -180,7 +191,7 @@ impl Emitters {
                 if let Emitter::Triangle(triangle) = light.light {
                     let triangle = &mut emitters.triangles[triangle as usize];
                     triangle.pool = index as u32;
-                    triangle.density = pool.probability(place) / area(&triangle.corners);
+                    triangle.density = pool.probability(place) / triangle.area();
                 }
             }
         }
@@ -190,7 +201,10 @@ impl Emitters {
     /// Distributes the lights over the pools; `radius` is that of the scene.
     fn fill_pools(&mut self, radius: f32) {
         let triangles = self.triangles.iter().zip(0..);
-        let mut near: Vec<_> = triangles.map(|(t, i)| t.bounds(Emitter::Triangle(i))).collect();
+        let bounds = |(triangle, index): (&EmittingTriangle, u32)| {
+            triangle.bounds(Emitter::Triangle(index), self.emission(triangle).radiance)
+        };
+        let mut near: Vec<_> = triangles.map(bounds).collect();
         let mut directional = Vec::new();
         for (kind, index) in self.punctual.iter().zip(0..) {
             let (light, strength) = (Emitter::Punctual(index), luminance(kind.strength()));
@@ -211,12 +225,13 @@ impl Emitters {
         pools.extend([directional, environment.collect()]);
         for (index, lights) in pools.into_iter().enumerate() {
             let power = |light: &(Emitter, f32)| self.power(light.0, radius * radius);
-            self.powers[index] = lights.iter().map(power).sum();
-            self.irradiances[index] = match &self.environment {
+            self.powers.set(index, lights.iter().map(power).sum());
+            let irradiance = match &self.environment {
                 Some(environment) if index == ENVIRONMENT => 0.5 * environment.flux(),
                 _ if index == DIRECTIONAL => lights.iter().map(|light| light.1).sum(),
                 _ => 0.0,
             };
+            self.irradiances.set(index, irradiance);
             self.pools[index] = Pool::new(&lights);
         }
         let mut filled = (0..POOLS).filter(|&i| !self.pools[i].lights.is_empty());
@@ -228,7 +243,7 @@ impl Emitters {
         match light {
             Emitter::Triangle(index) => {
                 let triangle = &self.triangles[index as usize];
-                PI * area(&triangle.corners) * luminance(triangle.radiance)
+                PI * triangle.area() * luminance(self.emission(triangle).radiance)
             }
             Emitter::Punctual(index) => power(&self.punctual[index as usize], scene_radius2),
             Emitter::Environment => {
@@ -250,7 +265,7 @@ impl Emitters {
 
     /// Whether surfaces of the group with this index emit.
     pub(crate) fn emits_from_group(&self, group: u32) -> bool {
-        self.triangles.iter().any(|triangle| triangle.group == group)
+        self.emissions.iter().any(|emission| emission.group == group)
     }
 
     /// Whether light comes from the environment.
@@ -279,8 +294,13 @@ impl Emitters {
     pub fn radiance(&self, triangle: u32) -> Rgb {
         match self.emitting[triangle as usize] {
             None => Rgb::ZERO,
-            Some(index) => self.triangles[index.get()].radiance,
+            Some(index) => self.emission(&self.triangles[index.get()]).radiance,
         }
+    }
+
+    #[inline]
+    fn emission(&self, triangle: &EmittingTriangle) -> &TriangleEmission {
+        &self.emissions[triangle.emission as usize]
     }
 
     /// The density over solid angle with which [`Emitters::sample`] at `point` draws the direction
@@ -304,15 +324,17 @@ impl Emitters {
     fn probability(&self, pool: usize, point: Vec3) -> f32 {
         match self.sole {
             Some(sole) => f32::from(u8::from(sole == pool)),
-            None => self.probabilities(point)[pool],
+            None => self.probabilities(self.importances(point)).of(pool),
         }
     }
 
     /// Bounds of the irradiance of all pools at `point`, W m^-2.
     #[inline]
-    pub(crate) fn importances(&self, point: Vec3) -> [f32; POOLS] {
+    pub(crate) fn importances(&self, point: Vec3) -> PoolWeights {
         let mut result = self.irradiances;
-        result[..CLUSTERS_MAX].copy_from_slice(&self.bounds.importances(point));
+        for four in 0..self.bounds.fours() {
+            result.0[four] = self.bounds.importances(four, point);
+        }
         result
     }
 
@@ -321,49 +343,45 @@ impl Emitters {
         self.emitting[triangle as usize].map(|index| self.triangles[index.get()].pool as usize)
     }
 
-    /// The probabilities of all pools at `point`, where there are several; all zero where no light
-    /// arrives.
-    fn probabilities(&self, point: Vec3) -> [f32; POOLS] {
-        let mut result = self.importances(point);
-        let (mut sum, mut power) = (0.0, 0.0);
-        for (importance, of_pool) in result.iter().zip(&self.powers) {
-            sum += importance;
-            power += if *importance > 0.0 { *of_pool } else { 0.0 };
+    /// The probabilities of all pools where they have these `importances`; all zero where no light arrives.
+    #[inline]
+    fn probabilities(&self, importances: PoolWeights) -> PoolWeights {
+        let possible = |importance: Vec4, of_pool: Vec4| {
+            Vec4::select(importance.cmpgt(Vec4::ZERO), of_pool, Vec4::ZERO)
+        };
+        let (mut sum, mut power) = (Vec4::ZERO, Vec4::ZERO);
+        for (importance, of_pool) in importances.0.iter().zip(self.powers.0) {
+            sum += *importance;
+            power += possible(*importance, of_pool);
         }
-        let by_bound = (1.0 - BY_POWER) / sum.max(f32::MIN_POSITIVE);
-        let by_power = BY_POWER / power.max(f32::MIN_POSITIVE);
-        for (importance, of_pool) in result.iter_mut().zip(&self.powers) {
+        let by_bound = (1.0 - BY_POWER) / total(sum).max(f32::MIN_POSITIVE);
+        let by_power = BY_POWER / total(power).max(f32::MIN_POSITIVE);
+        let mut result = importances;
+        for (importance, of_pool) in result.0.iter_mut().zip(self.powers.0) {
             let probability = *importance * by_bound + of_pool * by_power;
-            *importance = if *importance > 0.0 { probability } else { 0.0 };
+            *importance = possible(*importance, probability);
         }
         result
     }
 
-    /// Draws a pool for `point` by a number in [0, 1).
-    #[inline]
-    fn draw(&self, point: Vec3, u: f32) -> Option<DrawnPool<'_>> {
-        if let Some(sole) = self.sole {
-            return Some(DrawnPool { pool: &self.pools[sole], probability: 1.0, rest: u });
-        }
-        // Where rounding leaves the sum of all below one, the last possible pool is drawn.
-        let mut drawn = None;
-        let mut before = 0.0;
-        for (pool, probability) in self.pools.iter().zip(self.probabilities(point)) {
-            if probability > 0.0 {
-                drawn = Some(DrawnPool { pool, probability, rest: (u - before) / probability });
-                before += probability;
-                if u < before {
-                    break;
-                }
-            }
-        }
-        drawn
-    }
-
     /// Draws light for the surface point `point` from three numbers in [0, 1).
     pub fn sample(&self, point: Vec3, u: [f32; 3]) -> Option<LightSample> {
-        let DrawnPool { pool, probability, rest } = self.draw(point, u[0])?;
-        self.sample_from(pool, probability, point, [rest, u[1], u[2]])
+        match self.sole {
+            Some(sole) => self.sample_from(&self.pools[sole], 1.0, point, u),
+            None => self.sample_where(self.importances(point), point, u),
+        }
+    }
+
+    /// The same for a point where the pools have these `importances`.
+    #[inline]
+    pub(crate) fn sample_where(
+        &self,
+        importances: PoolWeights,
+        point: Vec3,
+        u: [f32; 3],
+    ) -> Option<LightSample> {
+        let (pool, probability, rest) = self.probabilities(importances).draw(u[0])?;
+        self.sample_from(&self.pools[pool], probability, point, [rest, u[1], u[2]])
     }
 
     /// Draws light of the pool with the index `pool`, which was drawn with `probability`, for the
@@ -388,7 +406,8 @@ impl Emitters {
         let place = pool.place(u[0]);
         match pool.lights[place].light {
             Emitter::Triangle(index) => {
-                self.triangles[index as usize].sample(point, probability, [u[1], u[2]])
+                let triangle = &self.triangles[index as usize];
+                triangle.sample(self.emission(triangle), point, probability, [u[1], u[2]])
             }
             Emitter::Punctual(index) => {
                 let (wi, distance, irradiance) = self.punctual[index as usize].illuminate(point);
@@ -413,6 +432,52 @@ impl Emitters {
         }
         let (source, distance) = (LightSource::Environment(wi), f32::INFINITY);
         Some(LightSample { source, wi, distance, weight: radiance / pdf, pdf: Some(pdf) })
+    }
+}
+
+impl PoolWeights {
+    /// The number of one pool.
+    #[inline]
+    pub(crate) fn of(&self, pool: usize) -> f32 {
+        self.0[pool / 4][pool % 4]
+    }
+
+    /// Sets the number of one pool.
+    fn set(&mut self, pool: usize, number: f32) {
+        self.0[pool / 4][pool % 4] = number;
+    }
+
+    /// One for `pool`, zero for all others.
+    pub(crate) fn one(pool: usize) -> Self {
+        let mut weights = Self::default();
+        weights.set(pool, 1.0);
+        weights
+    }
+
+    /// The sum with `other`, pool by pool.
+    pub(crate) fn plus(mut self, other: &Self) -> Self {
+        self.0.iter_mut().zip(other.0).for_each(|(a, b)| *a += b);
+        self
+    }
+
+    /// The product with `other`, pool by pool.
+    #[inline]
+    pub(crate) fn times(mut self, other: &Self) -> Self {
+        self.0.iter_mut().zip(other.0).for_each(|(a, b)| *a *= b);
+        self
+    }
+
+    /// The sum of all.
+    #[inline]
+    pub(crate) fn sum(&self) -> f32 {
+        total(self.0.iter().copied().sum())
+    }
+
+    /// Draws a pool in proportion to these numbers by one between zero and their sum: the pool, its number,
+    /// and one in [0, 1) that is uniform given the pool. None if all are zero.
+    #[inline]
+    pub(crate) fn draw(&self, u: f32) -> Option<(usize, f32, f32)> {
+        lanes::draw(&self.0, u)
     }
 }
 
@@ -455,39 +520,55 @@ impl Pool {
 
 impl EmittingTriangle {
     /// Its pool and density are set once all lights are known.
-    fn new(TriangleEmission { group, radiance }: TriangleEmission, corners: [Vec3; 3]) -> Self {
-        Self { corners, radiance, group, pool: 0, density: 0.0 }
+    fn new(emission: u32, corners: [Vec3; 3]) -> Self {
+        let [corner, b, c] = corners;
+        let (edges, normal) = ([b - corner, c - corner], accel::front_normal(corners));
+        Self { corner, edges, normal, emission, pool: 0, density: 0.0 }
     }
 
-    fn bounds(&self, light: Emitter) -> LightBounds {
-        let centre = self.corners.iter().sum::<Vec3>() / 3.0;
-        let radius = self.corners.iter().map(|c| c.distance(centre)).fold(0.0, f32::max);
-        let strength = area(&self.corners) * luminance(self.radiance);
+    /// Square metres.
+    fn area(&self) -> f32 {
+        0.5 * self.edges[0].cross(self.edges[1]).length()
+    }
+
+    fn bounds(&self, light: Emitter, radiance: Rgb) -> LightBounds {
+        let [b, c] = self.edges;
+        let to_centre = (b + c) / 3.0;
+        let offsets = [to_centre, to_centre - b, to_centre - c];
         LightBounds {
             light,
-            centre,
-            radius,
-            axis: accel::front_normal(self.corners),
+            centre: self.corner + to_centre,
+            radius: offsets.map(Vec3::length).into_iter().fold(0.0, f32::max),
+            axis: self.normal,
             reach_rad: FRAC_PI_2,
-            strength,
+            strength: self.area() * luminance(radiance),
         }
     }
 
-    /// A point of it, given the probability of its pool.
-    fn sample(&self, point: Vec3, probability: f32, u: [f32; 2]) -> Option<LightSample> {
+    /// A point of it, given what it emits and the probability of its pool.
+    #[inline]
+    fn sample(
+        &self,
+        emission: &TriangleEmission,
+        point: Vec3,
+        probability: f32,
+        u: [f32; 2],
+    ) -> Option<LightSample> {
         let root = u[0].sqrt();
         let (b, c) = (root * (1.0 - u[1]), root * u[1]);
-        let on_light = self.corners[0] * (1.0 - b - c) + self.corners[1] * b + self.corners[2] * c;
-        let normal = accel::front_normal(self.corners);
-        let to_light = accel::offset(on_light, normal) - point;
-        let distance = to_light.length();
-        let wi = to_light / distance;
-        let cos = -wi.dot(normal);
-        if cos <= 0.0 || !wi.is_finite() {
+        let on_light = self.corner + self.edges[0] * b + self.edges[1] * c;
+        let to_light = accel::offset(on_light, self.normal) - point;
+        let distance2 = to_light.length_squared();
+        let (distance, inverse) = (distance2.sqrt(), 1.0 / distance2.sqrt());
+        let wi = to_light * inverse;
+        let cos = -wi.dot(self.normal);
+        // At the point itself neither is a number.
+        if !(cos > 0.0 && inverse.is_finite()) {
             return None;
         }
-        let pdf = probability * self.density * distance * distance / cos.max(1e-6);
-        let (source, weight) = (LightSource::Group(self.group), self.radiance / pdf);
+        let pdf = probability * self.density * distance2 / cos.max(1e-6);
+        let source = LightSource::Group(emission.group);
+        let weight = emission.radiance * (1.0 / pdf);
         Some(LightSample { source, wi, distance, weight, pdf: Some(pdf) })
     }
 }

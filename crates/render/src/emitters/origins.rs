@@ -57,6 +57,6 @@ impl Emitters {
     /// The strength of a pool: luminance of radiance times area, or of the intensity; of lights at infinity, of
     /// the irradiance.
     pub(crate) fn strength(&self, pool: usize) -> f32 {
-        self.bounds.strength(pool).unwrap_or(self.irradiances[pool])
+        self.bounds.strength(pool).unwrap_or_else(|| self.irradiances.of(pool))
     }
 }

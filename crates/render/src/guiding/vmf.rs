@@ -9,6 +9,7 @@
 
 use crate::lanes::{Vec3x4, dot, set_lane};
 use crate::surface::Frame;
+use crate::turn;
 use glam::{Vec3, Vec4};
 use std::f32::consts::TAU;
 
@@ -57,7 +58,7 @@ impl VmfLobe {
         // 1 - cos theta, distributed as exp(-kappa (1 - cos)).
         let versine = -(1.0 - u[0] * (1.0 - below)).ln() / self.kappa;
         let sin = (versine * (2.0 - versine)).max(0.0).sqrt();
-        let (y, x) = (TAU * u[1]).sin_cos();
+        let (y, x) = turn::sin_cos(u[1]);
         let (tangent, bitangent) = self.axis.any_orthonormal_pair();
         self.axis * (1.0 - versine) + (tangent * x + bitangent * y) * sin
     }

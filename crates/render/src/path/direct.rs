@@ -109,25 +109,34 @@ impl Transport<'_> {
         (count, bounce): (u32, u32),
         observer: &mut impl PathObserver,
     ) {
-        self.sample_light(throughput, at, [pick, u, v], count, observer);
-        if !self.virtual_lamps.is_empty() {
+        let origin = accel::offset(at.surface.point, at.surface.geometric_normal);
+        let emitters = &self.tracer.emitters;
+        if self.virtual_lamps.is_empty() {
+            let light = emitters.sample(origin, [pick, u, v]);
+            self.add_light(throughput, at, (origin, light), count, observer);
+        } else {
+            let importances = emitters.importances(origin);
+            let light = emitters.sample_where(importances, origin, [pick, u, v]);
+            self.add_light(throughput, at, (origin, light), count, observer);
             // The same strata, half of them away, so that the two errors are not alike.
             let [u, v] = [u, v].map(|u| if u < 0.5 { u + 0.5 } else { u - 0.5 });
-            self.sample_virtual_lamp(throughput, at, [again, u, v], (count, bounce), observer);
+            let point = (origin, importances.sum());
+            let sample = self.virtual_lamps.sample(emitters, point, [again, u, v]);
+            self.add_virtual_light(throughput, at, (origin, sample), (count, bounce), observer);
         }
     }
 
+    /// Reports `light`, one of `count` light samples at a vertex whose rays leave from `origin`.
     #[inline]
-    fn sample_light(
+    fn add_light(
         &self,
         throughput: Rgb,
         at: &Vertex<'_>,
-        u: [f32; 3],
+        (origin, light): (Vec3, Option<LightSample>),
         count: u32,
         observer: &mut impl PathObserver,
     ) {
-        let origin = accel::offset(at.surface.point, at.surface.geometric_normal);
-        let Some(light) = self.tracer.emitters.sample(origin, u) else { return };
+        let Some(light) = light else { return };
         if !at.surface.is_above(light.wi) {
             return;
         }
@@ -144,19 +153,18 @@ impl Transport<'_> {
         observer.record_direct(throughput, at, &light);
     }
 
+    /// The same of one by way of mirrors.
     // Few scenes have planar mirrors.
     #[inline(never)]
-    fn sample_virtual_lamp(
+    fn add_virtual_light(
         &self,
         throughput: Rgb,
         at: &Vertex<'_>,
-        u: [f32; 3],
+        (origin, sample): (Vec3, Option<VirtualSample>),
         (count, bounce): (u32, u32),
         observer: &mut impl PathObserver,
     ) {
-        let origin = accel::offset(at.surface.point, at.surface.geometric_normal);
-        let emitters = &self.tracer.emitters;
-        let Some(sample) = self.virtual_lamps.sample(emitters, origin, u) else { return };
+        let Some(sample) = sample else { return };
         // The mirrors are vertices as well.
         if !at.surface.is_above(sample.wi) || !self.reflects(bounce + sample.count as u32) {
             return;
@@ -242,7 +250,9 @@ impl Transport<'_> {
             return None;
         }
         let origin = accel::offset(at.point, at.geometric_normal);
-        let sample = self.virtual_lamps.sample(&self.tracer.emitters, origin, u)?;
+        let emitters = &self.tracer.emitters;
+        let point = (origin, emitters.importances(origin).sum());
+        let sample = self.virtual_lamps.sample(emitters, point, u)?;
         let reflects = at.is_above(sample.wi) && self.reflects(bounce + sample.count as u32);
         let way = reflects.then(|| self.open_way(origin, &sample)).flatten()?;
         let VirtualSample { wi, light, .. } = sample;

@@ -31,7 +31,7 @@ pub(super) struct Mirror {
     /// Luminance of the specular reflectance.
     pub(super) reflectance: f32,
     /// What counts as rounding, metres.
-    margin: f32,
+    pub(super) margin: f32,
 }
 
 /// A point, and its images in the first mirror, in the first two, and so on.
