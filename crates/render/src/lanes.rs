@@ -54,18 +54,18 @@ pub(crate) fn draw(weights: &[Vec4], u: f32) -> Option<(usize, f32, f32)> {
     }
     let (four, mut before) = last?;
     let mut drawn = None;
-    for lane in 0..4 {
-        let weight = weights[four][lane];
+    for (lane, weight) in weights[four].to_array().into_iter().enumerate() {
         if weight > 0.0 {
-            let rest = ((u - before) / weight).clamp(0.0, 1.0 - f32::EPSILON);
-            drawn = Some((4 * four + lane, weight, rest));
+            drawn = Some((4 * four + lane, weight, u - before));
             before += weight;
             if u < before {
                 break;
             }
         }
     }
-    drawn
+    drawn.map(|(index, weight, rest)| {
+        (index, weight, (rest / weight).clamp(0.0, 1.0 - f32::EPSILON))
+    })
 }
 
 #[cfg(test)]

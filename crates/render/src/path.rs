@@ -308,6 +308,8 @@ impl<'a> Transport<'a> {
             if bsdf.is_black() {
                 break;
             }
+            // Computed side by side by the processor.
+            let (numbers, [lobe, u, v, survival]) = (sampler.next4(), sampler.next4());
             let guide;
             let bsdf = if self.is_guided(&bsdf) {
                 guide = guiding::mixture(&surface, &frame, &self.glossy_pairs, bounce);
@@ -320,13 +322,11 @@ impl<'a> Transport<'a> {
             observer.record_vertex(&at);
 
             // Next-event estimation.
-            let numbers = sampler.next4();
             if !bsdf.is_pure_mirror() {
                 self.sample_lights(throughput, &at, numbers, (1, bounce), observer);
             }
 
             // The next direction.
-            let [lobe, u, v, survival] = sampler.next4();
             let Some(sample) = bsdf.sample(wo_local, [lobe, u, v]) else { break };
             let wi = frame.world_from_local(sample.wi);
             if !surface.is_above(wi) {

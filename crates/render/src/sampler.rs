@@ -14,7 +14,7 @@ const STRATIFIED: u32 = 5;
 
 /// Sobol' points by their index, bits reversed: those of the indices below 256 and of their multiples by 256,
 /// from which each point is the exclusive or of two.
-static SOBOL: [[[u32; 4]; 256]; 2] = tables();
+const SOBOL: &[[[u32; 4]; 256]; 2] = &tables();
 /// Primitive polynomials of the second, third and fourth dimension, each by its degree, its inner coefficients,
 /// and the first direction numbers [Joe and Kuo 2008, new-joe-kuo-6.21201].
 const POLYNOMIALS: [(usize, u32, [u32; 3]); 3] =

@@ -4,7 +4,7 @@
 /// Sine and cosine of `turns` times 2 pi, for `turns` in [0, 1]; off by at most 2e-7.
 ///
 /// The nearest quarter of the turn is exact in single precision; what is left is at most pi/4, where
-/// polynomials are near single precision [Moshier, Cephes library, sinf.c and cosf.c].
+/// polynomials are near single precision (coefficients of the Cephes library, sinf.c and cosf.c).
 #[inline]
 pub(crate) fn sin_cos(turns: f32) -> (f32, f32) {
     let quarters = 4.0 * turns;

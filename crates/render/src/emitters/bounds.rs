@@ -11,7 +11,8 @@
 //! and zero where `theta'` exceeds the angle within which the lights emit. There are at most
 //! [`CLUSTERS_MAX`] clusters instead of a tree of them; all are evaluated, several at a time.
 
-use super::{Emitter, LampSphere};
+use super::LampSphere;
+use super::pool::Emitter;
 use crate::lanes::{Vec3x4, dot, set_lane};
 use glam::{Vec3, Vec4};
 use std::f32::consts::PI;

@@ -9,36 +9,21 @@
 
 mod bounds;
 mod origins;
+mod pool;
+mod triangle;
 
 pub(crate) use origins::{LampSphere, PoolOrigin};
+pub(crate) use pool::{ENVIRONMENT, POOLS, PoolWeights};
 
-use crate::accel;
 use crate::appearance::{LightSource, SourceLayout};
 use crate::environment::EnvironmentSampler;
-use crate::lanes::{self, total};
-use bounds::{CLUSTERS_MAX, ClusterBounds, LightBounds, LightCluster};
-use glam::{Vec3, Vec4};
-use std::f32::consts::{FRAC_PI_2, PI, TAU};
-use std::num::NonZeroU32;
+use bounds::{ClusterBounds, LightBounds, LightCluster};
+use glam::Vec3;
+use pool::{DIRECTIONAL, Emitter, Pool};
+use std::f32::consts::{PI, TAU};
+use triangle::{EmittingIndex, EmittingTriangle};
 use unrender_scene::color::luminance;
 use unrender_scene::{Environment, Light, LightKind, Rgb};
-
-/// The share of the probability that pools get by power instead of by their bounds. Bounds ignore
-/// visibility: without this share a nearby lamp behind a wall would take nearly all samples. With
-/// half of it such samples are twice as noisy, with double of it those by bounds are.
-const BY_POWER: f32 = 0.2;
-/// The pool of the directional lights, after all clusters.
-const DIRECTIONAL: usize = CLUSTERS_MAX;
-/// The pool of the environment.
-pub(crate) const ENVIRONMENT: usize = DIRECTIONAL + 1;
-/// The number of pools; some are empty.
-pub(crate) const POOLS: usize = ENVIRONMENT + 1;
-/// The number of fours of pools.
-const FOURS: usize = POOLS.div_ceil(4);
-
-/// A number for each pool, in fours.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct PoolWeights([Vec4; FOURS]);
 
 /// All lights of a scene.
 #[derive(Debug)]
@@ -61,65 +46,6 @@ pub struct Emitters {
     powers: PoolWeights,
     /// For each triangle of the scene: its place in `triangles`, if it emits.
     emitting: Vec<Option<EmittingIndex>>,
-}
-
-/// One light that can be drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Emitter {
-    /// By its index among the emitting triangles.
-    Triangle(u32),
-    /// By its index among the scene's lights.
-    Punctual(u32),
-    Environment,
-}
-
-/// An index into [`Emitters::triangles`], stored plus one so that an option of it has four bytes.
-#[derive(Clone, Copy, Debug)]
-struct EmittingIndex(NonZeroU32);
-
-impl EmittingIndex {
-    fn new(index: usize) -> Option<Self> {
-        NonZeroU32::new(index as u32 + 1).map(Self)
-    }
-
-    #[inline]
-    fn get(self) -> usize {
-        self.0.get() as usize - 1
-    }
-}
-
-/// A lamp may have thousands of triangles, of which each sample meets another one: one lies in one line
-/// of the processor's cache.
-#[derive(Debug)]
-#[repr(align(64))]
-struct EmittingTriangle {
-    corner: Vec3,
-    /// From the corner to the other two.
-    edges: [Vec3; 2],
-    /// Unit normal of the front.
-    normal: Vec3,
-    /// The index of its emission.
-    emission: u32,
-    pool: u32,
-    /// Probability of the triangle, given its pool, over its area, m^-2.
-    density: f32,
-}
-
-/// Lights of which one is drawn by its strength.
-#[derive(Debug, Default)]
-struct Pool {
-    lights: Vec<Weighted>,
-    /// For each of as many equal parts of [0, 1) as there are lights: the place of the light at its
-    /// beginning [Chen and Asau 1974], from where the right one is a step or two away.
-    guide: Vec<u32>,
-}
-
-/// A light of a pool.
-#[derive(Clone, Copy, Debug)]
-struct Weighted {
-    light: Emitter,
-    /// The cumulative distribution up to this light; that of the last one is one.
-    until: f32,
 }
 
 /// Light that arrives at a point unless it is occluded.
@@ -164,7 +90,7 @@ impl Emitters {
         for (index, corners) in triangles.iter().enumerate() {
             let emission = emission(index);
             if area(corners) * luminance(emission.radiance) > 0.0 {
-                of_triangle[index] = EmittingIndex::new(emitting.len());
+                of_triangle[index] = Some(EmittingIndex::at(emitting.len()));
                 // The triangles of a group follow each other.
                 if emissions.last() != Some(&emission) {
                     emissions.push(emission);
@@ -186,6 +112,7 @@ impl Emitters {
             emitting: of_triangle,
         };
         emitters.fill_pools(0.5 * (bounds[1] - bounds[0]).length());
+        emitters.sort_triangles();
         for (index, pool) in emitters.pools.iter().enumerate() {
             for (place, light) in pool.lights.iter().enumerate() {
                 if let Emitter::Triangle(triangle) = light.light {
@@ -196,6 +123,28 @@ impl Emitters {
             }
         }
         emitters
+    }
+
+    /// Puts the triangles into the order of the pools.
+    fn sort_triangles(&mut self) {
+        let mut order = Vec::with_capacity(self.triangles.len());
+        for pool in &mut self.pools {
+            let first = order.len() as u32;
+            for light in &mut pool.lights {
+                if let Emitter::Triangle(index) = &mut light.light {
+                    order.push(*index as usize);
+                    *index = order.len() as u32 - 1;
+                }
+            }
+            let are_all = order.len() - first as usize == pool.lights.len();
+            pool.triangles_from = are_all.then_some(first);
+        }
+        let mut places = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(place, index)| places[*index] = place);
+        self.triangles = order.iter().map(|index| self.triangles[*index]).collect();
+        for index in self.emitting.iter_mut().flatten() {
+            *index = EmittingIndex::at(places[index.get()]);
+        }
     }
 
     /// Distributes the lights over the pools; `radius` is that of the scene.
@@ -225,6 +174,9 @@ impl Emitters {
         pools.extend([directional, environment.collect()]);
         for (index, lights) in pools.into_iter().enumerate() {
             let power = |light: &(Emitter, f32)| self.power(light.0, radius * radius);
+            if lights.is_empty() {
+                continue;
+            }
             self.powers.set(index, lights.iter().map(power).sum());
             let irradiance = match &self.environment {
                 Some(environment) if index == ENVIRONMENT => 0.5 * environment.flux(),
@@ -324,7 +276,7 @@ impl Emitters {
     fn probability(&self, pool: usize, point: Vec3) -> f32 {
         match self.sole {
             Some(sole) => f32::from(u8::from(sole == pool)),
-            None => self.probabilities(self.importances(point)).of(pool),
+            None => self.importances(point).probabilities(&self.powers).of(pool),
         }
     }
 
@@ -333,7 +285,7 @@ impl Emitters {
     pub(crate) fn importances(&self, point: Vec3) -> PoolWeights {
         let mut result = self.irradiances;
         for four in 0..self.bounds.fours() {
-            result.0[four] = self.bounds.importances(four, point);
+            result.fours[four] = self.bounds.importances(four, point);
         }
         result
     }
@@ -341,27 +293,6 @@ impl Emitters {
     /// The pool of a triangle, if it emits.
     pub(crate) fn pool_of(&self, triangle: u32) -> Option<usize> {
         self.emitting[triangle as usize].map(|index| self.triangles[index.get()].pool as usize)
-    }
-
-    /// The probabilities of all pools where they have these `importances`; all zero where no light arrives.
-    #[inline]
-    fn probabilities(&self, importances: PoolWeights) -> PoolWeights {
-        let possible = |importance: Vec4, of_pool: Vec4| {
-            Vec4::select(importance.cmpgt(Vec4::ZERO), of_pool, Vec4::ZERO)
-        };
-        let (mut sum, mut power) = (Vec4::ZERO, Vec4::ZERO);
-        for (importance, of_pool) in importances.0.iter().zip(self.powers.0) {
-            sum += *importance;
-            power += possible(*importance, of_pool);
-        }
-        let by_bound = (1.0 - BY_POWER) / total(sum).max(f32::MIN_POSITIVE);
-        let by_power = BY_POWER / total(power).max(f32::MIN_POSITIVE);
-        let mut result = importances;
-        for (importance, of_pool) in result.0.iter_mut().zip(self.powers.0) {
-            let probability = *importance * by_bound + of_pool * by_power;
-            *importance = possible(*importance, probability);
-        }
-        result
     }
 
     /// Draws light for the surface point `point` from three numbers in [0, 1).
@@ -380,7 +311,7 @@ impl Emitters {
         point: Vec3,
         u: [f32; 3],
     ) -> Option<LightSample> {
-        let (pool, probability, rest) = self.probabilities(importances).draw(u[0])?;
+        let (pool, probability, rest) = importances.probabilities(&self.powers).draw(u[0])?;
         self.sample_from(&self.pools[pool], probability, point, [rest, u[1], u[2]])
     }
 
@@ -404,7 +335,11 @@ impl Emitters {
         u: [f32; 3],
     ) -> Option<LightSample> {
         let place = pool.place(u[0]);
-        match pool.lights[place].light {
+        let light = match pool.triangles_from {
+            Some(first) => Emitter::Triangle(first + place as u32),
+            None => pool.lights[place].light,
+        };
+        match light {
             Emitter::Triangle(index) => {
                 let triangle = &self.triangles[index as usize];
                 triangle.sample(self.emission(triangle), point, probability, [u[1], u[2]])
@@ -432,144 +367,6 @@ impl Emitters {
         }
         let (source, distance) = (LightSource::Environment(wi), f32::INFINITY);
         Some(LightSample { source, wi, distance, weight: radiance / pdf, pdf: Some(pdf) })
-    }
-}
-
-impl PoolWeights {
-    /// The number of one pool.
-    #[inline]
-    pub(crate) fn of(&self, pool: usize) -> f32 {
-        self.0[pool / 4][pool % 4]
-    }
-
-    /// Sets the number of one pool.
-    fn set(&mut self, pool: usize, number: f32) {
-        self.0[pool / 4][pool % 4] = number;
-    }
-
-    /// One for `pool`, zero for all others.
-    pub(crate) fn one(pool: usize) -> Self {
-        let mut weights = Self::default();
-        weights.set(pool, 1.0);
-        weights
-    }
-
-    /// The sum with `other`, pool by pool.
-    pub(crate) fn plus(mut self, other: &Self) -> Self {
-        self.0.iter_mut().zip(other.0).for_each(|(a, b)| *a += b);
-        self
-    }
-
-    /// The product with `other`, pool by pool.
-    #[inline]
-    pub(crate) fn times(mut self, other: &Self) -> Self {
-        self.0.iter_mut().zip(other.0).for_each(|(a, b)| *a *= b);
-        self
-    }
-
-    /// The sum of all.
-    #[inline]
-    pub(crate) fn sum(&self) -> f32 {
-        total(self.0.iter().copied().sum())
-    }
-
-    /// Draws a pool in proportion to these numbers by one between zero and their sum: the pool, its number,
-    /// and one in [0, 1) that is uniform given the pool. None if all are zero.
-    #[inline]
-    pub(crate) fn draw(&self, u: f32) -> Option<(usize, f32, f32)> {
-        lanes::draw(&self.0, u)
-    }
-}
-
-impl Pool {
-    /// Of `lights`, each with its strength.
-    fn new(lights: &[(Emitter, f32)]) -> Self {
-        let total: f64 = lights.iter().map(|light| f64::from(light.1)).sum();
-        let running = lights.iter().scan(0.0, |sum, &(light, strength)| {
-            *sum += f64::from(strength) / total;
-            Some(Weighted { light, until: *sum as f32 })
-        });
-        let lights: Vec<Weighted> = running.collect();
-        let parts = lights.len();
-        let begin = |part: usize| part as f32 / parts as f32;
-        let first = |part| lights.partition_point(|light| light.until <= begin(part)) as u32;
-        Self { guide: (0..parts).map(first).collect(), lights }
-    }
-
-    /// The place of the light that a number in [0, 1) draws.
-    fn place(&self, u: f32) -> usize {
-        let last = self.lights.len() - 1;
-        let part = (u * self.guide.len() as f32) as usize;
-        let mut place = (self.guide[part.min(last)] as usize).min(last);
-        // Rounding may have put the number into the part after its own.
-        while place > 0 && self.lights[place - 1].until > u {
-            place -= 1;
-        }
-        while place < last && self.lights[place].until <= u {
-            place += 1;
-        }
-        place
-    }
-
-    /// The probability of the light at `place`, given the pool.
-    fn probability(&self, place: usize) -> f32 {
-        let before = if place == 0 { 0.0 } else { self.lights[place - 1].until };
-        self.lights[place].until - before
-    }
-}
-
-impl EmittingTriangle {
-    /// Its pool and density are set once all lights are known.
-    fn new(emission: u32, corners: [Vec3; 3]) -> Self {
-        let [corner, b, c] = corners;
-        let (edges, normal) = ([b - corner, c - corner], accel::front_normal(corners));
-        Self { corner, edges, normal, emission, pool: 0, density: 0.0 }
-    }
-
-    /// Square metres.
-    fn area(&self) -> f32 {
-        0.5 * self.edges[0].cross(self.edges[1]).length()
-    }
-
-    fn bounds(&self, light: Emitter, radiance: Rgb) -> LightBounds {
-        let [b, c] = self.edges;
-        let to_centre = (b + c) / 3.0;
-        let offsets = [to_centre, to_centre - b, to_centre - c];
-        LightBounds {
-            light,
-            centre: self.corner + to_centre,
-            radius: offsets.map(Vec3::length).into_iter().fold(0.0, f32::max),
-            axis: self.normal,
-            reach_rad: FRAC_PI_2,
-            strength: self.area() * luminance(radiance),
-        }
-    }
-
-    /// A point of it, given what it emits and the probability of its pool.
-    #[inline]
-    fn sample(
-        &self,
-        emission: &TriangleEmission,
-        point: Vec3,
-        probability: f32,
-        u: [f32; 2],
-    ) -> Option<LightSample> {
-        let root = u[0].sqrt();
-        let (b, c) = (root * (1.0 - u[1]), root * u[1]);
-        let on_light = self.corner + self.edges[0] * b + self.edges[1] * c;
-        let to_light = accel::offset(on_light, self.normal) - point;
-        let distance2 = to_light.length_squared();
-        let (distance, inverse) = (distance2.sqrt(), 1.0 / distance2.sqrt());
-        let wi = to_light * inverse;
-        let cos = -wi.dot(self.normal);
-        // At the point itself neither is a number.
-        if !(cos > 0.0 && inverse.is_finite()) {
-            return None;
-        }
-        let pdf = probability * self.density * distance2 / cos.max(1e-6);
-        let source = LightSource::Group(emission.group);
-        let weight = emission.radiance * (1.0 / pdf);
-        Some(LightSample { source, wi, distance, weight, pdf: Some(pdf) })
     }
 }
 

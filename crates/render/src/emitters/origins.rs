@@ -1,7 +1,8 @@
 //! Where the light of each pool comes from, for those who look for it by way of mirrors
 //! ([`crate::virtual_lamps`]).
 
-use super::{DIRECTIONAL, ENVIRONMENT, Emitter, Emitters, Weighted};
+use super::Emitters;
+use super::pool::{DIRECTIONAL, ENVIRONMENT, Emitter, Weighted};
 use glam::Vec3;
 use unrender_scene::LightKind;
 

@@ -1,6 +1,7 @@
 //! Light samples against analytic sums and solid angles.
 
 use super::*;
+use crate::accel;
 use crate::sampler::mix;
 use glam::DVec3;
 

@@ -66,13 +66,14 @@ pub(super) struct VirtualLamp {
     pub(super) images: [Vec3; MIRRORS_MAX],
     /// The axis of emission as seen before the first mirror.
     pub(super) axis: Vec3,
-    /// The lamp's strength times the mirrors' reflectance.
+    /// The lamp's strength times the mirrors' reflectance, and the share of the last one that shows it.
     pub(super) strength: f32,
 }
 
 impl VirtualLamp {
-    /// `lamp` by the chain of the index `index`; none if it lies in the plane of a mirror.
-    pub(super) fn new(index: usize, chain: &Chain, lamp: &Lamp) -> Option<Self> {
+    /// `lamp` by the chain of the index `index`, of which `share` shows it; none if it lies in the plane of a
+    /// mirror.
+    pub(super) fn new(index: usize, chain: &Chain, lamp: &Lamp, share: f32) -> Option<Self> {
         let mut images = [Vec3::ZERO; MIRRORS_MAX];
         let (mut image, mut axis) = match lamp.origin {
             PoolOrigin::Sphere(sphere) => (sphere.centre, sphere.axis),
@@ -88,7 +89,7 @@ impl VirtualLamp {
             axis = mirror.image_of_direction(axis);
             *slot = image;
         }
-        let strength = lamp.strength * chain.reflectance;
+        let strength = lamp.strength * chain.reflectance * share;
         Some(Self { chain: index, lamp: *lamp, images, axis, strength })
     }
 }

@@ -169,14 +169,16 @@ impl VirtualLamps {
         let chains: Vec<_> = singles.chain(pairs).collect();
         let sight = Sight::new(&mirrors, faces, accel, emitters);
         let of_chain = |(index, chain): (usize, &Chain)| {
-            let lit = |lamp: &usize| match chain.mirrors() {
-                [only] => sight.is_lit(only.place, *lamp),
-                [first, second, ..] => sight.is_lit_by(first.place, second.place, *lamp),
-                [] => false,
+            let of_lamp = |lamp: usize| {
+                let share = match chain.mirrors() {
+                    [only] => sight.of(only.place, lamp)?,
+                    [first, second, ..] => sight.of_pair(first.place, second.place, lamp)?,
+                    [] => return None,
+                };
+                let lamp = VirtualLamp::new(index, chain, &sight.lamps[lamp], share)?;
+                Some((lamp.strength * chain.area(), lamp))
             };
-            let lamps = (0..sight.lamps.len()).filter(lit);
-            let lamps = lamps.filter_map(|lamp| VirtualLamp::new(index, chain, &sight.lamps[lamp]));
-            lamps.map(|lamp| (lamp.strength * chain.area(), lamp)).collect::<Vec<_>>()
+            (0..sight.lamps.len()).filter_map(of_lamp).collect::<Vec<_>>()
         };
         let mut lamps: Vec<_> = chains.iter().enumerate().flat_map(of_chain).collect();
         lamps.sort_by(|a, b| b.0.total_cmp(&a.0));

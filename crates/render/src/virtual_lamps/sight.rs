@@ -13,16 +13,19 @@ use glam::Vec3;
 /// With half of it that is a twentieth, double
 /// of it takes twice the time.
 const RAYS: u32 = 64;
+/// A mirror counts as if it saw a lamp from at least this share of its area: points of the scene may be lit
+/// from just there. With half of it such light is noisier, with double of it more rays meet what hides the lamp.
+const SHARE_MIN: f32 = 0.1;
 /// Farther than anything, metres; half or double of it are so as well.
 const FAR: f32 = 1e9;
 
 /// The lamps of a scene, and which mirrors see them.
 pub(super) struct Sight {
     pub(super) lamps: Vec<Lamp>,
-    /// Mirror and lamp that see each other.
-    singles: Vec<(u16, usize)>,
-    /// Two mirrors and a lamp that the second mirror shows to the first.
-    pairs: Vec<(u16, u16, usize)>,
+    /// Mirror and lamp that see each other, and the share of the rays between them that are open.
+    singles: Vec<((u16, usize), f32)>,
+    /// Two mirrors and a lamp that the second mirror shows to the first, and the share of the rays that do.
+    pairs: Vec<((u16, u16, usize), f32)>,
 }
 
 /// What rays meet.
@@ -51,26 +54,26 @@ impl Sight {
         sight
     }
 
-    /// Whether the mirror at the place `mirror` sees the lamp.
-    pub(super) fn is_lit(&self, mirror: u16, lamp: usize) -> bool {
-        self.singles.contains(&(mirror, lamp))
+    /// The share of the mirror at the place `mirror` that sees the lamp; none if no part does.
+    pub(super) fn of(&self, mirror: u16, lamp: usize) -> Option<f32> {
+        share_of(&self.singles, (mirror, lamp))
     }
 
-    /// Whether `second` shows the lamp to `first`.
-    pub(super) fn is_lit_by(&self, first: u16, second: u16, lamp: usize) -> bool {
-        self.pairs.contains(&(first, second, lamp))
+    /// The share of `second` that shows the lamp to `first`; none if no part does.
+    pub(super) fn of_pair(&self, first: u16, second: u16, lamp: usize) -> Option<f32> {
+        share_of(&self.pairs, (first, second, lamp))
     }
 
     /// Looks from a mirror to a lamp, and from there as light goes on.
     fn look(&mut self, around: &Surroundings<'_>, mirror: &Mirror, lamp: usize) {
-        let mut is_lit = false;
-        let mut others: Vec<u16> = Vec::new();
+        let mut open = 0;
+        let mut others: Vec<(u16, u32)> = Vec::new();
         let triangles = around.faces.triangles(mirror.place);
         for index in 0..RAYS {
             let mut sampler = Sampler::new(u64::from(mirror.place), lamp as u64, index);
             let point = point_of(triangles, sampler.next4());
             let Some(to_light) = towards(&self.lamps[lamp], point, &mut sampler) else {
-                is_lit = true;
+                open = RAYS;
                 break;
             };
             let normal = mirror.face.normal * to_light.dot(mirror.face.normal).signum();
@@ -78,17 +81,27 @@ impl Sight {
             if !around.are_open(origin, to_light) {
                 continue;
             }
-            is_lit = true;
+            open += 1;
             let out = (2.0 * to_light.dot(normal) * normal - to_light).normalize();
             let hit = around.accel.closest(&Ray::new(origin, out));
             let other = hit.and_then(|hit| around.faces.of(hit.triangle));
-            others.extend(other.filter(|other| *other != mirror.place && !others.contains(other)));
+            let Some(other) = other.filter(|other| *other != mirror.place) else { continue };
+            match others.iter_mut().find(|(known, _)| *known == other) {
+                Some((_, count)) => *count += 1,
+                None => others.push((other, 1)),
+            }
         }
-        if is_lit {
-            self.singles.push((mirror.place, lamp));
+        let share = |count: u32| (count as f32 / RAYS as f32).max(SHARE_MIN);
+        if open > 0 {
+            self.singles.push(((mirror.place, lamp), share(open)));
         }
-        self.pairs.extend(others.into_iter().map(|other| (other, mirror.place, lamp)));
+        let pair = |(other, count)| ((other, mirror.place, lamp), share(count));
+        self.pairs.extend(others.into_iter().map(pair));
     }
+}
+
+fn share_of<K: PartialEq>(shares: &[(K, f32)], key: K) -> Option<f32> {
+    shares.iter().find(|(known, _)| *known == key).map(|(_, share)| *share)
 }
 
 impl Surroundings<'_> {

@@ -1,0 +1,185 @@
+//! Pools of lights: a light of a pool is drawn by its strength, a pool by numbers that each point has for all
+//! of them.
+
+use super::bounds::CLUSTERS_MAX;
+use crate::lanes::{self, total};
+use glam::Vec4;
+
+/// The share of the probability that pools get by power instead of by their bounds. Bounds ignore
+/// visibility: without this share a nearby lamp behind a wall would take nearly all samples. With
+/// half of it such samples are twice as noisy, with double of it those by bounds are.
+const BY_POWER: f32 = 0.2;
+/// The pool of the directional lights, after all clusters.
+pub(super) const DIRECTIONAL: usize = CLUSTERS_MAX;
+/// The pool of the environment.
+pub(crate) const ENVIRONMENT: usize = DIRECTIONAL + 1;
+/// The number of pools; some are empty.
+pub(crate) const POOLS: usize = ENVIRONMENT + 1;
+/// The number of fours of pools.
+const FOURS: usize = POOLS.div_ceil(4);
+
+/// One light that can be drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Emitter {
+    /// By its index among the emitting triangles.
+    Triangle(u32),
+    /// By its index among the scene's lights.
+    Punctual(u32),
+    Environment,
+}
+
+/// Lights of which one is drawn by its strength.
+#[derive(Debug, Default)]
+pub(super) struct Pool {
+    pub(super) lights: Vec<Weighted>,
+    /// For each of as many equal parts of [0, 1) as there are lights: the light at its beginning
+    /// [Chen and Asau 1974], from where the right one is a step or two away.
+    guide: Vec<Part>,
+    /// If all are triangles: the index of the first one, after which the others follow in order.
+    pub(super) triangles_from: Option<u32>,
+}
+
+/// The light of a pool at the beginning of a part of [0, 1).
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    place: u32,
+    /// Where its share of [0, 1) begins and ends.
+    from: f32,
+    until: f32,
+}
+
+/// A light of a pool.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Weighted {
+    pub(super) light: Emitter,
+    /// The cumulative distribution up to this light; that of the last one is one.
+    pub(super) until: f32,
+}
+
+/// A number for each pool, in fours.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PoolWeights {
+    pub(super) fours: [Vec4; FOURS],
+    /// The fours beyond this number are empty.
+    count: usize,
+}
+
+impl Pool {
+    /// Of `lights`, each with its strength.
+    pub(super) fn new(lights: &[(Emitter, f32)]) -> Self {
+        let total: f64 = lights.iter().map(|light| f64::from(light.1)).sum();
+        let running = lights.iter().scan(0.0, |sum, &(light, strength)| {
+            *sum += f64::from(strength) / total;
+            Some(Weighted { light, until: *sum as f32 })
+        });
+        let lights: Vec<Weighted> = running.collect();
+        let (parts, last) = (lights.len(), lights.len().saturating_sub(1));
+        let part = |part: usize| {
+            let begin = part as f32 / parts as f32;
+            let place = lights.partition_point(|light| light.until <= begin).min(last);
+            let from = if place == 0 { f32::NEG_INFINITY } else { lights[place - 1].until };
+            Part { place: place as u32, from, until: lights[place].until }
+        };
+        Self { guide: (0..parts).map(part).collect(), lights, triangles_from: None }
+    }
+
+    /// The place of the light that a number in [0, 1) draws.
+    #[inline]
+    pub(super) fn place(&self, u: f32) -> usize {
+        let last = self.lights.len() - 1;
+        let part = (u * self.guide.len() as f32) as usize;
+        let Part { place, from, mut until } = self.guide[part.min(last)];
+        let mut place = place as usize;
+        // Rounding may have put the number into the part after its own.
+        if u < from {
+            while place > 0 && self.lights[place - 1].until > u {
+                place -= 1;
+            }
+            return place;
+        }
+        while place < last && until <= u {
+            place += 1;
+            until = self.lights[place].until;
+        }
+        place
+    }
+
+    /// The probability of the light at `place`, given the pool.
+    pub(super) fn probability(&self, place: usize) -> f32 {
+        let before = if place == 0 { 0.0 } else { self.lights[place - 1].until };
+        self.lights[place].until - before
+    }
+}
+
+impl PoolWeights {
+    /// The fours that may not be empty.
+    #[inline]
+    fn fours(&self) -> &[Vec4] {
+        &self.fours[..self.count]
+    }
+
+    /// The probabilities of pools that have these importances and the `powers`; all zero where no light arrives.
+    #[inline]
+    pub(super) fn probabilities(mut self, powers: &Self) -> Self {
+        let possible = |importance: Vec4, of_pool: Vec4| {
+            Vec4::select(importance.cmpgt(Vec4::ZERO), of_pool, Vec4::ZERO)
+        };
+        let (mut sum, mut power) = (Vec4::ZERO, Vec4::ZERO);
+        for (importance, of_pool) in self.fours().iter().zip(powers.fours) {
+            sum += *importance;
+            power += possible(*importance, of_pool);
+        }
+        let by_bound = (1.0 - BY_POWER) / total(sum).max(f32::MIN_POSITIVE);
+        let by_power = BY_POWER / total(power).max(f32::MIN_POSITIVE);
+        for (importance, of_pool) in self.fours[..self.count].iter_mut().zip(powers.fours) {
+            let probability = *importance * by_bound + of_pool * by_power;
+            *importance = possible(*importance, probability);
+        }
+        self
+    }
+
+    /// The number of one pool.
+    #[inline]
+    pub(crate) fn of(&self, pool: usize) -> f32 {
+        self.fours[pool / 4][pool % 4]
+    }
+
+    /// Sets the number of one pool.
+    pub(super) fn set(&mut self, pool: usize, number: f32) {
+        self.fours[pool / 4][pool % 4] = number;
+        self.count = self.count.max(pool / 4 + 1);
+    }
+
+    /// One for `pool`, zero for all others.
+    pub(crate) fn one(pool: usize) -> Self {
+        let mut weights = Self::default();
+        weights.set(pool, 1.0);
+        weights
+    }
+
+    /// The sum with `other`, pool by pool.
+    pub(crate) fn plus(mut self, other: &Self) -> Self {
+        self.fours.iter_mut().zip(other.fours).for_each(|(a, b)| *a += b);
+        Self { count: self.count.max(other.count), ..self }
+    }
+
+    /// The product with `other`, pool by pool.
+    #[inline]
+    pub(crate) fn times(mut self, other: &Self) -> Self {
+        self.fours.iter_mut().zip(other.fours).for_each(|(a, b)| *a *= b);
+        Self { count: self.count.min(other.count), ..self }
+    }
+
+    /// The sum of all.
+    #[inline]
+    pub(crate) fn sum(&self) -> f32 {
+        total(self.fours().iter().copied().sum())
+    }
+
+    /// Draws a pool in proportion to these numbers by one between zero and their sum: the pool, its number,
+    /// and one in [0, 1) that is uniform given the pool. None if all are zero.
+    #[inline]
+    pub(crate) fn draw(&self, u: f32) -> Option<(usize, f32, f32)> {
+        lanes::draw(self.fours(), u)
+    }
+}
