@@ -58,7 +58,7 @@ const FOURS_MAX: usize = LAMPS_MAX / 4 + MIRRORS_MAX;
 
 /// Where mirrors bring less than this share of the light that lamps bring straight, a vertex takes virtual
 /// samples with a probability in proportion to it. With a fifth of it rooms of many mirrors took 2 to 10 % more
-/// time for the same variance; half and double of it differ by less.
+/// time for the same variance; with double of it the light of weak mirrors is noisier.
 const WORTH: f32 = 1.0;
 
 /// The lamps of a scene as its planar mirrors show them, under one appearance.

@@ -96,7 +96,7 @@ fn a_spot_at_the_floor_and_the_sun_light_the_wall_from_below() {
         let mut stage = stage(false);
         stage.light(kind);
         let expected = Estimate::exactly(RHO * FRAC_1_PI * light);
-        let found = Estimate::of_film(&stage.render(&view(point), 8, settings(64)));
+        let found = Estimate::of_film(&stage.render(&view(point), 8, settings(128)));
         assert_agree(what, found, expected, 4e-3);
     }
 }
