@@ -7,9 +7,9 @@
 //! one cannot be had, its rows say so. To add a claim, write a module with a `measure` beside
 //! [`traversal`] and name it in [`Claim`].
 //!
-//! Four requests are no claims of speed: [`real`] and [`corpus`] recover from photographs that the program did
-//! not make, [`one_unknown`] is an experiment in seconds on one group at a time, and [`noise`] says how noisy our
-//! light is, before a change of the renderer and after it.
+//! Five requests are no claims of speed: [`real`] and [`corpus`] recover from photographs that the program did
+//! not make, [`one_unknown`] is an experiment in seconds on one group at a time, [`noise`] says how noisy our
+//! light is, before a change of the renderer and after it, and [`stored_paths`] what paths cost that are kept.
 
 mod command;
 mod corpus;
@@ -25,6 +25,7 @@ mod rendering;
 mod scaling;
 mod scenes;
 mod statistics;
+mod stored_paths;
 mod table;
 mod traversal;
 
@@ -65,6 +66,8 @@ enum Other {
     OneUnknown(one_unknown::OneUnknownRequest),
     /// Measures how noisy our light is, scene by scene and group by group.
     Noise(noise::NoiseRequest),
+    /// Measures stored paths: what recording and replaying them cost, beside tracing them.
+    Stored(stored_paths::StoredRequest),
 }
 
 /// How much is measured.
@@ -126,6 +129,7 @@ fn run(request: &Request) -> Result<(), Failure> {
         Some(Other::Corpus(corpus)) => return corpus::run(corpus),
         Some(Other::OneUnknown(one_unknown)) => return one_unknown::run(one_unknown),
         Some(Other::Noise(noise)) => return noise::run(noise),
+        Some(Other::Stored(stored)) => return stored_paths::run(stored),
         None => {}
     }
     let effort = if request.quick { Effort::Quick } else { Effort::Full };

@@ -17,9 +17,9 @@ const OF_CORPUS: [&str; 2] = ["exr_exact.toml", "truth.json"];
 
 /// A scene that can be asked for.
 #[derive(Clone, Debug)]
-pub(super) struct Case {
+pub(crate) struct Case {
     /// What it is called.
-    pub(super) name: String,
+    pub(crate) name: String,
     source: Source,
 }
 
@@ -37,7 +37,7 @@ enum Source {
 ///
 /// # Errors
 /// If a folder cannot be read, the corpus has no scene, or two scenes have one name.
-pub(super) fn all(corpus: Option<&Path>) -> Result<Vec<Case>, Failure> {
+pub(crate) fn all(corpus: Option<&Path>) -> Result<Vec<Case>, Failure> {
     let examples = root().join("examples");
     let mut cases = Vec::new();
     for name in ["fig8", "room", "hall"] {
@@ -76,7 +76,7 @@ pub(super) fn all(corpus: Option<&Path>) -> Result<Vec<Case>, Failure> {
 ///
 /// # Errors
 /// If a name is that of no scene.
-pub(super) fn choose(cases: Vec<Case>, named: &[String]) -> Result<Vec<Case>, Failure> {
+pub(crate) fn choose(cases: Vec<Case>, named: &[String]) -> Result<Vec<Case>, Failure> {
     if named.is_empty() {
         return Ok(cases);
     }
@@ -102,7 +102,7 @@ impl Case {
     ///
     /// # Errors
     /// If a file cannot be read, or what it says not be used.
-    pub(super) fn load(&self) -> Result<Shot, Failure> {
+    pub(crate) fn load(&self) -> Result<Shot, Failure> {
         match &self.source {
             Source::Made(make) => made_shot(make()?),
             Source::Project { project, truth } => project_shot(project, truth.as_deref()),

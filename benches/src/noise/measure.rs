@@ -16,13 +16,13 @@ const LEAST: usize = 100;
 const PARTS: usize = 4;
 
 /// A scene with its true materials, and the camera that looks at it.
-pub(super) struct Shot {
+pub(crate) struct Shot {
     /// The scene.
-    pub(super) scene: Scene,
+    pub(crate) scene: Scene,
     /// Who looks.
-    pub(super) camera: Camera,
+    pub(crate) camera: Camera,
     /// Width and height of the picture, pixels.
-    pub(super) size: (usize, usize),
+    pub(crate) size: (usize, usize),
 }
 
 /// How many paths a pixel has, and which.

@@ -4,18 +4,19 @@
 //! random numbers. What differs between the two pictures is noise, and nothing else: no reference is
 //! needed, and a bias is not seen. [`cases`] names the scenes, [`made`] builds those that are hard for
 //! a path tracer, [`measure`] renders one, [`statistics`] makes numbers of the two pictures, [`table`]
-//! their lines, [`compare`] puts them beside an earlier run ([`record`]), and [`explain`] says which
-//! paths the noise comes from. `docs/contributing.md` says how to read it.
+//! their lines, [`summary`] the last one, [`compare`] puts them beside an earlier run ([`record`]), and
+//! [`explain`] says which paths the noise comes from. `docs/contributing.md` says how to read it.
 
-mod cases;
+pub(crate) mod cases;
 mod compare;
 mod explain;
 mod made;
-mod measure;
+pub(crate) mod measure;
 mod record;
 mod request;
 mod stage;
 mod statistics;
+mod summary;
 mod table;
 
 pub(crate) use request::NoiseRequest;
@@ -24,6 +25,7 @@ use crate::{Failure, machine};
 use compare::Before;
 use measure::{Paths, Shot};
 use record::Record;
+use summary::Summary;
 use table::Table;
 
 /// Measures one scene after the other, and prints a line as soon as it is known.
@@ -42,11 +44,13 @@ pub(crate) fn run(request: &NoiseRequest) -> Result<(), Failure> {
     let paths = Paths { spp: request.spp, seed: request.seed };
     let mut record = Record::new(machine::origin());
     let mut missing = Vec::new();
+    let mut summary = Summary::default();
     for case in &chosen {
         let in_case = |problem: Failure| -> Failure { format!("{}: {problem}", case.name).into() };
         let shot: Shot = case.load().map_err(in_case)?;
         let (noise, pictures) = measure::measure(&shot, paths).map_err(in_case)?;
         let compared = before.as_ref().and_then(|before| before.compare(&case.name, &noise));
+        summary.add(&case.name, &noise, compared.as_ref());
         if compared.is_none() {
             missing.push(case.name.as_str());
         }
@@ -63,5 +67,6 @@ pub(crate) fn run(request: &NoiseRequest) -> Result<(), Failure> {
     if let Some(said) = before.as_ref().and_then(|before| before.without(&missing)) {
         println!("{said}");
     }
+    println!("{}", summary.line());
     Ok(())
 }

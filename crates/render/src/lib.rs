@@ -15,6 +15,7 @@
 //!  - [`Tracer::probe`]: the light incident at the surfaces behind given pixels, so that any
 //!    reflectance can be evaluated there without tracing again (module [`probe`]);
 //!  - [`Tracer::jacobian`]: the derivative of the picture by every parameter (module [`jacobian`]);
+//!  - [`Tracer::store`]: paths that are traced once and evaluated under any appearance ([`StoredPaths`]);
 //!  - [`Tracer::bright_paths`]: the paths that make a picture noisy, and what happened along each (module [`explain`]).
 //!
 //! Reading order: [`path`] is the light transport; [`surface`] and [`bsdf`] are what a ray hits,
@@ -64,7 +65,7 @@ pub use features::{FeatureBuffers, PixelFeatures};
 pub use film::{Accumulator, Film, PixelAccumulator};
 pub use geometry::{GeometryBuffers, NOTHING, PixelGeometry};
 pub use integrator::{Integrator, Settings};
-pub use jacobian::{Jacobian, Parameter};
+pub use jacobian::{Jacobian, Parameter, StoredPaths};
 pub use probe::{Incident, Mirrored, Probe, ProbeSettings, Probes, ProposalLobe};
 pub use radiance_cache::RadianceCache;
 pub use tracer::Tracer;

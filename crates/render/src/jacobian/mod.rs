@@ -18,10 +18,14 @@
 //! from the source without that factor.
 //!
 //! The events of a path are recorded on a tape (module `tape`); a plan maps groups and light
-//! sources to the sums that they contribute to (module `plan`).
+//! sources to the sums that they contribute to (module `plan`). Paths that are kept can be evaluated again under
+//! other appearances (module `stored`).
 
 mod plan;
+mod stored;
 mod tape;
+
+pub use stored::StoredPaths;
 
 use crate::appearance::Appearance;
 use crate::camera_sample::{camera_ray, pixel_sampler};

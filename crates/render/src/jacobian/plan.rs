@@ -4,7 +4,6 @@
 use super::Parameter;
 use crate::appearance::{Appearance, LightSource, SourceLayout};
 use crate::bsdf::{Bsdf, Specular};
-use crate::path::Vertex;
 use crate::tracer::Tracer;
 use glam::Vec3;
 use unrender_scene::{BrdfModel, Material, Rgb};
@@ -139,12 +138,6 @@ impl<'a> GroupPlan<'a> {
     #[inline]
     pub(super) fn mirror(&self) -> Rgb {
         if self.specular == Specular::Mirror { self.material.rho_s } else { Rgb::ZERO }
-    }
-
-    /// The diffuse reflectance at a vertex.
-    #[inline]
-    pub(super) fn rho_d(&self, at: &Vertex<'_>) -> Rgb {
-        self.material.rho_d_at(at.surface.uv)
     }
 
     /// A direction of the anisotropy frame that paths are drawn in, in the group's own frame.

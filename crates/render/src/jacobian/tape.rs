@@ -5,12 +5,15 @@ use crate::appearance::LightSource;
 use crate::bsdf::ward::LobeDerivatives;
 use crate::bsdf::{BsdfSample, Specular, Terms};
 use crate::path::{DirectLight, Emission, PathObserver, Vertex};
-use glam::DVec3;
+use crate::virtual_lamps::MirrorsPassed;
+use glam::{DVec3, Vec2, Vec3};
 use unrender_scene::Rgb;
 
 /// A vertex of the path.
 struct Entry {
     group: u32,
+    /// Towards the camera, in the anisotropy frame of the group as it is evaluated.
+    wo: Vec3,
     /// `T`: the throughput from here to the camera.
     throughput: Rgb,
     /// The diffuse reflectance.
@@ -25,6 +28,16 @@ struct Entry {
     direct: Rgb,
     /// The emission that the path hits next.
     emitted: Rgb,
+}
+
+/// Light that a light sample brings to a vertex.
+pub(super) struct Arriving {
+    pub(super) source: LightSource,
+    /// Radiance over density, or irradiance over probability, times the weight of multiple importance sampling,
+    /// in the scene as it is.
+    pub(super) weight: Rgb,
+    /// The mirrors on the way.
+    pub(super) passed: MirrorsPassed,
 }
 
 /// The tape of one path, and the sums over the paths of a pixel.
@@ -53,15 +66,112 @@ impl<'a> Tape<'a> {
         }
     }
 
-    /// Starts a path whose camera ray hits `emission`.
-    pub(super) fn start(&mut self, emission: &Emission) {
+    /// Starts a path.
+    pub(super) fn begin(&mut self) {
         self.entries.clear();
         self.throughput = Rgb::ONE;
         self.radiance = Rgb::ZERO;
         self.cached = Rgb::ZERO;
+    }
+
+    /// Starts a path whose camera ray hits `emission`.
+    pub(super) fn start(&mut self, emission: &Emission) {
+        self.begin();
         if emission.radiance != Rgb::ZERO {
-            self.record_emission(Rgb::ONE, emission, 1.0);
+            self.emission(emission.source, emission.radiance);
         }
+    }
+
+    /// The path arrives at a vertex of `group`; `wo` points towards the camera, in the anisotropy frame that paths
+    /// are drawn in.
+    #[inline]
+    pub(super) fn vertex(&mut self, group: u32, uv: Vec2, wo: Vec3) {
+        let plan = &self.plan.groups[group as usize];
+        self.entries.push(Entry {
+            group,
+            wo: plan.rotated(wo),
+            throughput: self.throughput,
+            rho_d: plan.material.rho_d_at(uv),
+            terms: Terms::default(),
+            scale: 0.0,
+            weight: Rgb::ZERO,
+            direct: Rgb::ZERO,
+            emitted: Rgb::ZERO,
+        });
+    }
+
+    /// A light sample along `wi` contributes at the vertex.
+    #[inline]
+    pub(super) fn light(&mut self, wi: Vec3, light: &Arriving) {
+        let Some(entry) = self.entries.last_mut() else { return };
+        let group = &self.plan.groups[entry.group as usize];
+        let terms = group.specular.terms(entry.wo, group.rotated(wi));
+        let f_cos = terms.value(entry.rho_d, group.material.rho_s) * wi.z;
+        let factor = self.plan.brightness(light.source);
+        let passed = light.passed.groups();
+        let mirrors = passed.iter().map(|group| self.plan.groups[*group as usize].mirror());
+        let arriving = light.weight * mirrors.product::<Rgb>();
+        let direct = f_cos * arriving * factor;
+        entry.direct += direct;
+        self.radiance += self.throughput * direct;
+        if self.plan.count > 0 {
+            let (group, rho_d) = (entry.group, entry.rho_d);
+            let unit = self.throughput * arriving;
+            self.add_light(light.source, unit * f_cos);
+            self.add_derivatives(group, rho_d, &terms, unit * factor * wi.z);
+            let unit = self.throughput * f_cos * light.weight * factor;
+            self.add_mirror_derivatives(passed, unit);
+        }
+    }
+
+    /// The path continues along `wi`; `scale` is the cosine over the density and over the probability of
+    /// surviving Russian roulette.
+    #[inline]
+    pub(super) fn bounce(&mut self, wi: Vec3, scale: f32) {
+        let Some(entry) = self.entries.last_mut() else { return };
+        let group = &self.plan.groups[entry.group as usize];
+        entry.terms = group.specular.terms(entry.wo, group.rotated(wi));
+        self.go_on(scale);
+    }
+
+    /// The path continues as from a perfect mirror; `scale` is one over the probability of that and of surviving.
+    #[inline]
+    pub(super) fn reflection(&mut self, scale: f32) {
+        let Some(entry) = self.entries.last_mut() else { return };
+        // f cos of a perfect mirror is rho_s times the delta distribution that the density is the specular
+        // share of.
+        let is_mirror = self.plan.groups[entry.group as usize].specular == Specular::Mirror;
+        entry.terms.specular.value = f32::from(is_mirror);
+        self.go_on(scale);
+    }
+
+    #[inline]
+    fn go_on(&mut self, scale: f32) {
+        let Some(entry) = self.entries.last_mut() else { return };
+        let rho_s = self.plan.groups[entry.group as usize].material.rho_s;
+        entry.scale = scale;
+        entry.weight = entry.terms.value(entry.rho_d, rho_s) * scale;
+        self.throughput *= entry.weight;
+    }
+
+    /// The path's ray hits what `source` emits; `radiance` times the weight of multiple importance sampling, in the
+    /// scene as it is.
+    #[inline]
+    pub(super) fn emission(&mut self, source: LightSource, radiance: Rgb) {
+        let emitted = radiance * self.plan.brightness(source);
+        self.radiance += self.throughput * emitted;
+        if let Some(entry) = self.entries.last_mut() {
+            entry.emitted = emitted;
+        }
+        self.add_light(source, self.throughput * radiance);
+    }
+
+    /// The path ends at a surface whose reflected `radiance` is in the cache.
+    #[inline]
+    pub(super) fn cached(&mut self, radiance: Rgb) {
+        self.cached = radiance;
+        self.radiance += self.throughput * radiance;
+        add(&mut self.sums, self.plan.cache, self.throughput * radiance);
     }
 
     /// The reverse pass: adds the derivatives of the path to the sums. Returns its radiance.
@@ -112,6 +222,7 @@ impl<'a> Tape<'a> {
             add(&mut self.sums, slot, light * factor);
         }
     }
+
     /// Adds the derivatives by the specular reflectance of the groups of mirrors on the way of a light
     /// sample, which would contribute `light` if all of them reflected everything.
     #[inline]
@@ -137,83 +248,31 @@ fn add(sums: &mut [DVec3], slot: Slot, value: Rgb) {
 impl PathObserver for Tape<'_> {
     #[inline]
     fn record_vertex(&mut self, at: &Vertex<'_>) {
-        let group = at.surface.group;
-        self.entries.push(Entry {
-            group,
-            throughput: self.throughput,
-            rho_d: self.plan.groups[group as usize].rho_d(at),
-            terms: Terms::default(),
-            scale: 0.0,
-            weight: Rgb::ZERO,
-            direct: Rgb::ZERO,
-            emitted: Rgb::ZERO,
-        });
+        self.vertex(at.surface.group, at.surface.uv, at.wo);
     }
 
     #[inline]
-    fn record_direct(&mut self, _: Rgb, at: &Vertex<'_>, light: &DirectLight<'_>) {
-        let DirectLight { wi, sample, ref passed, mis, .. } = *light;
-        let Some(entry) = self.entries.last_mut() else { return };
-        let group = &self.plan.groups[entry.group as usize];
-        let terms = group.specular.terms(group.rotated(at.wo), group.rotated(wi));
-        let f_cos = terms.value(entry.rho_d, group.material.rho_s) * wi.z;
-        let factor = self.plan.brightness(sample.source);
-        let mirrors =
-            passed.groups().iter().map(|group| self.plan.groups[*group as usize].mirror());
-        let arriving = sample.weight * mis * mirrors.product::<Rgb>();
-        let direct = f_cos * arriving * factor;
-        entry.direct += direct;
-        self.radiance += self.throughput * direct;
-        if self.plan.count > 0 {
-            let rho_d = entry.rho_d;
-            let unit = self.throughput * arriving;
-            self.add_light(sample.source, unit * f_cos);
-            self.add_derivatives(at.surface.group, rho_d, &terms, unit * factor * wi.z);
-            let unit = self.throughput * f_cos * sample.weight * factor * mis;
-            self.add_mirror_derivatives(passed.groups(), unit);
-        }
+    fn record_direct(&mut self, _: Rgb, _: &Vertex<'_>, light: &DirectLight<'_>) {
+        let DirectLight { wi, sample, passed, mis, .. } = *light;
+        self.light(wi, &Arriving { source: sample.source, weight: sample.weight * mis, passed });
     }
 
     #[inline]
     fn record_bounce(&mut self, at: &Vertex<'_>, sample: &BsdfSample, survival: f32) {
-        let Some(entry) = self.entries.last_mut() else { return };
-        let group = &self.plan.groups[entry.group as usize];
         if sample.pdf.is_finite() {
-            entry.terms = group.specular.terms(group.rotated(at.wo), group.rotated(sample.wi));
-            entry.scale = sample.wi.z / sample.pdf;
+            self.bounce(sample.wi, sample.wi.z / (sample.pdf * survival));
         } else {
-            // f cos of a perfect mirror is rho_s times the delta distribution that the density is
-            // the specular share of.
-            let value = f32::from(group.specular == Specular::Mirror);
-            entry.terms.specular.value = value;
-            entry.scale = 1.0 / at.bsdf.specular_share();
+            self.reflection(1.0 / (at.bsdf.specular_share() * survival));
         }
-        let weight = terms_weight(entry, group.material.rho_s);
-        self.throughput = self.throughput * weight / survival;
-        entry.weight = weight / survival;
-        entry.scale /= survival;
     }
 
     #[inline]
     fn record_emission(&mut self, _: Rgb, emission: &Emission, mis: f32) {
-        let Emission { source, radiance } = *emission;
-        let emitted = radiance * self.plan.brightness(source);
-        self.radiance += self.throughput * emitted * mis;
-        if let Some(entry) = self.entries.last_mut() {
-            entry.emitted = emitted * mis;
-        }
-        self.add_light(source, self.throughput * radiance * mis);
+        self.emission(emission.source, emission.radiance * mis);
     }
 
     #[inline]
     fn record_cache_hit(&mut self, _: Rgb, radiance: Rgb) {
-        self.cached = radiance;
-        self.radiance += self.throughput * radiance;
-        add(&mut self.sums, self.plan.cache, self.throughput * radiance);
+        self.cached(radiance);
     }
-}
-
-/// The BRDF in the direction of the path times the scale of the entry.
-fn terms_weight(entry: &Entry, rho_s: Rgb) -> Rgb {
-    entry.terms.value(entry.rho_d, rho_s) * entry.scale
 }

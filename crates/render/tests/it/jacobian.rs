@@ -273,6 +273,49 @@ fn the_radiance_is_that_of_the_rendering() {
 }
 
 #[test]
+fn stored_paths_give_the_same_as_traced_ones() {
+    for (model, with_photograph) in [(BrdfModel::Ggx, false), (WardModel::WardGmd.into(), true)] {
+        let room = Room::new(model);
+        let photograph = room.photograph();
+        let geometry = room.tracer.geometry(&room.camera, SIDE, SIDE);
+        let lookup = CacheLookup { cache: &photograph, camera: &room.camera, geometry: &geometry };
+        let seen = Some(lookup).filter(|_| with_photograph);
+        let (mut all, settings, pixels) = (everything(), settings(16), all_pixels());
+        all.push(Parameter::Cache);
+        let (camera, drawn) = (&room.camera, room.appearance());
+        let stored = room.tracer.store(drawn, camera, SIZE, &pixels, &settings, seen);
+        let bytes = stored.bytes() as f64 / (pixels.len() * 16) as f64;
+        assert!((40.0..1000.0).contains(&bytes), "{bytes} bytes a path");
+
+        // Under the appearance that they were drawn from, with all derivatives.
+        let traced = room.jacobian(&all, &settings, seen);
+        let replayed = stored.replay(&room.tracer, drawn, &all);
+        for k in 0..all.len() {
+            let error = distance(&column(&replayed, k), &column(&traced, k));
+            assert!(error < 1e-4, "{:?}: {error} off", all[k]);
+        }
+        assert_same(&replayed.radiance, &traced.radiance);
+
+        // Under others, each of which moves one parameter far.
+        for parameter in everything() {
+            let (materials, lights) = room.moved(parameter, 0.15);
+            let moved = Appearance { materials: &materials, lights: &lights };
+            let tracer = &room.tracer;
+            let traced =
+                tracer.radiance_reweighted(moved, drawn, camera, SIZE, &pixels, &settings, seen);
+            assert_same(&stored.replay(tracer, moved, &[]).radiance, &traced);
+        }
+    }
+}
+
+/// Asserts that two radiances are the same but for rounding: at most 2.1e-6 was measured.
+fn assert_same(found: &[Rgb], expected: &[Rgb]) {
+    let in_double = |radiance: &[Rgb]| radiance.iter().map(|r| r.as_dvec3()).collect::<Vec<_>>();
+    let error = distance(&in_double(found), &in_double(expected));
+    assert!(error < 1e-5, "{error} off");
+}
+
+#[test]
 fn light_is_the_sum_over_its_sources() {
     let room = Room::new(WardModel::WardGmd);
     let photograph = room.photograph();
