@@ -1,4 +1,5 @@
-//! Four 3-vectors as a structure of arrays: one [`Vec4`] per axis, one lane per vector.
+//! Four 3-vectors as a structure of arrays: one [`Vec4`] per axis, one lane per vector. And drawing by weights that
+//! come in fours.
 
 use glam::{Vec3, Vec4};
 

@@ -32,7 +32,7 @@ pub struct Sampler {
     set: u32,
 }
 
-/// The length of a sequence, that of the tables of `sobol_burley`; later samples start another one.
+/// The length of a sequence, that of the tables [`SOBOL`] of two bytes; later samples start another one.
 const LENGTH: u32 = 1 << 16;
 
 impl Sampler {

@@ -72,16 +72,7 @@ impl Frame {
         self.tangent * v.x + self.bitangent * v.y + self.normal * v.z
     }
 
-    /// The anisotropy frame: this one rotated by `theta` about the normal of the front.
-    #[inline]
-    pub fn rotated(&self, theta_rad: f32) -> Self {
-        if theta_rad == 0.0 {
-            return *self;
-        }
-        self.turned(theta_rad.sin_cos())
-    }
-
-    /// The same, given the sine and cosine of the angle.
+    /// The anisotropy frame: this one turned about the normal of the front by the angle of this sine and cosine.
     #[inline]
     pub(crate) fn turned(&self, (sin, cos): (f32, f32)) -> Self {
         Self {
@@ -100,7 +91,7 @@ mod tests {
     fn the_angle_of_anisotropy_is_counter_clockwise_from_the_front_on_both_sides() {
         for front in [true, false] {
             let frame = Frame::new(Vec3::Z, Vec3::X, front);
-            let rotated = frame.rotated(0.3);
+            let rotated = frame.turned(0.3f32.sin_cos());
             assert!((rotated.tangent - Vec3::new(0.3f32.cos(), 0.3f32.sin(), 0.0)).length() < 1e-6);
             assert_eq!(frame.normal.z > 0.0, front);
         }

@@ -13,7 +13,8 @@
 //! edited under global illumination [Hasan and Ramamoorthi 2013].
 //!
 //! A path is a sequence of words of 32 bits: for each event a word that names it, with the group or the source of
-//! light, then its numbers. A vertex with its light sample and its direction takes 52 bytes.
+//! light, then its numbers. A vertex with its light sample and its direction takes 52 bytes, 12 more where
+//! light comes from the environment, 8 more where the surface has texture coordinates.
 
 use super::tape::{Arriving, Tape};
 use super::{CHUNK, Jacobian, Parameter, Plan};
@@ -28,6 +29,10 @@ use crate::virtual_lamps::MirrorsPassed;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use unrender_scene::{Camera, Material, Rgb};
+
+/// The least cosine of a direction that is kept: rounding must not take one below the surface, where BRDFs are no
+/// numbers. It is that rounding; half or double of it changes what nobody sees.
+const COS_MIN: f32 = f32::EPSILON;
 
 /// The paths of some pixels.
 #[derive(Clone, Debug)]
@@ -51,7 +56,7 @@ enum Event {
     Path,
     /// The path arrives at a vertex of a group: `wo`.
     Vertex,
-    /// The same where the group is textured: `wo`, `uv`.
+    /// The same where the surface has texture coordinates: `wo`, `uv`.
     TexturedVertex,
     /// A light sample of a source contributes: where it comes from, and what arrives.
     Light,
@@ -121,7 +126,7 @@ impl Tracer {
         let appearance = appearance.into();
         let transport = Transport::new(self, appearance, settings.max_bounces).with_cache(cache);
         let chunk = |pixels: &[u32]| {
-            let mut recorder = Recorder { words: Vec::new(), materials: appearance.materials };
+            let mut recorder = Recorder { words: Vec::new() };
             for pixel in pixels {
                 for index in 0..settings.spp {
                     let mut sampler = pixel_sampler(settings.seed, *pixel, index);
@@ -168,7 +173,8 @@ impl StoredPaths {
 
     /// The radiance of each pixel under `appearance`, in W sr^-1 m^-2, and its derivatives by `parameters`, on the
     /// stored paths of the scene of `tracer`. As [`Tracer::radiance_reweighted`] this is unbiased if the materials
-    /// that directions were drawn from reflect wherever those of `appearance` do.
+    /// that directions were drawn from reflect wherever those of `appearance` do; a derivative by a reflectance
+    /// needs one that was not zero there.
     ///
     /// # Panics
     /// If the appearance has fewer materials than the scene has groups.
@@ -180,7 +186,6 @@ impl StoredPaths {
     ) -> Jacobian {
         let sampled_as = Appearance::from(&self.sampled_as);
         let plan = Plan::new(tracer, appearance.into(), sampled_as, parameters);
-        let per_chunk = CHUNK * parameters.len().max(1);
         let mut radiance = vec![Rgb::ZERO; self.pixels];
         let mut derivatives = vec![Rgb::ZERO; self.pixels * parameters.len()];
         if parameters.is_empty() {
@@ -189,7 +194,7 @@ impl StoredPaths {
                 self.replay_chunk(words, &plan, radiance, &mut []);
             });
         } else {
-            let rows = derivatives.par_chunks_mut(per_chunk);
+            let rows = derivatives.par_chunks_mut(CHUNK * parameters.len());
             let outputs = radiance.par_chunks_mut(CHUNK).zip(rows);
             self.chunks.par_iter().zip(outputs).for_each(|(words, (radiance, rows))| {
                 self.replay_chunk(words, &plan, radiance, rows);
@@ -217,12 +222,11 @@ impl StoredPaths {
 }
 
 /// Writes the events of paths.
-struct Recorder<'a> {
+struct Recorder {
     words: Vec<u32>,
-    materials: &'a [Material],
 }
 
-impl Recorder<'_> {
+impl Recorder {
     #[inline]
     fn event(&mut self, event: Event, index: u32) {
         self.words.push(index << Event::BITS | event as u32);
@@ -245,7 +249,7 @@ impl Recorder<'_> {
         self.number(v.y * scale);
     }
 
-    /// What arrives from a source, of which the event says the kind in a bit.
+    /// What arrives from a source, of which the event's word says the kind in two bits.
     fn source(&mut self, event: Event, source: LightSource) {
         let (kind, index) = match source {
             LightSource::Group(group) => (0, group),
@@ -259,16 +263,16 @@ impl Recorder<'_> {
     }
 }
 
-impl PathObserver for Recorder<'_> {
+impl PathObserver for Recorder {
     #[inline]
     fn record_vertex(&mut self, at: &Vertex<'_>) {
         let group = at.surface.group;
-        let is_textured = self.materials[group as usize].texture.is_some();
-        self.event(if is_textured { Event::TexturedVertex } else { Event::Vertex }, group);
+        let uv = at.surface.uv;
+        self.event(if uv == Vec2::ZERO { Event::Vertex } else { Event::TexturedVertex }, group);
         self.direction(at.wo);
-        if is_textured {
-            self.number(at.surface.uv.x);
-            self.number(at.surface.uv.y);
+        if uv != Vec2::ZERO {
+            self.number(uv.x);
+            self.number(uv.y);
         }
     }
 
@@ -336,7 +340,7 @@ impl Reader<'_> {
         let (x, y) = (self.number(), self.number());
         let square = x * x + y * y;
         let scale = 1.0 / (1.0 + square);
-        Vec3::new(2.0 * x * scale, 2.0 * y * scale, (1.0 - square) * scale)
+        Vec3::new(2.0 * x * scale, 2.0 * y * scale, ((1.0 - square) * scale).max(COS_MIN))
     }
 
     #[inline]
@@ -387,6 +391,26 @@ impl Reader<'_> {
                     tape.emission(source, self.numbers());
                 }
                 Event::Cached => tape.cached(self.numbers()),
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_come_back_and_stay_above_the_surface() {
+        for z in [1.0f32, 0.7, 1e-2, 1e-4, 1e-6, 1e-8, 1e-20] {
+            let sin = (1.0 - z * z).sqrt();
+            for phi in 0..8 {
+                let (y, x) = (phi as f32).sin_cos();
+                let direction = Vec3::new(sin * x, sin * y, z);
+                let mut recorder = Recorder { words: Vec::new() };
+                recorder.direction(direction);
+                let found = Reader { words: &recorder.words }.direction();
+                assert!((found - direction).length() < 3e-7 && found.z > 0.0, "{found} {z}");
             }
         }
     }

@@ -207,7 +207,13 @@ impl Transport<'_> {
             }
             ray = Self::leave(&surface, wi);
         }
-        self.is_visible(ray.origin, ray.direction, sample.rest).then_some(way)
+        // From where the ray leaves the mirror, which is a little before it: the length of the way itself would
+        // reach into the lamp.
+        let (direction, distance) = match sample.end {
+            Some(end) => ((end - ray.origin).normalize(), ray.origin.distance(end)),
+            None => (ray.direction, f32::INFINITY),
+        };
+        self.is_visible(ray.origin, direction, distance).then_some(way)
     }
 
     /// Whether nothing occludes a light at `distance` along `wi` from `origin`.

@@ -80,8 +80,8 @@ pub(crate) struct VirtualSample {
     pub(crate) crossings: Crossings,
     pub(crate) places: [u16; MIRRORS_MAX],
     pub(crate) count: usize,
-    /// The length of the way from the last mirror to the light.
-    pub(crate) rest: f32,
+    /// The point of the light that the way ends at; none if that is at infinity.
+    pub(crate) end: Option<Vec3>,
 }
 
 /// Mirrors that light passes on its way from a lamp to a vertex.
@@ -248,7 +248,7 @@ impl VirtualLamps {
         let count = mirrors.len();
         Some(VirtualSample {
             wi: (crossings[0] - origin).normalize(),
-            rest: light.distance - image.distance(crossings[count - 1]),
+            end: light.distance.is_finite().then(|| image + light.distance * light.wi),
             light,
             crossings,
             places,

@@ -310,6 +310,7 @@ fn stored_paths_give_the_same_as_traced_ones() {
 
 /// Asserts that two radiances are the same but for rounding: at most 2.1e-6 was measured.
 fn assert_same(found: &[Rgb], expected: &[Rgb]) {
+    assert!(found.iter().all(|radiance| radiance.is_finite()));
     let in_double = |radiance: &[Rgb]| radiance.iter().map(|r| r.as_dvec3()).collect::<Vec<_>>();
     let error = distance(&in_double(found), &in_double(expected));
     assert!(error < 1e-5, "{error} off");

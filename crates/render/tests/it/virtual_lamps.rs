@@ -5,7 +5,7 @@
 use crate::common::{Estimate, Stage, assert_agree, camera, plate_corners, settings};
 use crate::guiding::irradiance_by_polygon;
 use glam::{DVec3, Vec3};
-use std::f32::consts::{FRAC_1_PI, TAU};
+use std::f32::consts::{FRAC_1_PI, PI, TAU};
 use unrender_render::{Integrator, Parameter, ProbeSettings, Settings};
 use unrender_scene::{Camera, Environment, LightKind, Material, Rgb, RgbImage};
 
@@ -154,6 +154,23 @@ fn a_small_area_light_has_the_same_images() {
         }
         let expected = Estimate::exactly(100.0 * LIGHT * RHO * FRAC_1_PI * light);
         let found = Estimate::of_film(&stage.render(&view(point), 16, settings(512)));
+        assert_agree(&format!("side {side}, {point}"), found, expected, 4e-3);
+    }
+}
+
+/// The point of the bulb that a sample draws lies off its surface by less than the ray lies off the mirror. A sphere of the radiance `L` sends `pi L sin^2` times the cosine, `sin` that of
+/// its angular radius, to where it is above the horizon; one of triangles is hardly smaller.
+#[test]
+fn a_bulb_has_the_same_images() {
+    let radius = 0.1;
+    for (side, point) in [false, true].into_iter().flat_map(|side| POINTS.map(|p| (side, p))) {
+        let mut stage = stage(side);
+        let group = stage.group(Material::diffuse(Rgb::ZERO), 10.0 * LIGHT);
+        stage.sphere(group, PLACE, radius, 48);
+        let of_image = |image| 10.0 * PI * radius * radius * irradiance(point, image);
+        let light: Rgb = images(PLACE, side).into_iter().map(of_image).sum();
+        let expected = Estimate::exactly(RHO * FRAC_1_PI * light);
+        let found = Estimate::of_film(&stage.render(&view(point), 16, settings(256)));
         assert_agree(&format!("side {side}, {point}"), found, expected, 4e-3);
     }
 }
