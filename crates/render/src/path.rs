@@ -285,6 +285,28 @@ impl<'a> Transport<'a> {
         sum.radiance
     }
 
+    /// Traces the path that begins with `ray`, and reports its events to `observer`: first what the ray hits, if that
+    /// emits.
+    #[inline]
+    pub(crate) fn trace_ray(
+        &self,
+        ray: &Ray,
+        sampler: &mut Sampler,
+        observer: &mut impl PathObserver,
+    ) {
+        let surface = self.surface(ray);
+        let emission = match &surface {
+            Some(surface) => self.emission(surface),
+            None => self.background(ray.direction),
+        };
+        if emission.radiance != Rgb::ZERO {
+            observer.record_emission(Rgb::ONE, &emission, 1.0);
+        }
+        if let Some(surface) = surface {
+            self.trace(surface, -ray.direction, sampler, 0, None, observer);
+        }
+    }
+
     /// Traces a path that starts at `surface` and leaves it into `wo` (world space), and reports
     /// its events to `observer`.
     #[inline]

@@ -194,12 +194,8 @@ impl Estimator<'_> {
         for index in 0..spp {
             let mut sampler = pixel_sampler(seed, pixel, index);
             let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
-            if let Some(surface) = self.transport.surface(&ray) {
-                tape.start(&self.transport.emission(&surface));
-                self.transport.trace(surface, -ray.direction, &mut sampler, 0, None, tape);
-            } else {
-                tape.start(&self.transport.background(ray.direction));
-            }
+            tape.begin();
+            self.transport.trace_ray(&ray, &mut sampler, tape);
             radiance += tape.finish().as_dvec3();
         }
         (radiance / self.paths()).as_vec3()

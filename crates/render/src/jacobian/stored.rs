@@ -16,7 +16,7 @@
 //! light, then its numbers. A vertex with its light sample and its direction takes 52 bytes, 12 more where
 //! light comes from the environment, 8 more where the surface has texture coordinates.
 
-use super::tape::{Arriving, Tape};
+use super::tape::{self, Arriving, Tape};
 use super::{CHUNK, Jacobian, Parameter, Plan};
 use crate::appearance::{Appearance, LightSource};
 use crate::bsdf::BsdfSample;
@@ -30,8 +30,8 @@ use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use unrender_scene::{Camera, Material, Rgb};
 
-/// The least cosine of a direction that is kept: rounding must not take one below the surface, where BRDFs are no
-/// numbers. It is that rounding; half or double of it changes what nobody sees.
+/// The least cosine of a direction that is kept: rounding must not take one below the surface, where BRDFs are not
+/// finite. It is the size of that rounding; half or double of it changes no result.
 const COS_MIN: f32 = f32::EPSILON;
 
 /// The paths of some pixels.
@@ -132,24 +132,7 @@ impl Tracer {
                     let mut sampler = pixel_sampler(settings.seed, *pixel, index);
                     let ray = camera_ray(camera, size, *pixel, &mut sampler);
                     recorder.event(Event::Path, 0);
-                    let surface = transport.surface(&ray);
-                    let emission = match &surface {
-                        Some(surface) => transport.emission(surface),
-                        None => transport.background(ray.direction),
-                    };
-                    if emission.radiance != Rgb::ZERO {
-                        recorder.record_emission(Rgb::ONE, &emission, 1.0);
-                    }
-                    if let Some(surface) = surface {
-                        transport.trace(
-                            surface,
-                            -ray.direction,
-                            &mut sampler,
-                            0,
-                            None,
-                            &mut recorder,
-                        );
-                    }
+                    transport.trace_ray(&ray, &mut sampler, &mut recorder);
                 }
                 recorder.event(Event::Pixel, 0);
             }
@@ -291,11 +274,10 @@ impl PathObserver for Recorder {
         if sample.pdf.is_finite() {
             self.event(Event::Bounce, 0);
             self.direction(sample.wi);
-            self.number(sample.wi.z / (sample.pdf * survival));
         } else {
             self.event(Event::Reflection, 0);
-            self.number(1.0 / (at.bsdf.specular_share() * survival));
         }
+        self.number(tape::scale(at, sample, survival));
     }
 
     #[inline]

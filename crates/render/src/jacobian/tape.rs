@@ -74,14 +74,6 @@ impl<'a> Tape<'a> {
         self.cached = Rgb::ZERO;
     }
 
-    /// Starts a path whose camera ray hits `emission`.
-    pub(super) fn start(&mut self, emission: &Emission) {
-        self.begin();
-        if emission.radiance != Rgb::ZERO {
-            self.emission(emission.source, emission.radiance);
-        }
-    }
-
     /// The path arrives at a vertex of `group`; `wo` points towards the camera, in the anisotropy frame that paths
     /// are drawn in.
     #[inline]
@@ -238,6 +230,16 @@ impl<'a> Tape<'a> {
     }
 }
 
+/// The factor on the BRDF, or on the reflectance of a perfect mirror, where a path goes on.
+#[inline]
+pub(super) fn scale(at: &Vertex<'_>, sample: &BsdfSample, survival: f32) -> f32 {
+    if sample.pdf.is_finite() {
+        sample.wi.z / (sample.pdf * survival)
+    } else {
+        1.0 / (at.bsdf.specular_share() * survival)
+    }
+}
+
 #[inline]
 fn add(sums: &mut [DVec3], slot: Slot, value: Rgb) {
     if let Some(slot) = slot {
@@ -259,10 +261,11 @@ impl PathObserver for Tape<'_> {
 
     #[inline]
     fn record_bounce(&mut self, at: &Vertex<'_>, sample: &BsdfSample, survival: f32) {
+        let scale = scale(at, sample, survival);
         if sample.pdf.is_finite() {
-            self.bounce(sample.wi, sample.wi.z / (sample.pdf * survival));
+            self.bounce(sample.wi, scale);
         } else {
-            self.reflection(1.0 / (at.bsdf.specular_share() * survival));
+            self.reflection(scale);
         }
     }
 

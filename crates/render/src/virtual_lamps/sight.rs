@@ -9,9 +9,8 @@ use crate::emitters::{Emitters, PoolOrigin};
 use crate::sampler::Sampler;
 use glam::Vec3;
 
-/// Rays from each mirror to each lamp. A mirror of which less than a fiftieth sees a lamp may be left out.
-/// With half of it that is a twentieth, double
-/// of it takes twice the time.
+/// Rays from each mirror to each lamp. A mirror of which less than a fiftieth sees a lamp may be left out; with half
+/// of the rays that is a twenty-fifth, double of them take twice the time.
 const RAYS: u32 = 64;
 /// A mirror counts as if it saw a lamp from at least this share of its area: points of the scene may be lit
 /// from just there. With half of it such light is noisier, with double of it more rays meet what hides the lamp.
