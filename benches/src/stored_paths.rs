@@ -105,19 +105,19 @@ fn measure(shot: &Shot, spp: u32) -> Result<Cost, Failure> {
     let parameters = parameters(&materials);
     let (camera, size) = (&shot.camera, shot.size);
 
-    let (traced, picture) =
-        timed(|| tracer.render_pixels(&materials, camera, size, &pixels, &settings));
-    let (_, jacobian) =
+    let (_, picture) = timed(|| tracer.render_pixels(&materials, camera, size, &pixels, &settings));
+    let (traced, jacobian) =
         timed(|| tracer.jacobian(&materials, camera, size, &pixels, &parameters, &settings, None));
     let (stored, recording) =
-        timed(|| tracer.store(&materials, camera, size, &pixels, &settings, None));
-    let (replayed, replay) = timed(|| stored.replay(&tracer, &materials, &[]));
-    let (_, replay_jacobian) = timed(|| stored.replay(&tracer, &materials, &parameters));
+        timed(|| tracer.store(&materials, camera, size, &pixels, &parameters, &settings, None));
+    let (replayed, replay) = timed(|| stored.replay(&tracer, &materials, &[], None));
+    let (_, replay_jacobian) = timed(|| stored.replay(&tracer, &materials, &parameters, None));
 
-    let mean = traced.iter().map(|(radiance, _)| radiance.as_dvec3().element_sum()).sum::<f64>()
+    let traced = traced.radiance;
+    let mean = traced.iter().map(|radiance| radiance.as_dvec3().element_sum()).sum::<f64>()
         / (3 * pixels.len()) as f64;
-    let is_same = |(traced, replayed): (&(Rgb, Rgb), &Rgb)| {
-        let off = f64::from((traced.0 - *replayed).abs().max_element());
+    let is_same = |(traced, replayed): (&Rgb, &Rgb)| {
+        let off = f64::from((*traced - *replayed).abs().max_element());
         replayed.is_finite() && off <= ROUNDING * mean
     };
     if !traced.iter().zip(&replayed.radiance).all(is_same) {

@@ -61,7 +61,7 @@ pub use record::{
     Alternative, Covariance, Deviations, GroupIteration, GroupResult, IterationRecord, LightResult,
     Observer, Recovery, Status, Termination,
 };
-pub use rerender::{Renderer, View};
+pub use rerender::{Renderer, Stored, View};
 pub use unknown::{Quantity, Unknown};
 
 use journal::Steps;

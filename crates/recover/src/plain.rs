@@ -31,7 +31,8 @@ pub(crate) fn replace_worse(state: &mut State<'_>, options: &Options) -> bool {
         if hypothesis == Hypothesis::Diffuse || !may_be_plain {
             continue;
         }
-        let budget = sample_budget::diffuse(sample_budget::FINEST, options);
+        let budget =
+            sample_budget::diffuse(sample_budget::FINEST, options, &state.problem.unknown_lights);
         let evidence = gather(state, options, group, budget);
         if evidence.is_empty() {
             continue;

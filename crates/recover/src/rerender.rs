@@ -5,7 +5,7 @@ use std::ops::{Deref, Range};
 use unrender_render::adaptive::SampleAllocation;
 use unrender_render::{
     Accumulator, Appearance, Film, GeometryBuffers, Jacobian, Parameter, ProbeSettings, Probes,
-    ProposalLobe, RadianceCache, Settings, Tracer, radiance_cache::CacheLookup,
+    ProposalLobe, RadianceCache, Settings, StoredPaths, Tracer, radiance_cache::CacheLookup,
 };
 use unrender_scene::{BrdfModel, Camera, Rgb, Scene, SceneError};
 
@@ -33,6 +33,16 @@ pub trait Renderer: Sync {
         settings: &Settings,
         seen: Option<&RadianceCache>,
     ) -> Jacobian;
+    /// Keeps the paths of `pixels`, drawn from the materials of `appearance`, for derivatives by `parameters`; they
+    /// end where `seen` knows the radiance.
+    fn store<'s>(
+        &'s self,
+        appearance: Appearance<'_>,
+        pixels: &[u32],
+        parameters: &[Parameter],
+        settings: &Settings,
+        seen: Option<&RadianceCache>,
+    ) -> Box<dyn Stored + 's>;
     /// The radiance of `pixels`, re-rendered.
     fn rerender(&self, appearance: Appearance<'_>, pixels: &[u32], settings: &Settings)
     -> Vec<Rgb>;
@@ -44,6 +54,13 @@ pub trait Renderer: Sync {
         settings: &Settings,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Vec<Rgb>;
+}
+
+/// The paths of some pixels, to be evaluated under any appearance.
+pub trait Stored {
+    /// The radiance of the pixels under `appearance`, and its derivatives by the parameters that they were kept
+    /// for; paths that end in a cache bring the radiance that `seen` has there now.
+    fn replay(&self, appearance: Appearance<'_>, seen: Option<&RadianceCache>) -> Jacobian;
 }
 
 /// A path that shares is taken for this many at most: a few squares of a picture do not tell all, and
@@ -133,6 +150,31 @@ impl<'a> View<'a> {
         sums
     }
 
+    /// The paths of `pixels`, for [`Renderer::store`].
+    pub(crate) fn paths(
+        &self,
+        appearance: Appearance<'_>,
+        pixels: &[u32],
+        parameters: &[Parameter],
+        settings: &Settings,
+        seen: Option<&RadianceCache>,
+    ) -> StoredPaths {
+        let lookup = self.lookup(seen);
+        let (camera, size) = (&*self.camera, self.size);
+        self.tracer.store(appearance, camera, size, pixels, parameters, settings, lookup)
+    }
+
+    /// `paths` of this view, replayed.
+    pub(crate) fn replay(
+        &self,
+        paths: &StoredPaths,
+        appearance: Appearance<'_>,
+        parameters: &[Parameter],
+        seen: Option<&RadianceCache>,
+    ) -> Jacobian {
+        paths.replay(&self.tracer, appearance, parameters, seen)
+    }
+
     fn lookup<'s>(&'s self, seen: Option<&'s RadianceCache>) -> Option<CacheLookup<'s>> {
         seen.map(|seen| CacheLookup { cache: seen, camera: &self.camera, geometry: &self.geometry })
     }
@@ -145,6 +187,19 @@ impl<'a> View<'a> {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Film {
         self.tracer.render(appearance, &self.camera, self.size, settings, progress)
+    }
+}
+
+/// The paths of a view.
+struct PathsOf<'v, 'a> {
+    view: &'v View<'a>,
+    paths: StoredPaths,
+    parameters: Vec<Parameter>,
+}
+
+impl Stored for PathsOf<'_, '_> {
+    fn replay(&self, appearance: Appearance<'_>, seen: Option<&RadianceCache>) -> Jacobian {
+        self.view.replay(&self.paths, appearance, &self.parameters, seen)
     }
 }
 
@@ -179,6 +234,18 @@ impl Renderer for View<'_> {
         let lookup = self.lookup(seen);
         let (camera, size) = (&*self.camera, self.size);
         self.tracer.jacobian(appearance, camera, size, pixels, parameters, settings, lookup)
+    }
+
+    fn store<'s>(
+        &'s self,
+        appearance: Appearance<'_>,
+        pixels: &[u32],
+        parameters: &[Parameter],
+        settings: &Settings,
+        seen: Option<&RadianceCache>,
+    ) -> Box<dyn Stored + 's> {
+        let paths = self.paths(appearance, pixels, parameters, settings, seen);
+        Box::new(PathsOf { view: self, paths, parameters: parameters.to_vec() })
     }
 
     fn rerender(

@@ -1,7 +1,11 @@
 //! How many rays to spend on a group: few while the light still changes, many at the end.
 //!
-//! Level 0 finds the neighbourhood, level 1 the hypotheses, level 2 the numbers.
+//! Level 0 finds the neighbourhood, level 1 the hypotheses, level 2 the numbers. The first two are a draft,
+//! whatever the effort: the joint refinement goes on from there, and under its light every hypothesis is asked
+//! once more with all samples. Not so where lights are unknown: a photograph that says little of them leaves them
+//! about where the levels end.
 
+use crate::effort::Effort;
 use crate::evidence::SampleBudget;
 use crate::model_error::{Allowance, LightError, ModelError};
 use crate::problem::Options;
@@ -27,6 +31,12 @@ pub fn allowance(level: usize, options: &Options) -> Allowance {
     Allowance { light: LightError { share: LIGHT[level] }, floor: ModelError { share: floor } }
 }
 
+/// The effort of a level, where these lights are unknown.
+fn effort(level: usize, options: &Options, unknown_lights: &[usize]) -> Effort {
+    let is_draft = level < FINEST && unknown_lights.is_empty();
+    if is_draft { Effort::Draft } else { options.effort }
+}
+
 const PIXELS: [usize; 3] = [1500, 4000, 10000];
 const COSINE: [u32; 3] = [12, 32, 64];
 const GLOSSY_PIXELS: [usize; 3] = [1500, 4000, 10000];
@@ -48,11 +58,12 @@ const CANDIDATE_PER_LOBE: u32 = 6;
 const DENSER_MAX: usize = 16;
 
 /// For a group that is diffuse.
-pub fn diffuse(level: usize, options: &Options) -> SampleBudget {
-    let cosine = options.effort.samples(COSINE[level]);
+pub(crate) fn diffuse(level: usize, options: &Options, unknown_lights: &[usize]) -> SampleBudget {
+    let effort = effort(level, options, unknown_lights);
+    let cosine = effort.samples(COSINE[level]);
     let probe = ProbeSettings { cosine, seed: options.seed, ..ProbeSettings::default() };
     SampleBudget {
-        pixels: options.effort.pixels(PIXELS[level]),
+        pixels: effort.pixels(PIXELS[level]),
         pixels_seed: options.seed,
         allowance: allowance(level, options),
         probe,
@@ -60,17 +71,23 @@ pub fn diffuse(level: usize, options: &Options) -> SampleBudget {
 }
 
 /// For a group whose lobe is nearly known, or that mirrors.
-pub fn specular(level: usize, options: &Options, material: &Material) -> SampleBudget {
+pub(crate) fn specular(
+    level: usize,
+    options: &Options,
+    unknown_lights: &[usize],
+    material: &Material,
+) -> SampleBudget {
     let scaled = |scale: f32| ProposalLobe {
         alpha_x: scale * material.alpha_x,
         alpha_y: scale * material.alpha_y,
         theta_rad: material.theta_rad,
     };
+    let effort = effort(level, options, unknown_lights);
     let lobes = if material.is_glossy() { vec![scaled(0.8), scaled(1.4)] } else { Vec::new() };
     let probe = ProbeSettings {
         probes_per_pixel: POINTS,
-        cosine: options.effort.samples(GLOSSY_COSINE[level]),
-        per_lobe: options.effort.samples(PER_LOBE[level]),
+        cosine: effort.samples(GLOSSY_COSINE[level]),
+        per_lobe: effort.samples(PER_LOBE[level]),
         lobes,
         mirror: !material.is_glossy(),
         keep_incident: material.is_glossy(),
@@ -78,7 +95,7 @@ pub fn specular(level: usize, options: &Options, material: &Material) -> SampleB
         ..ProbeSettings::default()
     };
     SampleBudget {
-        pixels: options.effort.pixels(GLOSSY_PIXELS[level]),
+        pixels: effort.pixels(GLOSSY_PIXELS[level]),
         pixels_seed: options.seed,
         allowance: allowance(level, options),
         probe,
@@ -86,8 +103,13 @@ pub fn specular(level: usize, options: &Options, material: &Material) -> SampleB
 }
 
 /// For trying all rungs on a group of so many `pixels`.
-pub fn candidates(level: usize, options: &Options, pixels: usize) -> SampleBudget {
-    let effort = options.effort;
+pub(crate) fn candidates(
+    level: usize,
+    options: &Options,
+    unknown_lights: &[usize],
+    pixels: usize,
+) -> SampleBudget {
+    let effort = effort(level, options, unknown_lights);
     let wanted = effort.pixels(CANDIDATE_PIXELS);
     let denser = (wanted / pixels.max(1)).clamp(1, DENSER_MAX) as u32;
     let probe = ProbeSettings {

@@ -236,7 +236,8 @@ impl<'a> State<'a> {
     fn exposure_by_anchor(&self, group: usize, rho_d: Rgb, options: &Options) -> Option<Rgb> {
         let stage = Stage { exposure: Rgb::ONE, ..self.stage() };
         let pixels = &self.observation.pixels_of_group[group];
-        let mut budget = sample_budget::diffuse(sample_budget::FINEST, options);
+        let mut budget =
+            sample_budget::diffuse(sample_budget::FINEST, options, &self.problem.unknown_lights);
         budget.probe.max_bounces = options.max_bounces;
         let evidence = Evidence::gather(&stage, self.appearance(), group, pixels, &budget);
         let [a, b] = evidence.diffuse();

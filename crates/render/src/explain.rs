@@ -25,6 +25,7 @@ use crate::bsdf::{Bsdf, BsdfSample, Specular, lambert};
 use crate::camera_sample::{camera_ray, pixel_sampler};
 use crate::integrator::Settings;
 use crate::path::{DirectLight, Emission, PathObserver, Transport, Vertex};
+use crate::radiance_cache::Cached;
 use crate::tracer::Tracer;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -148,7 +149,7 @@ impl PathObserver for Bright<'_> {
     }
 
     /// No transport here has a cache.
-    fn record_cache_hit(&mut self, _: Rgb, _: Rgb) {}
+    fn record_cache_hit(&mut self, _: Rgb, _: &Cached) {}
 }
 
 /// The letter of a drawn direction. A sample does not say which lobe it was drawn from: it is called

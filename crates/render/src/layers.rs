@@ -13,6 +13,7 @@ use crate::camera_sample::{camera_ray, pixel_sampler};
 use crate::film::{Accumulator, PixelAccumulator};
 use crate::integrator::{CHUNK, Settings};
 use crate::path::{DirectLight, Emission, PathObserver, RadianceSum, Transport, Vertex};
+use crate::radiance_cache::Cached;
 use crate::tracer::Tracer;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -198,8 +199,8 @@ impl PathObserver for LightSums<'_> {
         self.add(emission.source, throughput * emission.radiance * mis);
     }
 
-    fn record_cache_hit(&mut self, throughput: Rgb, radiance: Rgb) {
+    fn record_cache_hit(&mut self, throughput: Rgb, cached: &Cached) {
         // A cache does not know where its light comes from; pictures are rendered without one.
-        self.whole.record_cache_hit(throughput, radiance);
+        self.whole.record_cache_hit(throughput, cached);
     }
 }

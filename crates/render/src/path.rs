@@ -26,7 +26,7 @@ use crate::accel::{self, Ray};
 use crate::appearance::{Appearance, LightSource, SourceLayout};
 use crate::bsdf::{Bsdf, BsdfSample, Specular};
 use crate::guiding::{self, GlossyPair, VmfMixture};
-use crate::radiance_cache::CacheLookup;
+use crate::radiance_cache::{CacheLookup, Cached};
 use crate::sampler::Sampler;
 use crate::surface::{Frame, Surface};
 use crate::tracer::Tracer;
@@ -116,7 +116,7 @@ pub(crate) trait PathObserver {
     fn record_emission(&mut self, throughput: Rgb, emission: &Emission, mis: f32);
 
     /// The path ends at a surface whose reflected radiance is in the cache.
-    fn record_cache_hit(&mut self, throughput: Rgb, radiance: Rgb);
+    fn record_cache_hit(&mut self, throughput: Rgb, cached: &Cached);
 }
 
 /// The observer that adds up radiance.
@@ -159,8 +159,8 @@ impl PathObserver for RadianceSum<'_> {
     }
 
     #[inline]
-    fn record_cache_hit(&mut self, throughput: Rgb, radiance: Rgb) {
-        self.radiance += throughput * radiance;
+    fn record_cache_hit(&mut self, throughput: Rgb, cached: &Cached) {
+        self.radiance += throughput * cached.radiance;
     }
 }
 
@@ -322,8 +322,8 @@ impl<'a> Transport<'a> {
         let mut throughput = Rgb::ONE;
         let mut carried = Rgb::ONE;
         for bounce in bounce..self.max_bounces {
-            if let Some(radiance) = self.cached(&surface, bounce) {
-                observer.record_cache_hit(throughput, radiance);
+            if let Some(cached) = self.cached(&surface, bounce) {
+                observer.record_cache_hit(throughput, &cached);
                 break;
             }
             let LocalBsdf { bsdf, frame } = self.bsdf(&surface);
@@ -461,7 +461,7 @@ impl<'a> Transport<'a> {
 
     /// The radiance of `surface` from the cache.
     #[inline]
-    fn cached(&self, surface: &Surface, bounce: u32) -> Option<Rgb> {
-        self.cache.filter(|_| bounce > 0).and_then(|cache| cache.radiance(surface))
+    fn cached(&self, surface: &Surface, bounce: u32) -> Option<Cached> {
+        self.cache.filter(|_| bounce > 0).and_then(|cache| cache.at(surface))
     }
 }

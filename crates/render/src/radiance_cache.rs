@@ -40,9 +40,17 @@ const SAME_NORMAL: f32 = 0.95;
 /// up thin layers.
 const SAME_PLANE: f32 = 2e-3;
 
+/// Where a path ends in a [`RadianceCache`].
+pub(crate) struct Cached {
+    /// The index of the pixel in the cache.
+    pub(crate) pixel: u32,
+    /// Its radiance.
+    pub(crate) radiance: Rgb,
+}
+
 impl CacheLookup<'_> {
-    /// The radiance of `surface`, if the camera sees the same point in a valid pixel.
-    pub(crate) fn radiance(&self, surface: &Surface) -> Option<Rgb> {
+    /// The pixel that shows `surface` with its radiance, if the camera sees the same point in a valid pixel.
+    pub(crate) fn at(&self, surface: &Surface) -> Option<Cached> {
         let (width, height) = (self.geometry.width(), self.geometry.height());
         let (x, y) = self.camera.project(surface.point, width, height)?;
         let (column, row) = (x as usize, y as usize);
@@ -57,6 +65,9 @@ impl CacheLookup<'_> {
         let direction = self.camera.direction(centre.0, centre.1, width, height);
         let shown_point = self.camera.origin() + shown.depth * direction;
         let off_plane = (surface.point - shown_point).dot(shown.normal).abs();
-        (off_plane < SAME_PLANE * shown.depth).then(|| *self.cache.radiance.at(column, row))
+        (off_plane < SAME_PLANE * shown.depth).then(|| Cached {
+            pixel: (row * width + column) as u32,
+            radiance: *self.cache.radiance.at(column, row),
+        })
     }
 }

@@ -270,7 +270,8 @@ impl<'o> Candidates<'o> {
     fn ask(&self, state: &mut State<'_>, group: usize, level: usize) -> Option<Proposal> {
         state.groups[group].untextured = None;
         let pixels = state.observation.informative_of_group[group].len();
-        let mut budget = sample_budget::candidates(level, self.options, pixels);
+        let mut budget =
+            sample_budget::candidates(level, self.options, &state.problem.unknown_lights, pixels);
         // What the model of the other groups gets wrong, it may get wrong here.
         let floor = &mut budget.allowance.floor;
         floor.share = floor.share.max(error_of_others(state, group, MIDDLE));

@@ -108,10 +108,11 @@ impl<'o> Settler<'o> {
             (state.groups[group].residual, state.groups[group].likelihood) = (None, None);
             return textures::extract(state, self.options, group, false);
         }
+        let lights = &state.problem.unknown_lights;
         let mut budget = if hypothesis == Hypothesis::Diffuse {
-            sample_budget::diffuse(self.samples, self.options)
+            sample_budget::diffuse(self.samples, self.options, lights)
         } else {
-            sample_budget::specular(self.samples, self.options, &self.aims[group])
+            sample_budget::specular(self.samples, self.options, lights, &self.aims[group])
         };
         budget.allowance = sample_budget::allowance(self.level, self.options);
         let mut evidence = gather(state, self.options, group, budget);
@@ -150,7 +151,8 @@ impl<'o> Settler<'o> {
             if !asked || !state.observation.pixels_of_group[group].is_empty() {
                 continue;
             }
-            let mut budget = sample_budget::diffuse(self.level, self.options);
+            let mut budget =
+                sample_budget::diffuse(self.level, self.options, &state.problem.unknown_lights);
             budget.probe.through_mirrors = true;
             budget.probe.max_bounces = self.options.max_bounces;
             let (stage, appearance) = (state.stage(), state.appearance());

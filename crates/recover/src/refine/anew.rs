@@ -18,7 +18,12 @@ const PIXELS: usize = 2000;
 pub(super) fn evidence(state: &State<'_>, options: &Options, group: usize) -> Option<Evidence> {
     let other_noise = Options { seed: options.seed ^ 0xBA51, ..options.clone() };
     let pixels = &state.observation.pixels_of_group[group];
-    let mut budget = sample_budget::candidates(sample_budget::REFINED, &other_noise, pixels.len());
+    let mut budget = sample_budget::candidates(
+        sample_budget::REFINED,
+        &other_noise,
+        &state.problem.unknown_lights,
+        pixels.len(),
+    );
     budget.pixels = options.effort.pixels(PIXELS);
     budget.probe.max_bounces = options.max_bounces;
     let gathered = Evidence::gather(&state.stage(), state.appearance(), group, pixels, &budget);

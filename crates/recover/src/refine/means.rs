@@ -18,7 +18,7 @@ use crate::state::State;
 use nalgebra::DVector;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use unrender_render::sampler::mix;
 use unrender_render::{Jacobian, Settings};
 use unrender_scene::Rgb;
@@ -60,17 +60,39 @@ pub(crate) fn gather(
     spp: &[u32],
     settings: &Settings,
 ) -> Vec<Mean> {
-    let mut means = Vec::with_capacity(cells.len());
-    for tile in tiles(cells) {
-        let spp = spp[tile[0].group];
-        let pixels: Vec<u32> = tile.iter().flat_map(|c| &c.pixels).map(|p| p.pixel).collect();
-        let jacobians = [0u64, 1].map(|half| {
-            let seed = mix(settings.seed).wrapping_add(half);
-            let settings = Settings { seed, spp, ..*settings };
+    of_tiles(state, unknowns, cells, spp, |_, tile| {
+        let pixels = pixels(tile);
+        halves(settings, spp[tile[0].group]).map(|settings| {
             let (appearance, seen) = (state.appearance(), state.seen.as_ref());
             let asked = &unknowns.parameters;
             state.problem.renderer.jacobian(appearance, &pixels, asked, &settings, seen)
-        });
+        })
+    })
+}
+
+/// The settings of the two renderings, of `spp` paths a pixel.
+pub(super) fn halves(settings: &Settings, spp: u32) -> [Settings; 2] {
+    [0u64, 1].map(|half| Settings { seed: mix(settings.seed).wrapping_add(half), spp, ..*settings })
+}
+
+/// The pixels of a tile.
+pub(super) fn pixels(tile: &[Cell]) -> Vec<u32> {
+    tile.iter().flat_map(|cell| &cell.pixels).map(|seen| seen.pixel).collect()
+}
+
+/// One pass over `cells`, which come group by group, of `spp` paths a pixel of each group, from the Jacobians that
+/// `of_tile` finds for each of their [`tiles`].
+pub(super) fn of_tiles(
+    state: &State<'_>,
+    unknowns: &Unknowns,
+    cells: &[Cell],
+    spp: &[u32],
+    of_tile: impl Fn(usize, &[Cell]) -> [Jacobian; 2],
+) -> Vec<Mean> {
+    let mut means = Vec::with_capacity(cells.len());
+    for (index, tile) in tiles(cells).into_iter().enumerate() {
+        let spp = spp[tile[0].group];
+        let jacobians = of_tile(index, tile);
         let starts: Vec<usize> = tile
             .iter()
             .scan(0, |next, cell| {
@@ -137,13 +159,27 @@ impl Shown {
     }
 }
 
-/// Adds what a pass found to the average of those before, cell by cell; each counts by its paths.
+/// Adds what a pass over all cells of some groups found to the average of those before, cell by cell; each counts
+/// by its paths.
 pub(crate) fn average(average: &mut Vec<Mean>, found: Vec<Mean>) {
     if average.is_empty() {
         *average = found;
         return;
     }
-    average.iter_mut().zip(found).for_each(|(mean, found)| mean.add(&found));
+    let groups: BTreeSet<usize> = found.iter().map(|mean| mean.group).collect();
+    let old = average.iter_mut().filter(|mean| groups.contains(&mean.group));
+    old.zip(found).for_each(|(mean, found)| mean.add(&found));
+}
+
+/// For each of `groups` groups: its pixels, and the paths that each of them has in each of the two renderings.
+pub(super) fn seen(means: &[Mean], groups: usize) -> Vec<(f64, f64)> {
+    let mut seen = vec![(0.0, 0.0); groups];
+    for mean in means {
+        let (pixels, paths) = &mut seen[mean.group];
+        *pixels += mean.pixels;
+        *paths = mean.paths;
+    }
+    seen
 }
 
 /// For each of `groups` groups: the relative error of its cells that both renderings see, as a mean
@@ -192,7 +228,7 @@ impl Mean {
 }
 
 /// The cells in tiles of about [`TILE`] pixels, each of one group.
-fn tiles(cells: &[Cell]) -> Vec<&[Cell]> {
+pub(super) fn tiles(cells: &[Cell]) -> Vec<&[Cell]> {
     let mut tiles = Vec::new();
     let (mut start, mut pixels) = (0, 0);
     for (i, cell) in cells.iter().enumerate() {

@@ -13,8 +13,10 @@
 
 mod anew;
 mod blocks;
+mod kept;
 pub(crate) mod local_minima;
 mod means;
+mod needs;
 mod normal;
 mod passes;
 mod relations;

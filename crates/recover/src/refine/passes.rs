@@ -1,43 +1,47 @@
 //! Pass after pass over the photograph: towards the minimum, then until it is known well enough.
 //!
-//! *Coarse*: some pixels, few paths. A step is taken while one of its numbers is certainly not zero
-//! (`SIGNIFICANT`), so that noise never leads away from the ladder's answer. A pass that finds the
-//! error worse than before is taken back and its step tried again with damping [Levenberg 1944;
-//! Marquardt 1963].
+//! *Approach*: few paths are traced, once ([`super::kept`]), and steps are made on them while one of their numbers
+//! is certainly not zero (`SIGNIFICANT`), so that noise never leads away from the ladder's answer. A pass that finds the error worse than before is taken back and its step tried again
+//! with damping [Levenberg 1944; Marquardt 1963]. Where a lobe has left the range that the paths carry, they are
+//! traced anew.
 //!
-//! *Fine*: all pixels, always the same ones, and what the passes find is averaged, the residuals
-//! carried along to where the parameters have moved, `r -> r - J s`. Paths go to the groups whose
-//! numbers the renderings' noise leaves least certain. It ends when the last step is smaller than
-//! its own standard deviation, and the renderings' noise is below the photograph's or below what
-//! anyone would ask for (`precise_enough`), or after so many passes that more would help little.
+//! *Accumulation*: from there, more pixels and fresh paths, since the numbers suit those of the approach better than
+//! others. What the passes find is averaged, the residuals carried along to where the parameters have moved,
+//! `r -> r - J s`. After the first pass paths go to the groups alone whose numbers the renderings' noise leaves
+//! too uncertain, as many as these lack ([`super::needs`]). It ends when no group lacks any, or after so many
+//! passes that more would help little.
 
+use super::Solution;
+use super::kept::KeptPaths;
 use super::means::{self, Mean};
+use super::needs;
 use super::normal::Normal;
 use super::sample::{self, Cell};
 use super::system::System;
 use super::unknowns::Unknowns;
-use super::{Solution, blocks};
 use crate::photometric::PhotometricEstimate;
 use crate::problem::Options;
 use crate::record::Observer;
 use crate::state::State;
-use crate::unknown::{Quantity, Unknown};
+use crate::unknown::Quantity;
 use nalgebra::{DMatrix, DVector};
 use unrender_render::Settings;
 use unrender_render::sampler::mix;
 use unrender_scene::{Material, Rgb};
 
-/// Pixels of a group at most and paths a pixel, in each of the two renderings, of a coarse pass.
+/// Pixels of a group at most and paths a pixel, in each of the two renderings, of an approach.
 pub(super) const COARSE: (usize, u32) = (8000, 16);
-/// The same of a fine pass, to begin with.
+/// The same of the first pass of an accumulation; the others take so many paths a pixel at most, over all groups.
 const FINE: (usize, u32) = (40_000, 32);
-/// Paths a pixel that a group may get in a fine pass.
-const FINE_SPP: [f64; 2] = [8.0, 256.0];
-/// Coarse and fine passes at most.
-const PASSES_MAX: [usize; 2] = [10, 10];
-/// A coarse step is taken if one of its numbers is this many standard deviations long.
+/// Steps of an approach at most, how often its paths may be traced, and passes of an accumulation at most.
+const STEPS_MAX: usize = 10;
+const TRACED_MAX: usize = 3;
+const PASSES_MAX: usize = 10;
+/// A step of an approach is taken if one of its numbers is this many standard deviations long. At a thirtieth of
+/// it drafts follow the noise of their paths away from the ladder's answer; at double the accumulation begins off
+/// the minimum.
 const SIGNIFICANT: f64 = 3.0;
-/// What fine passes found is dropped after a step of so many standard deviations: it was found too
+/// What an accumulation found is dropped after a step of so many standard deviations: it was found too
 /// far away.
 const FAR: f64 = 4.0;
 /// The first damping after a step that made things worse, relative to the curvature; then tenfold.
@@ -45,8 +49,6 @@ const DAMPING: f64 = 0.1;
 /// A pass is worse if its weighted squared error is higher by this many standard deviations of the
 /// difference.
 const WORSE: f64 = 3.0;
-/// The renderings may have this share of a number's variance.
-const RENDERING_SHARE: f64 = 0.35;
 
 /// The passes of one refinement.
 pub(super) struct Passes<'o> {
@@ -78,37 +80,54 @@ impl<'o> Passes<'o> {
     ) -> Solution {
         let unknowns = Unknowns::of(state);
         let prior = unknowns.prior_mean(state);
-        self.coarse(state, &unknowns, &prior, observer);
-        self.fine(state, unknowns, &prior, observer)
+        self.approach_with(state, &unknowns, &prior, observer);
+        self.accumulate(state, unknowns, &prior, observer)
     }
 
-    /// The coarse passes alone.
+    /// The approach alone.
     pub(super) fn approach(&mut self, state: &mut State<'_>, observer: &mut dyn Observer) {
         let unknowns = Unknowns::of(state);
         let prior = unknowns.prior_mean(state);
-        self.coarse(state, &unknowns, &prior, observer);
+        self.approach_with(state, &unknowns, &prior, observer);
     }
 
-    fn coarse(
+    fn approach_with(
         &mut self,
         state: &mut State<'_>,
         unknowns: &Unknowns,
         prior: &DVector<f64>,
         observer: &mut dyn Observer,
     ) {
+        let pixels = (self.options.effort.pixels(COARSE.0), self.pixels_seed());
+        let spp = self.options.effort.samples(COARSE.1);
+        for _ in 0..TRACED_MAX {
+            state.look_at_photograph();
+            let settings = Settings { spp, ..self.settings() };
+            let kept = KeptPaths::new(state, pixels, &settings);
+            self.steps(state, unknowns, prior, &kept, observer);
+            if kept.carry(state) || observer.is_cancelled() {
+                return;
+            }
+        }
+    }
+
+    /// Steps on the same paths, while they are significant.
+    fn steps<'a>(
+        &self,
+        state: &mut State<'a>,
+        unknowns: &Unknowns,
+        prior: &DVector<f64>,
+        kept: &KeptPaths<'a>,
+        observer: &mut dyn Observer,
+    ) {
         let mut last: Option<Place> = None;
         let mut damping = 0.0;
-        let effort = self.options.effort;
-        let spp = vec![effort.samples(COARSE.1); state.materials.len()];
-        // All passes see the same pixels by the same random numbers, so that they can be compared.
-        let seed = self.seed();
-        for _ in 0..effort.rounds(PASSES_MAX[0]) {
+        for taken in 1..=STEPS_MAX {
             if observer.is_cancelled() {
                 return;
             }
             state.look_at_photograph();
-            let cells = sample::all(state, effort.pixels(COARSE.0), seed);
-            let means = self.pass(state, unknowns, &cells, (&spp, seed));
+            let means = state.steps.value("pass", || kept.means(state, unknowns));
             let normal = Normal::of(&means, unknowns, state.materials.len());
             let error = relative_error(&normal, &means);
             let worse = last.as_ref().is_some_and(|last| last.is_better_than(&means));
@@ -120,25 +139,25 @@ impl<'o> Passes<'o> {
                 }
                 _ => {
                     damping *= 0.1;
-                    let values = unknowns.values(state);
-                    let system = System::new(unknowns, &normal, &(prior - &values));
-                    let system = system.related(unknowns, &values);
-                    Place::of(state, &means, &normal, system)
+                    Place::of(state, &means, &normal, system(state, unknowns, &normal, prior))
                 }
             };
-            let covariance = place.system.covariance();
-            let Some(step) = place.system.step(damping, &unknowns.bounds(state)) else { return };
-            let significant = |k: usize| step[k].powi(2) > SIGNIFICANT.powi(2) * covariance[(k, k)];
-            if !worse && !(0..step.len()).any(significant) {
+            let Some(step) = place.system.step(damping, &unknowns.bounds(state)) else {
+                return;
+            };
+            let moved = in_deviations(&step, &place.system.covariance());
+            if !worse && moved.iter().all(|moved| *moved <= SIGNIFICANT) {
                 return;
             }
             unknowns.apply(state, &step);
-            tell(state, observer, unknowns, (&step, error, &means), 0.1);
+            let done = 0.1 + 0.3 * taken as f64 / STEPS_MAX as f64;
+            tell(state, observer, unknowns, (&step, error, &means), done);
             last = Some(place);
         }
     }
 
-    fn fine(
+    /// Fresh paths, and more of them where they are lacking.
+    fn accumulate(
         &mut self,
         state: &mut State<'_>,
         unknowns: Unknowns,
@@ -147,25 +166,21 @@ impl<'o> Passes<'o> {
     ) -> Solution {
         let effort = self.options.effort;
         let mean_spp = effort.samples(FINE.1);
-        let passes_max = effort.rounds(PASSES_MAX[1]);
-        let mut spp = vec![mean_spp; state.materials.len()];
         let mut average: Vec<Mean> = Vec::new();
+        let mut spp = vec![mean_spp; state.materials.len()];
         let mut stated = DMatrix::zeros(unknowns.len(), unknowns.len());
-        let pixels_seed = self.seed();
         let (mut settled, mut failed) = (false, false);
-        for pass in 1..=passes_max {
+        for pass in 1..=PASSES_MAX {
             if observer.is_cancelled() {
                 break;
             }
             state.look_at_photograph();
-            let cells = sample::all(state, effort.pixels(FINE.0), pixels_seed);
-            let seed = self.seed();
-            let found = self.pass(state, &unknowns, &cells, (&spp, seed));
+            let mut cells = sample::all(state, effort.pixels(FINE.0), self.pixels_seed());
+            cells.retain(|cell| spp[cell.group] > 0);
+            let found = self.pass(state, &unknowns, &cells, &spp);
             means::average(&mut average, found);
             let normal = Normal::of(&average, &unknowns, state.materials.len());
-            let values = unknowns.values(state);
-            let system = System::new(&unknowns, &normal, &(prior - &values));
-            let system = system.related(&unknowns, &values);
+            let system = system(state, &unknowns, &normal, prior);
             let covariance = system.covariance();
             stated = system.stated_covariance();
             let Some(step) = system.step(0.0, &unknowns.bounds(state)) else {
@@ -174,88 +189,67 @@ impl<'o> Passes<'o> {
             };
             let step = unknowns.apply(state, &step);
             let error = relative_error(&normal, &average);
-            let done = 0.1 + 0.9 * pass as f64 / passes_max as f64;
+            let done = 0.4 + 0.6 * pass as f64 / PASSES_MAX as f64;
             tell(state, observer, &unknowns, (&step, error, &average), done);
-            let longest = (0..step.len())
-                .map(|k| step[k].abs() / covariance[(k, k)].sqrt().max(f64::MIN_POSITIVE))
-                .fold(0.0, f64::max);
+            let moved = in_deviations(&step, &covariance);
+            settled = moved.iter().all(|moved| *moved <= 1.0);
             let rendering = system.rendering_variance();
-            settled = longest <= 1.0;
-            if settled && is_precise(state, &unknowns, &covariance, &rendering) {
+            let seen = means::seen(&average, state.materials.len());
+            let variances = (&covariance, &rendering);
+            let needs = needs::of(state, &unknowns, variances, &moved, &seen);
+            if needs.iter().all(|need| *need <= 1.0) {
                 break;
             }
-            if longest > FAR {
+            if moved.iter().any(|moved| *moved > FAR) {
                 average.clear();
+                spp.fill(mean_spp);
             } else {
                 average.iter_mut().for_each(|mean| mean.move_by(&step));
+                spp = needs::allocate(&seen, &needs, mean_spp);
             }
-            spp = allocate(state, &unknowns, &rendering, (&cells, mean_spp));
         }
         Solution { unknowns, covariance: stated, settled, failed }
     }
 
-    fn seed(&mut self) -> u64 {
+    /// The settings of the next rendering, but for its paths a pixel.
+    fn settings(&mut self) -> Settings {
         self.count += 1;
-        mix(self.options.seed ^ 0x4EF1_4E00).wrapping_add(self.count << 8)
+        Settings {
+            spp: 0,
+            seed: mix(self.options.seed ^ 0x4EF1_4E00).wrapping_add(self.count << 8),
+            max_bounces: self.options.max_bounces,
+            integrator: unrender_render::Integrator::Path,
+        }
+    }
+
+    /// The seed of the choice of pixels, which is the same in all passes.
+    fn pixels_seed(&self) -> u64 {
+        mix(self.options.seed ^ 0x4EF1_4E00)
     }
 
     fn pass(
-        &self,
+        &mut self,
         state: &State<'_>,
         unknowns: &Unknowns,
         cells: &[Cell],
-        (spp, seed): (&[u32], u64),
+        spp: &[u32],
     ) -> Vec<Mean> {
-        let settings = Settings {
-            spp: 0,
-            seed,
-            max_bounces: self.options.max_bounces,
-            integrator: unrender_render::Integrator::Path,
-        };
+        let settings = self.settings();
         let gather = || means::gather(state, unknowns, cells, spp, &settings);
         state.steps.value("pass", gather)
     }
 }
 
-/// The standard deviation below which nobody asks for more.
-fn precise_enough(state: &State<'_>, u: &Unknown) -> f64 {
-    blocks::of(u.quantity).precise_enough(state, u)
+/// The equations at the place of `state`, with the mean of the prior.
+fn system(state: &State<'_>, unknowns: &Unknowns, normal: &Normal, prior: &DVector<f64>) -> System {
+    let values = unknowns.values(state);
+    System::new(unknowns, normal, &(prior - &values)).related(unknowns, &values)
 }
 
-/// Whether the renderings' noise matters nowhere.
-fn is_precise(
-    state: &State<'_>,
-    unknowns: &Unknowns,
-    covariance: &DMatrix<f64>,
-    rendering: &DVector<f64>,
-) -> bool {
-    unknowns.list.iter().enumerate().all(|(k, u)| {
-        rendering[k] <= RENDERING_SHARE * covariance[(k, k)]
-            || rendering[k] <= precise_enough(state, u).powi(2)
-    })
-}
-
-/// The paths a pixel of every group for the next pass: `mean_spp` on average, most for
-/// the groups whose worst number has the largest variance from the renderings.
-fn allocate(
-    state: &State<'_>,
-    unknowns: &Unknowns,
-    rendering: &DVector<f64>,
-    (cells, mean_spp): (&[Cell], u32),
-) -> Vec<u32> {
-    let groups = state.materials.len();
-    let mut need = vec![0.0f64; groups];
-    for (k, u) in unknowns.list.iter().enumerate() {
-        if !blocks::of(u.quantity).is_nuisance() {
-            need[u.of] = need[u.of].max(rendering[k] / precise_enough(state, u).powi(2));
-        }
-    }
-    let mut pixels = vec![0.0f64; groups];
-    cells.iter().for_each(|cell| pixels[cell.group] += cell.pixels.len() as f64);
-    let paths = f64::from(mean_spp) * pixels.iter().sum::<f64>();
-    let wanted: f64 = pixels.iter().zip(&need).map(|(n, need)| n * need).sum();
-    let spp = |need: &f64| (paths * need / wanted.max(f64::MIN_POSITIVE)).round();
-    need.iter().map(|n| spp(n).clamp(FINE_SPP[0], FINE_SPP[1]) as u32).collect()
+/// How many standard deviations long a step is in each number.
+fn in_deviations(step: &DVector<f64>, covariance: &DMatrix<f64>) -> Vec<f64> {
+    let of = |k: usize| step[k].abs() / covariance[(k, k)].sqrt().max(f64::MIN_POSITIVE);
+    (0..step.len()).map(of).collect()
 }
 
 /// Notes the end of a pass that ended with a step.

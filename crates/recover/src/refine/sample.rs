@@ -35,10 +35,19 @@ pub(crate) fn all(state: &State<'_>, per_group: usize, seed: u64) -> Vec<Cell> {
     };
     let groups = (0..state.materials.len()).filter(says_something);
     let mut cells = cells(&state.stage(), groups, per_group, seed);
-    for seen in cells.iter_mut().flat_map(|cell| &mut cell.pixels) {
-        seen.radiance += state.exposure * state.photometric_change(seen.pixel as usize);
-    }
+    expose(state, &mut cells);
     cells
+}
+
+/// Takes the radiances of `cells`, and their noise, by the exposure and the camera's numbers as they stand in
+/// `state`.
+pub(super) fn expose(state: &State<'_>, cells: &mut [Cell]) {
+    for cell in cells {
+        for seen in &mut cell.pixels {
+            seen.radiance = state.exposure * state.value(seen.pixel as usize);
+            seen.noise = state.observation.noise(cell.group, seen.pixel, state.exposure);
+        }
+    }
 }
 
 /// At most `per_group` pixels of every group that is known, and of every unknown light.

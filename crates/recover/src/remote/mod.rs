@@ -13,20 +13,25 @@
 //! |---|---|---|
 //! | probes | pixels | 108 a probe, 24 an incident sample |
 //! | Jacobian | pixels | 12 (1 + parameters) a pixel |
+//! | the same on stored paths | pixels | 12 (1 + parameters) a pixel |
 //! | radiance of pixels | pixels | 12 a pixel |
 //! | picture with path reuse | sample numbers | at most 48 a pixel and part |
 //!
 //! Each refers to three pieces of shared data that outlive it: the view (scene, camera, size), the
-//! appearance, the radiance cache. Scene and tree are made of the first, once a worker.
+//! appearance, the radiance cache. Scene and tree are made of the first, once a worker. Workers keep the
+//! paths of their pixels that are replayed (module `kept`), and trace them again where they lack them: that
+//! costs time, and changes no bit.
 //!
 //! How bytes travel, and who dies, is the business of whoever implements [`Workers`].
 
+mod kept;
+mod paths;
 mod wire;
 mod worker;
 
 pub use worker::{Fault, Worker};
 
-use crate::rerender::{Renderer, View};
+use crate::rerender::{Renderer, Stored, View};
 use std::hash::{DefaultHasher, Hasher};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -90,15 +95,15 @@ impl<'a> Remote<'a> {
     /// The answers to `requests`; none if one is missing.
     fn ask(
         &self,
-        appearance: Appearance<'_>,
+        (appearance, drawn): (Appearance<'_>, Option<Appearance<'_>>),
         cache: Option<&RadianceCache>,
         requests: impl Iterator<Item = Request>,
     ) -> Option<Vec<Vec<u8>>> {
         let requests: Vec<Vec<u8>> = requests.map(|request| wire::encode(&request)).collect();
         let shared = {
             let mut shelf = self.shelf.lock().unwrap_or_else(PoisonError::into_inner);
-            let appearance = wire::encode(&(appearance.materials, appearance.lights));
-            [self.setup.clone(), Shared::new(appearance), shelf.shared(cache)]
+            let appearances = wire::appearances(appearance, drawn);
+            [self.setup.clone(), Shared::new(appearances), shelf.shared(cache)]
         };
         let answers = self.workers.answers(&shared, &requests)?;
         (answers.len() == requests.len()).then_some(answers)
@@ -132,7 +137,7 @@ impl<'a> Remote<'a> {
         let request = |tile: &[u32]| Request::Probe(tile.to_vec(), settings.clone());
         let tiles = self.tiles(pixels, PROBES_MIN)?;
         let mut all = Probes::default();
-        for answer in self.ask(appearance, seen, tiles.map(request))? {
+        for answer in self.ask((appearance, None), seen, tiles.map(request))? {
             all.append(wire::read_probes(&answer)?);
         }
         Some(all)
@@ -140,16 +145,21 @@ impl<'a> Remote<'a> {
 
     fn asked_jacobian(
         &self,
-        appearance: Appearance<'_>,
+        (appearance, drawn): (Appearance<'_>, Option<Appearance<'_>>),
         (pixels, parameters): (&[u32], &[Parameter]),
         settings: &Settings,
         seen: Option<&RadianceCache>,
     ) -> Option<Jacobian> {
-        let request =
-            |tile: &[u32]| Request::Jacobian(tile.to_vec(), parameters.to_vec(), *settings);
+        let request = |tile: &[u32]| {
+            let (pixels, parameters) = (tile.to_vec(), parameters.to_vec());
+            match drawn {
+                None => Request::Jacobian(pixels, parameters, *settings),
+                Some(_) => Request::Replay(pixels, parameters, *settings),
+            }
+        };
         let tiles = self.tiles(pixels, PIXELS_MIN)?;
         let sizes: Vec<usize> = tiles.clone().map(<[u32]>::len).collect();
-        let answers = self.ask(appearance, seen, tiles.map(request))?;
+        let answers = self.ask((appearance, drawn), seen, tiles.map(request))?;
         let mut all = Jacobian::default();
         for (answer, size) in answers.iter().zip(sizes) {
             let values = wire::read_rgb(answer, size * (1 + parameters.len()))?;
@@ -168,7 +178,7 @@ impl<'a> Remote<'a> {
         let request = |tile: &[u32]| Request::Radiance(tile.to_vec(), *settings);
         let tiles = self.tiles(pixels, PIXELS_MIN)?;
         let sizes: Vec<usize> = tiles.clone().map(<[u32]>::len).collect();
-        let answers = self.ask(appearance, None, tiles.map(request))?;
+        let answers = self.ask((appearance, None), None, tiles.map(request))?;
         let mut all = Vec::with_capacity(pixels.len());
         for (answer, size) in answers.iter().zip(sizes) {
             all.extend(wire::read_rgb(answer, size)?);
@@ -187,7 +197,7 @@ impl<'a> Remote<'a> {
             return None;
         }
         let request = |samples: Range<u32>| Request::Samples(samples, *plan);
-        let answers = self.ask(appearance, None, self.ranges(plan.spp).map(request))?;
+        let answers = self.ask((appearance, None), None, self.ranges(plan.spp).map(request))?;
         let mut sums = Accumulator::new(width, height);
         for (answer, samples) in answers.iter().zip(self.ranges(plan.spp)) {
             let part = wire::read_sums(answer, width * height)?;
@@ -229,8 +239,20 @@ impl Renderer for Remote<'_> {
         settings: &Settings,
         seen: Option<&RadianceCache>,
     ) -> Jacobian {
-        self.asked_jacobian(appearance, (pixels, parameters), settings, seen)
+        self.asked_jacobian((appearance, None), (pixels, parameters), settings, seen)
             .unwrap_or_else(|| self.view.jacobian(appearance, pixels, parameters, settings, seen))
+    }
+
+    fn store<'s>(
+        &'s self,
+        appearance: Appearance<'_>,
+        pixels: &[u32],
+        parameters: &[Parameter],
+        settings: &Settings,
+        seen: Option<&RadianceCache>,
+    ) -> Box<dyn Stored + 's> {
+        let seen = seen.cloned();
+        Box::new(paths::Paths::new(self, appearance, (pixels, parameters), settings, seen))
     }
 
     fn rerender(

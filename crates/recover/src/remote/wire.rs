@@ -6,9 +6,9 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use unrender_render::{
-    Accumulator, Incident, Mirrored, Parameter, Probe, ProbeSettings, Probes, Settings,
+    Accumulator, Appearance, Incident, Mirrored, Parameter, Probe, ProbeSettings, Probes, Settings,
 };
-use unrender_scene::{Camera, Rgb, Scene};
+use unrender_scene::{Camera, Material, Rgb, Scene};
 
 /// What is asked of a worker.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -17,6 +17,8 @@ pub(super) enum Request {
     Probe(Vec<u32>, ProbeSettings),
     /// The radiance of these pixels and its derivatives.
     Jacobian(Vec<u32>, Vec<Parameter>, Settings),
+    /// The same on paths that were drawn from other materials.
+    Replay(Vec<u32>, Vec<Parameter>, Settings),
     /// The radiance of these pixels.
     Radiance(Vec<u32>, Settings),
     /// The sums of the samples of these numbers, of all pixels.
@@ -29,6 +31,24 @@ pub(super) struct Setup {
     pub(super) scene: Scene,
     pub(super) camera: Camera,
     pub(super) size: (usize, usize),
+}
+
+/// What the scene looks like, and what paths are drawn from that are replayed: materials, and factors on lights.
+#[derive(Deserialize)]
+pub(super) struct Appearances {
+    pub(super) now: (Vec<Material>, Vec<Rgb>),
+    pub(super) drawn: Option<(Vec<Material>, Vec<Rgb>)>,
+}
+
+/// [`Appearances`] as bytes.
+pub(super) fn appearances(now: Appearance<'_>, drawn: Option<Appearance<'_>>) -> Vec<u8> {
+    #[derive(Serialize)]
+    struct Borrowed<'a> {
+        now: (&'a [Material], &'a [Rgb]),
+        drawn: Option<(&'a [Material], &'a [Rgb])>,
+    }
+    let drawn = drawn.map(|drawn| (drawn.materials, drawn.lights));
+    encode(&Borrowed { now: (now.materials, now.lights), drawn })
 }
 
 /// A [`Setup`] as bytes.

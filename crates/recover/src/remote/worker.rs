@@ -1,6 +1,7 @@
 //! The side of a worker: a scene with its tree, and answers to requests.
 
-use super::wire::{self, Request, Setup};
+use super::kept::Kept;
+use super::wire::{self, Appearances, Request, Setup};
 use crate::rerender::{Renderer, View};
 use std::sync::{Arc, Mutex, PoisonError};
 use unrender_render::{Appearance, RadianceCache};
@@ -24,6 +25,8 @@ pub struct Worker {
     groups: usize,
     /// The cache that was sent last, with its bytes: many requests refer to one.
     cache: Mutex<Option<(Vec<u8>, Arc<RadianceCache>)>>,
+    /// Paths that are replayed.
+    kept: Kept,
 }
 
 impl Worker {
@@ -34,7 +37,12 @@ impl Worker {
     pub fn new(setup: &[u8]) -> Result<Self, Fault> {
         let Setup { scene, camera, size } = wire::decode(setup).ok_or(Fault::NotUnderstood)?;
         let view = View::of_scene(&scene, camera, size)?;
-        Ok(Self { view, groups: scene.groups.len(), cache: Mutex::default() })
+        Ok(Self {
+            view,
+            groups: scene.groups.len(),
+            cache: Mutex::default(),
+            kept: Kept::default(),
+        })
     }
 
     /// The answer to `request` under the second and the third of the shared data, `appearance` and
@@ -52,11 +60,8 @@ impl Worker {
     }
 
     fn answered(&self, appearance: &[u8], cache: &[u8], request: &[u8]) -> Option<Vec<u8>> {
-        let (materials, lights): (Vec<Material>, Vec<Rgb>) = wire::decode(appearance)?;
-        if materials.len() != self.groups {
-            return None;
-        }
-        let appearance = Appearance { materials: &materials, lights: &lights };
+        let Appearances { now, drawn } = wire::decode(appearance)?;
+        let appearance = self.appearance(&now)?;
         let cache = if cache.is_empty() { None } else { Some(self.cache(cache)?) };
         let (view, seen) = (&self.view, cache.as_deref());
         Some(match wire::decode(request)? {
@@ -69,6 +74,15 @@ impl Worker {
                 let found = view.jacobian(appearance, &pixels, &parameters, &settings, seen);
                 wire::write_rgb(found.radiance.iter().chain(&found.derivatives))
             }
+            Request::Replay(pixels, parameters, settings) => {
+                self.check(&pixels)?;
+                let drawn = drawn.as_ref().and_then(|drawn| self.appearance(drawn))?;
+                let asked = (pixels.as_slice(), parameters.as_slice());
+                let trace = || view.paths(drawn, asked.0, asked.1, &settings, seen);
+                let paths = self.kept.paths(drawn, asked, &settings, seen, trace);
+                let found = view.replay(&paths, appearance, asked.1, seen);
+                wire::write_rgb(found.radiance.iter().chain(&found.derivatives))
+            }
             Request::Radiance(pixels, settings) => {
                 self.check(&pixels)?;
                 wire::write_rgb(view.rerender(appearance, &pixels, &settings).iter())
@@ -77,6 +91,14 @@ impl Worker {
                 wire::write_sums(&view.samples(appearance, samples, &settings))
             }
         })
+    }
+
+    /// The appearance of these materials and factors on lights, if the scene has as many groups.
+    fn appearance<'m>(
+        &self,
+        (materials, lights): &'m (Vec<Material>, Vec<Rgb>),
+    ) -> Option<Appearance<'m>> {
+        (materials.len() == self.groups).then_some(Appearance { materials, lights })
     }
 
     /// Whether the picture has these pixels.

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
-use unrender_recover::{Expected, Picture, Renderer};
+use unrender_recover::{Expected, Picture, Renderer, Stored};
 use unrender_render::geometry::PixelGeometry;
 use unrender_render::probe::Incident;
 use unrender_render::{
@@ -146,6 +146,20 @@ impl Stripes {
     }
 }
 
+/// What stripes send is known without paths.
+struct StoredStripes<'s> {
+    stripes: &'s Stripes,
+    pixels: Vec<u32>,
+    parameters: Vec<Parameter>,
+}
+
+impl Stored for StoredStripes<'_> {
+    fn replay(&self, appearance: Appearance<'_>, seen: Option<&RadianceCache>) -> Jacobian {
+        let settings = Settings::default();
+        self.stripes.jacobian(appearance, &self.pixels, &self.parameters, &settings, seen)
+    }
+}
+
 impl Renderer for Stripes {
     fn geometry(&self) -> &GeometryBuffers {
         &self.geometry
@@ -209,6 +223,18 @@ impl Renderer for Stripes {
         }
         let radiance = self.radiances(appearance.materials, pixels);
         Jacobian { radiance, derivatives }
+    }
+
+    fn store<'s>(
+        &'s self,
+        _: Appearance<'_>,
+        pixels: &[u32],
+        parameters: &[Parameter],
+        _: &Settings,
+        _: Option<&RadianceCache>,
+    ) -> Box<dyn Stored + 's> {
+        let (pixels, parameters) = (pixels.to_vec(), parameters.to_vec());
+        Box::new(StoredStripes { stripes: self, pixels, parameters })
     }
 
     fn rerender(&self, appearance: Appearance<'_>, pixels: &[u32], _: &Settings) -> Vec<Rgb> {

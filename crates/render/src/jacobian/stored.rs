@@ -17,13 +17,13 @@
 //! light comes from the environment, 8 more where the surface has texture coordinates.
 
 use super::tape::{self, Arriving, Tape};
-use super::{CHUNK, Jacobian, Parameter, Plan};
+use super::{CHUNK, Jacobian, Parameter, Plan, plan};
 use crate::appearance::{Appearance, LightSource};
 use crate::bsdf::BsdfSample;
 use crate::camera_sample::{camera_ray, pixel_sampler};
 use crate::integrator::Settings;
 use crate::path::{DirectLight, Emission, PathObserver, Transport, Vertex};
-use crate::radiance_cache::CacheLookup;
+use crate::radiance_cache::{CacheLookup, Cached, RadianceCache};
 use crate::tracer::Tracer;
 use crate::virtual_lamps::MirrorsPassed;
 use glam::{DVec3, Vec2, Vec3};
@@ -68,7 +68,7 @@ enum Event {
     Reflection,
     /// The path hits what a source emits: what arrives.
     Emission,
-    /// The path ends in the cache: its radiance.
+    /// The path ends in the cache, at a pixel of it.
     Cached,
 }
 
@@ -91,8 +91,9 @@ impl Event {
 
 impl Tracer {
     /// Traces the paths of `pixels` (indices into a picture of `size`), drawn from the materials of `appearance`,
-    /// and keeps them. The paths are those of [`Tracer::render_pixels`] under the same seed; they end at surfaces
-    /// whose radiance is in `cache`, except at the first vertex.
+    /// and keeps them, for derivatives by `parameters`. The paths are those of [`Tracer::jacobian`] under the same
+    /// seed, and without parameters those of [`Tracer::render_pixels`]; they end at surfaces whose radiance is in
+    /// `cache`, except at the first vertex.
     ///
     /// ```
     /// use unrender_render::{Settings, Tracer};
@@ -107,24 +108,28 @@ impl Tracer {
     /// let tracer = Tracer::new(&scene);
     /// let materials = scene.materials();
     /// let settings = Settings { spp: 4, ..Settings::default() };
-    /// let paths = tracer.store(&materials, &camera, (8, 8), &[27, 28], &settings, None);
-    /// let radiance = paths.replay(&tracer, &materials, &[]).radiance;
+    /// let paths = tracer.store(&materials, &camera, (8, 8), &[27, 28], &[], &settings, None);
+    /// let radiance = paths.replay(&tracer, &materials, &[], None).radiance;
     /// assert_eq!(radiance.len(), 2);
     /// ```
     ///
     /// # Panics
     /// If the appearance has fewer materials than the scene has groups.
+    #[expect(clippy::too_many_arguments, reason = "each is an independent part of the problem")]
     pub fn store<'a>(
         &self,
         appearance: impl Into<Appearance<'a>>,
         camera: &Camera,
         size: (usize, usize),
         pixels: &[u32],
+        parameters: &[Parameter],
         settings: &Settings,
         cache: Option<CacheLookup<'_>>,
     ) -> StoredPaths {
         let appearance = appearance.into();
-        let transport = Transport::new(self, appearance, settings.max_bounces).with_cache(cache);
+        let drawn = plan::drawn(appearance.materials, parameters);
+        let sampled_as = Appearance { materials: &drawn, ..appearance };
+        let transport = Transport::new(self, sampled_as, settings.max_bounces).with_cache(cache);
         let chunk = |pixels: &[u32]| {
             let mut recorder = Recorder { words: Vec::new() };
             for pixel in pixels {
@@ -140,7 +145,7 @@ impl Tracer {
             recorder.words
         };
         StoredPaths {
-            sampled_as: appearance.materials.to_vec(),
+            sampled_as: drawn.clone(),
             spp: settings.spp,
             pixels: pixels.len(),
             chunks: pixels.par_chunks(CHUNK).map(chunk).collect(),
@@ -155,18 +160,21 @@ impl StoredPaths {
     }
 
     /// The radiance of each pixel under `appearance`, in W sr^-1 m^-2, and its derivatives by `parameters`, on the
-    /// stored paths of the scene of `tracer`. As [`Tracer::radiance_reweighted`] this is unbiased if the materials
-    /// that directions were drawn from reflect wherever those of `appearance` do; a derivative by a reflectance
-    /// needs one that was not zero there.
+    /// stored paths of the scene of `tracer`. Paths that end in a cache bring the radiance that `cache` has there
+    /// now, of as many pixels. As [`Tracer::radiance_reweighted`] this is unbiased if the materials that directions
+    /// were drawn from reflect wherever those of `appearance` do.
     ///
     /// # Panics
-    /// If the appearance has fewer materials than the scene has groups.
+    /// If the appearance has fewer materials than the scene has groups, or `cache` fewer pixels than the one that
+    /// the paths were traced with.
     pub fn replay<'a>(
         &self,
         tracer: &Tracer,
         appearance: impl Into<Appearance<'a>>,
         parameters: &[Parameter],
+        cache: Option<&RadianceCache>,
     ) -> Jacobian {
+        let cache = cache.map(|cache| cache.radiance.pixels());
         let sampled_as = Appearance::from(&self.sampled_as);
         let plan = Plan::new(tracer, appearance.into(), sampled_as, parameters);
         let mut radiance = vec![Rgb::ZERO; self.pixels];
@@ -174,26 +182,32 @@ impl StoredPaths {
         if parameters.is_empty() {
             let outputs = radiance.par_chunks_mut(CHUNK);
             self.chunks.par_iter().zip(outputs).for_each(|(words, radiance)| {
-                self.replay_chunk(words, &plan, radiance, &mut []);
+                self.replay_chunk(words, (&plan, cache), radiance, &mut []);
             });
         } else {
             let rows = derivatives.par_chunks_mut(CHUNK * parameters.len());
             let outputs = radiance.par_chunks_mut(CHUNK).zip(rows);
             self.chunks.par_iter().zip(outputs).for_each(|(words, (radiance, rows))| {
-                self.replay_chunk(words, &plan, radiance, rows);
+                self.replay_chunk(words, (&plan, cache), radiance, rows);
             });
         }
         Jacobian { radiance, derivatives }
     }
 
     /// The pixels of one chunk.
-    fn replay_chunk(&self, words: &[u32], plan: &Plan<'_>, radiance: &mut [Rgb], rows: &mut [Rgb]) {
+    fn replay_chunk(
+        &self,
+        words: &[u32],
+        (plan, cache): (&Plan<'_>, Option<&[Rgb]>),
+        radiance: &mut [Rgb],
+        rows: &mut [Rgb],
+    ) {
         let mut tape = Tape::new(plan);
         let mut reader = Reader { words };
         let scale = 1.0 / f64::from(self.spp.max(1));
         let parameters = plan.slots.len();
         for (index, radiance) in radiance.iter_mut().enumerate() {
-            *radiance = (reader.pixel(&mut tape) * scale).as_vec3();
+            *radiance = (reader.pixel(&mut tape, cache) * scale).as_vec3();
             let row = &mut rows[index * parameters..][..parameters];
             for (derivative, slot) in row.iter_mut().zip(&plan.slots) {
                 let sum = slot.map_or(DVec3::ZERO, |slot| tape.sums[slot as usize]);
@@ -287,9 +301,8 @@ impl PathObserver for Recorder {
     }
 
     #[inline]
-    fn record_cache_hit(&mut self, _: Rgb, radiance: Rgb) {
-        self.event(Event::Cached, 0);
-        self.numbers(radiance);
+    fn record_cache_hit(&mut self, _: Rgb, cached: &Cached) {
+        self.event(Event::Cached, cached.pixel);
     }
 }
 
@@ -334,8 +347,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Plays the paths of the next pixel. Returns the sum of their radiances.
-    fn pixel(&mut self, tape: &mut Tape<'_>) -> DVec3 {
+    /// Plays the paths of the next pixel, which end in the radiances of `cache`. Returns the sum of their radiances.
+    fn pixel(&mut self, tape: &mut Tape<'_>, cache: Option<&[Rgb]>) -> DVec3 {
         let mut radiance = DVec3::ZERO;
         let mut passed = MirrorsPassed::default();
         tape.begin();
@@ -372,7 +385,7 @@ impl Reader<'_> {
                     let source = self.source(index);
                     tape.emission(source, self.numbers());
                 }
-                Event::Cached => tape.cached(self.numbers()),
+                Event::Cached => tape.cached(cache.map_or(Rgb::ZERO, |seen| seen[index as usize])),
             }
         }
     }

@@ -5,6 +5,7 @@ use crate::appearance::LightSource;
 use crate::bsdf::ward::LobeDerivatives;
 use crate::bsdf::{BsdfSample, Specular, Terms};
 use crate::path::{DirectLight, Emission, PathObserver, Vertex};
+use crate::radiance_cache::Cached;
 use crate::virtual_lamps::MirrorsPassed;
 use glam::{DVec3, Vec2, Vec3};
 use unrender_scene::Rgb;
@@ -275,7 +276,7 @@ impl PathObserver for Tape<'_> {
     }
 
     #[inline]
-    fn record_cache_hit(&mut self, _: Rgb, radiance: Rgb) {
-        self.cached(radiance);
+    fn record_cache_hit(&mut self, _: Rgb, cached: &Cached) {
+        self.cached(cached.radiance);
     }
 }

@@ -280,16 +280,17 @@ fn stored_paths_give_the_same_as_traced_ones() {
         let geometry = room.tracer.geometry(&room.camera, SIDE, SIDE);
         let lookup = CacheLookup { cache: &photograph, camera: &room.camera, geometry: &geometry };
         let seen = Some(lookup).filter(|_| with_photograph);
+        let cache = seen.map(|_| &photograph);
         let (mut all, settings, pixels) = (everything(), settings(16), all_pixels());
         all.push(Parameter::Cache);
         let (camera, drawn) = (&room.camera, room.appearance());
-        let stored = room.tracer.store(drawn, camera, SIZE, &pixels, &settings, seen);
+        let stored = room.tracer.store(drawn, camera, SIZE, &pixels, &all, &settings, seen);
         let bytes = stored.bytes() as f64 / (pixels.len() * 16) as f64;
         assert!((40.0..1000.0).contains(&bytes), "{bytes} bytes a path");
 
         // Under the appearance that they were drawn from, with all derivatives.
         let traced = room.jacobian(&all, &settings, seen);
-        let replayed = stored.replay(&room.tracer, drawn, &all);
+        let replayed = stored.replay(&room.tracer, drawn, &all, cache);
         for k in 0..all.len() {
             let error = distance(&column(&replayed, k), &column(&traced, k));
             assert!(error < 1e-4, "{:?}: {error} off", all[k]);
@@ -303,7 +304,7 @@ fn stored_paths_give_the_same_as_traced_ones() {
             let tracer = &room.tracer;
             let traced =
                 tracer.radiance_reweighted(moved, drawn, camera, SIZE, &pixels, &settings, seen);
-            assert_same(&stored.replay(tracer, moved, &[]).radiance, &traced);
+            assert_same(&stored.replay(tracer, moved, &[], cache).radiance, &traced);
         }
     }
 }

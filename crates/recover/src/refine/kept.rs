@@ -1,0 +1,110 @@
+//! The paths of a refinement: traced once, evaluated in every pass (`unrender_render::StoredPaths`).
+//!
+//! Gauss-Newton asks for radiance and derivatives under one appearance after the other, all near the first. On the
+//! same paths that is an eighth of the time of tracing them, and the passes differ by their materials alone.
+
+use super::means::{self, Mean};
+use super::sample::{self, Cell};
+use super::unknowns::Unknowns;
+use crate::rerender::Stored;
+use crate::state::State;
+use std::cell::OnceCell;
+use unrender_render::{Appearance, RadianceCache, Settings};
+use unrender_scene::{Material, Rgb};
+
+/// The memory that the paths may take, bytes. At half of it pictures of more than half a megapixel are seen by
+/// fewer pixels in the first passes; double is more than small machines have beside a scene.
+const MEMORY: usize = 1 << 30;
+/// What a path takes, bytes: 160 to 260 in seven scenes. At half of it the memory is exceeded, at double half of it
+/// is used.
+const PATH: usize = 260;
+/// Paths carry a lobe whose roughness is between these multiples of the one that they were drawn with: measured
+/// where the lobe's weights begin to rest on few paths. At half the width of this range paths are traced anew that
+/// would do; double of it brings fireflies.
+const CARRIED: [f32; 2] = [0.5, 4.0];
+
+/// Paths of some cells.
+pub(super) struct KeptPaths<'a> {
+    cells: Vec<Cell>,
+    spp: Vec<u32>,
+    settings: Settings,
+    /// What they are drawn from, and where they end.
+    materials: Vec<Material>,
+    lights: Vec<Rgb>,
+    seen: Option<RadianceCache>,
+    /// The two renderings of each tile, once one is needed.
+    tiles: OnceCell<Vec<[Box<dyn Stored + 'a>; 2]>>,
+}
+
+impl<'a> KeptPaths<'a> {
+    /// Paths of up to `per_group` pixels of every group of `state`, `settings.spp` a pixel in each of two
+    /// renderings. Where they would take too much memory, of fewer pixels.
+    pub(super) fn new(
+        state: &State<'a>,
+        (per_group, pixels_seed): (usize, u64),
+        settings: &Settings,
+    ) -> Self {
+        let fitting = fitting(state, per_group, settings.spp);
+        Self {
+            cells: sample::all(state, fitting, pixels_seed),
+            spp: vec![settings.spp; state.materials.len()],
+            settings: *settings,
+            materials: state.materials.clone(),
+            lights: state.lights.clone(),
+            seen: state.seen.clone(),
+            tiles: OnceCell::new(),
+        }
+    }
+
+    /// What the cells show under the appearance of `state`.
+    pub(super) fn means(&self, state: &State<'a>, unknowns: &Unknowns) -> Vec<Mean> {
+        let tiles = self.tiles.get_or_init(|| self.trace(state, unknowns));
+        let mut cells = self.cells.clone();
+        sample::expose(state, &mut cells);
+        means::of_tiles(state, unknowns, &cells, &self.spp, |index, _| {
+            let replayed =
+                |half: usize| tiles[index][half].replay(state.appearance(), state.seen.as_ref());
+            [replayed(0), replayed(1)]
+        })
+    }
+
+    fn trace(&self, state: &State<'a>, unknowns: &Unknowns) -> Vec<[Box<dyn Stored + 'a>; 2]> {
+        let drawn = Appearance { materials: &self.materials, lights: &self.lights };
+        let renderer = state.problem.renderer;
+        let of_tile = |tile: &[Cell]| {
+            let pixels = means::pixels(tile);
+            means::halves(&self.settings, self.settings.spp).map(|settings| {
+                let asked = &unknowns.parameters;
+                renderer.store(drawn, &pixels, asked, &settings, self.seen.as_ref())
+            })
+        };
+        means::tiles(&self.cells).into_iter().map(of_tile).collect()
+    }
+
+    /// Whether the paths carry the lobes of `state`.
+    pub(super) fn carry(&self, state: &State<'_>) -> bool {
+        let carries = |(now, drawn): (&Material, &Material)| {
+            let within = |now: f32, drawn: f32| {
+                let [least, most] = CARRIED;
+                now >= least * drawn && now <= most * drawn
+            };
+            !now.is_glossy()
+                || within(now.alpha_x, drawn.alpha_x) && within(now.alpha_y, drawn.alpha_y)
+        };
+        state.materials.iter().zip(&self.materials).all(carries)
+    }
+}
+
+/// At most `per_group` pixels a group, and so many that the paths of all groups fit into [`MEMORY`].
+fn fitting(state: &State<'_>, per_group: usize, spp: u32) -> usize {
+    let most = MEMORY / (2 * spp.max(1) as usize * PATH);
+    let pixels = |per_group: usize| {
+        let of_group = |pixels: &Vec<u32>| pixels.len().min(per_group);
+        state.observation.informative_of_group.iter().map(of_group).sum::<usize>()
+    };
+    let mut fitting = per_group;
+    while fitting > 1 && pixels(fitting) > most {
+        fitting = fitting * 3 / 4;
+    }
+    fitting
+}
