@@ -53,6 +53,13 @@ pub(super) fn allocate(seen: &[(f64, f64)], needs: &[f64], mean_spp: u32) -> Vec
     lacking.iter().map(|spp| (share * spp).ceil() as u32).collect()
 }
 
+/// How many passes of `mean_spp` paths a pixel of the whole picture have as many paths as one with `spp` of each group.
+pub(super) fn passes(seen: &[(f64, f64)], spp: &[u32], mean_spp: u32) -> f64 {
+    let pixels: f64 = seen.iter().map(|(pixels, _)| pixels).sum();
+    let paths: f64 = seen.iter().zip(spp).map(|((pixels, _), spp)| pixels * f64::from(*spp)).sum();
+    paths / (f64::from(mean_spp) * pixels).max(f64::MIN_POSITIVE)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -67,6 +74,7 @@ mod tests {
         // All together not more than the whole picture may take.
         let spp = allocate(&seen, &[100.0, 100.0, 0.0, 0.0], 32);
         let paths: f64 = spp.iter().zip(&seen).map(|(spp, seen)| f64::from(*spp) * seen.0).sum();
+        assert!((passes(&seen, &spp, 32) - 1.0).abs() < 0.05);
         assert!(spp[0] == spp[1] && (paths - 32.0 * 2010.0).abs() < 2010.0, "{spp:?}");
     }
 }
