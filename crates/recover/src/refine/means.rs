@@ -18,7 +18,7 @@ use crate::state::State;
 use nalgebra::DVector;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use unrender_render::sampler::mix;
 use unrender_render::{Jacobian, Settings};
 use unrender_scene::Rgb;
@@ -159,27 +159,20 @@ impl Shown {
     }
 }
 
-/// Adds what a pass over all cells of some groups found to the average of those before, cell by cell; each counts
-/// by its paths.
+/// Adds what a pass found to the average of those before, cell by cell; each counts by its paths.
 pub(crate) fn average(average: &mut Vec<Mean>, found: Vec<Mean>) {
     if average.is_empty() {
         *average = found;
         return;
     }
-    let groups: BTreeSet<usize> = found.iter().map(|mean| mean.group).collect();
-    let old = average.iter_mut().filter(|mean| groups.contains(&mean.group));
-    old.zip(found).for_each(|(mean, found)| mean.add(&found));
+    average.iter_mut().zip(found).for_each(|(mean, found)| mean.add(&found));
 }
 
-/// For each of `groups` groups: its pixels, and the paths that each of them has in each of the two renderings.
-pub(super) fn seen(means: &[Mean], groups: usize) -> Vec<(f64, f64)> {
-    let mut seen = vec![(0.0, 0.0); groups];
-    for mean in means {
-        let (pixels, paths) = &mut seen[mean.group];
-        *pixels += mean.pixels;
-        *paths = mean.paths;
-    }
-    seen
+/// The pixels of each of `groups` groups.
+pub(super) fn pixels_of_groups(means: &[Mean], groups: usize) -> Vec<f64> {
+    let mut pixels = vec![0.0; groups];
+    means.iter().for_each(|mean| pixels[mean.group] += mean.pixels);
+    pixels
 }
 
 /// For each of `groups` groups: the relative error of its cells that both renderings see, as a mean

@@ -7,8 +7,8 @@
 //!
 //! *Accumulation*: from there, more pixels and fresh paths, since the numbers suit those of the approach better than
 //! others. What the passes find is averaged, the residuals carried along to where the parameters have moved,
-//! `r -> r - J s`. After the first pass paths go to the groups alone whose numbers the renderings' noise leaves
-//! too uncertain, as many as these lack ([`super::needs`]). It ends when no group lacks any, or after so many
+//! `r -> r - J s`. After the first pass most paths go to the groups whose numbers the renderings' noise leaves
+//! too uncertain ([`super::needs`]). It ends when no group lacks any, or after so many
 //! passes that more would help little.
 
 use super::Solution;
@@ -176,8 +176,7 @@ impl<'o> Passes<'o> {
         let most = effort.rounds(PASSES_MAX) as f64;
         while passes < PASSES_MAX && taken < most && !observer.is_cancelled() {
             state.look_at_photograph();
-            let mut cells = sample::all(state, effort.pixels(FINE.0), self.pixels_seed());
-            cells.retain(|cell| spp[cell.group] > 0);
+            let cells = sample::all(state, effort.pixels(FINE.0), self.pixels_seed());
             let found = self.pass(state, &unknowns, &cells, &spp);
             means::average(&mut average, found);
             let normal = Normal::of(&average, &unknowns, state.materials.len());
@@ -190,7 +189,7 @@ impl<'o> Passes<'o> {
             };
             let step = unknowns.apply(state, &step);
             let error = relative_error(&normal, &average);
-            let seen = means::seen(&average, state.materials.len());
+            let seen = means::pixels_of_groups(&average, state.materials.len());
             passes += 1;
             taken += needs::passes(&seen, &spp, mean_spp);
             let done = 0.4 + 0.6 * f64::max(passes as f64 / PASSES_MAX as f64, taken / most);
@@ -200,7 +199,7 @@ impl<'o> Passes<'o> {
             let rendering = system.rendering_variance();
             let variances = (&covariance, &rendering);
             let needs = needs::of(state, &unknowns, variances, &moved, &seen);
-            if needs.iter().all(|need| *need <= 1.0) {
+            if !needs.iter().any(|need| need.lacks) {
                 break;
             }
             if moved.iter().any(|moved| *moved > FAR) {
