@@ -1,4 +1,4 @@
-//! Where the renderings' noise matters, and how many paths more it takes until it does not.
+//! Where the renderings' noise matters, and how the paths of a pass are shared out among the groups.
 //!
 //! It may have a share of a number's variance, or what is below what anyone would ask for (`precise_enough`):
 //! more paths than that bring a result no nearer to the truth.
@@ -15,7 +15,7 @@ const SPP: [f64; 2] = [8.0, 256.0];
 /// standard deviations that are a tenth smaller; double of it makes them half as large again.
 const RENDERING_SHARE: f64 = 0.35;
 
-/// Of one group.
+/// What one group needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Need {
     /// Whether it lacks paths.

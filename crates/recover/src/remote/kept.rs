@@ -5,8 +5,8 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use unrender_render::{Appearance, Parameter, RadianceCache, Settings, StoredPaths};
 
-/// The memory that paths may take, bytes. At half of it pictures of more than a megapixel trace their paths again
-/// in every pass; double is more than workers on small machines have.
+/// The memory that paths may take, bytes. At half of it large pictures trace their paths again in every
+/// step; double is more than workers on small machines have.
 const BUDGET: usize = 1 << 30;
 
 /// Paths by what they depend on, the oldest first.
