@@ -36,17 +36,22 @@ pub(super) fn evidence(state: &State<'_>, options: &Options, group: usize) -> Op
     Some(evidence)
 }
 
-/// Whether `group` needs more than a diffuse reflectance: by the information criterion, which asks whether a
-/// lobe is there, where its standard deviations say how strong it is (a single highlight leaves a lobe's
-/// strength uncertain and its presence certain).
-pub(super) fn speaks_against_diffuse(state: &State<'_>, options: &Options, group: usize) -> bool {
+/// Whether `group` needs more than the `simpler` hypothesis: by the information criterion, which asks whether a
+/// lobe is there, or whether it has a width, where the standard deviations say how strong or how wide it is (a
+/// single highlight leaves a lobe's strength uncertain and its presence certain).
+pub(super) fn speaks_against(
+    simpler: Hypothesis,
+    state: &State<'_>,
+    options: &Options,
+    group: usize,
+) -> bool {
     let Some(mut evidence) = evidence(state, options, group) else {
         return false;
     };
     evidence.field.most = light_of_others(state, group);
     let present = &state.materials[group];
     let of = |hypothesis| hypothesis::fit(hypothesis, &evidence, present, Search::Kept);
-    let fits = [Hypothesis::Diffuse, state.groups[group].hypothesis].map(of);
+    let fits = [simpler, state.groups[group].hypothesis].map(of);
     if !fits.iter().all(Fit::is_finite) {
         return false;
     }

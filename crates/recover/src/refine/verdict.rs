@@ -3,8 +3,8 @@
 //! A number is worth what its standard deviation allows. A lobe goes that is not significant, neither
 //! by its standard deviation nor by the likelihoods of evidence gathered under the refined light ([`super::anew`]),
 //! and so does what is diffuse about a mirror, or not perfect about it, if it is less than what
-//! the ladder's threshold calls explained; an anisotropy that is not significant becomes a round lobe, and the
-//! sharpest lobe that is searched for a mirror; a group out of sight
+//! the ladder's threshold calls explained; an anisotropy that is not significant becomes a round lobe, and a lobe
+//! whose width is not significant a mirror; a group out of sight
 //! whose reflectance stays open is assumed: at its best guess, or white, as the paper does, where
 //! there is nothing to guess from.
 
@@ -51,7 +51,7 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, options: &Opt
             }
             Hypothesis::DiffuseSpecular | Hypothesis::Isotropic | Hypothesis::Anisotropic
                 if !verdict.is_told_from_zero(state, Quantity::RhoS)
-                    && !anew::speaks_against_diffuse(state, options, group) =>
+                    && !anew::speaks_against(Hypothesis::Diffuse, state, options, group) =>
             {
                 let material = Material::diffuse(state.materials[group].rho_d);
                 let note = "its specular part is not determined by this photograph";
@@ -68,7 +68,15 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, options: &Opt
                     continue;
                 }
             }
-            Hypothesis::Isotropic if is_sharpest(&state.materials[group]) => {
+            Hypothesis::Isotropic
+                if !verdict.is_told_from_sharpest(state)
+                    && !anew::speaks_against(
+                        Hypothesis::DiffuseSpecular,
+                        state,
+                        options,
+                        group,
+                    ) =>
+            {
                 let Material { rho_d, rho_s, .. } = state.materials[group];
                 let beside = || {
                     let material = Material { rho_d, ..Material::mirror(rho_s) };
@@ -76,7 +84,7 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, options: &Opt
                 };
                 let (hypothesis, material) =
                     verdict.mirror(state, explained).unwrap_or_else(beside);
-                let note = "its lobe is the sharpest that is searched, which no photograph tells from a mirror's";
+                let note = "this photograph does not tell its lobe from a mirror's";
                 if !step_down(state, group, hypothesis, material, note) {
                     continue;
                 }
@@ -101,11 +109,6 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, options: &Opt
 /// Whether hardly any of what `material` reflects is diffuse.
 fn is_mirror(material: &Material, explained: f64) -> bool {
     material.rho_d.max_element() <= explained as f32 * material.rho_s.max_element()
-}
-
-/// Whether the lobe of `material` is the sharpest that is searched for.
-fn is_sharpest(material: &Material) -> bool {
-    material.alpha_x <= ALPHA_RANGE[0] && material.alpha_y <= ALPHA_RANGE[0]
 }
 
 /// A share in percent, to a thousandth of one.
@@ -282,6 +285,15 @@ impl Verdict<'_> {
         of_quantity.any(|i| {
             self.solution.unknowns.value(state, &list[i]) > TOLD * self.solution.deviation(i)
         })
+    }
+
+    /// Whether a round lobe is wider, by more than chance, than the sharpest that is searched.
+    fn is_told_from_sharpest(&self, state: &State<'_>) -> bool {
+        let Some(place) = self.solution.index(Quantity::Alpha, self.group, None) else {
+            return true;
+        };
+        let wider = f64::from((state.materials[self.group].alpha_x / ALPHA_RANGE[0]).ln());
+        wider > TOLD * self.solution.deviation(place)
     }
 
     /// Whether the two roughnesses differ by more than chance.
