@@ -36,8 +36,9 @@ use unknowns::Unknowns;
 use unrender_render::Settings;
 use unrender_render::sampler::mix;
 
-/// How often hypotheses may be made simpler.
-const ROUNDS_MAX: usize = 3;
+/// Refinements at most, of which each but the last may end with simpler hypotheses: of groups in sight, once more of
+/// these, and of those out of sight.
+const ROUNDS_MAX: usize = 4;
 
 /// How far to refine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -35,73 +35,33 @@ const UNLIKE: f64 = 3.0;
 const ALPHA_OPEN: f64 = 0.5;
 
 /// Makes simpler what the photograph does not bear out. True if something changed.
+///
+/// Groups out of sight come last, once nothing changes for the others: under a hypothesis with a number too many,
+/// which the photograph leaves open, it leaves all numbers open.
 pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, options: &Options) -> bool {
-    let explained = options.thresholds.explained;
-    let mut changed = false;
-    for group in 0..state.materials.len() {
-        let verdict = Verdict { solution, group };
+    let is_guess = |state: &State<'_>, group: usize| {
         let out_of_sight = state.observation.pixels_of_group[group].is_empty();
-        match state.groups[group].hypothesis {
-            _ if !verdict.is_free() => continue,
-            Hypothesis::Diffuse if out_of_sight => {
-                if verdict.largest(Quantity::RhoD) <= GUESS_MAX {
-                    continue;
-                }
-                assume_white(state, group);
-            }
-            Hypothesis::DiffuseSpecular | Hypothesis::Isotropic | Hypothesis::Anisotropic
-                if !verdict.is_told_from_zero(state, Quantity::RhoS)
-                    && !anew::speaks_against(Hypothesis::Diffuse, state, options, group) =>
-            {
-                let material = Material::diffuse(state.materials[group].rho_d);
-                let note = "its specular part is not determined by this photograph";
-                if !step_down(state, group, Hypothesis::Diffuse, material, note) {
-                    continue;
-                }
-            }
-            Hypothesis::DiffuseSpecular => {
-                let Some((hypothesis, material)) = verdict.mirror(state, explained) else {
-                    continue;
-                };
-                let note = "its diffuse part is not significant";
-                if !step_down(state, group, hypothesis, material, note) {
-                    continue;
-                }
-            }
-            Hypothesis::Isotropic
-                if !verdict.is_told_from_sharpest(state)
-                    && !anew::speaks_against(
-                        Hypothesis::DiffuseSpecular,
-                        state,
-                        options,
-                        group,
-                    ) =>
-            {
-                let Material { rho_d, rho_s, .. } = state.materials[group];
-                let beside = || {
-                    let material = Material { rho_d, ..Material::mirror(rho_s) };
-                    (Hypothesis::DiffuseSpecular, material)
-                };
-                let (hypothesis, material) =
-                    verdict.mirror(state, explained).unwrap_or_else(beside);
-                let note = "this photograph does not tell its lobe from a mirror's";
-                if !step_down(state, group, hypothesis, material, note) {
-                    continue;
-                }
-            }
-            Hypothesis::Anisotropic if !verdict.is_brushed(state) => {
-                let mut material = state.materials[group].clone();
-                let alpha = (material.alpha_x * material.alpha_y).sqrt();
-                (material.alpha_x, material.alpha_y, material.theta_rad) = (alpha, alpha, 0.0);
-                let note =
-                    "the difference of its two roughnesses is not determined by this photograph";
-                if !step_down(state, group, Hypothesis::Isotropic, material, note) {
-                    continue;
-                }
-            }
-            _ => continue,
+        out_of_sight && state.groups[group].hypothesis == Hypothesis::Diffuse
+    };
+    let free = |group: &usize| Verdict { solution, group: *group }.is_free();
+    let groups: Vec<usize> = (0..state.materials.len()).filter(free).collect();
+    let (guesses, others): (Vec<usize>, Vec<usize>) =
+        groups.into_iter().partition(|group| is_guess(state, *group));
+    let mut changed = false;
+    for group in others {
+        let verdict = Verdict { solution, group };
+        if let Some((hypothesis, material, note)) = verdict.simpler(state, options) {
+            changed |= step_down(state, group, hypothesis, material, note);
         }
-        changed = true;
+    }
+    if changed {
+        return true;
+    }
+    for group in guesses {
+        if (Verdict { solution, group }).largest(Quantity::RhoD) > GUESS_MAX {
+            assume_white(state, group);
+            changed = true;
+        }
     }
     changed
 }
@@ -246,6 +206,50 @@ impl Verdict<'_> {
         let list = self.solution.unknowns.list.iter().enumerate();
         list.filter(move |(_, u)| u.of == self.group && !blocks::of(u.quantity).is_nuisance())
             .map(|(i, _)| i)
+    }
+
+    /// The simpler hypothesis that explains the group as well, its material, and why.
+    fn simpler(
+        &self,
+        state: &State<'_>,
+        options: &Options,
+    ) -> Option<(Hypothesis, Material, &'static str)> {
+        let explained = options.thresholds.explained;
+        let bears = |simpler| anew::speaks_against(simpler, state, options, self.group);
+        let material = &state.materials[self.group];
+        let hypothesis = state.groups[self.group].hypothesis;
+        let has_lobe = matches!(
+            hypothesis,
+            Hypothesis::DiffuseSpecular | Hypothesis::Isotropic | Hypothesis::Anisotropic
+        );
+        if has_lobe && !self.is_told_from_zero(state, Quantity::RhoS) && !bears(Hypothesis::Diffuse)
+        {
+            let note = "its specular part is not determined by this photograph";
+            return Some((Hypothesis::Diffuse, Material::diffuse(material.rho_d), note));
+        }
+        match hypothesis {
+            Hypothesis::DiffuseSpecular => {
+                let (hypothesis, material) = self.mirror(state, explained)?;
+                Some((hypothesis, material, "its diffuse part is not significant"))
+            }
+            Hypothesis::Isotropic
+                if !self.is_told_from_sharpest(state) && !bears(Hypothesis::DiffuseSpecular) =>
+            {
+                let beside = Material { rho_d: material.rho_d, ..Material::mirror(material.rho_s) };
+                let (hypothesis, material) =
+                    self.mirror(state, explained).unwrap_or((Hypothesis::DiffuseSpecular, beside));
+                let note = "this photograph does not tell its lobe from a mirror's";
+                Some((hypothesis, material, note))
+            }
+            Hypothesis::Anisotropic if !self.is_brushed(state) => {
+                let alpha = (material.alpha_x * material.alpha_y).sqrt();
+                let round = Material::isotropic(material.rho_d, material.rho_s, alpha);
+                let note =
+                    "the difference of its two roughnesses is not determined by this photograph";
+                Some((Hypothesis::Isotropic, round, note))
+            }
+            _ => None,
+        }
     }
 
     /// The mirror that the group is if its diffuse part is not significant.
