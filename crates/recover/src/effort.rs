@@ -39,8 +39,8 @@ impl Effort {
         }
     }
 
-    /// How often something is repeated at most, where [`Effort::Normal`] does it so often. All passes
-    /// of a refinement instead of a third bring a draft no nearer for twice the time.
+    /// How often something is repeated at most, where [`Effort::Normal`] does it so often. Other shares than a
+    /// third were not tried for a draft.
     #[must_use]
     pub(crate) fn rounds(self, normal: usize) -> usize {
         match self {

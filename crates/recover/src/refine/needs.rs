@@ -65,14 +65,6 @@ pub(super) fn allocate(seen: &[f64], needs: &[Need], mean_spp: u32) -> Vec<u32> 
     needs.iter().map(spp).collect()
 }
 
-/// How many passes of `mean_spp` paths a pixel of the whole picture have as many paths as one with `spp` of each
-/// group; one at most.
-pub(super) fn passes(seen: &[f64], spp: &[u32], mean_spp: u32) -> f64 {
-    let paths: f64 = seen.iter().zip(spp).map(|(pixels, spp)| pixels * f64::from(*spp)).sum();
-    let whole = f64::from(mean_spp) * seen.iter().sum::<f64>();
-    (paths / whole.max(f64::MIN_POSITIVE)).min(1.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -83,16 +75,13 @@ mod tests {
         let need = |lacks: bool, noise: f64| Need { lacks, noise };
         let whole = [need(true, 1.0); 4];
         assert_eq!(allocate(&seen, &whole, 32), [32; 4]);
-        assert_eq!(passes(&seen, &[32; 4], 32), 1.0);
         // The budget goes to the groups that lack paths, by their noise.
         let some = [need(true, 3.0), need(true, 1.0), need(false, 9.0), need(false, 9.0)];
         let spp = allocate(&seen, &some, 32);
         assert_eq!(spp, [60, 20, 8, 8]);
-        assert_eq!(passes(&seen, &spp, 32), 1.0);
         // A small group takes no more than makes sense; nor does one get less.
         let small = [need(false, 1.0), need(false, 1.0), need(true, 50.0), need(false, 1.0)];
         assert_eq!(allocate(&seen, &small, 32), [8, 8, 256, 8]);
-        assert!(passes(&seen, &allocate(&seen, &small, 32), 32) < 0.3);
         let unlike = [need(true, 1e4), need(true, 1.0), need(false, 1.0), need(false, 1.0)];
         assert_eq!(allocate(&seen, &unlike, 32)[1], 8);
     }

@@ -2,6 +2,7 @@
 #![cfg(unix)]
 
 use crate::kit::floor_and_lamp;
+use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -17,20 +18,19 @@ fn an_interrupted_recovery_delivers_the_best_state_so_far() {
         .arg(project)
         .args(["--spp", "65536", "--out"])
         .arg(&out)
-        .stderr(Stdio::null())
+        .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // With so many paths the work takes minutes; long before, the folder is there.
+    // Others follow the first iteration, and then a picture of so many paths that it takes seconds.
+    let said = BufReader::new(running.stderr.take().unwrap());
+    let (tell, told) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        said.lines().map_while(Result::ok).for_each(|line| drop(tell.send(line)))
+    });
     let started = Instant::now();
-    while !out.is_dir() {
-        if running.try_wait().unwrap().is_some() || started.elapsed() > PATIENCE {
-            // It may have ended by itself.
-            let _ = running.kill();
-            panic!("the recovery did not begin: {:?}", running.wait());
-        }
-        std::thread::sleep(Duration::from_millis(20));
+    while !told.recv_timeout(PATIENCE).unwrap().contains("iteration 1") {
+        assert!(started.elapsed() < PATIENCE, "the recovery did not begin: {:?}", running.kill());
     }
-    std::thread::sleep(Duration::from_secs(1));
     let pid = running.id().to_string();
     assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
     let started = Instant::now();
