@@ -7,11 +7,12 @@
 //! once more under the refined light. What is returned is the best state that was verified.
 
 use crate::hypothesis::Hypothesis;
-use crate::ladder::candidates::{Candidates, Proposal};
+use crate::ladder::candidates::{self, Candidates, Proposal};
 use crate::ladder::settle::Settler;
 use crate::ladder::textures;
 use crate::plain;
 use crate::problem::{Options, RecoverError};
+use crate::progress::Part;
 use crate::record::{Observer, Termination};
 use crate::refine::{self, Depth};
 use crate::sample_budget::{self, FINEST, REFINED};
@@ -48,6 +49,8 @@ pub(crate) fn drive(
             termination = driver.refine_once(state, &mut best, Depth::Fine, observer).0;
             state.step("textures", |state| textures::finish(state, options));
         }
+        state.progress.begin(Part::OtherMinima);
+        observer.working("looking for other explanations", state.progress.share(0.0));
         state.step("other minima", |state| refine::local_minima::find(state, options));
     }
     Ok(if observer.is_cancelled() { Termination::Interrupted } else { termination })
@@ -80,6 +83,7 @@ impl Driver<'_> {
         // The refinement finds the numbers better than the finest level does.
         let last = if self.options.refine { FINEST - 1 } else { FINEST };
         for level in 0..=last {
+            state.progress.begin(Part::Fits(level));
             let settler = Settler::new(state, self.options, level);
             self.settle(state, &settler, observer)?;
             self.candidates.enforce(state, level);
@@ -89,8 +93,9 @@ impl Driver<'_> {
                 // lights that suit the present ones.
                 self.refine_once(state, &mut best, Depth::Coarse, observer);
             }
+            state.progress.begin(Part::Candidates(level));
             while self.left > 0 && !observer.is_cancelled() {
-                let proposals = self.candidates.propose_worst(state, level);
+                let proposals = self.candidates.propose_worst(state, level, observer);
                 if proposals.is_empty() {
                     break;
                 }
@@ -175,6 +180,8 @@ impl Driver<'_> {
         if !proposals.iter().all(is_borne_out) {
             return Ok(None);
         }
+        observer
+            .working("checking what changed against the whole picture", state.progress.share(0.0));
         let mut found = self.verifier.verify(state);
         let changed: Vec<usize> = proposals.iter().map(|proposal| proposal.group).collect();
         let mut comparison = self.verifier.compare(&found.score, &best.score);
@@ -204,7 +211,9 @@ impl Driver<'_> {
         self.verifier.floor = REFINED_FLOOR.max(self.options.thresholds.explained);
         self.candidates.forget_rejections();
         let mut best = self.verifier.verify(state);
+        state.progress.begin(Part::Refinement);
         self.refine_once(state, &mut best, Depth::Coarse, observer);
+        state.progress.begin(Part::Revision);
         // Errors of the light of that size are allowed for: a smaller change decides nothing.
         let tolerated = sample_budget::allowance(REFINED, self.options).light.share;
         let mut asked: Option<Score> = None;
@@ -214,7 +223,7 @@ impl Driver<'_> {
                 Some(before) => self.verifier.changed(&best.score, &before, tolerated),
                 None => state.visible_unknowns(),
             };
-            let proposals = self.revise(state, &groups);
+            let proposals = self.revise(state, &groups, observer);
             if proposals.is_empty() || observer.is_cancelled() {
                 break;
             }
@@ -223,6 +232,7 @@ impl Driver<'_> {
             }
             self.refine_once(state, &mut best, Depth::Coarse, observer);
         }
+        state.progress.begin(Part::LastRefinement);
         Ok(self.refine_once(state, &mut best, Depth::Fine, observer).0)
     }
 
@@ -247,9 +257,17 @@ impl Driver<'_> {
     }
 
     /// Other hypotheses under the refined light, for those of `groups` that are asked for.
-    fn revise(&mut self, state: &mut State<'_>, groups: &[usize]) -> Vec<Proposal> {
+    fn revise(
+        &mut self,
+        state: &mut State<'_>,
+        groups: &[usize],
+        observer: &dyn Observer,
+    ) -> Vec<Proposal> {
         let mut proposals = Vec::new();
-        for group in state.visible_unknowns().into_iter().filter(|g| groups.contains(g)) {
+        let unknowns = state.visible_unknowns();
+        let asked: Vec<usize> = unknowns.into_iter().filter(|g| groups.contains(g)).collect();
+        for (n, &group) in asked.iter().enumerate() {
+            candidates::tell(state, observer, group, n as f64 / asked.len() as f64);
             let proposal = match state.groups[group].hypothesis {
                 Hypothesis::Textured => self.candidates.propose_uniform(state, group, REFINED),
                 _ => self.candidates.propose(state, group, REFINED),

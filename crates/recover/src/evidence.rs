@@ -16,11 +16,10 @@ use crate::expected::Expected;
 use crate::model_error::{Allowance, LightField, ModelError, followed, level2};
 use crate::observation::{Noise, Observation, Reading};
 use crate::rerender::Renderer;
-use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use unrender_render::sampler::mix;
-use unrender_render::{Appearance, GlossyLobe, Probe, ProbeSettings, Probes, RadianceCache};
+use unrender_render::{Appearance, LobeSums, Probe, ProbeSettings, Probes, RadianceCache};
 use unrender_scene::{BrdfModel, Material, Rgb};
 
 /// What is known of one group in one turn.
@@ -67,10 +66,12 @@ pub struct Observed {
 /// The light at each pixel of the sample, under one seed.
 #[derive(Clone, Debug, Default)]
 pub struct Gathered {
-    /// The probes of all pixels, in the order of the pixels, and their incident samples.
-    pub probes: Probes,
+    /// The probes of all pixels, in the order of the pixels.
+    pub probes: Vec<Probe>,
     /// The index of the first probe of every pixel, and the number of all probes.
     pub starts: Vec<u32>,
+    /// Their incident samples, prepared for lobes; none where none were kept.
+    lobes: Option<LobeSums>,
 }
 
 /// Where evidence comes from: the photograph, the scale of its values, and the renderer.
@@ -117,13 +118,14 @@ impl Evidence {
             renderer.probe(appearance, &wanted, &settings, known)
         });
         let seen = pixels_of_both(&sets, group as u32);
-        let sets = sets.map(|probes| Gathered::of(probes, &seen, group as u32));
+        let model = renderer.model();
+        let sets = sets.map(|probes| Gathered::of(model, probes, &seen, group as u32));
         let blocks = Blocks::of(&seen, &grid);
         let pixels = observe(observation, exposure, group, &seen);
         let allowance = budget.allowance;
         let field = LightField::of(&blocks, &seen, renderer.geometry(), allowance.light);
         Self {
-            model: renderer.model(),
+            model,
             pixels,
             sets,
             blocks,
@@ -186,8 +188,7 @@ impl Evidence {
 
     /// The radiance of the lobe with `rho_s = 1` at every pixel, twice.
     pub fn lobe(&self, alpha_x: f32, alpha_y: f32, theta_rad: f32) -> [Vec<Rgb>; 2] {
-        let lobe = GlossyLobe::new(self.model, alpha_x, alpha_y);
-        self.sets.each_ref().map(|set| set.lobe(&lobe, theta_rad))
+        self.sets.each_ref().map(|set| set.lobe([alpha_x, alpha_y, theta_rad]))
     }
 
     /// The specular basis of `material`, twice.
@@ -241,28 +242,28 @@ impl Evidence {
 
 impl Gathered {
     /// Those of `probes` behind `pixels` that lie on `group`.
-    fn of(mut probes: Probes, pixels: &[u32], group: u32) -> Self {
+    fn of(model: BrdfModel, mut probes: Probes, pixels: &[u32], group: u32) -> Self {
         let wanted: std::collections::HashSet<u32> = pixels.iter().copied().collect();
         probes.probes.retain(|p| p.group == group && wanted.contains(&p.pixel));
-        Self::new(probes)
+        Self::new(model, probes)
     }
 
-    /// `probes`, in the order of their pixels.
-    pub fn new(probes: Probes) -> Self {
-        let starts = starts(&probes.probes);
-        Self { probes, starts }
+    /// `probes`, in the order of their pixels, for lobes of `model`.
+    pub fn new(model: BrdfModel, probes: Probes) -> Self {
+        let lobes = (!probes.incident.is_empty()).then(|| LobeSums::new(model, &probes));
+        Self { starts: starts(&probes.probes), probes: probes.probes, lobes }
     }
 
     /// The probes of every pixel.
     fn of_pixels(&self) -> impl IndexedParallelIterator<Item = &[Probe]> {
         let ends = self.starts.par_windows(2);
-        ends.map(|ends| &self.probes.probes[ends[0] as usize..ends[1] as usize])
+        ends.map(|ends| &self.probes[ends[0] as usize..ends[1] as usize])
     }
 
     /// The first probe of every pixel.
     pub(crate) fn first(&self) -> impl Iterator<Item = &Probe> {
         let pixels = self.starts.len().saturating_sub(1);
-        self.starts[..pixels].iter().map(|start| &self.probes.probes[*start as usize])
+        self.starts[..pixels].iter().map(|start| &self.probes[*start as usize])
     }
 
     /// The mean of `f` over the probes of every pixel.
@@ -275,21 +276,26 @@ impl Gathered {
     fn remove(&mut self, flags: &[bool]) {
         let ends = self.starts.windows(2);
         let counts = ends.zip(flags).flat_map(|(e, flag)| (e[0]..e[1]).map(move |_| !flag));
-        let mut kept = counts.collect::<Vec<bool>>().into_iter();
-        self.probes.probes.retain(|_| kept.next().unwrap_or(true));
-        self.starts = starts(&self.probes.probes);
+        let kept = counts.collect::<Vec<bool>>();
+        let mut next = kept.iter().copied();
+        self.probes.retain(|_| next.next().unwrap_or(true));
+        let mut next = kept.iter().copied();
+        let lobes = self.lobes.iter_mut();
+        lobes.for_each(|lobes| lobes.retain(|| next.next().unwrap_or(true)));
+        self.starts = starts(&self.probes);
     }
 
-    /// `S` for one lobe: the sum over each probe's incident samples.
-    fn lobe(&self, lobe: &GlossyLobe, theta_rad: f32) -> Vec<Rgb> {
-        let (sin, cos) = theta_rad.sin_cos();
-        let turn = |v: Vec3| Vec3::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z);
-        self.means(&|probe: &Probe| {
-            let wo = turn(probe.wo);
-            let incident = self.probes.incident_of(probe).iter();
-            let sum: Rgb = incident.map(|i| lobe.value(wo, turn(i.wi)) * i.irradiance).sum();
-            probe.throughput * sum
-        })
+    /// `S` for one lobe of the shape `[alpha_x, alpha_y, theta]`: the mean over each pixel's probes.
+    fn lobe(&self, shape: [f32; 3]) -> Vec<Rgb> {
+        let Some(lobes) = &self.lobes else {
+            return vec![Rgb::ZERO; self.starts.len().saturating_sub(1)];
+        };
+        let mean = |ends: &[u32]| {
+            let probes = ends[0] as usize..ends[1] as usize;
+            let count = probes.len() as f32;
+            probes.map(|i| self.probes[i].throughput * lobes.of(i, shape)).sum::<Rgb>() / count
+        };
+        self.starts.par_windows(2).with_min_len(64).map(mean).collect()
     }
 }
 

@@ -34,6 +34,7 @@ mod photometric;
 mod picture;
 mod plain;
 pub mod problem;
+mod progress;
 pub mod record;
 mod refine;
 pub mod register;

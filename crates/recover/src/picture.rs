@@ -2,6 +2,7 @@
 
 use crate::hypothesis::Fit;
 use crate::problem::{Options, Role};
+use crate::progress;
 use crate::record::{Alternative, GroupResult, Observer, Recovery, Status, Termination};
 use crate::rerender::Renderer;
 use crate::residual::deviation_of_sum;
@@ -59,7 +60,10 @@ fn render_twice(
             max_bounces: options.max_bounces,
             integrator: unrender_render::Integrator::PathReuse,
         };
-        let progress = |share: f64| observer.picture((half as f64 + share) / 2.0);
+        let progress = |share: f64| {
+            let done = progress::of_picture((half as f64 + share) / 2.0);
+            observer.working("rendering the last picture", done);
+        };
         renderer.picture(appearance, &settings, &progress)
     })
 }

@@ -159,7 +159,7 @@ pub struct IterationRecord {
     pub open_groups: Vec<String>,
     /// Where each group of the scene stands after it, in the scene's order.
     pub groups: Vec<GroupIteration>,
-    /// A rough share of the work that is done, 0 to 1.
+    /// A rough share of the work that is done, 0 to 1, never less than before.
     pub done: f64,
 }
 
@@ -227,8 +227,9 @@ impl Termination {
 pub trait Observer: Sync {
     /// After a global re-rendering.
     fn iteration(&mut self, record: &IterationRecord);
-    /// During the final picture, from any thread: the share done, 0 to 1.
-    fn picture(&self, share: f64);
+    /// Between iterations and during the last picture, from any thread: what is being done, in some words, and a
+    /// rough share of the work that is done, 0 to 1.
+    fn working(&self, what: &str, done: f64);
     /// Whether to stop with what there is. Asked between iterations.
     fn is_cancelled(&self) -> bool {
         false
@@ -238,5 +239,5 @@ pub trait Observer: Sync {
 /// An observer that does not listen.
 impl Observer for () {
     fn iteration(&mut self, _: &IterationRecord) {}
-    fn picture(&self, _: f64) {}
+    fn working(&self, _: &str, _: f64) {}
 }

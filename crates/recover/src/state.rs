@@ -11,6 +11,7 @@ use crate::likelihood::Likelihood;
 use crate::observation::{Observation, PixelStatus, ValidPixels};
 use crate::photometric::PhotometricEstimate;
 use crate::problem::{ExposureRule, Options, Problem, RecoverError, Role};
+use crate::progress::Progress;
 use crate::record::{
     CandidateRecord, Covariance, Deviations, GroupIteration, IterationRecord, LightResult, Status,
 };
@@ -38,6 +39,7 @@ pub(crate) struct State<'a> {
     pub(crate) light_results: Vec<LightResult>,
     pub(crate) photometric: PhotometricEstimate,
     pub(crate) iterations: Vec<IterationRecord>,
+    pub(crate) progress: Progress,
     /// The photograph's radiance where it shows diffuse surfaces.
     pub(crate) seen: Option<RadianceCache>,
     /// The steps that were made, and their journal.
@@ -144,6 +146,7 @@ impl<'a> State<'a> {
             light_results: Vec::new(),
             photometric,
             iterations: Vec::new(),
+            progress: Progress::new(),
             seen: None,
             steps: Steps::default(),
         })
@@ -248,7 +251,7 @@ impl<'a> State<'a> {
     }
 
     /// Notes the end of a pass of the joint refinement, with the error that it started from: of all
-    /// groups together, and of each.
+    /// groups together, and of each, and the share of the present part that is `done`.
     pub(crate) fn end_pass(
         &mut self,
         change: f64,
@@ -262,7 +265,7 @@ impl<'a> State<'a> {
             worst_error: error,
             open_groups: Vec::new(),
             groups: self.group_iterations(|group| errors[group]),
-            done,
+            done: self.progress.share(done),
         };
         self.iterations.push(record);
         &self.iterations[self.iterations.len() - 1]
@@ -279,7 +282,7 @@ impl<'a> State<'a> {
     }
 
     /// Notes the end of an iteration in which the largest change was `change`; `open` groups are not
-    /// explained yet.
+    /// explained yet, and `done` is the share of the present part that is done.
     pub(crate) fn end_iteration(
         &mut self,
         change: f64,
@@ -294,7 +297,7 @@ impl<'a> State<'a> {
             worst_error: self.groups.iter().map(error).fold(0.0, f64::max),
             open_groups: open.iter().map(|g| self.problem.groups[*g].name.clone()).collect(),
             groups: self.group_iterations(|g| self.groups[g].residual.map(|r| r.relative())),
-            done,
+            done: self.progress.share(done),
         };
         self.iterations.push(record);
         &self.iterations[self.iterations.len() - 1]

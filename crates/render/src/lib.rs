@@ -13,7 +13,7 @@
 //!    with it [`Tracer::denoise`]: a picture with less noise and a small bias (module [`denoise`]);
 //!  - [`Tracer::accumulate_layers`]: what each light source contributes to a picture (module [`layers`]);
 //!  - [`Tracer::probe`]: the light incident at the surfaces behind given pixels, so that any
-//!    reflectance can be evaluated there without tracing again (module [`probe`]);
+//!    reflectance can be evaluated there without tracing again (module [`probe`]), lobe after lobe by [`LobeSums`];
 //!  - [`Tracer::jacobian`]: the derivative of the picture by every parameter (module [`jacobian`]);
 //!  - [`Tracer::store`]: paths that are traced once and evaluated under any appearance ([`StoredPaths`]);
 //!  - [`Tracer::bright_paths`]: the paths that make a picture noisy, and what happened along each (module [`explain`]).
@@ -45,6 +45,7 @@ pub mod integrator;
 pub mod jacobian;
 mod lanes;
 pub mod layers;
+pub mod lobe_sums;
 pub mod path;
 mod path_reuse;
 pub mod probe;
@@ -66,6 +67,7 @@ pub use film::{Accumulator, Film, PixelAccumulator};
 pub use geometry::{GeometryBuffers, NOTHING, PixelGeometry};
 pub use integrator::{Integrator, Settings};
 pub use jacobian::{Jacobian, Parameter, StoredPaths};
+pub use lobe_sums::LobeSums;
 pub use probe::{Incident, Mirrored, Probe, ProbeSettings, Probes, ProposalLobe};
 pub use radiance_cache::RadianceCache;
 pub use tracer::Tracer;

@@ -8,6 +8,7 @@ use crate::recovery_journal::RecoveryJournal;
 use crate::registered::RegisteredModel;
 use crate::registration::{self, Alignment};
 use crate::{Error, Job, same_as};
+use std::ops::Range;
 use std::time::Instant;
 use unrender_formats::materials::PhotographEntry;
 use unrender_photo::Exposure;
@@ -59,6 +60,8 @@ pub struct Times {
 const NEAR: f64 = 0.005;
 /// How often the photograph is developed anew at most.
 const ROUNDS_MAX: usize = 6;
+/// The share of the time that all this takes at most, roughly.
+const ROUNDS_SHARE: f64 = 0.7;
 
 /// Recovers the materials of `job`'s groups. Where the project asks for numbers of the camera, they
 /// are found too, and the photograph of `job` ends as developed with them. The renderer's work is done
@@ -76,12 +79,16 @@ pub(crate) fn recover(
     progress.warn(&registered.warnings);
     let until_registered = started.elapsed().as_secs_f64();
     let numbers = photometric::asked(&job.project);
+    let mut begun = 0.0;
     if !numbers.is_empty() && options.refine && options.ladder == LadderKind::Default {
         // A texture explains whatever a wrong gamma does to a group.
         let thresholds = Thresholds { textured: Some(f64::INFINITY), ..options.thresholds };
         let rough = Options { thresholds, spp: 1, ..options.clone() };
         for _ in 0..ROUNDS_MAX {
-            let mut teller = Teller::new(progress, options, started, (&pausable, journal));
+            // How many rounds there will be is not known: each has half of what is left of their share.
+            let share = begun..begun + 0.5 * (ROUNDS_SHARE - begun);
+            begun = share.end;
+            let mut teller = Teller::new(progress, options, started, (&pausable, journal), share);
             let asked = (&rough, workers);
             let change = recover_once(job, &registered, &numbers, asked, &mut teller)?.change;
             if change < NEAR || teller.is_cancelled() {
@@ -90,7 +97,7 @@ pub(crate) fn recover(
         }
     }
     let developed = started.elapsed().as_secs_f64();
-    let mut teller = Teller::new(progress, options, started, (&pausable, journal));
+    let mut teller = Teller::new(progress, options, started, (&pausable, journal), begun..1.0);
     let Once { mut recovery, group_map, object_map, .. } =
         recover_once(job, &registered, &numbers, (options, workers), &mut teller)?;
     if let Exposure::Fixed(exposure) = job.project.exposure {
@@ -158,6 +165,8 @@ struct Teller<'a> {
     progress: &'a Progress,
     paper: bool,
     started: Instant,
+    /// From which to which share of the whole work this recovery is.
+    share: Range<f64>,
     /// Seconds since the start at the end of each iteration.
     iterations: Vec<f64>,
     pausable: &'a Pausable,
@@ -170,14 +179,18 @@ impl<'a> Teller<'a> {
         options: &Options,
         started: Instant,
         (pausable, journal): (&'a Pausable, &'a RecoveryJournal),
+        share: Range<f64>,
     ) -> Self {
         let paper = options.ladder == LadderKind::Paper;
-        Self { progress, paper, started, iterations: Vec::new(), pausable, journal }
+        Self { progress, paper, started, share, iterations: Vec::new(), pausable, journal }
+    }
+
+    /// The share of the whole work, where `done` of this recovery is done.
+    fn of_all(&self, done: f64) -> f64 {
+        let Range { start, end } = self.share;
+        start + done * (end - start)
     }
 }
-
-/// The final picture's share of the time, roughly.
-const PICTURE: f64 = 0.15;
 
 impl Observer for Teller<'_> {
     fn iteration(&mut self, record: &IterationRecord) {
@@ -201,12 +214,12 @@ impl Observer for Teller<'_> {
                 100.0 * record.worst_error,
                 record.change
             ),
-            (1.0 - PICTURE) * record.done,
+            self.of_all(record.done),
         );
     }
 
-    fn picture(&self, share: f64) {
-        self.progress.set(1.0 - PICTURE + PICTURE * share);
+    fn working(&self, what: &str, done: f64) {
+        self.progress.work_on(what, self.of_all(done));
     }
 
     fn is_cancelled(&self) -> bool {

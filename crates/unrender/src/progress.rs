@@ -5,18 +5,18 @@ use crate::listener::{Console, Listener};
 use crate::output;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use unrender_recover::IterationRecord;
 use unrender_scene::Warnings;
 
+/// The longest time without a line: somebody who waits sees that work goes on.
 const BETWEEN_LINES: Duration = Duration::from_secs(2);
 const BAR_STEPS: u64 = 1000;
 
 /// Shows the progress of one piece of work; any thread may tell it.
 pub(crate) struct Progress {
-    what: String,
-    started: Instant,
     sink: Sink,
     console: Console,
 }
@@ -24,15 +24,13 @@ pub(crate) struct Progress {
 enum Sink {
     Silent,
     Bar(ProgressBar),
-    /// The time of the last line.
-    Lines(Mutex<Instant>),
+    Lines(Lines),
     Listener(Arc<dyn Listener>),
 }
 
 impl Progress {
     /// Starts the clock of the work called `what`.
     pub(crate) fn new(what: &str, global: &Global) -> Self {
-        let started = Instant::now();
         let console = global.console.clone();
         let sink = if let Some(listener) = console.listener() {
             Sink::Listener(Arc::clone(listener))
@@ -41,9 +39,9 @@ impl Progress {
         } else if std::io::stderr().is_terminal() {
             Sink::Bar(bar(what))
         } else {
-            Sink::Lines(Mutex::new(started))
+            Sink::Lines(Lines::new(what))
         };
-        Self { what: what.to_owned(), started, sink, console }
+        Self { sink, console }
     }
 
     /// Tells `warnings`.
@@ -76,10 +74,21 @@ impl Progress {
             Sink::Listener(listener) => {
                 return listener.progress(Some(&what), done.clamp(0.0, 1.0));
             }
-            Sink::Lines(last) => {
-                *last.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
-                output::tell(&line(&what, self.started.elapsed(), done.clamp(0.0, 1.0)));
+            Sink::Lines(lines) => {
+                let mut said = lines.ticking.said();
+                said.reach(done.clamp(0.0, 1.0));
+                said.tell(&what);
             }
+        }
+        self.set(done);
+    }
+
+    /// Tells what is being done, with the share done before it, where nothing was told for a while.
+    pub(crate) fn work_on(&self, what: &str, done: f64) {
+        match &self.sink {
+            Sink::Silent | Sink::Listener(_) => {}
+            Sink::Bar(bar) => bar.set_message(what.to_owned()),
+            Sink::Lines(lines) => what.clone_into(&mut lines.ticking.said().what),
         }
         self.set(done);
     }
@@ -91,13 +100,7 @@ impl Progress {
             Sink::Silent => {}
             Sink::Bar(bar) => bar.set_position((done * BAR_STEPS as f64) as u64),
             Sink::Listener(listener) => listener.progress(None, done),
-            Sink::Lines(last) => {
-                let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
-                if last.elapsed() >= BETWEEN_LINES {
-                    *last = Instant::now();
-                    output::tell(&line(&self.what, self.started.elapsed(), done));
-                }
-            }
+            Sink::Lines(lines) => lines.ticking.said().reach(done),
         }
     }
 }
@@ -111,10 +114,87 @@ impl Drop for Progress {
     }
 }
 
+/// A line whenever something is told, and one of what is being done where nothing was told for a while.
+struct Lines {
+    ticking: Arc<Ticking>,
+    ticker: Option<JoinHandle<()>>,
+}
+
+/// What the thread that tells the time shares with those who work.
+struct Ticking {
+    said: Mutex<Said>,
+    ended: Condvar,
+}
+
+/// What was said last.
+struct Said {
+    started: Instant,
+    last: Instant,
+    what: String,
+    done: f64,
+    is_over: bool,
+}
+
+impl Lines {
+    fn new(what: &str) -> Self {
+        let started = Instant::now();
+        let said =
+            Said { started, last: started, what: what.to_owned(), done: 0.0, is_over: false };
+        let ticking = Arc::new(Ticking { said: Mutex::new(said), ended: Condvar::new() });
+        let shared = Arc::clone(&ticking);
+        let ticker = std::thread::spawn(move || shared.run());
+        Self { ticking, ticker: Some(ticker) }
+    }
+}
+
+impl Drop for Lines {
+    fn drop(&mut self) {
+        self.ticking.said().is_over = true;
+        self.ticking.ended.notify_all();
+        if let Some(ticker) = self.ticker.take() {
+            // It has nothing to say that was not said.
+            let _ = ticker.join();
+        }
+    }
+}
+
+impl Ticking {
+    fn said(&self) -> MutexGuard<'_, Said> {
+        self.said.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn run(&self) {
+        let mut said = self.said();
+        while !said.is_over {
+            let left = BETWEEN_LINES.saturating_sub(said.last.elapsed());
+            if left.is_zero() {
+                let what = said.what.clone();
+                said.tell(&what);
+            } else {
+                let waited = self.ended.wait_timeout(said, left);
+                said = waited.unwrap_or_else(PoisonError::into_inner).0;
+            }
+        }
+    }
+}
+
+impl Said {
+    /// Threads that tell of their share come in any order.
+    fn reach(&mut self, done: f64) {
+        self.done = self.done.max(done);
+    }
+
+    fn tell(&mut self, what: &str) {
+        self.last = Instant::now();
+        output::tell(&line(what, self.started.elapsed(), self.done));
+    }
+}
+
 fn bar(what: &str) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(BAR_STEPS), ProgressDrawTarget::stderr());
     let style = ProgressStyle::with_template("{msg} {wide_bar} {percent} % {elapsed}, {eta} left")
         .unwrap_or_else(|_| ProgressStyle::default_bar());
+    bar.enable_steady_tick(Duration::from_secs(1));
     bar.with_style(style).with_message(what.to_owned())
 }
 

@@ -158,7 +158,7 @@ mod tests {
         };
         let probes = all.clone().map(probe).collect();
         let incident = all.clone().flat_map(|_| lights.iter().copied()).collect();
-        let set = Gathered::new(Probes { probes, incident });
+        let set = Gathered::new(BrdfModel::default(), Probes { probes, incident });
         let observed = |i: usize| Observed {
             pixel: i as u32,
             radiance: Rgb::ZERO,

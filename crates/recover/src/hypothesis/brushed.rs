@@ -172,7 +172,7 @@ mod tests {
         };
         let all = 0..SIDE * SIDE;
         let probes = all.clone().map(probe).collect();
-        let set = Gathered::new(Probes { probes, incident: Vec::new() });
+        let set = Gathered::new(BrdfModel::default(), Probes { probes, incident: Vec::new() });
         let pixels: Vec<u32> = all.clone().map(|i| i as u32).collect();
         let blocks = Blocks::of(&pixels, &Grid::even(SIDE, 3));
         let light = LightError { share: 0.01 };

@@ -14,7 +14,7 @@ use crate::likelihood::Likelihood;
 use crate::others::{MIDDLE, error_of_others, light_of_others};
 use crate::outliers;
 use crate::problem::Options;
-use crate::record::{CandidateRecord, Status};
+use crate::record::{CandidateRecord, Observer, Status};
 use crate::residual::ResidualStats;
 use crate::sample_budget;
 use crate::selection::{Comparison, Decision, explains_alike, parameters};
@@ -214,7 +214,12 @@ impl<'o> Candidates<'o> {
 
     /// Other hypotheses for the groups in error, the worst ones among those that were not asked at
     /// this level.
-    pub(crate) fn propose_worst(&mut self, state: &mut State<'_>, level: usize) -> Vec<Proposal> {
+    pub(crate) fn propose_worst(
+        &mut self,
+        state: &mut State<'_>,
+        level: usize,
+        observer: &dyn Observer,
+    ) -> Vec<Proposal> {
         loop {
             let open = self.open(state, level);
             let climbed = |g: &usize| {
@@ -233,8 +238,12 @@ impl<'o> Candidates<'o> {
             if worst.is_empty() {
                 return Vec::new();
             }
-            let proposals: Vec<Proposal> =
-                worst.into_iter().filter_map(|group| self.propose(state, group, level)).collect();
+            let mut proposals = Vec::new();
+            for group in worst {
+                let asked = self.asked_at.iter().filter(|at| **at == Some(level)).count();
+                tell(state, observer, group, asked as f64 / self.asked.len() as f64);
+                proposals.extend(self.propose(state, group, level));
+            }
             if !proposals.is_empty() {
                 return proposals;
             }
@@ -452,6 +461,12 @@ fn chain(state: &State<'_>, group: usize, fitted: &Fitted) -> Option<Proposal> {
 /// Free parameters that `next` has more than `present`.
 fn added(present: Hypothesis, next: Hypothesis) -> f64 {
     parameters(next) - parameters(present)
+}
+
+/// Tells that `group` is asked, where `done` of the present part is done.
+pub(crate) fn tell(state: &mut State<'_>, observer: &dyn Observer, group: usize, done: f64) {
+    let name = &state.problem.groups[group].name;
+    observer.working(&format!("looking for what explains \"{name}\""), state.progress.share(done));
 }
 
 /// Writes the candidates into the group's selection log.

@@ -63,15 +63,14 @@ impl<'o> Settler<'o> {
     ) -> Result<(), RecoverError> {
         // How fits answered in another light says nothing in this one.
         state.groups.iter_mut().for_each(|of_group| of_group.last_way = None);
-        for _ in 0..ITERATIONS[self.level] {
+        for n in 1..=ITERATIONS[self.level] {
             if *left == 0 || observer.is_cancelled() {
                 return Ok(());
             }
             *left -= 1;
             refine::settle_nuisances(state, self.options)?;
             let change = state.step("iteration", |state| self.iterate(state));
-            let n = state.iterations.len() as f64 + 1.0;
-            let done = n / (n + 10.0 - 4.0 * self.level as f64);
+            let done = n as f64 / ITERATIONS[self.level] as f64;
             let open = open(state);
             observer.iteration(state.end_iteration(change, &open, done));
             if change <= SETTLED[self.samples] {

@@ -5,6 +5,7 @@
 
 use super::blocks;
 use super::unknowns::Unknowns;
+use crate::effort::Effort;
 use crate::state::State;
 use nalgebra::{DMatrix, DVector};
 
@@ -29,7 +30,7 @@ pub(super) struct Need {
 /// was carried along a straight line. For each group `seen` has the pixels.
 pub(super) fn of(
     state: &State<'_>,
-    unknowns: &Unknowns,
+    (unknowns, effort): (&Unknowns, Effort),
     (covariance, rendering): (&DMatrix<f64>, &DVector<f64>),
     moved: &[f64],
     seen: &[f64],
@@ -38,8 +39,8 @@ pub(super) fn of(
     let mut all_lack = moved.iter().any(|moved| *moved > 1.0);
     for (k, u) in unknowns.list.iter().enumerate() {
         let block = blocks::of(u.quantity);
-        let (allowed, precise) =
-            (RENDERING_SHARE * covariance[(k, k)], block.precise_enough(state, u).powi(2));
+        let allowed = RENDERING_SHARE * covariance[(k, k)];
+        let precise = effort.deviation(block.precise_enough(state, u)).powi(2);
         let lacks = rendering[k] > allowed && rendering[k] > precise;
         let is_of_all = block.is_nuisance() || seen[u.of] == 0.0;
         all_lack |= lacks && is_of_all;

@@ -102,6 +102,7 @@ impl<'o> Passes<'o> {
         let pixels = (self.options.effort.pixels(COARSE.0), self.pixels_seed());
         let spp = self.options.effort.samples(COARSE.1);
         for _ in 0..TRACED_MAX {
+            observer.working("refining all numbers together", state.progress.share(0.0));
             state.look_at_photograph();
             let settings = Settings { spp, ..self.settings() };
             let kept = KeptPaths::new(state, pixels, &settings);
@@ -196,7 +197,7 @@ impl<'o> Passes<'o> {
             settled = moved.iter().all(|moved| *moved <= 1.0);
             let rendering = system.rendering_variance();
             let variances = (&covariance, &rendering);
-            let needs = needs::of(state, &unknowns, variances, &moved, &seen);
+            let needs = needs::of(state, (&unknowns, effort), variances, &moved, &seen);
             if !needs.iter().any(|need| need.lacks) {
                 break;
             }
