@@ -18,6 +18,7 @@ use crate::unknown::{Quantity, Unknown};
 const SMOOTH: f64 = 0.7;
 
 /// One relation of an unknown.
+#[derive(Clone)]
 pub(super) struct Relation {
     /// Its index.
     pub(super) unknown: usize,
@@ -28,6 +29,7 @@ pub(super) struct Relation {
 }
 
 /// What an unknown is like.
+#[derive(Clone)]
 pub(super) enum Other {
     /// Another unknown.
     Unknown(usize),
