@@ -3,7 +3,7 @@
 //! The ladder has chosen the hypotheses and stands near their best parameters. What is left is a
 //! least-squares problem of tens of unknowns ([`unknowns`]), each of a kind that its parameter block
 //! describes ([`blocks`]), for which Gauss-Newton needs a handful
-//! of passes ([`passes`], [`accumulation`]). Each renders radiance and derivatives twice ([`means`]), makes the normal
+//! of passes ([`passes`]). Each renders radiance and derivatives twice ([`means`]), makes the normal
 //! equations of them ([`normal`]), and solves these within the bounds ([`system`]).
 //!
 //! The covariance of the result comes from the spread of the picture's blocks. It holds the noise of
@@ -11,7 +11,6 @@
 //! large they are. Then [`verdict`] says what the photograph could not tell; where that makes a
 //! hypothesis simpler, the rest is refined again.
 
-mod accumulation;
 mod anew;
 mod blocks;
 mod kept;
@@ -29,7 +28,6 @@ mod verdict;
 use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Status, Termination};
 use crate::state::State;
-use accumulation::Goal;
 use nalgebra::{DMatrix, DVector};
 use normal::Normal;
 use passes::{COARSE, Passes};
@@ -78,22 +76,17 @@ pub(crate) fn refine(
         passes.approach(state, observer);
         return Termination::Refined;
     }
-    'rounds: for round in 1.. {
-        let mut accumulation = passes.approach(state, observer);
-        for goal in [Goal::JUDGE, Goal::END] {
-            accumulation.run(&mut passes, state, goal, observer);
-            let solution = accumulation.solution();
-            if observer.is_cancelled() {
-                return Termination::Interrupted;
-            }
-            if solution.failed {
-                return Termination::RefinementFailed;
-            }
-            if round < ROUNDS_MAX && verdict::simplify(state, &solution, options) {
-                continue 'rounds;
-            }
+    for round in 1.. {
+        let solution = passes.converge(state, observer);
+        if observer.is_cancelled() {
+            return Termination::Interrupted;
         }
-        let solution = accumulation.solution();
+        if solution.failed {
+            return Termination::RefinementFailed;
+        }
+        if round < ROUNDS_MAX && verdict::simplify(state, &solution, options) {
+            continue;
+        }
         verdict::record(state, &solution);
         if !solution.settled {
             return Termination::RefinementLimit;

@@ -5,6 +5,7 @@
 
 use super::blocks;
 use super::unknowns::Unknowns;
+use crate::effort::Effort;
 use crate::state::State;
 use nalgebra::{DMatrix, DVector};
 
@@ -26,11 +27,10 @@ pub(super) struct Need {
 
 /// The need of each group. What the lights, the camera and groups without pixels lack, all groups do. Where a number
 /// has `moved` by more than its standard deviation, all groups are looked at again from there: what they showed
-/// was carried along a straight line. `asked` are the standard deviations that are asked for, as multiples of those
-/// below which nobody asks for more; for each group `seen` has the pixels.
+/// was carried along a straight line. For each group `seen` has the pixels.
 pub(super) fn of(
     state: &State<'_>,
-    (unknowns, asked): (&Unknowns, f64),
+    (unknowns, effort): (&Unknowns, Effort),
     (covariance, rendering): (&DMatrix<f64>, &DVector<f64>),
     moved: &[f64],
     seen: &[f64],
@@ -40,7 +40,7 @@ pub(super) fn of(
     for (k, u) in unknowns.list.iter().enumerate() {
         let block = blocks::of(u.quantity);
         let allowed = RENDERING_SHARE * covariance[(k, k)];
-        let precise = (asked * block.precise_enough(state, u)).powi(2);
+        let precise = effort.deviation(block.precise_enough(state, u)).powi(2);
         let lacks = rendering[k] > allowed && rendering[k] > precise;
         let is_of_all = block.is_nuisance() || seen[u.of] == 0.0;
         all_lack |= lacks && is_of_all;

@@ -1,16 +1,22 @@
-//! Towards the minimum, and what all passes over the photograph have in common.
+//! Pass after pass over the photograph: towards the minimum, then until it is known well enough.
 //!
 //! *Approach*: few paths are traced, once ([`super::kept`]), and steps are made on them while one of their numbers
-//! is certainly not zero (`SIGNIFICANT`), so that noise never leads away from the ladder's answer. A pass that finds
-//! the error worse than before is taken back and its step tried again with damping [Levenberg 1944; Marquardt 1963].
-//! Where a lobe has left the range that the paths carry, they are traced anew. From there an
-//! [`Accumulation`] goes on.
+//! is certainly not zero (`SIGNIFICANT`), so that noise never leads away from the ladder's answer. A pass that finds the error worse than before is taken back and its step tried again
+//! with damping [Levenberg 1944; Marquardt 1963]. Where a lobe has left the range that the paths carry, they are
+//! traced anew.
+//!
+//! *Accumulation*: from there, more pixels and fresh paths, since the numbers suit those of the approach better than
+//! others. What the passes find is averaged, the residuals carried along to where the parameters have moved,
+//! `r -> r - J s`. After the first pass most paths go to the groups whose numbers the renderings' noise leaves
+//! too uncertain ([`super::needs`]). It ends when no group lacks any, or after so many
+//! passes that more would help little.
 
-use super::accumulation::Accumulation;
+use super::Solution;
 use super::kept::KeptPaths;
 use super::means::{self, Mean};
+use super::needs;
 use super::normal::Normal;
-use super::sample::Cell;
+use super::sample::{self, Cell};
 use super::system::System;
 use super::unknowns::Unknowns;
 use crate::photometric::PhotometricEstimate;
@@ -25,13 +31,20 @@ use unrender_scene::{Material, Rgb};
 
 /// Pixels of a group at most and paths a pixel, in each of the two renderings, of an approach.
 pub(super) const COARSE: (usize, u32) = (8000, 16);
-/// Steps of an approach at most, and how often its paths may be traced.
+/// The same of the first pass of an accumulation; the others take so many paths a pixel at most, over all groups.
+const FINE: (usize, u32) = (40_000, 32);
+/// Steps of an approach at most, how often its paths may be traced, and passes of an accumulation at most. With four
+/// passes the roughness and the direction of a small Figure 8 are twice as far off in drafts.
 const STEPS_MAX: usize = 10;
 const TRACED_MAX: usize = 3;
+const PASSES_MAX: usize = 10;
 /// A step of an approach is taken if one of its numbers is this many standard deviations long. At a thirtieth of
 /// it drafts follow the noise of their paths away from the ladder's answer; at double the accumulation begins off
 /// the minimum.
 const SIGNIFICANT: f64 = 3.0;
+/// What an accumulation found is dropped after a step of so many standard deviations: it was found too
+/// far away.
+const FAR: f64 = 4.0;
 /// The first damping after a step that made things worse, relative to the curvature; then tenfold.
 const DAMPING: f64 = 0.1;
 /// A pass is worse if its weighted squared error is higher by this many standard deviations of the
@@ -40,7 +53,7 @@ const WORSE: f64 = 3.0;
 
 /// The passes of one refinement.
 pub(super) struct Passes<'o> {
-    pub(super) options: &'o Options,
+    options: &'o Options,
     count: u64,
 }
 
@@ -60,16 +73,23 @@ impl<'o> Passes<'o> {
         Self { options, count: 0 }
     }
 
-    /// Brings the unknowns of `state` near the minimum; from there, what is to be found on fresh paths.
-    pub(super) fn approach(
+    /// Moves the unknowns of `state` to where they explain the photograph best.
+    pub(super) fn converge(
         &mut self,
         state: &mut State<'_>,
         observer: &mut dyn Observer,
-    ) -> Accumulation {
+    ) -> Solution {
         let unknowns = Unknowns::of(state);
         let prior = unknowns.prior_mean(state);
         self.approach_with(state, &unknowns, &prior, observer);
-        Accumulation::new(unknowns, prior)
+        self.accumulate(state, unknowns, &prior, observer)
+    }
+
+    /// The approach alone.
+    pub(super) fn approach(&mut self, state: &mut State<'_>, observer: &mut dyn Observer) {
+        let unknowns = Unknowns::of(state);
+        let prior = unknowns.prior_mean(state);
+        self.approach_with(state, &unknowns, &prior, observer);
     }
 
     fn approach_with(
@@ -138,6 +158,60 @@ impl<'o> Passes<'o> {
         }
     }
 
+    /// Fresh paths, and more of them where they are lacking.
+    fn accumulate(
+        &mut self,
+        state: &mut State<'_>,
+        unknowns: Unknowns,
+        prior: &DVector<f64>,
+        observer: &mut dyn Observer,
+    ) -> Solution {
+        let effort = self.options.effort;
+        let mean_spp = effort.samples(FINE.1);
+        let mut average: Vec<Mean> = Vec::new();
+        let mut spp = vec![mean_spp; state.materials.len()];
+        let mut stated = DMatrix::zeros(unknowns.len(), unknowns.len());
+        let (mut settled, mut failed) = (false, false);
+        for pass in 1..=PASSES_MAX {
+            if observer.is_cancelled() {
+                break;
+            }
+            state.look_at_photograph();
+            let cells = sample::all(state, effort.pixels(FINE.0), self.pixels_seed());
+            let found = self.pass(state, &unknowns, &cells, &spp);
+            means::average(&mut average, found);
+            let normal = Normal::of(&average, &unknowns, state.materials.len());
+            let system = system(state, &unknowns, &normal, prior);
+            let covariance = system.covariance();
+            stated = system.stated_covariance();
+            let Some(step) = system.step(0.0, &unknowns.bounds(state)) else {
+                failed = true;
+                break;
+            };
+            let step = unknowns.apply(state, &step);
+            let error = relative_error(&normal, &average);
+            let seen = means::pixels_of_groups(&average, state.materials.len());
+            let done = 0.4 + 0.6 * pass as f64 / PASSES_MAX as f64;
+            tell(state, observer, &unknowns, (&step, error, &average), done);
+            let moved = in_deviations(&step, &covariance);
+            settled = moved.iter().all(|moved| *moved <= 1.0);
+            let rendering = system.rendering_variance();
+            let variances = (&covariance, &rendering);
+            let needs = needs::of(state, (&unknowns, effort), variances, &moved, &seen);
+            if !needs.iter().any(|need| need.lacks) {
+                break;
+            }
+            if moved.iter().any(|moved| *moved > FAR) {
+                average.clear();
+                spp.fill(mean_spp);
+            } else {
+                average.iter_mut().for_each(|mean| mean.move_by(&step));
+                spp = needs::allocate(&seen, &needs, mean_spp);
+            }
+        }
+        Solution { unknowns, covariance: stated, settled, failed }
+    }
+
     /// The settings of the next rendering, but for its paths a pixel.
     fn settings(&mut self) -> Settings {
         self.count += 1;
@@ -150,11 +224,11 @@ impl<'o> Passes<'o> {
     }
 
     /// The seed of the choice of pixels, which is the same in all passes.
-    pub(super) fn pixels_seed(&self) -> u64 {
+    fn pixels_seed(&self) -> u64 {
         mix(self.options.seed ^ 0x4EF1_4E00)
     }
 
-    pub(super) fn pass(
+    fn pass(
         &mut self,
         state: &State<'_>,
         unknowns: &Unknowns,
@@ -168,24 +242,19 @@ impl<'o> Passes<'o> {
 }
 
 /// The equations at the place of `state`, with the mean of the prior.
-pub(super) fn system(
-    state: &State<'_>,
-    unknowns: &Unknowns,
-    normal: &Normal,
-    prior: &DVector<f64>,
-) -> System {
+fn system(state: &State<'_>, unknowns: &Unknowns, normal: &Normal, prior: &DVector<f64>) -> System {
     let values = unknowns.values(state);
     System::new(unknowns, normal, &(prior - &values)).related(unknowns, &values)
 }
 
 /// How many standard deviations long a step is in each number.
-pub(super) fn in_deviations(step: &DVector<f64>, covariance: &DMatrix<f64>) -> Vec<f64> {
+fn in_deviations(step: &DVector<f64>, covariance: &DMatrix<f64>) -> Vec<f64> {
     let of = |k: usize| step[k].abs() / covariance[(k, k)].sqrt().max(f64::MIN_POSITIVE);
     (0..step.len()).map(of).collect()
 }
 
 /// Notes the end of a pass that ended with a step.
-pub(super) fn tell(
+fn tell(
     state: &mut State<'_>,
     observer: &mut dyn Observer,
     unknowns: &Unknowns,
@@ -235,7 +304,7 @@ impl Place {
 }
 
 /// The relative squared error.
-pub(super) fn relative_error(normal: &Normal, means: &[Mean]) -> f64 {
+fn relative_error(normal: &Normal, means: &[Mean]) -> f64 {
     let n = 3.0 * means.iter().map(|m| m.pixels).sum::<f64>().max(1.0);
     normal.errors.iter().sum::<f64>() / n
 }

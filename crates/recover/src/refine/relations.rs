@@ -18,7 +18,6 @@ use crate::unknown::{Quantity, Unknown};
 const SMOOTH: f64 = 0.7;
 
 /// One relation of an unknown.
-#[derive(Clone)]
 pub(super) struct Relation {
     /// Its index.
     pub(super) unknown: usize,
@@ -29,7 +28,6 @@ pub(super) struct Relation {
 }
 
 /// What an unknown is like.
-#[derive(Clone)]
 pub(super) enum Other {
     /// Another unknown.
     Unknown(usize),

@@ -18,7 +18,6 @@ use unrender_scene::{Image, Rgb};
 const SMALL: f64 = 0.5;
 
 /// All free numbers, and the derivatives to ask for.
-#[derive(Clone)]
 pub(crate) struct Unknowns {
     pub(crate) list: Vec<Unknown>,
     pub(crate) parameters: Vec<Parameter>,
@@ -32,7 +31,6 @@ pub(crate) struct Unknowns {
 }
 
 /// Where an unknown's derivative stands in a Jacobian: at one parameter or at the sum of two.
-#[derive(Clone)]
 struct Column {
     unknown: usize,
     parameters: [usize; 2],

@@ -55,7 +55,6 @@ pub(super) struct At<'a> {
 }
 
 /// What does not change from one step to the next.
-#[derive(Clone)]
 pub(super) struct Start {
     /// The exposure, of which the unknown one is a multiple.
     pub(super) exposure: Rgb,
