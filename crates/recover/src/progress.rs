@@ -22,20 +22,21 @@ pub(crate) enum Part {
 }
 
 impl Part {
-    /// From which to which share of the time it lasts: the mean of rooms of 7 to 11 groups at 240 x 180 with the
-    /// usual effort. Where one takes twice its share, the time left is told wrong by as much.
+    /// From which to which share of the time it lasts: between those of two rooms of 8 and 11 groups at 240 x 180
+    /// with the usual effort. A room of metal spends twice as much of its time on the last refinement; before it, half
+    /// of the time that is left is told.
     fn shares(self) -> Range<f64> {
         match self {
-            Self::Fits(0) => 0.0..0.02,
-            Self::Candidates(0) => 0.02..0.09,
-            Self::Fits(1) => 0.09..0.12,
-            Self::Candidates(1) => 0.12..0.19,
-            Self::Fits(_) | Self::Candidates(_) => 0.19..0.21,
-            Self::Refinement => 0.21..0.30,
-            Self::Revision => 0.30..0.68,
-            Self::LastRefinement => 0.68..0.84,
-            Self::OtherMinima => 0.84..0.90,
-            Self::Picture => 0.90..1.0,
+            Self::Fits(0) => 0.0..0.05,
+            Self::Candidates(0) => 0.05..0.12,
+            Self::Fits(1) => 0.12..0.15,
+            Self::Candidates(1) => 0.15..0.25,
+            Self::Fits(_) | Self::Candidates(_) => 0.25..0.26,
+            Self::Refinement => 0.26..0.28,
+            Self::Revision => 0.28..0.60,
+            Self::LastRefinement => 0.60..0.87,
+            Self::OtherMinima => 0.87..0.92,
+            Self::Picture => 0.92..1.0,
         }
     }
 }
