@@ -237,7 +237,7 @@ impl Driver<'_> {
     }
 
     /// One joint refinement, and whether its result was accepted: it is taken back if the picture
-    /// speaks against it.
+    /// speaks against it, twice.
     fn refine_once(
         &mut self,
         state: &mut State<'_>,
@@ -247,7 +247,9 @@ impl Driver<'_> {
     ) -> (Termination, bool) {
         let termination = refine::refine(state, self.options, depth, observer);
         let found = self.verifier.verify(state);
-        let accepted = !self.verifier.compare(&found.score, &best.score).is_worse();
+        let is_worse = self.verifier.compare(&found.score, &best.score).is_worse()
+            && self.verifier.confirms_worse(state, &best.snapshot);
+        let accepted = !is_worse;
         if accepted {
             *best = found;
         } else {

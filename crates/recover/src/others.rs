@@ -5,8 +5,8 @@ use crate::model_error::LightError;
 use crate::state::State;
 
 /// Candidates are distinguished down to the model error of the middle one of the other groups. At the lower
-/// quartile a real scene's rough lamps make lobes, at the upper one faint lobes wait until every group
-/// is right.
+/// quartile, the errors of lamps that are only roughly modelled pass for lobes in real scenes; at the upper one,
+/// faint lobes are found only once every other group is right.
 pub(crate) const MIDDLE: f64 = 0.5;
 /// The incident light of a group is wrong by at most so many times the error of that of the middle one
 /// of the other groups: it comes from the same lamps and walls. At half of it the group beside a wrong

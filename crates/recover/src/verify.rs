@@ -31,6 +31,8 @@ const SPP: u32 = 12;
 /// The same where a group is asked by itself. At half of it faint lobes are significant only in
 /// scenes of large lamps, double costs as much as finding the candidate.
 const OWN_SPP: u32 = 48;
+/// Makes the random numbers that confirm a verdict others than those that led to it.
+const OTHER: u64 = 0x0B57;
 /// A state is worse if its deviance is higher by this many standard deviations of the difference.
 const WORSE: f64 = 3.0;
 /// The share of model error below which no difference is significant: while hypotheses change, the
@@ -132,14 +134,30 @@ impl Verifier {
 
     /// Renders the sample in `state`, and keeps the state with its score.
     pub(crate) fn verify(&self, state: &State<'_>) -> Verified {
-        let score = state.steps.value("verification", || self.score(state));
+        let score = state.steps.value("verification", || self.score(state, &self.settings));
         Verified { snapshot: state.snapshot(), score }
     }
 
-    /// How well `state` explains the photograph.
-    fn score(&self, state: &State<'_>) -> Score {
+    /// Whether `state` is worse than `best` by other random numbers, and more of them: of states that were all
+    /// judged by the same ones, the best is in part the one that suits these.
+    pub(crate) fn confirms_worse(&self, state: &mut State<'_>, best: &Snapshot) -> bool {
+        let settings =
+            Settings { seed: self.settings.seed ^ OTHER, spp: self.own_spp, ..self.settings };
+        let score =
+            |state: &State<'_>| state.steps.value("verification", || self.score(state, &settings));
+        let mine = score(state);
+        let (found, covariance) = (state.snapshot(), state.covariance.take());
+        state.restore(best);
+        let others = score(state);
+        state.restore(&found);
+        state.covariance = covariance;
+        self.compare(&mine, &others).is_worse()
+    }
+
+    /// How well `state` explains the photograph, by the paths of `settings`.
+    fn score(&self, state: &State<'_>, settings: &Settings) -> Score {
         let all: Vec<u32> = self.groups.iter().flat_map(|s| s.pixels.iter().copied()).collect();
-        let halves = self.render(state.appearance(), state, &all, self.settings.spp);
+        let halves = self.render(state.appearance(), state, &all, settings);
         let mut start = 0;
         let of_group = |sample: &Sample| {
             let range = start..start + sample.pixels.len();
@@ -158,11 +176,11 @@ impl Verifier {
         appearance: Appearance<'_>,
         state: &State<'_>,
         pixels: &[u32],
-        spp: u32,
+        settings: &Settings,
     ) -> [Vec<Rgb>; 2] {
         [0u64, 1].map(|half| {
-            let seed = mix(self.settings.seed).wrapping_add(half);
-            let settings = Settings { seed, spp, ..self.settings };
+            let seed = mix(settings.seed).wrapping_add(half);
+            let settings = Settings { seed, ..*settings };
             state.problem.renderer.rerender(appearance, pixels, &settings)
         })
     }
@@ -269,7 +287,8 @@ impl Verifier {
             [now, (before.material(group), before.status())].map(|(material, status)| {
                 materials[group].clone_from(material);
                 let appearance = Appearance { materials: &materials, lights: &state.lights };
-                let halves = self.render(appearance, state, &sample.pixels, self.own_spp);
+                let settings = Settings { spp: self.own_spp, ..self.settings };
+                let halves = self.render(appearance, state, &sample.pixels, &settings);
                 let floor = least.unwrap_or(OWN_FLOOR);
                 self.group(state, (status, floor), sample, halves.each_ref().map(Vec::as_slice))
             })

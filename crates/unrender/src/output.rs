@@ -57,12 +57,13 @@ pub(crate) fn write_picture(
     Ok(doubts(accumulator))
 }
 
-/// What in `accumulator` is no number.
+/// What is doubtful about the paths in `accumulator`.
 pub(crate) fn doubts(accumulator: &Accumulator) -> Warnings {
     let mut warnings = Warnings::default();
     if accumulator.faulty() > 0 {
         warnings.push(format!(
-            "{} path(s) brought no finite number and were counted as black",
+            "the radiance of {} path(s) was infinite or not a number: they count as black; are there very large \
+             or very small numbers in the scene?",
             accumulator.faulty()
         ));
     }

@@ -108,7 +108,7 @@ pub(crate) fn photometric_parameters(job: &Job, numbers: &[Number]) -> Vec<Photo
 /// Develops the photograph of `job` anew with `numbers` moved by `steps`. Returns by what share that
 /// changed it.
 pub(crate) fn apply(job: &mut Job, numbers: &[Number], steps: &[f64]) -> f64 {
-    // A fit that has broken down says nothing; halves of what is no number are none for ever.
+    // A fit that has broken down says nothing. Halving a step that is not a number, as below, would never end.
     if steps.iter().any(|step| !(*step as f32).is_finite()) {
         return 0.0;
     }

@@ -70,8 +70,8 @@ pub(crate) struct Proposal {
     pub(crate) least: Option<f64>,
     /// What is to be tried where the picture speaks against it.
     next: Option<Box<Proposal>>,
-    /// What is to be tried after it, whatever became of it: the group without outliers, or a texture, which
-    /// explain more than any uniform hypothesis and have to be compared with the best of these.
+    /// What is tried next, whether this one was accepted or not: the group without outliers, or a texture. These
+    /// explain more than any uniform hypothesis does, and have to be compared with the best of them.
     then: Option<Box<Proposal>>,
 }
 
