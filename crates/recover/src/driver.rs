@@ -12,10 +12,10 @@ use crate::ladder::settle::Settler;
 use crate::ladder::textures;
 use crate::plain;
 use crate::problem::{Options, RecoverError};
-use crate::progress::Part;
 use crate::record::{Observer, Termination};
 use crate::refine::{self, Depth};
 use crate::sample_budget::{self, FINEST, REFINED};
+use crate::schedule::Part;
 use crate::state::State;
 use crate::verify::{REFINED_FLOOR, Score, Verified, Verifier};
 
@@ -49,8 +49,8 @@ pub(crate) fn drive(
             termination = driver.refine_once(state, &mut best, Depth::Fine, observer).0;
             state.step("textures", |state| textures::finish(state, options));
         }
-        state.progress.begin(Part::OtherMinima);
-        observer.working("looking for other explanations", state.progress.share(0.0));
+        state.schedule.begin(Part::OtherMinima);
+        observer.working("looking for other explanations", state.schedule.share(0.0));
         state.step("other minima", |state| refine::local_minima::find(state, options));
     }
     Ok(if observer.is_cancelled() { Termination::Interrupted } else { termination })
@@ -83,7 +83,7 @@ impl Driver<'_> {
         // The refinement finds the numbers better than the finest level does.
         let last = if self.options.refine { FINEST - 1 } else { FINEST };
         for level in 0..=last {
-            state.progress.begin(Part::Fits(level));
+            state.schedule.begin(Part::Fits(level));
             let settler = Settler::new(state, self.options, level);
             self.settle(state, &settler, observer)?;
             self.candidates.enforce(state, level);
@@ -93,7 +93,7 @@ impl Driver<'_> {
                 // lights that suit the present ones.
                 self.refine_once(state, &mut best, Depth::Coarse, observer);
             }
-            state.progress.begin(Part::Candidates(level));
+            state.schedule.begin(Part::Candidates(level));
             while self.left > 0 && !observer.is_cancelled() {
                 let proposals = self.candidates.propose_worst(state, level, observer);
                 if proposals.is_empty() {
@@ -181,7 +181,7 @@ impl Driver<'_> {
             return Ok(None);
         }
         observer
-            .working("checking what changed against the whole picture", state.progress.share(0.0));
+            .working("checking what changed against the whole picture", state.schedule.share(0.0));
         let mut found = self.verifier.verify(state);
         let changed: Vec<usize> = proposals.iter().map(|proposal| proposal.group).collect();
         let mut comparison = self.verifier.compare(&found.score, &best.score);
@@ -211,9 +211,9 @@ impl Driver<'_> {
         self.verifier.floor = REFINED_FLOOR.max(self.options.thresholds.explained);
         self.candidates.forget_rejections();
         let mut best = self.verifier.verify(state);
-        state.progress.begin(Part::Refinement);
+        state.schedule.begin(Part::Refinement);
         self.refine_once(state, &mut best, Depth::Coarse, observer);
-        state.progress.begin(Part::Revision);
+        state.schedule.begin(Part::Revision);
         // Errors of the light of that size are allowed for: a smaller change decides nothing.
         let tolerated = sample_budget::allowance(REFINED, self.options).light.share;
         let mut asked: Option<Score> = None;
@@ -232,12 +232,12 @@ impl Driver<'_> {
             }
             self.refine_once(state, &mut best, Depth::Coarse, observer);
         }
-        state.progress.begin(Part::LastRefinement);
+        state.schedule.begin(Part::LastRefinement);
         Ok(self.refine_once(state, &mut best, Depth::Fine, observer).0)
     }
 
     /// One joint refinement, and whether its result was accepted: it is taken back if the picture
-    /// speaks against it, twice.
+    /// speaks against it, by two sets of random numbers.
     fn refine_once(
         &mut self,
         state: &mut State<'_>,
@@ -248,7 +248,7 @@ impl Driver<'_> {
         let termination = refine::refine(state, self.options, depth, observer);
         let found = self.verifier.verify(state);
         let is_worse = self.verifier.compare(&found.score, &best.score).is_worse()
-            && self.verifier.confirms_worse(state, &best.snapshot);
+            && self.verifier.confirms_worse(state, &found.snapshot, &best.snapshot);
         let accepted = !is_worse;
         if accepted {
             *best = found;

@@ -2,10 +2,10 @@
 
 use crate::hypothesis::Fit;
 use crate::problem::{Options, Role};
-use crate::progress;
 use crate::record::{Alternative, GroupResult, Observer, Recovery, Status, Termination};
 use crate::rerender::Renderer;
 use crate::residual::deviation_of_sum;
+use crate::schedule;
 use crate::state::State;
 use glam::Vec3;
 use unrender_render::sampler::mix;
@@ -61,7 +61,7 @@ fn render_twice(
             integrator: unrender_render::Integrator::PathReuse,
         };
         let progress = |share: f64| {
-            let done = progress::of_picture((half as f64 + share) / 2.0);
+            let done = schedule::of_picture((half as f64 + share) / 2.0);
             observer.working("rendering the last picture", done);
         };
         renderer.picture(appearance, &settings, &progress)

@@ -11,12 +11,12 @@ use crate::likelihood::Likelihood;
 use crate::observation::{Observation, PixelStatus, ValidPixels};
 use crate::photometric::PhotometricEstimate;
 use crate::problem::{ExposureRule, Options, Problem, RecoverError, Role};
-use crate::progress::Progress;
 use crate::record::{
     CandidateRecord, Covariance, Deviations, GroupIteration, IterationRecord, LightResult, Status,
 };
 use crate::residual::ResidualStats;
 use crate::sample_budget;
+use crate::schedule::Schedule;
 use serde::{Deserialize, Serialize};
 use unrender_render::{Appearance, RadianceCache};
 use unrender_scene::{Image, Material, Rgb, RgbImage};
@@ -39,7 +39,7 @@ pub(crate) struct State<'a> {
     pub(crate) light_results: Vec<LightResult>,
     pub(crate) photometric: PhotometricEstimate,
     pub(crate) iterations: Vec<IterationRecord>,
-    pub(crate) progress: Progress,
+    pub(crate) schedule: Schedule,
     /// The photograph's radiance where it shows diffuse surfaces.
     pub(crate) seen: Option<RadianceCache>,
     /// The steps that were made, and their journal.
@@ -146,7 +146,7 @@ impl<'a> State<'a> {
             light_results: Vec::new(),
             photometric,
             iterations: Vec::new(),
-            progress: Progress::new(),
+            schedule: Schedule::new(),
             seen: None,
             steps: Steps::default(),
         })
@@ -265,7 +265,7 @@ impl<'a> State<'a> {
             worst_error: error,
             open_groups: Vec::new(),
             groups: self.group_iterations(|group| errors[group]),
-            done: self.progress.share(done),
+            done: self.schedule.share(done),
         };
         self.iterations.push(record);
         &self.iterations[self.iterations.len() - 1]
@@ -297,7 +297,7 @@ impl<'a> State<'a> {
             worst_error: self.groups.iter().map(error).fold(0.0, f64::max),
             open_groups: open.iter().map(|g| self.problem.groups[*g].name.clone()).collect(),
             groups: self.group_iterations(|g| self.groups[g].residual.map(|r| r.relative())),
-            done: self.progress.share(done),
+            done: self.schedule.share(done),
         };
         self.iterations.push(record);
         &self.iterations[self.iterations.len() - 1]

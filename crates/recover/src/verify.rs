@@ -138,18 +138,23 @@ impl Verifier {
         Verified { snapshot: state.snapshot(), score }
     }
 
-    /// Whether `state` is worse than `best` by other random numbers, and more of them: of states that were all
-    /// judged by the same ones, the best is in part the one that suits these.
-    pub(crate) fn confirms_worse(&self, state: &mut State<'_>, best: &Snapshot) -> bool {
+    /// Whether `state`, whose snapshot is `found`, is worse than `best` by other random numbers, and more of them: of
+    /// states that were all judged by the same ones, the best is in part the one that suits these.
+    pub(crate) fn confirms_worse(
+        &self,
+        state: &mut State<'_>,
+        found: &Snapshot,
+        best: &Snapshot,
+    ) -> bool {
         let settings =
             Settings { seed: self.settings.seed ^ OTHER, spp: self.own_spp, ..self.settings };
         let score =
             |state: &State<'_>| state.steps.value("verification", || self.score(state, &settings));
         let mine = score(state);
-        let (found, covariance) = (state.snapshot(), state.covariance.take());
+        let covariance = state.covariance.take();
         state.restore(best);
         let others = score(state);
-        state.restore(&found);
+        state.restore(found);
         state.covariance = covariance;
         self.compare(&mine, &others).is_worse()
     }

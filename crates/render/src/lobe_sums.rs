@@ -21,6 +21,8 @@ pub struct LobeSums {
     model: BrdfModel,
     probes: Vec<Outgoing>,
     lanes: Vec<Lanes>,
+    /// The slopes of `wi`, eight by eight; empty where the model has no masking.
+    wi: Vec<[f32x8; 2]>,
 }
 
 /// What is known of a probe.
@@ -37,8 +39,6 @@ struct Outgoing {
 struct Lanes {
     /// The slopes of the half vectors.
     half: [f32x8; 2],
-    /// The slopes of `wi`; zero where the model has no masking.
-    wi: [f32x8; 2],
     /// Irradiance times what does not depend on the lobe.
     irradiance: [f32x8; 3],
 }
@@ -47,14 +47,19 @@ impl LobeSums {
     /// Prepares the samples of `probes` for lobes of `model`.
     pub fn new(model: BrdfModel, probes: &Probes) -> Self {
         let mut lanes = Vec::with_capacity(probes.incident.len() / LANES + probes.probes.len());
+        let mut wi = Vec::new();
         let mut of_probe = |probe: &Probe| {
             let first = lanes.len() as u32;
-            let eights = probes.incident_of(probe).chunks(LANES);
-            lanes.extend(eights.map(|eight| Lanes::new(model, probe.wo, eight)));
+            for eight in probes.incident_of(probe).chunks(LANES) {
+                lanes.push(Lanes::new(model, probe.wo, eight));
+                if model == BrdfModel::Ggx {
+                    wi.push(columns(eight.iter().map(|sample| slopes(sample.wi).to_array())));
+                }
+            }
             Outgoing { slopes: slopes(probe.wo), first, count: lanes.len() as u32 - first }
         };
         let of_probes = probes.probes.iter().map(&mut of_probe).collect();
-        Self { model, probes: of_probes, lanes }
+        Self { model, probes: of_probes, lanes, wi }
     }
 
     /// Drops the probes that are not `kept`, in their order.
@@ -67,7 +72,8 @@ impl LobeSums {
     pub fn of(&self, probe: usize, [alpha_x, alpha_y, theta_rad]: [f32; 3]) -> Rgb {
         let lobe = Lobe::new(alpha_x.max(ALPHA_MIN), alpha_y.max(ALPHA_MIN), theta_rad);
         let outgoing = self.probes[probe];
-        let lanes = &self.lanes[outgoing.first as usize..][..outgoing.count as usize];
+        let range = outgoing.first as usize..(outgoing.first + outgoing.count) as usize;
+        let lanes = &self.lanes[range.clone()];
         let mut sums = [f32x8::ZERO; 3];
         let mut add = |lanes: &Lanes, value: f32x8| {
             for (sum, irradiance) in sums.iter_mut().zip(lanes.irradiance) {
@@ -78,7 +84,8 @@ impl LobeSums {
             BrdfModel::Ward(_) => lanes.iter().for_each(|l| add(l, lobe.exponential(l.half))),
             BrdfModel::Ggx => {
                 let seen = 1.0 + lobe.masking(outgoing.slopes);
-                lanes.iter().for_each(|l| add(l, lobe.microfacets(l, seen)));
+                let both = lanes.iter().zip(&self.wi[range]);
+                both.for_each(|(l, wi)| add(l, lobe.microfacets(l.half, *wi, seen)));
             }
         }
         lobe.norm * Rgb::from_array(sums.map(total))
@@ -87,18 +94,24 @@ impl LobeSums {
 
 impl Lanes {
     fn new(model: BrdfModel, wo: Vec3, samples: &[Incident]) -> Self {
-        let mut columns = [[0.0f32; LANES]; 7];
-        for (lane, sample) in samples.iter().enumerate() {
+        let row = |sample: &Incident| {
             let (half, factor) = (slopes(wo + sample.wi), factor(model, wo, sample.wi));
-            let wi = if model == BrdfModel::Ggx { slopes(sample.wi) } else { Vec2::ZERO };
             // Where the half vector grazes, no lobe has a value.
             let lit = if factor.is_finite() { factor * sample.irradiance } else { Rgb::ZERO };
-            let row = [half.x, half.y, wi.x, wi.y, lit.x, lit.y, lit.z];
-            columns.iter_mut().zip(row).for_each(|(column, value)| column[lane] = value);
-        }
-        let [half_x, half_y, wi_x, wi_y, r, g, b] = columns.map(f32x8::from);
-        Self { half: [half_x, half_y], wi: [wi_x, wi_y], irradiance: [r, g, b] }
+            [half.x, half.y, lit.x, lit.y, lit.z]
+        };
+        let [half_x, half_y, r, g, b] = columns(samples.iter().map(row));
+        Self { half: [half_x, half_y], irradiance: [r, g, b] }
     }
+}
+
+/// At most eight rows as columns; what is beyond the last row is zero.
+fn columns<const N: usize>(rows: impl Iterator<Item = [f32; N]>) -> [f32x8; N] {
+    let mut columns = [[0.0f32; LANES]; N];
+    for (lane, row) in rows.enumerate() {
+        columns.iter_mut().zip(row).for_each(|(column, value)| column[lane] = value);
+    }
+    columns.map(f32x8::from)
 }
 
 /// The slopes of a direction along x and y.
@@ -157,10 +170,10 @@ impl Lobe {
     }
 
     /// `1 / ((1 + q)^2 (1 + L(wo) + L(wi)))`.
-    fn microfacets(&self, lanes: &Lanes, seen: f32) -> f32x8 {
-        let (one, half) = (f32x8::ONE, f32x8::splat(0.5));
-        let q = one + Self::squared(self.rows, lanes.half);
-        let of_wi = half * ((one + Self::squared(self.masks, lanes.wi)).sqrt() - one);
+    fn microfacets(&self, half: [f32x8; 2], wi: [f32x8; 2], seen: f32) -> f32x8 {
+        let one = f32x8::ONE;
+        let q = one + Self::squared(self.rows, half);
+        let of_wi = f32x8::splat(0.5) * ((one + Self::squared(self.masks, wi)).sqrt() - one);
         one / (q * q * (f32x8::splat(seen) + of_wi))
     }
 

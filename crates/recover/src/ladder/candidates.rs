@@ -466,7 +466,7 @@ fn added(present: Hypothesis, next: Hypothesis) -> f64 {
 /// Tells that `group` is asked, where `done` of the present part is done.
 pub(crate) fn tell(state: &mut State<'_>, observer: &dyn Observer, group: usize, done: f64) {
     let name = &state.problem.groups[group].name;
-    observer.working(&format!("looking for what explains \"{name}\""), state.progress.share(done));
+    observer.working(&format!("looking for what explains \"{name}\""), state.schedule.share(done));
 }
 
 /// Writes the candidates into the group's selection log.

@@ -39,7 +39,7 @@ pub(super) fn evidence(state: &State<'_>, options: &Options, group: usize) -> Op
 /// Whether `group` needs more than the `simpler` hypothesis: by the information criterion, which asks whether a
 /// lobe is there, or whether it has a width, where the standard deviations say how strong or how wide it is (a
 /// single highlight leaves a lobe's strength uncertain and its presence certain).
-pub(super) fn speaks_against(
+pub(super) fn needs_more_than(
     simpler: Hypothesis,
     state: &State<'_>,
     options: &Options,

@@ -58,13 +58,21 @@ impl<'a> KeptPaths<'a> {
     /// What the cells show under the appearance of `state`.
     pub(super) fn means(&self, state: &State<'a>, unknowns: &Unknowns) -> Vec<Mean> {
         let tiles = self.tiles.get_or_init(|| self.trace(state, unknowns));
+        let seen = self.ends(state);
         let mut cells = self.cells.clone();
         sample::expose(state, &mut cells);
         means::of_tiles(state, unknowns, &cells, &self.spp, |index, _| {
             let replayed =
-                |half: usize| tiles[index][half].replay(state.appearance(), state.seen.as_ref());
+                |half: usize| tiles[index][half].replay(state.appearance(), seen.as_ref());
             [replayed(0), replayed(1)]
         })
+    }
+
+    /// What the photograph shows now where the paths end, which is where it could be seen when they were traced: a
+    /// lobe that has come to nothing since ends no path.
+    fn ends(&self, state: &State<'_>) -> Option<RadianceCache> {
+        let (now, traced) = (state.seen.as_ref()?, self.seen.as_ref()?);
+        Some(RadianceCache { radiance: now.radiance.clone(), valid: traced.valid.clone() })
     }
 
     fn trace(&self, state: &State<'a>, unknowns: &Unknowns) -> Vec<[Box<dyn Stored + 'a>; 2]> {

@@ -1,15 +1,15 @@
 //! Pass after pass over the photograph: towards the minimum, then until it is known well enough.
 //!
 //! *Approach*: few paths are traced, once ([`super::kept`]), and steps are made on them while one of their numbers
-//! is certainly not zero (`SIGNIFICANT`), so that noise never leads away from the ladder's answer. A pass that finds the error worse than before is taken back and its step tried again
-//! with damping [Levenberg 1944; Marquardt 1963]. Where a lobe has left the range that the paths carry, they are
-//! traced anew.
+//! is certainly not zero (`SIGNIFICANT`), so that noise never leads away from the ladder's answer. A pass that finds
+//! the error worse than before is taken back and its step tried again with damping [Levenberg 1944; Marquardt 1963].
+//! Where a lobe has left the range that the paths carry, they are traced anew.
 //!
 //! *Accumulation*: from there, more pixels and fresh paths, since the numbers suit those of the approach better than
 //! others. What the passes find is averaged, the residuals carried along to where the parameters have moved,
 //! `r -> r - J s`. After the first pass most paths go to the groups whose numbers the renderings' noise leaves
-//! too uncertain ([`super::needs`]). It ends when no group lacks any, or after so many
-//! passes that more would help little.
+//! too uncertain ([`super::needs`]). It ends when no group lacks any, or after so many passes that more would help
+//! little.
 
 use super::Solution;
 use super::kept::KeptPaths;
@@ -102,7 +102,7 @@ impl<'o> Passes<'o> {
         let pixels = (self.options.effort.pixels(COARSE.0), self.pixels_seed());
         let spp = self.options.effort.samples(COARSE.1);
         for _ in 0..TRACED_MAX {
-            observer.working("refining all numbers together", state.progress.share(0.0));
+            observer.working("refining all numbers together", state.schedule.share(0.0));
             state.look_at_photograph();
             let settings = Settings { spp, ..self.settings() };
             let kept = KeptPaths::new(state, pixels, &settings);

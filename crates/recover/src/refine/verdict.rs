@@ -215,14 +215,16 @@ impl Verdict<'_> {
         options: &Options,
     ) -> Option<(Hypothesis, Material, &'static str)> {
         let explained = options.thresholds.explained;
-        let bears = |simpler| anew::speaks_against(simpler, state, options, self.group);
+        let needs_more_than = |simpler| anew::needs_more_than(simpler, state, options, self.group);
         let material = &state.materials[self.group];
         let hypothesis = state.groups[self.group].hypothesis;
         let has_lobe = matches!(
             hypothesis,
             Hypothesis::DiffuseSpecular | Hypothesis::Isotropic | Hypothesis::Anisotropic
         );
-        if has_lobe && !self.is_told_from_zero(state, Quantity::RhoS) && !bears(Hypothesis::Diffuse)
+        if has_lobe
+            && !self.is_told_from_zero(state, Quantity::RhoS)
+            && !needs_more_than(Hypothesis::Diffuse)
         {
             let note = "its specular part is not determined by this photograph";
             return Some((Hypothesis::Diffuse, Material::diffuse(material.rho_d), note));
@@ -233,7 +235,8 @@ impl Verdict<'_> {
                 Some((hypothesis, material, "its diffuse part is not significant"))
             }
             Hypothesis::Isotropic
-                if !self.is_told_from_sharpest(state) && !bears(Hypothesis::DiffuseSpecular) =>
+                if !self.is_told_from_sharpest(state)
+                    && !needs_more_than(Hypothesis::DiffuseSpecular) =>
             {
                 let beside = Material { rho_d: material.rho_d, ..Material::mirror(material.rho_s) };
                 let (hypothesis, material) =

@@ -12,7 +12,7 @@ const SHRINK: usize = 4;
 #[test]
 #[ignore = "slow: a recovery of 128 x 128 pixels"]
 fn a_small_figure_8_is_drafted() {
-    let limits = Limits { rho: 0.005, alpha_percent: 1.9, degrees: 1.5 };
+    let limits = Limits { rho: 0.004, alpha_percent: 1.3, degrees: 0.9 };
     small_figure_8_is_recovered("draft", &limits);
 }
 

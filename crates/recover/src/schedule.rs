@@ -1,4 +1,4 @@
-//! How far a recovery has come, as a share of its time.
+//! The parts of a recovery in their order, the share of its time that each takes, and how far it has come.
 
 use std::ops::Range;
 
@@ -43,12 +43,12 @@ impl Part {
 
 /// How far a recovery has come.
 #[derive(Clone, Debug)]
-pub(crate) struct Progress {
+pub(crate) struct Schedule {
     part: Range<f64>,
     reached: f64,
 }
 
-impl Progress {
+impl Schedule {
     /// Nothing is done. Parts that are not told apart end where the last picture begins.
     pub(crate) fn new() -> Self {
         Self { part: 0.0..Part::Picture.shares().start, reached: 0.0 }
@@ -94,12 +94,12 @@ mod tests {
         ];
         let ends = parts.windows(2).all(|two| two[0].shares().end == two[1].shares().start);
         assert!(ends && parts[0].shares().start == 0.0 && of_picture(1.0) == 1.0);
-        let mut progress = Progress::new();
+        let mut schedule = Schedule::new();
         let mut last = 0.0;
         for part in [Part::Fits(0), Part::Revision, Part::Refinement, Part::LastRefinement] {
-            progress.begin(part);
+            schedule.begin(part);
             for within in [0.5, 0.2, 2.0] {
-                let share = progress.share(within);
+                let share = schedule.share(within);
                 assert!(share >= last && share <= of_picture(0.0), "{share} after {last}");
                 last = share;
             }
