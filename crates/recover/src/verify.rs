@@ -2,11 +2,12 @@
 //!
 //! A sample of every group's pixels is rendered again, with all interreflection and without any cache,
 //! always the same pixels and the same random numbers, so that two states differ by what they are and
-//! not by noise. Each group counts by the squared residuals of its blocks, as products of two renderings,
+//! not by noise. Only where a refinement is about to be taken back, both states are rendered once more by other random
+//! numbers. Each group counts by the squared residuals of its blocks, as products of two renderings,
 //! in units of their covariance under the observation model ([`crate::contrast`]), the sizes of its
-//! model error being estimated: what one group gains does not drown in what another has always lacked. Residuals are in units of the photograph's values, so
-//! that states of different exposure can be compared. A group whose hypothesis became more complex is
-//! asked by itself too: its own pixels have to bear the change out.
+//! model error being estimated: what one group gains does not drown in what another has always lacked.
+//! Residuals are in units of the photograph's values, so that states of different exposure can be compared. A group
+//! whose hypothesis became more complex is asked by itself too: its own pixels have to bear the change out.
 
 use crate::block_residuals::{BlockResiduals, pooled};
 use crate::blocks::{Blocks, Grid};
