@@ -9,15 +9,11 @@
 
 use crate::block_residuals::BlockResiduals;
 use crate::blocks::Blocks;
-use crate::likelihood::{Likelihood, product, standardised};
+use crate::likelihood::{Covariance, Likelihood};
 use crate::model_error::{LightField, ModelError};
 use glam::DVec3;
 use unrender_scene::Rgb;
 
-/// The variance of the difference of two products of residuals, each of two halves with independent
-/// noise, in units of the square of the mean's variance: each half has twice the mean's, which gives
-/// four for a product; the common random numbers leave about half of the sum of two.
-const PRODUCT: f64 = 4.0;
 /// No fewer blocks than this share are taken as independent: the correlation is an estimate.
 const LEAST_INDEPENDENT: f64 = 0.05;
 
@@ -79,26 +75,40 @@ impl Contrast {
     /// The one model beside the other, in units of the covariance of `reference`.
     fn under(reference: &Reference<'_>, blocks: &Blocks, [mine, other]: [&Side<'_>; 2]) -> Self {
         let Reference { residuals, field, likelihood } = reference;
-        let product = |a: &[Rgb], b: &[Rgb]| product(residuals, field, likelihood, [a, b]);
-        let (of_mine, of_other) = (mine.residuals.halves(), other.residuals.halves());
-        let difference = product(&of_mine[0], &of_mine[1]) - product(&of_other[0], &of_other[1]);
+        let covariance = Covariance::of(residuals, field, likelihood);
+        let [of_mine, of_other] = [mine, other].map(|side| side.residuals.halves());
+        let square = |[a, b]: &[Vec<Rgb>; 2]| covariance.product([a, b]);
+        let difference = square(&of_mine) - square(&of_other);
         let apart = [0, 1].map(|half: usize| {
             let at = |k: usize| of_mine[half][k] - of_other[half][k];
             (0..blocks.len()).map(at).collect::<Vec<Rgb>>()
         });
-        let separation = product(&apart[0], &apart[1]);
-        let share = (likelihood.error.share * likelihood.error.share) as f32;
-        let of_rendering = |k: usize| {
-            let rendering = mine.residuals.rendering[k].max(other.residuals.rendering[k]);
-            let variance = residuals.noise[k] + share * residuals.level2[k];
-            let part = rendering / variance.max(Rgb::splat(f32::MIN_POSITIVE));
-            f64::from((part * part).element_sum())
-        };
-        let noise = PRODUCT * (0..blocks.len()).map(of_rendering).sum::<f64>();
-        let standardised = standardised(residuals, field, likelihood);
-        let independent = independent_share(blocks, &standardised);
-        Self { difference, separation, noise, independent }
+        let independent = independent_share(blocks, &covariance.standardised());
+        let noise = noise(&covariance, [mine, other].map(|side| side.residuals));
+        Self { difference, separation: square(&apart), noise, independent }
     }
+}
+
+/// The variance of the difference of the squared residuals of two models by the renderings' noise.
+///
+/// With the mean `m` of both halves' residuals and half of their difference `h`, a model's square is
+/// `m C^-1 m - h C^-1 h`. `m` has the noise that `h` shows, and independently of it: each block's share of the
+/// variance is on the mean the square of `2 h C^-1 m` of the one model less the other, if the noise is normal. That of
+/// few paths has heavier tails: twice the square of `h C^-1 h`, of the one less the other, is added, which makes the
+/// variance up to 2.5 times that of normal noise where nothing else is left. A block's channels, which see the
+/// same paths, and the random numbers that both models have in common are counted as what they are.
+fn noise(covariance: &Covariance<'_>, sides: [&BlockResiduals; 2]) -> f64 {
+    let [mine, other] = sides.map(|side| {
+        let (means, halves) = (covariance.inverse(&side.residual), covariance.inverse(&side.half));
+        let of_block = |(k, half): (usize, &Rgb)| {
+            let half = half.as_dvec3();
+            [2.0 * half.dot(means[k]), half.dot(halves[k])]
+        };
+        side.half.iter().enumerate().map(of_block).collect::<Vec<_>>()
+    });
+    let of_block =
+        |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]).powi(2);
+    mine.iter().zip(&other).map(of_block).sum()
 }
 
 /// The residuals whose covariance is the unit of a comparison.
@@ -145,6 +155,7 @@ mod tests {
     use super::*;
     use crate::blocks::Grid;
     use crate::model_error::{FUNCTIONS, LightError};
+    use unrender_render::sampler::mix;
 
     const SIDE: usize = 20;
 
@@ -195,6 +206,46 @@ mod tests {
         assert!(gain(Contrast::of_pattern, slow) < 10.0);
         // Three channels of 400 blocks, seven deviations each.
         assert!(gain(Contrast::of_pattern, stripes) > 20_000.0);
+    }
+
+    #[test]
+    fn the_variance_by_the_noise_of_renderings_is_that_of_many() {
+        let n = SIDE * SIDE;
+        let blocks = Blocks::of(&(0..n as u32).collect::<Vec<_>>(), &Grid::even(SIDE, 1));
+        let (field, floor) = (field(), ModelError { share: 0.02 });
+        let mut drawn = 0u64;
+        let mut uniform = || {
+            drawn += 1;
+            (mix(drawn) >> 40) as f32 / (1u64 << 24) as f32
+        };
+        // `noise` in units of the least model error; as much of each half's is common to both models as is not.
+        let mut contrast = |wrong: f32, noise: f32| {
+            let mut draw = || 0.02 * noise * ((0..12).map(|_| uniform()).sum::<f32>() - 6.0);
+            let mut both = [residuals(|x, _| wrong * (20.0 * x).sin()), residuals(|_, _| 0.0)];
+            for k in 0..n {
+                let common = [draw(), draw()];
+                for side in &mut both {
+                    let [a, b] = common.map(|common| common + draw());
+                    side.residual[k] -= Rgb::splat(0.5 * (a + b));
+                    side.half[k] += Rgb::splat(0.5 * (a - b));
+                }
+            }
+            let likelihood = Likelihood::of(&residuals(|_, _| 0.0), &field, floor);
+            let reference =
+                Reference { residuals: residuals(|_, _| 0.0), field: &field, likelihood };
+            let sides = both.each_ref().map(|residuals| Side { residuals, field: &field, floor });
+            Contrast::under(&reference, &blocks, sides.each_ref())
+        };
+        // Noise beside a wrong model, and noise alone: the latter counts more than twice, as for heavier tails.
+        for (wrong, noise, times) in [(0.06, 0.1, 1.0), (0.0, 1.0, 2.3)] {
+            let all: Vec<Contrast> = (0..400).map(|_| contrast(wrong, noise)).collect();
+            let mean = |of: &dyn Fn(&Contrast) -> f64| all.iter().map(of).sum::<f64>() / 400.0;
+            let level = mean(&|c| c.difference);
+            let variance = mean(&|c| (c.difference - level).powi(2));
+            let stated = mean(&|c| c.noise);
+            // The variance of 400 is known to 7 %.
+            assert!((stated / variance / times - 1.0).abs() < 0.2, "{stated} of {variance}");
+        }
     }
 
     #[test]

@@ -84,7 +84,7 @@ impl Likelihood {
         let channels = [0, 1, 2].map(|channel| Channel::of(residuals, field, error, channel));
         let blocks = residuals.residual.len();
         let under = |light: &LightError| {
-            let of_channel = |c: &Channel| c.solve(*light).map_or(f64::INFINITY, |s| s.deviance);
+            let of_channel = |c: &Channel| c.deviance(*light).unwrap_or(f64::INFINITY);
             Self { deviance: channels.iter().map(of_channel).sum(), error, light: *light, blocks }
         };
         let first = under(&lights[0]);
@@ -115,13 +115,6 @@ struct Channel {
     projected: [f64; FUNCTIONS],
     /// Of the products of two of the light's functions.
     products: [[f64; FUNCTIONS]; FUNCTIONS],
-}
-
-/// The amplitudes of the light's error that residuals call for, and how likely these are.
-struct Solved {
-    deviance: f64,
-    /// In units of the light's functions times the light.
-    amplitudes: DVector<f64>,
 }
 
 /// The weight of block `k` in one channel.
@@ -176,66 +169,77 @@ impl Channel {
         information.cholesky()
     }
 
-    /// Under a given error of the light; none if the sums are not finite.
-    fn solve(&self, light: LightError) -> Option<Solved> {
+    /// Minus twice the logarithm of the likelihood under a given error of the light; none if the sums are not finite.
+    fn deviance(&self, light: LightError) -> Option<f64> {
         let (n, scale) = (self.functions, self.scale(light));
         let projected = DVector::from_fn(n, |i, _| scale * self.projected[i]);
         let factors = self.factors(light)?;
         let amplitudes = factors.solve(&projected);
         let logarithm: f64 = (0..n).map(|i| 2.0 * factors.l_dirty()[(i, i)].ln()).sum();
-        let deviance = self.squares - projected.dot(&amplitudes) + logarithm;
-        Some(Solved { deviance, amplitudes: scale * amplitudes })
+        Some(self.squares - projected.dot(&amplitudes) + logarithm)
     }
 }
 
-/// `a C^-1 b`, all channels: how far two differences of the light of all blocks go together, in units of
-/// the residuals' covariance under the errors of `likelihood`.
-pub fn product(
-    residuals: &BlockResiduals,
-    field: &LightField,
-    likelihood: &Likelihood,
-    [a, b]: [&[Rgb]; 2],
-) -> f64 {
-    let of_channel = |channel: usize| {
-        let sums = Channel::of(residuals, field, likelihood.error, channel);
-        let (n, scale) = (sums.functions, sums.scale(likelihood.light));
-        let (mut plain, mut projected) = (0.0, [[0.0; FUNCTIONS]; 2]);
-        for (k, row) in field.rows.iter().enumerate() {
-            let weight = weight(residuals, likelihood.error, k, channel);
-            let [a, b] = [a, b].map(|values| f64::from(values[k][channel]));
-            let light = f64::from(residuals.light[k][channel]);
-            plain += weight * a * b;
-            for (projected, value) in projected.iter_mut().zip([a, b]) {
-                let once = scale * weight * light * value;
+/// The covariance of residuals under given errors, ready to be inverted.
+pub struct Covariance<'a> {
+    residuals: &'a BlockResiduals,
+    field: &'a LightField,
+    error: ModelError,
+    /// For each channel the standard deviation of the light's functions, and `1 + U^T W U`.
+    channels: [(f64, Option<Cholesky<f64, Dyn>>); 3],
+}
+
+impl<'a> Covariance<'a> {
+    /// That of `residuals` under the errors of `likelihood`.
+    pub fn of(
+        residuals: &'a BlockResiduals,
+        field: &'a LightField,
+        likelihood: &Likelihood,
+    ) -> Self {
+        let Likelihood { error, light, .. } = *likelihood;
+        let channels = [0, 1, 2].map(|channel| {
+            let sums = Channel::of(residuals, field, error, channel);
+            (sums.scale(light), sums.factors(light))
+        });
+        Self { residuals, field, error, channels }
+    }
+
+    /// `C^-1 values`, block by block.
+    pub fn inverse(&self, values: &[Rgb]) -> Vec<DVec3> {
+        let mut all = vec![DVec3::ZERO; values.len()];
+        for (c, (scale, factors)) in self.channels.iter().enumerate() {
+            let Some(factors) = factors else { continue };
+            let weight = |k: usize| weight(self.residuals, self.error, k, c);
+            let light = |k: usize| f64::from(self.residuals.light[k][c]);
+            let mut projected = DVector::zeros(factors.l_dirty().nrows());
+            for (k, row) in self.field.rows.iter().enumerate() {
+                let once = scale * weight(k) * light(k) * f64::from(values[k][c]);
                 projected.iter_mut().zip(row).for_each(|(sum, f)| *sum += once * f);
             }
+            let amplitudes = *scale * factors.solve(&projected);
+            for (k, row) in self.field.rows.iter().enumerate() {
+                let wrong: f64 = row.iter().zip(amplitudes.iter()).map(|(f, a)| f * a).sum();
+                all[k][c] = weight(k) * (f64::from(values[k][c]) - light(k) * wrong);
+            }
         }
-        let [a, b] = projected.map(|sums| DVector::from_column_slice(&sums[..n]));
-        let explained = sums.factors(likelihood.light).map_or(0.0, |f| a.dot(&f.solve(&b)));
-        plain - explained
-    };
-    (0..3).map(of_channel).sum()
-}
-
-/// The residuals in units of their standard deviations under the errors of `likelihood`, less the
-/// most likely error of the light.
-pub fn standardised(
-    residuals: &BlockResiduals,
-    field: &LightField,
-    likelihood: &Likelihood,
-) -> Vec<DVec3> {
-    let mut all = vec![DVec3::ZERO; residuals.residual.len()];
-    for c in 0..3 {
-        let channel = Channel::of(residuals, field, likelihood.error, c);
-        let Some(solved) = channel.solve(likelihood.light) else { continue };
-        for (k, (value, row)) in all.iter_mut().zip(&field.rows).enumerate() {
-            let wrong: f64 = row.iter().zip(solved.amplitudes.iter()).map(|(f, a)| f * a).sum();
-            let light = f64::from(residuals.light[k][c]) * wrong;
-            let left = f64::from(residuals.residual[k][c]) - light;
-            value[c] = left * weight(residuals, likelihood.error, k, c).sqrt();
-        }
+        all
     }
-    all
+
+    /// `a C^-1 b`, all channels: how far two differences of the light of all blocks go together.
+    pub fn product(&self, [a, b]: [&[Rgb]; 2]) -> f64 {
+        a.iter().zip(self.inverse(b)).map(|(a, b)| a.as_dvec3().dot(b)).sum()
+    }
+
+    /// The residuals in units of their standard deviations, less the most likely error of the light.
+    pub fn standardised(&self) -> Vec<DVec3> {
+        let mut all = self.inverse(&self.residuals.residual);
+        for (k, value) in all.iter_mut().enumerate() {
+            for c in 0..3 {
+                value[c] /= weight(self.residuals, self.error, k, c).sqrt();
+            }
+        }
+        all
+    }
 }
 
 #[cfg(test)]

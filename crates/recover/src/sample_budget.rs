@@ -37,6 +37,12 @@ fn effort(level: usize, options: &Options, unknown_lights: &[usize]) -> Effort {
     if is_draft { Effort::Draft } else { options.effort }
 }
 
+/// Whether less light than usual may tell that a group is what it was taken for: once the light is refined. A draft's
+/// is little as it is, and that of unknown lights says little of them.
+pub(crate) fn is_light_to_spare(level: usize, options: &Options, unknown_lights: &[usize]) -> bool {
+    level == REFINED && options.effort != Effort::Draft && unknown_lights.is_empty()
+}
+
 const PIXELS: [usize; 3] = [1500, 4000, 10000];
 const COSINE: [u32; 3] = [12, 32, 64];
 const GLOSSY_PIXELS: [usize; 3] = [1500, 4000, 10000];

@@ -12,13 +12,18 @@
 use crate::contrast::{Contrast, Side, independent_share};
 use crate::evidence::Evidence;
 use crate::hypothesis::{self, Fit, Hypothesis};
-use crate::likelihood::standardised;
+use crate::likelihood::Covariance;
 use crate::unknown::Quantity;
 use std::collections::BTreeMap;
 
 /// A simpler hypothesis stands unless a more complex one has an information criterion lower by this:
 /// strong evidence [Kass and Raftery 1995]. Half of it is called positive, double of it decisive.
 pub(crate) const STRONG: f64 = 6.0;
+
+/// What one hypothesis gains beside another counts less so many standard deviations of the light's noise. At half
+/// of it lobes that fit the noise of few light samples are found; at double more light is gathered for
+/// nothing.
+const CERTAIN: f64 = 2.0;
 
 /// What was decided for one group, and by which numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +33,16 @@ pub struct Decision {
     pub chosen: usize,
     /// For each fit: its information criterion less that of the chosen one.
     pub excess: Vec<f64>,
+    /// Whether less noise of the light may lead to a more complex hypothesis.
+    pub is_open: bool,
+}
+
+/// The information criterion of one fit less that of another.
+#[derive(Clone, Copy, Debug, Default)]
+struct Excess {
+    value: f64,
+    /// Its standard deviation by the light's noise.
+    deviation: f64,
 }
 
 /// Free parameters of a hypothesis; of a texture those of its mean.
@@ -42,7 +57,7 @@ pub struct Comparison<'a> {
     evidence: &'a Evidence,
     independent: f64,
     /// The criterion of a fit less that of another, where it was asked for.
-    differences: BTreeMap<(usize, usize), f64>,
+    differences: BTreeMap<(usize, usize), Excess>,
 }
 
 impl<'a> Comparison<'a> {
@@ -55,7 +70,7 @@ impl<'a> Comparison<'a> {
     }
 
     /// Chooses among the fits that are `allowed`, by index (the first always is): the simplest one that no other
-    /// beats. With `simpler`, one is preferred whose error is at most so many times the least.
+    /// certainly beats. With `simpler`, one is preferred whose error is at most so many times the least.
     pub fn choose(&mut self, allowed: &dyn Fn(usize) -> bool, simpler: Option<f64>) -> Decision {
         let competing: Vec<usize> =
             (0..self.fits.len()).filter(|i| *i == 0 || allowed(*i)).collect();
@@ -68,7 +83,7 @@ impl<'a> Comparison<'a> {
         let mut chosen = 0;
         let mut lowest = f64::INFINITY;
         for (i, near) in competing.iter().zip(near) {
-            let behind = competing.iter().map(|j| self.excess(*i, *j)).fold(0.0, f64::max);
+            let behind = competing.iter().map(|j| self.excess(*i, *j).least()).fold(0.0, f64::max);
             if behind < lowest {
                 (chosen, lowest) = (*i, behind);
             }
@@ -77,46 +92,62 @@ impl<'a> Comparison<'a> {
                 break;
             }
         }
-        let excess = (0..self.fits.len()).map(|i| self.excess(i, chosen)).collect();
-        Decision { chosen, excess }
+        let excess = (0..self.fits.len()).map(|i| self.excess(i, chosen).value).collect();
+        let mut more_complex = competing.iter().filter(|i| **i > chosen);
+        let is_open = more_complex.any(|i| self.excess(chosen, *i).most() > STRONG);
+        Decision { chosen, excess, is_open }
     }
 
     /// The information criterion of fit `i` less that of fit `j`, under their common noise.
-    fn excess(&mut self, i: usize, j: usize) -> f64 {
+    fn excess(&mut self, i: usize, j: usize) -> Excess {
         if i == j {
-            return 0.0;
+            return Excess::default();
         }
         if i > j {
-            return -self.excess(j, i);
+            let Excess { value, deviation } = self.excess(j, i);
+            return Excess { value: -value, deviation };
         }
         if let Some(known) = self.differences.get(&(i, j)) {
             return *known;
         }
         let [a, b] = [&self.fits[i], &self.fits[j]];
-        let scale = self.independent / self.evidence.blocks.len().max(1) as f64;
         let parameters = parameters(a.hypothesis) - parameters(b.hypothesis);
-        let difference =
-            scale * difference(a, b, self.evidence) + parameters * self.independent.max(1.0).ln();
+        let mut difference = difference(a, b, self.evidence, self.independent);
+        difference.value += parameters * self.independent.max(1.0).ln();
         self.differences.insert((i, j), difference);
         difference
     }
 }
 
-/// The squared residuals of `a` less those of `b`, in units of their covariance.
-fn difference(a: &Fit, b: &Fit, evidence: &Evidence) -> f64 {
+impl Excess {
+    /// The least that is likely.
+    fn least(self) -> f64 {
+        self.value - CERTAIN * self.deviation
+    }
+
+    /// The most that is likely.
+    fn most(self) -> f64 {
+        self.value + CERTAIN * self.deviation
+    }
+}
+
+/// The squared residuals of `a` less those of `b`, in units of their covariance, of which so many blocks are
+/// `independent`.
+fn difference(a: &Fit, b: &Fit, evidence: &Evidence, independent: f64) -> Excess {
     let (field, floor) = (&evidence.field, evidence.allowance.floor);
     let sides = [a, b].map(|fit| Side { residuals: &fit.residuals, field, floor });
-    Contrast::of(&evidence.blocks, sides.each_ref()).difference
+    let contrast = Contrast::of(&evidence.blocks, sides.each_ref());
+    let scale = independent / evidence.blocks.len().max(1) as f64;
+    Excess { value: scale * contrast.difference, deviation: scale * contrast.noise.sqrt() }
 }
 
 /// Whether `fit` explains the evidence no worse than `best` does, as far as it tells.
 pub fn explains_alike(fit: &Fit, best: &Fit, evidence: &Evidence) -> bool {
-    let scale = independent_blocks(best, evidence) / evidence.blocks.len().max(1) as f64;
-    scale * difference(fit, best, evidence) <= STRONG
+    difference(fit, best, evidence, independent_blocks(best, evidence)).least() <= STRONG
 }
 
 /// How many of the blocks are independent of each other under `fit`.
 fn independent_blocks(fit: &Fit, evidence: &Evidence) -> f64 {
-    let residuals = standardised(&fit.residuals, &evidence.field, &fit.likelihood);
+    let residuals = Covariance::of(&fit.residuals, &evidence.field, &fit.likelihood).standardised();
     evidence.blocks.len() as f64 * independent_share(&evidence.blocks, &residuals)
 }

@@ -6,9 +6,9 @@
 //! neighbours: once it is right, their errors may be gone. A proposal changes nothing by itself; the
 //! driver accepts it if the re-rendering of the whole picture is not worse for it.
 
-use super::evidence_pair::{EvidencePair, Fits};
+use super::compared::{Asking, Compared, Fitted, decide, is_explained};
+use super::evidence_pair::{EvidencePair, Fits, Gathering};
 use super::textures;
-use crate::evidence::Evidence;
 use crate::hypothesis::{Fit, Hypothesis};
 use crate::likelihood::Likelihood;
 use crate::others::{MIDDLE, error_of_others, light_of_others};
@@ -17,7 +17,7 @@ use crate::problem::Options;
 use crate::record::{CandidateRecord, Observer, Status};
 use crate::residual::ResidualStats;
 use crate::sample_budget;
-use crate::selection::{Comparison, Decision, explains_alike, parameters};
+use crate::selection::parameters;
 use crate::state::State;
 use serde::{Deserialize, Serialize};
 use unrender_scene::Material;
@@ -44,10 +44,6 @@ const BETTER: f64 = 0.25;
 const TYPICAL_MIN: f64 = 0.01;
 /// Outliers are looked for so often, each time without those before.
 const OUTLIER_ROUNDS: usize = 3;
-
-/// So many other candidates are kept for where the picture speaks against what was chosen. At none, a
-/// group whose best candidate overfits stays as it is; more are hardly ever reached.
-const OTHERS: usize = 2;
 
 /// Another hypothesis for one group.
 #[derive(Clone, Serialize, Deserialize)]
@@ -156,14 +152,6 @@ impl Proposal {
         }
         state.materials[self.group] = self.material.clone();
     }
-}
-
-/// All candidates of one group: their fits, the decisions between them from the first choice on, and the
-/// pixels that none of them was fitted to.
-struct Fitted {
-    fits: Vec<Fit>,
-    decisions: Vec<Decision>,
-    outliers: Vec<u32>,
 }
 
 /// Asks groups for other hypotheses, and remembers which were asked.
@@ -284,25 +272,23 @@ impl<'o> Candidates<'o> {
         // What the model of the other groups gets wrong, it may get wrong here.
         let floor = &mut budget.allowance.floor;
         floor.share = floor.share.max(error_of_others(state, group, MIDDLE));
-        let evidence = EvidencePair::gather(
-            state,
-            self.options,
-            (group, light_of_others(state, group)),
-            budget,
-        )?;
-        let (evidence, Fits { all: fits, present }) = evidence.fit_all(state, group);
-        if fits.is_empty() {
-            return None;
-        }
-        let decisions = self.decide(&fits, &evidence.judging, group);
         let typical = error_of_others(state, group, BETTER).max(TYPICAL_MIN);
-        let chosen = fits[decisions[0].chosen].clone();
-        log(state, group, &fits, &decisions[0]);
-        let mut uniform = chain(state, group, &Fitted { fits, decisions, outliers: Vec::new() })?;
-        uniform.is_other_minimum = present.is_some_and(|present| {
-            chosen.hypothesis == present.hypothesis
-                && !explains_alike(&present, &chosen, &evidence.judging)
-        });
+        let most = light_of_others(state, group);
+        let by = Gathering { options: self.options, group, most, budget };
+        let asking = Asking {
+            by,
+            rejected: &self.rejected[group],
+            explained: self.options.thresholds.textured.unwrap_or(TEXTURED * typical),
+            stands: sample_budget::is_light_to_spare(
+                level,
+                self.options,
+                &state.problem.unknown_lights,
+            ),
+        };
+        let Compared { evidence, fitted, is_other_minimum } = asking.compare(state)?;
+        log(state, group, &fitted);
+        let chosen = fitted.chosen().clone();
+        let uniform = Proposal { is_other_minimum, ..chain(state, group, &fitted)? };
         if !state.problem.groups[group].allows(chosen.hypothesis) {
             return self.texture(state, group, &chosen).filter(|texture| texture.moves(state));
         }
@@ -338,8 +324,7 @@ impl<'o> Candidates<'o> {
             return texture;
         }
         let left = self.without_outliers(state, group, evidence, chosen, limit);
-        let best = |left: &Fitted| left.fits[left.decisions[0].chosen].clone();
-        match left.filter(|left| is_explained(&best(left), asked.unwrap_or(limit))) {
+        match left.filter(|left| is_explained(left.chosen(), asked.unwrap_or(limit))) {
             Some(left) => {
                 let then = texture.map(Box::new);
                 chain(state, group, &left).map(|best| Proposal { then, ..best })
@@ -385,25 +370,6 @@ impl<'o> Candidates<'o> {
         (proposal.hypothesis != Hypothesis::Textured).then_some(proposal)
     }
 
-    /// Model selection among the candidates that the user allows and the picture did not speak
-    /// against; then among what is left without that one, as often as [`OTHERS`] says.
-    fn decide(&self, fits: &[Fit], evidence: &Evidence, group: usize) -> Vec<Decision> {
-        let mut comparison = Comparison::new(fits, evidence);
-        let mut decisions: Vec<Decision> = Vec::new();
-        let simpler = self.options.thresholds.simpler;
-        for _ in 0..=OTHERS {
-            let is_left = |i: usize| decisions.iter().all(|decision| decision.chosen != i);
-            let allowed =
-                |i: usize| is_left(i) && !self.rejected[group].contains(&fits[i].hypothesis);
-            let next = comparison.choose(&allowed, simpler);
-            if !is_left(next.chosen) {
-                break;
-            }
-            decisions.push(next);
-        }
-        decisions
-    }
-
     /// The fits to what is left of the group without its outliers, if one of them explains that.
     fn without_outliers(
         &self,
@@ -430,7 +396,8 @@ impl<'o> Candidates<'o> {
                 return None;
             }
             evidence = left;
-            let decisions = self.decide(&fits, &evidence.judging, group);
+            let rejected = &self.rejected[group];
+            let decisions = decide(self.options, rejected, &fits, &evidence.judging);
             let chosen = &fits[decisions[0].chosen];
             if is_explained(chosen, limit) {
                 return Some(Fitted { fits, decisions, outliers: found });
@@ -439,13 +406,6 @@ impl<'o> Candidates<'o> {
         }
         None
     }
-}
-
-/// Whether `fit` leaves no more model error than `limit`, from block to block or from pixel to
-/// pixel.
-fn is_explained(fit: &Fit, limit: f64) -> bool {
-    let of_pixels = fit.residual.squared - 2.0 * fit.residual.deviation;
-    fit.likelihood.error.share <= limit && of_pixels <= limit * limit
 }
 
 /// The changes to what was chosen of `fitted`, each to be tried where the picture speaks against the one
@@ -470,7 +430,8 @@ pub(crate) fn tell(state: &mut State<'_>, observer: &dyn Observer, group: usize,
 }
 
 /// Writes the candidates into the group's selection log.
-fn log(state: &mut State<'_>, group: usize, fits: &[Fit], decision: &Decision) {
+fn log(state: &mut State<'_>, group: usize, fitted: &Fitted) {
+    let (fits, decision) = (&fitted.fits, &fitted.decisions[0]);
     let iteration = state.iterations.len();
     let entries =
         fits.iter().zip(&decision.excess).enumerate().map(|(i, (fit, excess))| CandidateRecord {

@@ -9,12 +9,17 @@ use crate::state::State;
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::f32::consts::FRAC_PI_2;
+use unrender_render::ProbeSettings;
 use unrender_scene::Material;
 
 /// The search goes on for so many of the most likely candidates: the accepted one and its rival.
 const PROMISING: usize = 2;
 /// Makes the light samples by which hypotheses are compared others than those of the search.
 const JUDGING: u64 = 0x7D6E;
+/// Makes those of a second comparison again others.
+const JUDGING_AGAIN: u64 = 0x41AF;
+/// Those of the search are the budget's own.
+const SEARCHING: u64 = 0;
 
 /// The evidence on one group, gathered twice: shapes of lobes are searched by the one, and hypotheses are
 /// compared by the other. A search finds the shape that fits the noise of its light samples best, and the
@@ -24,24 +29,71 @@ pub(super) struct EvidencePair {
     pub(super) judging: Evidence,
 }
 
+/// What evidence on one group is gathered by.
+pub(super) struct Gathering<'a> {
+    pub(super) options: &'a Options,
+    pub(super) group: usize,
+    /// Candidates may explain residuals by an error of the incident light of at most this.
+    pub(super) most: LightError,
+    pub(super) budget: SampleBudget,
+}
+
+/// How much light is gathered.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Light {
+    /// To search for other hypotheses, and to compare them.
+    Usual,
+    /// To see whether a group stands by what it is.
+    Little,
+    /// To compare hypotheses that the noise of less leaves open.
+    More,
+}
+
+impl Light {
+    /// Of the usual directions one in so many is looked into for little light, and so many times as many points
+    /// for more: at half of it little light costs most of the usual, and more light leaves open what it was
+    /// asked; double of it was not tried.
+    const STEP: u32 = 4;
+
+    fn of(self, usual: ProbeSettings) -> ProbeSettings {
+        match self {
+            Self::Little => ProbeSettings {
+                cosine: usual.cosine.div_ceil(Self::STEP),
+                per_lobe: usual.per_lobe.div_ceil(Self::STEP),
+                ..usual
+            },
+            Self::Usual => usual,
+            Self::More => {
+                ProbeSettings { probes_per_pixel: Self::STEP * usual.probes_per_pixel, ..usual }
+            }
+        }
+    }
+}
+
+impl Gathering<'_> {
+    /// The evidence by the random numbers of its `purpose`; none where nothing was seen of the group.
+    fn gather(&self, state: &State<'_>, light: Light, purpose: u64) -> Option<Evidence> {
+        let mut budget = self.budget.clone();
+        budget.probe.seed ^= purpose;
+        budget.probe = light.of(budget.probe);
+        let mut evidence = gather(state, self.options, self.group, budget);
+        evidence.field.most = self.most;
+        (!evidence.is_empty()).then_some(evidence)
+    }
+}
+
 impl EvidencePair {
-    /// The evidence on `group`, twice; none where nothing was seen of it. Candidates may explain residuals by
-    /// an error of the incident light of at most `most`.
-    pub(super) fn gather(
-        state: &State<'_>,
-        options: &Options,
-        (group, most): (usize, LightError),
-        budget: SampleBudget,
-    ) -> Option<Self> {
-        let mut again = budget.clone();
-        again.probe.seed ^= JUDGING;
-        let [searching, judging] = [budget, again].map(|budget| {
-            let mut evidence = gather(state, options, group, budget);
-            evidence.field.most = most;
-            evidence
-        });
-        let is_seen = !searching.is_empty() && !judging.is_empty();
-        is_seen.then_some(Self { searching, judging })
+    /// The evidence on a group, twice; none where nothing was seen of it.
+    pub(super) fn gather(state: &State<'_>, by: &Gathering<'_>, light: Light) -> Option<Self> {
+        let searching = by.gather(state, light, SEARCHING)?;
+        let judging = by.gather(state, light, JUDGING)?;
+        Some(Self { searching, judging })
+    }
+
+    /// The same with more and other evidence to compare hypotheses by; none where nothing was seen of the group.
+    pub(super) fn judged_again(self, state: &State<'_>, by: &Gathering<'_>) -> Option<Self> {
+        let judging = by.gather(state, Light::More, JUDGING_AGAIN)?;
+        Some(Self { judging, ..self })
     }
 
     /// The same without the pixels of `judging` that are flagged.
@@ -61,9 +113,15 @@ impl EvidencePair {
     /// be what it is already, which all pixels and passes of the refinement may have found. Fits that overflowed
     /// are none.
     pub(super) fn fit_all(mut self, state: &State<'_>, group: usize) -> (Self, Fits) {
-        let Searched { fits, broad, material, error } =
-            search_all(&mut self.searching, state, group);
-        share_weights(&mut self.judging, &material, error);
+        let searched = self.search(state, group);
+        let fits = self.judge(&searched, state, group);
+        (self, fits)
+    }
+
+    /// What was `searched`, fitted to the evidence that hypotheses are compared by.
+    pub(super) fn judge(&mut self, searched: &Searched, state: &State<'_>, group: usize) -> Fits {
+        let Searched { fits, broad, material, error } = searched;
+        share_weights(&mut self.judging, material, *error);
         let again =
             |fit: &Fit| hypothesis::fit(fit.hypothesis, &self.judging, &fit.material, Search::Kept);
         let mut fits: Vec<Fit> = fits.par_iter().map(again).collect();
@@ -76,7 +134,12 @@ impl EvidencePair {
             }
         }
         fits.retain(Fit::is_finite);
-        (self, Fits { all: fits, present })
+        Fits { all: fits, present }
+    }
+
+    /// Searches everywhere for the shapes of all rungs.
+    pub(super) fn search(&mut self, state: &State<'_>, group: usize) -> Searched {
+        search_all(&mut self.searching, state, group)
     }
 
     /// The present lobe of `group`, if it has one: as it is, or in the minimum that it leads to.
@@ -107,7 +170,7 @@ fn deviance(fit: &Fit) -> f64 {
 
 /// What a search found: the fits, and the most likely material and model error that their weights are
 /// from.
-struct Searched {
+pub(super) struct Searched {
     fits: Vec<Fit>,
     /// Broader lobes beside the sharp ones among these.
     broad: Vec<Fit>,

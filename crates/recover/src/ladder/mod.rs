@@ -6,6 +6,7 @@
 //! the paper's method as written.
 
 pub(crate) mod candidates;
+mod compared;
 mod evidence_pair;
 pub(crate) mod paper;
 pub(crate) mod settle;

@@ -1,0 +1,137 @@
+//! All uniform hypotheses of one group side by side, on as much light as it takes to tell them apart.
+//!
+//! What one hypothesis gains beside another has a standard deviation by the light's noise
+//! ([`crate::selection`]). Little light is enough where it says, without doubt, that the group stands by what it
+//! is, as most groups do once the light is refined; where the usual light leaves open whether a more complex hypothesis
+//! is better, they are compared by more.
+
+use super::evidence_pair::{EvidencePair, Fits, Gathering, Light, Searched};
+use crate::evidence::Evidence;
+use crate::hypothesis::{Fit, Hypothesis};
+use crate::problem::Options;
+use crate::selection::{Comparison, Decision, explains_alike};
+use crate::state::State;
+
+/// So many other candidates are kept for where the picture speaks against what was chosen. At none, a
+/// group whose best candidate overfits stays as it is; more are hardly ever reached.
+const OTHERS: usize = 2;
+
+/// All candidates of one group: their fits, the decisions between them from the first choice on, and the
+/// pixels that none of them was fitted to.
+pub(super) struct Fitted {
+    pub(super) fits: Vec<Fit>,
+    pub(super) decisions: Vec<Decision>,
+    pub(super) outliers: Vec<u32>,
+}
+
+impl Fitted {
+    /// What was chosen.
+    pub(super) fn chosen(&self) -> &Fit {
+        &self.fits[self.decisions[0].chosen]
+    }
+}
+
+/// One group's candidates, and the evidence that they were compared by.
+pub(super) struct Compared {
+    pub(super) evidence: EvidencePair,
+    pub(super) fitted: Fitted,
+    /// Whether the present hypothesis was chosen in another minimum, which explains the group better than the one
+    /// that the present numbers lead to.
+    pub(super) is_other_minimum: bool,
+}
+
+/// How one group is asked.
+pub(super) struct Asking<'a> {
+    pub(super) by: Gathering<'a>,
+    /// Hypotheses that the picture spoke against.
+    pub(super) rejected: &'a [Hypothesis],
+    /// The model error up to which a uniform hypothesis explains the group.
+    pub(super) explained: f64,
+    /// Whether the group is thought to stand by what it is.
+    pub(super) stands: bool,
+}
+
+impl Asking<'_> {
+    /// The candidates side by side; none where nothing was seen of the group.
+    pub(super) fn compare(&self, state: &State<'_>) -> Option<Compared> {
+        if self.stands {
+            let little = self.compare_by(state, Light::Little)?;
+            if self.confirms(state, &little) {
+                return Some(little);
+            }
+        }
+        self.compare_by(state, Light::Usual)
+    }
+
+    /// The same by so much light, or more where that may decide otherwise.
+    fn compare_by(&self, state: &State<'_>, light: Light) -> Option<Compared> {
+        let group = self.by.group;
+        let mut evidence = EvidencePair::gather(state, &self.by, light)?;
+        let searched = evidence.search(state, group);
+        let mut compared = self.judge(state, evidence, &searched)?;
+        if matches!(light, Light::Usual) && compared.fitted.decisions[0].is_open {
+            evidence = compared.evidence.judged_again(state, &self.by)?;
+            compared = self.judge(state, evidence, &searched)?;
+        }
+        Some(compared)
+    }
+
+    /// What was `searched`, compared by the `evidence`.
+    fn judge(
+        &self,
+        state: &State<'_>,
+        mut evidence: EvidencePair,
+        searched: &Searched,
+    ) -> Option<Compared> {
+        let Fits { all: fits, present } = evidence.judge(searched, state, self.by.group);
+        if fits.is_empty() {
+            return None;
+        }
+        let decisions = decide(self.by.options, self.rejected, &fits, &evidence.judging);
+        let fitted = Fitted { fits, decisions, outliers: Vec::new() };
+        let chosen = fitted.chosen();
+        let is_other_minimum = present.is_some_and(|present| {
+            chosen.hypothesis == present.hypothesis
+                && !explains_alike(&present, chosen, &evidence.judging)
+        });
+        Some(Compared { evidence, fitted, is_other_minimum })
+    }
+
+    /// Whether the group stands by what it is, without doubt.
+    fn confirms(&self, state: &State<'_>, compared: &Compared) -> bool {
+        let chosen = compared.fitted.chosen();
+        chosen.hypothesis == state.groups[self.by.group].hypothesis
+            && !compared.fitted.decisions[0].is_open
+            && !compared.is_other_minimum
+            && is_explained(chosen, self.explained)
+    }
+}
+
+/// Model selection among the candidates that the user allows and that are not `rejected`; then among what is left
+/// without that one, as often as [`OTHERS`] says.
+pub(super) fn decide(
+    options: &Options,
+    rejected: &[Hypothesis],
+    fits: &[Fit],
+    evidence: &Evidence,
+) -> Vec<Decision> {
+    let mut comparison = Comparison::new(fits, evidence);
+    let mut decisions: Vec<Decision> = Vec::new();
+    for _ in 0..=OTHERS {
+        let is_left = |i: usize| decisions.iter().all(|decision| decision.chosen != i);
+        let allowed = |i: usize| is_left(i) && !rejected.contains(&fits[i].hypothesis);
+        let next = comparison.choose(&allowed, options.thresholds.simpler);
+        if !is_left(next.chosen) {
+            break;
+        }
+        decisions.push(next);
+    }
+    decisions
+}
+
+/// Whether `fit` leaves no more model error than `limit`, from block to block or from pixel to
+/// pixel.
+pub(super) fn is_explained(fit: &Fit, limit: f64) -> bool {
+    let of_pixels = fit.residual.squared - 2.0 * fit.residual.deviation;
+    fit.likelihood.error.share <= limit && of_pixels <= limit * limit
+}
