@@ -8,6 +8,7 @@ use std::ops::Deref;
 use std::process::Output;
 use unrender::formats::picture::{self, Depth};
 use unrender::formats::{gltf, materials};
+use unrender::render::accel::Ray;
 use unrender::render::{Settings, Tracer};
 use unrender::scene::color::srgb_from_linear;
 use unrender::scene::{Camera, Environment, Hypothesis, LightKind, Mesh, Rgb, RgbImage, Scene};
