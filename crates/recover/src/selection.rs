@@ -16,9 +16,10 @@ use crate::likelihood::Covariance;
 use crate::unknown::Quantity;
 use std::collections::BTreeMap;
 
-/// A simpler hypothesis stands unless a more complex one has an information criterion lower by this:
-/// strong evidence [Kass and Raftery 1995]. Half of it is called positive, double of it decisive.
-pub(crate) const STRONG: f64 = 6.0;
+/// Two sets of numbers of one hypothesis explain the evidence alike up to this difference of their squared residuals:
+/// beyond it the evidence for the better one is strong [Kass and Raftery 1995]. Half of it is called positive, double
+/// of it decisive.
+const STRONG: f64 = 6.0;
 
 /// What one hypothesis gains beside another counts less so many standard deviations of the light's noise. At half
 /// of it lobes that fit the noise of few light samples are found; at double more light is gathered for
@@ -87,14 +88,14 @@ impl<'a> Comparison<'a> {
             if behind < lowest {
                 (chosen, lowest) = (*i, behind);
             }
-            if near || behind <= STRONG {
+            if near || behind <= 0.0 {
                 chosen = *i;
                 break;
             }
         }
         let excess = (0..self.fits.len()).map(|i| self.excess(i, chosen).value).collect();
         let mut more_complex = competing.iter().filter(|i| **i > chosen);
-        let is_open = more_complex.any(|i| self.excess(chosen, *i).most() > STRONG);
+        let is_open = more_complex.any(|i| self.excess(chosen, *i).most() > 0.0);
         Decision { chosen, excess, is_open }
     }
 
