@@ -314,17 +314,18 @@ impl<'o> Candidates<'o> {
     ) -> Option<Proposal> {
         let asked = self.options.thresholds.textured;
         let (limit, textured_above) = (UNEXPLAINED * typical, asked.unwrap_or(TEXTURED * typical));
-        let texture = if is_explained(&chosen, textured_above) {
+        let floor = evidence.judging.allowance.floor;
+        let texture = if is_explained(&chosen, textured_above, floor) {
             None
         } else {
             let gain = asked.is_none().then_some(TEXTURED * typical);
             self.texture(state, group, &chosen).map(|texture| Proposal { least: gain, ..texture })
         };
-        if !self.options.outliers || is_explained(&chosen, limit) {
+        if !self.options.outliers || is_explained(&chosen, limit, floor) {
             return texture;
         }
         let left = self.without_outliers(state, group, evidence, chosen, limit);
-        match left.filter(|left| is_explained(left.chosen(), asked.unwrap_or(limit))) {
+        match left.filter(|left| is_explained(left.chosen(), asked.unwrap_or(limit), floor)) {
             Some(left) => {
                 let then = texture.map(Box::new);
                 chain(state, group, &left).map(|best| Proposal { then, ..best })
@@ -399,7 +400,7 @@ impl<'o> Candidates<'o> {
             let rejected = &self.rejected[group];
             let decisions = decide(self.options, rejected, &fits, &evidence.judging);
             let chosen = &fits[decisions[0].chosen];
-            if is_explained(chosen, limit) {
+            if is_explained(chosen, limit, evidence.judging.allowance.floor) {
                 return Some(Fitted { fits, decisions, outliers: found });
             }
             fit = chosen.clone();

@@ -8,6 +8,7 @@
 use super::evidence_pair::{EvidencePair, Fits, Gathering, Light, Searched};
 use crate::evidence::Evidence;
 use crate::hypothesis::{Fit, Hypothesis};
+use crate::model_error::ModelError;
 use crate::problem::Options;
 use crate::selection::{Comparison, Decision, explains_alike};
 use crate::state::State;
@@ -103,7 +104,7 @@ impl Asking<'_> {
         chosen.hypothesis == state.groups[self.by.group].hypothesis
             && !compared.fitted.decisions[0].is_open
             && !compared.is_other_minimum
-            && is_explained(chosen, self.explained)
+            && is_explained(chosen, self.explained, self.by.budget.allowance.floor)
     }
 }
 
@@ -130,8 +131,8 @@ pub(super) fn decide(
 }
 
 /// Whether `fit` leaves no more model error than `limit`, from block to block or from pixel to
-/// pixel.
-pub(super) fn is_explained(fit: &Fit, limit: f64) -> bool {
+/// pixel. From block to block none is measured below `floor`.
+pub(super) fn is_explained(fit: &Fit, limit: f64, floor: ModelError) -> bool {
     let of_pixels = fit.residual.squared - 2.0 * fit.residual.deviation;
-    fit.likelihood.error.share <= limit && of_pixels <= limit * limit
+    fit.likelihood.error.share <= limit.max(floor.share) && of_pixels <= limit * limit
 }
