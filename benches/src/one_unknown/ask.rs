@@ -157,7 +157,8 @@ impl Experiment {
         let Job { scene, photo, project, .. } = &self.at_truth;
         let tracer = Tracer::new(scene);
         let size = (photo.radiance.width(), photo.radiance.height());
-        let geometry = tracer.geometry(recovered.camera(), size.0, size.1);
+        let camera = recovered.camera(&self.at_truth);
+        let geometry = tracer.geometry(&camera, size.0, size.1);
         let picture = Picture {
             values: photo.radiance.clone(),
             valid: photo.valid.clone(),
@@ -179,7 +180,7 @@ impl Experiment {
         let observed = simpler::Observed {
             scene,
             tracer: &tracer,
-            camera: recovered.camera(),
+            camera: &camera,
             size,
             group,
             pixels,

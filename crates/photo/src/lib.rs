@@ -13,6 +13,7 @@
 //!
 //! Sources are cited by the keys of `docs/bibliography.md`.
 
+mod binned;
 pub mod bracket;
 pub mod calibrate;
 pub mod clipping;
@@ -23,6 +24,7 @@ pub mod response;
 mod transfer;
 pub mod vignetting;
 
+pub use binned::squares;
 pub use curve::Curve;
 pub use declared::{choose_response, declared_response};
 pub use response::Response;

@@ -16,6 +16,13 @@ pub enum Effort {
     High,
 }
 
+/// A last picture of more pixels than this has fewer paths in each. At half of it a picture of half a thousand rows is
+/// grainy, at double the last picture of a large photograph takes longer than its groups.
+const LAST_PIXELS: usize = 1 << 18;
+/// Paths a pixel at least, however many pixels there are: half of them in each of two pictures that tell the noise. At
+/// half of it that noise is not known from one pixel to the next, at double 12 megapixels take twice as long.
+const LAST_SPP_MIN: u32 = 8;
+
 impl Effort {
     /// Pixels, where [`Effort::Normal`] looks at so many. Half of a draft's share, and double of it, were not
     /// tried.
@@ -61,13 +68,16 @@ impl Effort {
         }
     }
 
-    /// Paths a pixel of the last picture, where nothing else is asked.
+    /// Paths a pixel of a last picture of so many `pixels`, where nothing else is asked: of a large one so many fewer
+    /// that all of it takes as long as one of [`LAST_PIXELS`]. Looked at as a whole, both are as noisy.
     #[must_use]
-    pub fn last_spp(self) -> u32 {
-        match self {
-            Self::Draft => 16,
-            Self::Normal | Self::High => 64,
-        }
+    pub fn last_spp(self, pixels: usize) -> u32 {
+        let usual = match self {
+            Self::Draft => 16.0,
+            Self::Normal | Self::High => 64.0,
+        };
+        let share = (LAST_PIXELS as f64 / pixels.max(1) as f64).min(1.0);
+        ((usual * share).round() as u32).max(LAST_SPP_MIN)
     }
 
     /// Its name in files and on the command line.
@@ -93,6 +103,7 @@ mod tests {
             assert!(grows(&|e| e.pixels(count)));
             assert!(grows(&|e| e.samples(count as u32) as usize));
             assert!(grows(&|e| e.rounds(count)));
+            assert!(grows(&|e| e.last_spp(count * 10_000) as usize));
             assert!(Effort::Draft.samples(count as u32) > 0 && Effort::Draft.rounds(count) > 0);
             assert_eq!(Effort::Normal.pixels(count), count);
             let deviations = all.map(|effort| effort.deviation(count as f64));

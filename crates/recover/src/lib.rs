@@ -52,6 +52,7 @@ mod within;
 pub use effort::Effort;
 pub use expected::{Expected, Like, ParameterBounds, StartValues};
 pub use hypothesis::Hypothesis;
+pub use hypothesis::textured::Detail;
 pub use journal::Journal;
 pub use observation::{Observation, Picture, PixelStatus};
 pub use photometric::{PhotometricEstimate, PhotometricParameter};

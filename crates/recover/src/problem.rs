@@ -2,6 +2,7 @@
 
 use crate::effort::Effort;
 use crate::expected::Expected;
+use crate::hypothesis::textured::Detail;
 use crate::observation::Observation;
 use crate::photometric::PhotometricParameter;
 use crate::rerender::Renderer;
@@ -28,6 +29,8 @@ pub struct Problem<'a> {
     pub neighbouring_lights: Vec<[usize; 2]>,
     /// The numbers of the camera that are asked for too.
     pub photometric_parameters: &'a [PhotometricParameter],
+    /// The photograph whose squares of pixels are those of `observation`, for textures of its own pixels.
+    pub detail: Option<&'a dyn Detail>,
 }
 
 impl<'a> Problem<'a> {
@@ -48,6 +51,7 @@ impl<'a> Problem<'a> {
             coloured_lights: Vec::new(),
             neighbouring_lights: Vec::new(),
             photometric_parameters: &[],
+            detail: None,
         }
     }
 }
@@ -190,7 +194,7 @@ impl Default for Options {
             effort: Effort::default(),
             thresholds: Thresholds::default(),
             seed: 0,
-            spp: Effort::default().last_spp(),
+            spp: Effort::default().last_spp(1),
             max_bounces: unrender_render::path::MAX_BOUNCES,
             max_iterations: 100,
             refine: true,

@@ -93,6 +93,42 @@ impl Camera {
         self.lens.reaches(pixel * (side_x / self.lens.fx_over_fy).hypot(side_y))
     }
 
+    /// The camera of a part of the picture of `size`, width and height in pixels, that this one takes: the part has
+    /// its top left at `corner`, pixels, and the size `part`. It may reach beyond the picture, which leads back from
+    /// the part to the whole.
+    ///
+    /// ```
+    /// use glam::Vec3;
+    /// use unrender_scene::Camera;
+    ///
+    /// let whole = Camera::look_at("camera", Vec3::Z, Vec3::ZERO, Vec3::Y, 0.5);
+    /// let part = whole.part((640, 480), (100, 30), (512, 401));
+    /// let [a, b] = [whole.direction(300.0, 200.0, 640, 480), part.direction(200.0, 170.0, 512, 401)];
+    /// assert!((a - b).length() < 1e-6);
+    /// ```
+    #[must_use]
+    pub fn part(&self, size: (usize, usize), corner: (i64, i64), part: (usize, usize)) -> Self {
+        if corner == (0, 0) && part == size {
+            return self.clone();
+        }
+        let scale = part.1 as f64 / size.1 as f64;
+        let half_height = (0.5 * f64::from(self.fov_y_rad)).tan() * scale;
+        let centre = |principal: f32, side: usize, corner: i64, of_part: usize| {
+            let at = 0.5 * side as f64 + f64::from(principal) * size.1 as f64 - corner as f64;
+            ((at - 0.5 * of_part as f64) / part.1 as f64) as f32
+        };
+        let [right, down] = self.lens.principal_point;
+        let principal_point =
+            [centre(right, size.0, corner.0, part.0), centre(down, size.1, corner.1, part.1)];
+        let stretched = part.0 as f64 / part.1 as f64 * size.1 as f64 / size.0 as f64;
+        Self {
+            fov_y_rad: (2.0 * half_height.atan()) as f32,
+            aspect: self.aspect.map(|aspect| (f64::from(aspect) * stretched) as f32),
+            lens: Lens { principal_point, ..self.lens },
+            ..self.clone()
+        }
+    }
+
     /// The principal point of a picture of `width` x `height` pixels, in pixels from the top left.
     pub fn principal_point(&self, width: usize, height: usize) -> (f32, f32) {
         let [right, down] = self.lens.principal_point;
@@ -115,6 +151,31 @@ mod tests {
         assert!(top_left.x < 0.0 && top_left.y > 0.0);
         let top = camera.direction(20.0, 0.0, w, h);
         assert!((top.angle_between(Vec3::NEG_Z) - 0.5).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_part_of_a_picture_has_its_directions_and_leads_back() {
+        let mut whole =
+            Camera::look_at("c", Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.2, 0.1, -1.0), Vec3::Y, 0.9);
+        whole.lens = Lens {
+            principal_point: [0.05, -0.03],
+            k1: -0.15,
+            fx_over_fy: 1.1,
+            p1: 0.01,
+            ..Lens::default()
+        };
+        let (size, part) = ((641, 483), (240, 160));
+        let of_part = whole.part(size, (200, 81), part);
+        for (x, y) in [(0.5, 0.5), (239.5, 159.5), (100.25, 31.0)] {
+            let there = whole.direction(x + 200.0, y + 81.0, size.0, size.1);
+            let here = of_part.direction(x, y, part.0, part.1);
+            assert!((here - there).length() < 1e-6, "{here} {there}");
+        }
+        let back = of_part.part(part, (-200, -81), size);
+        assert!((back.fov_y_rad - whole.fov_y_rad).abs() < 1e-6);
+        let [a, b] = [back, whole.clone()].map(|camera| camera.lens.principal_point);
+        assert!((a[0] - b[0]).abs() < 1e-6 && (a[1] - b[1]).abs() < 1e-6);
+        assert_eq!(whole.part(size, (0, 0), size), whole);
     }
 
     #[test]

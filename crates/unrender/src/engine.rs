@@ -17,7 +17,7 @@ use unrender_recover::{
     IterationRecord, LadderKind, Observer, Options, Problem, Recovery, Thresholds,
 };
 use unrender_render::Tracer;
-use unrender_scene::{Camera, Image};
+use unrender_scene::{Camera, Image, RgbImage};
 
 /// A recovery, how it was asked for and how long it took.
 pub struct Recovered {
@@ -33,14 +33,16 @@ pub struct Recovered {
     pub group_map: Image<u32>,
     /// The object of every pixel, likewise.
     pub object_map: Image<u32>,
+    /// The re-rendering in all pixels of the photograph, radiance, where it was asked for and `recovery` has fewer.
+    pub full: Option<RgbImage>,
     /// When each part of the work was done.
     pub times: Times,
 }
 
 impl Recovered {
-    /// The camera that the recovery went on with.
-    pub fn camera(&self) -> &Camera {
-        &self.registered.camera
+    /// The camera of the photograph of `job` that the recovery went on with.
+    pub fn camera(&self, job: &Job) -> Camera {
+        job.camera_of_photograph(&self.registered.camera)
     }
 }
 
@@ -63,12 +65,20 @@ const ROUNDS_MAX: usize = 6;
 /// The share of the time that all this takes at most, roughly.
 const ROUNDS_SHARE: f64 = 0.7;
 
+/// What is asked of a recovery.
+pub(crate) struct Asked<'a> {
+    pub(crate) options: &'a Options,
+    pub(crate) alignment: Alignment,
+    /// The share of the whole work that it is, for the progress.
+    pub(crate) share: f64,
+}
+
 /// Recovers the materials of `job`'s groups. Where the project asks for numbers of the camera, they
 /// are found too, and the photograph of `job` ends as developed with them. The renderer's work is done
 /// by `workers`, where they are given.
 pub(crate) fn recover(
     job: &mut Job,
-    (options, alignment): (&Options, Alignment),
+    &Asked { options, alignment, share: end }: &Asked<'_>,
     progress: &Progress,
     journal: &RecoveryJournal,
     workers: Option<&dyn Workers>,
@@ -86,7 +96,7 @@ pub(crate) fn recover(
         let rough = Options { thresholds, spp: 1, ..options.clone() };
         for _ in 0..ROUNDS_MAX {
             // How many rounds there will be is not known: each has half of what is left of their share.
-            let share = begun..begun + 0.5 * (ROUNDS_SHARE - begun);
+            let share = begun..begun + 0.5 * (ROUNDS_SHARE * end - begun);
             begun = share.end;
             let mut teller = Teller::new(progress, options, started, (&pausable, journal), share);
             let asked = (&rough, workers);
@@ -97,7 +107,7 @@ pub(crate) fn recover(
         }
     }
     let developed = started.elapsed().as_secs_f64();
-    let mut teller = Teller::new(progress, options, started, (&pausable, journal), begun..1.0);
+    let mut teller = Teller::new(progress, options, started, (&pausable, journal), begun..end);
     let Once { mut recovery, group_map, object_map, .. } =
         recover_once(job, &registered, &numbers, (options, workers), &mut teller)?;
     if let Exposure::Fixed(exposure) = job.project.exposure {
@@ -117,6 +127,7 @@ pub(crate) fn recover(
         registered,
         group_map,
         object_map,
+        full: None,
         times,
     })
 }
@@ -145,13 +156,10 @@ fn recover_once(
         let journal = teller.journal;
         Ok((unrender_recover::recover_with(problem, options, teller, journal)?, maps))
     };
-    let (recovery, (group_map, object_map)) = with_problem(
-        job,
-        &Tracer::new(&job.scene),
-        registered,
-        (&photometric_parameters, workers),
-        recover,
-    )?;
+    let tracer = Tracer::new(&job.scene);
+    let asked = (photometric_parameters.as_slice(), workers);
+    let (recovery, (group_map, object_map)) =
+        with_problem(job, &tracer, registered, asked, recover)?;
     let change = if numbers.is_empty() {
         0.0
     } else {

@@ -26,6 +26,9 @@ pub struct Job {
     pub picture: Picture,
     /// The photograph as radiance; with exposure "auto", for an exposure of one.
     pub photo: Photo,
+    /// The pixels of `photo` and `mask` are the means of squares of so many of the photograph's on a side, and
+    /// `camera` is theirs: one, but where a recovery works on fewer ([`Job::reduce`]).
+    pub side: usize,
     /// False for the pixels of the photograph that the project's mask leaves out.
     pub mask: Option<Image<bool>>,
     /// What turned the photograph's codes into that radiance, and does the reverse.
@@ -115,6 +118,7 @@ impl Job {
             camera,
             picture,
             photo,
+            side: 1,
             mask,
             transfer,
             project,

@@ -149,6 +149,7 @@ mod shard;
 #[cfg(feature = "cli")]
 mod text_table;
 mod toml_values;
+mod working_size;
 
 pub use error::Error;
 pub use job::Job;

@@ -8,7 +8,7 @@ use crate::Job;
 use crate::project::{Project, ResponseChoice, VignettingChoice};
 use unrender_formats::materials::{PhotographEntry, PhotographStd};
 use unrender_photo::vignetting::{DARKEST, Law};
-use unrender_photo::{Response, Transfer, develop};
+use unrender_photo::{Response, Transfer};
 use unrender_recover::{PhotometricEstimate, PhotometricParameter};
 use unrender_scene::{Rgb, RgbImage};
 
@@ -90,7 +90,7 @@ pub(crate) fn photometric_parameters(job: &Job, numbers: &[Number]) -> Vec<Photo
         let moved = |step: f32| {
             let mut transfer = job.transfer.clone();
             number.add(&mut transfer, step);
-            develop(&job.picture, &transfer).radiance
+            job.developed(&transfer).radiance
         };
         let [above, below] = [moved(STEP), moved(-STEP)];
         let difference = above.pixels().iter().zip(below.pixels());
@@ -129,7 +129,7 @@ pub(crate) fn apply(job: &mut Job, numbers: &[Number], steps: &[f64]) -> f64 {
         }
         share *= 0.5;
     };
-    job.photo = develop(&job.picture, &transfer);
+    job.photo = job.developed(&transfer);
     job.transfer = transfer;
     let sum = |f: &dyn Fn(Rgb, Rgb) -> Rgb| {
         let pixels = before.pixels().iter().zip(job.photo.radiance.pixels());

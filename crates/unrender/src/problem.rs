@@ -2,11 +2,12 @@
 
 use crate::Job;
 use crate::registered::RegisteredModel;
+use crate::working_size::WholePhotograph;
 use unrender_photo::Exposure;
 use unrender_recover::remote::{Remote, Workers};
 use unrender_recover::{
-    Expected, ExposureRule, GroupSpec, Like, PhotometricParameter, Problem, RecoverError, Renderer,
-    Role, View,
+    Detail, Expected, ExposureRule, GroupSpec, Like, PhotometricParameter, Problem, RecoverError,
+    Renderer, Role, View,
 };
 use unrender_render::Tracer;
 use unrender_scene::{Environment, Material, Rgb, Scene};
@@ -27,6 +28,7 @@ pub(crate) fn with_problem<T>(
         Some(workers) => Box::new(Remote::new(view, &job.scene, workers)),
         None => Box::new(view),
     };
+    let whole = WholePhotograph { job, tracer, camera: &registered.camera };
     solve(&Problem {
         observation: &observation,
         renderer: &*renderer,
@@ -36,6 +38,7 @@ pub(crate) fn with_problem<T>(
         neighbouring_lights: neighbours(&job.scene),
         coloured_lights: job.project.coloured_sources(&job.scene),
         photometric_parameters,
+        detail: (job.side > 1).then_some(&whole as &dyn Detail),
     })
 }
 

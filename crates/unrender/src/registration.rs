@@ -130,6 +130,7 @@ fn warnings(
         }
         return warnings;
     };
+    let in_photograph = |pixels: f32| job.side as f32 * pixels;
     let is_off = found.displacement > CLEAR && verdict != Verdict::Right;
     if is_off || verdict == Verdict::Moved && alignment == Alignment::Auto {
         let done = if verdict == Verdict::Moved {
@@ -140,15 +141,17 @@ fn warnings(
         warnings.push(format!(
             "the model's edges lie {:.2} pixels from the photo's (on the median; the place where \
              they fit is known to {:.2} pixels): {done}",
-            found.displacement, found.uncertainty
+            in_photograph(found.displacement),
+            in_photograph(found.uncertainty)
         ));
     }
     for (object, &off) in job.scene.objects.iter().zip(&found.own) {
         if off > OBJECT_NOTABLE {
             warnings.push(format!(
-                "object \"{}\" lies {off:.1} pixels from where the photo has it; pixels that close \
+                "object \"{}\" lies {:.1} pixels from where the photo has it; pixels that close \
                  to its edges do not count",
-                object.name
+                object.name,
+                in_photograph(off)
             ));
         }
     }

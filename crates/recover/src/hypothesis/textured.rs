@@ -13,7 +13,11 @@
 //! Texels that no pixel sees are filled from their neighbours over a pyramid [Gortler et al. 1996], and
 //! marked.
 
-use crate::evidence::{Evidence, SampleBudget, Stage};
+mod detailed;
+
+pub use detailed::Detail;
+
+use crate::evidence::{Evidence, Observed, SampleBudget, Stage};
 use glam::{DVec3, Vec2};
 use std::sync::Arc;
 use unrender_render::{Appearance, GeometryBuffers};
@@ -39,9 +43,10 @@ const PIXELS_PER_TEXEL: f32 = 1.0;
 const STEPS: usize = 6;
 
 /// The texture of group `group` under the light of the current `appearance`; none if the group has
-/// no texture coordinates. `specular` holds what of the reflectance is known to be specular.
+/// no texture coordinates. `specular` holds what of the reflectance is known to be specular. With the
+/// photograph behind the pixels as `detail`, its own pixels make the texels.
 pub fn extract(
-    stage: &Stage<'_>,
+    (stage, detail): (&Stage<'_>, Option<&dyn Detail>),
     appearance: Appearance<'_>,
     group: usize,
     specular: &Material,
@@ -49,23 +54,61 @@ pub fn extract(
 ) -> Option<Extracted> {
     let geometry = stage.renderer.geometry();
     let valid = &stage.observation.pixels_of_group[group];
-    let (width, height) = resolution(geometry, valid)?;
+    let side = detail.map_or(1, Detail::side);
+    let [width, height] = texels(resolution(geometry, valid)?.map(|along| along * side as f32));
     let (evidence, diffuse) = lit(stage, appearance, group, budget);
     let shine = evidence.specular(specular);
+    let light = |i: usize| {
+        let [a, b] = [diffuse[0][i], diffuse[1][i]];
+        Lit { sets: [a, b], shine: specular.rho_s * 0.5 * (shine[0][i] + shine[1][i]) }
+    };
+    let light: Vec<Lit> = (0..evidence.pixels.len()).map(light).collect();
+    let samples = match detail {
+        Some(detail) => detailed::samples((stage, detail), group, &evidence, &light),
+        None => {
+            let pixels = evidence.pixels.iter().zip(&light);
+            let one = |(pixel, light): (&Observed, &Lit)| {
+                Sample::new(geometry.pixels()[pixel.pixel as usize].uv, pixel.radiance, light)
+            };
+            pixels.map(one).collect()
+        }
+    };
     let mut extracted: Option<Extracted> = None;
     for _ in 0..STEPS {
         let mut splat = Splat::new(width, height);
-        for (i, pixel) in evidence.pixels.iter().enumerate() {
-            let uv = geometry.pixels()[pixel.pixel as usize].uv;
-            let [a, b] = [diffuse[0][i], diffuse[1][i]];
-            let shine = specular.rho_s * 0.5 * (shine[0][i] + shine[1][i]);
-            let so_far = extracted.as_ref().map_or(Rgb::ZERO, |e| e.texture.sample(uv));
-            splat.add(uv, 0.5 * (a + b) * (pixel.radiance - shine) - a * b * so_far, a * b);
+        for Sample { uv, shown, light } in &samples {
+            let so_far = extracted.as_ref().map_or(Rgb::ZERO, |e| e.texture.sample(*uv));
+            splat.add(*uv, *shown - *light * so_far, *light);
         }
         extracted = Some(splat.finish(extracted.as_ref().map(|e| &e.texture.image)));
     }
-    let deviation = deviation(&evidence, &diffuse);
+    let deviation = deviation(&evidence, &diffuse, side);
     extracted.map(|extracted| Extracted { deviation, ..extracted })
+}
+
+/// The light at a pixel.
+#[derive(Clone, Copy, Debug, Default)]
+struct Lit {
+    /// The radiance of a white diffuse surface there, twice.
+    sets: [Rgb; 2],
+    /// The radiance that is no texture's.
+    shine: Rgb,
+}
+
+/// What a pixel says of the texels about `uv`.
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    uv: Vec2,
+    /// `D B`.
+    shown: Rgb,
+    /// `D_A D_B`.
+    light: Rgb,
+}
+
+impl Sample {
+    fn new(uv: Vec2, radiance: Rgb, Lit { sets: [a, b], shine }: &Lit) -> Self {
+        Self { uv, shown: 0.5 * (*a + *b) * (radiance - *shine), light: *a * *b }
+    }
 }
 
 /// The relative noise of the light that a texture is divided by. At half of it dim groups cost four times
@@ -109,15 +152,17 @@ fn noise([a, b]: &[Vec<Rgb>; 2]) -> f32 {
 
 /// The standard deviation of a texel, root mean square over the pixels: `q = B/D` has the relative
 /// variance of `B` (the photograph's noise) and of `D` (ours, from the difference of its two
-/// renderings), and a texel takes in [`PIXELS_PER_TEXEL`]^2 pixels.
-fn deviation(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2]) -> Rgb {
+/// renderings), and a texel takes in [`PIXELS_PER_TEXEL`]^2 pixels. A pixel is the mean of `side`^2 of those that
+/// texels are made of.
+fn deviation(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], side: usize) -> Rgb {
+    let of_photograph = (side * side) as f32;
     let mut sum = DVec3::ZERO;
     for (i, pixel) in evidence.pixels.iter().enumerate() {
         let [a, b] = [diffuse[0][i], diffuse[1][i]];
         let d = (0.5 * (a + b)).max(Rgb::splat(f32::MIN_POSITIVE));
         let q = pixel.radiance / d;
         let of_light = 0.25 * (a - b) * (a - b);
-        let variance = (pixel.variance + q * q * of_light) / (d * d);
+        let variance = (of_photograph * pixel.variance + q * q * of_light) / (d * d);
         // A texel in the dark says nothing of the others.
         sum += variance.min(Rgb::ONE).as_dvec3();
     }
@@ -134,7 +179,7 @@ pub fn rebalance(
     rerendered: &[Rgb],
 ) -> Option<Extracted> {
     let geometry = stage.renderer.geometry();
-    let (width, height) = resolution(geometry, pixels)?;
+    let [width, height] = texels(resolution(geometry, pixels)?);
     let mut splat = Splat::new(width, height);
     for (&pixel, &radiance) in pixels.iter().zip(rerendered) {
         let uv = geometry.pixels()[pixel as usize].uv;
@@ -165,8 +210,8 @@ fn smoothed(geometry: &GeometryBuffers, evidence: &Evidence, d: [Vec<Rgb>; 2]) -
     })
 }
 
-/// Texels per unit of u and v, rounded: about one a pixel. None without texture coordinates.
-fn resolution(geometry: &GeometryBuffers, pixels: &[u32]) -> Option<(usize, usize)> {
+/// Texels per unit of u and v: about one a pixel. None without texture coordinates.
+fn resolution(geometry: &GeometryBuffers, pixels: &[u32]) -> Option<[f32; 2]> {
     let width = geometry.width();
     let mut steps_u = Vec::new();
     let mut steps_v = Vec::new();
@@ -186,13 +231,17 @@ fn resolution(geometry: &GeometryBuffers, pixels: &[u32]) -> Option<(usize, usiz
     let side = |steps: &mut Vec<f32>| {
         let middle = steps.len() / 2;
         let step = *steps.get_mut(..)?.select_nth_unstable_by(middle, f32::total_cmp).1;
-        let texels = 1.0 / (PIXELS_PER_TEXEL * step);
-        (step > 0.0).then(|| texels.clamp(2.0, SIDE_MAX).round() as usize)
+        (step > 0.0).then(|| 1.0 / (PIXELS_PER_TEXEL * step))
     };
     if steps_u.is_empty() {
         return None;
     }
-    Some((side(&mut steps_u)?, side(&mut steps_v)?))
+    Some([side(&mut steps_u)?, side(&mut steps_v)?])
+}
+
+/// A texture of so many texels along each side, where they are not too few or too many.
+fn texels(along: [f32; 2]) -> [usize; 2] {
+    along.map(|texels| texels.clamp(2.0, SIDE_MAX).round() as usize)
 }
 
 /// Sums of numerators and denominators over texels.

@@ -26,7 +26,8 @@ pub(crate) fn extract(
     let extracted = if few {
         None
     } else {
-        textured::extract(&stage, state.appearance(), group, &plain, &budget)
+        let detail = state.problem.detail.filter(|_| last);
+        textured::extract((&stage, detail), state.appearance(), group, &plain, &budget)
     };
     let of_group = &mut state.groups[group];
     let Some(mut extracted) = extracted else {

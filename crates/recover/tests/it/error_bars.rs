@@ -94,6 +94,7 @@ fn refined(
         unknown_lights: if unknown_lamp { vec![LAMP] } else { Vec::new() },
         coloured_lights: Vec::new(),
         neighbouring_lights: Vec::new(),
+        detail: None,
     };
     let options = Options { effort, seed: realisation, spp: 2, ..Options::default() };
     refine_from(&problem, &start(), &options, &mut ()).unwrap()

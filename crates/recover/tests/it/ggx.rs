@@ -44,6 +44,7 @@ fn recovered(scene: &Scene) -> Recovery {
         unknown_lights: Vec::new(),
         coloured_lights: Vec::new(),
         neighbouring_lights: Vec::new(),
+        detail: None,
     };
     recover(&problem, &Options::default(), &mut ()).unwrap()
 }

@@ -76,6 +76,7 @@ fn with_problem(
         unknown_lights: Vec::new(),
         coloured_lights: Vec::new(),
         neighbouring_lights: Vec::new(),
+        detail: None,
     };
     solve(&problem)
 }

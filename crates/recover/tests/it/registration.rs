@@ -215,6 +215,7 @@ fn recovered_as(
         unknown_lights: Vec::new(),
         coloured_lights: Vec::new(),
         neighbouring_lights: Vec::new(),
+        detail: None,
     };
     recover(&problem, options, &mut ()).unwrap()
 }

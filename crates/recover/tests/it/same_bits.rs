@@ -121,6 +121,7 @@ fn solved<T>(role_of_floor: Role, solve: impl Fn(&Problem<'_>) -> T) -> T {
         unknown_lights: Vec::new(),
         coloured_lights: Vec::new(),
         neighbouring_lights: Vec::new(),
+        detail: None,
         photometric_parameters: &[],
     })
 }

@@ -1,6 +1,6 @@
 //! `unrender recover`: from a project to the materials of its groups.
 
-use crate::engine::{self, Recovered};
+use crate::engine::{self, Asked, Recovered};
 use crate::global::Global;
 use crate::progress::Progress;
 use crate::recovery_journal::{Head, RecoveryJournal};
@@ -11,6 +11,7 @@ use clap::ValueEnum;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Instant;
 use unrender_formats::Limits;
 use unrender_recover::remote::Workers;
 use unrender_recover::{LadderKind, Options, Termination, effort};
@@ -43,9 +44,13 @@ pub struct Args {
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
     /// Paths a pixel of the final re-rendering; where pixels nearby share what theirs find, so many
-    /// fewer that there is no more noise [default: 64; of a draft 16].
+    /// fewer that there is no more noise [default: 64; of a draft 16; above 512 x 512 pixels fewer].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
+    /// The size of the last picture, where a photograph of more than a megapixel is worked on as the means of
+    /// squares of its pixels.
+    #[arg(long, value_enum, default_value_t = PictureSize::Worked)]
+    pub picture: PictureSize,
     /// The most reflections of a path; 1 is direct light only [default: until it carries nothing].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub bounces: Option<u32>,
@@ -90,6 +95,15 @@ pub enum Effort {
     Normal,
     /// Four times as many samples.
     High,
+}
+
+/// The size of the last picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PictureSize {
+    /// That at which the photograph was worked on.
+    Worked,
+    /// That of the photograph.
+    Full,
 }
 
 /// Runs the command.
@@ -157,11 +171,28 @@ fn recovered_with(
     journal: &RecoveryJournal,
     workers: Option<&dyn Workers>,
 ) -> Result<Recovered, Error> {
+    job.reduce();
     global.console.warn(&job.warnings);
-    let options = options(args, &job.project);
+    let pixels = job.photo.radiance.pixels().len();
+    let options = options(args, &job.project, pixels);
     let progress = Progress::new("recover", global);
-    engine::recover(job, (&options, alignment(args)), &progress, journal, workers)
+    let is_full = args.picture == PictureSize::Full && job.side > 1;
+    let share = if is_full { 1.0 - FULL_SHARE } else { 1.0 };
+    let asked = Asked { options: &options, alignment: alignment(args), share };
+    let mut recovered = engine::recover(job, &asked, &progress, journal, workers)?;
+    if is_full && recovered.recovery.termination != Termination::Interrupted {
+        let started = Instant::now();
+        let tell = |done: f64| {
+            progress.work_on("rendering all pixels of the photo", share + done * FULL_SHARE);
+        };
+        recovered.full = Some(results::full_picture::render(job, &recovered, &tell));
+        recovered.times.all += started.elapsed().as_secs_f64();
+    }
+    Ok(recovered)
 }
+
+/// The share of the time that a last picture of all pixels of a photograph takes, roughly.
+const FULL_SHARE: f64 = 0.5;
 
 /// Makes the arguments' rung that of `project`, and `global`'s limits its own.
 pub fn settle(args: &Args, project: &mut Project, global: &Global) {
@@ -201,7 +232,8 @@ fn alignment(args: &Args) -> Alignment {
     }
 }
 
-fn options(args: &Args, project: &Project) -> Options {
+/// The options of a recovery from so many `pixels`.
+fn options(args: &Args, project: &Project, pixels: usize) -> Options {
     let defaults = Options::default();
     let ladder = match args.ladder {
         Ladder::Default => LadderKind::Default,
@@ -216,7 +248,7 @@ fn options(args: &Args, project: &Project) -> Options {
         ladder,
         effort,
         seed: args.seed,
-        spp: args.spp.unwrap_or(effort.last_spp()),
+        spp: args.spp.unwrap_or(effort.last_spp(pixels)),
         max_bounces: args.bounces.unwrap_or(defaults.max_bounces),
         thresholds: project.thresholds,
         refine: !args.no_refine,

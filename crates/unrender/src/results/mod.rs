@@ -5,6 +5,7 @@ mod around;
 mod ball;
 mod calibration;
 mod error_picture;
+pub(crate) mod full_picture;
 mod group_picture;
 mod materials_file;
 mod memory;
@@ -26,6 +27,7 @@ use crate::{Error, Job, report};
 use std::path::Path;
 use unrender_formats::materials::MaterialsFile;
 use unrender_formats::{FileError, atomic, gltf, materials, picture};
+use unrender_photo::develop;
 use unrender_scene::color::srgb_from_linear;
 use unrender_scene::{Rgb, Scene, Warnings};
 
@@ -70,7 +72,8 @@ pub(crate) fn write(
     let recovery = &recovered.recovery;
     let mut bad = 0;
     let file = materials_file::write_textures(job, recovered, folder, &mut bad)?;
-    bad += picture::write_exr(&folder.join("rerendered.exr"), &recovery.rerendered)?;
+    let rerendered = recovered.full.as_ref().unwrap_or(&recovery.rerendered);
+    bad += picture::write_exr(&folder.join("rerendered.exr"), rerendered)?;
     let pictures = write_pictures(job, recovered, folder, &mut bad)?;
     let balls = ball::write(job, recovery, folder)?;
     atomic::write(&folder.join("scene.glb"), &scene_file(job, recovered)?)?;
@@ -107,11 +110,14 @@ fn write_pictures(
 ) -> Result<Pictures, Error> {
     let recovery = &recovered.recovery;
     let exposure = recovery.exposure;
-    let as_photo = recovery.rerendered.map(|radiance| *radiance / exposure);
+    let rerendered = recovered.full.as_ref().unwrap_or(&recovery.rerendered);
+    let as_photo = rerendered.map(|radiance| *radiance / exposure);
     *bad += picture::write_png_srgb(&folder.join("rerendered.png"), &as_photo)?;
     let fixed = matches!(job.project.exposure, unrender_photo::Exposure::Fixed(_));
     let developed = if fixed { exposure } else { Rgb::ONE };
-    let photo = job.photo.radiance.map(|radiance| *radiance / developed);
+    let whole = recovered.full.is_some().then(|| develop(&job.picture, &job.transfer).radiance);
+    let photo = whole.as_ref().unwrap_or(&job.photo.radiance);
+    let photo = photo.map(|radiance| *radiance / developed);
     *bad += picture::write_png_srgb(&folder.join("photo.png"), &photo)?;
     status_picture::write(job, recovery, &folder.join("trust.png"))?;
     Ok(Pictures {

@@ -65,7 +65,7 @@ pub(super) fn build(
         exposure: recovery.exposure.to_array(),
         photograph: recovered.photograph.clone(),
         exposure_std: recovery.exposure_std.map(|std| std.to_array()),
-        registration: registration(recovered),
+        registration: registration(job, recovered),
         pixels: LeftOut::count(recovery.status.pixels()),
         pictures,
         iterations: iterations
@@ -83,8 +83,9 @@ fn input(job: &Job) -> Input {
         photo: job.project.photo.clone(),
         bracket: job.project.bracket.as_ref().map_or(Vec::new(), |frames| frames.files.clone()),
         environment: job.project.environment.as_ref().and_then(EnvironmentChoice::in_words),
-        width: job.photo.radiance.width(),
-        height: job.photo.radiance.height(),
+        width: job.photograph_size().0,
+        height: job.photograph_size().1,
+        side: job.side,
     }
 }
 
@@ -135,9 +136,9 @@ fn stages(recovered: &Recovered) -> Stages {
 }
 
 /// How the model was registered with the photograph, and the camera that was used.
-fn registration(recovered: &Recovered) -> RegistrationEntry {
+fn registration(job: &Job, recovered: &Recovered) -> RegistrationEntry {
     let registered = &recovered.registered;
-    let table = CameraTable::of(&registered.camera, 1.0);
+    let table = CameraTable::of(&recovered.camera(job), 1.0);
     let lens = table.lens;
     let camera = json!({
         "eye": table.eye.to_array(),
@@ -153,11 +154,12 @@ fn registration(recovered: &Recovered) -> RegistrationEntry {
         "p2": lens.p2,
     });
     let found = registered.registration.as_ref();
+    let side = job.side as f32;
     RegistrationEntry {
         camera,
-        displacement_pixels: found.map(|r| r.displacement),
-        uncertainty_pixels: found.map(|r| r.uncertainty),
-        deviation_pixels: found.map(|r| r.deviation),
+        displacement_pixels: found.map(|r| side * r.displacement),
+        uncertainty_pixels: found.map(|r| side * r.uncertainty),
+        deviation_pixels: found.map(|r| side * r.deviation),
         confirmed_edge_points: found.map(|r| r.confirmed),
     }
 }

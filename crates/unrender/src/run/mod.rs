@@ -100,6 +100,18 @@ pub struct Input {
     pub width: usize,
     /// The photograph's height, pixels.
     pub height: usize,
+    /// The pixels that were counted, and those of the pictures, are the means of squares of so many of its pixels on a
+    /// side.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub side: usize,
+}
+
+fn one() -> usize {
+    1
+}
+
+fn is_one(side: &usize) -> bool {
+    *side == 1
 }
 
 /// How a run was made.

@@ -55,6 +55,7 @@ impl Input {
             camera,
             picture,
             photo,
+            side: 1,
             mask,
             transfer,
             project,
