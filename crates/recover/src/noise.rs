@@ -1,8 +1,12 @@
 //! The photograph's noise, estimated from the photograph itself.
 //!
 //! In the interior of a group the second difference of neighbouring pixels, `x_0 - (x_-1 + x_1) / 2`, holds
-//! 3/2 of the noise's variance and little of the picture. It gives `variance = step^2/12 + s B`, quantisation
-//! and a shot noise `s`.
+//! 3/2 of the noise's variance and little of the picture. It gives `variance = step^2/12 + r + s B`, quantisation,
+//! read noise `r` and shot noise `s` [Foi et al. 2008].
+//!
+//! Read noise is what is left where there is no light: a dark group shows it. Without it the noise of a
+//! channel that a group does not reflect would be none under the right hypothesis, and a texture the only one to explain
+//! it.
 //!
 //! A camera has about the same `s` everywhere. Where a group's differences are far larger than those of most
 //! pixels, they may be a pattern (a mirror image, a fine texture); or the photograph is a rendering, whose noise
@@ -18,7 +22,7 @@ use unrender_scene::{Rgb, RgbImage};
 /// radiance `L`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Noise {
-    /// Of the quantisation, squared radiance.
+    /// Of quantisation and reading, squared radiance.
     pub base: Rgb,
     /// Of the shot noise, radiance.
     pub slope: Rgb,
@@ -42,14 +46,55 @@ const DIFFERENCES_MIN: usize = 40;
 /// the nugget, which is less exact; at double, mirror images and fine textures pass for noise.
 const LIKE_OTHERS: f32 = 2.0;
 
-/// For each group the shot noise of its pixels, given in scanline order, in the photograph's `values`, of which
-/// `steps` are those of the file's code values: variance per unit of value, per channel. What is far above that of
-/// most pixels is noise as far as it has no memory.
-pub(crate) fn shot_of_groups(
-    (values, steps): (&RgbImage, &RgbImage),
-    pixels_of_group: &[Vec<u32>],
-) -> Vec<Rgb> {
-    let members = Members::of(values, steps, pixels_of_group);
+/// The noise of a photograph beyond quantisation.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub(crate) struct PhotographNoise {
+    /// Read noise: variance, per channel.
+    pub(crate) read: Rgb,
+    /// For each group its shot noise: variance per unit of value, per channel.
+    pub(crate) shot_of_group: Vec<Rgb>,
+}
+
+impl PhotographNoise {
+    /// That of the photograph's `values`, of which `steps` are those of the file's code values, with the pixels of each
+    /// group in scanline order.
+    pub(crate) fn of(
+        (values, steps): (&RgbImage, &RgbImage),
+        pixels_of_group: &[Vec<u32>],
+    ) -> Self {
+        let mut members = Members::of(values, steps, pixels_of_group);
+        members.read = read_noise(&members);
+        Self { read: members.read, shot_of_group: shot_of_groups(&members) }
+    }
+}
+
+/// The variance that is left without light: that of the group with the least, which is a dark one if there is any, less
+/// what its light brings where it brings as much as in most pixels.
+fn read_noise(members: &Members<'_>) -> Rgb {
+    let measured: Vec<Option<[Rgb; 2]>> = (0..members.pixels_of_group.len())
+        .map(|group| members.beyond_quantisation(group, ALONG_ROWS, 1))
+        .collect();
+    let per_value = |measured: &Option<[Rgb; 2]>| {
+        measured.map_or(Rgb::ZERO, |[variance, level]| {
+            Rgb::select(level.cmpgt(Rgb::ZERO), variance / level, Rgb::ZERO)
+        })
+    };
+    let shots: Vec<Rgb> = measured.iter().map(per_value).collect();
+    let usual = of_most_pixels(&shots, members.pixels_of_group);
+    let of_channel = |channel: usize| {
+        let groups = measured.iter().flatten();
+        let least = groups.min_by(|[a, _], [b, _]| a[channel].total_cmp(&b[channel]));
+        let Some([variance, level]) = least.filter(|_| usual[channel].is_finite()) else {
+            return 0.0;
+        };
+        (variance[channel] - usual[channel] * level[channel].max(0.0)).max(0.0)
+    };
+    Rgb::new(of_channel(0), of_channel(1), of_channel(2))
+}
+
+/// For each group its shot noise. What is far above that of most pixels is noise as far as it has no memory.
+fn shot_of_groups(members: &Members<'_>) -> Vec<Rgb> {
+    let pixels_of_group = members.pixels_of_group;
     let along_rows = |group| members.shot_noise(group, ALONG_ROWS, 1);
     let shots: Vec<Rgb> = (0..pixels_of_group.len()).map(along_rows).collect();
     let usual = LIKE_OTHERS * of_most_pixels(&shots, pixels_of_group);
@@ -93,6 +138,8 @@ struct Members<'a> {
     pixels_of_group: &'a [Vec<u32>],
     /// The group of each pixel, plus one; zero for those that are not valid.
     group: Vec<u32>,
+    /// The variance of read noise, as far as it is known.
+    read: Rgb,
 }
 
 impl<'a> Members<'a> {
@@ -105,7 +152,7 @@ impl<'a> Members<'a> {
         for (pixels, index) in pixels_of_group.iter().zip(1..) {
             pixels.iter().for_each(|&p| group[p as usize] = index);
         }
-        Self { values, quantisation_step, pixels_of_group, group }
+        Self { values, quantisation_step, pixels_of_group, group, read: Rgb::ZERO }
     }
 
     /// The pixels `steps` before and after `pixel`, if they are of its group too.
@@ -126,9 +173,14 @@ impl<'a> Members<'a> {
         both.into_iter().all(is_like).then_some(both)
     }
 
-    /// A group's variance beyond quantisation per unit of value, per channel, by the second differences of
-    /// pixels that are `steps` apart along `direction`; zero with too few of them.
-    fn shot_noise(&self, group: usize, direction: Direction, steps: usize) -> Rgb {
+    /// A group's variance beyond quantisation, by the second differences of pixels that are `steps` apart along
+    /// `direction`, and its mean value; none with too few of them.
+    fn beyond_quantisation(
+        &self,
+        group: usize,
+        direction: Direction,
+        steps: usize,
+    ) -> Option<[Rgb; 2]> {
         let pixels = &self.pixels_of_group[group];
         let value = |p: usize| self.values.pixels()[p];
         let (mut squares, mut count) = (Rgb::ZERO, 0);
@@ -140,7 +192,7 @@ impl<'a> Members<'a> {
             }
         }
         if count < DIFFERENCES_MIN {
-            return Rgb::ZERO;
+            return None;
         }
         let step = |p: usize| self.quantisation_step.pixels()[p];
         let mean = |f: &dyn Fn(usize) -> Rgb| {
@@ -148,8 +200,17 @@ impl<'a> Members<'a> {
         };
         let quantisation = mean(&|p| step(p) * step(p)) / 12.0;
         let excess = (squares / (1.5 * count as f32) - quantisation).max(Rgb::ZERO);
-        let level = mean(&value);
-        Rgb::select(level.cmpgt(Rgb::ZERO), excess / level.max(Rgb::splat(1e-20)), Rgb::ZERO)
+        Some([excess, mean(&value)])
+    }
+
+    /// A group's variance beyond quantisation and reading per unit of value, per channel, likewise; zero with too few
+    /// differences.
+    fn shot_noise(&self, group: usize, direction: Direction, steps: usize) -> Rgb {
+        let Some([excess, level]) = self.beyond_quantisation(group, direction, steps) else {
+            return Rgb::ZERO;
+        };
+        let shot = (excess - self.read).max(Rgb::ZERO) / level.max(Rgb::splat(1e-20));
+        Rgb::select(level.cmpgt(Rgb::ZERO), shot, Rgb::ZERO)
     }
 
     /// The noise of a group without memory, per unit of value: the lesser one of that along rows and along
@@ -190,7 +251,7 @@ mod tests {
         let values = RgbImage::from_fn(SIDE, SIDE, |x, y| Rgb::splat(value(x, y)));
         let steps = RgbImage::new(SIDE, SIDE, vec![Rgb::ZERO; SIDE * SIDE]);
         let all = (0..(SIDE * SIDE) as u32).partition(|p| !of_last(*p as usize / SIDE));
-        let shots = shot_of_groups((&values, &steps), &[all.0, all.1]);
+        let shots = PhotographNoise::of((&values, &steps), &[all.0, all.1]).shot_of_group;
         [shots[0].x, shots[1].x]
     }
 
@@ -204,6 +265,28 @@ mod tests {
             // A thousand pixels; the lesser one of two estimates is a sixth too low.
             assert!((found / (size * size) - 1.0).abs() < 0.2, "{size}: {found}");
         }
+    }
+
+    #[test]
+    fn read_noise_is_what_a_dark_group_shows() {
+        // Standard deviation 0.02 everywhere, and a variance of 0.001 per unit of value.
+        let noise = |x: usize, y: usize, level: f32| {
+            let (read, shot) = (scatter(y * SIDE + x), scatter(7919 * (y * SIDE + x) + 3));
+            level + 3f32.sqrt() * (0.02 * read + (0.001 * level).sqrt() * shot)
+        };
+        let level = |y: usize| [1.0, 0.4, 0.0, 0.6][4 * y / SIDE];
+        let values =
+            RgbImage::from_fn(SIDE, SIDE, |x, y| Rgb::new(noise(x, y, level(y)), level(y), 0.3));
+        let steps = RgbImage::new(SIDE, SIDE, vec![Rgb::ZERO; SIDE * SIDE]);
+        let groups: Vec<Vec<u32>> = (0..4).map(|g| (g * 1024..(g + 1) * 1024).collect()).collect();
+        let found = PhotographNoise::of((&values, &steps), &groups);
+        assert!((found.read.x / 4e-4 - 1.0).abs() < 0.15, "{}", found.read);
+        assert_eq!([found.read.y, found.read.z], [0.0, 0.0]);
+        for bright in [0, 1, 3] {
+            let shot = found.shot_of_group[bright].x;
+            assert!((shot / 0.001 - 1.0).abs() < 0.25, "{bright}: {shot}");
+        }
+        assert_eq!(found.shot_of_group[2].y, 0.0);
     }
 
     #[test]

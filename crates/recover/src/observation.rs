@@ -6,8 +6,8 @@
 //! group that would be left with next to nothing gets a narrower margin.
 //! [`crate::noise`] says how noisy they are.
 
-use crate::noise;
 pub use crate::noise::Noise;
+use crate::noise::PhotographNoise;
 use crate::register::margin::{self, near_edges};
 use crate::register::offset::EdgePicture;
 use crate::register::steep::steepness;
@@ -69,6 +69,8 @@ pub struct Observation {
     pub all_pixels_of_group: Vec<Vec<u32>>,
     /// The local mean of the valid pixels of the same object, 5 x 5.
     pub smooth: RgbImage,
+    /// The variance of read noise, squared value, per channel.
+    pub read: Rgb,
     /// For each group: variance of the noise per unit of value, per channel.
     pub shot_of_group: Vec<Rgb>,
 }
@@ -145,8 +147,8 @@ impl Observation {
             all_pixels_of_group.iter().map(|a| a.iter().filter(informs).copied().collect());
         let informative_of_group = informative_of_group.collect();
         let smooth = smooth(&picture.values, geometry, &pixels_of_group);
-        let shot_of_group =
-            noise::shot_of_groups((&picture.values, &picture.quantisation_step), &pixels_of_group);
+        let PhotographNoise { read, shot_of_group } =
+            PhotographNoise::of((&picture.values, &picture.quantisation_step), &pixels_of_group);
         Self {
             picture,
             status,
@@ -154,6 +156,7 @@ impl Observation {
             informative_of_group,
             all_pixels_of_group,
             smooth,
+            read,
             shot_of_group,
         }
     }
@@ -176,7 +179,8 @@ impl Observation {
     /// `exposure`.
     pub fn noise(&self, group: usize, pixel: u32, exposure: Rgb) -> Noise {
         let step = exposure * self.picture.quantisation_step.pixels()[pixel as usize];
-        Noise { base: step * step / 12.0, slope: exposure * self.shot_of_group[group] }
+        let read = exposure * exposure * self.read;
+        Noise { base: step * step / 12.0 + read, slope: exposure * self.shot_of_group[group] }
     }
 
     /// Marks `pixels` of `group` as outliers: they show something else.
