@@ -51,6 +51,19 @@ const ROULETTE_CARRIED: f32 = 0.2;
 /// The largest probability of surviving a bounce. It bounds the mean length of paths at reflectance
 /// one, 50 bounces; at 0.96 it would end bright paths, at 0.99 they would be twice as long.
 const SURVIVAL_MAX: f32 = 0.98;
+/// The least, for a path that carries anything. Random numbers are multiples of 2^-24, and zero one time in so many:
+/// without it that path survives a probability of 1e-22, as a path has that passed surfaces which reflect nothing in one
+/// channel each, and its derivatives are divided by it. At half of it they weigh twice as much, at double paths without
+/// light take a hundredth of the time.
+const SURVIVAL_MIN: f32 = 1.0 / 256.0;
+
+/// The probability that a path survives which carries so much.
+#[inline]
+fn survival_probability(carried: Rgb) -> f32 {
+    let carried = carried.max_element();
+    if carried > 0.0 { (carried / ROULETTE_CARRIED).clamp(SURVIVAL_MIN, SURVIVAL_MAX) } else { 0.0 }
+}
+
 /// The BRDF at a surface and its frame.
 pub struct LocalBsdf {
     /// The BRDF.
@@ -360,7 +373,7 @@ impl<'a> Transport<'a> {
             // Russian roulette.
             let mut probability = 1.0;
             if bounce >= ROULETTE_FROM {
-                probability = (carried.max_element() / ROULETTE_CARRIED).min(SURVIVAL_MAX);
+                probability = survival_probability(carried);
                 if survival >= probability {
                     break;
                 }
@@ -463,5 +476,21 @@ impl<'a> Transport<'a> {
     #[inline]
     fn cached(&self, surface: &Surface, bounce: u32) -> Option<Cached> {
         self.cache.filter(|_| bounce > 0).and_then(|cache| cache.at(surface))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn survivors_weigh_no_more_than_random_numbers_can_tell() {
+        let survives = |carried: f32| survival_probability(Rgb::new(0.0, carried, 0.0));
+        assert_eq!(survives(0.0), 0.0);
+        // One draw in 2^24 is zero, and survives whatever is above it.
+        let tiny = [1e-38, 1e-22, 1e-9, 1e-4].map(survives);
+        assert!(tiny.iter().all(|p| 2f32.powi(-24) / p < 1e-4), "{tiny:?}");
+        assert!([1e-22, 1e-3, 0.02, 0.15, 0.3, 7.0].map(survives).is_sorted());
+        assert_eq!(survives(1.0), SURVIVAL_MAX);
     }
 }
