@@ -13,7 +13,7 @@ use crate::ladder::textures;
 use crate::plain;
 use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Termination};
-use crate::refine::{self, Depth};
+use crate::refine::{self, Depth, brightness};
 use crate::sample_budget::{self, FINEST, REFINED};
 use crate::schedule::Part;
 use crate::state::State;
@@ -86,6 +86,12 @@ impl Driver<'_> {
             state.schedule.begin(Part::Fits(level));
             let settler = Settler::new(state, self.options, level);
             self.settle(state, &settler, observer)?;
+            if level == 0
+                && !self.options.force
+                && let Some(off) = brightness::find(state, self.options)
+            {
+                return Err(off.into());
+            }
             self.candidates.enforce(state, level);
             let mut best = self.verifier.verify(state);
             if !state.problem.unknown_lights.is_empty() {

@@ -185,6 +185,8 @@ pub struct Options {
     pub refine: bool,
     /// Whether pixels that show something that is not in the model are looked for.
     pub outliers: bool,
+    /// Whether to go on where no reflectances explain the photograph but a factor on all light would.
+    pub force: bool,
 }
 
 impl Default for Options {
@@ -199,6 +201,7 @@ impl Default for Options {
             max_iterations: 100,
             refine: true,
             outliers: true,
+            force: false,
         }
     }
 }
@@ -235,8 +238,8 @@ impl Default for Thresholds {
     }
 }
 
-/// Why recovery cannot start.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+/// Why recovery cannot start, or need not go on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecoverError {
     /// The photograph shows none of the scene's groups.
@@ -250,4 +253,34 @@ pub enum RecoverError {
          anchor, or give the exposure as a number"
     )]
     AnchorUnseen(String),
+    /// All light is a factor off.
+    #[error(
+        "no reflectances explain this photograph: the nearest leave {:.0} % of it. If all light of the scene were \
+         {} as bright, {:.0} % would be left: correct the units of the lights, or the project's exposure or \
+         response. --force goes on as it is",
+        100.0 * unexplained[0], times(*factor), 100.0 * unexplained[1]
+    )]
+    Unexplained {
+        /// How many times as bright the light of the scene would have to be, per channel; infinite in a channel in which
+        /// there is none.
+        factor: Rgb,
+        /// The share of the photograph that is not explained as it is, and with the factor.
+        unexplained: [f64; 2],
+    },
+}
+
+/// A factor in words: one number where the channels agree.
+fn times(factor: Rgb) -> String {
+    let number = |value: f32| match value {
+        value if !value.is_finite() => "infinitely often".to_owned(),
+        value if value >= 100.0 => format!("{value:.0}"),
+        value if value >= 1.0 => format!("{value:.1}"),
+        value => format!("{value:.3}"),
+    };
+    let mean = factor.element_sum() / 3.0;
+    if (factor - mean).abs().max_element() < 0.1 * mean {
+        return format!("{} times", number(mean));
+    }
+    let [r, g, b] = factor.to_array().map(number);
+    format!("{r} (red), {g} (green), {b} (blue) times")
 }

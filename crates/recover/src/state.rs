@@ -342,6 +342,11 @@ pub(crate) struct Snapshot {
 }
 
 impl Snapshot {
+    /// The exposure in it.
+    pub(crate) fn exposure(&self) -> Rgb {
+        self.exposure
+    }
+
     /// What `group` was made of.
     pub(crate) fn material(&self, group: usize) -> &Material {
         &self.materials[group]

@@ -1,20 +1,21 @@
 //! Sensor noise for the synthetic parts of a composite.
 //!
-//! Shot noise has a variance of `shot` times the radiance. Where the fraction `r` of a pixel is
+//! The variance is that of read noise plus `shot` times the radiance. Where the fraction `r` of a pixel is
 //! synthetic, the composite has the noise of the photograph with the weight `1 - r`. The missing
-//! variance, `shot radiance (1 - (1 - r)^2)` less the variance of the rendering, is added.
+//! variance, `(read + shot radiance) (1 - (1 - r)^2)` less the variance of the rendering, is added.
 
 use crate::pair::Paired;
 use std::f32::consts::TAU;
 use unrender_render::sampler::mix;
 use unrender_scene::{Image, Rgb, RgbImage};
 
-/// Adds noise to the synthetic parts of `picture`, of a variance of `shot` times its radiance.
-pub fn add(picture: &mut RgbImage, paired: &Image<Paired>, shot: Rgb, seed: u64) {
+/// Adds noise to the synthetic parts of `picture`, of a variance of `read` plus `shot` times its radiance.
+pub fn add(picture: &mut RgbImage, paired: &Image<Paired>, [read, shot]: [Rgb; 2], seed: u64) {
     let pixels = picture.pixels_mut().iter_mut().zip(paired.pixels()).enumerate();
     for (index, (radiance, pixel)) in pixels.filter(|(_, (_, pixel))| pixel.replaced > 0.0) {
         let photographed = 1.0 - pixel.replaced;
-        let missing = shot * *radiance * (1.0 - photographed * photographed) - pixel.after_variance;
+        let variance = read + shot * *radiance;
+        let missing = variance * (1.0 - photographed * photographed) - pixel.after_variance;
         let noise = |channel: usize| {
             let key = mix(seed ^ GRAIN) ^ (3 * index + channel) as u64;
             missing[channel].max(0.0).sqrt() * normal(key)
@@ -39,20 +40,21 @@ mod tests {
 
     #[test]
     fn synthetic_parts_get_the_missing_variance_and_others_nothing() {
-        let (shot, level) = (1e-3, 0.5);
+        let (read, shot, level) = (2e-4, 1e-3, 0.5);
+        let variance = read + shot * level;
         let of = |replaced| Paired {
             replaced,
-            after_variance: Rgb::splat(0.2 * shot * level),
+            after_variance: Rgb::splat(0.2 * variance),
             ..Paired::default()
         };
         let paired = Image::from_fn(200, 200, |_, y| of(if y < 100 { 1.0 } else { 0.0 }));
         let mut picture = paired.map(|_| Rgb::splat(level));
-        add(&mut picture, &paired, Rgb::splat(shot), 1);
+        add(&mut picture, &paired, [read, shot].map(Rgb::splat), 1);
         let squares = |pixels: &[Rgb]| {
             pixels.iter().map(|p| (p.y - level).powi(2)).sum::<f32>() / pixels.len() as f32
         };
         let (synthetic, photographed) = picture.pixels().split_at(100 * 200);
-        let share = squares(synthetic) / (0.8 * shot * level);
+        let share = squares(synthetic) / (0.8 * variance);
         assert!((share - 1.0).abs() < 0.03, "{share}");
         assert_eq!(squares(photographed), 0.0);
     }

@@ -108,6 +108,16 @@ pub(super) fn of_tiles(
     means
 }
 
+/// How many times as bright as the photograph the renderings of the groups `of` are on the whole; one in a channel in
+/// which either is black.
+pub(super) fn brightness(means: &[Mean], of: impl Fn(usize) -> bool) -> Rgb {
+    let mut shown = Shown::default();
+    means.iter().filter(|mean| !mean.bound && of(mean.group)).for_each(|mean| shown.add(mean));
+    let [light, photograph] = shown.means();
+    let both = light.cmpgt(Rgb::ZERO) & photograph.cmpgt(Rgb::ZERO);
+    Rgb::select(both, light / photograph, Rgb::ONE)
+}
+
 /// Takes the noise and the levels of all cells at the model's brightness: the mean of the renderings
 /// over a cell and those around it, so that a rendering which happens to be dark gains no weight. They
 /// follow a model that is brighter than the photograph no further than [`followed`] says.

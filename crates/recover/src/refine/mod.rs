@@ -13,6 +13,7 @@
 
 mod anew;
 mod blocks;
+pub(crate) mod brightness;
 mod kept;
 pub(crate) mod local_minima;
 mod means;

@@ -19,8 +19,9 @@ use super::normal::Normal;
 use super::sample::{self, Cell};
 use super::system::System;
 use super::unknowns::Unknowns;
+use crate::effort::Effort;
 use crate::photometric::PhotometricEstimate;
-use crate::problem::Options;
+use crate::problem::{Options, Role};
 use crate::record::Observer;
 use crate::state::State;
 use crate::unknown::Quantity;
@@ -42,6 +43,9 @@ const PASSES_MAX: usize = 10;
 /// it drafts follow the noise of their paths away from the ladder's answer; at double the accumulation begins off
 /// the minimum.
 const SIGNIFICANT: f64 = 3.0;
+/// How often an exposure that is far off is made that of the renderings, which end where the photograph is seen and follow
+/// it. Half of it leaves half of what reflections add; double changes nothing.
+const BRIGHTER_MAX: usize = 6;
 /// What an accumulation found is dropped after a step of so many standard deviations: it was found too
 /// far away.
 const FAR: f64 = 4.0;
@@ -90,6 +94,30 @@ impl<'o> Passes<'o> {
         let unknowns = Unknowns::of(state);
         let prior = unknowns.prior_mean(state);
         self.approach_with(state, &unknowns, &prior, observer);
+    }
+
+    /// Moves `unknowns` to where they explain the photograph best on few paths, with `is_far` first to where photograph
+    /// and renderings are as bright. Returns the relative squared error that is left there.
+    pub(super) fn nearest(
+        &mut self,
+        state: &mut State<'_>,
+        unknowns: &Unknowns,
+        is_far: bool,
+    ) -> f64 {
+        let prior = unknowns.prior_mean(state);
+        let pixels = (Effort::Draft.pixels(COARSE.0), self.pixels_seed());
+        state.look_at_photograph();
+        let settings = Settings { spp: Effort::Draft.samples(COARSE.1), ..self.settings() };
+        let kept = KeptPaths::new(state, pixels, &settings);
+        for _ in 0..if is_far { BRIGHTER_MAX } else { 0 } {
+            state.look_at_photograph();
+            let means = state.steps.value("pass", || kept.means(state, unknowns));
+            equal_brightness(state, &means);
+        }
+        self.steps(state, unknowns, &prior, &kept, &mut ());
+        state.look_at_photograph();
+        let means = state.steps.value("pass", || kept.means(state, unknowns));
+        relative_error(&Normal::of(&means, unknowns, state.materials.len()), &means)
     }
 
     fn approach_with(
@@ -238,6 +266,25 @@ impl<'o> Passes<'o> {
         let settings = self.settings();
         let gather = || means::gather(state, unknowns, cells, spp, &settings);
         state.steps.value("pass", gather)
+    }
+}
+
+/// Makes the photograph as bright as the known groups are in the renderings `means`, or as all are where none is known,
+/// and then each group as bright as it.
+fn equal_brightness(state: &mut State<'_>, means: &[Mean]) {
+    let roles: Vec<Role> = state.problem.groups.iter().map(|group| group.role).collect();
+    let is_any_known = means.iter().any(|mean| roles[mean.group] == Role::Known);
+    let tells = |group: usize| !is_any_known || roles[group] == Role::Known;
+    let factor = means::brightness(means, tells);
+    state.exposure *= factor;
+    for (group, spec) in state.problem.groups.iter().enumerate() {
+        if spec.role == Role::Unknown {
+            let ratio = factor / means::brightness(means, |g| g == group);
+            let material = &mut state.materials[group];
+            material.rho_d = (material.rho_d * ratio).clamp(Rgb::ZERO, Rgb::ONE);
+            material.rho_s = (material.rho_s * ratio).clamp(Rgb::ZERO, Rgb::ONE);
+            *material = spec.expected.bounds.nearest(material);
+        }
     }
 }
 

@@ -65,6 +65,13 @@ impl Unknowns {
         Self::new(list, state)
     }
 
+    /// The same with the exposure free, whatever fixes it.
+    pub(super) fn with_exposure(state: &State<'_>) -> Self {
+        let mut list = Self::of(state).list;
+        push(&mut list, Quantity::Exposure, 0);
+        Self::new(list, state)
+    }
+
     /// The lights and the exposure alone.
     pub(crate) fn nuisances(state: &State<'_>) -> Self {
         Self::new(Self::add_nuisances(Vec::new(), state), state)

@@ -72,6 +72,9 @@ pub struct Args {
     /// Take the model as if it fitted to the pixel, and all that the photograph shows as part of it.
     #[arg(long)]
     pub no_filter: bool,
+    /// Go on where no reflectances explain the photograph, but a factor on all light would.
+    #[arg(long)]
+    pub force: bool,
     /// Print the run as JSON (as in run.json) instead of the table.
     #[arg(long)]
     pub json: bool,
@@ -117,7 +120,14 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let mut job = Job::load(project, warnings)?;
     let head = Head::of(&job, args.choices(global.limits()));
     let journal = RecoveryJournal::open(&args.out, head, args.resume)?;
-    let recovered = recovered_with(args, &mut job, global, &journal, None)?;
+    let recovered = match recovered_with(args, &mut job, global, &journal, None) {
+        Ok(recovered) => recovered,
+        Err(error) => {
+            // Nothing is there to go on with.
+            journal.remove();
+            return Err(error);
+        }
+    };
     let run =
         folder.write(false, |place| results::write(&job, &recovered, place, &global.console))?;
     if args.json {
@@ -137,8 +147,8 @@ impl Args {
     /// What the results depend on, as text: where it differs, so may they.
     fn choices(&self, limits: Limits) -> String {
         let Self { ladder, effort, seed, spp, bounces, no_refine, max_rung, .. } = self;
-        let Self { refine_camera, keep_camera, no_filter, .. } = self;
-        let flags = (no_refine, refine_camera, keep_camera, no_filter, limits.outside);
+        let Self { refine_camera, keep_camera, no_filter, force, .. } = self;
+        let flags = (no_refine, refine_camera, keep_camera, no_filter, force, limits.outside);
         format!("{ladder:?} {effort:?} {seed} {spp:?} {bounces:?} {max_rung:?} {flags:?}")
     }
 }
@@ -253,6 +263,7 @@ fn options(args: &Args, project: &Project, pixels: usize) -> Options {
         thresholds: project.thresholds,
         refine: !args.no_refine,
         outliers: !args.no_filter,
+        force: args.force,
         ..defaults
     }
 }

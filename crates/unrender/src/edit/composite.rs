@@ -47,8 +47,8 @@ impl Composite {
         };
         let mut radiance = composite::composite(&seen, &paired, &changes, gain);
         if let Some(seed) = grain {
-            let shot = shot(photograph, &geometry, scene.groups.len());
-            grain::add(&mut radiance, &paired, shot, seed);
+            let noise = noise(photograph, &geometry, scene.groups.len());
+            grain::add(&mut radiance, &paired, noise, seed);
         }
         let touched = changes.map(Option::is_some);
         Self { paired, touched, radiance }
@@ -65,8 +65,8 @@ impl Composite {
     }
 }
 
-/// The photograph's noise: variance for each unit of radiance, the median over its groups.
-fn shot(photograph: &Photograph, geometry: &GeometryBuffers, groups: usize) -> Rgb {
+/// The photograph's noise: its variance without light, and that for each unit of radiance, the median over its groups.
+fn noise(photograph: &Photograph, geometry: &GeometryBuffers, groups: usize) -> [Rgb; 2] {
     let photo = &photograph.photo;
     let picture = Picture {
         values: photo.radiance.clone(),
@@ -74,11 +74,12 @@ fn shot(photograph: &Photograph, geometry: &GeometryBuffers, groups: usize) -> R
         saturated: photo.saturated.clone(),
         quantisation_step: photo.quantisation_step.clone(),
     };
-    let shots = Observation::new(picture, geometry, groups).shot_of_group;
+    let observation = Observation::new(picture, geometry, groups);
+    let shots = &observation.shot_of_group;
     let median = |channel: usize| {
         let mut values: Vec<f32> = shots.iter().map(|s| s[channel]).filter(|s| *s > 0.0).collect();
         values.sort_by(f32::total_cmp);
         values.get(values.len() / 2).copied().unwrap_or(0.0)
     };
-    Rgb::new(median(0), median(1), median(2))
+    [observation.read, Rgb::new(median(0), median(1), median(2))]
 }

@@ -4,6 +4,7 @@ mod alike;
 mod around;
 mod ball;
 mod calibration;
+mod dark;
 mod error_picture;
 pub(crate) mod full_picture;
 mod group_picture;
@@ -85,6 +86,7 @@ pub(crate) fn write(
             uvs::doubt(&job.scene, index).into_iter().for_each(|doubt| doubts.push(doubt));
         }
     }
+    dark::doubt(&recovery.groups).into_iter().for_each(|doubt| doubts.push(doubt));
     console.warn(&doubts);
     warnings.extend(doubts);
     if bad > 0 {

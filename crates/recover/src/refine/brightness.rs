@@ -1,0 +1,74 @@
+//! Whether all light is a factor off: a lamp read in another unit, or an exposure that is not the photograph's. Then no
+//! reflectances explain the photograph, and the search for them is long and in vain.
+//!
+//! The reflectances of the present hypotheses are fitted twice on the same few paths, with the photograph's brightness as
+//! it is given and with a factor on it, one a channel.
+
+use super::passes::Passes;
+use super::unknowns::Unknowns;
+use crate::problem::{ExposureRule, Options, RecoverError};
+use crate::state::State;
+use unrender_scene::Rgb;
+
+/// What a factor on the photograph's brightness would explain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Brightness {
+    /// How many times as bright as it is the light of the scene would have to be; infinite in a channel in which there is
+    /// none.
+    pub(crate) factor: Rgb,
+    /// The share of the photograph that stays unexplained as it is, and with the factor.
+    pub(crate) unexplained: [f64; 2],
+}
+
+impl From<Brightness> for RecoverError {
+    fn from(Brightness { factor, unexplained }: Brightness) -> Self {
+        Self::Unexplained { factor, unexplained }
+    }
+}
+
+/// Below this share of the photograph nothing is asked. At half of it scenes whose lobes are not found yet pay for the
+/// question, at double lamps that are a sixth off pass.
+const WORTH_ASKING: f64 = 0.1;
+/// The factor has to explain so much of what is unexplained. At half of it what a lobe or a texture would explain is
+/// taken for light, at double a room with a large mirror hides its lamp's unit.
+const EXPLAINS: f64 = 0.4;
+/// A factor between this and its reciprocal is no other unit. At half of it exposures that are a sixth off are
+/// refused, at double lamps of twice the power pass.
+const NEAR: f32 = 1.5;
+
+/// The factor by which all light is off, if one explains far more than the present hypotheses do without. `state` stays as
+/// it is.
+pub(crate) fn find(state: &mut State<'_>, options: &Options) -> Option<Brightness> {
+    let is_given = matches!(state.problem.exposure, ExposureRule::Fixed(_))
+        && state.problem.unknown_lights.is_empty();
+    if !is_given || unexplained(state) < WORTH_ASKING {
+        return None;
+    }
+    let (before, iterations) = (state.snapshot(), state.iterations.len());
+    let mut passes = Passes::new(options);
+    let mut fit = |of: &dyn Fn(&State<'_>) -> Unknowns, is_free: bool| {
+        let unknowns = of(state);
+        let left = passes.nearest(state, &unknowns, is_free).max(0.0).sqrt();
+        let factor = before.exposure() / state.exposure;
+        state.restore(&before);
+        state.iterations.truncate(iterations);
+        (left, factor)
+    };
+    let (given, _) = fit(&|state| Unknowns::of(state), false);
+    let (free, factor) = fit(&|state| Unknowns::with_exposure(state), true);
+    state.look_at_photograph();
+    let is_near = factor.max(factor.recip()).max_element() < NEAR;
+    let found = given >= WORTH_ASKING && free < (1.0 - EXPLAINS) * given && !is_near;
+    found.then_some(Brightness { factor, unexplained: [given, free] })
+}
+
+/// The share of the photograph that the fits leave, root mean square over the pixels of the groups that were fitted.
+fn unexplained(state: &State<'_>) -> f64 {
+    let pixels = state.observation.pixels_of_group.iter();
+    let fitted = state.groups.iter().zip(pixels).filter_map(|(of_group, pixels)| {
+        Some((of_group.residual?.squared.max(0.0), pixels.len() as f64))
+    });
+    let (sum, count) =
+        fitted.fold((0.0, 0.0), |(sum, n), (s, pixels)| (sum + s * pixels, n + pixels));
+    (sum / f64::max(count, 1.0)).sqrt()
+}

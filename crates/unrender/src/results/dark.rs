@@ -1,0 +1,46 @@
+//! Whether all that was recovered is nearly black: reflectances explain a photograph under lamps that are read too
+//! bright as well as under the right ones, by being as much too dark.
+
+use unrender_recover::{GroupResult, Status};
+use unrender_scene::color::luminance;
+
+/// A surface that reflects less than this is dark: soot 4 %, asphalt 7 %, dark wood 10 %. At half of it lamps that are
+/// read ten times too bright are not noticed in rooms with white walls, at double dark rooms are called doubtful.
+const DARK: f32 = 0.1;
+/// Of fewer groups it says nothing that all are dark.
+const GROUPS_MIN: usize = 3;
+
+/// What is doubtful about the brightness of all `groups`.
+pub(super) fn doubt(groups: &[GroupResult]) -> Option<String> {
+    let recovered = groups.iter().filter(|group| {
+        matches!(group.status, Status::Recovered | Status::Doubtful) && group.pixels > 0
+    });
+    let reflected: Vec<f32> =
+        recovered.map(|g| luminance(g.material.rho_d + g.material.rho_s)).collect();
+    said(&reflected)
+}
+
+/// The same of groups that reflect so much.
+fn said(reflected: &[f32]) -> Option<String> {
+    let most = reflected.iter().copied().fold(0.0, f32::max);
+    (reflected.len() >= GROUPS_MIN && most < DARK).then(|| {
+        format!(
+            "all {} groups reflect at most {:.1} % of the light (soot reflects 4 %, white walls 80 %): if they are \
+             not so dark, the lights are read too bright, or the exposure is too low",
+            reflected.len(),
+            100.0 * most
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::said;
+
+    #[test]
+    fn a_room_that_is_all_dark_is_doubtful_and_one_bright_wall_is_enough() {
+        assert!(said(&[0.01, 0.04, 0.02]).unwrap().contains("at most 4.0 %"));
+        assert_eq!(said(&[0.01, 0.04, 0.02, 0.6]), None);
+        assert_eq!(said(&[0.01, 0.04]), None);
+    }
+}

@@ -1,0 +1,34 @@
+//! A scene whose light is a factor off is refused, with the factor, before any work is spent on it.
+
+use crate::kit::example::beside_crates;
+use crate::kit::folder::{Folder, fails, stderr};
+use std::fs;
+
+/// The factor in the message, for the example's photograph said to be `times` as bright.
+fn told(folder: &Folder, times: f64) -> f64 {
+    let project = folder.text("project.toml");
+    let exposure = format!("exposure = {}", 1.79 * times);
+    assert!(project.contains("exposure = 1.79"), "{project}");
+    folder.write("off.toml", &project.replace("exposure = 1.79", &exposure));
+    let output =
+        folder.run(&["recover", "off.toml", "--out", "out", "--effort", "draft", "--quiet"]);
+    fails(&output, "no reflectances explain this photograph: the nearest leave");
+    let said = stderr(&output);
+    let factor = said.split("scene were ").nth(1).and_then(|rest| rest.split(" times").next());
+    factor.and_then(|factor| factor.parse().ok()).expect(&said)
+}
+
+#[test]
+fn light_that_is_a_factor_off_is_refused_with_the_factor() {
+    let folder = Folder::new();
+    let example = beside_crates("examples/corpus/isotropic");
+    for name in ["project.toml", "scene.glb", "photo.png"] {
+        fs::copy(example.join(name), folder.path(name)).unwrap();
+    }
+    for times in [5.0, 30.0] {
+        let factor = told(&folder, times);
+        println!("{times} {factor}");
+        assert!((factor / times - 1.0).abs() < 0.1, "{times}: {factor}");
+        assert!(!folder.path("out/materials.json").exists());
+    }
+}
