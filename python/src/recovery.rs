@@ -210,11 +210,11 @@ impl Recovered {
     /// One of the pictures `rerendered`, `photo` (both radiance).
     fn picture<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray3<f32>>> {
         let image = match name {
-            "rerendered" => &self.recovery().rerendered,
-            "photo" => &self.job.photo.radiance,
+            "rerendered" => self.recovered.rerendered().clone(),
+            "photo" => self.recovered.photo(&self.job),
             _ => return Err(request(format!("there is no picture \"{name}\""))),
         };
-        picture(py, image.clone())
+        picture(py, image)
     }
 
     /// The standard deviation of the noise (H, W).

@@ -290,6 +290,8 @@ def recover(
     refine_camera: bool = False,
     keep_camera: bool = False,
     no_filter: bool = False,
+    picture: str = "worked",
+    force: bool = False,
     progress: Progress = None,
     on_iteration: Callable[[Materials], object] | None = None,
     cancel: CancelToken | None = None,
@@ -310,7 +312,8 @@ def recover(
         effort: How much work to spend: "draft" for a first answer with an eighth of the samples, "normal",
             or "high" for four times as many.
         seed: Chooses the noise of the renderings.
-        spp: Paths a pixel of the final re-rendering; by default 64, of a draft 16.
+        spp: Paths a pixel of the final re-rendering; by default 64, of a draft 16, above 512 x 512 pixels
+            fewer.
         bounces: The most reflections of a path; by default until it carries nothing more.
         no_refine: Leave out the joint refinement, and with it the standard deviations.
         max_rung: The most complex hypothesis that a group may have: "diffuse", "mirror",
@@ -320,6 +323,9 @@ def recover(
         keep_camera: Keep the camera as it is given.
         no_filter: Take the model as if it fitted to the pixel, and all that the photograph shows as
             part of it.
+        picture: The size of ``rerendered`` and ``photo`` where a photograph of more than a megapixel is
+            worked on as the means of squares of its pixels: "worked", or "full" for that of the photograph.
+        force: Go on where no reflectances explain the photograph, but a factor on all light would.
         progress: A callback ``f(done, message)``; or True for a bar of tqdm.
         on_iteration: A callback that hears the materials as they stand after an iteration, on this
             thread, while the recovery goes on; if it takes its time, iterations are left out. The
@@ -345,6 +351,8 @@ def recover(
         "refine_camera": refine_camera,
         "keep_camera": keep_camera,
         "no_filter": no_filter,
+        "picture": picture,
+        "force": force,
     }
     path: StrPath = project.path or "(in memory)" if isinstance(project, Project) else project
     parts = None

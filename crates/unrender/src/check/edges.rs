@@ -55,7 +55,7 @@ pub struct Edges {
     pub fit: f32,
     /// The share that is off.
     pub off: f32,
-    /// How far the model is off on the median, pixels; none if too few edges are found to tell.
+    /// How far the model is off on the median, pixels of the photograph; none if too few edges are found to tell.
     pub displacement_px: Option<f32>,
     /// Whether a recovery would move the camera.
     pub camera_is_off: bool,
@@ -91,7 +91,10 @@ pub(super) fn find(subject: &Subject<'_>) -> Edges {
     Edges {
         fit: share(EdgeKind::Fits),
         off: share(EdgeKind::Off),
-        displacement_px: registered.registration.as_ref().map(|found| found.displacement),
+        displacement_px: registered
+            .registration
+            .as_ref()
+            .map(|found| job.side as f32 * found.displacement),
         camera_is_off,
         points,
     }
@@ -156,6 +159,7 @@ pub(super) fn warnings(subject: &Subject<'_>, edges: &Edges) -> Warnings {
         );
     }
     let Some(found) = &subject.registered.registration else { return warnings };
+    let side = subject.job.side as f32;
     if found.displacement > CLEAR {
         let done = if edges.camera_is_off {
             "a recovery moves the camera to where they fit, unless told to keep it"
@@ -165,12 +169,12 @@ pub(super) fn warnings(subject: &Subject<'_>, edges: &Edges) -> Warnings {
         warnings.push(format!(
             "the model's edges lie {:.1} pixels from the photo's (on the median): {done}. \
              `unrender calibrate` with more points, or a lens with distortion, may do better",
-            found.displacement
+            side * found.displacement
         ));
     }
     let off: Vec<String> = (subject.job.scene.objects.iter().zip(&found.own))
         .filter(|(_, off)| **off > OBJECT_NOTABLE)
-        .map(|(object, off)| format!("{} ({off:.1} pixels)", some(&[&object.name])))
+        .map(|(object, off)| format!("{} ({:.1} pixels)", some(&[&object.name]), side * off))
         .collect();
     if !off.is_empty() {
         warnings.push(format!(

@@ -40,6 +40,8 @@ pub struct Checkup {
     pub edges: Edges,
     /// What is doubtful, and what to do about it; those of the job come first.
     pub warnings: Warnings,
+    /// Pixels are counted as squares of so many of the photograph's on a side.
+    pub side: usize,
 }
 
 /// The reflectance of groups that are still to be recovered.
@@ -82,7 +84,7 @@ pub fn check(job: &Job) -> Checkup {
     ] {
         warnings.extend(noted);
     }
-    Checkup { groups: groups::all(&subject), edges, warnings }
+    Checkup { groups: groups::all(&subject), edges, warnings, side: job.side }
 }
 
 /// What all parts of the check look at.

@@ -11,6 +11,9 @@ pub fn table(checkup: &Checkup, picture: &Path) -> String {
     let mut rows = vec![header.map(str::to_owned)];
     rows.extend(checkup.groups.iter().map(row));
     let mut text = text_table::table(&rows);
+    if checkup.side > 1 {
+        text.push_str(&format!("pixels are counted in squares of {0} x {0}\n", checkup.side));
+    }
     text.push_str(&edges(&checkup.edges, picture));
     let warnings = &checkup.warnings.0;
     if warnings.is_empty() {
@@ -75,6 +78,6 @@ struct Json<'a> {
 /// # Errors
 /// If a path is no text.
 pub fn json(checkup: &Checkup, picture: &Path) -> Result<String, serde_json::Error> {
-    let Checkup { groups, edges, warnings } = checkup;
+    let Checkup { groups, edges, warnings, .. } = checkup;
     serde_json::to_string_pretty(&Json { groups, edges, picture, warnings: &warnings.0 })
 }

@@ -42,7 +42,8 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     project.limits = global.limits();
     output::check_inputs(&args.out, project.inputs())?;
     output::check_file(&args.out, &["png"], "end the name of the picture in .png")?;
-    let job = Job::load(project, warnings)?;
+    let mut job = Job::load(project, warnings)?;
+    job.reduce();
     let checkup = check(&job);
     let drawn = edge_picture(&job.photo.radiance, &checkup.edges.points);
     let until_written = interrupt::writing();

@@ -87,7 +87,11 @@ fn input(source: &RunFolder<'_>) -> Markup {
                 (row("environment", &html! { (environment) }))
             }
             (row("pixels", &html! { (count(&key.at("width"), run.input.width)) " × "
-                (count(&key.at("height"), run.input.height)) }))
+                (count(&key.at("height"), run.input.height))
+                @if run.input.side > 1 {
+                    ", worked on in squares of " (count(&key.at("side"), run.input.side)) " × "
+                    (count(&key.at("side"), run.input.side))
+                } }))
             (row("exposure", &html! {
                 (numbers(&source.key.at("exposure"), &run.exposure, Shown::Significant(4)))
                 @if let Some(std) = &run.exposure_std {

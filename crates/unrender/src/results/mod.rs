@@ -30,7 +30,7 @@ use unrender_formats::materials::MaterialsFile;
 use unrender_formats::{FileError, atomic, gltf, materials, picture};
 use unrender_photo::develop;
 use unrender_scene::color::srgb_from_linear;
-use unrender_scene::{Rgb, Scene, Warnings};
+use unrender_scene::{Rgb, RgbImage, Scene, Warnings};
 
 impl Recovered {
     /// The contents of materials.json, without the names of textures.
@@ -41,6 +41,20 @@ impl Recovered {
     /// The scene of `job` with the recovered materials and lights.
     pub fn scene(&self, job: &Job) -> Scene {
         with_recovered_materials(job, self)
+    }
+
+    /// The re-rendering, radiance: in all pixels of the photograph where that was asked for, else at the size at which it
+    /// was worked on.
+    pub fn rerendered(&self) -> &RgbImage {
+        self.full.as_ref().unwrap_or(&self.recovery.rerendered)
+    }
+
+    /// The photograph of `job`, developed, at the same size.
+    pub fn photo(&self, job: &Job) -> RgbImage {
+        match &self.full {
+            Some(_) => develop(&job.picture, &job.transfer).radiance,
+            None => job.photo.radiance.clone(),
+        }
     }
 
     /// The table that the command prints.
@@ -73,8 +87,7 @@ pub(crate) fn write(
     let recovery = &recovered.recovery;
     let mut bad = 0;
     let file = materials_file::write_textures(job, recovered, folder, &mut bad)?;
-    let rerendered = recovered.full.as_ref().unwrap_or(&recovery.rerendered);
-    bad += picture::write_exr(&folder.join("rerendered.exr"), rerendered)?;
+    bad += picture::write_exr(&folder.join("rerendered.exr"), recovered.rerendered())?;
     let pictures = write_pictures(job, recovered, folder, &mut bad)?;
     let balls = ball::write(job, recovery, folder)?;
     atomic::write(&folder.join("scene.glb"), &scene_file(job, recovered)?)?;
@@ -112,14 +125,11 @@ fn write_pictures(
 ) -> Result<Pictures, Error> {
     let recovery = &recovered.recovery;
     let exposure = recovery.exposure;
-    let rerendered = recovered.full.as_ref().unwrap_or(&recovery.rerendered);
-    let as_photo = rerendered.map(|radiance| *radiance / exposure);
+    let as_photo = recovered.rerendered().map(|radiance| *radiance / exposure);
     *bad += picture::write_png_srgb(&folder.join("rerendered.png"), &as_photo)?;
     let fixed = matches!(job.project.exposure, unrender_photo::Exposure::Fixed(_));
     let developed = if fixed { exposure } else { Rgb::ONE };
-    let whole = recovered.full.is_some().then(|| develop(&job.picture, &job.transfer).radiance);
-    let photo = whole.as_ref().unwrap_or(&job.photo.radiance);
-    let photo = photo.map(|radiance| *radiance / developed);
+    let photo = recovered.photo(job).map(|radiance| *radiance / developed);
     *bad += picture::write_png_srgb(&folder.join("photo.png"), &photo)?;
     status_picture::write(job, recovery, &folder.join("trust.png"))?;
     Ok(Pictures {
