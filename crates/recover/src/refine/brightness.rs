@@ -6,6 +6,7 @@
 
 use super::passes::Passes;
 use super::unknowns::Unknowns;
+use crate::expected::ParameterBounds;
 use crate::problem::{ExposureRule, Options, RecoverError};
 use crate::state::State;
 use unrender_scene::Rgb;
@@ -39,9 +40,12 @@ const NEAR: f32 = 1.5;
 /// The factor by which all light is off, if one explains far more than the present hypotheses do without. `state` stays as
 /// it is.
 pub(crate) fn find(state: &mut State<'_>, options: &Options) -> Option<Brightness> {
-    let is_given = matches!(state.problem.exposure, ExposureRule::Fixed(_))
-        && state.problem.unknown_lights.is_empty();
-    if !is_given || unexplained(state) < WORTH_ASKING {
+    let problem = state.problem;
+    let is_given =
+        matches!(problem.exposure, ExposureRule::Fixed(_)) && problem.unknown_lights.is_empty();
+    // Bounds of the project may be what is wrong, and are said to be touched.
+    let is_bounded = problem.groups.iter().any(|g| g.expected.bounds != ParameterBounds::default());
+    if !is_given || is_bounded || unexplained(state) < WORTH_ASKING {
         return None;
     }
     let (before, iterations) = (state.snapshot(), state.iterations.len());
