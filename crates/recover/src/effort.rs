@@ -69,7 +69,7 @@ impl Effort {
     }
 
     /// Paths a pixel of a last picture of so many `pixels`, where nothing else is asked: of a large one so many fewer
-    /// that all of it takes as long as one of [`LAST_PIXELS`]. Looked at as a whole, both are as noisy.
+    /// that all of it takes as long as one of 512 x 512. Looked at as a whole, both are as noisy.
     #[must_use]
     pub fn last_spp(self, pixels: usize) -> u32 {
         let usual = match self {

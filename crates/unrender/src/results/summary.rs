@@ -61,6 +61,12 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
             ));
         }
     }
+    if job.side > 1 {
+        text.push_str(&format!(
+            "the photo was worked on in squares of {0} x {0} pixels\n",
+            job.side
+        ));
+    }
     let doubtful: Vec<&str> = recovery
         .groups
         .iter()
