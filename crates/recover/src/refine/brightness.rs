@@ -58,11 +58,15 @@ pub(crate) fn find(state: &mut State<'_>, options: &Options) -> Option<Brightnes
         state.iterations.truncate(iterations);
         (left, factor)
     };
+    let (given, _) = fit(&|state| Unknowns::of(state), false);
+    if given < WORTH_ASKING {
+        state.look_at_photograph();
+        return None;
+    }
     let (free, factor) = fit(&|state| Unknowns::with_exposure(state), true);
-    let is_near = factor.max(factor.recip()).max_element() < NEAR;
-    let given = if is_near { free } else { fit(&|state| Unknowns::of(state), false).0 };
     state.look_at_photograph();
-    let found = given >= WORTH_ASKING && free < (1.0 - EXPLAINS) * given;
+    let is_near = factor.max(factor.recip()).max_element() < NEAR;
+    let found = free < (1.0 - EXPLAINS) * given && !is_near;
     found.then_some(Brightness { factor, unexplained: [given, free] })
 }
 

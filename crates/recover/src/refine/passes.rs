@@ -19,6 +19,7 @@ use super::normal::Normal;
 use super::sample::{self, Cell};
 use super::system::System;
 use super::unknowns::Unknowns;
+use crate::effort::Effort;
 use crate::photometric::PhotometricEstimate;
 use crate::problem::{Options, Role};
 use crate::record::Observer;
@@ -33,9 +34,6 @@ use unrender_scene::{Material, Rgb};
 pub(super) const COARSE: (usize, u32) = (8000, 16);
 /// The same of the first pass of an accumulation; the others take so many paths a pixel at most, over all groups.
 const FINE: (usize, u32) = (40_000, 32);
-/// The same of the question whether all light is a factor off. At half of the pixels the error of groups of a dozen blocks
-/// is chance, at double it takes a tenth of a draft.
-const ROUGH: (usize, u32) = (400, 8);
 /// Steps of an approach at most, how often its paths may be traced, and passes of an accumulation at most. With four
 /// passes the roughness and the direction of a small Figure 8 are twice as far off in drafts.
 const STEPS_MAX: usize = 10;
@@ -107,9 +105,9 @@ impl<'o> Passes<'o> {
         is_far: bool,
     ) -> f64 {
         let prior = unknowns.prior_mean(state);
-        let pixels = (ROUGH.0, self.pixels_seed());
+        let pixels = (Effort::Draft.pixels(COARSE.0), self.pixels_seed());
         state.look_at_photograph();
-        let settings = Settings { spp: ROUGH.1, ..self.settings() };
+        let settings = Settings { spp: Effort::Draft.samples(COARSE.1), ..self.settings() };
         let kept = KeptPaths::new(state, pixels, &settings);
         for _ in 0..if is_far { BRIGHTER_MAX } else { 0 } {
             state.look_at_photograph();
