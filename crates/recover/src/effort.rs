@@ -16,11 +16,10 @@ pub enum Effort {
     High,
 }
 
-/// A last picture of more pixels than this has fewer paths in each. At half of it a picture of half a thousand rows is
-/// grainy, at double the last picture of a large photograph takes longer than its groups.
+/// A last picture of more pixels than this has fewer paths in each. Half and double of it were not tried.
 const LAST_PIXELS: usize = 1 << 18;
 /// Paths a pixel at least, however many pixels there are: half of them in each of two pictures that tell the noise. At
-/// half of it that noise is not known from one pixel to the next, at double 12 megapixels take twice as long.
+/// double of it all of 12 megapixels take twice as long; half of it was not tried.
 const LAST_SPP_MIN: u32 = 8;
 
 impl Effort {

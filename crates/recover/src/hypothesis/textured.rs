@@ -190,12 +190,18 @@ pub fn rebalance(
     Some(splat.finish(None))
 }
 
-/// `D` averaged over the neighbours of the sample that show the same object: light changes slowly.
-fn smoothed(geometry: &GeometryBuffers, evidence: &Evidence, d: [Vec<Rgb>; 2]) -> [Vec<Rgb>; 2] {
+/// The index in `evidence` of every pixel; one beyond all where it has none.
+fn places(geometry: &GeometryBuffers, evidence: &Evidence) -> Vec<u32> {
     let mut place = vec![u32::MAX; geometry.pixels().len()];
     for (i, pixel) in evidence.pixels.iter().enumerate() {
         place[pixel.pixel as usize] = i as u32;
     }
+    place
+}
+
+/// `D` averaged over the neighbours of the sample that show the same object: light changes slowly.
+fn smoothed(geometry: &GeometryBuffers, evidence: &Evidence, d: [Vec<Rgb>; 2]) -> [Vec<Rgb>; 2] {
+    let place = places(geometry, evidence);
     d.map(|d| {
         let mean = |pixel: u32| {
             let centre = geometry.pixels()[pixel as usize].object;

@@ -71,6 +71,9 @@ struct Json<'a> {
     edges: &'a Edges,
     picture: &'a Path,
     warnings: &'a [String],
+    /// As in [`Checkup`]; left out if it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    side: Option<usize>,
 }
 
 /// The same as JSON.
@@ -78,6 +81,7 @@ struct Json<'a> {
 /// # Errors
 /// If a path is no text.
 pub fn json(checkup: &Checkup, picture: &Path) -> Result<String, serde_json::Error> {
-    let Checkup { groups, edges, warnings, .. } = checkup;
-    serde_json::to_string_pretty(&Json { groups, edges, picture, warnings: &warnings.0 })
+    let Checkup { groups, edges, warnings, side } = checkup;
+    let side = (*side > 1).then_some(*side);
+    serde_json::to_string_pretty(&Json { groups, edges, picture, warnings: &warnings.0, side })
 }

@@ -5,9 +5,9 @@ use unrender_recover::{GroupResult, Status};
 use unrender_scene::color::luminance;
 
 /// A surface that reflects less than this is dark: soot 4 %, asphalt 7 %, dark wood 10 %. At half of it lamps that are
-/// read ten times too bright are not noticed in rooms with white walls, at double dark rooms are called doubtful.
+/// ten times too bright are not noticed where a wall reflects more than half; double of it was not tried.
 const DARK: f32 = 0.1;
-/// Of fewer groups it says nothing that all are dark.
+/// Of fewer groups it says nothing that all are dark. Other numbers were not tried.
 const GROUPS_MIN: usize = 3;
 
 /// What is doubtful about the brightness of all `groups`.
