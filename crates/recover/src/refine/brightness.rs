@@ -27,7 +27,7 @@ impl From<Brightness> for RecoverError {
     }
 }
 
-/// Below this share of the photograph nothing is asked. At half of it 5 scenes more of 36 pay for the question, at double a
+/// Below this share of the photograph nothing is asked. At half of it 5 scenes more of 35 pay for the question, at double a
 /// blue lamp that is four times too dim is not told.
 const WORTH_ASKING: f64 = 0.1;
 /// The factor has to explain so much of what is unexplained. In 30 right scenes it explains a tenth at most. At double of
