@@ -8,13 +8,12 @@
 
 use crate::hypothesis::Hypothesis;
 use crate::ladder::candidates::{self, Candidates, Proposal};
-use crate::ladder::settle::Settler;
 use crate::ladder::textures;
 use crate::plain;
 use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Termination};
 use crate::refine::{self, Depth, brightness};
-use crate::sample_budget::{self, FINEST, REFINED};
+use crate::sample_budget::{self, Level};
 use crate::schedule::Part;
 use crate::state::State;
 use crate::verify::{REFINED_FLOOR, Score, Verified, Verifier};
@@ -56,15 +55,6 @@ pub(crate) fn drive(
     Ok(if observer.is_cancelled() { Termination::Interrupted } else { termination })
 }
 
-/// How the other groups follow a change of hypotheses.
-#[derive(Clone, Copy)]
-enum Follow {
-    /// By fits at this level.
-    Settle(usize),
-    /// By a joint refinement.
-    Refine,
-}
-
 struct Driver<'o> {
     options: &'o Options,
     verifier: Verifier,
@@ -74,57 +64,37 @@ struct Driver<'o> {
 }
 
 impl Driver<'_> {
-    /// From level to level: settle, propose, accept or take back.
+    /// All numbers are fitted together, on few paths; other hypotheses are proposed, accepted or taken back.
     fn select_models(
         &mut self,
         state: &mut State<'_>,
         observer: &mut dyn Observer,
     ) -> Result<Termination, RecoverError> {
-        // The refinement finds the numbers better than the finest level does.
-        let last = if self.options.refine { FINEST - 1 } else { FINEST };
-        for level in 0..=last {
-            state.schedule.begin(Part::Fits(level));
-            let settler = Settler::new(state, self.options, level);
-            self.settle(state, &settler, observer)?;
-            if level == 0
-                && !self.options.force
-                && let Some(off) = brightness::find(state, self.options)
-            {
-                return Err(off.into());
+        state.schedule.begin(Part::Fits);
+        refine::settle_nuisances(state, self.options)?;
+        let mut best = self.verifier.verify(state);
+        self.refine_once(state, &mut best, Depth::Rough, observer);
+        if !self.options.force
+            && let Some(off) = brightness::find(state, self.options)
+        {
+            return Err(off.into());
+        }
+        let level = Level::Choice;
+        self.candidates.enforce(state, level);
+        best = self.verifier.verify(state);
+        state.schedule.begin(Part::Choice);
+        while self.left > 0 && !observer.is_cancelled() {
+            refine::settle_nuisances(state, self.options)?;
+            let proposals = self.candidates.propose_worst(state, level, observer);
+            if proposals.is_empty() {
+                break;
             }
-            self.candidates.enforce(state, level);
-            let mut best = self.verifier.verify(state);
-            if !state.problem.unknown_lights.is_empty() {
-                // Fits of one group at a time leave unknown lights where they are: the hypotheses are asked under
-                // lights that suit the present ones.
-                self.refine_once(state, &mut best, Depth::Coarse, observer);
-            }
-            state.schedule.begin(Part::Candidates(level));
-            while self.left > 0 && !observer.is_cancelled() {
-                let proposals = self.candidates.propose_worst(state, level, observer);
-                if proposals.is_empty() {
-                    break;
-                }
-                if self.try_all(state, proposals, &mut best, Follow::Settle(level), observer)? {
-                    // The other groups follow.
-                    let settler = Settler::quick(state, self.options, level);
-                    self.settle(state, &settler, observer)?;
-                    best = self.verifier.verify(state);
-                }
+            self.left -= 1;
+            if self.try_all(state, proposals, &mut best, Depth::Rough, observer)? {
+                self.refine_once(state, &mut best, Depth::Rough, observer);
             }
         }
         Ok(if self.left > 0 { Termination::Settled } else { Termination::IterationLimit })
-    }
-
-    fn settle(
-        &mut self,
-        state: &mut State<'_>,
-        settler: &Settler<'_>,
-        observer: &mut dyn Observer,
-    ) -> Result<(), RecoverError> {
-        let candidates = &self.candidates;
-        let open = |state: &State<'_>| candidates.open(state, settler.level());
-        settler.run(state, &open, &mut self.left, observer)
     }
 
     /// Makes the changes of `proposals` together; where the picture speaks against them, each half of
@@ -135,20 +105,20 @@ impl Driver<'_> {
         state: &mut State<'_>,
         proposals: Vec<Proposal>,
         best: &mut Verified,
-        follow: Follow,
+        depth: Depth,
         observer: &mut dyn Observer,
     ) -> Result<bool, RecoverError> {
         let mut accepted = false;
         let mut waiting = vec![proposals];
         while let Some(mut proposals) = waiting.pop() {
-            if let Some(found) = self.try_one(state, &proposals, best, follow, observer)? {
+            if let Some(found) = self.try_one(state, &proposals, best, depth, observer)? {
                 proposals.iter().for_each(|proposal| proposal.record(state, true));
                 (*best, accepted) = (found, true);
                 let next = proposals.into_iter().filter_map(|proposal| proposal.afterwards(state));
                 let next: Vec<Proposal> = next.collect();
-                if matches!(follow, Follow::Refine) && !next.is_empty() {
+                if !next.is_empty() {
                     // A texture fits what is left of a lobe: it meets the lobe at its best.
-                    self.refine_once(state, best, Depth::Coarse, observer);
+                    self.refine_once(state, best, depth, observer);
                 }
                 waiting.extend(next.into_iter().map(|next| vec![next]));
                 continue;
@@ -176,7 +146,7 @@ impl Driver<'_> {
         state: &mut State<'_>,
         proposals: &[Proposal],
         best: &Verified,
-        follow: Follow,
+        depth: Depth,
         observer: &mut dyn Observer,
     ) -> Result<Option<Verified>, RecoverError> {
         proposals.iter().for_each(|proposal| proposal.apply(state));
@@ -192,15 +162,7 @@ impl Driver<'_> {
         let changed: Vec<usize> = proposals.iter().map(|proposal| proposal.group).collect();
         let mut comparison = self.verifier.compare(&found.score, &best.score);
         if comparison.is_worse() && comparison.gains(&changed) {
-            match follow {
-                Follow::Settle(level) => {
-                    let settler = Settler::quick(state, self.options, level);
-                    self.settle(state, &settler, observer)?;
-                }
-                Follow::Refine => {
-                    refine::refine(state, self.options, Depth::Coarse, observer);
-                }
-            }
+            refine::refine(state, self.options, depth, observer);
             found = self.verifier.verify(state);
             comparison = self.verifier.compare(&found.score, &best.score);
         }
@@ -221,7 +183,7 @@ impl Driver<'_> {
         self.refine_once(state, &mut best, Depth::Coarse, observer);
         state.schedule.begin(Part::Revision);
         // Errors of the light of that size are allowed for: a smaller change decides nothing.
-        let tolerated = sample_budget::allowance(REFINED, self.options).light.share;
+        let tolerated = sample_budget::allowance(Level::Refined, self.options).light.share;
         let mut asked: Option<Score> = None;
         for _ in 0..self.options.effort.rounds(REVISIONS) {
             refine::settle_nuisances(state, self.options)?;
@@ -233,7 +195,7 @@ impl Driver<'_> {
             if proposals.is_empty() || observer.is_cancelled() {
                 break;
             }
-            if !self.try_all(state, proposals, &mut best, Follow::Refine, observer)? {
+            if !self.try_all(state, proposals, &mut best, Depth::Coarse, observer)? {
                 break;
             }
             self.refine_once(state, &mut best, Depth::Coarse, observer);
@@ -277,8 +239,10 @@ impl Driver<'_> {
         for (n, &group) in asked.iter().enumerate() {
             candidates::tell(state, observer, group, n as f64 / asked.len() as f64);
             let proposal = match state.groups[group].hypothesis {
-                Hypothesis::Textured => self.candidates.propose_uniform(state, group, REFINED),
-                _ => self.candidates.propose(state, group, REFINED),
+                Hypothesis::Textured => {
+                    self.candidates.propose_uniform(state, group, Level::Refined)
+                }
+                _ => self.candidates.propose(state, group, Level::Refined),
             };
             proposals.extend(proposal);
         }

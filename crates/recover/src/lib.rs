@@ -11,7 +11,6 @@
 //! [`recover`] is the whole of it. It touches no file, no clock and no terminal; the renderer is
 //! behind the small trait [`Renderer`], and whoever wants to follow gives an [`Observer`].
 
-mod approach;
 pub mod block_residuals;
 pub mod blocks;
 pub mod contrast;

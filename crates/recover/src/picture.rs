@@ -55,6 +55,7 @@ fn render_twice(
     [0, 1].map(|half| {
         let seed = mix(options.seed ^ 0x5EED).wrapping_add(half);
         let settings = Settings {
+            first: 0,
             spp,
             seed,
             max_bounces: options.max_bounces,

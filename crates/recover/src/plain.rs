@@ -5,7 +5,6 @@
 
 use crate::blocks::{Blocks, Grid};
 use crate::hypothesis::{self, Hypothesis, Search};
-use crate::ladder::settle::gather;
 use crate::observation::Reading;
 use crate::problem::Options;
 use crate::residual::deviation_of_sum;
@@ -31,9 +30,8 @@ pub(crate) fn replace_worse(state: &mut State<'_>, options: &Options) -> bool {
         if hypothesis == Hypothesis::Diffuse || !may_be_plain {
             continue;
         }
-        let budget =
-            sample_budget::diffuse(sample_budget::FINEST, options, &state.problem.unknown_lights);
-        let evidence = gather(state, options, group, budget);
+        let budget = sample_budget::diffuse(options);
+        let evidence = state.gather(options, group, budget);
         if evidence.is_empty() {
             continue;
         }
@@ -75,7 +73,7 @@ fn squares(state: &State<'_>, options: &Options, group: usize, material: &Materi
         let max_bounces = options.max_bounces;
         let spp = options.effort.samples(SPP);
         let integrator = unrender_render::Integrator::Path;
-        let settings = Settings { spp, seed, max_bounces, integrator };
+        let settings = Settings { first: 0, spp, seed, max_bounces, integrator };
         let appearance = Appearance { materials: &materials, lights: &state.lights };
         state.problem.renderer.rerender(appearance, &pixels, &settings)
     });

@@ -5,10 +5,10 @@ use std::ops::Range;
 /// A part of a recovery; parts come in this order, and may come again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
-    /// The present hypotheses are fitted, at a level.
-    Fits(usize),
-    /// Groups are asked for other hypotheses, at a level.
-    Candidates(usize),
+    /// All numbers are fitted together, on few paths.
+    Fits,
+    /// Groups are asked for other hypotheses.
+    Choice,
     /// All numbers are refined together, roughly.
     Refinement,
     /// Groups are asked again, under the refined light.
@@ -27,14 +27,11 @@ impl Part {
     /// of the time that is left is told.
     fn shares(self) -> Range<f64> {
         match self {
-            Self::Fits(0) => 0.0..0.05,
-            Self::Candidates(0) => 0.05..0.12,
-            Self::Fits(1) => 0.12..0.15,
-            Self::Candidates(1) => 0.15..0.25,
-            Self::Fits(_) | Self::Candidates(_) => 0.25..0.26,
-            Self::Refinement => 0.26..0.28,
-            Self::Revision => 0.28..0.60,
-            Self::LastRefinement => 0.60..0.87,
+            Self::Fits => 0.0..0.03,
+            Self::Choice => 0.03..0.14,
+            Self::Refinement => 0.14..0.18,
+            Self::Revision => 0.18..0.48,
+            Self::LastRefinement => 0.48..0.87,
             Self::OtherMinima => 0.87..0.92,
             Self::Picture => 0.92..1.0,
         }
@@ -81,11 +78,8 @@ mod tests {
     #[test]
     fn parts_follow_each_other_and_nothing_goes_back() {
         let parts = [
-            Part::Fits(0),
-            Part::Candidates(0),
-            Part::Fits(1),
-            Part::Candidates(1),
-            Part::Fits(2),
+            Part::Fits,
+            Part::Choice,
             Part::Refinement,
             Part::Revision,
             Part::LastRefinement,
@@ -96,7 +90,7 @@ mod tests {
         assert!(ends && parts[0].shares().start == 0.0 && of_picture(1.0) == 1.0);
         let mut schedule = Schedule::new();
         let mut last = 0.0;
-        for part in [Part::Fits(0), Part::Revision, Part::Refinement, Part::LastRefinement] {
+        for part in [Part::Fits, Part::Revision, Part::Refinement, Part::LastRefinement] {
             schedule.begin(part);
             for within in [0.5, 0.2, 2.0] {
                 let share = schedule.share(within);

@@ -4,9 +4,8 @@
 //! The photograph's edges alone ([`crate::register`]) do not: some are those of shadows and reflections, and
 //! pull a camera that is right away by parts of a pixel. A rendering has these edges too.
 
-use crate::ladder::settle::Settler;
 use crate::problem::{Options, Problem, RecoverError};
-use crate::refine;
+use crate::refine::{self, Depth};
 use crate::register::edges::is_interior;
 use crate::state::State;
 use std::collections::BTreeMap;
@@ -49,10 +48,9 @@ pub fn differences(
 ) -> Result<Vec<f32>, RecoverError> {
     let mut state = State::new(problem)?;
     refine::settle_nuisances(&mut state, options)?;
-    let settler = Settler::new(&state, options, 0);
-    let mut left = options.max_iterations;
-    settler.run(&mut state, &|_| Vec::new(), &mut left, &mut ())?;
+    refine::refine(&mut state, options, Depth::Rough, &mut ());
     let settings = Settings {
+        first: 0,
         spp: SPP,
         seed: mix(options.seed ^ 0x5_E7C4),
         max_bounces: options.max_bounces,

@@ -3,8 +3,7 @@
 
 mod step;
 
-use crate::approach::Way;
-use crate::evidence::{Evidence, Stage};
+use crate::evidence::{Evidence, SampleBudget, Stage};
 use crate::hypothesis::{self, Fit, Hypothesis};
 use crate::journal::Steps;
 use crate::likelihood::Likelihood;
@@ -62,8 +61,6 @@ pub(crate) struct GroupState {
     pub(crate) std: Option<Deviations>,
     /// Other fits that explain the photograph alike.
     pub(crate) alternatives: Vec<Fit>,
-    /// How the last fit moved it, while the fits settle.
-    pub(crate) last_way: Option<Way>,
 }
 
 impl GroupState {
@@ -124,7 +121,6 @@ impl<'a> State<'a> {
             untextured: None,
             std: None,
             alternatives: Vec::new(),
-            last_way: None,
         };
         let groups = (0..problem.groups.len()).map(groups).collect();
         let exposure = match problem.exposure {
@@ -198,6 +194,19 @@ impl<'a> State<'a> {
         }
     }
 
+    /// The evidence on `group` under the present light.
+    pub(crate) fn gather(
+        &self,
+        options: &Options,
+        group: usize,
+        mut budget: SampleBudget,
+    ) -> Evidence {
+        budget.probe.max_bounces = options.max_bounces;
+        let pixels = &self.observation.informative_of_group[group];
+        let evidence = Evidence::gather(&self.stage(), self.appearance(), group, pixels, &budget);
+        evidence.expecting(self.problem.groups[group].expected)
+    }
+
     /// Lets the photograph say what radiance its diffuse surfaces send: all valid pixels of
     /// groups that are taken as diffuse or textured.
     pub(crate) fn look_at_photograph(&mut self) {
@@ -239,8 +248,7 @@ impl<'a> State<'a> {
     fn exposure_by_anchor(&self, group: usize, rho_d: Rgb, options: &Options) -> Option<Rgb> {
         let stage = Stage { exposure: Rgb::ONE, ..self.stage() };
         let pixels = &self.observation.pixels_of_group[group];
-        let mut budget =
-            sample_budget::diffuse(sample_budget::FINEST, options, &self.problem.unknown_lights);
+        let mut budget = sample_budget::diffuse(options);
         budget.probe.max_bounces = options.max_bounces;
         let evidence = Evidence::gather(&stage, self.appearance(), group, pixels, &budget);
         let [a, b] = evidence.diffuse();

@@ -14,9 +14,11 @@ use crate::blocks::{Blocks, Grid};
 use crate::contrast::{Contrast, Side};
 use crate::hypothesis::Hypothesis;
 use crate::ladder::candidates::Proposal;
+use crate::likelihood::Likelihood;
 use crate::model_error::{LightError, LightField, ModelError, level2};
 use crate::observation::{PixelStatus, Reading};
 use crate::problem::{Options, Role};
+use crate::residual::{ResidualStats, deviation_of_sum};
 use crate::state::{Snapshot, State};
 use crate::within::Within;
 use serde::{Deserialize, Serialize};
@@ -91,6 +93,7 @@ struct GroupScore {
     floor: f64,
     /// What is left within blocks, beyond a model error of [`FLOOR`].
     within: Within,
+    residual: ResidualStats,
 }
 
 /// A state that was verified, with its score.
@@ -123,6 +126,7 @@ impl Verifier {
         Self {
             groups: groups.filter(|sample| !sample.pixels.is_empty()).collect(),
             settings: Settings {
+                first: 0,
                 spp: options.effort.samples(SPP),
                 seed,
                 max_bounces: options.max_bounces,
@@ -134,9 +138,30 @@ impl Verifier {
     }
 
     /// Renders the sample in `state`, and keeps the state with its score.
-    pub(crate) fn verify(&self, state: &State<'_>) -> Verified {
+    pub(crate) fn verify(&self, state: &mut State<'_>) -> Verified {
         let score = state.steps.value("verification", || self.score(state, &self.settings));
+        self.judge(state, &score);
         Verified { snapshot: state.snapshot(), score }
+    }
+
+    /// Notes in `state` how well its groups are explained.
+    fn judge(&self, state: &mut State<'_>, score: &Score) {
+        let asked = state.visible_unknowns();
+        for (sample, of_group) in self.groups.iter().zip(&score.groups) {
+            if !asked.contains(&sample.group) {
+                continue;
+            }
+            let at = &mut state.groups[sample.group];
+            if at.hypothesis == Hypothesis::Textured {
+                (at.residual, at.likelihood) = (None, None);
+                continue;
+            }
+            let least = LightError { share: LIGHT * self.floor };
+            let field = LightField { least, ..sample.field.clone() };
+            let floor = ModelError { share: self.floor };
+            at.residual = Some(of_group.residual);
+            at.likelihood = Some(Likelihood::of(&of_group.residuals, &field, floor));
+        }
     }
 
     /// Whether `state`, whose snapshot is `found`, is worse than `best` by other random numbers, and more of them: of
@@ -235,6 +260,21 @@ impl Verifier {
             |i: usize| photograph[i] + model_error * sample.level2[blocks.of_pixel[i] as usize];
         let of_halves = of_halves.each_ref().map(Vec::as_slice);
         let within = Within::of(blocks, (of_halves, &light), variance, counts);
+        let squares = |i: usize| -> [f64; 3] {
+            let weight = variance(i).recip();
+            let of = |rgb: Rgb| f64::from((weight * rgb).element_sum());
+            let [a, b] = [of_halves[0][i], of_halves[1][i]];
+            [of(a * b), of(photograph[i]), of(value(i) * value(i))]
+        };
+        let squares: Vec<[f64; 3]> = (0..n).filter(|i| counts(*i)).map(squares).collect();
+        let total = |term: usize| squares.iter().map(|s| s[term]).sum::<f64>();
+        let scale = if total(2) > 0.0 { total(2) } else { f64::INFINITY };
+        let terms: Vec<f64> = squares.iter().map(|s| s[0] / scale).collect();
+        let stats = ResidualStats {
+            squared: (total(0) - total(1)) / scale,
+            deviation: deviation_of_sum(&terms),
+            with_noise: total(0) / scale,
+        };
         let photograph = blocks.mean_where(&photograph, counts);
         let pixels = |k: usize| valid[k].max(1) as f32;
         let rendering: Vec<Rgb> = (0..blocks.len()).map(|k| rendering[k] / pixels(k)).collect();
@@ -246,7 +286,7 @@ impl Verifier {
         let missing = vec![Rgb::ZERO; blocks.len()];
         let light = smooth;
         let residuals = BlockResiduals { residual, noise, rendering, half, missing, level2, light };
-        GroupScore { residuals, outlier, floor, within }
+        GroupScore { residuals, outlier, floor, within, residual: stats }
     }
 
     /// The groups whose light differs between the scores `mine` and `other` by more than the `share` of

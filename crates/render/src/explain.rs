@@ -76,7 +76,7 @@ fn bright_paths(
 ) -> Vec<BrightPath> {
     let of_pixel = |pixel: u32| {
         let mut observer = Bright::new(transport, threshold, pixel);
-        for sample in 0..settings.spp {
+        for sample in settings.samples() {
             let mut sampler = pixel_sampler(settings.seed, pixel, sample);
             let ray = camera_ray(camera, size, pixel, &mut sampler);
             observer.begin(sample);

@@ -43,6 +43,9 @@ impl Integrator {
 pub struct Settings {
     /// Samples per pixel.
     pub spp: u32,
+    /// The number of each pixel's first sample, usually zero. A rendering that goes on where others of the same seed
+    /// ended is stratified with them: their mean is less noisy than that of as many with other seeds.
+    pub first: u32,
     /// The seed of the random numbers; the same seed gives the same bits.
     pub seed: u64,
     /// Most reflections along a path; one means direct light only.
@@ -53,7 +56,14 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { spp: 64, seed: 0, max_bounces: MAX_BOUNCES, integrator: Integrator::Path }
+        Self { spp: 64, first: 0, seed: 0, max_bounces: MAX_BOUNCES, integrator: Integrator::Path }
+    }
+}
+
+impl Settings {
+    /// The numbers of the samples of a pixel.
+    pub fn samples(&self) -> Range<u32> {
+        self.first..self.first + self.spp
     }
 }
 
@@ -94,7 +104,7 @@ impl Tracer {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Film {
         let mut accumulator = Accumulator::new(width, height);
-        let samples = SampleAllocation::Uniform(0..settings.spp);
+        let samples = SampleAllocation::Uniform(settings.samples());
         self.accumulate(appearance, camera, settings, &samples, &mut accumulator, progress);
         accumulator.film()
     }
@@ -127,7 +137,7 @@ impl Tracer {
     }
 
     /// Adds the samples of the allocation to `accumulator`, which has the size of the picture;
-    /// `settings.spp` has no effect. [`Tracer::render`] takes the samples 0..spp of all pixels: an
+    /// `settings.spp` has no effect. [`Tracer::render`] takes the samples of `settings` of all pixels: an
     /// accumulator of those, in however many calls, gives the same bits. `progress` is called with
     /// the completed fraction, 0 to 1, from any thread.
     pub fn accumulate<'a>(
@@ -217,7 +227,7 @@ impl<'a> PathTracing<'a> {
     fn estimates(&self, pixels: &[u32]) -> Vec<(Rgb, Rgb)> {
         let one = |&pixel: &u32| {
             let mut accumulator = PixelAccumulator::default();
-            self.add(pixel, 0..self.settings.spp, &mut accumulator);
+            self.add(pixel, self.settings.samples(), &mut accumulator);
             (accumulator.mean(), accumulator.variance())
         };
         pixels.iter().map(one).collect()

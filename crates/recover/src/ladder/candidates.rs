@@ -16,7 +16,7 @@ use crate::outliers;
 use crate::problem::Options;
 use crate::record::{CandidateRecord, Observer, Status};
 use crate::residual::ResidualStats;
-use crate::sample_budget;
+use crate::sample_budget::{self, Level};
 use crate::selection::parameters;
 use crate::state::State;
 use serde::{Deserialize, Serialize};
@@ -160,7 +160,7 @@ pub(crate) struct Candidates<'o> {
     /// How often each group was asked.
     asked: Vec<usize>,
     /// At which level each group was asked last.
-    asked_at: Vec<Option<usize>>,
+    asked_at: Vec<Option<Level>>,
     /// Hypotheses that the whole picture spoke against.
     rejected: Vec<Vec<Hypothesis>>,
 }
@@ -187,7 +187,7 @@ impl<'o> Candidates<'o> {
     }
 
     /// Groups whose hypothesis does not explain the photograph yet.
-    pub(crate) fn open(&self, state: &State<'_>, level: usize) -> Vec<usize> {
+    pub(crate) fn open(&self, state: &State<'_>, level: Level) -> Vec<usize> {
         let allowed = sample_budget::allowance(level, self.options);
         let is_open = |g: &usize| {
             let of_group = &state.groups[*g];
@@ -205,14 +205,14 @@ impl<'o> Candidates<'o> {
     pub(crate) fn propose_worst(
         &mut self,
         state: &mut State<'_>,
-        level: usize,
+        level: Level,
         observer: &dyn Observer,
     ) -> Vec<Proposal> {
         loop {
             let open = self.open(state, level);
             let climbed = |g: &usize| {
                 let hypothesis = state.groups[*g].hypothesis;
-                level > 0 && !matches!(hypothesis, Hypothesis::Diffuse | Hypothesis::Textured)
+                !matches!(hypothesis, Hypothesis::Diffuse | Hypothesis::Textured)
             };
             let asked = |g: &usize| self.asked[*g] < ASKED_MAX && self.asked_at[*g] != Some(level);
             let wanted = state.visible_unknowns().into_iter();
@@ -240,7 +240,7 @@ impl<'o> Candidates<'o> {
 
     /// Gives groups whose hypothesis is not among those that they may have the best one that is: nothing
     /// that the picture says speaks for the other.
-    pub(crate) fn enforce(&mut self, state: &mut State<'_>, level: usize) {
+    pub(crate) fn enforce(&mut self, state: &mut State<'_>, level: Level) {
         for group in state.visible_unknowns() {
             if state.problem.groups[group].allows(state.groups[group].hypothesis) {
                 continue;
@@ -256,7 +256,7 @@ impl<'o> Candidates<'o> {
         &mut self,
         state: &mut State<'_>,
         group: usize,
-        level: usize,
+        level: Level,
     ) -> Option<Proposal> {
         self.asked[group] += 1;
         self.asked_at[group] = Some(level);
@@ -264,7 +264,7 @@ impl<'o> Candidates<'o> {
     }
 
     /// What the candidates of `group` come to.
-    fn ask(&self, state: &mut State<'_>, group: usize, level: usize) -> Option<Proposal> {
+    fn ask(&self, state: &mut State<'_>, group: usize, level: Level) -> Option<Proposal> {
         state.groups[group].untextured = None;
         let pixels = state.observation.informative_of_group[group].len();
         let mut budget =
@@ -292,9 +292,7 @@ impl<'o> Candidates<'o> {
         if !state.problem.groups[group].allows(chosen.hypothesis) {
             return self.texture(state, group, &chosen).filter(|texture| texture.moves(state));
         }
-        let after = (level > 0)
-            .then(|| self.beyond_uniform(state, group, evidence, (chosen, typical)))
-            .flatten();
+        let after = self.beyond_uniform(state, group, evidence, (chosen, typical));
         let is_textured = state.groups[group].hypothesis == Hypothesis::Textured;
         if uniform.moves(state) && !(is_textured && after.is_some()) {
             return Some(Proposal { then: after.map(Box::new), ..uniform });
@@ -365,7 +363,7 @@ impl<'o> Candidates<'o> {
         &mut self,
         state: &mut State<'_>,
         group: usize,
-        level: usize,
+        level: Level,
     ) -> Option<Proposal> {
         let proposal = self.propose(state, group, level)?;
         (proposal.hypothesis != Hypothesis::Textured).then_some(proposal)

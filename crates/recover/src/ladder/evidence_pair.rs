@@ -1,6 +1,5 @@
 //! The evidence on one group, gathered twice, and all uniform rungs fitted to it under the present light.
 
-use super::settle::gather;
 use crate::evidence::{Evidence, SampleBudget};
 use crate::hypothesis::{self, Fit, Hypothesis, Search, brushed};
 use crate::model_error::{LightError, ModelError};
@@ -75,7 +74,7 @@ impl Gathering<'_> {
         let mut budget = self.budget.clone();
         budget.probe.seed ^= purpose;
         budget.probe = light.of(budget.probe);
-        let mut evidence = gather(state, self.options, self.group, budget);
+        let mut evidence = state.gather(self.options, self.group, budget);
         evidence.field.most = self.most;
         (!evidence.is_empty()).then_some(evidence)
     }

@@ -9,5 +9,4 @@ pub(crate) mod candidates;
 mod compared;
 mod evidence_pair;
 pub(crate) mod paper;
-pub(crate) mod settle;
 pub(crate) mod textures;

@@ -202,6 +202,7 @@ impl PaperIteration<'_> {
 
     fn rerender(&self, s: &State<'_>, materials: &[Material], px: &[u32], seed: u64) -> Vec<Rgb> {
         let settings = Settings {
+            first: 0,
             spp: SPP,
             seed,
             max_bounces: self.options.max_bounces,
@@ -284,7 +285,7 @@ impl PaperIteration<'_> {
             ..ProbeSettings::default()
         };
         let pixels = &state.observation.pixels_of_group[group];
-        let allowance = sample_budget::allowance(sample_budget::FINEST, self.options);
+        let allowance = sample_budget::allowance(sample_budget::Level::Refined, self.options);
         let budget =
             SampleBudget { pixels: ITERATION_PIXELS, pixels_seed: probe.seed, allowance, probe };
         Evidence::gather(&state.stage(), state.appearance(), group, pixels, &budget)

@@ -19,7 +19,7 @@ pub(super) fn evidence(state: &State<'_>, options: &Options, group: usize) -> Op
     let other_noise = Options { seed: options.seed ^ 0xBA51, ..options.clone() };
     let pixels = &state.observation.pixels_of_group[group];
     let mut budget = sample_budget::candidates(
-        sample_budget::REFINED,
+        sample_budget::Level::Refined,
         &other_noise,
         &state.problem.unknown_lights,
         pixels.len(),

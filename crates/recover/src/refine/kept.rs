@@ -80,7 +80,7 @@ impl<'a> KeptPaths<'a> {
         let renderer = state.problem.renderer;
         let of_tile = |tile: &[Cell]| {
             let pixels = means::pixels(tile);
-            means::halves(&self.settings, self.settings.spp).map(|settings| {
+            means::halves(&self.settings, &self.settings.samples()).map(|settings| {
                 let asked = &unknowns.parameters;
                 renderer.store(drawn, &pixels, asked, &settings, self.seen.as_ref())
             })

@@ -19,6 +19,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::ops::Range;
 use unrender_render::sampler::mix;
 use unrender_render::{Jacobian, Settings};
 use unrender_scene::Rgb;
@@ -52,17 +53,19 @@ pub(crate) struct Mean {
 /// Pixels whose Jacobians are in memory together, about.
 const TILE: usize = 4096;
 
-/// One pass over `cells`, which come group by group, with `spp` paths a pixel of each group, twice.
+/// One pass over `cells`, which come group by group, with the paths of the numbers `samples` for each pixel of a group,
+/// twice.
 pub(crate) fn gather(
     state: &State<'_>,
     unknowns: &Unknowns,
     cells: &[Cell],
-    spp: &[u32],
+    samples: &[Range<u32>],
     settings: &Settings,
 ) -> Vec<Mean> {
-    of_tiles(state, unknowns, cells, spp, |_, tile| {
+    let spp: Vec<u32> = samples.iter().map(|samples| samples.len() as u32).collect();
+    of_tiles(state, unknowns, cells, &spp, |_, tile| {
         let pixels = pixels(tile);
-        halves(settings, spp[tile[0].group]).map(|settings| {
+        halves(settings, &samples[tile[0].group]).map(|settings| {
             let (appearance, seen) = (state.appearance(), state.seen.as_ref());
             let asked = &unknowns.parameters;
             state.problem.renderer.jacobian(appearance, &pixels, asked, &settings, seen)
@@ -70,9 +73,13 @@ pub(crate) fn gather(
     })
 }
 
-/// The settings of the two renderings, of `spp` paths a pixel.
-pub(super) fn halves(settings: &Settings, spp: u32) -> [Settings; 2] {
-    [0u64, 1].map(|half| Settings { seed: mix(settings.seed).wrapping_add(half), spp, ..*settings })
+/// The settings of the two renderings, of the paths of the numbers `samples`.
+pub(super) fn halves(settings: &Settings, samples: &Range<u32>) -> [Settings; 2] {
+    let (first, spp) = (samples.start, samples.len() as u32);
+    [0u64, 1].map(|half| {
+        let seed = mix(settings.seed).wrapping_add(half);
+        Settings { seed, first, spp, ..*settings }
+    })
 }
 
 /// The pixels of a tile.
@@ -92,7 +99,7 @@ pub(super) fn of_tiles(
     let mut means = Vec::with_capacity(cells.len());
     for (index, tile) in tiles(cells).into_iter().enumerate() {
         let spp = spp[tile[0].group];
-        let jacobians = of_tile(index, tile);
+        let jacobians = if spp > 0 { of_tile(index, tile) } else { nothing(tile, unknowns) };
         let starts: Vec<usize> = tile
             .iter()
             .scan(0, |next, cell| {
@@ -106,6 +113,14 @@ pub(super) fn of_tiles(
     }
     take_levels(&mut means);
     means
+}
+
+/// What no paths find in the pixels of a tile.
+fn nothing(tile: &[Cell], unknowns: &Unknowns) -> [Jacobian; 2] {
+    let pixels = tile.iter().map(|cell| cell.pixels.len()).sum();
+    let derivatives = vec![Rgb::ZERO; pixels * unknowns.parameters.len()];
+    let none = Jacobian { radiance: vec![Rgb::ZERO; pixels], derivatives };
+    [none.clone(), none]
 }
 
 /// How many times as bright as the photograph the renderings of the groups `of` are on the whole; one in a channel in

@@ -26,6 +26,7 @@ mod system;
 mod unknowns;
 mod verdict;
 
+use crate::effort::Effort;
 use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Status, Termination};
 use crate::state::State;
@@ -44,6 +45,8 @@ const ROUNDS_MAX: usize = 4;
 /// How far to refine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Depth {
+    /// Until no step is significant, on as few paths as a draft has.
+    Rough,
     /// Until no step is significant.
     Coarse,
     /// Until the renderings' noise does not matter, with standard deviations.
@@ -73,8 +76,12 @@ pub(crate) fn refine(
         return Termination::Settled;
     }
     let mut passes = Passes::new(options);
-    if depth == Depth::Coarse {
-        passes.approach(state, observer);
+    let effort = match depth {
+        Depth::Rough if state.problem.unknown_lights.is_empty() => Effort::Draft,
+        _ => options.effort,
+    };
+    if depth != Depth::Fine {
+        passes.approach(state, effort, observer);
         return Termination::Refined;
     }
     for round in 1.. {
@@ -129,15 +136,16 @@ fn adjust_nuisances(state: &mut State<'_>, options: &Options) {
     if unknowns.len() == 0 || cells.is_empty() {
         return;
     }
-    let spp = vec![options.effort.samples(COARSE.1); state.materials.len()];
+    let samples = vec![0..options.effort.samples(COARSE.1); state.materials.len()];
     let seed = mix(options.seed ^ 0x11687);
     let settings = Settings {
+        first: 0,
         spp: 0,
         seed,
         max_bounces: options.max_bounces,
         integrator: unrender_render::Integrator::Path,
     };
-    let gather = || means::gather(state, &unknowns, &cells, &spp, &settings);
+    let gather = || means::gather(state, &unknowns, &cells, &samples, &settings);
     let means = state.steps.value("nuisances", gather);
     let normal = Normal::of(&means, &unknowns, state.materials.len());
     let system = System::new(&unknowns, &normal, &DVector::zeros(unknowns.len()));

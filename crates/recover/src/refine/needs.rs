@@ -8,62 +8,61 @@ use super::unknowns::Unknowns;
 use crate::effort::Effort;
 use crate::state::State;
 use nalgebra::{DMatrix, DVector};
+use unrender_render::camera_sample::TOGETHER;
 
-/// Paths a pixel that a group gets in a pass. At half of the least what groups showed is carried too far along a
-/// straight line, at double more paths are traced than are needed; the most is what a small group may take.
+/// Paths a pixel that a group gets in a pass. The least is that of a group that lacks nothing when others have moved: at
+/// half of it what such groups showed is carried too far along a straight line, at double more paths are traced than
+/// are needed. The most is what a small group may take.
 const SPP: [f64; 2] = [8.0, 256.0];
 /// The renderings may have this share of a number's variance. At half of it twice the paths are traced, for
 /// standard deviations that are a tenth smaller; double of it makes them half as large again.
 const RENDERING_SHARE: f64 = 0.35;
 
-/// What one group needs.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Need {
-    /// Whether it lacks paths.
-    pub(super) lacks: bool,
-    /// The variance that the renderings' noise gives its worst number, as a multiple of what anyone would ask for.
-    pub(super) noise: f64,
-}
-
-/// The need of each group. What the lights, the camera and groups without pixels lack, all groups do. Where a number
+/// How many paths a pixel each group needs in the next pass, about `mean_spp` a pixel of the whole picture at most, none
+/// where no group lacks any. What the lights, the camera and groups without pixels lack, all groups do. Where a number
 /// has `moved` by more than its standard deviation, all groups are looked at again from there: what they showed
-/// was carried along a straight line. For each group `seen` has the pixels.
+/// was carried along a straight line. For each group `seen` has the pixels, and `taken` the paths a pixel so far.
 pub(super) fn of(
     state: &State<'_>,
     (unknowns, effort): (&Unknowns, Effort),
-    (covariance, rendering): (&DMatrix<f64>, &DVector<f64>),
+    (covariance, rendering, doubt): (&DMatrix<f64>, &DVector<f64>, &DVector<f64>),
     moved: &[f64],
-    seen: &[f64],
-) -> Vec<Need> {
-    let mut needs = vec![Need::default(); seen.len()];
-    let mut all_lack = moved.iter().any(|moved| *moved > 1.0);
+    (seen, taken): (&[f64], &[u32]),
+    mean_spp: u32,
+) -> Vec<u32> {
+    let has_moved = moved.iter().any(|moved| *moved > 1.0);
+    let mut excess = vec![0.0f64; seen.len()];
+    let mut of_all = 0.0f64;
     for (k, u) in unknowns.list.iter().enumerate() {
         let block = blocks::of(u.quantity);
-        let allowed = RENDERING_SHARE * covariance[(k, k)];
         let precise = effort.deviation(block.precise_enough(state, u)).powi(2);
-        let lacks = rendering[k] > allowed && rendering[k] > precise;
-        let is_of_all = block.is_nuisance() || seen[u.of] == 0.0;
-        all_lack |= lacks && is_of_all;
-        if !block.is_nuisance() {
-            let need = &mut needs[u.of];
-            *need =
-                Need { lacks: need.lacks || lacks, noise: need.noise.max(rendering[k] / precise) };
-        }
+        let other = (covariance[(k, k)] - rendering[k] - doubt[k]).max(0.0);
+        let allowed = (RENDERING_SHARE / (1.0 - RENDERING_SHARE) * other).max(precise);
+        let lacking = (rendering[k] / allowed - 1.0).max(0.0);
+        let of_group =
+            if block.is_nuisance() || seen[u.of] == 0.0 { &mut of_all } else { &mut excess[u.of] };
+        *of_group = of_group.max(lacking);
     }
-    needs.iter().map(|need| Need { lacks: need.lacks || all_lack, ..*need }).collect()
+    let wanted = excess.iter().zip(taken).map(|(excess, taken)| {
+        let more = excess.max(of_all) * f64::from(*taken);
+        if more > 0.0 || has_moved { more.max(SPP[0]) } else { 0.0 }
+    });
+    allocate(seen, &wanted.collect::<Vec<f64>>(), mean_spp)
 }
 
-/// The paths a pixel of every group for the next pass: few where it lacks none, to the others in proportion to
-/// their noise, in all about `mean_spp` a pixel of the whole picture. For each group `seen` has the pixels.
-pub(super) fn allocate(seen: &[f64], needs: &[Need], mean_spp: u32) -> Vec<u32> {
-    let lacking = seen.iter().zip(needs).filter(|(_, need)| need.lacks);
-    let wanted: f64 = lacking.map(|(pixels, need)| pixels * need.noise).sum();
-    let paths = f64::from(mean_spp) * seen.iter().sum::<f64>();
-    let spp = |need: &Need| {
-        let spp = (paths * need.noise / wanted.max(f64::MIN_POSITIVE)).round();
-        if need.lacks { spp.clamp(SPP[0], SPP[1]) as u32 } else { SPP[0] as u32 }
+/// The `wanted` paths a pixel, all by the same factor fewer where they are more than about `mean_spp` a pixel of the whole
+/// picture, of which each group has the pixels that were `seen`; in full sets of the sampler.
+fn allocate(seen: &[f64], wanted: &[f64], mean_spp: u32) -> Vec<u32> {
+    let clamped = |wanted: &f64| if *wanted > 0.0 { wanted.clamp(SPP[0], SPP[1]) } else { 0.0 };
+    let total: f64 = seen.iter().zip(wanted).map(|(pixels, wanted)| pixels * clamped(wanted)).sum();
+    let most = f64::from(mean_spp) * seen.iter().sum::<f64>();
+    let share = (most / total.max(f64::MIN_POSITIVE)).min(1.0);
+    let together = f64::from(TOGETHER);
+    let spp = |wanted: &f64| match clamped(wanted) {
+        0.0 => 0,
+        wanted => ((share * wanted).max(SPP[0]) / together).ceil() as u32 * TOGETHER,
     };
-    needs.iter().map(spp).collect()
+    wanted.iter().map(spp).collect()
 }
 
 #[cfg(test)]
@@ -73,17 +72,13 @@ mod tests {
     #[test]
     fn paths_go_where_they_are_lacking() {
         let seen = [1000.0, 1000.0, 10.0, 500.0];
-        let need = |lacks: bool, noise: f64| Need { lacks, noise };
-        let whole = [need(true, 1.0); 4];
-        assert_eq!(allocate(&seen, &whole, 32), [32; 4]);
-        // The budget goes to the groups that lack paths, by their noise.
-        let some = [need(true, 3.0), need(true, 1.0), need(false, 9.0), need(false, 9.0)];
-        let spp = allocate(&seen, &some, 32);
-        assert_eq!(spp, [60, 20, 8, 8]);
-        // A small group takes no more than makes sense; nor does one get less.
-        let small = [need(false, 1.0), need(false, 1.0), need(true, 50.0), need(false, 1.0)];
-        assert_eq!(allocate(&seen, &small, 32), [8, 8, 256, 8]);
-        let unlike = [need(true, 1e4), need(true, 1.0), need(false, 1.0), need(false, 1.0)];
-        assert_eq!(allocate(&seen, &unlike, 32)[1], 8);
+        // What is wanted is given, in full sets, and no more.
+        assert_eq!(allocate(&seen, &[30.0, 0.0, 8.0, 3.0], 32), [32, 0, 8, 8]);
+        assert_eq!(allocate(&seen, &[0.0; 4], 32), [0; 4]);
+        // A small group takes no more than makes sense.
+        assert_eq!(allocate(&seen, &[0.0, 0.0, 5000.0, 0.0], 32), [0, 0, 256, 0]);
+        // Where that is too much, all get fewer; a group that is looked at is looked at well enough.
+        let few = allocate(&seen, &[200.0, 100.0, 0.0, 8.0], 16);
+        assert_eq!(few, [32, 16, 0, 8]);
     }
 }

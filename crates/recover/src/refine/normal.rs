@@ -34,6 +34,9 @@ pub(crate) struct Normal {
     pub(crate) g_dependent: DMatrix<f64>,
     /// The part of it that the renderings' noise has.
     pub(crate) g_rendering: DMatrix<f64>,
+    /// How uncertain the part of each unknown's variance is that the renderings' noise does not have: its standard
+    /// deviation, by its spread over the cells.
+    pub(crate) doubt: DVector<f64>,
     /// What each cell contributes to the relative squared error that both renderings see.
     pub(crate) errors: Vec<f64>,
     /// The weight of each cell's residuals.
@@ -67,6 +70,7 @@ impl Normal {
             g_covariance: DMatrix::zeros(n, n),
             g_dependent: DMatrix::zeros(n, n),
             g_rendering: DMatrix::zeros(n, n),
+            doubt: DVector::zeros(n),
             errors: Vec::with_capacity(means.len()),
             weights: Vec::with_capacity(means.len()),
         };
@@ -113,10 +117,14 @@ impl Normal {
             let noise = |_, [a, b]: [f64; 2]| [0.5 * (a - b); 2];
             let g = gradient(mean, *weight, shrinkage, left);
             let g_rendering = gradient(mean, *weight, shrinkage, noise);
+            let (all, rendering) = (&inverse * &g, &inverse * &g_rendering);
+            let other = all.component_mul(&all) - rendering.component_mul(&rendering);
+            self.doubt += other.component_mul(&other);
             self.g_covariance.syger(1.0, &g, &g, 1.0);
             self.g_dependent.syger(dependence[&mean.group], &g, &g, 1.0);
             self.g_rendering.syger(1.0, &g_rendering, &g_rendering, 1.0);
         }
+        self.doubt.apply(|square| *square = square.sqrt());
         self.g_covariance.fill_upper_triangle_with_lower_triangle();
         self.g_dependent.fill_upper_triangle_with_lower_triangle();
         self.g_rendering.fill_upper_triangle_with_lower_triangle();

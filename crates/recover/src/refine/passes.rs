@@ -16,7 +16,7 @@ use super::kept::KeptPaths;
 use super::means::{self, Mean};
 use super::needs;
 use super::normal::Normal;
-use super::sample::{self, Cell};
+use super::sample;
 use super::system::System;
 use super::unknowns::Unknowns;
 use crate::effort::Effort;
@@ -38,7 +38,7 @@ const FINE: (usize, u32) = (40_000, 32);
 /// passes the roughness and the direction of a small Figure 8 are twice as far off in drafts.
 const STEPS_MAX: usize = 10;
 const TRACED_MAX: usize = 3;
-const PASSES_MAX: usize = 10;
+const PASSES_MAX: usize = 6;
 /// A step of an approach is taken if one of its numbers is this many standard deviations long. At a thirtieth of
 /// it drafts follow the noise of their paths away from the ladder's answer; at double the accumulation begins off
 /// the minimum.
@@ -85,15 +85,20 @@ impl<'o> Passes<'o> {
     ) -> Solution {
         let unknowns = Unknowns::of(state);
         let prior = unknowns.prior_mean(state);
-        self.approach_with(state, &unknowns, &prior, observer);
+        self.approach_with(state, (&unknowns, &prior), self.options.effort, observer);
         self.accumulate(state, unknowns, &prior, observer)
     }
 
     /// The approach alone.
-    pub(super) fn approach(&mut self, state: &mut State<'_>, observer: &mut dyn Observer) {
+    pub(super) fn approach(
+        &mut self,
+        state: &mut State<'_>,
+        effort: Effort,
+        observer: &mut dyn Observer,
+    ) {
         let unknowns = Unknowns::of(state);
         let prior = unknowns.prior_mean(state);
-        self.approach_with(state, &unknowns, &prior, observer);
+        self.approach_with(state, (&unknowns, &prior), effort, observer);
     }
 
     /// Moves `unknowns` to where they explain the photograph best on few paths, with `is_far` first to where photograph
@@ -123,12 +128,12 @@ impl<'o> Passes<'o> {
     fn approach_with(
         &mut self,
         state: &mut State<'_>,
-        unknowns: &Unknowns,
-        prior: &DVector<f64>,
+        (unknowns, prior): (&Unknowns, &DVector<f64>),
+        effort: Effort,
         observer: &mut dyn Observer,
     ) {
-        let pixels = (self.options.effort.pixels(COARSE.0), self.pixels_seed());
-        let spp = self.options.effort.samples(COARSE.1);
+        let pixels = (effort.pixels(COARSE.0), self.pixels_seed());
+        let spp = effort.samples(COARSE.1);
         for _ in 0..TRACED_MAX {
             observer.working("refining all numbers together", state.schedule.share(0.0));
             state.look_at_photograph();
@@ -195,9 +200,10 @@ impl<'o> Passes<'o> {
         observer: &mut dyn Observer,
     ) -> Solution {
         let effort = self.options.effort;
-        let mean_spp = effort.samples(FINE.1);
+        let settings = self.settings();
+        let first = effort.samples(FINE.1);
         let mut average: Vec<Mean> = Vec::new();
-        let mut spp = vec![mean_spp; state.materials.len()];
+        let mut samples = vec![0..first; state.materials.len()];
         let mut stated = DMatrix::zeros(unknowns.len(), unknowns.len());
         let (mut settled, mut failed) = (false, false);
         for pass in 1..=PASSES_MAX {
@@ -206,8 +212,8 @@ impl<'o> Passes<'o> {
             }
             state.look_at_photograph();
             let cells = sample::all(state, effort.pixels(FINE.0), self.pixels_seed());
-            let found = self.pass(state, &unknowns, &cells, &spp);
-            means::average(&mut average, found);
+            let gather = || means::gather(state, &unknowns, &cells, &samples, &settings);
+            means::average(&mut average, state.steps.value("pass", gather));
             let normal = Normal::of(&average, &unknowns, state.materials.len());
             let system = system(state, &unknowns, &normal, prior);
             let covariance = system.covariance();
@@ -224,18 +230,20 @@ impl<'o> Passes<'o> {
             let moved = in_deviations(&step, &covariance);
             settled = moved.iter().all(|moved| *moved <= 1.0);
             let rendering = system.rendering_variance();
-            let variances = (&covariance, &rendering);
-            let needs = needs::of(state, (&unknowns, effort), variances, &moved, &seen);
-            if !needs.iter().any(|need| need.lacks) {
-                break;
-            }
-            if moved.iter().any(|moved| *moved > FAR) {
+            let is_far = moved.iter().any(|moved| *moved > FAR);
+            let paths = if is_far {
                 average.clear();
-                spp.fill(mean_spp);
+                vec![first; samples.len()]
             } else {
                 average.iter_mut().for_each(|mean| mean.move_by(&step));
-                spp = needs::allocate(&seen, &needs, mean_spp);
+                let variances = (&covariance, &rendering, &normal.doubt);
+                let taken: Vec<u32> = samples.iter().map(|samples| samples.end).collect();
+                needs::of(state, (&unknowns, effort), variances, &moved, (&seen, &taken), first)
+            };
+            if paths.iter().all(|paths| *paths == 0) {
+                break;
             }
+            samples.iter_mut().zip(paths).for_each(|(s, paths)| *s = s.end..s.end + paths);
         }
         Solution { unknowns, covariance: stated, settled, failed }
     }
@@ -244,6 +252,7 @@ impl<'o> Passes<'o> {
     fn settings(&mut self) -> Settings {
         self.count += 1;
         Settings {
+            first: 0,
             spp: 0,
             seed: mix(self.options.seed ^ 0x4EF1_4E00).wrapping_add(self.count << 8),
             max_bounces: self.options.max_bounces,
@@ -254,18 +263,6 @@ impl<'o> Passes<'o> {
     /// The seed of the choice of pixels, which is the same in all passes.
     fn pixels_seed(&self) -> u64 {
         mix(self.options.seed ^ 0x4EF1_4E00)
-    }
-
-    fn pass(
-        &mut self,
-        state: &State<'_>,
-        unknowns: &Unknowns,
-        cells: &[Cell],
-        spp: &[u32],
-    ) -> Vec<Mean> {
-        let settings = self.settings();
-        let gather = || means::gather(state, unknowns, cells, spp, &settings);
-        state.steps.value("pass", gather)
     }
 }
 

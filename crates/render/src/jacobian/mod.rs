@@ -28,7 +28,7 @@ mod tape;
 pub use stored::StoredPaths;
 
 use crate::appearance::Appearance;
-use crate::camera_sample::{camera_ray, pixel_sampler};
+use crate::camera_sample::{block_sampler, camera_ray};
 use crate::integrator::Settings;
 use crate::path::Transport;
 use crate::radiance_cache::CacheLookup;
@@ -188,11 +188,10 @@ impl Estimator<'_> {
 
     /// The radiance of one pixel; leaves the sums over its paths on the tape.
     fn pixel(&self, pixel: u32, tape: &mut Tape<'_>) -> Rgb {
-        let Settings { spp, seed, .. } = *self.settings;
         let mut radiance = DVec3::ZERO;
         tape.sums.fill(DVec3::ZERO);
-        for index in 0..spp {
-            let mut sampler = pixel_sampler(seed, pixel, index);
+        for index in self.settings.samples() {
+            let mut sampler = block_sampler(self.settings, self.size.0, pixel, index);
             let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
             tape.begin();
             self.transport.trace_ray(&ray, &mut sampler, tape);
