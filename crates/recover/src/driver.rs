@@ -73,9 +73,10 @@ impl Driver<'_> {
         state.schedule.begin(Part::Fits);
         refine::settle_nuisances(state, self.options)?;
         let mut best = self.verifier.verify(state);
+        let first = state.snapshot();
         self.refine_once(state, &mut best, Depth::Rough, observer);
         if !self.options.force
-            && let Some(off) = brightness::find(state, self.options)
+            && let Some(off) = brightness::find(state, self.options, &first)
         {
             return Err(off.into());
         }

@@ -1,8 +1,8 @@
 //! Camera samples: the ray and the random numbers of each sample of a pixel.
 
 use crate::accel::Ray;
-use crate::integrator::Settings;
 use crate::sampler::Sampler;
+use crate::settings::Settings;
 use unrender_scene::Camera;
 
 /// Separates the random numbers of pictures from those of probes under the same seed.

@@ -23,9 +23,9 @@
 use crate::appearance::{Appearance, LightSource};
 use crate::bsdf::{Bsdf, BsdfSample, Specular, lambert};
 use crate::camera_sample::{camera_ray, pixel_sampler};
-use crate::integrator::Settings;
 use crate::path::{DirectLight, Emission, PathObserver, Transport, Vertex};
 use crate::radiance_cache::Cached;
+use crate::settings::Settings;
 use crate::tracer::Tracer;
 use glam::Vec3;
 use rayon::prelude::*;

@@ -8,64 +8,16 @@
 
 use crate::adaptive::{self, AdaptiveSampling, SampleAllocation};
 use crate::appearance::Appearance;
-use crate::camera_sample::{camera_ray, pixel_sampler};
+use crate::camera_sample::{block_sampler, camera_ray, pixel_sampler};
 use crate::film::{Accumulator, Film, PixelAccumulator};
-use crate::path::{MAX_BOUNCES, Transport};
+use crate::path::Transport;
 use crate::path_reuse::PathReuse;
+use crate::sampler::Sampler;
+use crate::settings::{Integrator, Settings};
 use crate::tracer::Tracer;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
-use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use unrender_scene::{Camera, Rgb};
-
-/// Which estimator the samples of a picture come from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Integrator {
-    /// Path tracing: the samples of all pixels are independent.
-    #[default]
-    Path,
-    /// Path reuse among neighbouring pixels [Bekaert et al. 2002] where a pilot finds it efficient,
-    /// else path tracing. It reduces the variance and correlates the noise of neighbouring pixels.
-    /// It renders whole pictures only.
-    PathReuse,
-}
-
-impl Integrator {
-    /// [`Integrator::PathReuse`] if `reuse`, else [`Integrator::Path`].
-    pub fn with_path_reuse(reuse: bool) -> Self {
-        if reuse { Self::PathReuse } else { Self::Path }
-    }
-}
-
-/// How to render.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Settings {
-    /// Samples per pixel.
-    pub spp: u32,
-    /// The number of each pixel's first sample, usually zero. A rendering that goes on where others of the same seed
-    /// ended is stratified with them: their mean is less noisy than that of as many with other seeds.
-    pub first: u32,
-    /// The seed of the random numbers; the same seed gives the same bits.
-    pub seed: u64,
-    /// Most reflections along a path; one means direct light only.
-    pub max_bounces: u32,
-    /// The estimator.
-    pub integrator: Integrator,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self { spp: 64, first: 0, seed: 0, max_bounces: MAX_BOUNCES, integrator: Integrator::Path }
-    }
-}
-
-impl Settings {
-    /// The numbers of the samples of a pixel.
-    pub fn samples(&self) -> Range<u32> {
-        self.first..self.first + self.spp
-    }
-}
 
 /// Pixels per parallel task, after which it reports progress.
 pub(crate) const CHUNK: usize = 256;
@@ -110,7 +62,8 @@ impl Tracer {
     }
 
     /// Renders some pixels of the picture, given by index: mean and variance of each. They are path
-    /// traced, whatever `settings.integrator` says.
+    /// traced, whatever `settings.integrator` says; their samples are stratified together with those of their
+    /// neighbours ([`crate::camera_sample::block_sampler`]).
     pub fn render_pixels<'a>(
         &self,
         appearance: impl Into<Appearance<'a>>,
@@ -216,7 +169,10 @@ impl<'a> PathTracing<'a> {
         pixels.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, pixels)| {
             for (offset, accumulator) in pixels.iter_mut().enumerate() {
                 let pixel = chunk * CHUNK + offset;
-                self.add(pixel as u32, samples.of(pixel), accumulator);
+                for index in samples.of(pixel) {
+                    let sampler = pixel_sampler(self.settings.seed, pixel as u32, index);
+                    self.add(pixel as u32, sampler, accumulator);
+                }
             }
             let so_far = done.fetch_add(pixels.len(), Ordering::Relaxed) + pixels.len();
             progress(so_far as f64 / count as f64);
@@ -227,18 +183,18 @@ impl<'a> PathTracing<'a> {
     fn estimates(&self, pixels: &[u32]) -> Vec<(Rgb, Rgb)> {
         let one = |&pixel: &u32| {
             let mut accumulator = PixelAccumulator::default();
-            self.add(pixel, self.settings.samples(), &mut accumulator);
+            for index in self.settings.samples() {
+                let sampler = block_sampler(self.settings, self.size.0, pixel, index);
+                self.add(pixel, sampler, &mut accumulator);
+            }
             (accumulator.mean(), accumulator.variance())
         };
         pixels.iter().map(one).collect()
     }
 
-    /// Adds the samples of the numbers `samples` to a pixel.
-    fn add(&self, pixel: u32, samples: Range<u32>, accumulator: &mut PixelAccumulator) {
-        for index in samples {
-            let mut sampler = pixel_sampler(self.settings.seed, pixel, index);
-            let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
-            accumulator.push(self.transport.radiance(&ray, &mut sampler, 0));
-        }
+    /// Adds the sample of these random numbers to a pixel.
+    fn add(&self, pixel: u32, mut sampler: Sampler, accumulator: &mut PixelAccumulator) {
+        let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
+        accumulator.push(self.transport.radiance(&ray, &mut sampler, 0));
     }
 }

@@ -51,6 +51,7 @@ mod path_reuse;
 pub mod probe;
 pub mod radiance_cache;
 pub mod sampler;
+pub mod settings;
 pub mod surface;
 #[cfg(test)]
 mod test_meshes;
@@ -65,9 +66,9 @@ pub use explain::BrightPath;
 pub use features::{FeatureBuffers, PixelFeatures};
 pub use film::{Accumulator, Film, PixelAccumulator};
 pub use geometry::{GeometryBuffers, NOTHING, PixelGeometry};
-pub use integrator::{Integrator, Settings};
 pub use jacobian::{Jacobian, Parameter, StoredPaths};
 pub use lobe_sums::LobeSums;
 pub use probe::{Incident, Mirrored, Probe, ProbeSettings, Probes, ProposalLobe};
 pub use radiance_cache::RadianceCache;
+pub use settings::{Integrator, Settings};
 pub use tracer::Tracer;

@@ -8,7 +8,7 @@ use super::passes::Passes;
 use super::unknowns::Unknowns;
 use crate::expected::ParameterBounds;
 use crate::problem::{ExposureRule, Options, RecoverError};
-use crate::state::State;
+use crate::state::{Snapshot, State};
 use unrender_scene::Rgb;
 
 /// What a factor on the photograph's brightness would explain.
@@ -37,9 +37,13 @@ const EXPLAINS: f64 = 0.4;
 /// explain nothing are up to 2.1.
 const NEAR: f32 = 1.5;
 
-/// The factor by which all light is off, if one explains far more than the present hypotheses do without. `state` stays as
-/// it is.
-pub(crate) fn find(state: &mut State<'_>, options: &Options) -> Option<Brightness> {
+/// The factor by which all light is off, if one explains far more than the present hypotheses do without; it is looked
+/// for from `first`, where all began. `state` stays as it is.
+pub(crate) fn find(
+    state: &mut State<'_>,
+    options: &Options,
+    first: &Snapshot,
+) -> Option<Brightness> {
     let problem = state.problem;
     let is_given = matches!(problem.exposure, ExposureRule::Fixed(_))
         && problem.unknown_lights.is_empty()
@@ -51,7 +55,8 @@ pub(crate) fn find(state: &mut State<'_>, options: &Options) -> Option<Brightnes
     }
     let (before, iterations) = (state.snapshot(), state.iterations.len());
     let mut passes = Passes::new(options);
-    let mut fit = |of: &dyn Fn(&State<'_>) -> Unknowns, is_free: bool| {
+    let mut fit = |from: &Snapshot, of: &dyn Fn(&State<'_>) -> Unknowns, is_free: bool| {
+        state.restore(from);
         let unknowns = of(state);
         let left = passes.nearest(state, &unknowns, is_free).max(0.0).sqrt();
         let factor = before.exposure() / state.exposure;
@@ -59,12 +64,12 @@ pub(crate) fn find(state: &mut State<'_>, options: &Options) -> Option<Brightnes
         state.iterations.truncate(iterations);
         (left, factor)
     };
-    let (given, _) = fit(&|state| Unknowns::of(state), false);
+    let (given, _) = fit(&before, &|state| Unknowns::of(state), false);
     if given < WORTH_ASKING {
         state.look_at_photograph();
         return None;
     }
-    let (free, factor) = fit(&|state| Unknowns::with_exposure(state), true);
+    let (free, factor) = fit(first, &|state| Unknowns::with_exposure(state), true);
     state.look_at_photograph();
     let is_near = factor.max(factor.recip()).max_element() < NEAR;
     let found = free < (1.0 - EXPLAINS) * given && !is_near;

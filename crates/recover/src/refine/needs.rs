@@ -13,7 +13,7 @@ use unrender_render::camera_sample::TOGETHER;
 /// Paths a pixel that a group gets in a pass. The least is that of a group that lacks nothing when others have moved: at
 /// half of it what such groups showed is carried too far along a straight line, at double more paths are traced than
 /// are needed. The most is what a small group may take.
-const SPP: [f64; 2] = [8.0, 256.0];
+const SPP: [f64; 2] = [16.0, 256.0];
 /// The renderings may have this share of a number's variance. At half of it twice the paths are traced, for
 /// standard deviations that are a tenth smaller; double of it makes them half as large again.
 const RENDERING_SHARE: f64 = 0.35;
@@ -73,12 +73,12 @@ mod tests {
     fn paths_go_where_they_are_lacking() {
         let seen = [1000.0, 1000.0, 10.0, 500.0];
         // What is wanted is given, in full sets, and no more.
-        assert_eq!(allocate(&seen, &[30.0, 0.0, 8.0, 3.0], 32), [32, 0, 8, 8]);
+        assert_eq!(allocate(&seen, &[30.0, 0.0, 16.0, 3.0], 32), [32, 0, 16, 16]);
         assert_eq!(allocate(&seen, &[0.0; 4], 32), [0; 4]);
         // A small group takes no more than makes sense.
         assert_eq!(allocate(&seen, &[0.0, 0.0, 5000.0, 0.0], 32), [0, 0, 256, 0]);
         // Where that is too much, all get fewer; a group that is looked at is looked at well enough.
         let few = allocate(&seen, &[200.0, 100.0, 0.0, 8.0], 16);
-        assert_eq!(few, [32, 16, 0, 8]);
+        assert_eq!(few, [32, 16, 0, 16]);
     }
 }

@@ -27,7 +27,7 @@ use crate::adaptive::SampleAllocation;
 use crate::appearance::Appearance;
 use crate::features::FeatureBuffers;
 use crate::film::Accumulator;
-use crate::integrator::{Integrator, Settings};
+use crate::settings::{Integrator, Settings};
 use crate::tracer::Tracer;
 use signal::Signal;
 use unrender_scene::{Camera, Rgb, RgbImage};

@@ -29,9 +29,9 @@ pub use stored::StoredPaths;
 
 use crate::appearance::Appearance;
 use crate::camera_sample::{block_sampler, camera_ray};
-use crate::integrator::Settings;
 use crate::path::Transport;
 use crate::radiance_cache::CacheLookup;
+use crate::settings::Settings;
 use crate::tracer::Tracer;
 use glam::DVec3;
 use plan::Plan;
