@@ -9,7 +9,6 @@
 use crate::hypothesis::Hypothesis;
 use crate::ladder::candidates::{self, Candidates, Proposal};
 use crate::ladder::textures;
-use crate::plain;
 use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Termination};
 use crate::refine::{self, Depth, brightness};
@@ -39,15 +38,7 @@ pub(crate) fn drive(
         termination = driver.refine(state, observer)?;
     }
     state.step("textures", |state| textures::finish(state, options));
-    let replaced =
-        state.step("never worse than plain", |state| plain::replace_worse(state, options));
     if options.refine && !observer.is_cancelled() {
-        if replaced {
-            // The other numbers were refined beside the hypothesis that is gone.
-            let mut best = driver.verifier.verify(state);
-            termination = driver.refine_once(state, &mut best, Depth::Fine, observer).0;
-            state.step("textures", |state| textures::finish(state, options));
-        }
         state.schedule.begin(Part::OtherMinima);
         observer.working("looking for other explanations", state.schedule.share(0.0));
         state.step("other minima", |state| refine::local_minima::find(state, options));
@@ -91,7 +82,7 @@ impl Driver<'_> {
                 break;
             }
             self.left -= 1;
-            if self.try_all(state, proposals, &mut best, Depth::Rough, observer)? {
+            if self.try_all(state, proposals, &mut best, Depth::Rough, observer) {
                 self.refine_once(state, &mut best, Depth::Rough, observer);
             }
         }
@@ -108,11 +99,11 @@ impl Driver<'_> {
         best: &mut Verified,
         depth: Depth,
         observer: &mut dyn Observer,
-    ) -> Result<bool, RecoverError> {
+    ) -> bool {
         let mut accepted = false;
         let mut waiting = vec![proposals];
         while let Some(mut proposals) = waiting.pop() {
-            if let Some(found) = self.try_one(state, &proposals, best, depth, observer)? {
+            if let Some(found) = self.try_one(state, &proposals, best, depth, observer) {
                 proposals.iter().for_each(|proposal| proposal.record(state, true));
                 (*best, accepted) = (found, true);
                 let next = proposals.into_iter().filter_map(|proposal| proposal.afterwards(state));
@@ -135,7 +126,7 @@ impl Driver<'_> {
                 waiting.extend(proposal.otherwise(state).map(|next| vec![next]));
             }
         }
-        Ok(accepted)
+        accepted
     }
 
     /// The state with the changes of `proposals`, if the picture does not speak against it. Other
@@ -149,13 +140,13 @@ impl Driver<'_> {
         best: &Verified,
         depth: Depth,
         observer: &mut dyn Observer,
-    ) -> Result<Option<Verified>, RecoverError> {
+    ) -> Option<Verified> {
         proposals.iter().for_each(|proposal| proposal.apply(state));
         let is_borne_out = |proposal: &Proposal| {
             !proposal.is_to_be_borne_out() || self.verifier.bears_out(state, best, proposal)
         };
         if !proposals.iter().all(is_borne_out) {
-            return Ok(None);
+            return None;
         }
         observer
             .working("checking what changed against the whole picture", state.schedule.share(0.0));
@@ -167,7 +158,7 @@ impl Driver<'_> {
             found = self.verifier.verify(state);
             comparison = self.verifier.compare(&found.score, &best.score);
         }
-        Ok((!comparison.is_worse()).then_some(found))
+        (!comparison.is_worse()).then_some(found)
     }
 
     /// Refines all parameters together, roughly at first; under that light the hypotheses are asked
@@ -185,46 +176,48 @@ impl Driver<'_> {
         state.schedule.begin(Part::Revision);
         // Errors of the light of that size are allowed for: a smaller change decides nothing.
         let tolerated = sample_budget::allowance(Level::Refined, self.options).light.share;
-        let mut asked: Option<Score> = None;
+        let mut asked: Option<(Score, Vec<usize>)> = None;
         for _ in 0..self.options.effort.rounds(REVISIONS) {
             refine::settle_nuisances(state, self.options)?;
-            let groups = match asked.replace(best.score.clone()) {
-                Some(before) => self.verifier.changed(&best.score, &before, tolerated),
-                None => state.visible_unknowns(),
-            };
+            let mut groups = state.visible_unknowns();
+            if let Some((before, proposed)) = &asked {
+                // Those whose light others have changed.
+                let changed = self.verifier.changed(&best.score, before, tolerated);
+                groups.retain(|group| changed.contains(group) && !proposed.contains(group));
+            }
             let proposals = self.revise(state, &groups, observer);
+            let proposed = proposals.iter().map(|proposal| proposal.group).collect();
+            asked = Some((best.score.clone(), proposed));
             if proposals.is_empty() || observer.is_cancelled() {
                 break;
             }
-            if !self.try_all(state, proposals, &mut best, Depth::Coarse, observer)? {
+            if !self.try_all(state, proposals, &mut best, Depth::Coarse, observer) {
                 break;
             }
             self.refine_once(state, &mut best, Depth::Coarse, observer);
         }
         state.schedule.begin(Part::LastRefinement);
-        Ok(self.refine_once(state, &mut best, Depth::Fine, observer).0)
+        Ok(self.refine_once(state, &mut best, Depth::Fine, observer))
     }
 
-    /// One joint refinement, and whether its result was accepted: it is taken back if the picture
-    /// speaks against it, by two sets of random numbers.
+    /// One joint refinement; it is taken back if the picture speaks against it, by two sets of random numbers.
     fn refine_once(
         &mut self,
         state: &mut State<'_>,
         best: &mut Verified,
         depth: Depth,
         observer: &mut dyn Observer,
-    ) -> (Termination, bool) {
+    ) -> Termination {
         let termination = refine::refine(state, self.options, depth, observer);
         let found = self.verifier.verify(state);
         let is_worse = self.verifier.compare(&found.score, &best.score).is_worse()
             && self.verifier.confirms_worse(state, &found.snapshot, &best.snapshot);
-        let accepted = !is_worse;
-        if accepted {
-            *best = found;
-        } else {
+        if is_worse {
             state.restore(&best.snapshot);
+        } else {
+            *best = found;
         }
-        (termination, accepted)
+        termination
     }
 
     /// Other hypotheses under the refined light, for those of `groups` that are asked for.
@@ -235,10 +228,8 @@ impl Driver<'_> {
         observer: &dyn Observer,
     ) -> Vec<Proposal> {
         let mut proposals = Vec::new();
-        let unknowns = state.visible_unknowns();
-        let asked: Vec<usize> = unknowns.into_iter().filter(|g| groups.contains(g)).collect();
-        for (n, &group) in asked.iter().enumerate() {
-            candidates::tell(state, observer, group, n as f64 / asked.len() as f64);
+        for (n, &group) in groups.iter().enumerate() {
+            candidates::tell(state, observer, group, n as f64 / groups.len() as f64);
             let proposal = match state.groups[group].hypothesis {
                 Hypothesis::Textured => {
                     self.candidates.propose_uniform(state, group, Level::Refined)

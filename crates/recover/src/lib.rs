@@ -31,7 +31,6 @@ mod others;
 pub mod outliers;
 mod photometric;
 mod picture;
-mod plain;
 pub mod problem;
 pub mod record;
 mod refine;

@@ -208,7 +208,6 @@ fn a_recovery_goes_on_to_the_same_bits() {
     for kind in ["candidates", "verification", "pass", "textures", "other minima"] {
         assert!(kinds.contains(kind), "{kind}: {kinds:?}");
     }
-    assert!(kinds.contains("never worse than plain"), "{kinds:?}");
 }
 
 #[test]
