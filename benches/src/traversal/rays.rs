@@ -2,8 +2,9 @@
 
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
+use unrender::render::Settings;
 use unrender::render::accel::{Accel, Ray, offset};
-use unrender::render::camera_sample::{camera_ray, pixel_sampler};
+use unrender::render::camera_sample::camera_ray;
 use unrender::scene::Scene;
 
 /// The names of the sets.
@@ -25,7 +26,8 @@ pub(crate) fn sets(scene: &Scene, triangles: &[[Vec3; 3]], side: usize) -> [RayS
     let lamp = Lamp::of(scene);
     let [mut primary, mut bounce, mut shadow] = [const { Vec::new() }; 3];
     for pixel in 0..(side * side) as u32 {
-        let mut sampler = pixel_sampler(1, pixel, 0);
+        let mut sampler =
+            Settings { seed: 1, ..Settings::default() }.pixels(side).sampler(pixel, 0);
         let ray = camera_ray(&scene.cameras[0], (side, side), pixel, &mut sampler);
         primary.push(ray);
         let Some(hit) = accel.closest(&ray) else { continue };

@@ -1,6 +1,6 @@
 //! The driver: owns iteration, verification and cancellation.
 //!
-//! The present hypotheses are fitted until nothing moves; others are proposed for the groups that
+//! All numbers of the present hypotheses are fitted together; others are proposed for the groups that
 //! they explain worst; a proposal is accepted if the re-rendering of the whole picture
 //! ([`crate::verify`]) does not speak against it, and taken back else. Then all parameters are
 //! refined together, which may not end worse than it began either, and the hypotheses are asked
@@ -31,7 +31,6 @@ pub(crate) fn drive(
         options,
         verifier: Verifier::new(state, options),
         candidates: Candidates::new(state, options),
-        left: options.max_iterations,
     };
     let mut termination = driver.select_models(state, observer)?;
     if options.refine && !observer.is_cancelled() {
@@ -50,8 +49,6 @@ struct Driver<'o> {
     options: &'o Options,
     verifier: Verifier,
     candidates: Candidates<'o>,
-    /// Iterations that are left.
-    left: usize,
 }
 
 impl Driver<'_> {
@@ -75,18 +72,19 @@ impl Driver<'_> {
         self.candidates.enforce(state, level);
         best = self.verifier.verify(state);
         state.schedule.begin(Part::Choice);
-        while self.left > 0 && !observer.is_cancelled() {
+        while !observer.is_cancelled() {
             refine::settle_nuisances(state, self.options)?;
             let proposals = self.candidates.propose_worst(state, level, observer);
             if proposals.is_empty() {
                 break;
             }
-            self.left -= 1;
             if self.try_all(state, proposals, &mut best, Depth::Rough, observer) {
                 self.refine_once(state, &mut best, Depth::Rough, observer);
             }
         }
-        Ok(if self.left > 0 { Termination::Settled } else { Termination::IterationLimit })
+        let open = self.candidates.open(state, level);
+        state.note_open(&open);
+        Ok(Termination::Settled)
     }
 
     /// Makes the changes of `proposals` together; where the picture speaks against them, each half of

@@ -56,6 +56,7 @@ fn render_twice(
         let seed = mix(options.seed ^ 0x5EED).wrapping_add(half);
         let settings = Settings {
             first: 0,
+            together: unrender_render::settings::TOGETHER,
             spp,
             seed,
             max_bounces: options.max_bounces,

@@ -178,7 +178,7 @@ pub struct Options {
     pub spp: u32,
     /// Reflections along a path at most.
     pub max_bounces: u32,
-    /// Global re-renderings of the ladder at most.
+    /// Global re-renderings of the paper's ladder at most.
     pub max_iterations: usize,
     /// Whether all parameters are refined together after the default ladder, with their standard
     /// deviations.

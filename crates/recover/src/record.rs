@@ -146,14 +146,14 @@ pub struct CandidateRecord {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct IterationRecord {
-    /// Whether it was a pass of the joint refinement.
+    /// Whether hypotheses had been chosen, and it was a pass of the refinement.
     pub refining: bool,
     /// Counted from one.
     pub iteration: usize,
     /// The largest change of a reflectance, and of the logarithm of a roughness.
     pub change: f64,
-    /// The largest relative error of a group that noise does not explain; in a pass of the
-    /// refinement that of all groups together.
+    /// The relative error of all groups together that noise does not explain; in the paper's ladder that of the worst
+    /// group.
     pub worst_error: f64,
     /// Groups whose hypothesis does not explain the photograph yet.
     pub open_groups: Vec<String>,

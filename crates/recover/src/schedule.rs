@@ -43,17 +43,25 @@ impl Part {
 pub(crate) struct Schedule {
     part: Range<f64>,
     reached: f64,
+    is_refining: bool,
 }
 
 impl Schedule {
     /// Nothing is done. Parts that are not told apart end where the last picture begins.
     pub(crate) fn new() -> Self {
-        Self { part: 0.0..Part::Picture.shares().start, reached: 0.0 }
+        let part = 0.0..Part::Picture.shares().start;
+        Self { part, reached: 0.0, is_refining: false }
     }
 
     /// `part` begins.
     pub(crate) fn begin(&mut self, part: Part) {
         self.part = part.shares();
+        self.is_refining = !matches!(part, Part::Fits | Part::Choice);
+    }
+
+    /// Whether hypotheses have been chosen, and all numbers are refined.
+    pub(crate) fn is_refining(&self) -> bool {
+        self.is_refining
     }
 
     /// The share of the whole that is done, 0 to 1, where `within` (0 to 1) of the present part is; never less

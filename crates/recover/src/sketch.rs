@@ -51,6 +51,7 @@ pub fn differences(
     refine::refine(&mut state, options, Depth::Rough, &mut ());
     let settings = Settings {
         first: 0,
+        together: crate::sample_budget::TOGETHER,
         spp: SPP,
         seed: mix(options.seed ^ 0x5_E7C4),
         max_bounces: options.max_bounces,

@@ -258,7 +258,7 @@ impl<'a> State<'a> {
         is_seen.then(|| rho_d * light / values)
     }
 
-    /// Notes the end of a pass of the joint refinement, with the error that it started from: of all
+    /// Notes the end of a pass over all groups, with the error that it started from: of all
     /// groups together, and of each, and the share of the present part that is `done`.
     pub(crate) fn end_pass(
         &mut self,
@@ -267,7 +267,7 @@ impl<'a> State<'a> {
         done: f64,
     ) -> &IterationRecord {
         let record = IterationRecord {
-            refining: true,
+            refining: self.schedule.is_refining(),
             iteration: self.iterations.len() + 1,
             change,
             worst_error: error,
@@ -303,12 +303,24 @@ impl<'a> State<'a> {
             iteration: self.iterations.len() + 1,
             change,
             worst_error: self.groups.iter().map(error).fold(0.0, f64::max),
-            open_groups: open.iter().map(|g| self.problem.groups[*g].name.clone()).collect(),
+            open_groups: self.names(open),
             groups: self.group_iterations(|g| self.groups[g].residual.map(|r| r.relative())),
             done: self.schedule.share(done),
         };
         self.iterations.push(record);
         &self.iterations[self.iterations.len() - 1]
+    }
+
+    /// Notes that the groups `open` are not explained when the last iteration so far had ended.
+    pub(crate) fn note_open(&mut self, open: &[usize]) {
+        let names = self.names(open);
+        if let Some(last) = self.iterations.last_mut() {
+            last.open_groups = names;
+        }
+    }
+
+    fn names(&self, groups: &[usize]) -> Vec<String> {
+        groups.iter().map(|group| self.problem.groups[*group].name.clone()).collect()
     }
 
     /// All that a candidate may change, to come back to.

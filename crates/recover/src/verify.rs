@@ -127,6 +127,7 @@ impl Verifier {
             groups: groups.filter(|sample| !sample.pixels.is_empty()).collect(),
             settings: Settings {
                 first: 0,
+                together: crate::sample_budget::TOGETHER,
                 spp: options.effort.samples(SPP),
                 seed,
                 max_bounces: options.max_bounces,

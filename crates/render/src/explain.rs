@@ -22,7 +22,7 @@
 
 use crate::appearance::{Appearance, LightSource};
 use crate::bsdf::{Bsdf, BsdfSample, Specular, lambert};
-use crate::camera_sample::{camera_ray, pixel_sampler};
+use crate::camera_sample::camera_ray;
 use crate::path::{DirectLight, Emission, PathObserver, Transport, Vertex};
 use crate::radiance_cache::Cached;
 use crate::settings::Settings;
@@ -77,7 +77,7 @@ fn bright_paths(
     let of_pixel = |pixel: u32| {
         let mut observer = Bright::new(transport, threshold, pixel);
         for sample in settings.samples() {
-            let mut sampler = pixel_sampler(settings.seed, pixel, sample);
+            let mut sampler = settings.pixels(size.0).sampler(pixel, sample);
             let ray = camera_ray(camera, size, pixel, &mut sampler);
             observer.begin(sample);
             if let Some(surface) = transport.surface(&ray) {

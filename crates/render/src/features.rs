@@ -7,7 +7,7 @@
 
 use crate::accel::Ray;
 use crate::appearance::Appearance;
-use crate::camera_sample::{camera_ray, pixel_sampler};
+use crate::camera_sample::{PixelSamples, camera_ray};
 use crate::film::{Accumulator, PixelAccumulator};
 use crate::path::{LocalBsdf, Transport};
 use crate::settings::Settings;
@@ -128,7 +128,7 @@ impl Tracer {
 struct FeatureRays<'a> {
     transport: Transport<'a>,
     camera: &'a Camera,
-    seed: u64,
+    samples: PixelSamples,
     size: (usize, usize),
 }
 
@@ -141,14 +141,14 @@ impl<'a> FeatureRays<'a> {
         size: (usize, usize),
     ) -> Self {
         let transport = Transport::new(tracer, appearance, settings.max_bounces);
-        Self { transport, camera, seed: settings.seed, size }
+        Self { transport, camera, samples: settings.pixels(size.0), size }
     }
 
     /// The features of the first `count` samples of a pixel.
     fn mean(&self, pixel: usize, count: u32) -> PixelFeatures {
         let mut sums = Sums::default();
         for index in 0..count {
-            let mut sampler = pixel_sampler(self.seed, pixel as u32, index);
+            let mut sampler = self.samples.sampler(pixel as u32, index);
             let ray = camera_ray(self.camera, self.size, pixel as u32, &mut sampler);
             self.transport.add_features(ray, &mut sums);
         }

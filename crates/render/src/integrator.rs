@@ -8,14 +8,14 @@
 
 use crate::adaptive::{self, AdaptiveSampling, SampleAllocation};
 use crate::appearance::Appearance;
-use crate::camera_sample::{block_sampler, camera_ray, pixel_sampler};
+use crate::camera_sample::camera_ray;
 use crate::film::{Accumulator, Film, PixelAccumulator};
 use crate::path::Transport;
 use crate::path_reuse::PathReuse;
-use crate::sampler::Sampler;
 use crate::settings::{Integrator, Settings};
 use crate::tracer::Tracer;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use unrender_scene::{Camera, Rgb};
 
@@ -62,8 +62,7 @@ impl Tracer {
     }
 
     /// Renders some pixels of the picture, given by index: mean and variance of each. They are path
-    /// traced, whatever `settings.integrator` says; their samples are stratified together with those of their
-    /// neighbours ([`crate::camera_sample::block_sampler`]).
+    /// traced, whatever `settings.integrator` says.
     pub fn render_pixels<'a>(
         &self,
         appearance: impl Into<Appearance<'a>>,
@@ -154,7 +153,7 @@ impl<'a> PathTracing<'a> {
     /// The integrator with path reuse of the same picture.
     fn with_reuse(&self) -> PathReuse<'_> {
         let Self { transport, camera, size, settings } = self;
-        PathReuse { transport, camera, size: *size, seed: settings.seed }
+        PathReuse { transport, camera, size: *size, samples: settings.pixels(size.0) }
     }
 
     fn accumulate(
@@ -169,10 +168,7 @@ impl<'a> PathTracing<'a> {
         pixels.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, pixels)| {
             for (offset, accumulator) in pixels.iter_mut().enumerate() {
                 let pixel = chunk * CHUNK + offset;
-                for index in samples.of(pixel) {
-                    let sampler = pixel_sampler(self.settings.seed, pixel as u32, index);
-                    self.add(pixel as u32, sampler, accumulator);
-                }
+                self.add(pixel as u32, samples.of(pixel), accumulator);
             }
             let so_far = done.fetch_add(pixels.len(), Ordering::Relaxed) + pixels.len();
             progress(so_far as f64 / count as f64);
@@ -183,18 +179,18 @@ impl<'a> PathTracing<'a> {
     fn estimates(&self, pixels: &[u32]) -> Vec<(Rgb, Rgb)> {
         let one = |&pixel: &u32| {
             let mut accumulator = PixelAccumulator::default();
-            for index in self.settings.samples() {
-                let sampler = block_sampler(self.settings, self.size.0, pixel, index);
-                self.add(pixel, sampler, &mut accumulator);
-            }
+            self.add(pixel, self.settings.samples(), &mut accumulator);
             (accumulator.mean(), accumulator.variance())
         };
         pixels.iter().map(one).collect()
     }
 
-    /// Adds the sample of these random numbers to a pixel.
-    fn add(&self, pixel: u32, mut sampler: Sampler, accumulator: &mut PixelAccumulator) {
-        let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
-        accumulator.push(self.transport.radiance(&ray, &mut sampler, 0));
+    /// Adds the samples of the numbers `samples` to a pixel.
+    fn add(&self, pixel: u32, samples: Range<u32>, accumulator: &mut PixelAccumulator) {
+        for index in samples {
+            let mut sampler = self.settings.pixels(self.size.0).sampler(pixel, index);
+            let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
+            accumulator.push(self.transport.radiance(&ray, &mut sampler, 0));
+        }
     }
 }

@@ -9,7 +9,7 @@
 use crate::adaptive::SampleAllocation;
 use crate::appearance::{Appearance, LightSource, SourceLayout};
 use crate::bsdf::BsdfSample;
-use crate::camera_sample::{camera_ray, pixel_sampler};
+use crate::camera_sample::camera_ray;
 use crate::film::{Accumulator, PixelAccumulator};
 use crate::integrator::CHUNK;
 use crate::path::{DirectLight, Emission, PathObserver, RadianceSum, Transport, Vertex};
@@ -135,7 +135,7 @@ impl LayeredPicture<'_> {
     /// The radiance of a sample, and in `light` that of each layer.
     fn sample(&self, pixel: u32, index: u32, light: &mut [Rgb]) -> Rgb {
         light.fill(Rgb::ZERO);
-        let mut sampler = pixel_sampler(self.settings.seed, pixel, index);
+        let mut sampler = self.settings.pixels(self.size.0).sampler(pixel, index);
         let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
         let Self { transport, layout, layer_of, .. } = self;
         let mut sums = LightSums { whole: RadianceSum::new(transport), layout, layer_of, light };

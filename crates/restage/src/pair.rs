@@ -15,7 +15,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use unrender_render::accel::Ray;
 use unrender_render::adaptive::{self, AdaptiveSampling, SampleAllocation};
-use unrender_render::camera_sample::{camera_ray, pixel_sampler};
+use unrender_render::camera_sample::camera_ray;
 use unrender_render::path::Transport;
 use unrender_render::sampler::Sampler;
 use unrender_render::surface::Surface;
@@ -284,7 +284,7 @@ impl Pair<'_> {
     /// Adds the samples of the numbers `samples` to a pixel.
     fn add(&self, pixel: u32, samples: Range<u32>, sums: &mut PairSums<'_>) {
         for index in samples {
-            let mut sampler = pixel_sampler(self.settings.seed, pixel, index);
+            let mut sampler = self.settings.pixels(self.size.0).sampler(pixel, index);
             let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
             let mut again = sampler;
             let before = self.before.sample(&ray, &mut sampler);

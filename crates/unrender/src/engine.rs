@@ -204,26 +204,26 @@ impl Observer for Teller<'_> {
     fn iteration(&mut self, record: &IterationRecord) {
         self.iterations.push(self.started.elapsed().as_secs_f64());
         self.progress.iteration(record);
-        let open = match record.open_groups.len() {
-            0 => "none".to_owned(),
-            n if n <= 4 => record.open_groups.join(", "),
-            n => format!("{n} groups"),
-        };
-        let ladder = match (self.paper, record.refining) {
-            (true, _) => "paper's ladder, ",
-            (_, true) => "refining all, ",
-            _ => "",
-        };
-        self.progress.say(
+        let (error, change) = (100.0 * record.worst_error, record.change);
+        let said = if self.paper {
+            let open = match record.open_groups.len() {
+                0 => "none".to_owned(),
+                n if n <= 4 => record.open_groups.join(", "),
+                n => format!("{n} groups"),
+            };
             format!(
-                "{ladder}iteration {}: {} {:.2} %, change {:.4}, still open: {open}",
-                record.iteration,
-                if record.refining { "error of all groups" } else { "error of the worst group" },
-                100.0 * record.worst_error,
-                record.change
-            ),
-            self.of_all(record.done),
-        );
+                "paper's ladder, iteration {}: error of the worst group {error:.2} %, change \
+                 {change:.4}, still open: {open}",
+                record.iteration
+            )
+        } else {
+            let what = if record.refining { "refining" } else { "fitting" };
+            format!(
+                "{what} all, iteration {}: error of all groups {error:.2} %, change {change:.4}",
+                record.iteration
+            )
+        };
+        self.progress.say(said, self.of_all(record.done));
     }
 
     fn working(&self, what: &str, done: f64) {

@@ -1,9 +1,9 @@
 //! Climbing the ladder: from evidence to the next hypothesis, for all groups in every iteration,
 //! since each one lights the others [Boivin and Gagalowicz 2002, Figure 1].
 //!
-//! Two ways up: the default one, which fits the present hypotheses until nothing moves (`settle`)
-//! and then proposes others for the groups that they explain worst (`candidates`), and `paper`,
-//! the paper's method as written.
+//! Two ways up: the default one, which proposes other hypotheses for the groups that the present ones explain
+//! worst (`candidates`), all numbers being fitted together ([`crate::refine`]); and `paper`, the paper's method as
+//! written.
 
 pub(crate) mod candidates;
 mod compared;

@@ -203,6 +203,7 @@ impl PaperIteration<'_> {
     fn rerender(&self, s: &State<'_>, materials: &[Material], px: &[u32], seed: u64) -> Vec<Rgb> {
         let settings = Settings {
             first: 0,
+            together: crate::sample_budget::TOGETHER,
             spp: SPP,
             seed,
             max_bounces: self.options.max_bounces,

@@ -140,6 +140,7 @@ fn adjust_nuisances(state: &mut State<'_>, options: &Options) {
     let seed = mix(options.seed ^ 0x11687);
     let settings = Settings {
         first: 0,
+        together: crate::sample_budget::TOGETHER,
         spp: 0,
         seed,
         max_bounces: options.max_bounces,

@@ -6,9 +6,9 @@
 use super::blocks;
 use super::unknowns::Unknowns;
 use crate::effort::Effort;
+use crate::sample_budget::TOGETHER;
 use crate::state::State;
 use nalgebra::{DMatrix, DVector};
-use unrender_render::camera_sample::TOGETHER;
 
 /// Paths a pixel that a group gets in a pass. The least is that of a group that lacks nothing when others have moved: at
 /// half of it what such groups showed is carried too far along a straight line, at double more paths are traced than

@@ -28,7 +28,7 @@ mod tape;
 pub use stored::StoredPaths;
 
 use crate::appearance::Appearance;
-use crate::camera_sample::{block_sampler, camera_ray};
+use crate::camera_sample::camera_ray;
 use crate::path::Transport;
 use crate::radiance_cache::CacheLookup;
 use crate::settings::Settings;
@@ -191,7 +191,7 @@ impl Estimator<'_> {
         let mut radiance = DVec3::ZERO;
         tape.sums.fill(DVec3::ZERO);
         for index in self.settings.samples() {
-            let mut sampler = block_sampler(self.settings, self.size.0, pixel, index);
+            let mut sampler = self.settings.pixels(self.size.0).sampler(pixel, index);
             let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
             tape.begin();
             self.transport.trace_ray(&ray, &mut sampler, tape);

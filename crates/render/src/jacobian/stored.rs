@@ -20,7 +20,7 @@ use super::tape::{self, Arriving, Tape};
 use super::{CHUNK, Jacobian, Parameter, Plan, plan};
 use crate::appearance::{Appearance, LightSource};
 use crate::bsdf::BsdfSample;
-use crate::camera_sample::{block_sampler, camera_ray};
+use crate::camera_sample::camera_ray;
 use crate::path::{DirectLight, Emission, PathObserver, Transport, Vertex};
 use crate::radiance_cache::{CacheLookup, Cached, RadianceCache};
 use crate::settings::Settings;
@@ -134,7 +134,7 @@ impl Tracer {
             let mut recorder = Recorder { words: Vec::new() };
             for pixel in pixels {
                 for index in settings.samples() {
-                    let mut sampler = block_sampler(settings, size.0, *pixel, index);
+                    let mut sampler = settings.pixels(size.0).sampler(*pixel, index);
                     let ray = camera_ray(camera, size, *pixel, &mut sampler);
                     recorder.event(Event::Path, 0);
                     transport.trace_ray(&ray, &mut sampler, &mut recorder);

@@ -31,7 +31,7 @@ mod reused;
 mod tiles;
 
 use crate::adaptive::{SampleAllocation, TILE};
-use crate::camera_sample::{camera_ray, pixel_sampler};
+use crate::camera_sample::{PixelSamples, camera_ray};
 use crate::film::Accumulator;
 use crate::path::Transport;
 use crate::sampler::mix;
@@ -86,7 +86,7 @@ pub(crate) struct PathReuse<'a> {
     pub(crate) transport: &'a Transport<'a>,
     pub(crate) camera: &'a Camera,
     pub(crate) size: (usize, usize),
-    pub(crate) seed: u64,
+    pub(crate) samples: PixelSamples,
 }
 
 impl PathReuse<'_> {
@@ -120,8 +120,8 @@ impl PathReuse<'_> {
     ) -> f64 {
         let mut difference: Vec<DVec3> = pixels.clone().map(|_| DVec3::ZERO).collect();
         for (half, sign) in [(0, 1.0), (1, -1.0)] {
-            let seed = mix(self.seed ^ STREAM).wrapping_add(half);
-            let pilot = Self { seed, ..*self };
+            let seed = mix(self.samples.seed ^ STREAM).wrapping_add(half);
+            let pilot = Self { samples: PixelSamples { seed, ..self.samples }, ..*self };
             for index in 0..PILOT_SPP {
                 if reuse {
                     pilot.sample_tile(pixels.clone(), index, space);
@@ -140,7 +140,7 @@ impl PathReuse<'_> {
 
     /// The independent sample number `index` of a pixel.
     fn sample_pixel(&self, pixel: u32, index: u32) -> Rgb {
-        let mut sampler = pixel_sampler(self.seed, pixel, index);
+        let mut sampler = self.samples.sampler(pixel, index);
         let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
         self.transport.radiance(&ray, &mut sampler, 0)
     }
@@ -217,7 +217,7 @@ impl PathReuse<'_> {
         space.vertices.clear();
         space.radiance.clear();
         for pixel in pixels {
-            let mut sampler = pixel_sampler(self.seed, pixel, index);
+            let mut sampler = self.samples.sampler(pixel, index);
             let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
             let place = space.radiance.len();
             let radiance = match Receiver::trace(self.transport, &ray, place, &mut sampler) {

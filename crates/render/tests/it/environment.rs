@@ -241,15 +241,15 @@ fn probes_and_derivatives_know_the_environment() {
     for (radiance, derivative) in found.radiance.iter().zip(&found.derivatives) {
         assert!((*radiance - 2.0 * *derivative).abs().max_element() < 1e-5 * radiance.x);
     }
-    let rendered = tracer.render_pixels(appearance, &view, size, &pixels, &settings(16));
-    for (radiance, (mean, _)) in found.radiance.iter().zip(&rendered) {
+    let film = tracer.render(appearance, &view, size, &settings(16), &|_| ());
+    for (radiance, mean) in found.radiance.iter().zip(film.mean.pixels()) {
         assert!((*radiance - *mean).abs().max_element() < 1e-5 * mean.x);
     }
     // Rays that meet nothing see it too.
     let beyond = camera(Vec3::Y, 2.0 * Vec3::Y + Vec3::X, 0.1);
     let found = tracer.jacobian(appearance, &beyond, size, &pixels, &[source], &settings(4), None);
-    let rendered = tracer.render_pixels(appearance, &beyond, size, &pixels, &settings(4));
-    for (index, (mean, _)) in rendered.iter().enumerate() {
+    let film = tracer.render(appearance, &beyond, size, &settings(4), &|_| ());
+    for (index, mean) in film.mean.pixels().iter().enumerate() {
         assert!(mean.min_element() > 0.0);
         assert!((*mean - found.radiance[index]).abs().max_element() < 1e-5);
         assert!((*mean - 2.0 * found.derivatives[index]).abs().max_element() < 1e-5);

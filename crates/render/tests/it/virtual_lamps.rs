@@ -243,7 +243,7 @@ fn the_derivative_by_a_mirror_is_the_light_of_its_images() {
         (16, 16),
         &pixels,
         &[Parameter::RhoS(FLOOR_GROUP)],
-        &settings(1024),
+        &settings(256),
         None,
     );
     let samples: Vec<DVec3> = jacobian.derivatives.iter().map(|d| d.as_dvec3()).collect();

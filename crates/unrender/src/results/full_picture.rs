@@ -17,6 +17,7 @@ pub(crate) fn render(job: &Job, recovered: &Recovered, tell: &(dyn Fn(f64) + Syn
         scene.groups.iter().map(|group| group.material.clone()).collect();
     let options = &recovered.options;
     let settings = Settings {
+        together: unrender_render::settings::TOGETHER,
         first: 0,
         spp: options.effort.last_spp(width * height),
         seed: options.seed,

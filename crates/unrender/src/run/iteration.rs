@@ -10,14 +10,13 @@ pub struct IterationEntry {
     /// Counted from one.
     #[serde(alias = "turn")]
     pub iteration: usize,
-    /// Whether it was a pass of the joint refinement.
+    /// Whether hypotheses had been chosen, and it was a pass of the refinement.
     pub refining: bool,
     /// Seconds since the recovery began.
     pub seconds: f64,
     /// The largest change of a reflectance, and of the logarithm of a roughness.
     pub change: Option<f64>,
-    /// In an iteration of the ladder the worst group's relative error, in a pass of the refinement that of
-    /// all groups together, before its step.
+    /// The relative error of all groups together before its step; in the paper's ladder that of the worst group.
     pub worst_error: Option<f64>,
     /// Groups whose hypothesis did not explain the photograph yet.
     pub open_groups: Vec<String>,
