@@ -100,7 +100,7 @@ mod tests {
     fn blocks_are_stratified_over_pixels_and_what_goes_on() {
         // Of a circle of area 0.05 pi, and the mean of 4 c d, which is one.
         let area = 0.05 * std::f64::consts::PI;
-        let (mean, one) = over_seeds(&[0..16], true);
+        let (mean, one) = over_seeds(std::slice::from_ref(&(0..16)), true);
         assert!((mean - area).abs() < 4.0 * (one / 400.0).sqrt(), "{mean}, not {area}");
         // Independent samples: E f^2 is 16/9 of the area.
         let independent = (16.0 / 9.0 * area - area * area) / (64.0 * 16.0);

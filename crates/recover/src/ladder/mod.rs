@@ -2,7 +2,7 @@
 //! since each one lights the others [Boivin and Gagalowicz 2002, Figure 1].
 //!
 //! Two ways up: the default one, which proposes other hypotheses for the groups that the present ones explain
-//! worst (`candidates`), all numbers being fitted together ([`crate::refine`]); and `paper`, the paper's method as
+//! worst (`candidates`), all numbers being fitted together (`refine`); and `paper`, the paper's method as
 //! written.
 
 pub(crate) mod candidates;
