@@ -5,12 +5,12 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-/// All groups have the right hypothesis under each of the seeds 0 to 5; their largest errors are 0.0064 to 0.0145
-/// of rho_d, 0.008 to 0.0275 of rho_s, in groups of a hundred pixels, whose standard deviations are 0.02 and 0.04, and
-/// 2.4 to 3.3 standard deviations. The limits are those of all six.
+/// All groups have the right hypothesis under each of the seeds 0 to 5; their largest errors are 0.0040 to 0.0110
+/// of rho_d, 0.010 to 0.0287 of rho_s, in groups of a hundred pixels, whose standard deviations are 0.02 and 0.04, and
+/// 2.6 to 3.6 standard deviations. The limits are those of all six.
 #[test]
 fn glossy_groups_of_a_tiny_photograph_by_another_renderer_are_drafted() {
-    recovered("draft", [0.0146, 0.0276], 3.4);
+    recovered("draft", [0.0111, 0.0288], 3.7);
 }
 
 /// The same: 0.0083 of rho_d, 0.036 of rho_s (1.1 of its standard deviations) and 3.3 standard deviations: groups
