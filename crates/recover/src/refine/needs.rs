@@ -17,7 +17,6 @@ const SPP: [f64; 2] = [16.0, 256.0];
 /// The renderings may have this share of a number's variance. At half of it twice the paths are traced, for
 /// standard deviations that are a tenth smaller; double of it makes them half as large again.
 const RENDERING_SHARE: f64 = 0.35;
-
 /// What the renderings' noise does not explain of a variance is taken as less by so many of its standard deviations: few
 /// cells of heavy noise may look like it. At half of it the roughness of a thing in a room ends a third more uncertain; double
 /// was not tried.
