@@ -26,6 +26,19 @@ pub struct ResidualStats {
 }
 
 impl ResidualStats {
+    /// Of pixels with these weighted terms: the product of both residuals, the photograph's noise, and the squared
+    /// photograph.
+    pub(crate) fn of(terms: &[[f64; 3]]) -> Self {
+        let [sum, noise, scale] = [0, 1, 2].map(|k: usize| terms.iter().map(|t| t[k]).sum::<f64>());
+        let scale = if scale > 0.0 { scale } else { f64::INFINITY };
+        let shares: Vec<f64> = terms.iter().map(|t| t[0] / scale).collect();
+        Self {
+            squared: (sum - noise) / scale,
+            deviation: deviation_of_sum(&shares),
+            with_noise: sum / scale,
+        }
+    }
+
     /// The relative error that noise does not explain, 0.01 is one percent; where it is not
     /// significant, its standard deviation.
     pub fn relative(&self) -> f64 {
@@ -40,10 +53,8 @@ impl ResidualStats {
 
 /// The residual statistics of the radiances `model`, rendered twice.
 pub fn residual_stats(pixels: &[Observed], model: &[Vec<Rgb>; 2]) -> ResidualStats {
-    let (mut sum, mut noise, mut scale) = (0.0, 0.0, 0.0);
-    let mut contributions = Vec::with_capacity(pixels.len());
-    for (i, pixel) in pixels.iter().enumerate() {
-        let mut contribution = 0.0;
+    let of_pixel = |(i, pixel): (usize, &Observed)| {
+        let [mut product, mut noise, mut scale] = [0.0; 3];
         for channel in 0..3 {
             let f = |v: Rgb| f64::from(v[channel]);
             let (w, b) = (f(pixel.weight), f(pixel.radiance));
@@ -52,20 +63,14 @@ pub fn residual_stats(pixels: &[Observed], model: &[Vec<Rgb>; 2]) -> ResidualSta
                 // A lower bound that the model meets asks for nothing.
                 continue;
             }
-            contribution += w * (b - f(model[0][i])) * (b - f(model[1][i]));
+            product += w * (b - f(model[0][i])) * (b - f(model[1][i]));
             noise += w * f(pixel.variance);
             scale += w * b * b;
         }
-        sum += contribution;
-        contributions.push(contribution);
-    }
-    let scale = if scale > 0.0 { scale } else { f64::INFINITY };
-    contributions.iter_mut().for_each(|c| *c /= scale);
-    ResidualStats {
-        squared: (sum - noise) / scale,
-        deviation: deviation_of_sum(&contributions),
-        with_noise: sum / scale,
-    }
+        [product, noise, scale]
+    };
+    let terms: Vec<[f64; 3]> = pixels.iter().enumerate().map(of_pixel).collect();
+    ResidualStats::of(&terms)
 }
 
 /// The standard deviation of a sum, from the spread of its terms.

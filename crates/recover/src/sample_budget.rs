@@ -55,7 +55,7 @@ pub(crate) fn is_light_to_spare(level: Level, options: &Options, unknown_lights:
 
 /// So many paths of a pixel are stratified among themselves, and beyond that those of a block: passes are short, and what
 /// counts are means over blocks. At four times as many drafts of three rooms are twice as far off in rho_d; with half as
-/// many a highlight's roughness is noisier by a sixth.
+/// many a highlight's roughness is noisier by about an eighth.
 pub(crate) const TOGETHER: u32 = 16;
 
 /// Pixels of a diffuse group, and directions for each.

@@ -22,7 +22,7 @@ pub(crate) enum Part {
 }
 
 impl Part {
-    /// From which to which share of the time it lasts: between those of two rooms of 8 and 11 groups at 240 x 180
+    /// From which to which share of the time it lasts: about those of two rooms of 9 and 13 groups at 240 x 180
     /// with the usual effort. A room of metal spends twice as much of its time on the last refinement; before it, half
     /// of the time that is left is told.
     fn shares(self) -> Range<f64> {

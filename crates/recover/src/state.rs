@@ -3,7 +3,7 @@
 
 mod step;
 
-use crate::evidence::{Evidence, SampleBudget, Stage};
+use crate::evidence::{Evidence, Stage};
 use crate::hypothesis::{self, Fit, Hypothesis};
 use crate::journal::Steps;
 use crate::likelihood::Likelihood;
@@ -192,19 +192,6 @@ impl<'a> State<'a> {
             exposure: self.exposure,
             renderer: self.problem.renderer,
         }
-    }
-
-    /// The evidence on `group` under the present light.
-    pub(crate) fn gather(
-        &self,
-        options: &Options,
-        group: usize,
-        mut budget: SampleBudget,
-    ) -> Evidence {
-        budget.probe.max_bounces = options.max_bounces;
-        let pixels = &self.observation.informative_of_group[group];
-        let evidence = Evidence::gather(&self.stage(), self.appearance(), group, pixels, &budget);
-        evidence.expecting(self.problem.groups[group].expected)
     }
 
     /// Lets the photograph say what radiance its diffuse surfaces send: all valid pixels of

@@ -18,7 +18,7 @@ use crate::likelihood::Likelihood;
 use crate::model_error::{LightError, LightField, ModelError, level2};
 use crate::observation::{PixelStatus, Reading};
 use crate::problem::{Options, Role};
-use crate::residual::{ResidualStats, deviation_of_sum};
+use crate::residual::ResidualStats;
 use crate::state::{Snapshot, State};
 use crate::within::Within;
 use serde::{Deserialize, Serialize};
@@ -93,6 +93,7 @@ struct GroupScore {
     floor: f64,
     /// What is left within blocks, beyond a model error of [`FLOOR`].
     within: Within,
+    /// How far its pixels are from the photograph.
     residual: ResidualStats,
 }
 
@@ -268,14 +269,7 @@ impl Verifier {
             [of(a * b), of(photograph[i]), of(value(i) * value(i))]
         };
         let squares: Vec<[f64; 3]> = (0..n).filter(|i| counts(*i)).map(squares).collect();
-        let total = |term: usize| squares.iter().map(|s| s[term]).sum::<f64>();
-        let scale = if total(2) > 0.0 { total(2) } else { f64::INFINITY };
-        let terms: Vec<f64> = squares.iter().map(|s| s[0] / scale).collect();
-        let stats = ResidualStats {
-            squared: (total(0) - total(1)) / scale,
-            deviation: deviation_of_sum(&terms),
-            with_noise: total(0) / scale,
-        };
+        let residual_stats = ResidualStats::of(&squares);
         let photograph = blocks.mean_where(&photograph, counts);
         let pixels = |k: usize| valid[k].max(1) as f32;
         let rendering: Vec<Rgb> = (0..blocks.len()).map(|k| rendering[k] / pixels(k)).collect();
@@ -287,7 +281,7 @@ impl Verifier {
         let missing = vec![Rgb::ZERO; blocks.len()];
         let light = smooth;
         let residuals = BlockResiduals { residual, noise, rendering, half, missing, level2, light };
-        GroupScore { residuals, outlier, floor, within, residual: stats }
+        GroupScore { residuals, outlier, floor, within, residual: residual_stats }
     }
 
     /// The groups whose light differs between the scores `mine` and `other` by more than the `share` of

@@ -74,7 +74,11 @@ impl Gathering<'_> {
         let mut budget = self.budget.clone();
         budget.probe.seed ^= purpose;
         budget.probe = light.of(budget.probe);
-        let mut evidence = state.gather(self.options, self.group, budget);
+        budget.probe.max_bounces = self.options.max_bounces;
+        let pixels = &state.observation.informative_of_group[self.group];
+        let (stage, appearance) = (state.stage(), state.appearance());
+        let evidence = Evidence::gather(&stage, appearance, self.group, pixels, &budget);
+        let mut evidence = evidence.expecting(state.problem.groups[self.group].expected);
         evidence.field.most = self.most;
         (!evidence.is_empty()).then_some(evidence)
     }

@@ -10,9 +10,8 @@ use crate::sample_budget::TOGETHER;
 use crate::state::State;
 use nalgebra::{DMatrix, DVector};
 
-/// Paths a pixel that a group gets in a pass. The least is that of a group that lacks nothing when others have moved: at
-/// half of it what such groups showed is carried too far along a straight line, at double more paths are traced than
-/// are needed. The most is what a small group may take.
+/// Paths a pixel that a group gets in a pass. The least is a full set of the sampler, which a group that lacks nothing
+/// gets when others have moved; double of it was not tried. The most is what a small group may take.
 const SPP: [f64; 2] = [16.0, 256.0];
 /// The renderings may have this share of a number's variance. At half of it twice the paths are traced, for
 /// standard deviations that are a tenth smaller; double of it makes them half as large again.

@@ -35,11 +35,11 @@ pub(super) const COARSE: (usize, u32) = (8000, 16);
 /// The same of the first pass of an accumulation; the others take so many paths a pixel at most, over all groups.
 const FINE: (usize, u32) = (40_000, 32);
 /// Steps of an approach at most, how often its paths may be traced, and passes of an accumulation at most. With four
-/// passes the roughness and the direction of a small Figure 8 are twice as far off in drafts; with ten a room takes a
-/// quarter longer for roughnesses that are half as far off, within their standard deviations.
+/// passes the roughness and the direction of a small Figure 8 are twice as far off in drafts; with six a room takes
+/// four fifths of the time, and roughnesses are up to twice as far off.
 const STEPS_MAX: usize = 10;
 const TRACED_MAX: usize = 3;
-const PASSES_MAX: usize = 6;
+const PASSES_MAX: usize = 10;
 /// A step of an approach is taken if one of its numbers is this many standard deviations long. At a thirtieth of
 /// it drafts follow the noise of their paths away from the ladder's answer; at double the accumulation begins off
 /// the minimum.

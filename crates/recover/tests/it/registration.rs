@@ -150,7 +150,7 @@ fn a_turned_camera_is_found() {
                 found.displacement, found.uncertainty
             );
             assert!((found.displacement - off).abs() < 0.3, "{} of {off}", found.displacement);
-            assert!(left < 6.0 * found.uncertainty, "{left} of {off} pixels are left");
+            assert!(left < 0.3 && left < 6.0 * found.uncertainty, "{left} of {off} are left");
             assert!(found.own.iter().all(|own| *own < 1.0), "{:?}", found.own);
             left
         });
