@@ -15,7 +15,7 @@ use crate::refine::{self, Depth, brightness};
 use crate::sample_budget::{self, Level};
 use crate::schedule::Part;
 use crate::state::State;
-use crate::verify::{REFINED_FLOOR, Score, Verified, Verifier};
+use crate::verify::{Score, Verified, Verifier};
 
 /// How often the hypotheses are asked again after a refinement; each time costs a refinement where
 /// one changes.
@@ -166,7 +166,7 @@ impl Driver<'_> {
         state: &mut State<'_>,
         observer: &mut dyn Observer,
     ) -> Result<Termination, RecoverError> {
-        self.verifier.floor = REFINED_FLOOR.max(self.options.thresholds.explained);
+        self.verifier.begin_refined(self.options);
         self.candidates.forget_rejections();
         let mut best = self.verifier.verify(state);
         state.schedule.begin(Part::Refinement);

@@ -15,10 +15,11 @@ use crate::contrast::{Contrast, Side};
 use crate::hypothesis::Hypothesis;
 use crate::ladder::candidates::Proposal;
 use crate::likelihood::Likelihood;
-use crate::model_error::{LightError, LightField, ModelError, level2};
+use crate::model_error::{Allowance, LightError, LightField, ModelError, level2};
 use crate::observation::{PixelStatus, Reading};
 use crate::problem::{Options, Role};
 use crate::residual::ResidualStats;
+use crate::sample_budget::{self, Level};
 use crate::state::{Snapshot, State};
 use crate::within::Within;
 use serde::{Deserialize, Serialize};
@@ -42,8 +43,8 @@ const WORSE: f64 = 3.0;
 /// other groups follow on few light samples, and their errors of this size say nothing of the change.
 /// After the refinement the light is better known. At half of it right changes are taken back because
 /// of noise in other groups; at double wrong ones of faint lobes pass.
-pub(crate) const FLOOR: f64 = 0.02;
-pub(crate) const REFINED_FLOOR: f64 = 0.01;
+const FLOOR: f64 = 0.02;
+const REFINED_FLOOR: f64 = 0.01;
 /// The error of the incident light that is always allowed for, as a share of the floor: the other
 /// groups are not right yet, and what they send changes slowly over a surface. At half of it a right
 /// change is taken back because of the level that it leaves, at double slow patterns say nothing.
@@ -64,8 +65,10 @@ pub(crate) struct Verifier {
     settings: Settings,
     /// Paths a pixel where a group is asked by itself.
     own_spp: u32,
-    /// The share of model error below which nothing counts.
-    pub(crate) floor: f64,
+    /// The share of model error below which no difference between two states counts.
+    floor: f64,
+    /// How much model error is allowed for in what is noted of a group: as where it is asked.
+    allowance: Allowance,
 }
 
 /// Those of one group.
@@ -128,7 +131,7 @@ impl Verifier {
             groups: groups.filter(|sample| !sample.pixels.is_empty()).collect(),
             settings: Settings {
                 first: 0,
-                together: crate::sample_budget::TOGETHER,
+                together: sample_budget::TOGETHER,
                 spp: options.effort.samples(SPP),
                 seed,
                 max_bounces: options.max_bounces,
@@ -136,7 +139,14 @@ impl Verifier {
             },
             own_spp: options.effort.samples(OWN_SPP),
             floor: FLOOR.max(options.thresholds.explained),
+            allowance: sample_budget::allowance(Level::Choice, options),
         }
+    }
+
+    /// The numbers are refined from now on.
+    pub(crate) fn begin_refined(&mut self, options: &Options) {
+        self.floor = REFINED_FLOOR.max(options.thresholds.explained);
+        self.allowance = sample_budget::allowance(Level::Refined, options);
     }
 
     /// Renders the sample in `state`, and keeps the state with its score.
@@ -158,11 +168,10 @@ impl Verifier {
                 (at.residual, at.likelihood) = (None, None);
                 continue;
             }
-            let least = LightError { share: LIGHT * self.floor };
-            let field = LightField { least, ..sample.field.clone() };
-            let floor = ModelError { share: self.floor };
+            let field = LightField { least: self.allowance.light, ..sample.field.clone() };
             at.residual = Some(of_group.residual);
-            at.likelihood = Some(Likelihood::of(&of_group.residuals, &field, floor));
+            at.likelihood =
+                Some(Likelihood::of(&of_group.residuals, &field, self.allowance.floor));
         }
     }
 
