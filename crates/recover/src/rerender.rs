@@ -23,12 +23,12 @@ pub trait Renderer: Sync {
         settings: &ProbeSettings,
         seen: Option<&RadianceCache>,
     ) -> Probes;
-    /// The radiance of `pixels` and its derivatives by `parameters`; paths end where `seen` knows
-    /// the radiance.
+    /// The radiance of `pixels` and its derivatives by `parameters`, by the paths of the numbers that each has beside it,
+    /// none where there are none; paths end where `seen` knows the radiance.
     fn jacobian(
         &self,
         appearance: Appearance<'_>,
-        pixels: &[u32],
+        pixels: &[(u32, Range<u32>)],
         parameters: &[Parameter],
         settings: &Settings,
         seen: Option<&RadianceCache>,
@@ -226,14 +226,14 @@ impl Renderer for View<'_> {
     fn jacobian(
         &self,
         appearance: Appearance<'_>,
-        pixels: &[u32],
+        pixels: &[(u32, Range<u32>)],
         parameters: &[Parameter],
         settings: &Settings,
         seen: Option<&RadianceCache>,
     ) -> Jacobian {
-        let lookup = self.lookup(seen);
-        let (camera, size) = (&*self.camera, self.size);
-        self.tracer.jacobian(appearance, camera, size, pixels, parameters, settings, lookup)
+        let (lookup, camera) = (self.lookup(seen), &*self.camera);
+        let (tracer, size) = (&self.tracer, self.size);
+        tracer.jacobian_of_samples(appearance, camera, size, pixels, parameters, settings, lookup)
     }
 
     fn store<'s>(

@@ -9,6 +9,7 @@ use super::unknowns::Unknowns;
 use crate::rerender::Stored;
 use crate::state::State;
 use std::cell::OnceCell;
+use std::ops::Range;
 use unrender_render::{Appearance, RadianceCache, Settings};
 use unrender_scene::{Material, Rgb};
 
@@ -25,7 +26,7 @@ const CARRIED: [f32; 2] = [0.5, 4.0];
 /// Paths of some cells.
 pub(super) struct KeptPaths<'a> {
     cells: Vec<Cell>,
-    spp: Vec<u32>,
+    samples: Vec<Range<u32>>,
     settings: Settings,
     /// What they are drawn from, and where they end.
     materials: Vec<Material>,
@@ -44,9 +45,10 @@ impl<'a> KeptPaths<'a> {
         settings: &Settings,
     ) -> Self {
         let fitting = fitting(state, per_group, settings.spp);
+        let cells = sample::all(state, fitting, pixels_seed);
         Self {
-            cells: sample::all(state, fitting, pixels_seed),
-            spp: vec![settings.spp; state.materials.len()],
+            samples: vec![settings.samples(); cells.len()],
+            cells,
             settings: *settings,
             materials: state.materials.clone(),
             lights: state.lights.clone(),
@@ -61,7 +63,7 @@ impl<'a> KeptPaths<'a> {
         let seen = self.ends(state);
         let mut cells = self.cells.clone();
         sample::expose(state, &mut cells);
-        means::of_tiles(state, unknowns, &cells, &self.spp, |index, _| {
+        means::of_tiles(state, unknowns, &cells, &self.samples, |index, _| {
             let replayed =
                 |half: usize| tiles[index][half].replay(state.appearance(), seen.as_ref());
             [replayed(0), replayed(1)]
@@ -78,9 +80,10 @@ impl<'a> KeptPaths<'a> {
     fn trace(&self, state: &State<'a>, unknowns: &Unknowns) -> Vec<[Box<dyn Stored + 'a>; 2]> {
         let drawn = Appearance { materials: &self.materials, lights: &self.lights };
         let renderer = state.problem.renderer;
-        let of_tile = |tile: &[Cell]| {
-            let pixels = means::pixels(tile);
-            means::halves(&self.settings, &self.settings.samples()).map(|settings| {
+        let of_tile = |tile: Range<usize>| {
+            let pixels = self.cells[tile].iter().flat_map(|cell| &cell.pixels);
+            let pixels: Vec<u32> = pixels.map(|seen| seen.pixel).collect();
+            means::halves(&self.settings).map(|settings| {
                 let asked = &unknowns.parameters;
                 renderer.store(drawn, &pixels, asked, &settings, self.seen.as_ref())
             })

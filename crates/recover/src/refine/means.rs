@@ -34,7 +34,7 @@ pub(crate) struct Mean {
     /// Pixels in the mean.
     pub(crate) pixels: f64,
     /// Paths a pixel in each of the two renderings.
-    paths: f64,
+    pub(crate) paths: f64,
     /// Photograph minus rendering, for each of the two renderings.
     pub(crate) residuals: [Rgb; 2],
     /// The mean of both renderings.
@@ -53,8 +53,7 @@ pub(crate) struct Mean {
 /// Pixels whose Jacobians are in memory together, about.
 const TILE: usize = 4096;
 
-/// One pass over `cells`, which come group by group, with the paths of the numbers `samples` for each pixel of a group,
-/// twice.
+/// One pass over `cells`, with the paths of the numbers `samples` for each pixel of each of them, twice.
 pub(crate) fn gather(
     state: &State<'_>,
     unknowns: &Unknowns,
@@ -62,10 +61,13 @@ pub(crate) fn gather(
     samples: &[Range<u32>],
     settings: &Settings,
 ) -> Vec<Mean> {
-    let spp: Vec<u32> = samples.iter().map(|samples| samples.len() as u32).collect();
-    of_tiles(state, unknowns, cells, &spp, |_, tile| {
-        let pixels = pixels(tile);
-        halves(settings, &samples[tile[0].group]).map(|settings| {
+    of_tiles(state, unknowns, cells, samples, |_, tile| {
+        let all = || cells[tile.clone()].iter().zip(&samples[tile.clone()]);
+        let of_cell = |(cell, samples): (&Cell, &Range<u32>)| -> Vec<(u32, Range<u32>)> {
+            cell.pixels.iter().map(|seen| (seen.pixel, samples.clone())).collect()
+        };
+        let pixels: Vec<(u32, Range<u32>)> = all().flat_map(of_cell).collect();
+        halves(settings).map(|settings| {
             let (appearance, seen) = (state.appearance(), state.seen.as_ref());
             let asked = &unknowns.parameters;
             state.problem.renderer.jacobian(appearance, &pixels, asked, &settings, seen)
@@ -73,54 +75,37 @@ pub(crate) fn gather(
     })
 }
 
-/// The settings of the two renderings, of the paths of the numbers `samples`.
-pub(super) fn halves(settings: &Settings, samples: &Range<u32>) -> [Settings; 2] {
-    let (first, spp) = (samples.start, samples.len() as u32);
-    [0u64, 1].map(|half| {
-        let seed = mix(settings.seed).wrapping_add(half);
-        Settings { seed, first, spp, ..*settings }
-    })
+/// The settings of the two renderings.
+pub(super) fn halves(settings: &Settings) -> [Settings; 2] {
+    [0u64, 1].map(|half| Settings { seed: mix(settings.seed).wrapping_add(half), ..*settings })
 }
 
-/// The pixels of a tile.
-pub(super) fn pixels(tile: &[Cell]) -> Vec<u32> {
-    tile.iter().flat_map(|cell| &cell.pixels).map(|seen| seen.pixel).collect()
-}
-
-/// One pass over `cells`, which come group by group, of `spp` paths a pixel of each group, from the Jacobians that
+/// One pass over `cells`, with the paths of the numbers `samples` for each pixel of each of them, from the Jacobians that
 /// `of_tile` finds for each of their [`tiles`].
 pub(super) fn of_tiles(
     state: &State<'_>,
     unknowns: &Unknowns,
     cells: &[Cell],
-    spp: &[u32],
-    of_tile: impl Fn(usize, &[Cell]) -> [Jacobian; 2],
+    samples: &[Range<u32>],
+    of_tile: impl Fn(usize, &Range<usize>) -> [Jacobian; 2],
 ) -> Vec<Mean> {
     let mut means = Vec::with_capacity(cells.len());
-    for (index, tile) in tiles(cells).into_iter().enumerate() {
-        let spp = spp[tile[0].group];
-        let jacobians = if spp > 0 { of_tile(index, tile) } else { nothing(tile, unknowns) };
-        let starts: Vec<usize> = tile
-            .iter()
-            .scan(0, |next, cell| {
-                *next += cell.pixels.len();
-                Some(*next - cell.pixels.len())
-            })
-            .collect();
-        let of_cell =
-            |(cell, start): (&Cell, usize)| mean(state, unknowns, (cell, spp), start, &jacobians);
-        means.par_extend(tile.par_iter().zip(starts).map(of_cell));
+    for (index, tile) in tiles(cells).iter().enumerate() {
+        let jacobians = of_tile(index, tile);
+        let cells = &cells[tile.clone()];
+        let next = |next: &mut usize, cell: &Cell| {
+            *next += cell.pixels.len();
+            Some(*next - cell.pixels.len())
+        };
+        let starts: Vec<usize> = cells.iter().scan(0, next).collect();
+        let paths = samples[tile.clone()].par_iter().map(|samples| samples.len() as f64);
+        let of_cell = |((cell, paths), start): ((&Cell, f64), usize)| {
+            mean(state, unknowns, (cell, paths), start, &jacobians)
+        };
+        means.par_extend(cells.par_iter().zip(paths).zip(starts).map(of_cell));
     }
     take_levels(&mut means);
     means
-}
-
-/// What no paths find in the pixels of a tile.
-fn nothing(tile: &[Cell], unknowns: &Unknowns) -> [Jacobian; 2] {
-    let pixels = tile.iter().map(|cell| cell.pixels.len()).sum();
-    let derivatives = vec![Rgb::ZERO; pixels * unknowns.parameters.len()];
-    let none = Jacobian { radiance: vec![Rgb::ZERO; pixels], derivatives };
-    [none.clone(), none]
 }
 
 /// How many times as bright as the photograph the renderings of the groups `of` are on the whole; one in a channel in
@@ -193,13 +178,6 @@ pub(crate) fn average(average: &mut Vec<Mean>, found: Vec<Mean>) {
     average.iter_mut().zip(found).for_each(|(mean, found)| mean.add(&found));
 }
 
-/// The pixels of each of `groups` groups.
-pub(super) fn pixels_of_groups(means: &[Mean], groups: usize) -> Vec<f64> {
-    let mut pixels = vec![0.0; groups];
-    means.iter().for_each(|mean| pixels[mean.group] += mean.pixels);
-    pixels
-}
-
 /// For each of `groups` groups: the relative error of its cells that both renderings see, as a mean
 /// over pixels and channels; none without cells.
 pub(crate) fn relative_errors(means: &[Mean], groups: usize) -> Vec<Option<f64>> {
@@ -245,15 +223,15 @@ impl Mean {
     }
 }
 
-/// The cells in tiles of about [`TILE`] pixels, each of one group.
-pub(super) fn tiles(cells: &[Cell]) -> Vec<&[Cell]> {
+/// The cells in tiles of about [`TILE`] pixels.
+pub(super) fn tiles(cells: &[Cell]) -> Vec<Range<usize>> {
     let mut tiles = Vec::new();
     let (mut start, mut pixels) = (0, 0);
-    for (i, cell) in cells.iter().enumerate() {
+    for (place, cell) in cells.iter().enumerate() {
         pixels += cell.pixels.len();
-        if pixels >= TILE || cells.get(i + 1).is_none_or(|next| next.group != cell.group) {
-            tiles.push(&cells[start..=i]);
-            (start, pixels) = (i + 1, 0);
+        if pixels >= TILE || place + 1 == cells.len() {
+            tiles.push(start..place + 1);
+            (start, pixels) = (place + 1, 0);
         }
     }
     tiles
@@ -263,7 +241,7 @@ pub(super) fn tiles(cells: &[Cell]) -> Vec<&[Cell]> {
 fn mean(
     state: &State<'_>,
     unknowns: &Unknowns,
-    (cell, spp): (&Cell, u32),
+    (cell, paths): (&Cell, f64),
     start: usize,
     jacobians: &[Jacobian; 2],
 ) -> Mean {
@@ -296,7 +274,7 @@ fn mean(
         place: cell.place,
         bound: cell.bound,
         pixels: f64::from(n),
-        paths: f64::from(spp),
+        paths,
         residuals,
         light,
         noise: Noise { base: over(&|p| p.noise.base), slope: over(&|p| p.noise.slope) },

@@ -19,6 +19,7 @@ pub(crate) mod local_minima;
 mod means;
 mod needs;
 mod normal;
+mod origins;
 mod passes;
 mod relations;
 mod sample;
@@ -136,7 +137,7 @@ fn adjust_nuisances(state: &mut State<'_>, options: &Options) {
     if unknowns.len() == 0 || cells.is_empty() {
         return;
     }
-    let samples = vec![0..options.effort.samples(COARSE.1); state.materials.len()];
+    let samples = vec![0..options.effort.samples(COARSE.1); cells.len()];
     let seed = mix(options.seed ^ 0x11687);
     let settings = Settings {
         first: 0,

@@ -1,18 +1,20 @@
-//! Where the renderings' noise matters, and how the paths of a pass are shared out among the groups.
+//! Where the renderings' noise matters, and how the paths of a pass are shared out among the cells.
 //!
 //! It may have a share of a number's variance, or what is below what anyone would ask for (`precise_enough`):
-//! more paths than that bring a result no nearer to the truth.
+//! more paths than that bring a result no nearer to the truth. What a number lacks goes where its noise comes from
+//! ([`super::origins`]), by `sqrt(a_c)` [Neyman 1934], which is not always its own group.
 
 use super::blocks;
+use super::means::Mean;
 use super::unknowns::Unknowns;
 use crate::effort::Effort;
 use crate::sample_budget::TOGETHER;
 use crate::state::State;
 use nalgebra::{DMatrix, DVector};
 
-/// Paths a pixel that a group gets in a pass. The least is a full set of the sampler, which a group that lacks nothing
-/// gets when others have moved; double of it was not tried. The most is what a small group may take.
-const SPP: [f64; 2] = [16.0, 256.0];
+/// Paths a pixel that a cell gets in a pass. The least is a full set of the sampler, which a cell that lacks nothing
+/// gets when numbers have moved; double of it was not tried. The most is what a small highlight may take.
+const SPP: [f64; 2] = [16.0, 1024.0];
 /// The renderings may have this share of a number's variance. At half of it twice the paths are traced, for
 /// standard deviations that are a tenth smaller; double of it makes them half as large again.
 const RENDERING_SHARE: f64 = 0.35;
@@ -20,68 +22,92 @@ const RENDERING_SHARE: f64 = 0.35;
 /// cells of heavy noise may look like it. At half of it the roughness of a thing in a room ends a third more uncertain; double
 /// was not tried.
 const DOUBTS: f64 = 2.0;
+/// A pass makes the renderings' part of a variance so many times less at most: what is allowed is known better then.
+const TIMES_MAX: f64 = 4.0;
+/// So often an interval is halved in the search for how many paths are enough.
+const HALVINGS: usize = 60;
 
-/// How many paths a pixel each group needs in the next pass, about `mean_spp` a pixel of the whole picture at most, none
-/// where no group lacks any. What the lights, the camera and groups without pixels lack, all groups do. Where a number
-/// has `moved` by more than its standard deviation, all groups are looked at again from there: what they showed
-/// was carried along a straight line. For each group `seen` has the pixels, and `taken` the paths a pixel so far.
+/// How many paths a pixel each cell needs in the next pass, about `mean_spp` a pixel of the whole picture at most; none
+/// where no number lacks any. What the lights and the camera lack, all cells do. Where a number has `moved` by more than
+/// its standard deviation, all cells are looked at again from there: what they showed was carried along a straight line.
+/// `variances` are those of all noise, of the renderings' alone, and how uncertain the difference is; `seen` is what each
+/// cell showed so far, and `origins` the variance of every number by one path there.
 pub(super) fn of(
     state: &State<'_>,
     (unknowns, effort): (&Unknowns, Effort),
     (covariance, rendering, doubt): (&DMatrix<f64>, &DVector<f64>, &DVector<f64>),
     moved: &[f64],
-    (seen, taken): (&[f64], &[u32]),
+    (seen, origins): (&[Mean], &[DVector<f64>]),
     mean_spp: u32,
 ) -> Vec<u32> {
     let has_moved = moved.iter().any(|moved| *moved > 1.0);
-    let mut excess = vec![0.0f64; seen.len()];
-    let mut of_all = 0.0f64;
+    let mut wanted = vec![if has_moved { SPP[0] } else { 0.0 }; seen.len()];
+    let mut numbers: Vec<Vec<f64>> = Vec::new();
     for (k, u) in unknowns.list.iter().enumerate() {
         let block = blocks::of(u.quantity);
         let precise = effort.deviation(block.precise_enough(state, u)).powi(2);
         let other = (covariance[(k, k)] - rendering[k] - DOUBTS * doubt[k]).max(0.0);
         let allowed = (RENDERING_SHARE / (1.0 - RENDERING_SHARE) * other).max(precise);
-        let lacking = (rendering[k] / allowed - 1.0).max(0.0);
-        let of_group =
-            if block.is_nuisance() || seen[u.of] == 0.0 { &mut of_all } else { &mut excess[u.of] };
-        *of_group = of_group.max(lacking);
+        let times = (rendering[k] / allowed).min(TIMES_MAX);
+        if times > 1.0 && block.is_nuisance() {
+            let more = seen.iter().map(|cell| (times - 1.0) * cell.paths);
+            wanted.iter_mut().zip(more).for_each(|(wanted, more)| *wanted = wanted.max(more));
+        } else if times > 1.0 {
+            numbers.push(shares(seen, origins.iter().map(|of_cell| of_cell[k]), times));
+        }
     }
-    let wanted = excess.iter().zip(taken).map(|(excess, taken)| {
-        let more = excess.max(of_all) * f64::from(*taken);
-        if more > 0.0 || has_moved { more.max(SPP[0]) } else { 0.0 }
-    });
-    allocate(seen, &wanted.collect::<Vec<f64>>(), mean_spp)
+    let most = f64::from(mean_spp) * seen.iter().map(|cell| cell.pixels).sum::<f64>();
+    let cells: Vec<[f64; 2]> = seen.iter().map(|cell| [cell.pixels, cell.paths]).collect();
+    let more = where_it_comes_from(&cells, &numbers, most);
+    wanted.iter_mut().zip(more).for_each(|(wanted, more)| *wanted = wanted.max(more));
+    allocate(&cells, &wanted, most, if has_moved { SPP[0] } else { 0.0 })
 }
 
-/// The `wanted` paths a pixel, all by the same factor fewer where they are more than about `mean_spp` a pixel of the whole
-/// picture, of which each group has the pixels that were `seen`; in full sets of the sampler.
-fn allocate(seen: &[f64], wanted: &[f64], mean_spp: u32) -> Vec<u32> {
-    let clamped = |wanted: &f64| if *wanted > 0.0 { wanted.clamp(SPP[0], SPP[1]) } else { 0.0 };
-    let total: f64 = seen.iter().zip(wanted).map(|(pixels, wanted)| pixels * clamped(wanted)).sum();
-    let most = f64::from(mean_spp) * seen.iter().sum::<f64>();
+/// For each cell: the variance of a number by one path there (`by_path`), in units of what is allowed for all of its
+/// variance, which is so many `times` as large now.
+fn shares(seen: &[Mean], by_path: impl Iterator<Item = f64> + Clone, times: f64) -> Vec<f64> {
+    let paths = |cell: &Mean| cell.pixels * cell.paths;
+    let now: f64 = seen.iter().zip(by_path.clone()).map(|(cell, by)| by / paths(cell)).sum();
+    by_path.map(|by| times * by / now.max(f64::MIN_POSITIVE)).collect()
+}
+
+/// How many paths a pixel more cells need, of which each has `[pixels, paths a pixel]`, for the variances of the
+/// `numbers` to be what is allowed, or as near to it as so many paths bring their sum at `most`.
+fn where_it_comes_from(cells: &[[f64; 2]], numbers: &[Vec<f64>], most: f64) -> Vec<f64> {
+    let root = |cell: usize| numbers.iter().map(|shares| shares[cell]).sum::<f64>().sqrt();
+    let roots: Vec<f64> = (0..cells.len()).map(root).collect();
+    let more = |scale: f64| -> Vec<f64> {
+        let of_cell = |([pixels, paths], root): (&[f64; 2], &f64)| {
+            (scale * root / pixels - paths).clamp(0.0, SPP[1])
+        };
+        cells.iter().zip(&roots).map(of_cell).collect()
+    };
+    let is_enough = |more: &[f64]| {
+        let with = cells.iter().zip(more).map(|([pixels, paths], more)| pixels * (paths + more));
+        let with: Vec<f64> = with.collect();
+        let left = |shares: &Vec<f64>| shares.iter().zip(&with).map(|(s, n)| s / n).sum::<f64>();
+        let paths: f64 = cells.iter().zip(more).map(|([pixels, _], more)| pixels * more).sum();
+        paths >= most || numbers.iter().all(|shares| left(shares) <= 1.0)
+    };
+    let least = roots.iter().copied().filter(|root| *root > 0.0).fold(f64::INFINITY, f64::min);
+    let mut range = [0.0, (SPP[1] + cells.iter().map(|c| c[0] * c[1]).fold(0.0, f64::max)) / least];
+    if !range[1].is_finite() {
+        return vec![0.0; cells.len()];
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (range[0] + range[1]);
+        range[usize::from(is_enough(&more(middle)))] = middle;
+    }
+    more(range[1])
+}
+
+/// The `wanted` paths a pixel and `least` of them, all by the same factor fewer where they are more than `most` in all;
+/// in full sets of the sampler.
+fn allocate(cells: &[[f64; 2]], wanted: &[f64], most: f64, least: f64) -> Vec<u32> {
+    let clamped = |wanted: &f64| wanted.min(SPP[1]);
+    let total: f64 = cells.iter().zip(wanted).map(|([n, _], wanted)| n * clamped(wanted)).sum();
     let share = (most / total.max(f64::MIN_POSITIVE)).min(1.0);
     let together = f64::from(TOGETHER);
-    let spp = |wanted: &f64| match clamped(wanted) {
-        0.0 => 0,
-        wanted => ((share * wanted).max(SPP[0]) / together).ceil() as u32 * TOGETHER,
-    };
-    wanted.iter().map(spp).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn paths_go_where_they_are_lacking() {
-        let seen = [1000.0, 1000.0, 10.0, 500.0];
-        // What is wanted is given, in full sets, and no more.
-        assert_eq!(allocate(&seen, &[30.0, 0.0, 16.0, 3.0], 32), [32, 0, 16, 16]);
-        assert_eq!(allocate(&seen, &[0.0; 4], 32), [0; 4]);
-        // A small group takes no more than makes sense.
-        assert_eq!(allocate(&seen, &[0.0, 0.0, 5000.0, 0.0], 32), [0, 0, 256, 0]);
-        // Where that is too much, all get fewer; a group that is looked at is looked at well enough.
-        let few = allocate(&seen, &[200.0, 100.0, 0.0, 8.0], 16);
-        assert_eq!(few, [32, 16, 0, 16]);
-    }
+    let sets = |wanted: &f64| ((share * clamped(wanted)).max(least) / together).round() as u32;
+    wanted.iter().map(|wanted| sets(wanted) * TOGETHER).collect()
 }

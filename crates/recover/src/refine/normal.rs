@@ -41,6 +41,10 @@ pub(crate) struct Normal {
     pub(crate) errors: Vec<f64>,
     /// The weight of each cell's residuals.
     pub(crate) weights: Vec<Rgb>,
+    /// How much of each group's derivatives by each unknown is signal.
+    shrinkage: DMatrix<f64>,
+    /// For each group: the variance of its renderings, relative to the local radiance, times pixels and paths.
+    rendering: Vec<Rgb>,
 }
 
 /// Residuals of more standard deviations than this pull as if they were of so many: a few cells
@@ -73,6 +77,8 @@ impl Normal {
             doubt: DVector::zeros(n),
             errors: Vec::with_capacity(means.len()),
             weights: Vec::with_capacity(means.len()),
+            shrinkage,
+            rendering: noise.iter().map(|noise| noise.rendering).collect(),
         };
         for mean in means {
             let variance = noise[mean.group].variance(mean);
@@ -84,22 +90,22 @@ impl Normal {
                 (HUBER / deviations.max_element()).min(1.0)
             };
             let weight = robust * variance.recip();
-            let shrink = |k: usize| shrinkage[(mean.group, k)];
-            for channel in 0..3 {
-                normal.add_row(&mean.rows[channel], shrink, f64::from(weight[channel]));
-            }
-            normal.g += gradient(mean, weight, &shrinkage, |_, residual| residual);
+            let shrink = |k: usize| normal.shrinkage[(mean.group, k)];
+            let rows = mean.rows.iter().enumerate();
+            rows.for_each(|(c, row)| add_row(&mut normal.h, row, shrink, f64::from(weight[c])));
+            normal.g += gradient(mean, weight, &normal.shrinkage, |_, residual| residual);
             let error = f64::from((robust * a * b / mean.level2).element_sum());
             normal.errors.push(error * mean.pixels);
             normal.weights.push(weight);
         }
         normal.h.fill_upper_triangle_with_lower_triangle();
-        normal.add_covariances(means, &shrinkage, &unknowns.deviations);
+        normal.add_covariances(means, &unknowns.deviations);
         normal
     }
 
     /// The covariances of `g`, with the standard deviations of the prior.
-    fn add_covariances(&mut self, means: &[Mean], shrinkage: &DMatrix<f64>, prior: &[f64]) {
+    fn add_covariances(&mut self, means: &[Mean], prior: &[f64]) {
+        let shrinkage = &self.shrinkage;
         let n = self.g.len();
         let known = DVector::from_iterator(n, prior.iter().map(|std| std.powi(-2)));
         let h = &self.h + DMatrix::from_diagonal(&known);
@@ -130,14 +136,41 @@ impl Normal {
         self.g_rendering.fill_upper_triangle_with_lower_triangle();
     }
 
-    /// Adds one cell in one channel to the lower triangle of `h`.
-    fn add_row(&mut self, row: &[(usize, f64, f64)], shrink: impl Fn(usize) -> f64, weight: f64) {
-        for (k, &(i, ai, bi)) in row.iter().enumerate() {
-            for &(j, aj, bj) in &row[..=k] {
-                let (low, high) = (i.max(j), i.min(j));
-                let shrinkage = (shrink(i) * shrink(j)).sqrt();
-                self.h[(low, high)] += 0.5 * weight * shrinkage * (ai * bj + bi * aj);
+    /// How much of the variance that the renderings give each unknown comes from the cell number `index` of `means`, of which
+    /// these are the equations and `covariance` the inverse curvature, if it had one path: by its derivatives and its
+    /// group's noise. What the cell's own renderings happen to differ by tells little: it is one draw.
+    pub(crate) fn variance_of_path(
+        &self,
+        (index, mean): (usize, &Mean),
+        covariance: &DMatrix<f64>,
+    ) -> DVector<f64> {
+        let mut variance = DVector::zeros(self.g.len());
+        for channel in 0..3 {
+            let weight = f64::from(self.weights[index][channel]);
+            let mut derivative = DVector::zeros(self.g.len());
+            for &(k, a, b) in &mean.rows[channel] {
+                derivative[k] += 0.5 * weight * self.shrinkage[(mean.group, k)] * (a + b);
             }
+            let by = covariance * derivative;
+            let noise = self.rendering[mean.group][channel] * mean.level2[channel];
+            variance += f64::from(noise) * by.component_mul(&by);
+        }
+        variance
+    }
+}
+
+/// Adds one cell in one channel to the lower triangle of `h`.
+fn add_row(
+    h: &mut DMatrix<f64>,
+    row: &[(usize, f64, f64)],
+    shrink: impl Fn(usize) -> f64,
+    weight: f64,
+) {
+    for (k, &(i, ai, bi)) in row.iter().enumerate() {
+        for &(j, aj, bj) in &row[..=k] {
+            let (low, high) = (i.max(j), i.min(j));
+            let shrinkage = (shrink(i) * shrink(j)).sqrt();
+            h[(low, high)] += 0.5 * weight * shrinkage * (ai * bj + bi * aj);
         }
     }
 }
@@ -254,7 +287,7 @@ impl<'a> Specular<'a> {
 
 /// What is not the photograph's noise in the residuals of a group, relative to the local radiance.
 struct Noise {
-    /// Variance of the mean of both renderings, times the pixels of a cell.
+    /// Variance of the mean of both renderings, times the pixels of a cell and the paths of each.
     rendering: Rgb,
     /// Variance of what the model does not explain.
     residual: Rgb,
@@ -265,12 +298,12 @@ impl Noise {
         let of_group = || means.iter().filter(move |m| m.group == group && !m.bound);
         let rendering = |m: &Mean| {
             let [a, b] = m.residuals;
-            0.25 * (a - b) * (a - b) / m.level2 * m.pixels as f32
+            0.25 * (a - b) * (a - b) / m.level2 * (m.pixels * m.paths) as f32
         };
         let rendering = clipped_mean(of_group().map(rendering));
         let residual = |m: &Mean| {
             let mean = 0.5 * (m.residuals[0] + m.residuals[1]);
-            (mean * mean - m.variance) / m.level2 - rendering / m.pixels as f32
+            (mean * mean - m.variance) / m.level2 - rendering / (m.pixels * m.paths) as f32
         };
         let residual = clipped_mean(of_group().map(residual)).max(Rgb::splat(RESIDUAL_MIN));
         Self { rendering, residual }
@@ -278,7 +311,7 @@ impl Noise {
 
     /// The variance of a cell's mean residual.
     fn variance(&self, mean: &Mean) -> Rgb {
-        let relative = self.residual + self.rendering / mean.pixels as f32;
+        let relative = self.residual + self.rendering / (mean.pixels * mean.paths) as f32;
         (mean.variance + relative * mean.level2).max(Rgb::splat(f32::MIN_POSITIVE))
     }
 }

@@ -16,6 +16,7 @@ use super::kept::KeptPaths;
 use super::means::{self, Mean};
 use super::needs;
 use super::normal::Normal;
+use super::origins::Origins;
 use super::sample;
 use super::system::System;
 use super::unknowns::Unknowns;
@@ -86,8 +87,9 @@ impl<'o> Passes<'o> {
     ) -> Solution {
         let unknowns = Unknowns::of(state);
         let prior = unknowns.prior_mean(state);
-        self.approach_with(state, (&unknowns, &prior), self.options.effort, observer);
-        self.accumulate(state, unknowns, &prior, observer)
+        let effort = self.options.effort;
+        let origins = self.approach_with(state, (&unknowns, &prior), effort, observer);
+        self.accumulate(state, unknowns, (&prior, &origins), observer)
     }
 
     /// The approach alone.
@@ -126,29 +128,32 @@ impl<'o> Passes<'o> {
         relative_error(&Normal::of(&means, unknowns, state.materials.len()), &means)
     }
 
+    /// Where the noise comes from, at the end.
     fn approach_with(
         &mut self,
         state: &mut State<'_>,
         (unknowns, prior): (&Unknowns, &DVector<f64>),
         effort: Effort,
         observer: &mut dyn Observer,
-    ) {
+    ) -> Origins {
         let pixels = (effort.pixels(COARSE.0), self.pixels_seed());
         let spp = effort.samples(COARSE.1);
+        let mut origins = Origins::default();
         for _ in 0..TRACED_MAX {
             let what = if state.schedule.is_refining() { "refining" } else { "fitting" };
             observer.working(&format!("{what} all numbers together"), state.schedule.share(0.0));
             state.look_at_photograph();
             let settings = Settings { spp, ..self.settings() };
             let kept = KeptPaths::new(state, pixels, &settings);
-            self.steps(state, unknowns, prior, &kept, observer);
+            origins = self.steps(state, unknowns, prior, &kept, observer);
             if kept.carry(state) || observer.is_cancelled() {
-                return;
+                break;
             }
         }
+        origins
     }
 
-    /// Steps on the same paths, while they are significant.
+    /// Steps on the same paths, while they are significant. Where the noise comes from, at the end.
     fn steps<'a>(
         &self,
         state: &mut State<'a>,
@@ -156,12 +161,13 @@ impl<'o> Passes<'o> {
         prior: &DVector<f64>,
         kept: &KeptPaths<'a>,
         observer: &mut dyn Observer,
-    ) {
+    ) -> Origins {
+        let mut origins = Origins::default();
         let mut last: Option<Place> = None;
         let mut damping = 0.0;
         for taken in 1..=STEPS_MAX {
             if observer.is_cancelled() {
-                return;
+                break;
             }
             state.look_at_photograph();
             let means = state.steps.value("pass", || kept.means(state, unknowns));
@@ -176,21 +182,24 @@ impl<'o> Passes<'o> {
                 }
                 _ => {
                     damping *= 0.1;
-                    Place::of(state, &means, &normal, system(state, unknowns, &normal, prior))
+                    let system = system(state, unknowns, &normal, prior);
+                    origins = Origins::of(&means, &normal, &system);
+                    Place::of(state, &means, &normal, system)
                 }
             };
             let Some(step) = place.system.step(damping, &unknowns.bounds(state)) else {
-                return;
+                break;
             };
             let moved = in_deviations(&step, &place.system.covariance());
             if !worse && moved.iter().all(|moved| *moved <= SIGNIFICANT) {
-                return;
+                break;
             }
             unknowns.apply(state, &step);
             let done = 0.1 + 0.3 * taken as f64 / STEPS_MAX as f64;
             tell(state, observer, unknowns, (&step, error, &means), done);
             last = Some(place);
         }
+        origins
     }
 
     /// Fresh paths, and more of them where they are lacking.
@@ -198,14 +207,16 @@ impl<'o> Passes<'o> {
         &mut self,
         state: &mut State<'_>,
         unknowns: Unknowns,
-        prior: &DVector<f64>,
+        (prior, origins): (&DVector<f64>, &Origins),
         observer: &mut dyn Observer,
     ) -> Solution {
         let effort = self.options.effort;
         let settings = self.settings();
         let first = effort.samples(FINE.1);
         let mut average: Vec<Mean> = Vec::new();
-        let mut samples = vec![0..first; state.materials.len()];
+        let mut cells = sample::all(state, effort.pixels(FINE.0), self.pixels_seed());
+        let origins = origins.of_cells(&cells, unknowns.len());
+        let mut samples = vec![0..first; cells.len()];
         let mut stated = DMatrix::zeros(unknowns.len(), unknowns.len());
         let (mut settled, mut failed) = (false, false);
         for pass in 1..=PASSES_MAX {
@@ -213,7 +224,7 @@ impl<'o> Passes<'o> {
                 break;
             }
             state.look_at_photograph();
-            let cells = sample::all(state, effort.pixels(FINE.0), self.pixels_seed());
+            sample::expose(state, &mut cells);
             let gather = || means::gather(state, &unknowns, &cells, &samples, &settings);
             means::average(&mut average, state.steps.value("pass", gather));
             let normal = Normal::of(&average, &unknowns, state.materials.len());
@@ -226,7 +237,6 @@ impl<'o> Passes<'o> {
             };
             let step = unknowns.apply(state, &step);
             let error = relative_error(&normal, &average);
-            let seen = means::pixels_of_groups(&average, state.materials.len());
             let done = 0.4 + 0.6 * pass as f64 / PASSES_MAX as f64;
             tell(state, observer, &unknowns, (&step, error, &average), done);
             let moved = in_deviations(&step, &covariance);
@@ -239,8 +249,7 @@ impl<'o> Passes<'o> {
             } else {
                 average.iter_mut().for_each(|mean| mean.move_by(&step));
                 let variances = (&covariance, &rendering, &normal.doubt);
-                let taken: Vec<u32> = samples.iter().map(|samples| samples.end).collect();
-                needs::of(state, (&unknowns, effort), variances, &moved, (&seen, &taken), first)
+                needs::of(state, (&unknowns, effort), variances, &moved, (&average, &origins), first)
             };
             if paths.iter().all(|paths| *paths == 0) {
                 break;

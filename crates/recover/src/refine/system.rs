@@ -83,9 +83,19 @@ impl System {
         self.sandwich(&self.g_rendering).diagonal()
     }
 
-    fn sandwich(&self, of_gradient: &DMatrix<f64>) -> DMatrix<f64> {
+    /// The inverse of the curvature.
+    pub(super) fn inverse(&self) -> DMatrix<f64> {
+        let (n, inverse) = (self.unit.len(), self.scaled_inverse());
+        DMatrix::from_fn(n, n, |i, j| self.unit[i] * inverse[(i, j)] * self.unit[j])
+    }
+
+    fn scaled_inverse(&self) -> DMatrix<f64> {
         let n = self.unit.len();
-        let inverse = self.h.clone().cholesky().map_or(DMatrix::identity(n, n), |c| c.inverse());
+        self.h.clone().cholesky().map_or(DMatrix::identity(n, n), |c| c.inverse())
+    }
+
+    fn sandwich(&self, of_gradient: &DMatrix<f64>) -> DMatrix<f64> {
+        let (n, inverse) = (self.unit.len(), self.scaled_inverse());
         let covariance = &inverse * of_gradient * &inverse;
         DMatrix::from_fn(n, n, |i, j| self.unit[i] * covariance[(i, j)] * self.unit[j])
     }

@@ -110,7 +110,7 @@ impl<'a> Remote<'a> {
     }
 
     /// `pixels` cut into tiles of `least` pixels or more; none without workers.
-    fn tiles<'p>(&self, pixels: &'p [u32], least: usize) -> Option<std::slice::Chunks<'p, u32>> {
+    fn tiles<'p, P>(&self, pixels: &'p [P], least: usize) -> Option<std::slice::Chunks<'p, P>> {
         let tiles = match self.workers.count() {
             0 => return None,
             // Nothing is gained by cutting.
@@ -143,26 +143,20 @@ impl<'a> Remote<'a> {
         Some(all)
     }
 
-    fn asked_jacobian(
+    /// What `request` asks of each tile of `pixels`: the radiance and so many derivatives of each.
+    fn asked_jacobian<P>(
         &self,
-        (appearance, drawn): (Appearance<'_>, Option<Appearance<'_>>),
-        (pixels, parameters): (&[u32], &[Parameter]),
-        settings: &Settings,
+        appearances: (Appearance<'_>, Option<Appearance<'_>>),
+        (pixels, parameters): (&[P], usize),
         seen: Option<&RadianceCache>,
+        request: impl Fn(&[P]) -> Request,
     ) -> Option<Jacobian> {
-        let request = |tile: &[u32]| {
-            let (pixels, parameters) = (tile.to_vec(), parameters.to_vec());
-            match drawn {
-                None => Request::Jacobian(pixels, parameters, *settings),
-                Some(_) => Request::Replay(pixels, parameters, *settings),
-            }
-        };
         let tiles = self.tiles(pixels, PIXELS_MIN)?;
-        let sizes: Vec<usize> = tiles.clone().map(<[u32]>::len).collect();
-        let answers = self.ask((appearance, drawn), seen, tiles.map(request))?;
+        let sizes: Vec<usize> = tiles.clone().map(<[P]>::len).collect();
+        let answers = self.ask(appearances, seen, tiles.map(request))?;
         let mut all = Jacobian::default();
         for (answer, size) in answers.iter().zip(sizes) {
-            let values = wire::read_rgb(answer, size * (1 + parameters.len()))?;
+            let values = wire::read_rgb(answer, size * (1 + parameters))?;
             all.radiance.extend_from_slice(&values[..size]);
             all.derivatives.extend_from_slice(&values[size..]);
         }
@@ -234,12 +228,15 @@ impl Renderer for Remote<'_> {
     fn jacobian(
         &self,
         appearance: Appearance<'_>,
-        pixels: &[u32],
+        pixels: &[(u32, Range<u32>)],
         parameters: &[Parameter],
         settings: &Settings,
         seen: Option<&RadianceCache>,
     ) -> Jacobian {
-        self.asked_jacobian((appearance, None), (pixels, parameters), settings, seen)
+        let request = |tile: &[(u32, Range<u32>)]| {
+            Request::Jacobian(tile.to_vec(), parameters.to_vec(), *settings)
+        };
+        self.asked_jacobian((appearance, None), (pixels, parameters.len()), seen, request)
             .unwrap_or_else(|| self.view.jacobian(appearance, pixels, parameters, settings, seen))
     }
 

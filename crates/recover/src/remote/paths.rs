@@ -1,6 +1,7 @@
 //! Paths that workers keep: what they are, and what is asked of them.
 
 use super::Remote;
+use super::wire::Request;
 use crate::rerender::{Renderer, Stored};
 use unrender_render::{Appearance, Jacobian, Parameter, RadianceCache, Settings};
 use unrender_scene::{Material, Rgb};
@@ -34,8 +35,12 @@ impl Stored for Paths<'_, '_> {
     fn replay(&self, appearance: Appearance<'_>, seen: Option<&RadianceCache>) -> Jacobian {
         let drawn = Appearance { materials: &self.materials, lights: &self.lights };
         let asked = (self.pixels.as_slice(), self.parameters.as_slice());
-        let found =
-            self.remote.asked_jacobian((appearance, Some(drawn)), asked, &self.settings, seen);
+        let request = |tile: &[u32]| {
+            Request::Replay(tile.to_vec(), self.parameters.clone(), self.settings)
+        };
+        let count = self.parameters.len();
+        let appearances = (appearance, Some(drawn));
+        let found = self.remote.asked_jacobian(appearances, (asked.0, count), seen, request);
         found.unwrap_or_else(|| {
             let (view, settings) = (&self.remote.view, &self.settings);
             let stored = view.store(drawn, asked.0, asked.1, settings, self.seen.as_ref());

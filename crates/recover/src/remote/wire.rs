@@ -15,9 +15,9 @@ use unrender_scene::{Camera, Material, Rgb, Scene};
 pub(super) enum Request {
     /// The light that arrives behind these pixels.
     Probe(Vec<u32>, ProbeSettings),
-    /// The radiance of these pixels and its derivatives.
-    Jacobian(Vec<u32>, Vec<Parameter>, Settings),
-    /// The same on paths that were drawn from other materials.
+    /// The radiance of these pixels, each by the paths of these numbers, and its derivatives.
+    Jacobian(Vec<(u32, Range<u32>)>, Vec<Parameter>, Settings),
+    /// The same on paths that were drawn from other materials, of the settings' numbers.
     Replay(Vec<u32>, Vec<Parameter>, Settings),
     /// The radiance of these pixels.
     Radiance(Vec<u32>, Settings),

@@ -70,7 +70,7 @@ impl Worker {
                 wire::write_probes(&view.probe(appearance, &pixels, &settings, seen))
             }
             Request::Jacobian(pixels, parameters, settings) => {
-                self.check(&pixels)?;
+                self.check(&pixels.iter().map(|(pixel, _)| *pixel).collect::<Vec<u32>>())?;
                 let found = view.jacobian(appearance, &pixels, &parameters, &settings, seen);
                 wire::write_rgb(found.radiance.iter().chain(&found.derivatives))
             }

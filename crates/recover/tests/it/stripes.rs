@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
+use std::ops::Range;
 use unrender_recover::{Expected, Picture, Renderer, Stored};
 use unrender_render::geometry::PixelGeometry;
 use unrender_render::probe::Incident;
@@ -156,7 +157,8 @@ struct StoredStripes<'s> {
 impl Stored for StoredStripes<'_> {
     fn replay(&self, appearance: Appearance<'_>, seen: Option<&RadianceCache>) -> Jacobian {
         let settings = Settings::default();
-        self.stripes.jacobian(appearance, &self.pixels, &self.parameters, &settings, seen)
+        let pixels: Vec<_> = self.pixels.iter().map(|pixel| (*pixel, settings.samples())).collect();
+        self.stripes.jacobian(appearance, &pixels, &self.parameters, &settings, seen)
     }
 }
 
@@ -203,11 +205,12 @@ impl Renderer for Stripes {
     fn jacobian(
         &self,
         appearance: Appearance<'_>,
-        pixels: &[u32],
+        pixels: &[(u32, Range<u32>)],
         parameters: &[Parameter],
         _: &Settings,
         _: Option<&RadianceCache>,
     ) -> Jacobian {
+        let pixels: Vec<u32> = pixels.iter().map(|(pixel, _)| *pixel).collect();
         let mut derivatives = vec![Rgb::ZERO; pixels.len() * parameters.len()];
         let group_of = |index: usize| self.geometry.pixels()[pixels[index] as usize].group;
         for (group, material) in appearance.materials.iter().enumerate().map(|(g, m)| (g as u32, m))
@@ -221,7 +224,7 @@ impl Renderer for Stripes {
                 }
             }
         }
-        let radiance = self.radiances(appearance.materials, pixels);
+        let radiance = self.radiances(appearance.materials, &pixels);
         Jacobian { radiance, derivatives }
     }
 

@@ -37,6 +37,7 @@ use glam::DVec3;
 use plan::Plan;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 use tape::Tape;
 use unrender_scene::{Camera, Rgb};
 
@@ -61,7 +62,7 @@ pub enum Parameter {
     Cache,
 }
 
-/// Pixels per parallel task.
+/// Pixels per parallel task, where all have as many paths.
 const CHUNK: usize = 256;
 
 /// Radiance and its derivatives in some pixels.
@@ -97,6 +98,34 @@ impl Tracer {
         cache: Option<CacheLookup<'_>>,
     ) -> Jacobian {
         let appearance = appearance.into();
+        if parameters.is_empty() {
+            let radiance = self.radiance_reweighted(
+                appearance, appearance, camera, size, pixels, settings, cache,
+            );
+            return Jacobian { radiance, derivatives: Vec::new() };
+        }
+        let of_pixel = |pixel: &u32| (*pixel, settings.samples());
+        let pixels: Vec<(u32, Range<u32>)> = pixels.iter().map(of_pixel).collect();
+        self.jacobian_of_samples(appearance, camera, size, &pixels, parameters, settings, cache)
+    }
+
+    /// The same for `pixels` by the paths of other numbers than those of `settings`, for each pixel those given beside it;
+    /// zero where there are none.
+    ///
+    /// # Panics
+    /// If the appearance has fewer materials than the scene has groups.
+    #[expect(clippy::too_many_arguments, reason = "each is an independent part of the problem")]
+    pub fn jacobian_of_samples<'a>(
+        &self,
+        appearance: impl Into<Appearance<'a>>,
+        camera: &Camera,
+        size: (usize, usize),
+        pixels: &[(u32, Range<u32>)],
+        parameters: &[Parameter],
+        settings: &Settings,
+        cache: Option<CacheLookup<'_>>,
+    ) -> Jacobian {
+        let appearance = appearance.into();
         let drawn = plan::drawn(appearance.materials, parameters);
         let sampled_as = Appearance { materials: &drawn, ..appearance };
         let estimator = Estimator {
@@ -106,23 +135,18 @@ impl Tracer {
             size,
             settings,
         };
-        if parameters.is_empty() {
-            return Jacobian { radiance: estimator.radiance(pixels), derivatives: Vec::new() };
-        }
         let mut radiance = vec![Rgb::ZERO; pixels.len()];
         let mut derivatives = vec![Rgb::ZERO; pixels.len() * parameters.len()];
-        let rows = derivatives.par_chunks_mut(CHUNK * parameters.len());
-        let outputs = radiance.par_chunks_mut(CHUNK).zip(rows);
-        pixels.par_chunks(CHUNK).zip(outputs).for_each(|(pixels, (radiance, rows))| {
-            let mut tape = Tape::new(&estimator.plan);
-            let rows = rows.chunks_exact_mut(parameters.len());
-            for ((&pixel, radiance), row) in pixels.iter().zip(radiance).zip(rows) {
-                *radiance = estimator.pixel(pixel, &mut tape);
-                let scale = 1.0 / estimator.paths();
-                for (derivative, slot) in row.iter_mut().zip(&estimator.plan.slots) {
-                    let sum = slot.map_or(DVec3::ZERO, |slot| tape.sums[slot as usize]);
-                    *derivative = (sum * scale).as_vec3();
-                }
+        let rows = derivatives.par_chunks_mut(parameters.len().max(1));
+        let outputs = radiance.par_iter_mut().zip(rows);
+        let new_tape = || Tape::new(&estimator.plan);
+        pixels.par_iter().zip(outputs).for_each_init(new_tape, |tape, (pixel, (radiance, row))| {
+            let (pixel, samples) = pixel;
+            let scale = 1.0 / f64::from(samples.len().max(1) as u32);
+            *radiance = estimator.pixel(*pixel, samples.clone(), tape);
+            for (derivative, slot) in row.iter_mut().zip(&estimator.plan.slots) {
+                let sum = slot.map_or(DVec3::ZERO, |slot| tape.sums[slot as usize]);
+                *derivative = (sum * scale).as_vec3();
             }
         });
         Jacobian { radiance, derivatives }
@@ -172,31 +196,28 @@ struct Estimator<'a> {
 }
 
 impl Estimator<'_> {
-    /// The number of paths per pixel.
-    fn paths(&self) -> f64 {
-        f64::from(self.settings.spp.max(1))
-    }
-
     /// The radiance of `pixels`, without derivatives.
     fn radiance(&self, pixels: &[u32]) -> Vec<Rgb> {
         let chunk = |chunk: &[u32]| -> Vec<Rgb> {
             let mut tape = Tape::new(&self.plan);
-            chunk.iter().map(|&pixel| self.pixel(pixel, &mut tape)).collect()
+            let samples = || self.settings.samples();
+            chunk.iter().map(|&pixel| self.pixel(pixel, samples(), &mut tape)).collect()
         };
         pixels.par_chunks(CHUNK).flat_map_iter(chunk).collect()
     }
 
-    /// The radiance of one pixel; leaves the sums over its paths on the tape.
-    fn pixel(&self, pixel: u32, tape: &mut Tape<'_>) -> Rgb {
+    /// The radiance of one pixel by the paths of these numbers; leaves the sums over them on the tape.
+    fn pixel(&self, pixel: u32, samples: Range<u32>, tape: &mut Tape<'_>) -> Rgb {
+        let paths = f64::from(samples.len().max(1) as u32);
         let mut radiance = DVec3::ZERO;
         tape.sums.fill(DVec3::ZERO);
-        for index in self.settings.samples() {
+        for index in samples {
             let mut sampler = self.settings.pixels(self.size.0).sampler(pixel, index);
             let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
             tape.begin();
             self.transport.trace_ray(&ray, &mut sampler, tape);
             radiance += tape.finish().as_dvec3();
         }
-        (radiance / self.paths()).as_vec3()
+        (radiance / paths).as_vec3()
     }
 }
