@@ -170,8 +170,7 @@ impl Verifier {
             }
             let field = LightField { least: self.allowance.light, ..sample.field.clone() };
             at.residual = Some(of_group.residual);
-            at.likelihood =
-                Some(Likelihood::of(&of_group.residuals, &field, self.allowance.floor));
+            at.likelihood = Some(Likelihood::of(&of_group.residuals, &field, self.allowance.floor));
         }
     }
 

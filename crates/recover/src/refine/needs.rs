@@ -41,7 +41,7 @@ pub(super) fn of(
     mean_spp: u32,
 ) -> Vec<u32> {
     let has_moved = moved.iter().any(|moved| *moved > 1.0);
-    let mut wanted = vec![if has_moved { SPP[0] } else { 0.0 }; seen.len()];
+    let mut wanted = vec![0.0f64; seen.len()];
     let mut numbers: Vec<Vec<f64>> = Vec::new();
     for (k, u) in unknowns.list.iter().enumerate() {
         let block = blocks::of(u.quantity);
@@ -60,7 +60,8 @@ pub(super) fn of(
     let cells: Vec<[f64; 2]> = seen.iter().map(|cell| [cell.pixels, cell.paths]).collect();
     let more = where_it_comes_from(&cells, &numbers, most);
     wanted.iter_mut().zip(more).for_each(|(wanted, more)| *wanted = wanted.max(more));
-    allocate(&cells, &wanted, most, if has_moved { SPP[0] } else { 0.0 })
+    let lacks_none = wanted.iter().all(|wanted| *wanted == 0.0);
+    allocate(&cells, &wanted, most, if has_moved && lacks_none { SPP[0] } else { 0.0 })
 }
 
 /// For each cell: the variance of a number by one path there (`by_path`), in units of what is allowed for all of its
@@ -110,4 +111,62 @@ fn allocate(cells: &[[f64; 2]], wanted: &[f64], most: f64, least: f64) -> Vec<u3
     let together = f64::from(TOGETHER);
     let sets = |wanted: &f64| ((share * clamped(wanted)).max(least) / together).round() as u32;
     wanted.iter().map(|wanted| sets(wanted) * TOGETHER).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The variance of a number with these `shares` after `more` paths, in units of what is allowed.
+    fn left(cells: &[[f64; 2]], shares: &[f64], more: &[f64]) -> f64 {
+        let with = cells.iter().zip(more).map(|([pixels, paths], more)| pixels * (paths + more));
+        shares.iter().zip(with).map(|(share, paths)| share / paths).sum()
+    }
+
+    #[test]
+    fn paths_go_where_the_noise_comes_from() {
+        // Of 64 paths in each of four cells of 10 pixels; the first has sixteen times the noise of the others.
+        let cells = [[10.0, 64.0]; 4];
+        let shares: Vec<f64> = [16.0, 1.0, 1.0, 1.0].map(|noise| noise * 640.0 / 19.0 * 2.0).into();
+        assert!((left(&cells, &shares, &[0.0; 4]) - 2.0).abs() < 1e-9);
+        let more = where_it_comes_from(&cells, std::slice::from_ref(&shares), f64::INFINITY);
+        // What is allowed is reached and not more, and only where the noise comes from.
+        assert!((left(&cells, &shares, &more) - 1.0).abs() < 1e-3, "{more:?}");
+        assert!(more[0] > 64.0 && more[1..].iter().all(|more| *more == 0.0), "{more:?}");
+        // Without enough paths, so many as there are; cells that have the same noise, the same.
+        let even = vec![6400.0; 4];
+        let more = where_it_comes_from(&cells, &[even], 800.0);
+        assert!(more.iter().all(|more| (more - 20.0).abs() < 0.1), "{more:?}");
+        // No number lacks any.
+        assert_eq!(where_it_comes_from(&cells, &[], 800.0), [0.0; 4]);
+    }
+
+    #[test]
+    fn no_other_sharing_out_leaves_less_noise() {
+        let cells = [[64.0, 32.0], [20.0, 32.0], [64.0, 32.0], [3.0, 32.0]];
+        let shares = vec![900.0, 4000.0, 100.0, 50.0];
+        let more = where_it_comes_from(&cells, std::slice::from_ref(&shares), 4000.0);
+        let least = left(&cells, &shares, &more);
+        // A path's worth from one cell to another makes it no better.
+        for (from, to) in (0..4).flat_map(|from| (0..4).map(move |to| (from, to))) {
+            let mut moved = more.clone();
+            let paths = (0.05 * more[from] * cells[from][0]).min(20.0);
+            moved[from] -= paths / cells[from][0];
+            moved[to] += paths / cells[to][0];
+            assert!(left(&cells, &shares, &moved) >= least * (1.0 - 1e-6), "{from} to {to}");
+        }
+    }
+
+    #[test]
+    fn paths_come_in_full_sets() {
+        let cells = [[1000.0, 0.0], [1000.0, 0.0], [10.0, 0.0], [500.0, 0.0]];
+        let most = 32.0 * 2510.0;
+        // What is wanted is given to the nearest set, and no more.
+        assert_eq!(allocate(&cells, &[30.0, 0.0, 16.0, 3.0], most, 0.0), [32, 0, 16, 0]);
+        // All cells are looked at again.
+        assert_eq!(allocate(&cells, &[0.0; 4], most, SPP[0]), [16; 4]);
+        // A small one takes no more than makes sense; where it is too much, all get fewer.
+        assert_eq!(allocate(&cells, &[0.0, 0.0, 5000.0, 0.0], most, 0.0), [0, 0, 1024, 0]);
+        assert_eq!(allocate(&cells, &[160.0, 80.0, 0.0, 0.0], most, 0.0), [48, 32, 0, 0]);
+    }
 }

@@ -249,7 +249,14 @@ impl<'o> Passes<'o> {
             } else {
                 average.iter_mut().for_each(|mean| mean.move_by(&step));
                 let variances = (&covariance, &rendering, &normal.doubt);
-                needs::of(state, (&unknowns, effort), variances, &moved, (&average, &origins), first)
+                needs::of(
+                    state,
+                    (&unknowns, effort),
+                    variances,
+                    &moved,
+                    (&average, &origins),
+                    first,
+                )
             };
             if paths.iter().all(|paths| *paths == 0) {
                 break;

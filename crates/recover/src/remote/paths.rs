@@ -35,9 +35,8 @@ impl Stored for Paths<'_, '_> {
     fn replay(&self, appearance: Appearance<'_>, seen: Option<&RadianceCache>) -> Jacobian {
         let drawn = Appearance { materials: &self.materials, lights: &self.lights };
         let asked = (self.pixels.as_slice(), self.parameters.as_slice());
-        let request = |tile: &[u32]| {
-            Request::Replay(tile.to_vec(), self.parameters.clone(), self.settings)
-        };
+        let request =
+            |tile: &[u32]| Request::Replay(tile.to_vec(), self.parameters.clone(), self.settings);
         let count = self.parameters.len();
         let appearances = (appearance, Some(drawn));
         let found = self.remote.asked_jacobian(appearances, (asked.0, count), seen, request);

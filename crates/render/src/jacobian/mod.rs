@@ -99,9 +99,8 @@ impl Tracer {
     ) -> Jacobian {
         let appearance = appearance.into();
         if parameters.is_empty() {
-            let radiance = self.radiance_reweighted(
-                appearance, appearance, camera, size, pixels, settings, cache,
-            );
+            let radiance = self
+                .radiance_reweighted(appearance, appearance, camera, size, pixels, settings, cache);
             return Jacobian { radiance, derivatives: Vec::new() };
         }
         let of_pixel = |pixel: &u32| (*pixel, settings.samples());

@@ -380,3 +380,35 @@ fn what_is_asked_is_what_comes_back() {
         assert_eq!(row, &whole.derivatives[pixel as usize * all.len()..][..all.len()]);
     }
 }
+
+#[test]
+fn each_pixel_has_paths_of_its_own() {
+    let room = Room::new(WardModel::WardGmd);
+    let all = everything();
+    let of = |first: u32, spp: u32| {
+        let settings = Settings { first, ..settings(spp) };
+        room.jacobian(&all, &settings, None)
+    };
+    let ranges = [0..4, 4..16, 0..0];
+    let [few, more] = [of(0, 4), of(4, 12)];
+    let pixels = all_pixels().into_iter();
+    let asked: Vec<_> = pixels.map(|p| (p, ranges[p as usize % 3].clone())).collect();
+    let found = room.tracer.jacobian_of_samples(
+        room.appearance(),
+        &room.camera,
+        SIZE,
+        &asked,
+        &all,
+        &settings(1),
+        None,
+    );
+    for pixel in 0..asked.len() {
+        let row = |jacobian: &Jacobian| {
+            let derivatives = &jacobian.derivatives[pixel * all.len()..][..all.len()];
+            (jacobian.radiance[pixel], derivatives.to_vec())
+        };
+        let none = (Rgb::ZERO, vec![Rgb::ZERO; all.len()]);
+        let expected = [row(&few), row(&more), none][pixel % 3].clone();
+        assert_eq!(row(&found), expected, "pixel {pixel}");
+    }
+}
