@@ -40,7 +40,7 @@ const FINE: (usize, u32) = (40_000, 32);
 /// four fifths of the time, and roughnesses are up to twice as far off.
 const STEPS_MAX: usize = 10;
 const TRACED_MAX: usize = 3;
-const PASSES_MAX: usize = 10;
+const PASSES_MAX: usize = 6;
 /// A step of an approach is taken if one of its numbers is this many standard deviations long. At a thirtieth of
 /// it drafts follow the noise of their paths away from the ladder's answer; at double the accumulation begins off
 /// the minimum.

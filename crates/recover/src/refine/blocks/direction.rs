@@ -16,7 +16,7 @@ const DEVIATION: f64 = 1.0;
 const STEP: f64 = 0.3;
 /// The standard deviation below which nobody asks for more, radians: 0.06 degrees. Half of it takes four
 /// times the paths; double of it can be measured on a long highlight.
-const PRECISE: f64 = 1e-3;
+const PRECISE: f64 = 2e-3;
 
 impl ParameterBlock for Direction {
     fn name(&self) -> &'static str {

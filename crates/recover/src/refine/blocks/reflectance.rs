@@ -35,7 +35,7 @@ const STEP_LOBE_MIN: f64 = 0.002;
 /// The standard deviations below which nobody asks for more: of a reflectance that is seen, and of one
 /// that is known by the light that it sends to others, which is never known well. Half of them takes
 /// four times the paths; double of them is what 8 bits show.
-const PRECISE: f64 = 7e-4;
+const PRECISE: f64 = 1.4e-3;
 const PRECISE_UNSEEN: f64 = 1e-2;
 
 /// Of reflectances below this it is the share, in the difference of materials that are alike: what is nearly

@@ -25,7 +25,7 @@ const DEVIATION: f64 = 1.0;
 const STEP: f64 = 0.4;
 /// The relative standard deviation below which nobody asks for more. Half of it takes four times the
 /// paths; double of it can be seen in a sharp reflection.
-const PRECISE: f64 = 2e-3;
+const PRECISE: f64 = 4e-3;
 
 impl Roughness {
     fn bounds(&self, state: &State<'_>, u: &Unknown) -> [f32; 2] {
