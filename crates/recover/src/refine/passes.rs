@@ -8,8 +8,8 @@
 //! *Accumulation*: from there, more pixels and fresh paths, since the numbers suit those of the approach better than
 //! others. What the passes find is averaged, the residuals carried along to where the parameters have moved,
 //! `r -> r - J s`. Each pass goes on in the sequences of random numbers of the one before, and after the first
-//! one traces the paths that are lacking ([`super::needs`]). It ends when no group lacks any, or after so many passes
-//! that more would help little.
+//! one traces the paths that are lacking ([`super::needs`]), where the noise comes from ([`super::origins`]). It ends when no
+//! number lacks any, or after so many passes that more would help little.
 
 use super::Solution;
 use super::kept::KeptPaths;
@@ -24,6 +24,7 @@ use crate::effort::Effort;
 use crate::photometric::PhotometricEstimate;
 use crate::problem::{Options, Role};
 use crate::record::Observer;
+use crate::sample_budget::TOGETHER;
 use crate::state::State;
 use crate::unknown::Quantity;
 use nalgebra::{DMatrix, DVector};
@@ -33,11 +34,14 @@ use unrender_scene::{Material, Rgb};
 
 /// Pixels of a group at most and paths a pixel, in each of the two renderings, of an approach.
 pub(super) const COARSE: (usize, u32) = (8000, 16);
-/// The same of the first pass of an accumulation; the others take so many paths a pixel at most, over all groups.
-const FINE: (usize, u32) = (40_000, 32);
-/// Steps of an approach at most, how often its paths may be traced, and passes of an accumulation at most. With four
-/// passes the roughness and the direction of a small Figure 8 are twice as far off in drafts; with six a room takes
-/// four fifths of the time, and roughnesses are up to twice as far off.
+/// Pixels of a group at most in an accumulation.
+const PIXELS: usize = 40_000;
+/// Paths a pixel of its first pass, and of the others over the whole picture at most; where lights are unknown the
+/// latter: derivatives by each direction of a sky are noisy, and with half of it a sky is a tenth further off. Where they
+/// are known, double of it takes 881000 a fifth more time, and brings it no nearer.
+const FINE: [u32; 2] = [16, 32];
+/// Steps of an approach at most, how often its paths may be traced, and passes of an accumulation at most. With ten
+/// passes a room takes a sixth more time; with four nothing was tried since paths go where noise comes from.
 const STEPS_MAX: usize = 10;
 const TRACED_MAX: usize = 3;
 const PASSES_MAX: usize = 6;
@@ -212,9 +216,10 @@ impl<'o> Passes<'o> {
     ) -> Solution {
         let effort = self.options.effort;
         let settings = self.settings();
-        let first = effort.samples(FINE.1);
+        let are_lights_known = state.problem.unknown_lights.is_empty();
+        let first = effort.samples(FINE[usize::from(!are_lights_known)]).max(TOGETHER);
         let mut average: Vec<Mean> = Vec::new();
-        let mut cells = sample::all(state, effort.pixels(FINE.0), self.pixels_seed());
+        let mut cells = sample::all(state, effort.pixels(PIXELS), self.pixels_seed());
         let origins = origins.of_cells(&cells, unknowns.len());
         let mut samples = vec![0..first; cells.len()];
         let mut stated = DMatrix::zeros(unknowns.len(), unknowns.len());
@@ -271,7 +276,7 @@ impl<'o> Passes<'o> {
         self.count += 1;
         Settings {
             first: 0,
-            together: crate::sample_budget::TOGETHER,
+            together: TOGETHER,
             spp: 0,
             seed: mix(self.options.seed ^ 0x4EF1_4E00).wrapping_add(self.count << 8),
             max_bounces: self.options.max_bounces,

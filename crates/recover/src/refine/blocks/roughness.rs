@@ -23,8 +23,8 @@ const DEVIATION: f64 = 1.0;
 /// No step changes the logarithm by more than this, a factor of 1.5. Half of it takes more passes; a
 /// lobe that is twice as wide hardly overlaps with what it was linearised about.
 const STEP: f64 = 0.4;
-/// The relative standard deviation below which nobody asks for more. Half of it takes four times the
-/// paths; double of it can be seen in a sharp reflection.
+/// The relative standard deviation below which nobody asks for more. With half of it and of the
+/// other blocks' a room of 11 groups takes half as long again and comes no nearer; double was not tried.
 const PRECISE: f64 = 4e-3;
 
 impl Roughness {
