@@ -62,7 +62,7 @@ pub(super) fn of(
     }
     let most = f64::from(mean_spp) * seen.iter().map(|cell| cell.pixels).sum::<f64>();
     let cells: Vec<[f64; 2]> = seen.iter().map(|cell| [cell.pixels, cell.paths]).collect();
-    let more = where_it_comes_from(&cells, &numbers, most);
+    let more = by_origin(&cells, &numbers, most);
     wanted.iter_mut().zip(more).for_each(|(wanted, more)| *wanted = wanted.max(more));
     let lacks_none = wanted.iter().all(|wanted| *wanted == 0.0);
     allocate(&cells, &wanted, most, if has_moved && lacks_none { SPP[0] } else { 0.0 })
@@ -78,7 +78,7 @@ fn shares(seen: &[Mean], by_path: impl Iterator<Item = f64> + Clone, times: f64)
 
 /// How many paths a pixel more cells need, of which each has `[pixels, paths a pixel]`, for the variances of the
 /// `numbers` to be what is allowed, or as near to it as so many paths bring their sum at `most`.
-fn where_it_comes_from(cells: &[[f64; 2]], numbers: &[Vec<f64>], most: f64) -> Vec<f64> {
+fn by_origin(cells: &[[f64; 2]], numbers: &[Vec<f64>], most: f64) -> Vec<f64> {
     let root = |cell: usize| numbers.iter().map(|shares| shares[cell]).sum::<f64>().sqrt();
     let roots: Vec<f64> = (0..cells.len()).map(root).collect();
     let more = |scale: f64| -> Vec<f64> {
@@ -95,7 +95,8 @@ fn where_it_comes_from(cells: &[[f64; 2]], numbers: &[Vec<f64>], most: f64) -> V
         paths >= most || numbers.iter().all(|shares| left(shares) <= 1.0)
     };
     let least = roots.iter().copied().filter(|root| *root > 0.0).fold(f64::INFINITY, f64::min);
-    let mut range = [0.0, (SPP[1] + cells.iter().map(|c| c[0] * c[1]).fold(0.0, f64::max)) / least];
+    let with_most = |[pixels, paths]: &[f64; 2]| pixels * (paths + SPP[1]);
+    let mut range = [0.0, cells.iter().map(with_most).fold(0.0, f64::max) / least];
     if !range[1].is_finite() {
         return vec![0.0; cells.len()];
     }
@@ -133,23 +134,26 @@ mod tests {
         let cells = [[10.0, 64.0]; 4];
         let shares: Vec<f64> = [16.0, 1.0, 1.0, 1.0].map(|noise| noise * 640.0 / 19.0 * 2.0).into();
         assert!((left(&cells, &shares, &[0.0; 4]) - 2.0).abs() < 1e-9);
-        let more = where_it_comes_from(&cells, std::slice::from_ref(&shares), f64::INFINITY);
+        let more = by_origin(&cells, std::slice::from_ref(&shares), f64::INFINITY);
         // What is allowed is reached and not more, and only where the noise comes from.
         assert!((left(&cells, &shares, &more) - 1.0).abs() < 1e-3, "{more:?}");
         assert!(more[0] > 64.0 && more[1..].iter().all(|more| *more == 0.0), "{more:?}");
         // Without enough paths, so many as there are; cells that have the same noise, the same.
         let even = vec![6400.0; 4];
-        let more = where_it_comes_from(&cells, &[even], 800.0);
+        let more = by_origin(&cells, &[even], 800.0);
         assert!(more.iter().all(|more| (more - 20.0).abs() < 0.1), "{more:?}");
+        // A fourth of the variance takes four times the paths.
+        let more = by_origin(&[[64.0, 16.0]; 4], &[vec![4.0 * 256.0; 4]], f64::INFINITY);
+        assert!(more.iter().all(|more| (more - 48.0).abs() < 0.1), "{more:?}");
         // No number lacks any.
-        assert_eq!(where_it_comes_from(&cells, &[], 800.0), [0.0; 4]);
+        assert_eq!(by_origin(&cells, &[], 800.0), [0.0; 4]);
     }
 
     #[test]
     fn no_other_sharing_out_leaves_less_noise() {
         let cells = [[64.0, 32.0], [20.0, 32.0], [64.0, 32.0], [3.0, 32.0]];
         let shares = vec![900.0, 4000.0, 100.0, 50.0];
-        let more = where_it_comes_from(&cells, std::slice::from_ref(&shares), 4000.0);
+        let more = by_origin(&cells, std::slice::from_ref(&shares), 4000.0);
         let least = left(&cells, &shares, &more);
         // A path's worth from one cell to another makes it no better.
         for (from, to) in (0..4).flat_map(|from| (0..4).map(move |to| (from, to))) {

@@ -137,12 +137,12 @@ impl Normal {
     }
 
     /// How much of the variance that the renderings give each unknown comes from the cell number `index` of `means`, of which
-    /// these are the equations and `covariance` the inverse curvature, if it had one path: by its derivatives and its
+    /// these are the equations and `inverse` the inverse of their curvature, if it had one path: by its derivatives and its
     /// group's noise. What the cell's own renderings happen to differ by tells little: it is one draw.
     pub(crate) fn variance_of_path(
         &self,
         (index, mean): (usize, &Mean),
-        covariance: &DMatrix<f64>,
+        inverse: &DMatrix<f64>,
     ) -> DVector<f64> {
         let mut variance = DVector::zeros(self.g.len());
         for channel in 0..3 {
@@ -151,7 +151,7 @@ impl Normal {
             for &(k, a, b) in &mean.rows[channel] {
                 derivative[k] += 0.5 * weight * self.shrinkage[(mean.group, k)] * (a + b);
             }
-            let by = covariance * derivative;
+            let by = inverse * derivative;
             let noise = self.rendering[mean.group][channel] * mean.level2[channel];
             variance += f64::from(noise) * by.component_mul(&by);
         }

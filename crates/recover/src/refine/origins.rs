@@ -7,9 +7,9 @@
 use super::means::Mean;
 use super::normal::Normal;
 use super::sample::Cell;
-use super::system::System;
 use crate::blocks::Place;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// The variance of every number by one path of each cell.
@@ -20,16 +20,15 @@ pub(super) struct Origins(BTreeMap<Key, DVector<f64>>);
 type Key = (usize, Place, bool);
 
 impl Origins {
-    /// As `means` show it, whose equations these are. They are to be other renderings than those whose paths are shared
+    /// As `means` show it, whose equations these are, and `inverse` the inverse of their curvature. They are to be other renderings than those whose paths are shared
     /// out by it: where bright paths happened to be found, more would follow and fewer where they were missed, and the mean
     /// would be too dark.
-    pub(super) fn of(means: &[Mean], normal: &Normal, system: &System) -> Self {
-        let covariance = system.inverse();
+    pub(super) fn of(means: &[Mean], normal: &Normal, inverse: &DMatrix<f64>) -> Self {
         let of_cell = |(index, mean): (usize, &Mean)| {
             let key = (mean.group, mean.place, mean.bound);
-            (key, normal.variance_of_path((index, mean), &covariance))
+            (key, normal.variance_of_path((index, mean), inverse))
         };
-        Self(means.iter().enumerate().map(of_cell).collect())
+        Self(means.par_iter().enumerate().map(of_cell).collect())
     }
 
     /// For each of `cells`: the variances of the numbers, of which there are so many. Each is the mean over the cell and

@@ -78,6 +78,13 @@ struct Place {
     system: System,
 }
 
+/// What paths showed, and the equations that were made of it.
+struct Shown {
+    means: Vec<Mean>,
+    normal: Normal,
+    inverse: DMatrix<f64>,
+}
+
 impl<'o> Passes<'o> {
     pub(super) fn new(options: &'o Options) -> Self {
         Self { options, count: 0 }
@@ -92,7 +99,9 @@ impl<'o> Passes<'o> {
         let unknowns = Unknowns::of(state);
         let prior = unknowns.prior_mean(state);
         let effort = self.options.effort;
-        let origins = self.approach_with(state, (&unknowns, &prior), effort, observer);
+        let shown = self.approach_with(state, (&unknowns, &prior), effort, observer);
+        let origins = shown.map(|shown| Origins::of(&shown.means, &shown.normal, &shown.inverse));
+        let origins = origins.unwrap_or_default();
         self.accumulate(state, unknowns, (&prior, &origins), observer)
     }
 
@@ -132,32 +141,32 @@ impl<'o> Passes<'o> {
         relative_error(&Normal::of(&means, unknowns, state.materials.len()), &means)
     }
 
-    /// Where the noise comes from, at the end.
+    /// What its paths showed at the end; none if no equations could be solved.
     fn approach_with(
         &mut self,
         state: &mut State<'_>,
         (unknowns, prior): (&Unknowns, &DVector<f64>),
         effort: Effort,
         observer: &mut dyn Observer,
-    ) -> Origins {
+    ) -> Option<Shown> {
         let pixels = (effort.pixels(COARSE.0), self.pixels_seed());
         let spp = effort.samples(COARSE.1);
-        let mut origins = Origins::default();
+        let mut shown = None;
         for _ in 0..TRACED_MAX {
             let what = if state.schedule.is_refining() { "refining" } else { "fitting" };
             observer.working(&format!("{what} all numbers together"), state.schedule.share(0.0));
             state.look_at_photograph();
             let settings = Settings { spp, ..self.settings() };
             let kept = KeptPaths::new(state, pixels, &settings);
-            origins = self.steps(state, unknowns, prior, &kept, observer);
+            shown = self.steps(state, unknowns, prior, &kept, observer);
             if kept.carry(state) || observer.is_cancelled() {
                 break;
             }
         }
-        origins
+        shown
     }
 
-    /// Steps on the same paths, while they are significant. Where the noise comes from, at the end.
+    /// Steps on the same paths, while they are significant, and what they showed at the end.
     fn steps<'a>(
         &self,
         state: &mut State<'a>,
@@ -165,8 +174,8 @@ impl<'o> Passes<'o> {
         prior: &DVector<f64>,
         kept: &KeptPaths<'a>,
         observer: &mut dyn Observer,
-    ) -> Origins {
-        let mut origins = Origins::default();
+    ) -> Option<Shown> {
+        let mut shown = None;
         let mut last: Option<Place> = None;
         let mut damping = 0.0;
         for taken in 1..=STEPS_MAX {
@@ -177,6 +186,7 @@ impl<'o> Passes<'o> {
             let means = state.steps.value("pass", || kept.means(state, unknowns));
             let normal = Normal::of(&means, unknowns, state.materials.len());
             let error = relative_error(&normal, &means);
+            let errors = means::relative_errors(&means, state.materials.len());
             let worse = last.as_ref().is_some_and(|last| last.is_better_than(&means));
             let place = match last.take() {
                 Some(before) if worse => {
@@ -187,8 +197,9 @@ impl<'o> Passes<'o> {
                 _ => {
                     damping *= 0.1;
                     let system = system(state, unknowns, &normal, prior);
-                    origins = Origins::of(&means, &normal, &system);
-                    Place::of(state, &means, &normal, system)
+                    let place = Place::of(state, &means, &normal, system);
+                    shown = Some(Shown { means, normal, inverse: place.system.inverse() });
+                    place
                 }
             };
             let Some(step) = place.system.step(damping, &unknowns.bounds(state)) else {
@@ -200,10 +211,10 @@ impl<'o> Passes<'o> {
             }
             unknowns.apply(state, &step);
             let done = 0.1 + 0.3 * taken as f64 / STEPS_MAX as f64;
-            tell(state, observer, unknowns, (&step, error, &means), done);
+            tell(state, observer, unknowns, (&step, error, &errors), done);
             last = Some(place);
         }
-        origins
+        shown
     }
 
     /// Fresh paths, and more of them where they are lacking.
@@ -243,7 +254,8 @@ impl<'o> Passes<'o> {
             let step = unknowns.apply(state, &step);
             let error = relative_error(&normal, &average);
             let done = 0.4 + 0.6 * pass as f64 / PASSES_MAX as f64;
-            tell(state, observer, &unknowns, (&step, error, &average), done);
+            let errors = means::relative_errors(&average, state.materials.len());
+            tell(state, observer, &unknowns, (&step, error, &errors), done);
             let moved = in_deviations(&step, &covariance);
             settled = moved.iter().all(|moved| *moved <= 1.0);
             let rendering = system.rendering_variance();
@@ -326,15 +338,14 @@ fn tell(
     state: &mut State<'_>,
     observer: &mut dyn Observer,
     unknowns: &Unknowns,
-    (step, error, means): (&DVector<f64>, f64, &[Mean]),
+    (step, error, errors): (&DVector<f64>, f64, &[Option<f64>]),
     done: f64,
 ) {
     let reflectance = |q: Quantity| matches!(q, Quantity::RhoD | Quantity::RhoS);
     let steps = unknowns.list.iter().zip(step.iter());
     let change = steps.filter(|(u, _)| reflectance(u.quantity)).map(|(_, s)| s.abs());
     let change = change.fold(0.0, f64::max);
-    let errors = means::relative_errors(means, state.materials.len());
-    observer.iteration(state.end_pass(change, (error.max(0.0).sqrt(), &errors), done));
+    observer.iteration(state.end_pass(change, (error.max(0.0).sqrt(), errors), done));
 }
 
 impl Place {
