@@ -46,8 +46,8 @@ impl Effort {
     }
 
     /// A standard deviation below which nobody asks for more, where that of [`Effort::Normal`] is so large: twice
-    /// the paths make it 0.7. At double of a draft's a small Figure 8 takes as long and its direction is no further off;
-    /// half of it was not tried.
+    /// the paths make it 0.7. At double of a draft's a small Figure 8 takes as long and its direction is a fifth further
+    /// off; half of it was not tried.
     #[must_use]
     pub(crate) fn deviation(self, normal: f64) -> f64 {
         match self {

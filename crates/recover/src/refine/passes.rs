@@ -41,8 +41,8 @@ const PIXELS: usize = 40_000;
 /// are known, double of it takes a room of 9 groups a tenth more time, and brings it no nearer.
 const FINE: [u32; 2] = [16, 32];
 /// Steps of an approach at most, how often its paths may be traced, and passes of an accumulation at most. With six
-/// passes a room takes a tenth less time, and the direction of a small Figure 8 is half as far off again in drafts; double
-/// was not tried.
+/// passes a room takes a tenth less time, and the direction of a small Figure 8 is almost twice as far off in drafts;
+/// double was not tried.
 const STEPS_MAX: usize = 10;
 const TRACED_MAX: usize = 3;
 const PASSES_MAX: usize = 10;
