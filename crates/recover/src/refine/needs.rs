@@ -32,8 +32,9 @@ const TIMES_MAX: f64 = 4.0;
 const HALVINGS: usize = 60;
 
 /// How many paths a pixel each cell needs in the next pass, about `mean_spp` a pixel of the whole picture at most; none
-/// where no number lacks any. What the lights and the camera lack, all cells do. Where a number has `moved` by more than
-/// its standard deviation, all cells are looked at again from there: what they showed was carried along a straight line.
+/// where no number lacks any. What the lights and the camera lack, all cells do. Where none is lacked and a number has
+/// `moved` by more than its standard deviation, all cells are looked at again from there: what they showed was carried
+/// along a straight line.
 /// `variances` are those of all noise, of the renderings' alone, and how uncertain the difference is; `seen` is what each
 /// cell showed so far, and `origins` the variance of every number by one path there.
 pub(super) fn of(

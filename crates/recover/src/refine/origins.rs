@@ -20,9 +20,9 @@ pub(super) struct Origins(BTreeMap<Key, DVector<f64>>);
 type Key = (usize, Place, bool);
 
 impl Origins {
-    /// As `means` show it, whose equations these are, and `inverse` the inverse of their curvature. They are to be other renderings than those whose paths are shared
-    /// out by it: where bright paths happened to be found, more would follow and fewer where they were missed, and the mean
-    /// would be too dark.
+    /// As `means` show it, whose equations these are, and `inverse` the inverse of their curvature. They are to be other
+    /// renderings than those whose paths are shared out by it: where bright paths happened to be found, more would follow
+    /// and fewer where they were missed, and the mean would be too dark.
     pub(super) fn of(means: &[Mean], normal: &Normal, inverse: &DMatrix<f64>) -> Self {
         let of_cell = |(index, mean): (usize, &Mean)| {
             let key = (mean.group, mean.place, mean.bound);

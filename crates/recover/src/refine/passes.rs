@@ -36,8 +36,8 @@ use unrender_scene::{Material, Rgb};
 pub(super) const COARSE: (usize, u32) = (8000, 16);
 /// Pixels of a group at most in an accumulation.
 const PIXELS: usize = 40_000;
-/// Paths a pixel of its first pass, and of the others over the whole picture at most; where lights are unknown the
-/// latter: derivatives by each direction of a sky are noisy, and with half of it a sky is a tenth further off. Where they
+/// Paths a pixel of its first pass, and of each other one over the whole picture at most: where lights are known, and
+/// where not. Derivatives by each direction of a sky are noisy, and with half of it a sky is a tenth further off. Where they
 /// are known, double of it takes a room of 9 groups a tenth more time, and brings it no nearer.
 const FINE: [u32; 2] = [16, 32];
 /// Steps of an approach at most, how often its paths may be traced, and passes of an accumulation at most. With six
@@ -228,8 +228,9 @@ impl<'o> Passes<'o> {
     ) -> Solution {
         let effort = self.options.effort;
         let settings = self.settings();
-        let are_lights_known = state.problem.unknown_lights.is_empty();
-        let first = effort.samples(FINE[usize::from(!are_lights_known)]).max(TOGETHER);
+        let [known, unknown] = FINE;
+        let spp = if state.problem.unknown_lights.is_empty() { known } else { unknown };
+        let first = effort.samples(spp).max(TOGETHER);
         let mut average: Vec<Mean> = Vec::new();
         let mut cells = sample::all(state, effort.pixels(PIXELS), self.pixels_seed());
         let origins = origins.of_cells(&cells, unknowns.len());
