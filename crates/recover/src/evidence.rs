@@ -148,21 +148,7 @@ impl Evidence {
     /// The light is averaged over blocks, so that its noise does not enter the weights.
     pub fn reweigh(&mut self, material: &Material, error: ModelError) {
         let light = self.mean_radiance(material);
-        let smooth = self.blocks.smooth(&light);
-        let count = light.len().max(1) as f32;
-        let photograph: Vec<Rgb> = self.pixels.iter().map(|p| p.radiance).collect();
-        let shown = self.blocks.smooth(&photograph);
-        let shown_mean = photograph.iter().sum::<Rgb>() / count;
-        let mean = light.iter().sum::<Rgb>() / count;
-        for (pixel, &block) in self.pixels.iter_mut().zip(&self.blocks.of_pixel) {
-            let block = block as usize;
-            let (mean, local) = followed((mean, smooth[block]), (shown_mean, shown[block]));
-            let level2 = level2(mean, local);
-            pixel.level = level2.map(f32::sqrt);
-            pixel.variance = pixel.noise.variance(local);
-            let pixels = self.blocks.sizes[block] as f32 * self.blocks.places[block].parts();
-            pixel.weight = error.weight(pixel.variance, level2, pixels);
-        }
+        reweigh(&mut self.pixels, &self.blocks, &light, error);
     }
 
     /// The mean of the two renderings of `material` at every pixel.
@@ -237,6 +223,26 @@ impl Evidence {
 
     fn each(&self, f: impl Fn(&Probe) -> Rgb + Sync) -> [Vec<Rgb>; 2] {
         self.sets.each_ref().map(|set| set.means(&f))
+    }
+}
+
+/// Weights the residual of each of `pixels`, in `blocks`, by the inverse of its variance, where a model of that `error`
+/// says so much `light`.
+pub(crate) fn reweigh(pixels: &mut [Observed], blocks: &Blocks, light: &[Rgb], error: ModelError) {
+    let smooth = blocks.smooth(light);
+    let count = light.len().max(1) as f32;
+    let photograph: Vec<Rgb> = pixels.iter().map(|p| p.radiance).collect();
+    let shown = blocks.smooth(&photograph);
+    let shown_mean = photograph.iter().sum::<Rgb>() / count;
+    let mean = light.iter().sum::<Rgb>() / count;
+    for (pixel, &block) in pixels.iter_mut().zip(&blocks.of_pixel) {
+        let block = block as usize;
+        let (mean, local) = followed((mean, smooth[block]), (shown_mean, shown[block]));
+        let level2 = level2(mean, local);
+        pixel.level = level2.map(f32::sqrt);
+        pixel.variance = pixel.noise.variance(local);
+        let pixels = blocks.sizes[block] as f32 * blocks.places[block].parts();
+        pixel.weight = error.weight(pixel.variance, level2, pixels);
     }
 }
 

@@ -58,9 +58,14 @@ pub trait Renderer: Sync {
 
 /// The paths of some pixels, to be evaluated under any appearance.
 pub trait Stored {
-    /// The radiance of the pixels under `appearance`, and its derivatives by the parameters that they were kept
-    /// for; paths that end in a cache bring the radiance that `seen` has there now.
-    fn replay(&self, appearance: Appearance<'_>, seen: Option<&RadianceCache>) -> Jacobian;
+    /// The radiance of the pixels under `appearance`, and its derivatives by `parameters`; paths that end in a cache
+    /// bring the radiance that `seen` has there now.
+    fn replay(
+        &self,
+        appearance: Appearance<'_>,
+        parameters: &[Parameter],
+        seen: Option<&RadianceCache>,
+    ) -> Jacobian;
 }
 
 /// A path that shares is taken for this many at most: a few squares of a picture do not tell all, and
@@ -194,12 +199,16 @@ impl<'a> View<'a> {
 struct PathsOf<'v, 'a> {
     view: &'v View<'a>,
     paths: StoredPaths,
-    parameters: Vec<Parameter>,
 }
 
 impl Stored for PathsOf<'_, '_> {
-    fn replay(&self, appearance: Appearance<'_>, seen: Option<&RadianceCache>) -> Jacobian {
-        self.view.replay(&self.paths, appearance, &self.parameters, seen)
+    fn replay(
+        &self,
+        appearance: Appearance<'_>,
+        parameters: &[Parameter],
+        seen: Option<&RadianceCache>,
+    ) -> Jacobian {
+        self.view.replay(&self.paths, appearance, parameters, seen)
     }
 }
 
@@ -245,7 +254,7 @@ impl Renderer for View<'_> {
         seen: Option<&RadianceCache>,
     ) -> Box<dyn Stored + 's> {
         let paths = self.paths(appearance, pixels, parameters, settings, seen);
-        Box::new(PathsOf { view: self, paths, parameters: parameters.to_vec() })
+        Box::new(PathsOf { view: self, paths })
     }
 
     fn rerender(

@@ -32,7 +32,7 @@ impl Level {
     }
 
     /// The effort of the level, where these lights are unknown.
-    fn effort(self, options: &Options, unknown_lights: &[usize]) -> Effort {
+    pub(crate) fn effort(self, options: &Options, unknown_lights: &[usize]) -> Effort {
         let is_draft = self == Self::Choice && unknown_lights.is_empty();
         if is_draft { Effort::Draft } else { options.effort }
     }

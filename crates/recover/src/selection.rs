@@ -34,16 +34,16 @@ pub struct Decision {
     pub chosen: usize,
     /// For each fit: its information criterion less that of the chosen one.
     pub excess: Vec<f64>,
-    /// Whether less noise of the light may lead to a more complex hypothesis.
-    pub is_open: bool,
+    /// The more complex ones that may turn out to be better with less noise of the light, by index.
+    pub open: Vec<usize>,
 }
 
 /// The information criterion of one fit less that of another.
 #[derive(Clone, Copy, Debug, Default)]
-struct Excess {
-    value: f64,
+pub(crate) struct Excess {
+    pub(crate) value: f64,
     /// Its standard deviation by the light's noise.
-    deviation: f64,
+    pub(crate) deviation: f64,
 }
 
 /// Free parameters of a hypothesis; of a texture those of its mean.
@@ -94,9 +94,9 @@ impl<'a> Comparison<'a> {
             }
         }
         let excess = (0..self.fits.len()).map(|i| self.excess(i, chosen).value).collect();
-        let mut more_complex = competing.iter().filter(|i| **i > chosen);
-        let is_open = more_complex.any(|i| self.excess(chosen, *i).most() > 0.0);
-        Decision { chosen, excess, is_open }
+        let more_complex = competing.into_iter().filter(|i| *i > chosen);
+        let open = more_complex.filter(|i| self.excess(chosen, *i).most() > 0.0).collect();
+        Decision { chosen, excess, open }
     }
 
     /// The information criterion of fit `i` less that of fit `j`, under their common noise.
@@ -122,7 +122,7 @@ impl<'a> Comparison<'a> {
 
 impl Excess {
     /// The least that is likely.
-    fn least(self) -> f64 {
+    pub(crate) fn least(self) -> f64 {
         self.value - CERTAIN * self.deviation
     }
 

@@ -277,6 +277,7 @@ impl<'o> Candidates<'o> {
         let by = Gathering { options: self.options, group, most, budget };
         let asking = Asking {
             by,
+            level,
             rejected: &self.rejected[group],
             explained: self.options.thresholds.textured.unwrap_or(TEXTURED * typical),
             stands: sample_budget::is_light_to_spare(

@@ -3,13 +3,17 @@
 //! What one hypothesis gains beside another has a standard deviation by the light's noise
 //! ([`crate::selection`]). Little light is enough where it says, without doubt, that the group stands by what it
 //! is, as most groups do once the light is refined; where the usual light leaves open whether a more complex hypothesis
-//! is better, they are compared by more.
+//! is better, they are fitted and compared on paths ([`crate::refine::side_by_side`]), which hold all other groups as they
+//! are, or by more light as long as these are not refined.
 
 use super::evidence_pair::{EvidencePair, Fits, Gathering, Light, Searched};
 use crate::evidence::Evidence;
-use crate::hypothesis::{Fit, Hypothesis};
+use crate::hypothesis::{self, Fit, Hypothesis, Search};
 use crate::model_error::ModelError;
 use crate::problem::Options;
+use crate::refine::contenders::Rung;
+use crate::refine::side_by_side::{self, By, Choice};
+use crate::sample_budget::Level;
 use crate::selection::{Comparison, Decision, explains_alike};
 use crate::state::State;
 
@@ -44,6 +48,7 @@ pub(super) struct Compared {
 /// How one group is asked.
 pub(super) struct Asking<'a> {
     pub(super) by: Gathering<'a>,
+    pub(super) level: Level,
     /// Hypotheses that the picture spoke against.
     pub(super) rejected: &'a [Hypothesis],
     /// The model error up to which a uniform hypothesis explains the group.
@@ -54,7 +59,7 @@ pub(super) struct Asking<'a> {
 
 impl Asking<'_> {
     /// The candidates side by side; none where nothing was seen of the group.
-    pub(super) fn compare(&self, state: &State<'_>) -> Option<Compared> {
+    pub(super) fn compare(&self, state: &mut State<'_>) -> Option<Compared> {
         if self.stands {
             let little = self.compare_by(state, Light::Little)?;
             if self.confirms(state, &little) {
@@ -65,16 +70,54 @@ impl Asking<'_> {
     }
 
     /// The same by so much light, or more where that may decide otherwise.
-    fn compare_by(&self, state: &State<'_>, light: Light) -> Option<Compared> {
+    fn compare_by(&self, state: &mut State<'_>, light: Light) -> Option<Compared> {
         let group = self.by.group;
         let mut evidence = EvidencePair::gather(state, &self.by, light)?;
         let searched = evidence.search(state, group);
         let mut compared = self.judge(state, evidence, &searched)?;
-        if matches!(light, Light::Usual) && compared.fitted.decisions[0].is_open {
-            evidence = compared.evidence.judged_again(state, &self.by)?;
-            compared = self.judge(state, evidence, &searched)?;
+        if matches!(light, Light::Usual) && !compared.fitted.decisions[0].open.is_empty() {
+            if self.stands {
+                self.decide_on_paths(state, &mut compared);
+            } else {
+                evidence = compared.evidence.judged_again(state, &self.by)?;
+                compared = self.judge(state, evidence, &searched)?;
+            }
         }
         Some(compared)
+    }
+
+    /// Decides between what was chosen and those more complex ones that the evidence leaves open, on paths.
+    fn decide_on_paths(&self, state: &mut State<'_>, compared: &mut Compared) {
+        let Fitted { fits, decisions, .. } = &mut compared.fitted;
+        let first = &mut decisions[0];
+        let mut open = vec![first.chosen];
+        open.append(&mut first.open);
+        let rung = |&i: &usize| Rung {
+            hypothesis: fits[i].hypothesis,
+            material: fits[i].material.clone(),
+        };
+        let rungs = open.iter().map(rung).collect();
+        let effort = self.level.effort(self.by.options, &state.problem.unknown_lights);
+        let by = By {
+            options: self.by.options,
+            effort,
+            allowance: self.by.budget.allowance,
+            most: self.by.most,
+        };
+        let Choice { chosen, rungs, excess } =
+            side_by_side::compare(state, &by, self.by.group, rungs);
+        if chosen == 0 {
+            return;
+        }
+        let evidence = &compared.evidence.judging;
+        let Rung { hypothesis, material } = &rungs[chosen];
+        fits[open[chosen]] = hypothesis::fit(*hypothesis, evidence, material, Search::Kept);
+        let mut all = first.excess.clone();
+        let behind = all[open[chosen]];
+        all.iter_mut().for_each(|value| *value -= behind);
+        open.iter().zip(excess).for_each(|(i, excess)| all[*i] = excess);
+        decisions.retain(|decision| decision.chosen != open[chosen]);
+        decisions.insert(0, Decision { chosen: open[chosen], excess: all, open: Vec::new() });
     }
 
     /// What was `searched`, compared by the `evidence`.
@@ -102,7 +145,7 @@ impl Asking<'_> {
     fn confirms(&self, state: &State<'_>, compared: &Compared) -> bool {
         let chosen = compared.fitted.chosen();
         chosen.hypothesis == state.groups[self.by.group].hypothesis
-            && !compared.fitted.decisions[0].is_open
+            && compared.fitted.decisions[0].open.is_empty()
             && !compared.is_other_minimum
             && is_explained(chosen, self.explained, self.by.budget.allowance.floor)
     }

@@ -10,7 +10,7 @@ use crate::rerender::Stored;
 use crate::state::State;
 use std::cell::OnceCell;
 use std::ops::Range;
-use unrender_render::{Appearance, RadianceCache, Settings};
+use unrender_render::{Appearance, Parameter, RadianceCache, Settings};
 use unrender_scene::{Material, Rgb};
 
 /// The memory that the paths may take, bytes: 16 paths, twice, of 129 000 pixels. At half of it the first steps see
@@ -45,7 +45,22 @@ impl<'a> KeptPaths<'a> {
         settings: &Settings,
     ) -> Self {
         let fitting = fitting(state, per_group, settings.spp);
-        let cells = sample::all(state, fitting, pixels_seed);
+        Self::untraced(state, sample::all(state, fitting, pixels_seed), settings)
+    }
+
+    /// Paths of `cells`, on which derivatives by the numbers `asked` will be wanted.
+    pub(super) fn of_cells(
+        state: &State<'a>,
+        cells: Vec<Cell>,
+        asked: &[Parameter],
+        settings: &Settings,
+    ) -> Self {
+        let paths = Self::untraced(state, cells, settings);
+        let tiles = paths.trace(state, asked);
+        Self { tiles: OnceCell::from(tiles), ..paths }
+    }
+
+    fn untraced(state: &State<'a>, cells: Vec<Cell>, settings: &Settings) -> Self {
         Self {
             samples: vec![settings.samples(); cells.len()],
             cells,
@@ -59,13 +74,14 @@ impl<'a> KeptPaths<'a> {
 
     /// What the cells show under the appearance of `state`.
     pub(super) fn means(&self, state: &State<'a>, unknowns: &Unknowns) -> Vec<Mean> {
-        let tiles = self.tiles.get_or_init(|| self.trace(state, unknowns));
+        let tiles = self.tiles.get_or_init(|| self.trace(state, &unknowns.parameters));
         let seen = self.ends(state);
         let mut cells = self.cells.clone();
         sample::expose(state, &mut cells);
         means::of_tiles(state, unknowns, &cells, &self.samples, |index, _| {
+            let (appearance, asked) = (state.appearance(), &unknowns.parameters);
             let replayed =
-                |half: usize| tiles[index][half].replay(state.appearance(), seen.as_ref());
+                |half: usize| tiles[index][half].replay(appearance, asked, seen.as_ref());
             [replayed(0), replayed(1)]
         })
     }
@@ -77,14 +93,13 @@ impl<'a> KeptPaths<'a> {
         Some(RadianceCache { radiance: now.radiance.clone(), valid: traced.valid.clone() })
     }
 
-    fn trace(&self, state: &State<'a>, unknowns: &Unknowns) -> Vec<[Box<dyn Stored + 'a>; 2]> {
+    fn trace(&self, state: &State<'a>, asked: &[Parameter]) -> Vec<[Box<dyn Stored + 'a>; 2]> {
         let drawn = Appearance { materials: &self.materials, lights: &self.lights };
         let renderer = state.problem.renderer;
         let of_tile = |tile: Range<usize>| {
             let pixels = self.cells[tile].iter().flat_map(|cell| &cell.pixels);
             let pixels: Vec<u32> = pixels.map(|seen| seen.pixel).collect();
             means::halves(&self.settings).map(|settings| {
-                let asked = &unknowns.parameters;
                 renderer.store(drawn, &pixels, asked, &settings, self.seen.as_ref())
             })
         };
@@ -93,16 +108,17 @@ impl<'a> KeptPaths<'a> {
 
     /// Whether the paths carry the lobes of `state`.
     pub(super) fn carry(&self, state: &State<'_>) -> bool {
-        let carries = |(now, drawn): (&Material, &Material)| {
-            let within = |now: f32, drawn: f32| {
-                let [least, most] = CARRIED;
-                now >= least * drawn && now <= most * drawn
-            };
-            !now.is_glossy()
-                || within(now.alpha_x, drawn.alpha_x) && within(now.alpha_y, drawn.alpha_y)
-        };
-        state.materials.iter().zip(&self.materials).all(carries)
+        state.materials.iter().zip(&self.materials).all(|(now, drawn)| is_near(now, drawn))
     }
+}
+
+/// Whether paths that were `drawn` so carry the lobe of `now`, if it has one.
+pub(super) fn is_near(now: &Material, drawn: &Material) -> bool {
+    let within = |now: f32, drawn: f32| {
+        let [least, most] = CARRIED;
+        now >= least * drawn && now <= most * drawn
+    };
+    !now.is_glossy() || within(now.alpha_x, drawn.alpha_x) && within(now.alpha_y, drawn.alpha_y)
 }
 
 /// At most `per_group` pixels a group, and so many that the paths of all groups fit into [`MEMORY`].

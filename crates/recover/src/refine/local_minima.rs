@@ -6,16 +6,19 @@
 //! answer; every other dip is followed down, and kept if no difference of the two is significant on
 //! the same light.
 
-use super::anew;
 use crate::evidence::Evidence;
 use crate::expected::ParameterBounds;
 use crate::hypothesis::{self, Fit, Hypothesis, Search};
+use crate::model_error::ModelError;
 use crate::problem::Options;
+use crate::sample_budget::{self, Level};
 use crate::selection;
 use crate::state::State;
 use std::f32::consts::PI;
 use unrender_scene::Material;
 
+/// Pixels that are looked at. Half and double of it were not tried.
+const PIXELS: usize = 2000;
 /// Roughnesses about that of the answer, as factors.
 const FACTORS: [f32; 7] = [0.15, 0.3, 0.55, 1.0, 1.8, 3.3, 6.0];
 /// Directions about that of the answer, over half a turn.
@@ -25,6 +28,29 @@ const SAME_LN_ALPHA: f32 = 0.25;
 /// ... and, where a lobe is not nearly round, the directions by less than this (radians).
 const SAME_THETA: f32 = 0.25;
 
+/// The evidence on `group`, under the refined light, by light samples that no search has seen, weighted for its present material; none
+/// where nothing was seen of it.
+fn evidence(state: &State<'_>, options: &Options, group: usize) -> Option<Evidence> {
+    let other_noise = Options { seed: options.seed ^ 0xBA51, ..options.clone() };
+    let pixels = &state.observation.pixels_of_group[group];
+    let mut budget = sample_budget::candidates(
+        Level::Refined,
+        &other_noise,
+        &state.problem.unknown_lights,
+        pixels.len(),
+    );
+    budget.pixels = options.effort.pixels(PIXELS);
+    budget.probe.max_bounces = options.max_bounces;
+    let gathered = Evidence::gather(&state.stage(), state.appearance(), group, pixels, &budget);
+    let mut evidence = gathered.expecting(state.problem.groups[group].expected);
+    if evidence.is_empty() {
+        return None;
+    }
+    let error = state.groups[group].likelihood.map_or(ModelError::START, |l| l.error);
+    evidence.reweigh(&state.materials[group], error);
+    Some(evidence)
+}
+
 /// Looks for other explanations of the groups with a roughness, and notes them.
 pub(crate) fn find(state: &mut State<'_>, options: &Options) {
     for group in state.visible_unknowns() {
@@ -32,7 +58,7 @@ pub(crate) fn find(state: &mut State<'_>, options: &Options) {
         if !matches!(hypothesis, Hypothesis::Isotropic | Hypothesis::Anisotropic) {
             continue;
         }
-        let Some(evidence) = anew::evidence(state, options, group) else {
+        let Some(evidence) = evidence(state, options, group) else {
             continue;
         };
         let others = others(hypothesis, &evidence, &state.materials[group]);

@@ -9,11 +9,13 @@
 //! The covariance of the result comes from the spread of the picture's blocks. It holds the noise of
 //! the photograph, of our renderings, and what the model does not explain, without being told how
 //! large they are. Then [`verdict`] says what the photograph could not tell; where that makes a
-//! hypothesis simpler, the rest is refined again.
+//! hypothesis simpler, the rest is refined again. Hypotheses of one group are compared on the same kind of paths
+//! ([`side_by_side`]).
 
-mod anew;
 mod blocks;
 pub(crate) mod brightness;
+pub(crate) mod contenders;
+mod descent;
 mod kept;
 pub(crate) mod local_minima;
 mod means;
@@ -23,6 +25,7 @@ mod origins;
 mod passes;
 mod relations;
 mod sample;
+pub(crate) mod side_by_side;
 mod system;
 mod unknowns;
 mod verdict;

@@ -12,10 +12,9 @@ use crate::sample_budget::TOGETHER;
 use crate::state::State;
 use nalgebra::{DMatrix, DVector};
 
-/// Paths a pixel that a cell gets in a pass. The least is a full set of the sampler, which every cell gets where numbers
-/// have moved and none lacks any; double of it was not tried. The most is what a small highlight may take: at a quarter
-/// of it what one lacks is spread over cells that need none.
-const SPP: [f64; 2] = [16.0, 1024.0];
+/// Paths a pixel that a cell gets in a pass, at most: what a small highlight may take. At a quarter of it what one lacks is
+/// spread over cells that need none; double was not tried.
+const SPP_MAX: f64 = 1024.0;
 /// The renderings may have this share of a number's variance. At half of it twice the paths are traced, for
 /// standard deviations that are a tenth smaller; double of it makes them half as large again.
 const RENDERING_SHARE: f64 = 0.35;
@@ -65,8 +64,9 @@ pub(super) fn of(
     let cells: Vec<[f64; 2]> = seen.iter().map(|cell| [cell.pixels, cell.paths]).collect();
     let more = by_origin(&cells, &numbers, most);
     wanted.iter_mut().zip(more).for_each(|(wanted, more)| *wanted = wanted.max(more));
-    let lacks_none = wanted.iter().all(|wanted| *wanted == 0.0);
-    allocate(&cells, &wanted, most, if has_moved && lacks_none { SPP[0] } else { 0.0 })
+    let paths = allocate(&cells, &wanted, most);
+    let lacks_none = paths.iter().all(|paths| *paths == 0);
+    if has_moved && lacks_none { vec![TOGETHER; cells.len()] } else { paths }
 }
 
 /// For each cell: the variance of a number by one path there (`by_path`), in units of what is allowed for all of its
@@ -84,7 +84,7 @@ fn by_origin(cells: &[[f64; 2]], numbers: &[Vec<f64>], most: f64) -> Vec<f64> {
     let roots: Vec<f64> = (0..cells.len()).map(root).collect();
     let more = |scale: f64| -> Vec<f64> {
         let of_cell = |([pixels, paths], root): (&[f64; 2], &f64)| {
-            (scale * root / pixels - paths).clamp(0.0, SPP[1])
+            (scale * root / pixels - paths).clamp(0.0, SPP_MAX)
         };
         cells.iter().zip(&roots).map(of_cell).collect()
     };
@@ -96,7 +96,7 @@ fn by_origin(cells: &[[f64; 2]], numbers: &[Vec<f64>], most: f64) -> Vec<f64> {
         paths >= most || numbers.iter().all(|shares| left(shares) <= 1.0)
     };
     let least = roots.iter().copied().filter(|root| *root > 0.0).fold(f64::INFINITY, f64::min);
-    let with_most = |[pixels, paths]: &[f64; 2]| pixels * (paths + SPP[1]);
+    let with_most = |[pixels, paths]: &[f64; 2]| pixels * (paths + SPP_MAX);
     let mut range = [0.0, cells.iter().map(with_most).fold(0.0, f64::max) / least];
     if !range[1].is_finite() {
         return vec![0.0; cells.len()];
@@ -108,14 +108,14 @@ fn by_origin(cells: &[[f64; 2]], numbers: &[Vec<f64>], most: f64) -> Vec<f64> {
     more(range[1])
 }
 
-/// The `wanted` paths a pixel and `least` of them, all by the same factor fewer where they are more than `most` in all;
-/// in full sets of the sampler.
-fn allocate(cells: &[[f64; 2]], wanted: &[f64], most: f64, least: f64) -> Vec<u32> {
-    let clamped = |wanted: &f64| wanted.min(SPP[1]);
+/// The `wanted` paths a pixel, all by the same factor fewer where they are more than `most` in all; in full sets of the
+/// sampler.
+fn allocate(cells: &[[f64; 2]], wanted: &[f64], most: f64) -> Vec<u32> {
+    let clamped = |wanted: &f64| wanted.min(SPP_MAX);
     let total: f64 = cells.iter().zip(wanted).map(|([n, _], wanted)| n * clamped(wanted)).sum();
     let share = (most / total.max(f64::MIN_POSITIVE)).min(1.0);
     let together = f64::from(TOGETHER);
-    let sets = |wanted: &f64| ((share * clamped(wanted)).max(least) / together).round() as u32;
+    let sets = |wanted: &f64| (share * clamped(wanted) / together).round() as u32;
     wanted.iter().map(|wanted| sets(wanted) * TOGETHER).collect()
 }
 
@@ -171,11 +171,9 @@ mod tests {
         let cells = [[1000.0, 0.0], [1000.0, 0.0], [10.0, 0.0], [500.0, 0.0]];
         let most = 32.0 * 2510.0;
         // What is wanted is given to the nearest set, and no more.
-        assert_eq!(allocate(&cells, &[30.0, 0.0, 16.0, 3.0], most, 0.0), [32, 0, 16, 0]);
-        // All cells are looked at again.
-        assert_eq!(allocate(&cells, &[0.0; 4], most, SPP[0]), [16; 4]);
+        assert_eq!(allocate(&cells, &[30.0, 0.0, 16.0, 3.0], most), [32, 0, 16, 0]);
         // A small one takes no more than makes sense; where it is too much, all get fewer.
-        assert_eq!(allocate(&cells, &[0.0, 0.0, 5000.0, 0.0], most, 0.0), [0, 0, 1024, 0]);
-        assert_eq!(allocate(&cells, &[160.0, 80.0, 0.0, 0.0], most, 0.0), [48, 32, 0, 0]);
+        assert_eq!(allocate(&cells, &[0.0, 0.0, 5000.0, 0.0], most), [0, 0, 1024, 0]);
+        assert_eq!(allocate(&cells, &[160.0, 80.0, 0.0, 0.0], most), [48, 32, 0, 0]);
     }
 }

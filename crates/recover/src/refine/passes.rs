@@ -12,16 +12,15 @@
 //! number lacks any, or after so many passes that more would help little.
 
 use super::Solution;
+use super::descent::{Descent, Shown, Taken, in_deviations, relative_error, system};
 use super::kept::KeptPaths;
 use super::means::{self, Mean};
 use super::needs;
 use super::normal::Normal;
 use super::origins::Origins;
 use super::sample;
-use super::system::System;
 use super::unknowns::Unknowns;
 use crate::effort::Effort;
-use crate::photometric::PhotometricEstimate;
 use crate::problem::{Options, Role};
 use crate::record::Observer;
 use crate::sample_budget::TOGETHER;
@@ -30,7 +29,7 @@ use crate::unknown::Quantity;
 use nalgebra::{DMatrix, DVector};
 use unrender_render::Settings;
 use unrender_render::sampler::mix;
-use unrender_scene::{Material, Rgb};
+use unrender_scene::Rgb;
 
 /// Pixels of a group at most and paths a pixel, in each of the two renderings, of an approach.
 pub(super) const COARSE: (usize, u32) = (8000, 16);
@@ -56,8 +55,6 @@ const BRIGHTER_MAX: usize = 6;
 /// What an accumulation found is dropped after a step of so many standard deviations: it was found too
 /// far away.
 const FAR: f64 = 4.0;
-/// The first damping after a step that made things worse, relative to the curvature; then tenfold.
-const DAMPING: f64 = 0.1;
 /// A pass is worse if its weighted squared error is higher by this many standard deviations of the
 /// difference.
 const WORSE: f64 = 3.0;
@@ -66,24 +63,6 @@ const WORSE: f64 = 3.0;
 pub(super) struct Passes<'o> {
     options: &'o Options,
     count: u64,
-}
-
-/// Where a step started, to go back if it was wrong.
-struct Place {
-    materials: Vec<Material>,
-    lights: Vec<Rgb>,
-    exposure: Rgb,
-    photometric: PhotometricEstimate,
-    residuals: Vec<[Rgb; 2]>,
-    weights: Vec<Rgb>,
-    system: System,
-}
-
-/// What paths showed, and the equations that were made of it.
-struct Shown {
-    means: Vec<Mean>,
-    normal: Normal,
-    inverse: DMatrix<f64>,
 }
 
 impl<'o> Passes<'o> {
@@ -176,46 +155,19 @@ impl<'o> Passes<'o> {
         kept: &KeptPaths<'a>,
         observer: &mut dyn Observer,
     ) -> Option<Shown> {
-        let mut shown = None;
-        let mut last: Option<Place> = None;
-        let mut damping = 0.0;
-        for taken in 1..=STEPS_MAX {
-            if observer.is_cancelled() {
-                break;
-            }
-            state.look_at_photograph();
-            let means = state.steps.value("pass", || kept.means(state, unknowns));
-            let normal = Normal::of(&means, unknowns, state.materials.len());
-            let error = relative_error(&normal, &means);
-            let errors = means::relative_errors(&means, state.materials.len());
-            let worse = last.as_ref().is_some_and(|last| last.is_better_than(&means));
-            let place = match last.take() {
-                Some(before) if worse => {
-                    damping = f64::max(10.0 * damping, DAMPING);
-                    before.restore(state);
-                    before
-                }
-                _ => {
-                    damping *= 0.1;
-                    let system = system(state, unknowns, &normal, prior);
-                    let place = Place::of(state, &means, &normal, system);
-                    shown = Some(Shown { means, normal, inverse: place.system.inverse() });
-                    place
-                }
-            };
-            let Some(step) = place.system.step(damping, &unknowns.bounds(state)) else {
-                break;
-            };
-            let moved = in_deviations(&step, &place.system.covariance());
-            if !worse && moved.iter().all(|moved| *moved <= SIGNIFICANT) {
-                break;
-            }
-            unknowns.apply(state, &step);
-            let done = 0.1 + 0.3 * taken as f64 / STEPS_MAX as f64;
-            tell(state, observer, unknowns, (&step, error, &errors), done);
-            last = Some(place);
-        }
-        shown
+        let descent = Descent {
+            unknowns,
+            prior,
+            steps_max: STEPS_MAX,
+            significant: SIGNIFICANT,
+            worse: WORSE,
+        };
+        let show = |state: &State<'a>| state.steps.value("pass", || kept.means(state, unknowns));
+        descent.run(state, &show, &mut |state, Taken { number, step, error, errors }| {
+            let done = 0.1 + 0.3 * *number as f64 / STEPS_MAX as f64;
+            tell(state, observer, unknowns, (step, *error, errors), done);
+            !observer.is_cancelled()
+        })
     }
 
     /// Fresh paths, and more of them where they are lacking.
@@ -323,18 +275,6 @@ fn equal_brightness(state: &mut State<'_>, means: &[Mean]) {
     }
 }
 
-/// The equations at the place of `state`, with the mean of the prior.
-fn system(state: &State<'_>, unknowns: &Unknowns, normal: &Normal, prior: &DVector<f64>) -> System {
-    let values = unknowns.values(state);
-    System::new(unknowns, normal, &(prior - &values)).related(unknowns, &values)
-}
-
-/// How many standard deviations long a step is in each number.
-fn in_deviations(step: &DVector<f64>, covariance: &DMatrix<f64>) -> Vec<f64> {
-    let of = |k: usize| step[k].abs() / covariance[(k, k)].sqrt().max(f64::MIN_POSITIVE);
-    (0..step.len()).map(of).collect()
-}
-
 /// Notes the end of a pass that ended with a step.
 fn tell(
     state: &mut State<'_>,
@@ -348,44 +288,4 @@ fn tell(
     let change = steps.filter(|(u, _)| reflectance(u.quantity)).map(|(_, s)| s.abs());
     let change = change.fold(0.0, f64::max);
     observer.iteration(state.end_pass(change, (error.max(0.0).sqrt(), errors), done));
-}
-
-impl Place {
-    fn of(state: &State<'_>, means: &[Mean], normal: &Normal, system: System) -> Self {
-        Self {
-            materials: state.materials.clone(),
-            lights: state.lights.clone(),
-            exposure: state.exposure,
-            photometric: state.photometric.clone(),
-            residuals: means.iter().map(|mean| mean.residuals).collect(),
-            weights: normal.weights.clone(),
-            system,
-        }
-    }
-
-    /// Whether `means`, of the same cells with the same random numbers, are further from the
-    /// photograph: by more than the standard deviation that the difference has under either model,
-    /// `2 sqrt(S)` with `S` the squared distance of both.
-    fn is_better_than(&self, means: &[Mean]) -> bool {
-        let (mut difference, mut separation) = (0.0, 0.0);
-        for ((mean, weight), before) in means.iter().zip(&self.weights).zip(&self.residuals) {
-            let ([a, b], [c, d]) = (mean.residuals, *before);
-            difference += f64::from((*weight * (a * b - c * d)).element_sum());
-            separation += f64::from((*weight * (a - c) * (b - d)).element_sum());
-        }
-        difference > WORSE * 2.0 * separation.max(0.0).sqrt()
-    }
-
-    fn restore(&self, state: &mut State<'_>) {
-        state.materials.clone_from(&self.materials);
-        state.lights.clone_from(&self.lights);
-        state.exposure = self.exposure;
-        state.photometric.clone_from(&self.photometric);
-    }
-}
-
-/// The relative squared error.
-fn relative_error(normal: &Normal, means: &[Mean]) -> f64 {
-    let n = 3.0 * means.iter().map(|m| m.pixels).sum::<f64>().max(1.0);
-    normal.errors.iter().sum::<f64>() / n
 }

@@ -39,6 +39,13 @@ pub(crate) fn all(state: &State<'_>, per_group: usize, seed: u64) -> Vec<Cell> {
     cells
 }
 
+/// At most `per_group` pixels of `group`.
+pub(super) fn of_group(state: &State<'_>, group: usize, per_group: usize, seed: u64) -> Vec<Cell> {
+    let mut cells = cells(&state.stage(), std::iter::once(group), per_group, seed);
+    expose(state, &mut cells);
+    cells
+}
+
 /// Takes the radiances of `cells`, and their noise, by the exposure and the camera's numbers as they stand in
 /// `state`.
 pub(super) fn expose(state: &State<'_>, cells: &mut [Cell]) {

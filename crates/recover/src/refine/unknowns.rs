@@ -65,6 +65,15 @@ impl Unknowns {
         Self::new(list, state)
     }
 
+    /// The numbers of `group` alone.
+    pub(super) fn of_group(state: &State<'_>, group: usize) -> Self {
+        let mut list = Vec::new();
+        for &quantity in quantities(&state.groups[group]) {
+            push(&mut list, quantity, group);
+        }
+        Self::new(list, state)
+    }
+
     /// The same with the exposure free, whatever fixes it.
     pub(super) fn with_exposure(state: &State<'_>) -> Self {
         let mut list = Self::of(state).list;

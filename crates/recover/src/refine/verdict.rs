@@ -1,19 +1,21 @@
 //! What the photograph determines, and what it does not.
 //!
 //! A number is worth what its standard deviation allows. A lobe goes that is not significant, neither
-//! by its standard deviation nor by the likelihoods of evidence gathered under the refined light ([`super::anew`]),
-//! and so does what is diffuse about a mirror, or not perfect about it, if it is less than what
+//! by its standard deviation nor beside what is simpler on the same paths ([`super::side_by_side`]), and so does what is diffuse about a mirror, or not perfect about it, if it is less than what
 //! the ladder's threshold calls explained; an anisotropy that is not significant becomes a round lobe, and a lobe
 //! whose width is not significant a mirror; a group out of sight
 //! whose reflectance stays open is assumed: at its best guess, or white, as the paper does, where
 //! there is nothing to guess from.
 
+use super::contenders::Rung;
 use super::relations::Relation;
-use super::{Solution, anew, blocks};
+use super::{Solution, blocks, side_by_side};
 use crate::expected::{ALPHA_RANGE, Like};
 use crate::hypothesis::{Hypothesis, anisotropic};
+use crate::others::light_of_others;
 use crate::problem::Options;
 use crate::record::{Covariance, Deviations, LightResult, Status};
+use crate::sample_budget::{self, Level};
 use crate::state::State;
 use crate::unknown::{Quantity, Unknown};
 use std::collections::BTreeSet;
@@ -211,48 +213,67 @@ impl Verdict<'_> {
     /// The simpler hypothesis that explains the group as well, its material, and why.
     fn simpler(
         &self,
-        state: &State<'_>,
+        state: &mut State<'_>,
         options: &Options,
     ) -> Option<(Hypothesis, Material, &'static str)> {
         let explained = options.thresholds.explained;
-        let needs_more_than = |simpler| anew::needs_more_than(simpler, state, options, self.group);
-        let material = &state.materials[self.group];
+        let material = &state.materials[self.group].clone();
         let hypothesis = state.groups[self.group].hypothesis;
         let has_lobe = matches!(
             hypothesis,
             Hypothesis::DiffuseSpecular | Hypothesis::Isotropic | Hypothesis::Anisotropic
         );
-        if has_lobe
-            && !self.is_told_from_zero(state, Quantity::RhoS)
-            && !needs_more_than(Hypothesis::Diffuse)
-        {
-            let note = "its specular part is not determined by this photograph";
-            return Some((Hypothesis::Diffuse, Material::diffuse(material.rho_d), note));
+        if has_lobe && !self.is_told_from_zero(state, Quantity::RhoS) {
+            let diffuse = Material::diffuse((material.rho_d + material.rho_s).min(Rgb::ONE));
+            let diffuse = Rung { hypothesis: Hypothesis::Diffuse, material: diffuse };
+            if let Some(Rung { hypothesis, material }) = self.as_good(diffuse, state, options) {
+                let note = "its specular part is not determined by this photograph";
+                return Some((hypothesis, material, note));
+            }
         }
         match hypothesis {
             Hypothesis::DiffuseSpecular => {
                 let (hypothesis, material) = self.mirror(state, explained)?;
                 Some((hypothesis, material, "its diffuse part is not significant"))
             }
-            Hypothesis::Isotropic
-                if !self.is_told_from_sharpest(state)
-                    && !needs_more_than(Hypothesis::DiffuseSpecular) =>
-            {
+            Hypothesis::Isotropic if !self.is_told_from_sharpest(state) => {
                 let beside = Material { rho_d: material.rho_d, ..Material::mirror(material.rho_s) };
+                let sharp = Rung { hypothesis: Hypothesis::DiffuseSpecular, material: beside };
+                let sharp = self.as_good(sharp, state, options)?;
                 let (hypothesis, material) =
-                    self.mirror(state, explained).unwrap_or((Hypothesis::DiffuseSpecular, beside));
+                    self.mirror(state, explained).unwrap_or((sharp.hypothesis, sharp.material));
                 let note = "this photograph does not tell its lobe from a mirror's";
                 Some((hypothesis, material, note))
             }
             Hypothesis::Anisotropic if !self.is_brushed(state) => {
                 let alpha = (material.alpha_x * material.alpha_y).sqrt();
                 let round = Material::isotropic(material.rho_d, material.rho_s, alpha);
+                let round = Rung { hypothesis: Hypothesis::Isotropic, material: round };
+                let round = self.as_good(round, state, options)?;
                 let note =
                     "the difference of its two roughnesses is not determined by this photograph";
-                Some((Hypothesis::Isotropic, round, note))
+                Some((round.hypothesis, round.material, note))
             }
             _ => None,
         }
+    }
+
+    /// The `simpler` rung where it explains the group best, if the photograph does not bear out that the group is more:
+    /// standard deviations say how strong or how wide a lobe is, and a single highlight leaves a lobe's strength uncertain
+    /// and its presence certain.
+    fn as_good(&self, simpler: Rung, state: &mut State<'_>, options: &Options) -> Option<Rung> {
+        let present = Rung {
+            hypothesis: state.groups[self.group].hypothesis,
+            material: state.materials[self.group].clone(),
+        };
+        let by = side_by_side::By {
+            options,
+            effort: options.effort,
+            allowance: sample_budget::allowance(Level::Refined, options),
+            most: light_of_others(state, self.group),
+        };
+        let choice = side_by_side::compare(state, &by, self.group, vec![simpler, present]);
+        (choice.chosen == 0).then(|| choice.rungs.into_iter().next())?
     }
 
     /// The mirror that the group is if its diffuse part is not significant.

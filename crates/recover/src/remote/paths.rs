@@ -32,18 +32,22 @@ impl<'r, 'a> Paths<'r, 'a> {
 }
 
 impl Stored for Paths<'_, '_> {
-    fn replay(&self, appearance: Appearance<'_>, seen: Option<&RadianceCache>) -> Jacobian {
+    fn replay(
+        &self,
+        appearance: Appearance<'_>,
+        parameters: &[Parameter],
+        seen: Option<&RadianceCache>,
+    ) -> Jacobian {
         let drawn = Appearance { materials: &self.materials, lights: &self.lights };
-        let asked = (self.pixels.as_slice(), self.parameters.as_slice());
-        let request =
-            |tile: &[u32]| Request::Replay(tile.to_vec(), self.parameters.clone(), self.settings);
-        let count = self.parameters.len();
-        let appearances = (appearance, Some(drawn));
-        let found = self.remote.asked_jacobian(appearances, (asked.0, count), seen, request);
+        let both = [&self.parameters, parameters].map(|parameters| parameters.to_vec());
+        let request = |tile: &[u32]| Request::Replay(tile.to_vec(), both.clone(), self.settings);
+        let asked = (self.pixels.as_slice(), parameters.len());
+        let found = self.remote.asked_jacobian((appearance, Some(drawn)), asked, seen, request);
         found.unwrap_or_else(|| {
             let (view, settings) = (&self.remote.view, &self.settings);
-            let stored = view.store(drawn, asked.0, asked.1, settings, self.seen.as_ref());
-            stored.replay(appearance, seen)
+            let traced = (&self.pixels, &self.parameters);
+            let stored = view.store(drawn, traced.0, traced.1, settings, self.seen.as_ref());
+            stored.replay(appearance, parameters, seen)
         })
     }
 }

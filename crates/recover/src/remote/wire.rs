@@ -18,7 +18,7 @@ pub(super) enum Request {
     /// The radiance of these pixels, each by the paths of these numbers, and its derivatives.
     Jacobian(Vec<(u32, Range<u32>)>, Vec<Parameter>, Settings),
     /// The same on paths that were drawn from other materials, of the settings' numbers.
-    Replay(Vec<u32>, Vec<Parameter>, Settings),
+    Replay(Vec<u32>, [Vec<Parameter>; 2], Settings),
     /// The radiance of these pixels.
     Radiance(Vec<u32>, Settings),
     /// The sums of the samples of these numbers, of all pixels.

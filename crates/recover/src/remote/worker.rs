@@ -74,13 +74,13 @@ impl Worker {
                 let found = view.jacobian(appearance, &pixels, &parameters, &settings, seen);
                 wire::write_rgb(found.radiance.iter().chain(&found.derivatives))
             }
-            Request::Replay(pixels, parameters, settings) => {
+            Request::Replay(pixels, [traced, parameters], settings) => {
                 self.check(&pixels)?;
                 let drawn = drawn.as_ref().and_then(|drawn| self.appearance(drawn))?;
-                let asked = (pixels.as_slice(), parameters.as_slice());
+                let asked = (pixels.as_slice(), traced.as_slice());
                 let trace = || view.paths(drawn, asked.0, asked.1, &settings, seen);
                 let paths = self.kept.paths(drawn, asked, &settings, seen, trace);
-                let found = view.replay(&paths, appearance, asked.1, seen);
+                let found = view.replay(&paths, appearance, &parameters, seen);
                 wire::write_rgb(found.radiance.iter().chain(&found.derivatives))
             }
             Request::Radiance(pixels, settings) => {

@@ -151,14 +151,18 @@ impl Stripes {
 struct StoredStripes<'s> {
     stripes: &'s Stripes,
     pixels: Vec<u32>,
-    parameters: Vec<Parameter>,
 }
 
 impl Stored for StoredStripes<'_> {
-    fn replay(&self, appearance: Appearance<'_>, seen: Option<&RadianceCache>) -> Jacobian {
+    fn replay(
+        &self,
+        appearance: Appearance<'_>,
+        parameters: &[Parameter],
+        seen: Option<&RadianceCache>,
+    ) -> Jacobian {
         let settings = Settings::default();
         let pixels: Vec<_> = self.pixels.iter().map(|pixel| (*pixel, settings.samples())).collect();
-        self.stripes.jacobian(appearance, &pixels, &self.parameters, &settings, seen)
+        self.stripes.jacobian(appearance, &pixels, parameters, &settings, seen)
     }
 }
 
@@ -232,12 +236,12 @@ impl Renderer for Stripes {
         &'s self,
         _: Appearance<'_>,
         pixels: &[u32],
-        parameters: &[Parameter],
+        _: &[Parameter],
         _: &Settings,
         _: Option<&RadianceCache>,
     ) -> Box<dyn Stored + 's> {
-        let (pixels, parameters) = (pixels.to_vec(), parameters.to_vec());
-        Box::new(StoredStripes { stripes: self, pixels, parameters })
+        let pixels = pixels.to_vec();
+        Box::new(StoredStripes { stripes: self, pixels })
     }
 
     fn rerender(&self, appearance: Appearance<'_>, pixels: &[u32], _: &Settings) -> Vec<Rgb> {

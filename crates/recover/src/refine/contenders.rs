@@ -1,0 +1,248 @@
+//! Hypotheses of one group, each fitted on paths that carry it, and what they leave on other ones.
+
+use super::descent::Descent;
+use super::kept::{KeptPaths, is_near};
+use super::means;
+use super::sample;
+use super::unknowns::Unknowns;
+use crate::block_residuals::BlockResiduals;
+use crate::blocks::{Blocks, Grid};
+use crate::evidence::{Observed, observe, reweigh};
+use crate::hypothesis::Hypothesis;
+use crate::model_error::{Allowance, LightError, LightField, ModelError};
+use crate::observation::Reading;
+use crate::rerender::Stored;
+use crate::sample_budget::TOGETHER;
+use crate::state::State;
+use glam::BVec3;
+use unrender_render::sampler::mix;
+use unrender_render::{RadianceCache, Settings};
+use unrender_scene::{Material, Rgb};
+
+/// Paths a pixel, at least and at most: pixels are as many as that allows. Fewer are not stratified among themselves;
+/// half and double of the most were not tried.
+const SPP: [u32; 2] = [TOGETHER, 1024];
+/// Pixels that are looked at, at most: all those of a room's wall at 240 x 180. Half and double of it were not tried.
+const PIXELS: usize = 16_000;
+/// Steps of a fit at most: it begins where a search ended. Half and double of it were not tried.
+const STEPS_MAX: usize = 8;
+/// A fit goes on while one of its numbers moves by this many of its standard deviations: by that much the squared residual
+/// is hardly above its least. Half and double of it were not tried.
+const SIGNIFICANT: f64 = 0.3;
+/// How often paths are traced for one rung: where its lobe has left the range that they carry. In the joint refinement it
+/// is as often.
+const TRACED_MAX: usize = 3;
+/// Makes the paths of the comparison others than those of the fits.
+const JUDGING: u64 = 0x7D6E;
+
+/// A hypothesis with its numbers.
+#[derive(Clone, Debug)]
+pub(crate) struct Rung {
+    pub(crate) hypothesis: Hypothesis,
+    pub(crate) material: Material,
+}
+
+/// By what the rungs of a group are judged.
+pub(super) struct Ground {
+    pub(super) blocks: Blocks,
+    /// How the light of the others may be wrong.
+    pub(super) field: LightField,
+    pixels: Vec<Observed>,
+}
+
+/// What one rung leaves.
+pub(super) struct Left {
+    /// Where it was fitted.
+    pub(super) rung: Rung,
+    /// The number of the paths that it was fitted on.
+    pub(super) drawn: usize,
+    /// What is left of the blocks on each of the paths that carry it.
+    pub(super) residuals: Vec<Option<BlockResiduals>>,
+    /// What the noise of the paths that it was fitted on costs it, in units of the weighted squared error.
+    pub(super) loss: f64,
+}
+
+/// Paths that carry some of the rungs.
+struct Drawn<'a> {
+    /// What they were drawn for.
+    material: Material,
+    fitting: KeptPaths<'a>,
+    judging: [Box<dyn Stored + 'a>; 2],
+    /// Where they end.
+    seen: Option<RadianceCache>,
+}
+
+impl Rung {
+    /// Makes it that of `group`.
+    pub(super) fn put(&self, state: &mut State<'_>, group: usize) {
+        state.groups[group].hypothesis = self.hypothesis;
+        state.materials[group] = self.material.clone();
+    }
+}
+
+impl Ground {
+    /// Some of the pixels of `group`, where the light of the others may be wrong by what `allowance` says and at most by
+    /// `most`.
+    fn of(
+        state: &State<'_>,
+        group: usize,
+        (allowance, most): (Allowance, LightError),
+        settings: &Settings,
+    ) -> Self {
+        let valid = &state.observation.informative_of_group[group];
+        let count = ((settings.spp / SPP[0]) as usize).min(PIXELS);
+        let grid = Grid::of(&state.observation, group, valid, count);
+        let pixels = grid.sample(valid, count, settings.seed ^ group as u64);
+        let blocks = Blocks::of(&pixels, &grid);
+        let geometry = state.problem.renderer.geometry();
+        let field = LightField::of(&blocks, &pixels, geometry, allowance.light);
+        let pixels = observe(&state.observation, state.exposure, group, &pixels);
+        Self { blocks, field: LightField { most, ..field }, pixels }
+    }
+
+    /// The numbers of its pixels.
+    fn pixels(&self) -> Vec<u32> {
+        self.pixels.iter().map(|seen| seen.pixel).collect()
+    }
+
+    /// What is left of the blocks where the two renderings of its pixels are `model`. A lower bound that the model meets asks
+    /// for nothing.
+    fn residuals(&self, mut model: [Vec<Rgb>; 2]) -> BlockResiduals {
+        for (i, seen) in self.pixels.iter().enumerate() {
+            let mean = 0.5 * (model[0][i] + model[1][i]);
+            let is_met = mean.cmpge(seen.radiance) & BVec3::splat(seen.reading == Reading::AtLeast);
+            for half in &mut model {
+                half[i] = Rgb::select(is_met, seen.radiance, half[i]);
+            }
+        }
+        BlockResiduals::over(&self.blocks, &self.pixels, &model)
+    }
+
+    /// So many paths a pixel, of all the paths that `settings` has.
+    fn settings(&self, settings: Settings) -> Settings {
+        let [least, most] = SPP;
+        let spp = (settings.spp / self.pixels.len().max(1) as u32).clamp(least, most);
+        Settings { spp: spp.next_multiple_of(TOGETHER), ..settings }
+    }
+}
+
+/// Fits `rungs` of `group`, which go from simple to complex, and returns what each leaves; `settings` has all paths of
+/// a rendering together. The group is one of them afterwards.
+pub(super) fn leave<'a>(
+    state: &mut State<'a>,
+    group: usize,
+    rungs: Vec<Rung>,
+    allowed: (Allowance, LightError),
+    settings: Settings,
+) -> (Vec<Left>, Ground) {
+    let mut ground = Ground::of(state, group, allowed, &settings);
+    let settings = ground.settings(settings);
+    let mut drawn: Vec<Drawn<'a>> = Vec::new();
+    let mut left: Vec<Left> = Vec::new();
+    for mut rung in rungs.into_iter().rev() {
+        rung.put(state, group);
+        let mut loss = 0.0;
+        let mut place = carrier(&mut drawn, state, group, (&ground, &settings));
+        for _ in 0..TRACED_MAX {
+            loss = fit(state, group, &drawn[place].fitting);
+            let before = std::mem::replace(
+                &mut place,
+                carrier(&mut drawn, state, group, (&ground, &settings)),
+            );
+            if place == before {
+                break;
+            }
+        }
+        rung.material = state.materials[group].clone();
+        left.push(Left { rung, drawn: place, residuals: Vec::new(), loss });
+    }
+    let shows = |state: &State<'a>, drawn: &Drawn<'a>| {
+        let replayed = |stored: &(dyn Stored + 'a)| {
+            stored.replay(state.appearance(), &[], drawn.seen.as_ref()).radiance
+        };
+        drawn.judging.each_ref().map(|stored| replayed(stored.as_ref()))
+    };
+    if let Some(complex) = left.first() {
+        complex.rung.put(state, group);
+        let [a, b] = shows(state, &drawn[complex.drawn]);
+        let light: Vec<Rgb> = a.iter().zip(&b).map(|(a, b)| 0.5 * (*a + *b)).collect();
+        reweigh(&mut ground.pixels, &ground.blocks, &light, ModelError::START);
+    }
+    for left in &mut left {
+        left.rung.put(state, group);
+        let on = |(place, drawn): (usize, &Drawn<'a>)| {
+            let is_carried = place == left.drawn || carries(&drawn.material, &left.rung.material);
+            is_carried.then(|| ground.residuals(shows(state, drawn)))
+        };
+        left.residuals = drawn.iter().enumerate().map(on).collect();
+    }
+    left.reverse();
+    (left, ground)
+}
+
+/// The number of the paths that carry the present rung of `group`; of new ones if none of those that are `drawn` do.
+fn carrier<'a>(
+    drawn: &mut Vec<Drawn<'a>>,
+    state: &mut State<'a>,
+    group: usize,
+    (ground, settings): (&Ground, &Settings),
+) -> usize {
+    let material = &state.materials[group];
+    let carried = drawn.iter().position(|drawn| carries(&drawn.material, material));
+    carried.unwrap_or_else(|| {
+        drawn.push(Drawn::of(state, group, ground, settings));
+        drawn.len() - 1
+    })
+}
+
+impl<'a> Drawn<'a> {
+    /// Paths that carry the present rung of `group`, and what is simpler: half of those with a specular part are drawn by a
+    /// cosine.
+    fn of(state: &mut State<'a>, group: usize, ground: &Ground, settings: &Settings) -> Self {
+        let material = state.materials[group].clone();
+        if material.rho_s != Rgb::ZERO {
+            let half = Rgb::splat(0.5);
+            state.materials[group] = Material { rho_d: half, rho_s: half, ..material.clone() };
+        }
+        let asked = Unknowns::of_group(state, group).parameters;
+        let cells = sample::of_group(state, group, ground.pixels.len(), settings.seed);
+        let fitting = KeptPaths::of_cells(state, cells, &asked, settings);
+        let settings = Settings { seed: mix(settings.seed ^ JUDGING), ..*settings };
+        let pixels = ground.pixels();
+        let judging = means::halves(&settings).map(|settings| {
+            let renderer = state.problem.renderer;
+            renderer.store(state.appearance(), &pixels, &asked, &settings, state.seen.as_ref())
+        });
+        state.materials[group] = material.clone();
+        Self { material, fitting, judging, seen: state.seen.clone() }
+    }
+}
+
+/// Moves the numbers of `group` to where they explain it best on `paths`, and returns what the noise of these costs: the
+/// mean of the squared error that it adds, at most one a number.
+fn fit<'a>(state: &mut State<'a>, group: usize, paths: &KeptPaths<'a>) -> f64 {
+    let unknowns = Unknowns::of_group(state, group);
+    if unknowns.len() == 0 {
+        return 0.0;
+    }
+    let prior = unknowns.prior_mean(state);
+    let descent = Descent {
+        unknowns: &unknowns,
+        prior: &prior,
+        steps_max: STEPS_MAX,
+        significant: SIGNIFICANT,
+        worse: 0.0,
+    };
+    let show = |state: &State<'a>| paths.means(state, &unknowns);
+    let shown = descent.run(state, &show, &mut |_, _| true);
+    let all = unknowns.len() as f64;
+    shown.map_or(all, |shown| (shown.inverse * shown.normal.g_rendering).trace().clamp(0.0, all))
+}
+
+/// Whether paths that were drawn for `drawn` carry `material`: a mirror exists only on its own.
+fn carries(drawn: &Material, material: &Material) -> bool {
+    let is_matt = material.rho_s == Rgb::ZERO;
+    let are_mirrors = drawn.is_delta() && material.is_delta();
+    let are_lobes = drawn.is_glossy() && material.is_glossy() && is_near(material, drawn);
+    is_matt || are_mirrors || are_lobes
+}

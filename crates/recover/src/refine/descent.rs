@@ -1,0 +1,162 @@
+//! Gauss-Newton on the same paths, with damping after a step that made things worse [Levenberg 1944; Marquardt 1963].
+
+use super::means::{self, Mean};
+use super::normal::Normal;
+use super::system::System;
+use super::unknowns::Unknowns;
+use crate::photometric::PhotometricEstimate;
+use crate::state::State;
+use nalgebra::{DMatrix, DVector};
+use unrender_scene::{Material, Rgb};
+
+/// The first damping after a step that made things worse, relative to the curvature; then tenfold.
+const DAMPING: f64 = 0.1;
+
+/// The way of some unknowns to where they explain the photograph best.
+pub(super) struct Descent<'u> {
+    pub(super) unknowns: &'u Unknowns,
+    pub(super) prior: &'u DVector<f64>,
+    /// Steps at most.
+    pub(super) steps_max: usize,
+    /// A step is taken if one of its numbers is this many standard deviations long.
+    pub(super) significant: f64,
+    /// A step made things worse if the weighted squared error is higher by this many standard deviations of the
+    /// difference.
+    pub(super) worse: f64,
+}
+
+/// What paths showed, and the equations that were made of it.
+pub(super) struct Shown {
+    pub(super) means: Vec<Mean>,
+    pub(super) normal: Normal,
+    pub(super) inverse: DMatrix<f64>,
+}
+
+/// A step that was made.
+pub(super) struct Taken<'s> {
+    /// Its number, from one.
+    pub(super) number: usize,
+    pub(super) step: &'s DVector<f64>,
+    /// The relative squared error before it, and those of the groups.
+    pub(super) error: f64,
+    pub(super) errors: &'s [Option<f64>],
+}
+
+/// Where a step started, to go back if it was wrong.
+struct Place {
+    materials: Vec<Material>,
+    lights: Vec<Rgb>,
+    exposure: Rgb,
+    photometric: PhotometricEstimate,
+    residuals: Vec<[Rgb; 2]>,
+    weights: Vec<Rgb>,
+    system: System,
+}
+
+impl Descent<'_> {
+    /// Moves the unknowns of `state` step by step, each by what the paths `show` there, until `goes_on` says no after
+    /// one. Returns what they showed in the last place that was not worse than the one before; none if there was none.
+    pub(super) fn run<'a>(
+        &self,
+        state: &mut State<'a>,
+        show: &dyn Fn(&State<'a>) -> Vec<Mean>,
+        goes_on: &mut dyn FnMut(&mut State<'a>, &Taken<'_>) -> bool,
+    ) -> Option<Shown> {
+        let unknowns = self.unknowns;
+        let mut shown = None;
+        let mut last: Option<Place> = None;
+        let mut damping = 0.0;
+        for number in 1..=self.steps_max {
+            state.look_at_photograph();
+            let means = show(state);
+            let normal = Normal::of(&means, unknowns, state.materials.len());
+            let error = relative_error(&normal, &means);
+            let errors = means::relative_errors(&means, state.materials.len());
+            let worse = last.as_ref().is_some_and(|last| last.is_better_than(&means, self.worse));
+            let place = match last.take() {
+                Some(before) if worse => {
+                    damping = f64::max(10.0 * damping, DAMPING);
+                    before.restore(state);
+                    before
+                }
+                _ => {
+                    damping *= 0.1;
+                    let system = system(state, unknowns, &normal, self.prior);
+                    let place = Place::of(state, &means, &normal, system);
+                    shown = Some(Shown { means, normal, inverse: place.system.inverse() });
+                    place
+                }
+            };
+            let Some(step) = place.system.step(damping, &unknowns.bounds(state)) else {
+                break;
+            };
+            let moved = in_deviations(&step, &place.system.covariance());
+            if !worse && moved.iter().all(|moved| *moved <= self.significant) {
+                break;
+            }
+            unknowns.apply(state, &step);
+            if !goes_on(state, &Taken { number, step: &step, error, errors: &errors }) {
+                break;
+            }
+            last = Some(place);
+        }
+        shown
+    }
+}
+
+impl Place {
+    fn of(state: &State<'_>, means: &[Mean], normal: &Normal, system: System) -> Self {
+        Self {
+            materials: state.materials.clone(),
+            lights: state.lights.clone(),
+            exposure: state.exposure,
+            photometric: state.photometric.clone(),
+            residuals: means.iter().map(|mean| mean.residuals).collect(),
+            weights: normal.weights.clone(),
+            system,
+        }
+    }
+
+    /// Whether `means`, of the same cells with the same random numbers, are further from the
+    /// photograph: by more than so many times the standard deviation that the difference has under either model,
+    /// `2 sqrt(S)` with `S` the squared distance of both.
+    fn is_better_than(&self, means: &[Mean], worse: f64) -> bool {
+        let (mut difference, mut separation) = (0.0, 0.0);
+        for ((mean, weight), before) in means.iter().zip(&self.weights).zip(&self.residuals) {
+            let ([a, b], [c, d]) = (mean.residuals, *before);
+            difference += f64::from((*weight * (a * b - c * d)).element_sum());
+            separation += f64::from((*weight * (a - c) * (b - d)).element_sum());
+        }
+        difference > worse * 2.0 * separation.max(0.0).sqrt()
+    }
+
+    fn restore(&self, state: &mut State<'_>) {
+        state.materials.clone_from(&self.materials);
+        state.lights.clone_from(&self.lights);
+        state.exposure = self.exposure;
+        state.photometric.clone_from(&self.photometric);
+    }
+}
+
+/// The equations at the place of `state`, with the mean of the prior.
+pub(super) fn system(
+    state: &State<'_>,
+    unknowns: &Unknowns,
+    normal: &Normal,
+    prior: &DVector<f64>,
+) -> System {
+    let values = unknowns.values(state);
+    System::new(unknowns, normal, &(prior - &values)).related(unknowns, &values)
+}
+
+/// How many standard deviations long a step is in each number.
+pub(super) fn in_deviations(step: &DVector<f64>, covariance: &DMatrix<f64>) -> Vec<f64> {
+    let of = |k: usize| step[k].abs() / covariance[(k, k)].sqrt().max(f64::MIN_POSITIVE);
+    (0..step.len()).map(of).collect()
+}
+
+/// The relative squared error.
+pub(super) fn relative_error(normal: &Normal, means: &[Mean]) -> f64 {
+    let n = 3.0 * means.iter().map(|m| m.pixels).sum::<f64>().max(1.0);
+    normal.errors.iter().sum::<f64>() / n
+}
