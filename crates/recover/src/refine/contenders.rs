@@ -100,6 +100,11 @@ impl Ground {
         Self { blocks, field: LightField { most, ..field }, pixels }
     }
 
+    #[cfg(test)]
+    pub(super) fn new(blocks: Blocks, field: LightField) -> Self {
+        Self { blocks, field, pixels: Vec::new() }
+    }
+
     /// The numbers of its pixels.
     fn pixels(&self) -> Vec<u32> {
         self.pixels.iter().map(|seen| seen.pixel).collect()

@@ -118,7 +118,8 @@ impl Choice {
         simpler: Option<f64>,
     ) -> Vec<usize> {
         let n = competing.len();
-        let excess = |i: usize, j: usize| all.excess([i, j]);
+        let pairs = all.pairs();
+        let excess = |i: usize, j: usize| pairs[i][j];
         let behind = |i: usize| (0..n).map(|j| excess(i, j).least).fold(0.0, f64::max);
         let errors: Vec<f64> = (0..n).map(|i| all.error(i)).collect();
         let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
@@ -147,12 +148,22 @@ impl Choice {
 }
 
 impl AllLeft<'_> {
-    /// The information criterion of the first of two less that of the second.
-    fn excess(&self, which: [usize; 2]) -> Excess {
-        let [a, b] = which.map(|i| &self.left[i]);
-        if which[0] == which[1] {
-            return Excess::default();
+    /// The information criterion of each less that of each.
+    fn pairs(&self) -> Vec<Vec<Excess>> {
+        let n = self.left.len();
+        let mut pairs = vec![vec![Excess::default(); n]; n];
+        for i in 0..n {
+            for j in i + 1..n {
+                let Excess { value, least, most } = self.excess([&self.left[i], &self.left[j]]);
+                pairs[i][j] = Excess { value, least, most };
+                pairs[j][i] = Excess { value: -value, least: -most, most: -least };
+            }
         }
+        pairs
+    }
+
+    /// The information criterion of `a` less that of `b`.
+    fn excess(&self, [a, b]: [&Left; 2]) -> Excess {
         let Gain { value, variance, independent } = self.gain([a, b]);
         let [first, second] = [a, b].map(|left| parameters(left.rung.hypothesis));
         let count = (independent * self.ground.blocks.len() as f64).max(1.0);
@@ -214,4 +225,94 @@ impl AllLeft<'_> {
 impl Gain {
     /// Nothing is known.
     const UNKNOWN: Self = Self { value: 0.0, variance: f64::INFINITY, independent: 1.0 };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blocks::{Blocks, Grid};
+    use crate::hypothesis::Hypothesis;
+    use crate::model_error::LightField;
+    use unrender_scene::{Material, Rgb};
+
+    const SIDE: usize = 16;
+
+    /// A number for `i`, uniform from -1 to 1.
+    fn scatter(i: usize) -> f32 {
+        (mix(i as u64) >> 40) as f32 / (1u64 << 23) as f32 - 1.0
+    }
+
+    /// The residuals of a model that is wrong by a pattern of the size `wrong`, with the noise number `noise` of its
+    /// renderings, a tenth of the light.
+    fn residuals(wrong: f32, noise: usize) -> BlockResiduals {
+        let n = SIDE * SIDE;
+        let of_half = |half: usize, k: usize| 0.1 * scatter(7919 * (2 * noise + half) + 31 * k);
+        let residual =
+            |k: usize| wrong * (0.9 * k as f32).sin() - 0.5 * (of_half(0, k) + of_half(1, k));
+        let half = |k: usize| 0.5 * (of_half(0, k) - of_half(1, k));
+        BlockResiduals {
+            residual: (0..n).map(|k| Rgb::splat(residual(k))).collect(),
+            noise: vec![Rgb::splat(0.002); n],
+            rendering: vec![Rgb::splat(0.0017); n],
+            half: (0..n).map(|k| Rgb::splat(half(k))).collect(),
+            missing: vec![Rgb::ZERO; n],
+            level2: vec![Rgb::ONE; n],
+            light: vec![Rgb::ONE; n],
+        }
+    }
+
+    /// What a rung leaves, which was fitted on the paths number `drawn`, on each of these.
+    fn left(
+        hypothesis: Hypothesis,
+        drawn: usize,
+        residuals: impl IntoIterator<Item = Option<BlockResiduals>>,
+    ) -> Left {
+        let rung = Rung { hypothesis, material: Material::diffuse(Rgb::ONE) };
+        Left { rung, drawn, residuals: residuals.into_iter().collect(), loss: 0.0 }
+    }
+
+    /// What is chosen of `left`, and those that it may be.
+    fn chosen(left: &[Left]) -> (usize, Vec<usize>) {
+        let pixels: Vec<u32> = (0..(SIDE * SIDE) as u32).collect();
+        let blocks = Blocks::of(&pixels, &Grid::even(SIDE, 1));
+        let field = LightField::constant(blocks.len(), LightError { share: 0.001 });
+        let ground = Ground::new(blocks, field);
+        let all = AllLeft { left, ground: &ground, floor: ModelError { share: 0.003 } };
+        let rungs: Vec<Rung> = left.iter().map(|left| left.rung.clone()).collect();
+        let excess = vec![0.0; rungs.len()];
+        let mut choice = Choice { chosen: 0, rungs, excess };
+        let competing: Vec<usize> = (0..left.len()).collect();
+        let next = choice.choose(&competing, &all, None);
+        (choice.chosen, next)
+    }
+
+    #[test]
+    fn noise_that_two_have_in_common_cancels() {
+        let wrong = 0.025;
+        // The simple one is wrong by half of the noise, and that is certain where both have the same.
+        let simple = left(Hypothesis::Diffuse, 0, [Some(residuals(wrong, 1))]);
+        let complex = left(Hypothesis::Isotropic, 0, [Some(residuals(0.0, 1))]);
+        assert_eq!(chosen(&[simple, complex]), (1, vec![1]));
+        // It is not where each has its own, and the simple one stands until there are more paths.
+        let simple = left(Hypothesis::PartialMirror, 0, [Some(residuals(wrong, 1)), None]);
+        let complex = left(Hypothesis::Isotropic, 1, [None, Some(residuals(0.0, 2))]);
+        assert_eq!(chosen(&[simple, complex]), (0, vec![0, 1]));
+    }
+
+    #[test]
+    fn those_on_other_paths_are_compared_by_what_both_have() {
+        // A mirror and a lobe on paths of their own, which both carry what is diffuse.
+        let of_diffuse = [1, 2].map(|noise| Some(residuals(0.025, noise)));
+        let diffuse = left(Hypothesis::Diffuse, 1, of_diffuse);
+        let mirror = left(Hypothesis::PartialMirror, 0, [Some(residuals(0.025, 1)), None]);
+        let lobe = left(Hypothesis::Isotropic, 1, [None, Some(residuals(0.0, 2))]);
+        assert_eq!(chosen(&[diffuse, mirror, lobe]), (2, vec![2]));
+    }
+
+    #[test]
+    fn what_is_no_better_is_not_taken_for_being_more() {
+        let simple = left(Hypothesis::Diffuse, 0, [Some(residuals(0.0, 1))]);
+        let complex = left(Hypothesis::Anisotropic, 0, [Some(residuals(0.0, 1))]);
+        assert_eq!(chosen(&[simple, complex]), (0, vec![0]));
+    }
 }
