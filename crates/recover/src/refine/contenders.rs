@@ -16,7 +16,7 @@ use crate::sample_budget::TOGETHER;
 use crate::state::State;
 use glam::BVec3;
 use unrender_render::sampler::mix;
-use unrender_render::{RadianceCache, Settings};
+use unrender_render::{Parameter, RadianceCache, Settings};
 use unrender_scene::{Material, Rgb};
 
 /// Paths a pixel, at least and at most: pixels are as many as that allows. Fewer are not stratified among themselves;
@@ -56,20 +56,28 @@ pub(super) struct Left {
     pub(super) rung: Rung,
     /// The number of the paths that it was fitted on.
     pub(super) drawn: usize,
-    /// What is left of the blocks on each of the paths that carry it.
+    /// Two renderings of the pixels by each of the paths that carry it, until its residuals are known.
+    pub(super) radiance: Vec<Option<[Vec<Rgb>; 2]>>,
+    /// What is left of the blocks on each of these.
     pub(super) residuals: Vec<Option<BlockResiduals>>,
     /// What the noise of the paths that it was fitted on costs it, in units of the weighted squared error.
     pub(super) loss: f64,
 }
 
-/// Paths that carry some of the rungs.
-struct Drawn<'a> {
-    /// What they were drawn for.
+/// How paths are drawn that carry some of the rungs.
+struct Way {
+    /// For which material.
     material: Material,
-    fitting: KeptPaths<'a>,
-    judging: [Box<dyn Stored + 'a>; 2],
+    /// By which numbers derivatives are wanted on them.
+    asked: Vec<Parameter>,
     /// Where they end.
     seen: Option<RadianceCache>,
+}
+
+/// Paths that some of the rungs are fitted on.
+struct Drawn<'a> {
+    way: Way,
+    fitting: KeptPaths<'a>,
 }
 
 impl Rung {
@@ -110,6 +118,15 @@ impl Ground {
         self.pixels.iter().map(|seen| seen.pixel).collect()
     }
 
+    /// Takes noise and levels at the brightness of the most complex one of those that are `left`, which is the first.
+    fn reweigh(&mut self, left: &[Left]) {
+        let Some(Some([a, b])) = left.first().and_then(|left| left.radiance.get(left.drawn)) else {
+            return;
+        };
+        let light: Vec<Rgb> = a.iter().zip(b).map(|(a, b)| 0.5 * (*a + *b)).collect();
+        reweigh(&mut self.pixels, &self.blocks, &light, ModelError::START);
+    }
+
     /// What is left of the blocks where the two renderings of its pixels are `model`. A lower bound that the model meets asks
     /// for nothing.
     fn residuals(&self, mut model: [Vec<Rgb>; 2]) -> BlockResiduals {
@@ -142,47 +159,71 @@ pub(super) fn leave<'a>(
 ) -> (Vec<Left>, Ground) {
     let mut ground = Ground::of(state, group, allowed, &settings);
     let settings = ground.settings(settings);
+    let (mut left, drawn) = fit_all(state, group, rungs, (&ground, &settings));
+    // The paths of the fits have served, and take as much memory as those to come.
+    let ways: Vec<Way> = drawn.into_iter().map(|drawn| drawn.way).collect();
+    for (place, way) in ways.iter().enumerate() {
+        render_all(state, group, &mut left, (place, way), (&ground, &settings));
+    }
+    ground.reweigh(&left);
+    for left in &mut left {
+        let all = std::mem::take(&mut left.radiance).into_iter();
+        left.residuals = all.map(|model| model.map(|model| ground.residuals(model))).collect();
+    }
+    left.reverse();
+    (left, ground)
+}
+
+/// Fits all `rungs` of `group`, the last one first, on paths that carry them, and returns what they are then.
+fn fit_all<'a>(
+    state: &mut State<'a>,
+    group: usize,
+    rungs: Vec<Rung>,
+    by: (&Ground, &Settings),
+) -> (Vec<Left>, Vec<Drawn<'a>>) {
     let mut drawn: Vec<Drawn<'a>> = Vec::new();
     let mut left: Vec<Left> = Vec::new();
     for mut rung in rungs.into_iter().rev() {
         rung.put(state, group);
         let mut loss = 0.0;
-        let mut place = carrier(&mut drawn, state, group, (&ground, &settings));
+        let mut place = carrier(&mut drawn, state, group, by);
         for _ in 0..TRACED_MAX {
             loss = fit(state, group, &drawn[place].fitting);
-            let before = std::mem::replace(
-                &mut place,
-                carrier(&mut drawn, state, group, (&ground, &settings)),
-            );
-            if place == before {
+            let next = carrier(&mut drawn, state, group, by);
+            if next == place {
                 break;
             }
+            place = next;
         }
         rung.material = state.materials[group].clone();
-        left.push(Left { rung, drawn: place, residuals: Vec::new(), loss });
+        let (radiance, residuals) = (Vec::new(), Vec::new());
+        left.push(Left { rung, drawn: place, radiance, residuals, loss });
     }
-    let shows = |state: &State<'a>, drawn: &Drawn<'a>| {
-        let replayed = |stored: &(dyn Stored + 'a)| {
-            stored.replay(state.appearance(), &[], drawn.seen.as_ref()).radiance
-        };
-        drawn.judging.each_ref().map(|stored| replayed(stored.as_ref()))
-    };
-    if let Some(complex) = left.first() {
-        complex.rung.put(state, group);
-        let [a, b] = shows(state, &drawn[complex.drawn]);
-        let light: Vec<Rgb> = a.iter().zip(&b).map(|(a, b)| 0.5 * (*a + *b)).collect();
-        reweigh(&mut ground.pixels, &ground.blocks, &light, ModelError::START);
-    }
-    for left in &mut left {
+    (left, drawn)
+}
+
+/// Renders the pixels of `ground` with each of `left` that paths of the `way`, which has the number `place`, carry, on other
+/// ones of these.
+fn render_all(
+    state: &mut State<'_>,
+    group: usize,
+    left: &mut [Left],
+    (place, way): (usize, &Way),
+    (ground, settings): (&Ground, &Settings),
+) {
+    way.put(state, group);
+    let settings = Settings { seed: mix(settings.seed ^ JUDGING), ..*settings };
+    let (pixels, seen) = (ground.pixels(), way.seen.as_ref());
+    let stored = means::halves(&settings).map(|settings| {
+        state.problem.renderer.store(state.appearance(), &pixels, &way.asked, &settings, seen)
+    });
+    for left in left {
         left.rung.put(state, group);
-        let on = |(place, drawn): (usize, &Drawn<'a>)| {
-            let is_carried = place == left.drawn || carries(&drawn.material, &left.rung.material);
-            is_carried.then(|| ground.residuals(shows(state, drawn)))
-        };
-        left.residuals = drawn.iter().enumerate().map(on).collect();
+        let radiance = |half: &dyn Stored| half.replay(state.appearance(), &[], seen).radiance;
+        let is_carried = place == left.drawn || carries(&way.material, &left.rung.material);
+        let both = || stored.each_ref().map(|half| radiance(half.as_ref()));
+        left.radiance.push(is_carried.then(both));
     }
-    left.reverse();
-    (left, ground)
 }
 
 /// The number of the paths that carry the present rung of `group`; of new ones if none of those that are `drawn` do.
@@ -190,36 +231,39 @@ fn carrier<'a>(
     drawn: &mut Vec<Drawn<'a>>,
     state: &mut State<'a>,
     group: usize,
-    (ground, settings): (&Ground, &Settings),
+    by: (&Ground, &Settings),
 ) -> usize {
     let material = &state.materials[group];
-    let carried = drawn.iter().position(|drawn| carries(&drawn.material, material));
+    let carried = drawn.iter().position(|drawn| carries(&drawn.way.material, material));
     carried.unwrap_or_else(|| {
-        drawn.push(Drawn::of(state, group, ground, settings));
+        drawn.push(Drawn::of(state, group, by));
         drawn.len() - 1
     })
 }
 
 impl<'a> Drawn<'a> {
-    /// Paths that carry the present rung of `group`, and what is simpler: half of those with a specular part are drawn by a
-    /// cosine.
-    fn of(state: &mut State<'a>, group: usize, ground: &Ground, settings: &Settings) -> Self {
+    /// Paths that carry the present rung of `group`, and what is simpler.
+    fn of(state: &mut State<'a>, group: usize, (ground, settings): (&Ground, &Settings)) -> Self {
         let material = state.materials[group].clone();
-        if material.rho_s != Rgb::ZERO {
-            let half = Rgb::splat(0.5);
-            state.materials[group] = Material { rho_d: half, rho_s: half, ..material.clone() };
-        }
         let asked = Unknowns::of_group(state, group).parameters;
+        let way = Way { material, asked, seen: state.seen.clone() };
+        way.put(state, group);
         let cells = sample::of_group(state, group, ground.pixels.len(), settings.seed);
-        let fitting = KeptPaths::of_cells(state, cells, &asked, settings);
-        let settings = Settings { seed: mix(settings.seed ^ JUDGING), ..*settings };
-        let pixels = ground.pixels();
-        let judging = means::halves(&settings).map(|settings| {
-            let renderer = state.problem.renderer;
-            renderer.store(state.appearance(), &pixels, &asked, &settings, state.seen.as_ref())
-        });
-        state.materials[group] = material.clone();
-        Self { material, fitting, judging, seen: state.seen.clone() }
+        let fitting = KeptPaths::of_cells(state, cells, &way.asked, settings);
+        state.materials[group] = way.material.clone();
+        Self { way, fitting }
+    }
+}
+
+impl Way {
+    /// Makes `group` what such paths are drawn from: half of those with a specular part are drawn by a cosine.
+    fn put(&self, state: &mut State<'_>, group: usize) {
+        let half = Rgb::splat(0.5);
+        state.materials[group] = if self.material.rho_s == Rgb::ZERO {
+            self.material.clone()
+        } else {
+            Material { rho_d: half, rho_s: half, ..self.material.clone() }
+        };
     }
 }
 

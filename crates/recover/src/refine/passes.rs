@@ -155,6 +155,9 @@ impl<'o> Passes<'o> {
         kept: &KeptPaths<'a>,
         observer: &mut dyn Observer,
     ) -> Option<Shown> {
+        if observer.is_cancelled() {
+            return None;
+        }
         let descent = Descent {
             unknowns,
             prior,

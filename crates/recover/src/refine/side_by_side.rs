@@ -268,7 +268,8 @@ mod tests {
         residuals: impl IntoIterator<Item = Option<BlockResiduals>>,
     ) -> Left {
         let rung = Rung { hypothesis, material: Material::diffuse(Rgb::ONE) };
-        Left { rung, drawn, residuals: residuals.into_iter().collect(), loss: 0.0 }
+        let residuals = residuals.into_iter().collect();
+        Left { rung, drawn, radiance: Vec::new(), residuals, loss: 0.0 }
     }
 
     /// What is chosen of `left`, and those that it may be.
