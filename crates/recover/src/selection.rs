@@ -15,6 +15,7 @@ use crate::hypothesis::{self, Fit, Hypothesis};
 use crate::likelihood::Covariance;
 use crate::unknown::Quantity;
 use std::collections::BTreeMap;
+use std::ops::Neg;
 
 /// Two sets of numbers of one hypothesis explain the evidence alike up to this difference of their squared residuals:
 /// beyond it the evidence for the better one is strong [Kass and Raftery 1995]. Half of it is called positive, double
@@ -75,27 +76,12 @@ impl<'a> Comparison<'a> {
     pub fn choose(&mut self, allowed: &dyn Fn(usize) -> bool, simpler: Option<f64>) -> Decision {
         let competing: Vec<usize> =
             (0..self.fits.len()).filter(|i| *i == 0 || allowed(*i)).collect();
-        let error = |i: &usize| self.fits[*i].residual.relative();
-        let least = competing.iter().map(error).fold(f64::INFINITY, f64::min);
-        let near: Vec<bool> = competing
-            .iter()
-            .map(|i| simpler.is_some_and(|times| error(i) <= times * least))
-            .collect();
-        let mut chosen = 0;
-        let mut lowest = f64::INFINITY;
-        for (i, near) in competing.iter().zip(near) {
-            let behind = competing.iter().map(|j| self.excess(*i, *j).least()).fold(0.0, f64::max);
-            if behind < lowest {
-                (chosen, lowest) = (*i, behind);
-            }
-            if near || behind <= 0.0 {
-                chosen = *i;
-                break;
-            }
-        }
+        let errors: Vec<f64> =
+            competing.iter().map(|i| self.fits[*i].residual.relative()).collect();
+        let of = |i: usize, j: usize| self.excess(competing[i], competing[j]);
+        let (chosen, open) = choose(&errors, simpler, of);
+        let (chosen, open) = (competing[chosen], open.into_iter().map(|i| competing[i]).collect());
         let excess = (0..self.fits.len()).map(|i| self.excess(i, chosen).value).collect();
-        let more_complex = competing.into_iter().filter(|i| *i > chosen);
-        let open = more_complex.filter(|i| self.excess(chosen, *i).most() > 0.0).collect();
         Decision { chosen, excess, open }
     }
 
@@ -105,8 +91,7 @@ impl<'a> Comparison<'a> {
             return Excess::default();
         }
         if i > j {
-            let Excess { value, deviation } = self.excess(j, i);
-            return Excess { value: -value, deviation };
+            return -self.excess(j, i);
         }
         if let Some(known) = self.differences.get(&(i, j)) {
             return *known;
@@ -120,9 +105,42 @@ impl<'a> Comparison<'a> {
     }
 }
 
+/// Chooses among hypotheses, which go from simple to complex and have these `errors`, by the `excess` of the first of two
+/// over the second: the simplest one that no other certainly beats. With `simpler`, one is preferred whose error is at most
+/// so many times the least. Returns it, and the more complex ones that less noise may show to be better.
+pub(crate) fn choose(
+    errors: &[f64],
+    simpler: Option<f64>,
+    mut excess: impl FnMut(usize, usize) -> Excess,
+) -> (usize, Vec<usize>) {
+    let n = errors.len();
+    let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
+    let (mut chosen, mut lowest) = (0, f64::INFINITY);
+    for (i, error) in errors.iter().enumerate() {
+        let behind = (0..n).map(|j| excess(i, j).least()).fold(0.0, f64::max);
+        if behind < lowest {
+            (chosen, lowest) = (i, behind);
+        }
+        if simpler.is_some_and(|times| *error <= times * least) || behind <= 0.0 {
+            chosen = i;
+            break;
+        }
+    }
+    let open = (chosen + 1..n).filter(|i| excess(chosen, *i).most() > 0.0).collect();
+    (chosen, open)
+}
+
+impl Neg for Excess {
+    type Output = Self;
+
+    fn neg(self) -> Self {
+        Self { value: -self.value, ..self }
+    }
+}
+
 impl Excess {
     /// The least that is likely.
-    pub(crate) fn least(self) -> f64 {
+    fn least(self) -> f64 {
         self.value - CERTAIN * self.deviation
     }
 

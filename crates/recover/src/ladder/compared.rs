@@ -12,7 +12,7 @@ use crate::hypothesis::{self, Fit, Hypothesis, Search};
 use crate::model_error::ModelError;
 use crate::problem::Options;
 use crate::refine::contenders::Rung;
-use crate::refine::side_by_side::{self, By, Choice};
+use crate::refine::side_by_side::{self, Choice, Criteria};
 use crate::sample_budget::Level;
 use crate::selection::{Comparison, Decision, explains_alike};
 use crate::state::State;
@@ -98,7 +98,7 @@ impl Asking<'_> {
         };
         let rungs = open.iter().map(rung).collect();
         let effort = self.level.effort(self.by.options, &state.problem.unknown_lights);
-        let by = By {
+        let by = Criteria {
             options: self.by.options,
             effort,
             allowance: self.by.budget.allowance,

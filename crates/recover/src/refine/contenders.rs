@@ -3,7 +3,6 @@
 use super::descent::Descent;
 use super::kept::{KeptPaths, is_near};
 use super::means;
-use super::sample;
 use super::unknowns::Unknowns;
 use crate::block_residuals::BlockResiduals;
 use crate::blocks::{Blocks, Grid};
@@ -30,7 +29,7 @@ const STEPS_MAX: usize = 8;
 /// is hardly above its least. Half and double of it were not tried.
 const SIGNIFICANT: f64 = 0.3;
 /// How often paths are traced for one rung: where its lobe has left the range that they carry. In the joint refinement it
-/// is as often.
+/// is as often; half and double of it were not tried.
 const TRACED_MAX: usize = 3;
 /// Makes the paths of the comparison others than those of the fits.
 const JUDGING: u64 = 0x7D6E;
@@ -42,16 +41,16 @@ pub(crate) struct Rung {
     pub(crate) material: Material,
 }
 
-/// By what the rungs of a group are judged.
-pub(super) struct Ground {
+/// The pixels of a group by which its rungs are compared.
+pub(super) struct PixelSample {
     pub(super) blocks: Blocks,
     /// How the light of the others may be wrong.
     pub(super) field: LightField,
     pixels: Vec<Observed>,
 }
 
-/// What one rung leaves.
-pub(super) struct Left {
+/// A rung that was fitted, and what it leaves of the photograph.
+pub(super) struct Contender {
     /// Where it was fitted.
     pub(super) rung: Rung,
     /// The number of the paths that it was fitted on.
@@ -64,9 +63,9 @@ pub(super) struct Left {
     pub(super) loss: f64,
 }
 
-/// How paths are drawn that carry some of the rungs.
-struct Way {
-    /// For which material.
+/// The density that paths are drawn from which carry some of the rungs.
+struct ProposalDensity {
+    /// The material whose lobes it has.
     material: Material,
     /// By which numbers derivatives are wanted on them.
     asked: Vec<Parameter>,
@@ -75,8 +74,8 @@ struct Way {
 }
 
 /// Paths that some of the rungs are fitted on.
-struct Drawn<'a> {
-    way: Way,
+struct DrawnPaths<'a> {
+    density: ProposalDensity,
     fitting: KeptPaths<'a>,
 }
 
@@ -88,7 +87,7 @@ impl Rung {
     }
 }
 
-impl Ground {
+impl PixelSample {
     /// Some of the pixels of `group`, where the light of the others may be wrong by what `allowance` says and at most by
     /// `most`.
     fn of(
@@ -118,12 +117,11 @@ impl Ground {
         self.pixels.iter().map(|seen| seen.pixel).collect()
     }
 
-    /// Takes noise and levels at the brightness of the most complex one of those that are `left`, which is the first.
-    fn reweigh(&mut self, left: &[Left]) {
-        let Some(Some([a, b])) = left.first().and_then(|left| left.radiance.get(left.drawn)) else {
-            return;
-        };
-        let light: Vec<Rgb> = a.iter().zip(b).map(|(a, b)| 0.5 * (*a + *b)).collect();
+    /// Takes noise and levels at the brightness of the most complex one of `contenders`, which is the first.
+    fn reweigh(&mut self, contenders: &[Contender]) {
+        let own = |contender: &'_ Contender| contender.radiance.get(contender.drawn)?.clone();
+        let Some([a, b]) = contenders.first().and_then(own) else { return };
+        let light: Vec<Rgb> = a.iter().zip(&b).map(|(a, b)| 0.5 * (*a + *b)).collect();
         reweigh(&mut self.pixels, &self.blocks, &light, ModelError::START);
     }
 
@@ -150,28 +148,28 @@ impl Ground {
 
 /// Fits `rungs` of `group`, which go from simple to complex, and returns what each leaves; `settings` has all paths of
 /// a rendering together. The group is one of them afterwards.
-pub(super) fn leave<'a>(
+pub(super) fn fit_and_render<'a>(
     state: &mut State<'a>,
     group: usize,
     rungs: Vec<Rung>,
     allowed: (Allowance, LightError),
     settings: Settings,
-) -> (Vec<Left>, Ground) {
-    let mut ground = Ground::of(state, group, allowed, &settings);
-    let settings = ground.settings(settings);
-    let (mut left, drawn) = fit_all(state, group, rungs, (&ground, &settings));
+) -> (Vec<Contender>, PixelSample) {
+    let mut sample = PixelSample::of(state, group, allowed, &settings);
+    let settings = sample.settings(settings);
+    let (mut contenders, drawn) = fit_all(state, group, rungs, (&sample, &settings));
     // The paths of the fits have served, and take as much memory as those to come.
-    let ways: Vec<Way> = drawn.into_iter().map(|drawn| drawn.way).collect();
-    for (place, way) in ways.iter().enumerate() {
-        render_all(state, group, &mut left, (place, way), (&ground, &settings));
+    let densities: Vec<ProposalDensity> = drawn.into_iter().map(|drawn| drawn.density).collect();
+    for (place, density) in densities.iter().enumerate() {
+        render_all(state, group, &mut contenders, (place, density), (&sample, &settings));
     }
-    ground.reweigh(&left);
-    for left in &mut left {
-        let all = std::mem::take(&mut left.radiance).into_iter();
-        left.residuals = all.map(|model| model.map(|model| ground.residuals(model))).collect();
+    sample.reweigh(&contenders);
+    for contender in &mut contenders {
+        let all = std::mem::take(&mut contender.radiance).into_iter();
+        contender.residuals = all.map(|model| model.map(|model| sample.residuals(model))).collect();
     }
-    left.reverse();
-    (left, ground)
+    contenders.reverse();
+    (contenders, sample)
 }
 
 /// Fits all `rungs` of `group`, the last one first, on paths that carry them, and returns what they are then.
@@ -179,10 +177,10 @@ fn fit_all<'a>(
     state: &mut State<'a>,
     group: usize,
     rungs: Vec<Rung>,
-    by: (&Ground, &Settings),
-) -> (Vec<Left>, Vec<Drawn<'a>>) {
-    let mut drawn: Vec<Drawn<'a>> = Vec::new();
-    let mut left: Vec<Left> = Vec::new();
+    by: (&PixelSample, &Settings),
+) -> (Vec<Contender>, Vec<DrawnPaths<'a>>) {
+    let mut drawn: Vec<DrawnPaths<'a>> = Vec::new();
+    let mut contenders: Vec<Contender> = Vec::new();
     for mut rung in rungs.into_iter().rev() {
         rung.put(state, group);
         let mut loss = 0.0;
@@ -197,65 +195,70 @@ fn fit_all<'a>(
         }
         rung.material = state.materials[group].clone();
         let (radiance, residuals) = (Vec::new(), Vec::new());
-        left.push(Left { rung, drawn: place, radiance, residuals, loss });
+        contenders.push(Contender { rung, drawn: place, radiance, residuals, loss });
     }
-    (left, drawn)
+    (contenders, drawn)
 }
 
-/// Renders the pixels of `ground` with each of `left` that paths of the `way`, which has the number `place`, carry, on other
-/// ones of these.
+/// Renders the pixels of `sample` with each of the `contenders` that paths of the `density` carry, on other ones of these than
+/// those of the fits, which have the number `place`.
 fn render_all(
     state: &mut State<'_>,
     group: usize,
-    left: &mut [Left],
-    (place, way): (usize, &Way),
-    (ground, settings): (&Ground, &Settings),
+    contenders: &mut [Contender],
+    (place, density): (usize, &ProposalDensity),
+    (sample, settings): (&PixelSample, &Settings),
 ) {
-    way.put(state, group);
+    density.put(state, group);
     let settings = Settings { seed: mix(settings.seed ^ JUDGING), ..*settings };
-    let (pixels, seen) = (ground.pixels(), way.seen.as_ref());
+    let (pixels, seen) = (sample.pixels(), density.seen.as_ref());
     let stored = means::halves(&settings).map(|settings| {
-        state.problem.renderer.store(state.appearance(), &pixels, &way.asked, &settings, seen)
+        state.problem.renderer.store(state.appearance(), &pixels, &density.asked, &settings, seen)
     });
-    for left in left {
-        left.rung.put(state, group);
+    for contender in contenders {
+        contender.rung.put(state, group);
         let radiance = |half: &dyn Stored| half.replay(state.appearance(), &[], seen).radiance;
-        let is_carried = place == left.drawn || carries(&way.material, &left.rung.material);
+        let is_carried =
+            place == contender.drawn || carries(&density.material, &contender.rung.material);
         let both = || stored.each_ref().map(|half| radiance(half.as_ref()));
-        left.radiance.push(is_carried.then(both));
+        contender.radiance.push(is_carried.then(both));
     }
 }
 
 /// The number of the paths that carry the present rung of `group`; of new ones if none of those that are `drawn` do.
 fn carrier<'a>(
-    drawn: &mut Vec<Drawn<'a>>,
+    drawn: &mut Vec<DrawnPaths<'a>>,
     state: &mut State<'a>,
     group: usize,
-    by: (&Ground, &Settings),
+    by: (&PixelSample, &Settings),
 ) -> usize {
     let material = &state.materials[group];
-    let carried = drawn.iter().position(|drawn| carries(&drawn.way.material, material));
+    let carried = drawn.iter().position(|drawn| carries(&drawn.density.material, material));
     carried.unwrap_or_else(|| {
-        drawn.push(Drawn::of(state, group, by));
+        drawn.push(DrawnPaths::of(state, group, by));
         drawn.len() - 1
     })
 }
 
-impl<'a> Drawn<'a> {
+impl<'a> DrawnPaths<'a> {
     /// Paths that carry the present rung of `group`, and what is simpler.
-    fn of(state: &mut State<'a>, group: usize, (ground, settings): (&Ground, &Settings)) -> Self {
+    fn of(
+        state: &mut State<'a>,
+        group: usize,
+        (sample, settings): (&PixelSample, &Settings),
+    ) -> Self {
         let material = state.materials[group].clone();
         let asked = Unknowns::of_group(state, group).parameters;
-        let way = Way { material, asked, seen: state.seen.clone() };
-        way.put(state, group);
-        let cells = sample::of_group(state, group, ground.pixels.len(), settings.seed);
-        let fitting = KeptPaths::of_cells(state, cells, &way.asked, settings);
-        state.materials[group] = way.material.clone();
-        Self { way, fitting }
+        let density = ProposalDensity { material, asked, seen: state.seen.clone() };
+        density.put(state, group);
+        let cells = super::sample::of_group(state, group, sample.pixels.len(), settings.seed);
+        let fitting = KeptPaths::of_cells(state, cells, &density.asked, settings);
+        state.materials[group] = density.material.clone();
+        Self { density, fitting }
     }
 }
 
-impl Way {
+impl ProposalDensity {
     /// Makes `group` what such paths are drawn from: half of those with a specular part are drawn by a cosine.
     fn put(&self, state: &mut State<'_>, group: usize) {
         let half = Rgb::splat(0.5);

@@ -1,19 +1,19 @@
 //! Hypotheses of one group side by side on the same paths, everything else held.
 //!
 //! Each is fitted by Gauss-Newton to the group's pixels, and they are compared on other paths ([`super::contenders`]):
-//! what one of them gained by the noise of the paths that it was fitted on, it does not gain there. What they leave is
-//! weighted as in the joint refinement, and compared by the Bayesian information criterion [Schwarz 1978] with as many
-//! observations as blocks are independent of each other. Where the noise of the paths leaves open which one it is, those
-//! that it may be are compared by more paths.
+//! what one of them gained by the noise of the paths that it was fitted on, it does not gain there. Their residuals are
+//! compared under the observation model ([`crate::contrast`]) and chosen among as always ([`crate::selection`]), with as
+//! many observations as blocks are independent of each other. Where the noise of the paths leaves open which one it is,
+//! those that it may be are compared by more paths.
 
-use super::contenders::{self, Ground, Left, Rung};
+use super::contenders::{self, Contender, PixelSample, Rung};
 use crate::block_residuals::BlockResiduals;
 use crate::contrast::{Contrast, Side};
 use crate::effort::Effort;
 use crate::model_error::{Allowance, LightError, ModelError};
 use crate::problem::Options;
 use crate::sample_budget::TOGETHER;
-use crate::selection::parameters;
+use crate::selection::{self, Excess, parameters};
 use crate::state::State;
 use unrender_render::sampler::mix;
 use unrender_render::{Integrator, Settings};
@@ -21,9 +21,6 @@ use unrender_render::{Integrator, Settings};
 /// Paths in each of two renderings, for fits and again for the comparison: at first, and where the answer is open. With
 /// double two rooms take as long, and the same of their groups are right; half of it was not tried.
 const PATHS: [u32; 2] = [1 << 16, 1 << 18];
-/// What one hypothesis gains beside another counts less so many standard deviations of the paths' noise. Half and double
-/// of it were not tried.
-const CERTAIN: f64 = 2.0;
 
 /// What the comparison came to.
 pub(crate) struct Choice {
@@ -35,16 +32,8 @@ pub(crate) struct Choice {
     pub(crate) excess: Vec<f64>,
 }
 
-/// The information criterion of one less that of another: what it is, and the least and the most that it may be.
-#[derive(Clone, Copy, Default)]
-struct Excess {
-    value: f64,
-    least: f64,
-    most: f64,
-}
-
 /// How a group's rungs are compared.
-pub(crate) struct By<'o> {
+pub(crate) struct Criteria<'o> {
     pub(crate) options: &'o Options,
     /// How many paths.
     pub(crate) effort: Effort,
@@ -64,16 +53,17 @@ struct Gain {
 }
 
 /// Those that are compared.
-struct AllLeft<'a> {
-    left: &'a [Left],
-    ground: &'a Ground,
+struct Contenders<'a> {
+    all: &'a [Contender],
+    sample: &'a PixelSample,
     floor: ModelError,
 }
 
-/// Compares `rungs` of `group`, which go from simple to complex. The group keeps what it is.
+/// Compares `rungs` of `group`, which go from simple to complex. The group keeps what it is. Of one that no pixel shows,
+/// the simplest is chosen.
 pub(crate) fn compare(
     state: &mut State<'_>,
-    by: &By<'_>,
+    by: &Criteria<'_>,
     group: usize,
     rungs: Vec<Rung>,
 ) -> Choice {
@@ -83,6 +73,9 @@ pub(crate) fn compare(
     let starts = rungs.clone();
     let mut competing: Vec<usize> = (0..rungs.len()).collect();
     let mut choice = Choice { chosen: 0, excess: vec![0.0; rungs.len()], rungs };
+    if state.observation.informative_of_group[group].is_empty() {
+        return choice;
+    }
     for (level, paths) in PATHS.into_iter().enumerate() {
         let settings = Settings {
             first: 0,
@@ -94,12 +87,12 @@ pub(crate) fn compare(
         };
         let rungs: Vec<Rung> = competing.iter().map(|i| starts[*i].clone()).collect();
         let allowed = (by.allowance, by.most);
-        let (left, ground) = contenders::leave(state, group, rungs, allowed, settings);
-        for (i, left) in competing.iter().zip(&left) {
-            choice.rungs[*i] = left.rung.clone();
+        let (found, sample) = contenders::fit_and_render(state, group, rungs, allowed, settings);
+        for (i, contender) in competing.iter().zip(&found) {
+            choice.rungs[*i] = contender.rung.clone();
         }
-        let all = AllLeft { left: &left, ground: &ground, floor: by.allowance.floor };
-        competing = choice.choose(&competing, &all, by.options.thresholds.simpler);
+        let found = Contenders { all: &found, sample: &sample, floor: by.allowance.floor };
+        competing = choice.choose(&competing, &found, by.options.thresholds.simpler);
         if competing.len() == 1 {
             break;
         }
@@ -109,82 +102,62 @@ pub(crate) fn compare(
 }
 
 impl Choice {
-    /// Chooses among those that are `competing`, by what they left, and returns it with those that may still be better.
+    /// Chooses among those that are `competing`, which were `found` so, and returns it with those that may still be better.
     /// With `simpler`, one is preferred whose error is at most so many times the least.
     fn choose(
         &mut self,
         competing: &[usize],
-        all: &AllLeft<'_>,
+        found: &Contenders<'_>,
         simpler: Option<f64>,
     ) -> Vec<usize> {
-        let n = competing.len();
-        let pairs = all.pairs();
-        let excess = |i: usize, j: usize| pairs[i][j];
-        let behind = |i: usize| (0..n).map(|j| excess(i, j).least).fold(0.0, f64::max);
-        let errors: Vec<f64> = (0..n).map(|i| all.error(i)).collect();
-        let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
-        let is_near = |i: usize| simpler.is_some_and(|times| errors[i] <= times * least);
-        let (mut chosen, mut lowest) = (0, f64::INFINITY);
-        for i in 0..n {
-            let behind = behind(i);
-            if behind < lowest {
-                (chosen, lowest) = (i, behind);
-            }
-            if is_near(i) || behind <= 0.0 {
-                chosen = i;
-                break;
-            }
-        }
-        let stands = is_near(chosen);
-        let open = |i: &usize| *i > chosen && !stands && excess(chosen, *i).most > 0.0;
-        let mut next: Vec<usize> = vec![competing[chosen]];
-        next.extend((0..n).filter(open).map(|i| competing[i]));
+        let errors: Vec<f64> = (0..competing.len()).map(|i| found.error(i)).collect();
+        let pairs = found.pairs();
+        let (chosen, open) = selection::choose(&errors, simpler, |i, j| pairs[i][j]);
         for (i, place) in competing.iter().enumerate() {
-            self.excess[*place] = excess(i, chosen).value;
+            self.excess[*place] = pairs[i][chosen].value;
         }
         self.chosen = competing[chosen];
-        next
+        let open = open.into_iter().map(|i| competing[i]);
+        std::iter::once(self.chosen).chain(open).collect()
     }
 }
 
-impl AllLeft<'_> {
+impl Contenders<'_> {
     /// The information criterion of each less that of each.
     fn pairs(&self) -> Vec<Vec<Excess>> {
-        let n = self.left.len();
+        let n = self.all.len();
         let mut pairs = vec![vec![Excess::default(); n]; n];
         for i in 0..n {
             for j in i + 1..n {
-                let Excess { value, least, most } = self.excess([&self.left[i], &self.left[j]]);
-                pairs[i][j] = Excess { value, least, most };
-                pairs[j][i] = Excess { value: -value, least: -most, most: -least };
+                let excess = self.excess([&self.all[i], &self.all[j]]);
+                (pairs[i][j], pairs[j][i]) = (excess, -excess);
             }
         }
         pairs
     }
 
     /// The information criterion of `a` less that of `b`.
-    fn excess(&self, [a, b]: [&Left; 2]) -> Excess {
+    fn excess(&self, [a, b]: [&Contender; 2]) -> Excess {
         let Gain { value, variance, independent } = self.gain([a, b]);
-        let [first, second] = [a, b].map(|left| parameters(left.rung.hypothesis));
-        let count = (independent * self.ground.blocks.len() as f64).max(1.0);
+        let [first, second] = [a, b].map(|of| parameters(of.rung.hypothesis));
+        let count = (independent * self.sample.blocks.len() as f64).max(1.0);
         // Each is taken as good as it is without the noise of its fit. What that costs is a sum of squares.
         let gain = value + b.loss - a.loss;
         let variance = variance + 2.0 * (a.loss + b.loss);
         let value = independent * gain + (first - second) * count.ln();
-        let uncertain = CERTAIN * independent * variance.sqrt();
-        Excess { value, least: value - uncertain, most: value + uncertain }
+        Excess { value, deviation: independent * variance.sqrt() }
     }
 
     /// What `a` leaves more than `b`. On paths that carry both, most of their noise is common to both; else each may be
     /// compared with the simplest one on its own paths, which carry that too.
-    fn gain(&self, [a, b]: [&Left; 2]) -> Gain {
-        let on = |a: &Left, of_a: usize, b: &Left, of_b: usize| {
+    fn gain(&self, [a, b]: [&Contender; 2]) -> Gain {
+        let on = |a: &Contender, of_a: usize, b: &Contender, of_b: usize| {
             let both = [a.residuals[of_a].as_ref()?, b.residuals[of_b].as_ref()?];
             Some(self.gain_of(both))
         };
         let common = [b.drawn, a.drawn].into_iter().find_map(|drawn| on(a, drawn, b, drawn));
-        let simplest = &self.left[0];
-        let beside_simplest = |left: &Left| on(left, left.drawn, simplest, left.drawn);
+        let simplest = &self.all[0];
+        let beside_simplest = |of: &Contender| on(of, of.drawn, simplest, of.drawn);
         let apart = || {
             let direct = on(a, a.drawn, b, b.drawn).unwrap_or(Gain::UNKNOWN);
             let (Some(a), Some(b)) = (beside_simplest(a), beside_simplest(b)) else {
@@ -201,9 +174,9 @@ impl AllLeft<'_> {
     }
 
     fn gain_of(&self, both: [&BlockResiduals; 2]) -> Gain {
-        let (field, floor) = (&self.ground.field, self.floor);
+        let (field, floor) = (&self.sample.field, self.floor);
         let sides = both.map(|residuals| Side { residuals, field, floor });
-        let contrast = Contrast::of(&self.ground.blocks, sides.each_ref());
+        let contrast = Contrast::of(&self.sample.blocks, sides.each_ref());
         Gain {
             value: contrast.difference,
             variance: contrast.noise,
@@ -213,8 +186,8 @@ impl AllLeft<'_> {
 
     /// The relative error of one.
     fn error(&self, i: usize) -> f64 {
-        let left = &self.left[i];
-        let Some(residuals) = &left.residuals[left.drawn] else { return f64::INFINITY };
+        let contender = &self.all[i];
+        let Some(residuals) = &contender.residuals[contender.drawn] else { return f64::INFINITY };
         let [a, b] = residuals.halves();
         let square = a.iter().zip(&b).map(|(a, b)| f64::from((*a * *b).element_sum())).sum::<f64>();
         let light: f64 = residuals.light.iter().map(|v| f64::from((*v * *v).element_sum())).sum();
@@ -266,24 +239,24 @@ mod tests {
         hypothesis: Hypothesis,
         drawn: usize,
         residuals: impl IntoIterator<Item = Option<BlockResiduals>>,
-    ) -> Left {
+    ) -> Contender {
         let rung = Rung { hypothesis, material: Material::diffuse(Rgb::ONE) };
         let residuals = residuals.into_iter().collect();
-        Left { rung, drawn, radiance: Vec::new(), residuals, loss: 0.0 }
+        Contender { rung, drawn, radiance: Vec::new(), residuals, loss: 0.0 }
     }
 
     /// What is chosen of `left`, and those that it may be.
-    fn chosen(left: &[Left]) -> (usize, Vec<usize>) {
+    fn chosen(left: &[Contender]) -> (usize, Vec<usize>) {
         let pixels: Vec<u32> = (0..(SIDE * SIDE) as u32).collect();
         let blocks = Blocks::of(&pixels, &Grid::even(SIDE, 1));
         let field = LightField::constant(blocks.len(), LightError { share: 0.001 });
-        let ground = Ground::new(blocks, field);
-        let all = AllLeft { left, ground: &ground, floor: ModelError { share: 0.003 } };
+        let sample = PixelSample::new(blocks, field);
+        let found = Contenders { all: left, sample: &sample, floor: ModelError { share: 0.003 } };
         let rungs: Vec<Rung> = left.iter().map(|left| left.rung.clone()).collect();
         let excess = vec![0.0; rungs.len()];
         let mut choice = Choice { chosen: 0, rungs, excess };
         let competing: Vec<usize> = (0..left.len()).collect();
-        let next = choice.choose(&competing, &all, None);
+        let next = choice.choose(&competing, &found, None);
         (choice.chosen, next)
     }
 

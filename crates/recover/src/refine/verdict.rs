@@ -1,10 +1,10 @@
 //! What the photograph determines, and what it does not.
 //!
 //! A number is worth what its standard deviation allows. A lobe goes that is not significant, neither
-//! by its standard deviation nor beside what is simpler on the same paths ([`super::side_by_side`]), and so does what is diffuse about a mirror, or not perfect about it, if it is less than what
-//! the ladder's threshold calls explained; an anisotropy that is not significant becomes a round lobe, and a lobe
-//! whose width is not significant a mirror; a group out of sight
-//! whose reflectance stays open is assumed: at its best guess, or white, as the paper does, where
+//! by its standard deviation nor beside what is simpler on the same paths ([`super::side_by_side`]);
+//! likewise an anisotropy becomes a round lobe, and a lobe without a width a mirror. What is diffuse about
+//! a mirror goes, or not perfect about it, if it is less than what the ladder's threshold calls explained; a group
+//! out of sight whose reflectance stays open is assumed: at its best guess, or white, as the paper does, where
 //! there is nothing to guess from.
 
 use super::contenders::Rung;
@@ -262,18 +262,21 @@ impl Verdict<'_> {
     /// standard deviations say how strong or how wide a lobe is, and a single highlight leaves a lobe's strength uncertain
     /// and its presence certain.
     fn as_good(&self, simpler: Rung, state: &mut State<'_>, options: &Options) -> Option<Rung> {
+        if !state.problem.groups[self.group].allows(simpler.hypothesis) {
+            return None;
+        }
         let present = Rung {
             hypothesis: state.groups[self.group].hypothesis,
             material: state.materials[self.group].clone(),
         };
-        let by = side_by_side::By {
+        let by = side_by_side::Criteria {
             options,
             effort: options.effort,
             allowance: sample_budget::allowance(Level::Refined, options),
             most: light_of_others(state, self.group),
         };
         let choice = side_by_side::compare(state, &by, self.group, vec![simpler, present]);
-        (choice.chosen == 0).then(|| choice.rungs.into_iter().next())?
+        if choice.chosen == 0 { choice.rungs.into_iter().next() } else { None }
     }
 
     /// The mirror that the group is if its diffuse part is not significant.
