@@ -4,7 +4,7 @@
 //! they explain worst; a proposal is accepted if the re-rendering of the whole picture
 //! ([`crate::verify`]) does not speak against it, and taken back else. Then all parameters are
 //! refined together, which may not end worse than it began either, and the hypotheses are asked
-//! once more under the refined light. What is returned is the best state that was verified.
+//! again under the refined light. What is returned is the best state that was verified.
 
 use crate::hypothesis::Hypothesis;
 use crate::ladder::candidates::{self, Candidates, Proposal};
@@ -20,6 +20,10 @@ use crate::verify::{Score, Verified, Verifier};
 /// How often the hypotheses are asked again after a refinement; each time costs a refinement where
 /// one changes.
 const REVISIONS: usize = 2;
+/// How often all of that and the last refinement are made at most: again where the last refinement has made hypotheses
+/// simpler, since that changes the light of others. At one a room whose largest thing is a mirror, which is found then, has two
+/// groups of seven wrong; double was not tried.
+const REFINED_MAX: usize = 2;
 
 /// Recovers everything, the default way.
 pub(crate) fn drive(
@@ -160,7 +164,7 @@ impl Driver<'_> {
     }
 
     /// Refines all parameters together, roughly at first; under that light the hypotheses are asked
-    /// again.
+    /// again. Where the last refinement makes some simpler, those are asked once more whose light that changed.
     fn refine(
         &mut self,
         state: &mut State<'_>,
@@ -171,31 +175,59 @@ impl Driver<'_> {
         let mut best = self.verifier.verify(state);
         state.schedule.begin(Part::Refinement);
         self.refine_once(state, &mut best, Depth::Coarse, observer);
-        state.schedule.begin(Part::Revision);
-        // Errors of the light of that size are allowed for: a smaller change decides nothing.
+        let mut groups = state.visible_unknowns();
+        let mut termination = Termination::Refined;
+        for round in 0..self.options.effort.rounds(REFINED_MAX) {
+            state.schedule.begin(Part::Revision);
+            let is_revised = self.revise(state, groups, &mut best, observer)?;
+            if round > 0 && !is_revised {
+                break;
+            }
+            state.schedule.begin(Part::LastRefinement);
+            let (hypotheses, score) = (state.hypotheses(), best.score.clone());
+            termination = self.refine_once(state, &mut best, Depth::Fine, observer);
+            if state.hypotheses() == hypotheses || observer.is_cancelled() {
+                break;
+            }
+            groups = self.changed(state, &best.score, &score);
+        }
+        Ok(termination)
+    }
+
+    /// The groups whose light differs between two scores: by more than the error of it that is always allowed for, as a
+    /// smaller change decides nothing.
+    fn changed(&self, state: &State<'_>, now: &Score, before: &Score) -> Vec<usize> {
         let tolerated = sample_budget::allowance(Level::Refined, self.options).light.share;
-        let mut asked: Option<(Score, Vec<usize>)> = None;
+        let changed = self.verifier.changed(now, before, tolerated);
+        state.visible_unknowns().into_iter().filter(|group| changed.contains(group)).collect()
+    }
+
+    /// Asks `groups` again, and then those whose light that has changed. Whether one is another hypothesis now.
+    fn revise(
+        &mut self,
+        state: &mut State<'_>,
+        mut groups: Vec<usize>,
+        best: &mut Verified,
+        observer: &mut dyn Observer,
+    ) -> Result<bool, RecoverError> {
+        let mut accepted = false;
         for _ in 0..self.options.effort.rounds(REVISIONS) {
             refine::settle_nuisances(state, self.options)?;
-            let mut groups = state.visible_unknowns();
-            if let Some((before, proposed)) = &asked {
-                // Those whose light others have changed.
-                let changed = self.verifier.changed(&best.score, before, tolerated);
-                groups.retain(|group| changed.contains(group) && !proposed.contains(group));
-            }
-            let proposals = self.revise(state, &groups, observer);
-            let proposed = proposals.iter().map(|proposal| proposal.group).collect();
-            asked = Some((best.score.clone(), proposed));
+            let before = best.score.clone();
+            let proposals = self.ask(state, &groups, observer);
+            let proposed: Vec<usize> = proposals.iter().map(|proposal| proposal.group).collect();
             if proposals.is_empty() || observer.is_cancelled() {
                 break;
             }
-            if !self.try_all(state, proposals, &mut best, Depth::Coarse, observer) {
+            if !self.try_all(state, proposals, best, Depth::Coarse, observer) {
                 break;
             }
-            self.refine_once(state, &mut best, Depth::Coarse, observer);
+            accepted = true;
+            self.refine_once(state, best, Depth::Coarse, observer);
+            groups = self.changed(state, &best.score, &before);
+            groups.retain(|group| !proposed.contains(group));
         }
-        state.schedule.begin(Part::LastRefinement);
-        Ok(self.refine_once(state, &mut best, Depth::Fine, observer))
+        Ok(accepted)
     }
 
     /// One joint refinement; it is taken back if the picture speaks against it, by two sets of random numbers.
@@ -219,7 +251,7 @@ impl Driver<'_> {
     }
 
     /// Other hypotheses under the refined light, for those of `groups` that are asked for.
-    fn revise(
+    fn ask(
         &mut self,
         state: &mut State<'_>,
         groups: &[usize],

@@ -214,6 +214,11 @@ impl<'a> State<'a> {
         self.seen = Some(RadianceCache { radiance, valid: known });
     }
 
+    /// The hypotheses of all groups.
+    pub(crate) fn hypotheses(&self) -> Vec<Hypothesis> {
+        self.groups.iter().map(|of_group| of_group.hypothesis).collect()
+    }
+
     /// The groups to be recovered that the photograph shows.
     pub(crate) fn visible_unknowns(&self) -> Vec<usize> {
         let asked = |g: &usize| self.problem.groups[*g].role == Role::Unknown;
@@ -318,8 +323,20 @@ impl<'a> State<'a> {
             lights: self.lights.clone(),
             exposure: self.exposure,
             photometric: self.photometric.clone(),
+            exposure_std: self.exposure_std,
+            light_results: self.light_results.clone(),
+            covariance: self.covariance.clone(),
             valid: self.observation.valid_pixels(),
         }
+    }
+
+    /// Forgets how well numbers are known, which are about to move.
+    pub(crate) fn forget_deviations(&mut self) {
+        self.groups.iter_mut().for_each(|of_group| of_group.std = None);
+        self.exposure_std = None;
+        self.light_results.clear();
+        self.covariance = None;
+        self.photometric.covariance.clear();
     }
 
     /// Goes back to `snapshot`. The selection log and the iterations stay: they happened.
@@ -332,7 +349,9 @@ impl<'a> State<'a> {
         self.lights.clone_from(&snapshot.lights);
         self.exposure = snapshot.exposure;
         self.photometric.clone_from(&snapshot.photometric);
-        self.covariance = None;
+        self.exposure_std = snapshot.exposure_std;
+        self.light_results.clone_from(&snapshot.light_results);
+        self.covariance.clone_from(&snapshot.covariance);
         self.observation.restore_valid_pixels(&snapshot.valid);
     }
 }
@@ -345,6 +364,9 @@ pub(crate) struct Snapshot {
     lights: Vec<Rgb>,
     exposure: Rgb,
     photometric: PhotometricEstimate,
+    exposure_std: Option<Rgb>,
+    light_results: Vec<LightResult>,
+    covariance: Option<Covariance>,
     valid: ValidPixels,
 }
 

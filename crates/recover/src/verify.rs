@@ -187,11 +187,9 @@ impl Verifier {
         let score =
             |state: &State<'_>| state.steps.value("verification", || self.score(state, &settings));
         let mine = score(state);
-        let covariance = state.covariance.take();
         state.restore(best);
         let others = score(state);
         state.restore(found);
-        state.covariance = covariance;
         self.compare(&mine, &others).is_worse()
     }
 

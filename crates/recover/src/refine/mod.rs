@@ -75,6 +75,7 @@ pub(crate) fn refine(
     depth: Depth,
     observer: &mut dyn Observer,
 ) -> Termination {
+    state.forget_deviations();
     free_the_unseen(state);
     if Unknowns::of(state).len() == 0 {
         return Termination::Settled;

@@ -7,6 +7,7 @@
 //! they fail.
 
 mod citations;
+mod code_map;
 mod commands;
 mod figures;
 mod markdown;

@@ -1,0 +1,63 @@
+//! The code map: every file of the code with the first sentence of what it says of itself.
+
+use super::{files, hold, root};
+use std::fs;
+
+const PAGE: &str = "docs/code-map.md";
+const MARKS: (&str, &str) = ("<!-- the code map -->", "<!-- end of the code map -->");
+
+/// The folders of code, each with a table of its own, and the endings of their files.
+const FOLDERS: [(&str, &[&str]); 11] = [
+    ("crates/scene/src", &[".rs"]),
+    ("crates/formats/src", &[".rs"]),
+    ("crates/photo/src", &[".rs"]),
+    ("crates/render/src", &[".rs"]),
+    ("crates/recover/src", &[".rs"]),
+    ("crates/restage/src", &[".rs"]),
+    ("crates/unrender/src", &[".rs"]),
+    ("python", &[".rs", ".py"]),
+    ("blender/extension", &[".py"]),
+    ("fuzz/src", &[".rs"]),
+    ("benches", &[".rs", ".py"]),
+];
+
+/// What the head of a file says of it: the module comment, or the first docstring.
+fn head(path: &str) -> String {
+    let text = fs::read_to_string(root().join(path)).unwrap();
+    if path.ends_with(".py") {
+        return text.split("\"\"\"").nth(1).unwrap_or_default().to_owned();
+    }
+    let lines = text.lines().map_while(|line| line.strip_prefix("//!"));
+    lines.map(str::trim).collect::<Vec<_>>().join("\n")
+}
+
+/// The first sentence of a text, on one line, for a cell of a table.
+fn first_sentence(text: &str) -> String {
+    let paragraph = text.trim().split("\n\n").next().unwrap_or_default();
+    let line = paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
+    let sentence = line.split_once(". ").map_or(line.as_str(), |(first, _)| first);
+    // Links within the code lead nowhere on a page.
+    let plain = sentence.trim_end_matches('.').replace("[`", "`").replace("`]", "`");
+    plain.replace('|', "\\|")
+}
+
+fn table(folder: &str, endings: &[&str]) -> String {
+    let mut paths: Vec<String> = endings.iter().flat_map(|end| files(folder, end)).collect();
+    // What is built or tested stands there too.
+    paths.retain(|path| !path.contains("/target/") && !path.contains("/tests/"));
+    paths.sort();
+    let mut text = format!("## {folder}\n\n| file | what it is |\n|---|---|\n");
+    for path in paths {
+        let sentence = first_sentence(&head(&path));
+        assert!(!sentence.is_empty(), "{path} does not say what it is");
+        let within = path.strip_prefix(folder).unwrap_or(&path).trim_start_matches('/');
+        text.push_str(&format!("| `{within}` | {sentence} |\n"));
+    }
+    text
+}
+
+#[test]
+fn the_code_map_is_that_of_the_code() {
+    let tables: Vec<String> = FOLDERS.iter().map(|(folder, ends)| table(folder, ends)).collect();
+    hold(PAGE, MARKS, &tables.join("\n"));
+}
