@@ -9,6 +9,7 @@
 use crate::hypothesis::Hypothesis;
 use crate::ladder::candidates::{self, Candidates, Proposal};
 use crate::ladder::textures;
+use crate::others::light_of_others;
 use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Termination};
 use crate::refine::{self, Depth, brightness};
@@ -194,11 +195,12 @@ impl Driver<'_> {
         Ok(termination)
     }
 
-    /// The groups whose light differs between two scores: by more than the error of it that is always allowed for, as a
-    /// smaller change decides nothing.
+    /// The groups whose light differs between two scores: by more than the error of it that was allowed for where they were
+    /// asked, since a smaller change decides nothing.
     fn changed(&self, state: &State<'_>, now: &Score, before: &Score) -> Vec<usize> {
-        let tolerated = sample_budget::allowance(Level::Refined, self.options).light.share;
-        let changed = self.verifier.changed(now, before, tolerated);
+        let always = sample_budget::allowance(Level::Refined, self.options).light.share;
+        let allowed = |group: usize| always.max(light_of_others(state, group).share);
+        let changed = self.verifier.changed(now, before, allowed);
         state.visible_unknowns().into_iter().filter(|group| changed.contains(group)).collect()
     }
 

@@ -61,8 +61,11 @@ impl Asking<'_> {
     /// The candidates side by side; none where nothing was seen of the group.
     pub(super) fn compare(&self, state: &mut State<'_>) -> Option<Compared> {
         if self.stands {
-            let little = self.compare_by(state, Light::Little)?;
+            let mut little = self.compare_by(state, Light::Little)?;
             if self.confirms(state, &little) {
+                if !little.fitted.decisions[0].open.is_empty() {
+                    self.decide_on_paths(state, &mut little);
+                }
                 return Some(little);
             }
         }
@@ -111,7 +114,9 @@ impl Asking<'_> {
         }
         let evidence = &compared.evidence.judging;
         let Rung { hypothesis, material } = &rungs[chosen];
-        fits[open[chosen]] = hypothesis::fit(*hypothesis, evidence, material, Search::Kept);
+        let fit = hypothesis::fit(*hypothesis, evidence, material, Search::Kept);
+        // Its numbers are those of the paths, which have less noise than the light of the evidence.
+        fits[open[chosen]] = Fit { material: material.clone(), ..fit };
         let mut all = first.excess.clone();
         let behind = all[open[chosen]];
         all.iter_mut().for_each(|value| *value -= behind);
@@ -145,7 +150,6 @@ impl Asking<'_> {
     fn confirms(&self, state: &State<'_>, compared: &Compared) -> bool {
         let chosen = compared.fitted.chosen();
         chosen.hypothesis == state.groups[self.by.group].hypothesis
-            && compared.fitted.decisions[0].open.is_empty()
             && !compared.is_other_minimum
             && is_explained(chosen, self.explained, self.by.budget.allowance.floor)
     }

@@ -41,6 +41,7 @@ use system::System;
 use unknowns::Unknowns;
 use unrender_render::Settings;
 use unrender_render::sampler::mix;
+use verdict::BorneOut;
 
 /// Refinements at most, of which each but the last may end with simpler hypotheses: of groups in sight, once more of
 /// these, and of those out of sight.
@@ -89,6 +90,7 @@ pub(crate) fn refine(
         passes.approach(state, effort, observer);
         return Termination::Refined;
     }
+    let mut borne_out = BorneOut::new();
     for round in 1.. {
         let solution = passes.converge(state, observer);
         if observer.is_cancelled() {
@@ -97,7 +99,18 @@ pub(crate) fn refine(
         if solution.failed {
             return Termination::RefinementFailed;
         }
-        if round < ROUNDS_MAX && verdict::simplify(state, &solution, options) {
+        let mut simplify = |state: &mut State<'_>, solution: &Solution| {
+            verdict::simplify(state, solution, options, &mut borne_out)
+        };
+        if round < ROUNDS_MAX && simplify(state, &solution) {
+            // What one has changed others follow at once, on few paths.
+            while let Some(near) = passes.approach(state, options.effort, observer)
+                && !observer.is_cancelled()
+                && simplify(state, &near)
+            {}
+            continue;
+        }
+        if round < ROUNDS_MAX && verdict::assume(state, &solution) {
             continue;
         }
         verdict::record(state, &solution);

@@ -85,16 +85,17 @@ impl<'o> Passes<'o> {
         self.accumulate(state, unknowns, (&prior, &origins), observer)
     }
 
-    /// The approach alone.
+    /// The approach alone, and how well its few paths tell where it ended; none if no equations could be solved.
     pub(super) fn approach(
         &mut self,
         state: &mut State<'_>,
         effort: Effort,
         observer: &mut dyn Observer,
-    ) {
+    ) -> Option<Solution> {
         let unknowns = Unknowns::of(state);
         let prior = unknowns.prior_mean(state);
-        self.approach_with(state, (&unknowns, &prior), effort, observer);
+        let shown = self.approach_with(state, (&unknowns, &prior), effort, observer)?;
+        Some(Solution { unknowns, covariance: shown.stated, settled: true, failed: false })
     }
 
     /// Moves `unknowns` to where they explain the photograph best on few paths, with `is_far` first to where photograph

@@ -94,7 +94,13 @@ pub(crate) fn compare(
         let found = Contenders { all: &found, sample: &sample, floor: by.allowance.floor };
         competing = choice.choose(&competing, &found, by.options.thresholds.simpler);
         if competing.len() == 1 {
-            break;
+            if choice.rungs[choice.chosen].hypothesis == present.hypothesis {
+                break;
+            }
+            // A change is asked once more, and its numbers are fitted on more paths.
+            competing
+                .extend((0..starts.len()).filter(|i| starts[*i].hypothesis == present.hypothesis));
+            competing.sort_unstable();
         }
     }
     present.put(state, group);

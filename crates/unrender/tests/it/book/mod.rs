@@ -9,6 +9,7 @@
 mod citations;
 mod code_map;
 mod commands;
+mod constants;
 mod figures;
 mod markdown;
 mod schema;

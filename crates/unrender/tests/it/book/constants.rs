@@ -1,0 +1,77 @@
+//! The constants of the recovery: every one with its value and what is said of it where it stands.
+
+use super::{files, hold, root};
+use std::fs;
+
+const PAGE: &str = "docs/constants.md";
+const MARKS: (&str, &str) = ("<!-- the constants -->", "<!-- end of the constants -->");
+const FOLDER: &str = "crates/recover/src";
+
+/// A constant as its file declares it. Constants that follow each other without a comment share the one above.
+struct Constant {
+    name: String,
+    value: String,
+    comment: Option<String>,
+}
+
+/// The constants of the part of a file that ships.
+fn constants(text: &str) -> Vec<Constant> {
+    let product = text.split("#[cfg(test)]").next().unwrap_or_default();
+    let (mut found, mut comment) = (Vec::new(), String::new());
+    for line in product.lines() {
+        let line = line.trim_start();
+        let declared = line.split_once("const ").filter(|(before, _)| is_visibility(before));
+        if let Some(more) = line.strip_prefix("///") {
+            comment = format!("{comment} {}", more.trim());
+        } else if let Some((name, rest)) = declared.and_then(|(_, rest)| rest.split_once(": ")) {
+            let value = rest.split_once('=').map_or("", |(_, value)| value);
+            let value = value.trim().trim_end_matches(';').to_owned();
+            let comment = std::mem::take(&mut comment);
+            let comment = (!comment.is_empty()).then(|| comment.trim().to_owned());
+            found.push(Constant { name: name.to_owned(), value, comment });
+        } else if !line.starts_with("#[") {
+            comment.clear();
+        }
+    }
+    found
+}
+
+/// Whether what stands before `const` says no more than who may use it.
+fn is_visibility(before: &str) -> bool {
+    before.is_empty() || before.trim_end() == "pub" || before.starts_with("pub(")
+}
+
+/// A text for a cell of a table, with the code's own links as plain names.
+fn cell(text: &str) -> String {
+    text.replace("[`", "`").replace("`]", "`").replace('|', "\\|").replace('[', "\\[")
+}
+
+fn rows() -> String {
+    let mut text = String::new();
+    for path in files(FOLDER, ".rs") {
+        let constants = constants(&fs::read_to_string(root().join(&path)).unwrap());
+        if constants.is_empty() {
+            continue;
+        }
+        let place = path.strip_prefix(FOLDER).unwrap_or(&path).trim_start_matches('/');
+        text.push_str(&format!(
+            "\n## {place}\n\n| constant | value | what it is |\n|---|---|---|\n"
+        ));
+        let mut is_said = false;
+        for Constant { name, value, comment } in constants {
+            is_said |= comment.is_some();
+            assert!(is_said, "{path}: nothing is said of {name}");
+            let comment = cell(comment.as_deref().unwrap_or("as above"));
+            // Values of several lines are in the code.
+            let value = if value.ends_with(['[', '{', '(']) { "" } else { value.as_str() };
+            let value = if value.is_empty() { String::new() } else { format!("`{value}`") };
+            text.push_str(&format!("| `{name}` | {value} | {comment} |\n"));
+        }
+    }
+    text.replace("|  |", "| |")
+}
+
+#[test]
+fn the_constants_are_those_of_the_code() {
+    hold(PAGE, MARKS, &rows());
+}
