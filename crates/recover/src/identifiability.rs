@@ -24,6 +24,7 @@ const BOUNCES: u32 = 4;
 /// Of the first look at a scene whose reflectances nobody knows.
 const ALLOWANCE: Allowance =
     Allowance { light: LightError { share: 0.1 }, floor: ModelError { share: 0.01 } };
+/// Directions in which each pixel's light is looked at, for diffuse surfaces and for each lobe.
 const COSINE: u32 = 8;
 const PER_LOBE: u32 = 8;
 
@@ -119,9 +120,11 @@ pub fn contrast(values: &[Vec<f32>; 2], light: &[Vec<f32>; 2]) -> f32 {
 /// The slope of the logarithm of `photo` over that of `light`. None if the light varies too little,
 /// or if something else rules what the photograph shows.
 fn slope(photo: &[f32], light: &[Vec<f32>; 2]) -> Option<f32> {
+    /// A slope through fewer pixels is noise.
     const PIXELS_MIN: usize = 50;
-    // The standard deviation of the light's logarithm.
+    /// The least standard deviation of the light's logarithm: where light varies less, anything else rules.
     const VARIES: f64 = 0.2;
+    /// The least correlation of photograph and light for the light to rule.
     const CORRELATED: f64 = 0.8;
     let [a, b] = light;
     let positive = |i: &usize| photo[*i].min(a[*i]).min(b[*i]) > 0.0;

@@ -127,6 +127,7 @@ fn of_most_pixels(shots: &[Rgb], pixels: &[Vec<u32>]) -> Rgb {
 
 /// A direction of the picture: columns and rows to go.
 type Direction = [usize; 2];
+/// To the next pixel of the row, and of the column.
 const ALONG_ROWS: Direction = [1, 0];
 const ALONG_COLUMNS: Direction = [0, 1];
 

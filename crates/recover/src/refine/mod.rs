@@ -81,7 +81,7 @@ pub(crate) fn refine(
     if Unknowns::of(state).len() == 0 {
         return Termination::Settled;
     }
-    let mut passes = Passes::new(options);
+    let (mut passes, mut between) = (Passes::new(options), Passes::between(options));
     let effort = match depth {
         Depth::Rough if state.problem.unknown_lights.is_empty() => Effort::Draft,
         _ => options.effort,
@@ -104,7 +104,7 @@ pub(crate) fn refine(
         };
         if round < ROUNDS_MAX && simplify(state, &solution) {
             // What one has changed others follow at once, on few paths.
-            while let Some(near) = passes.approach(state, options.effort, observer)
+            while let Some(near) = between.approach(state, options.effort, observer)
                 && !observer.is_cancelled()
                 && simplify(state, &near)
             {}

@@ -59,6 +59,9 @@ const FAR: f64 = 4.0;
 /// difference.
 const WORSE: f64 = 3.0;
 
+/// Makes the random numbers of the passes between others their own: no refinement has so many.
+const BETWEEN: u64 = 1 << 20;
+
 /// The passes of one refinement.
 pub(super) struct Passes<'o> {
     options: &'o Options,
@@ -68,6 +71,11 @@ pub(super) struct Passes<'o> {
 impl<'o> Passes<'o> {
     pub(super) fn new(options: &'o Options) -> Self {
         Self { options, count: 0 }
+    }
+
+    /// Those between others, by random numbers of their own.
+    pub(super) fn between(options: &'o Options) -> Self {
+        Self { options, count: BETWEEN }
     }
 
     /// Moves the unknowns of `state` to where they explain the photograph best.

@@ -52,6 +52,7 @@ pub struct Alignment {
 
 /// The picture's shift that most offsets agree on, pixels, and the share of them that does.
 pub fn vote(offsets: &[Offset], reach: f32) -> (Vec2, f32) {
+    /// Steps between the shifts that are tried, pixels, and how close an offset is to the one that it agrees with.
     const STEP: f32 = 0.5;
     const CLOSE: f32 = 0.75;
     let half = (reach / STEP) as i32;
@@ -167,6 +168,7 @@ fn tukey(deviations: f64) -> f64 {
 
 /// The robust standard deviation about zero.
 fn spread(residuals: &[f64]) -> Option<f64> {
+    /// The standard deviation of a Gaussian in units of the median of its absolute values.
     const OF_MEDIAN: f64 = 1.4826;
     let sizes = residuals.iter().map(|r| r.abs() as f32);
     Some((OF_MEDIAN * f64::from(median(sizes)?)).max(DEVIATION_MIN))

@@ -7,31 +7,36 @@ const PAGE: &str = "docs/constants.md";
 const MARKS: (&str, &str) = ("<!-- the constants -->", "<!-- end of the constants -->");
 const FOLDER: &str = "crates/recover/src";
 
-/// A constant as its file declares it. Constants that follow each other without a comment share the one above.
+/// A constant as its file declares it. One that follows another on the next line shares its comment.
 struct Constant {
     name: String,
     value: String,
-    comment: Option<String>,
+    comment: String,
 }
 
 /// The constants of the part of a file that ships.
 fn constants(text: &str) -> Vec<Constant> {
     let product = text.split("#[cfg(test)]").next().unwrap_or_default();
     let (mut found, mut comment) = (Vec::new(), String::new());
+    let mut follows = false;
     for line in product.lines() {
         let line = line.trim_start();
         let declared = line.split_once("const ").filter(|(before, _)| is_visibility(before));
-        if let Some(more) = line.strip_prefix("///") {
-            comment = format!("{comment} {}", more.trim());
-        } else if let Some((name, rest)) = declared.and_then(|(_, rest)| rest.split_once(": ")) {
-            let value = rest.split_once('=').map_or("", |(_, value)| value);
-            let value = value.trim().trim_end_matches(';').to_owned();
-            let comment = std::mem::take(&mut comment);
-            let comment = (!comment.is_empty()).then(|| comment.trim().to_owned());
-            found.push(Constant { name: name.to_owned(), value, comment });
-        } else if !line.starts_with("#[") {
-            comment.clear();
-        }
+        let Some((name, rest)) = declared.and_then(|(_, rest)| rest.split_once(": ")) else {
+            match line.strip_prefix("///") {
+                Some(more) => comment = format!("{comment} {}", more.trim()),
+                None if line.starts_with("#[") => {}
+                None => comment.clear(),
+            }
+            follows = false;
+            continue;
+        };
+        let value = rest.split_once('=').map_or("", |(_, value)| value);
+        let value = value.trim().trim_end_matches(';').to_owned();
+        let own = std::mem::take(&mut comment).trim().to_owned();
+        let comment = if own.is_empty() && follows { "as above".to_owned() } else { own };
+        found.push(Constant { name: name.to_owned(), value, comment });
+        follows = true;
     }
     found
 }
@@ -57,11 +62,9 @@ fn rows() -> String {
         text.push_str(&format!(
             "\n## {place}\n\n| constant | value | what it is |\n|---|---|---|\n"
         ));
-        let mut is_said = false;
         for Constant { name, value, comment } in constants {
-            is_said |= comment.is_some();
-            assert!(is_said, "{path}: nothing is said of {name}");
-            let comment = cell(comment.as_deref().unwrap_or("as above"));
+            assert!(!comment.is_empty(), "{path}: nothing is said of {name}");
+            let comment = cell(&comment);
             // Values of several lines are in the code.
             let value = if value.ends_with(['[', '{', '(']) { "" } else { value.as_str() };
             let value = if value.is_empty() { String::new() } else { format!("`{value}`") };
