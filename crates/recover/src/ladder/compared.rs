@@ -1,10 +1,10 @@
 //! All uniform hypotheses of one group side by side, on as much light as it takes to tell them apart.
 //!
 //! What one hypothesis gains beside another has a standard deviation by the light's noise
-//! ([`crate::selection`]). Little light is enough where it says, without doubt, that the group stands by what it
-//! is, as most groups do once the light is refined; where the usual light leaves open whether a more complex hypothesis
-//! is better, they are fitted and compared on paths ([`crate::refine::side_by_side`]), which hold all other groups as they
-//! are, or by more light as long as these are not refined.
+//! ([`crate::selection`]). Once the light is refined, little light is enough where the group stands by what it is, as most do;
+//! others are searched by the usual light. Where that leaves open whether a more complex hypothesis is better, they are
+//! fitted and compared on paths ([`crate::refine::side_by_side`]), which hold all other groups as they are, or by more light as
+//! long as these are not refined.
 
 use super::evidence_pair::{EvidencePair, Fits, Gathering, Light, Searched};
 use crate::evidence::Evidence;
@@ -146,7 +146,7 @@ impl Asking<'_> {
         Some(Compared { evidence, fitted, is_other_minimum })
     }
 
-    /// Whether the group stands by what it is, without doubt.
+    /// Whether the group is taken for what it is, and explained by it. More complex hypotheses may be open.
     fn confirms(&self, state: &State<'_>, compared: &Compared) -> bool {
         let chosen = compared.fitted.chosen();
         chosen.hypothesis == state.groups[self.by.group].hypothesis
