@@ -9,7 +9,6 @@
 use crate::hypothesis::Hypothesis;
 use crate::ladder::candidates::{self, Candidates, Proposal};
 use crate::ladder::textures;
-use crate::others::light_of_others;
 use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Termination};
 use crate::refine::{self, Depth, brightness};
@@ -23,7 +22,7 @@ use crate::verify::{Score, Verified, Verifier};
 const REVISIONS: usize = 2;
 /// How often all of that and the last refinement are made at most: again where the last refinement has made hypotheses
 /// simpler, since that changes the light of others. At one a room whose largest thing is a mirror, which is found then, has two
-/// groups of seven wrong; double was not tried.
+/// groups of seven wrong under the seed that was tried; double was not tried.
 const REFINED_MAX: usize = 2;
 
 /// Recovers everything, the default way.
@@ -195,12 +194,11 @@ impl Driver<'_> {
         Ok(termination)
     }
 
-    /// The groups whose light differs between two scores: by more than the error of it that was allowed for where they were
-    /// asked, since a smaller change decides nothing.
+    /// The groups whose light differs between two scores: by more than the error of it that is always allowed for, as a
+    /// smaller change decides nothing.
     fn changed(&self, state: &State<'_>, now: &Score, before: &Score) -> Vec<usize> {
-        let always = sample_budget::allowance(Level::Refined, self.options).light.share;
-        let allowed = |group: usize| always.max(light_of_others(state, group).share);
-        let changed = self.verifier.changed(now, before, allowed);
+        let tolerated = sample_budget::allowance(Level::Refined, self.options).light.share;
+        let changed = self.verifier.changed(now, before, tolerated);
         state.visible_unknowns().into_iter().filter(|group| changed.contains(group)).collect()
     }
 

@@ -290,18 +290,14 @@ impl Verifier {
         GroupScore { residuals, outlier, floor, within, residual: residual_stats }
     }
 
-    /// The groups whose light differs between the scores `mine` and `other` by more than the share of it that is `allowed`
-    /// for each.
-    pub(crate) fn changed(
-        &self,
-        mine: &Score,
-        other: &Score,
-        allowed: impl Fn(usize) -> f64,
-    ) -> Vec<usize> {
+    /// The groups whose light differs between the scores `mine` and `other` by more than the `share` of
+    /// it.
+    pub(crate) fn changed(&self, mine: &Score, other: &Score, share: f64) -> Vec<usize> {
         let both = self.groups.iter().zip(mine.groups.iter().zip(&other.groups));
-        let changed = both.filter(|(sample, (mine, other))| {
-            mine.residuals.change_from(&other.residuals) > allowed(sample.group).powi(2)
-        });
+        let is_changed = |(mine, other): (&GroupScore, &GroupScore)| {
+            mine.residuals.change_from(&other.residuals) > share * share
+        };
+        let changed = both.filter(|(_, scores)| is_changed(*scores));
         changed.map(|(sample, _)| sample.group).collect()
     }
 

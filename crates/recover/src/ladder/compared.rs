@@ -1,10 +1,10 @@
 //! All uniform hypotheses of one group side by side, on as much light as it takes to tell them apart.
 //!
 //! What one hypothesis gains beside another has a standard deviation by the light's noise
-//! ([`crate::selection`]). Once the light is refined, little light is enough where the group stands by what it is, as most do;
-//! others are searched by the usual light. Where that leaves open whether a more complex hypothesis is better, they are
-//! fitted and compared on paths ([`crate::refine::side_by_side`]), which hold all other groups as they are, or by more light as
-//! long as these are not refined.
+//! ([`crate::selection`]). Little light is enough where it says, without doubt, that the group stands by what it
+//! is, as most groups do once the light is refined; where the usual light leaves open whether a more complex hypothesis
+//! is better, they are fitted and compared on paths ([`crate::refine::side_by_side`]), which hold all other groups as they
+//! are, or by more light as long as these are not refined.
 
 use super::evidence_pair::{EvidencePair, Fits, Gathering, Light, Searched};
 use crate::evidence::Evidence;
@@ -61,11 +61,8 @@ impl Asking<'_> {
     /// The candidates side by side; none where nothing was seen of the group.
     pub(super) fn compare(&self, state: &mut State<'_>) -> Option<Compared> {
         if self.stands {
-            let mut little = self.compare_by(state, Light::Little)?;
+            let little = self.compare_by(state, Light::Little)?;
             if self.confirms(state, &little) {
-                if !little.fitted.decisions[0].open.is_empty() {
-                    self.decide_on_paths(state, &mut little);
-                }
                 return Some(little);
             }
         }
@@ -114,9 +111,7 @@ impl Asking<'_> {
         }
         let evidence = &compared.evidence.judging;
         let Rung { hypothesis, material } = &rungs[chosen];
-        let fit = hypothesis::fit(*hypothesis, evidence, material, Search::Kept);
-        // Its numbers are those of the paths, which have less noise than the light of the evidence.
-        fits[open[chosen]] = Fit { material: material.clone(), ..fit };
+        fits[open[chosen]] = hypothesis::fit(*hypothesis, evidence, material, Search::Kept);
         let mut all = first.excess.clone();
         let behind = all[open[chosen]];
         all.iter_mut().for_each(|value| *value -= behind);
@@ -146,10 +141,11 @@ impl Asking<'_> {
         Some(Compared { evidence, fitted, is_other_minimum })
     }
 
-    /// Whether the group is taken for what it is, and explained by it. More complex hypotheses may be open.
+    /// Whether the group stands by what it is, without doubt.
     fn confirms(&self, state: &State<'_>, compared: &Compared) -> bool {
         let chosen = compared.fitted.chosen();
         chosen.hypothesis == state.groups[self.by.group].hypothesis
+            && compared.fitted.decisions[0].open.is_empty()
             && !compared.is_other_minimum
             && is_explained(chosen, self.explained, self.by.budget.allowance.floor)
     }

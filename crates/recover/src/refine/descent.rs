@@ -30,8 +30,6 @@ pub(super) struct Shown {
     pub(super) means: Vec<Mean>,
     pub(super) normal: Normal,
     pub(super) inverse: DMatrix<f64>,
-    /// The covariance of the minimum, as it is stated.
-    pub(super) stated: DMatrix<f64>,
 }
 
 /// A step that was made.
@@ -85,9 +83,7 @@ impl Descent<'_> {
                     damping *= 0.1;
                     let system = system(state, unknowns, &normal, self.prior);
                     let place = Place::of(state, &means, &normal, system);
-                    let (inverse, stated) =
-                        (place.system.inverse(), place.system.stated_covariance());
-                    shown = Some(Shown { means, normal, inverse, stated });
+                    shown = Some(Shown { means, normal, inverse: place.system.inverse() });
                     place
                 }
             };

@@ -41,7 +41,6 @@ use system::System;
 use unknowns::Unknowns;
 use unrender_render::Settings;
 use unrender_render::sampler::mix;
-use verdict::BorneOut;
 
 /// Refinements at most, of which each but the last may end with simpler hypotheses: of groups in sight, once more of
 /// these, and of those out of sight.
@@ -81,7 +80,7 @@ pub(crate) fn refine(
     if Unknowns::of(state).len() == 0 {
         return Termination::Settled;
     }
-    let (mut passes, mut between) = (Passes::new(options), Passes::between(options));
+    let mut passes = Passes::new(options);
     let effort = match depth {
         Depth::Rough if state.problem.unknown_lights.is_empty() => Effort::Draft,
         _ => options.effort,
@@ -90,7 +89,6 @@ pub(crate) fn refine(
         passes.approach(state, effort, observer);
         return Termination::Refined;
     }
-    let mut borne_out = BorneOut::new();
     for round in 1.. {
         let solution = passes.converge(state, observer);
         if observer.is_cancelled() {
@@ -99,18 +97,7 @@ pub(crate) fn refine(
         if solution.failed {
             return Termination::RefinementFailed;
         }
-        let mut simplify = |state: &mut State<'_>, solution: &Solution| {
-            verdict::simplify(state, solution, options, &mut borne_out)
-        };
-        if round < ROUNDS_MAX && simplify(state, &solution) {
-            // What one has changed others follow at once, on few paths.
-            while let Some(near) = between.approach(state, options.effort, observer)
-                && !observer.is_cancelled()
-                && simplify(state, &near)
-            {}
-            continue;
-        }
-        if round < ROUNDS_MAX && verdict::assume(state, &solution) {
+        if round < ROUNDS_MAX && verdict::simplify(state, &solution, options) {
             continue;
         }
         verdict::record(state, &solution);

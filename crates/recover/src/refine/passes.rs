@@ -59,9 +59,6 @@ const FAR: f64 = 4.0;
 /// difference.
 const WORSE: f64 = 3.0;
 
-/// Makes the random numbers of the passes between others their own: no refinement has so many.
-const BETWEEN: u64 = 1 << 20;
-
 /// The passes of one refinement.
 pub(super) struct Passes<'o> {
     options: &'o Options,
@@ -71,11 +68,6 @@ pub(super) struct Passes<'o> {
 impl<'o> Passes<'o> {
     pub(super) fn new(options: &'o Options) -> Self {
         Self { options, count: 0 }
-    }
-
-    /// Those between others, by random numbers of their own.
-    pub(super) fn between(options: &'o Options) -> Self {
-        Self { options, count: BETWEEN }
     }
 
     /// Moves the unknowns of `state` to where they explain the photograph best.
@@ -93,17 +85,16 @@ impl<'o> Passes<'o> {
         self.accumulate(state, unknowns, (&prior, &origins), observer)
     }
 
-    /// The approach alone, and how well its few paths tell where it ended; none if no equations could be solved.
+    /// The approach alone.
     pub(super) fn approach(
         &mut self,
         state: &mut State<'_>,
         effort: Effort,
         observer: &mut dyn Observer,
-    ) -> Option<Solution> {
+    ) {
         let unknowns = Unknowns::of(state);
         let prior = unknowns.prior_mean(state);
-        let shown = self.approach_with(state, (&unknowns, &prior), effort, observer)?;
-        Some(Solution { unknowns, covariance: shown.stated, settled: true, failed: false })
+        self.approach_with(state, (&unknowns, &prior), effort, observer);
     }
 
     /// Moves `unknowns` to where they explain the photograph best on few paths, with `is_far` first to where photograph

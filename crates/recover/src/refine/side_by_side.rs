@@ -94,14 +94,7 @@ pub(crate) fn compare(
         let found = Contenders { all: &found, sample: &sample, floor: by.allowance.floor };
         competing = choice.choose(&competing, &found, by.options.thresholds.simpler);
         if competing.len() == 1 {
-            if choice.rungs[choice.chosen].hypothesis == present.hypothesis {
-                break;
-            }
-            // A change is asked for once more, and its numbers are fitted on more paths: with those of few it may
-            // explain less than what the group was.
-            let is_present = |i: &usize| starts[*i].hypothesis == present.hypothesis;
-            competing.extend((0..starts.len()).filter(is_present));
-            competing.sort_unstable();
+            break;
         }
     }
     present.put(state, group);

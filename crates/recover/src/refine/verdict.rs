@@ -36,37 +36,31 @@ const UNLIKE: f64 = 3.0;
 /// A roughness with a larger relative standard deviation than this is said to be open.
 const ALPHA_OPEN: f64 = 0.5;
 
-/// Groups that were compared on paths with a simpler hypothesis, and are more, all in one refinement: its later rounds change
-/// little of them.
-pub(super) type BorneOut = BTreeSet<(usize, Hypothesis)>;
-
 /// Makes simpler what the photograph does not bear out. True if something changed.
-pub(super) fn simplify(
-    state: &mut State<'_>,
-    solution: &Solution,
-    options: &Options,
-    borne_out: &mut BorneOut,
-) -> bool {
+///
+/// Groups out of sight come last, once nothing changes for the others: under a hypothesis with a number too many,
+/// which the photograph leaves open, it leaves all numbers open.
+pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, options: &Options) -> bool {
+    let is_guess = |state: &State<'_>, group: usize| {
+        let out_of_sight = state.observation.pixels_of_group[group].is_empty();
+        out_of_sight && state.groups[group].hypothesis == Hypothesis::Diffuse
+    };
+    let free = |group: &usize| Verdict { solution, group: *group }.is_free();
+    let groups: Vec<usize> = (0..state.materials.len()).filter(free).collect();
+    let (guesses, others): (Vec<usize>, Vec<usize>) =
+        groups.into_iter().partition(|group| is_guess(state, *group));
     let mut changed = false;
-    for verdict in solution.verdicts() {
-        if let Some((hypothesis, material, note)) = verdict.simpler(state, options, borne_out) {
-            changed |= step_down(state, verdict.group, hypothesis, material, note);
+    for group in others {
+        let verdict = Verdict { solution, group };
+        if let Some((hypothesis, material, note)) = verdict.simpler(state, options) {
+            changed |= step_down(state, group, hypothesis, material, note);
         }
     }
-    changed
-}
-
-/// Takes diffuse groups out of sight as white whose reflectance is open. True if something changed.
-///
-/// They come last, once nothing changes for the others: under a hypothesis with a number too many,
-/// which the photograph leaves open, it leaves all numbers open.
-pub(super) fn assume(state: &mut State<'_>, solution: &Solution) -> bool {
-    let mut changed = false;
-    for verdict in solution.verdicts() {
-        let group = verdict.group;
-        let is_out_of_sight = state.observation.pixels_of_group[group].is_empty();
-        let is_guess = is_out_of_sight && state.groups[group].hypothesis == Hypothesis::Diffuse;
-        if is_guess && verdict.largest(Quantity::RhoD) > GUESS_MAX {
+    if changed {
+        return true;
+    }
+    for group in guesses {
+        if (Verdict { solution, group }).largest(Quantity::RhoD) > GUESS_MAX {
             assume_white(state, group);
             changed = true;
         }
@@ -184,13 +178,6 @@ fn canonical(state: &mut State<'_>, group: usize) -> bool {
 }
 
 impl Solution {
-    /// The judges of the groups of which a number is free.
-    fn verdicts(&self) -> impl Iterator<Item = Verdict<'_>> {
-        let groups: BTreeSet<usize> = self.unknowns.list.iter().map(|unknown| unknown.of).collect();
-        let verdicts = groups.into_iter().map(|group| Verdict { solution: self, group });
-        verdicts.filter(Verdict::is_free)
-    }
-
     /// The index of an unknown.
     fn index(&self, quantity: Quantity, of: usize, channel: Option<usize>) -> Option<usize> {
         let wanted = Unknown { quantity, of, channel };
@@ -228,7 +215,6 @@ impl Verdict<'_> {
         &self,
         state: &mut State<'_>,
         options: &Options,
-        borne_out: &mut BorneOut,
     ) -> Option<(Hypothesis, Material, &'static str)> {
         let explained = options.thresholds.explained;
         let material = &state.materials[self.group].clone();
@@ -240,9 +226,7 @@ impl Verdict<'_> {
         if has_lobe && !self.is_told_from_zero(state, Quantity::RhoS) {
             let diffuse = Material::diffuse((material.rho_d + material.rho_s).min(Rgb::ONE));
             let diffuse = Rung { hypothesis: Hypothesis::Diffuse, material: diffuse };
-            if let Some(Rung { hypothesis, material }) =
-                self.as_good(diffuse, state, options, borne_out)
-            {
+            if let Some(Rung { hypothesis, material }) = self.as_good(diffuse, state, options) {
                 let note = "its specular part is not determined by this photograph";
                 return Some((hypothesis, material, note));
             }
@@ -255,7 +239,7 @@ impl Verdict<'_> {
             Hypothesis::Isotropic if !self.is_told_from_sharpest(state) => {
                 let beside = Material { rho_d: material.rho_d, ..Material::mirror(material.rho_s) };
                 let sharp = Rung { hypothesis: Hypothesis::DiffuseSpecular, material: beside };
-                let sharp = self.as_good(sharp, state, options, borne_out)?;
+                let sharp = self.as_good(sharp, state, options)?;
                 let (hypothesis, material) =
                     self.mirror(state, explained).unwrap_or((sharp.hypothesis, sharp.material));
                 let note = "this photograph does not tell its lobe from a mirror's";
@@ -265,7 +249,7 @@ impl Verdict<'_> {
                 let alpha = (material.alpha_x * material.alpha_y).sqrt();
                 let round = Material::isotropic(material.rho_d, material.rho_s, alpha);
                 let round = Rung { hypothesis: Hypothesis::Isotropic, material: round };
-                let round = self.as_good(round, state, options, borne_out)?;
+                let round = self.as_good(round, state, options)?;
                 let note =
                     "the difference of its two roughnesses is not determined by this photograph";
                 Some((round.hypothesis, round.material, note))
@@ -277,17 +261,8 @@ impl Verdict<'_> {
     /// The `simpler` rung where it explains the group best, if the photograph does not bear out that the group is more:
     /// standard deviations say how strong or how wide a lobe is, and a single highlight leaves a lobe's strength uncertain
     /// and its presence certain.
-    fn as_good(
-        &self,
-        simpler: Rung,
-        state: &mut State<'_>,
-        options: &Options,
-        borne_out: &mut BorneOut,
-    ) -> Option<Rung> {
-        let of_simpler = (self.group, simpler.hypothesis);
-        if !state.problem.groups[self.group].allows(simpler.hypothesis)
-            || borne_out.contains(&of_simpler)
-        {
+    fn as_good(&self, simpler: Rung, state: &mut State<'_>, options: &Options) -> Option<Rung> {
+        if !state.problem.groups[self.group].allows(simpler.hypothesis) {
             return None;
         }
         let present = Rung {
@@ -301,11 +276,7 @@ impl Verdict<'_> {
             most: light_of_others(state, self.group),
         };
         let choice = side_by_side::compare(state, &by, self.group, vec![simpler, present]);
-        if choice.chosen == 0 {
-            return choice.rungs.into_iter().next();
-        }
-        borne_out.insert(of_simpler);
-        None
+        if choice.chosen == 0 { choice.rungs.into_iter().next() } else { None }
     }
 
     /// The mirror that the group is if its diffuse part is not significant.
