@@ -181,6 +181,8 @@ impl Driver<'_> {
             state.schedule.begin(Part::Revision);
             let is_revised = self.revise(state, groups, &mut best, observer)?;
             if round > 0 && !is_revised {
+                // What was settled for the questions alone goes with them.
+                state.restore(&best.snapshot);
                 break;
             }
             state.schedule.begin(Part::LastRefinement);
