@@ -188,10 +188,11 @@ impl Driver<'_> {
             state.schedule.begin(Part::LastRefinement);
             let (hypotheses, score) = (state.hypotheses(), best.score.clone());
             termination = self.refine_once(state, &mut best, Depth::Fine, observer);
-            if state.hypotheses() == hypotheses || observer.is_cancelled() {
+            let is_simpler = state.hypotheses() != hypotheses;
+            groups = if is_simpler { self.changed(state, &best.score, &score) } else { Vec::new() };
+            if groups.is_empty() || observer.is_cancelled() {
                 break;
             }
-            groups = self.changed(state, &best.score, &score);
         }
         Ok(termination)
     }

@@ -129,7 +129,7 @@ fn run(
 
 /// The settings of the last picture: a user who interrupts is not kept waiting for a clean one.
 fn last_picture(options: &Options, termination: Termination) -> Options {
-    /// Paths a pixel of that: a second or two for a usual picture.
+    /// Paths a pixel of that. Half and double of it were not tried.
     const HASTY: u32 = 8;
     match termination {
         Termination::Interrupted => Options { spp: options.spp.min(HASTY), ..options.clone() },

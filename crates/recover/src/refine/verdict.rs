@@ -139,7 +139,6 @@ pub(super) fn record(state: &mut State<'_>, solution: &Solution) {
             state.groups[group].add_note(note);
         }
     }
-    state.light_results.clear();
     let rgb = |quantity, of| solution.rgb(quantity, of);
     for &source in &state.problem.unknown_lights {
         let factor = state.appearance().light(source as u32);

@@ -124,7 +124,7 @@ impl Search<'_> {
 
     /// Edge points of the model that lie on an edge of the photograph.
     fn in_place(&self, camera: &Camera) -> usize {
-        /// An edge within this many pixels is that of the photograph: blur moves one by about half a pixel.
+        /// An edge within this many pixels is in place: a smaller displacement is what the photograph's own blur makes of edges.
         const CLOSE: f32 = 0.75;
         let offsets = self.offsets(camera, REACH_PIXELS[0]);
         offsets.iter().filter(|offset| offset.distance.abs() < CLOSE).count()

@@ -1,13 +1,13 @@
 //! The code map: every file of the code with the first sentence of what it says of itself.
 
-use super::{files, hold, root};
+use super::{cell, files, hold, root};
 use std::fs;
 
 const PAGE: &str = "docs/code-map.md";
 const MARKS: (&str, &str) = ("<!-- the code map -->", "<!-- end of the code map -->");
 
 /// The folders of code, each with a table of its own, and the endings of their files.
-const FOLDERS: [(&str, &[&str]); 11] = [
+const FOLDERS: [(&str, &[&str]); 13] = [
     ("crates/scene/src", &[".rs"]),
     ("crates/formats/src", &[".rs"]),
     ("crates/photo/src", &[".rs"]),
@@ -15,10 +15,12 @@ const FOLDERS: [(&str, &[&str]); 11] = [
     ("crates/recover/src", &[".rs"]),
     ("crates/restage/src", &[".rs"]),
     ("crates/unrender/src", &[".rs"]),
-    ("python", &[".rs", ".py"]),
-    ("blender/extension", &[".py"]),
+    ("python/src", &[".rs"]),
+    ("python/unrender", &[".py"]),
+    ("blender", &[".py"]),
     ("fuzz/src", &[".rs"]),
-    ("benches", &[".rs", ".py"]),
+    ("benches/src", &[".rs", ".py"]),
+    ("benches/peers", &[".py"]),
 ];
 
 /// What the head of a file says of it: the module comment, or the first docstring.
@@ -35,16 +37,18 @@ fn head(path: &str) -> String {
 fn first_sentence(text: &str) -> String {
     let paragraph = text.trim().split("\n\n").next().unwrap_or_default();
     let line = paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
-    let sentence = line.split_once(". ").map_or(line.as_str(), |(first, _)| first);
-    // Links within the code lead nowhere on a page.
-    let plain = sentence.trim_end_matches('.').replace("[`", "`").replace("`]", "`");
-    plain.replace('|', "\\|")
+    // A full stop in brackets belongs to what is cited.
+    let is_end = |&(at, _): &(usize, &str)| {
+        let before = &line[..at];
+        before.matches('[').count() == before.matches(']').count()
+    };
+    let end = line.match_indices(". ").find(is_end).map_or(line.len(), |(at, _)| at);
+    cell(line[..end].trim_end_matches('.'))
 }
 
 fn table(folder: &str, endings: &[&str]) -> String {
     let mut paths: Vec<String> = endings.iter().flat_map(|end| files(folder, end)).collect();
-    // What is built or tested stands there too.
-    paths.retain(|path| !path.contains("/target/") && !path.contains("/tests/"));
+    paths.retain(|path| !path.contains("/tests/"));
     paths.sort();
     let mut text = format!("## {folder}\n\n| file | what it is |\n|---|---|\n");
     for path in paths {

@@ -1,6 +1,6 @@
 //! The constants of the recovery: every one with its value and what is said of it where it stands.
 
-use super::{files, hold, root};
+use super::{cell, files, hold, root};
 use std::fs;
 
 const PAGE: &str = "docs/constants.md";
@@ -44,11 +44,6 @@ fn constants(text: &str) -> Vec<Constant> {
 /// Whether what stands before `const` says no more than who may use it.
 fn is_visibility(before: &str) -> bool {
     before.is_empty() || before.trim_end() == "pub" || before.starts_with("pub(")
-}
-
-/// A text for a cell of a table, with the code's own links as plain names.
-fn cell(text: &str) -> String {
-    text.replace("[`", "`").replace("`]", "`").replace('|', "\\|").replace('[', "\\[")
 }
 
 fn rows() -> String {

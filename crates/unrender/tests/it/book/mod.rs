@@ -52,6 +52,11 @@ fn documents() -> BTreeMap<String, Page> {
     pages.map(|path| (path.clone(), Page::read(&root(), &path))).collect()
 }
 
+/// A text of the code for a cell of a table; the links within the code lead nowhere on a page.
+fn cell(text: &str) -> String {
+    text.replace("[`", "`").replace("`]", "`").replace('|', "\\|").replace('[', "\\[")
+}
+
 /// Compares the stretch of a page between two marks with what it should be, or writes it.
 fn hold(path: &str, (begin, end): (&str, &str), wanted: &str) {
     let file = root().join(path);
