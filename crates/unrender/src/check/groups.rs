@@ -1,9 +1,9 @@
 //! Group by group: how many pixels show it and count, whether it is lit, and what there is to tell
 //! its roughness by.
 
+use super::identifiability::RoughnessCue;
 use super::{Subject, some};
 use serde::Serialize;
-use unrender_recover::identifiability::RoughnessCue;
 use unrender_recover::{PixelStatus, Role};
 use unrender_scene::Warnings;
 

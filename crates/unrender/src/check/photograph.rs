@@ -5,7 +5,7 @@
 //!    likely came along.
 //!  - **Gaps in the histogram**: codes that never occur between codes that do often. Contrast or
 //!    brightness were changed after the camera had written its codes.
-//!  - **The slope** of the photograph over the light ([`unrender_recover::identifiability`]), which a wrong
+//!  - **The slope** of the photograph over the light ([`mod@super::identifiability`]), which a wrong
 //!    response bends.
 //!  - **Brightness**: clipped, black, or far from what the lights can do on middle grey.
 

@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 use unrender_formats::Limits;
-use unrender_recover::remote::Workers;
 use unrender_recover::{LadderKind, Options, Termination, effort};
+use unrender_remote::Workers;
 use unrender_scene::Hypothesis;
 
 /// Recovers the materials of a project's groups from its photograph.

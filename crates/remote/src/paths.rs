@@ -2,7 +2,7 @@
 
 use super::Remote;
 use super::wire::Request;
-use crate::rerender::{Renderer, Stored};
+use unrender_recover::rerender::{Renderer, Stored};
 use unrender_render::{Appearance, Jacobian, Parameter, RadianceCache, Settings};
 use unrender_scene::{Material, Rgb};
 

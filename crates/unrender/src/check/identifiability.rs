@@ -10,15 +10,15 @@
 //! slope of `ln P` over `ln D` is one; it is near 1/2.2 for encoded values that were taken as linear,
 //! and near 2.2 for linear ones that were decoded.
 
-use crate::evidence::{Evidence, SampleBudget, Stage};
-use crate::model_error::{Allowance, LightError, ModelError};
-use crate::rerender::round_lobes;
+use unrender_recover::evidence::{Evidence, SampleBudget, Stage};
+use unrender_recover::model_error::{Allowance, LightError, ModelError};
+use unrender_recover::rerender::round_lobes;
 use unrender_render::{Appearance, ProbeSettings};
 use unrender_scene::Rgb;
 use unrender_scene::color::luminance;
 
 /// The roughnesses that are tried: fine enough for mirror images, and wide enough for highlights.
-pub const ALPHAS: [f32; 2] = [0.05, 0.1];
+const ALPHAS: [f32; 2] = [0.05, 0.1];
 /// Reflections that are followed: in middle grey the rest carries a sixteenth of the light.
 const BOUNCES: u32 = 4;
 /// Of the first look at a scene whose reflectances nobody knows.
@@ -30,23 +30,23 @@ const PER_LOBE: u32 = 8;
 
 /// What the photograph determines of one group.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Identifiability {
+pub(super) struct Identifiability {
     /// The share of its pixels, 0 to 1, that get light straight from a lamp.
-    pub lit: f32,
+    pub(super) lit: f32,
     /// The mean luminance of a white diffuse surface in its place, W sr^-1 m^-2.
-    pub light: f32,
+    pub(super) light: f32,
     /// The photograph's mean luminance there, W sr^-1 m^-2.
-    pub photo: f32,
+    pub(super) photo: f32,
     /// How far lamps would show in it: the [`contrast`] of a highlight.
-    pub highlight: f32,
+    pub(super) highlight: f32,
     /// How far its surroundings would: that of a mirror image.
-    pub image: f32,
+    pub(super) image: f32,
     /// How fast the photograph grows with the light, if both vary enough over the group.
-    pub slope: Option<f32>,
+    pub(super) slope: Option<f32>,
 }
 
 /// Looks at `group` behind at most `count` of `pixels`. None if no ray meets it.
-pub fn identifiability(
+pub(super) fn identifiability(
     stage: &Stage<'_>,
     appearance: Appearance<'_>,
     group: usize,
@@ -102,7 +102,7 @@ pub fn identifiability(
 
 /// The standard deviation of `values - c light` relative to the mean of `light`, for the best `c`;
 /// both are given twice with independent noise, which does not count.
-pub fn contrast(values: &[Vec<f32>; 2], light: &[Vec<f32>; 2]) -> f32 {
+fn contrast(values: &[Vec<f32>; 2], light: &[Vec<f32>; 2]) -> f32 {
     let product = |a: &[f32], b: &[f32]| -> f64 {
         a.iter().zip(b).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum()
     };
@@ -153,7 +153,7 @@ fn slope(photo: &[f32], light: &[Vec<f32>; 2]) -> Option<f32> {
 
 /// What can be said of a group's roughness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RoughnessCue {
+pub(super) enum RoughnessCue {
     /// A lamp shows in it.
     Highlight,
     /// Its surroundings do.
@@ -170,7 +170,7 @@ impl Identifiability {
     const SHOWS: f32 = 0.05;
 
     /// What roughness can be estimated from.
-    pub fn roughness_cue(&self) -> RoughnessCue {
+    pub(super) fn roughness_cue(&self) -> RoughnessCue {
         match (self.highlight > Self::SHOWS, self.image > Self::SHOWS) {
             (true, true) => RoughnessCue::Both,
             (true, false) => RoughnessCue::Highlight,

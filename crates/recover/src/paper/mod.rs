@@ -11,11 +11,15 @@
 //! iterations do not settle. Where the paper is silent: the difference is measured as the product of two renderings'
 //! residuals, for else our noise would count as error and every search would shun shine; the simplex runs channel by channel on a
 //! sample of the group's pixels, and the roughness is the mean over the channels.
+//!
+//! The direction of an anisotropic surface is read off the photograph first ([`brushed`]).
+
+pub mod brushed;
 
 use crate::blocks::spread;
 use crate::evidence::{Evidence, SampleBudget, observe};
 use crate::fit::simplex;
-use crate::hypothesis::{self, Hypothesis, brushed, textured};
+use crate::hypothesis::{self, Hypothesis, textured};
 use crate::problem::{Options, RecoverError};
 use crate::record::{CandidateRecord, Observer, Termination};
 use crate::residual::{ResidualStats, residual_stats};

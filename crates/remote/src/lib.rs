@@ -31,10 +31,10 @@ mod worker;
 
 pub use worker::{Fault, Worker};
 
-use crate::rerender::{Renderer, Stored, View};
 use std::hash::{DefaultHasher, Hasher};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
+use unrender_recover::rerender::{Renderer, Stored, View};
 use unrender_render::{
     Accumulator, Appearance, GeometryBuffers, Integrator, Jacobian, Parameter, PixelAccumulator,
     ProbeSettings, Probes, RadianceCache, Settings,

@@ -5,11 +5,11 @@ use glam::{Vec2, Vec3};
 use std::collections::BTreeSet;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use unrender_recover::remote::{Remote, Shared, Worker, Workers};
 use unrender_recover::{
     Effort, Expected, ExposureRule, GroupSpec, Hypothesis, Journal, LadderKind, Observation,
     Options, Picture, Problem, Recovery, Renderer, Role, View, recover, recover_with,
 };
+use unrender_remote::{Remote, Shared, Worker, Workers};
 use unrender_render::{Settings, Tracer};
 use unrender_scene::{Camera, Group, Image, Material, Mesh, Object, Rgb, RgbImage, Scene};
 

@@ -2,8 +2,8 @@
 
 use super::kept::Kept;
 use super::wire::{self, Appearances, Request, Setup};
-use crate::rerender::{Renderer, View};
 use std::sync::{Arc, Mutex, PoisonError};
+use unrender_recover::rerender::{Renderer, View};
 use unrender_render::{Appearance, RadianceCache};
 use unrender_scene::{Material, Rgb, SceneError};
 
