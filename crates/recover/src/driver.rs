@@ -82,8 +82,11 @@ impl Driver<'_> {
             if proposals.is_empty() {
                 break;
             }
+            let before = best.score.clone();
             if self.try_all(state, proposals, &mut best, Depth::Rough, observer) {
                 self.refine_once(state, &mut best, Depth::Rough, observer);
+                let changed = self.changed(state, &best.score, &before, level);
+                self.candidates.ask_again(&changed);
             }
         }
         let open = self.candidates.open(state, level);
@@ -189,7 +192,11 @@ impl Driver<'_> {
             let (hypotheses, score) = (state.hypotheses(), best.score.clone());
             termination = self.refine_once(state, &mut best, Depth::Fine, observer);
             let is_simpler = state.hypotheses() != hypotheses;
-            groups = if is_simpler { self.changed(state, &best.score, &score) } else { Vec::new() };
+            groups = if is_simpler {
+                self.changed(state, &best.score, &score, Level::Refined)
+            } else {
+                Vec::new()
+            };
             if groups.is_empty() || observer.is_cancelled() {
                 break;
             }
@@ -199,8 +206,8 @@ impl Driver<'_> {
 
     /// The groups whose light differs between two scores: by more than the error of it that is always allowed for, as a
     /// smaller change decides nothing.
-    fn changed(&self, state: &State<'_>, now: &Score, before: &Score) -> Vec<usize> {
-        let tolerated = sample_budget::allowance(Level::Refined, self.options).light.share;
+    fn changed(&self, state: &State<'_>, now: &Score, before: &Score, level: Level) -> Vec<usize> {
+        let tolerated = sample_budget::allowance(level, self.options).light.share;
         let changed = self.verifier.changed(now, before, tolerated);
         state.visible_unknowns().into_iter().filter(|group| changed.contains(group)).collect()
     }
@@ -227,7 +234,7 @@ impl Driver<'_> {
             }
             accepted = true;
             self.refine_once(state, best, Depth::Coarse, observer);
-            groups = self.changed(state, &best.score, &before);
+            groups = self.changed(state, &best.score, &before, Level::Refined);
             groups.retain(|group| !proposed.contains(group));
         }
         Ok(accepted)

@@ -186,6 +186,11 @@ impl<'o> Candidates<'o> {
         self.rejected.iter_mut().for_each(Vec::clear);
     }
 
+    /// Lets `groups` be asked again at the present level: their light is another one now.
+    pub(crate) fn ask_again(&mut self, groups: &[usize]) {
+        groups.iter().for_each(|group| self.asked_at[*group] = None);
+    }
+
     /// Groups whose hypothesis does not explain the photograph yet.
     pub(crate) fn open(&self, state: &State<'_>, level: Level) -> Vec<usize> {
         let allowed = sample_budget::allowance(level, self.options);
@@ -201,7 +206,7 @@ impl<'o> Candidates<'o> {
     }
 
     /// Other hypotheses for the groups in error, the worst ones among those that were not asked at
-    /// this level.
+    /// this level in their present light.
     pub(crate) fn propose_worst(
         &mut self,
         state: &mut State<'_>,
