@@ -7,6 +7,7 @@
 //! again under the refined light. What is returned is the best state that was verified.
 
 use crate::hypothesis::Hypothesis;
+use crate::ladder::branches::{self, Kind};
 use crate::ladder::candidates::{self, Candidates, Proposal};
 use crate::ladder::textures;
 use crate::problem::{Options, RecoverError};
@@ -24,6 +25,8 @@ const REVISIONS: usize = 2;
 /// simpler, since that changes the light of others. At one a room whose largest thing is a mirror, which is found then, has two
 /// groups of seven wrong under the seed that was tried; double was not tried.
 const REFINED_MAX: usize = 2;
+/// Other kinds of hypothesis that are tried for groups which stay unexplained; each costs a choice.
+const BRANCHES: usize = 3;
 
 /// Recovers everything, the default way.
 pub(crate) fn drive(
@@ -76,6 +79,21 @@ impl Driver<'_> {
         self.candidates.enforce(state, level);
         best = self.verifier.verify(state);
         state.schedule.begin(Part::Choice);
+        self.choose(state, &mut best, observer)?;
+        self.branch(state, &mut best, observer)?;
+        let open = self.candidates.open(state, level);
+        state.note_open(&open);
+        Ok(Termination::Settled)
+    }
+
+    /// Asks the groups that are explained worst, until none is another hypothesis in its present light.
+    fn choose(
+        &mut self,
+        state: &mut State<'_>,
+        best: &mut Verified,
+        observer: &mut dyn Observer,
+    ) -> Result<(), RecoverError> {
+        let level = Level::Choice;
         while !observer.is_cancelled() {
             refine::settle_nuisances(state, self.options)?;
             let proposals = self.candidates.propose_worst(state, level, observer);
@@ -83,15 +101,41 @@ impl Driver<'_> {
                 break;
             }
             let before = best.score.clone();
-            if self.try_all(state, proposals, &mut best, Depth::Rough, observer) {
-                self.refine_once(state, &mut best, Depth::Rough, observer);
+            if self.try_all(state, proposals, best, Depth::Rough, observer) {
+                self.refine_once(state, best, Depth::Rough, observer);
                 let changed = self.changed(state, &best.score, &before, level);
                 self.candidates.ask_again(&changed);
             }
         }
-        let open = self.candidates.open(state, level);
-        state.note_open(&open);
-        Ok(Termination::Settled)
+        Ok(())
+    }
+
+    /// Groups that light each other may keep each other wrong: where one stays unexplained, it gets another kind of
+    /// hypothesis, the others are asked again beside it, and the better of both ends stays.
+    fn branch(
+        &mut self,
+        state: &mut State<'_>,
+        best: &mut Verified,
+        observer: &mut dyn Observer,
+    ) -> Result<(), RecoverError> {
+        let mut tried = Vec::new();
+        while tried.len() < BRANCHES && !observer.is_cancelled() {
+            let Some(other) = branches::next(state, &tried) else { break };
+            tried.extend(Kind::of(other.hypothesis).map(|kind| (other.group, kind)));
+            other.apply(state);
+            self.candidates.begin_anew(Some(other.group));
+            refine::refine(state, self.options, Depth::Rough, observer);
+            let mut found = self.verifier.verify(state);
+            self.choose(state, &mut found, observer)?;
+            self.candidates.begin_anew(None);
+            if self.verifier.compare(&best.score, &found.score).is_worse() {
+                *best = found;
+                self.choose(state, best, observer)?;
+            } else {
+                state.restore(&best.snapshot);
+            }
+        }
+        Ok(())
     }
 
     /// Makes the changes of `proposals` together; where the picture speaks against them, each half of

@@ -11,7 +11,7 @@ use super::evidence_pair::{EvidencePair, Fits, Gathering};
 use super::textures;
 use crate::hypothesis::{Fit, Hypothesis};
 use crate::likelihood::Likelihood;
-use crate::others::{MIDDLE, error_of_others, light_of_others};
+use crate::others::{BETTER, MIDDLE, error_of_others, light_of_others};
 use crate::outliers;
 use crate::problem::Options;
 use crate::record::{CandidateRecord, Observer, Status};
@@ -36,12 +36,9 @@ const UNEXPLAINED: f64 = 6.0;
 /// A texture is tried where the model error is this many times that of the better groups, and has to gain more
 /// than from residuals of that size ([`crate::verify`]). At half of it time goes to textures that are not borne
 /// out, and shadows become textures; at double faint textures become noise.
-const TEXTURED: f64 = 2.0;
-/// The scene's better groups: those below this quantile of the model errors. A group that no hypothesis
-/// explains yet does not make the others' textures explained.
-const BETTER: f64 = 0.25;
+pub(super) const TEXTURED: f64 = 2.0;
 /// The model error of the better groups is taken as at least this: a real scene is not known better.
-const TYPICAL_MIN: f64 = 0.01;
+pub(super) const TYPICAL_MIN: f64 = 0.01;
 /// Outliers are looked for so often, each time without those before.
 const OUTLIER_ROUNDS: usize = 3;
 
@@ -56,7 +53,8 @@ pub(crate) struct Proposal {
     pub(crate) adds: f64,
     material: Material,
     residual: ResidualStats,
-    likelihood: Likelihood,
+    /// None where it was not asked for in the present light.
+    likelihood: Option<Likelihood>,
     /// Pixels that show something that is not in the model.
     outliers: Vec<u32>,
     /// Whether it is the present hypothesis in another minimum, which explains the group better than the one
@@ -87,11 +85,29 @@ impl Proposal {
             adds: added(state.groups[group].hypothesis, fit.hypothesis),
             material: fit.material.clone(),
             residual: fit.residual,
-            likelihood: fit.likelihood,
+            likelihood: Some(fit.likelihood),
             outliers: outliers.to_vec(),
             is_other_minimum: false,
             least: None,
             next,
+            then: None,
+        }
+    }
+
+    /// The change to a candidate that was not taken when the group was asked.
+    pub(super) fn of_record(state: &State<'_>, group: usize, record: &CandidateRecord) -> Self {
+        Self {
+            group,
+            hypothesis: record.hypothesis,
+            is_more_complex: record.hypothesis > state.groups[group].hypothesis,
+            adds: added(state.groups[group].hypothesis, record.hypothesis),
+            material: record.material.clone(),
+            residual: record.residual,
+            likelihood: None,
+            outliers: Vec::new(),
+            is_other_minimum: false,
+            least: None,
+            next: None,
             then: None,
         }
     }
@@ -140,7 +156,7 @@ impl Proposal {
         let of_group = &mut state.groups[self.group];
         of_group.hypothesis = self.hypothesis;
         of_group.residual = Some(self.residual);
-        of_group.likelihood = Some(self.likelihood);
+        of_group.likelihood = self.likelihood;
         of_group.note = (outliers > 0.0).then(|| {
             format!(
                 "{:.0} % of its pixels show something that is not in the model and do not count",
@@ -163,16 +179,22 @@ pub(crate) struct Candidates<'o> {
     asked_at: Vec<Option<Level>>,
     /// Hypotheses that the whole picture spoke against.
     rejected: Vec<Vec<Hypothesis>>,
+    /// A group whose hypothesis is held while the others are asked.
+    held: Option<usize>,
 }
 
 impl<'o> Candidates<'o> {
     pub(crate) fn new(state: &State<'_>, options: &'o Options) -> Self {
-        let groups = state.materials.len();
+        Self::of(state.materials.len(), options)
+    }
+
+    fn of(groups: usize, options: &'o Options) -> Self {
         Self {
             options,
             asked: vec![0; groups],
             asked_at: vec![None; groups],
             rejected: vec![Vec::new(); groups],
+            held: None,
         }
     }
 
@@ -189,6 +211,11 @@ impl<'o> Candidates<'o> {
     /// Lets `groups` be asked again at the present level: their light is another one now.
     pub(crate) fn ask_again(&mut self, groups: &[usize]) {
         groups.iter().for_each(|group| self.asked_at[*group] = None);
+    }
+
+    /// Lets all groups be asked anew but one that is `held`, if one is.
+    pub(crate) fn begin_anew(&mut self, held: Option<usize>) {
+        *self = Self { held, ..Self::of(self.asked.len(), self.options) };
     }
 
     /// Groups whose hypothesis does not explain the photograph yet.
@@ -219,7 +246,10 @@ impl<'o> Candidates<'o> {
                 let hypothesis = state.groups[*g].hypothesis;
                 !matches!(hypothesis, Hypothesis::Diffuse | Hypothesis::Textured)
             };
-            let asked = |g: &usize| self.asked[*g] < ASKED_MAX && self.asked_at[*g] != Some(level);
+            let asked = |g: &usize| {
+                let is_new = self.asked[*g] < ASKED_MAX && self.asked_at[*g] != Some(level);
+                is_new && self.held != Some(*g)
+            };
             let wanted = state.visible_unknowns().into_iter();
             let wanted: Vec<usize> =
                 wanted.filter(|g| open.contains(g) || climbed(g)).filter(asked).collect();

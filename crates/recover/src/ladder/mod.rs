@@ -4,6 +4,7 @@
 //! Other hypotheses are proposed for the groups that the present ones explain worst (`candidates`), all numbers
 //! being fitted together (`refine`). The paper's own way up is in [`crate::paper`].
 
+pub(crate) mod branches;
 pub(crate) mod candidates;
 mod compared;
 mod evidence_pair;
