@@ -118,20 +118,23 @@ impl Driver<'_> {
         best: &mut Verified,
         observer: &mut dyn Observer,
     ) -> Result<(), RecoverError> {
-        let mut tried = Vec::new();
+        let (level, mut tried) = (Level::Choice, Vec::new());
         while tried.len() < BRANCHES && !observer.is_cancelled() {
             let Some(other) = branches::next(state, &tried) else { break };
             tried.extend(Kind::of(other.hypothesis).map(|kind| (other.group, kind)));
+            let before = self.candidates.clone();
             other.apply(state);
-            self.candidates.begin_anew(Some(other.group));
             refine::refine(state, self.options, Depth::Rough, observer);
             let mut found = self.verifier.verify(state);
+            self.candidates.hold(Some(other.group));
+            self.candidates.ask_again(&self.changed(state, &found.score, &best.score, level));
             self.choose(state, &mut found, observer)?;
-            self.candidates.begin_anew(None);
             if self.verifier.compare(&best.score, &found.score).is_worse() {
                 *best = found;
+                self.candidates.hold(None);
                 self.choose(state, best, observer)?;
             } else {
+                self.candidates = before;
                 state.restore(&best.snapshot);
             }
         }

@@ -171,6 +171,7 @@ impl Proposal {
 }
 
 /// Asks groups for other hypotheses, and remembers which were asked.
+#[derive(Clone)]
 pub(crate) struct Candidates<'o> {
     options: &'o Options,
     /// How often each group was asked.
@@ -185,10 +186,7 @@ pub(crate) struct Candidates<'o> {
 
 impl<'o> Candidates<'o> {
     pub(crate) fn new(state: &State<'_>, options: &'o Options) -> Self {
-        Self::of(state.materials.len(), options)
-    }
-
-    fn of(groups: usize, options: &'o Options) -> Self {
+        let groups = state.materials.len();
         Self {
             options,
             asked: vec![0; groups],
@@ -208,14 +206,18 @@ impl<'o> Candidates<'o> {
         self.rejected.iter_mut().for_each(Vec::clear);
     }
 
-    /// Lets `groups` be asked again at the present level: their light is another one now.
+    /// Lets `groups` be asked again at the present level, whatever spoke against some hypotheses: their light is
+    /// another one now.
     pub(crate) fn ask_again(&mut self, groups: &[usize]) {
-        groups.iter().for_each(|group| self.asked_at[*group] = None);
+        for &group in groups {
+            self.asked_at[group] = None;
+            self.rejected[group].clear();
+        }
     }
 
-    /// Lets all groups be asked anew but one that is `held`, if one is.
-    pub(crate) fn begin_anew(&mut self, held: Option<usize>) {
-        *self = Self { held, ..Self::of(self.asked.len(), self.options) };
+    /// Leaves `group` as it is until another one, or none, is held.
+    pub(crate) fn hold(&mut self, group: Option<usize>) {
+        self.held = group;
     }
 
     /// Groups whose hypothesis does not explain the photograph yet.
