@@ -7,9 +7,11 @@ use std::collections::HashMap;
 use std::path::Path;
 use unrender_scene::{Rgb, Warnings};
 
-const OPAQUE: Use = Use::Told("transparency is not read; the surface is taken as opaque");
-const BUMPS: Use =
-    Use::Told("a map of bumps or normals is not read; the surface is taken as it is");
+const OPAQUE: Use =
+    Use::Told("transparency (d, Tr or a map of it) is not read; the surface is taken as opaque");
+const BUMPS: Use = Use::Told(
+    "a map of bumps or normals (bump, disp, norm) is not read; the surface is taken as it is",
+);
 const MIRRORED: Use = Use::Told("a reflected picture (refl) is not read");
 const PBR: Use = Use::Told(
     "the roughness, metal, sheen and coat of Pr, Pm, Ps and Pc are not read; Kd, Ks and Ns count",
