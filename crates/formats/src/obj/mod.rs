@@ -50,7 +50,8 @@ pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileEr
     let used = scene.groups.iter().map(|group| group.name.as_str());
     materials.tell(used.filter(|_| !by_object), &mut warnings);
     if scene.objects.is_empty() && !warnings.0.is_empty() {
-        return Err(fail(format!("has no triangles. {}", warnings.0.join(" "))));
+        let why = warnings.0.join(" ");
+        return Err(fail(format!("has no triangles. {}", why.trim_end_matches('.'))));
     }
     Ok((scene, warnings))
 }
