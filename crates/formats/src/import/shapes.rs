@@ -116,20 +116,21 @@ pub(super) fn turned_over(mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-/// All of `meshes` as one; texture coordinates only if all have them.
+/// All of `meshes` as one; those without texture coordinates have zero, if others have some.
 pub(super) fn joined(meshes: impl Iterator<Item = Mesh>) -> Mesh {
     let mut all = Mesh::default();
-    let mut has_uvs = true;
     for mesh in meshes {
-        let first = all.positions.len() as u32;
-        has_uvs &= !mesh.uvs.is_empty();
+        let first = all.positions.len();
+        if !mesh.uvs.is_empty() {
+            all.uvs.resize(first, Vec2::ZERO);
+            all.uvs.extend(mesh.uvs);
+        }
         all.positions.extend(mesh.positions);
         all.normals.extend(mesh.normals);
-        all.uvs.extend(mesh.uvs);
-        all.triangles.extend(mesh.triangles.into_iter().map(|t| t.map(|i| i + first)));
+        all.triangles.extend(mesh.triangles.into_iter().map(|t| t.map(|i| i + first as u32)));
     }
-    if !has_uvs {
-        all.uvs.clear();
+    if !all.uvs.is_empty() {
+        all.uvs.resize(all.positions.len(), Vec2::ZERO);
     }
     all
 }
