@@ -150,25 +150,38 @@ fn among(candidates: Vec<Candidate>) -> Result<Chosen, String> {
         ));
     };
     let others: Vec<String> = names.into_iter().filter(|name| *name != taken.name).collect();
-    let note = (!others.is_empty() && !taken.name.is_empty())
-        .then(|| format!("the layer \"{}\" was read, and not {}", taken.name, listed(&others)));
+    let note = match (taken.name.as_str(), others.is_empty()) {
+        ("", _) => None,
+        (name, false) => {
+            Some(format!("the layer \"{name}\" was read, and not {}", listed(&others)))
+        }
+        // It may be another pass of a renderer than its picture.
+        (name, true) => {
+            let is_doubtful = !taken.is_base && !is_beauty(taken);
+            is_doubtful.then(|| format!("the layer \"{name}\" was read, the only one with colours"))
+        }
+    };
     Ok(Chosen { part: taken.part, colours: taken.colours, alpha: taken.alpha, note })
 }
 
 /// The candidate that is the picture; none if that would be a guess.
 fn taken(candidates: &[Candidate]) -> Option<&Candidate> {
-    let is_beauty =
-        |c: &&Candidate| BEAUTY.iter().any(|word| last_word(&c.name).eq_ignore_ascii_case(word));
     let is_composite = |c: &&Candidate| c.name.to_ascii_lowercase().starts_with(COMPOSITE);
     let base = only(candidates.iter().filter(|c| c.is_base));
     // What another part calls its picture is rather one than channels that are just called R, G and B.
-    let rivals = |base: &Candidate| candidates.iter().any(|c| is_beauty(&c) && c.part != base.part);
+    let rivals = |base: &Candidate| candidates.iter().any(|c| is_beauty(c) && c.part != base.part);
     base.filter(|base| !rivals(base))
         .or_else(|| only(candidates.iter()))
-        .or_else(|| only(candidates.iter().filter(is_beauty)))
-        .or_else(|| only(candidates.iter().filter(is_beauty).filter(is_composite)))
+        .or_else(|| only(candidates.iter().filter(|c| is_beauty(c))))
+        .or_else(|| only(candidates.iter().filter(|c| is_beauty(c)).filter(is_composite)))
         // Parts have an order, unlike layers.
         .or_else(|| candidates.iter().find(|c| c.is_base && c.part == 0))
+}
+
+/// Whether it is called as renderers call their picture.
+fn is_beauty(candidate: &Candidate) -> bool {
+    let last = last_word(&candidate.name);
+    BEAUTY.iter().any(|word| last.eq_ignore_ascii_case(word))
 }
 
 /// The item, if there is exactly one.

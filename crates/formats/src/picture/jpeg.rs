@@ -6,6 +6,7 @@ const START_OF_IMAGE: u8 = 0xd8;
 const END_OF_IMAGE: u8 = 0xd9;
 const START_OF_SCAN: u8 = 0xda;
 const JFIF: u8 = 0xe0;
+const JPEG_LS: u8 = 0xf7;
 
 /// True if the walk over the file's segments meets the end-of-image marker.
 ///
@@ -31,19 +32,30 @@ pub(super) fn has_end(bytes: &[u8]) -> bool {
 /// Why a file of this kind is not read, as the end of a sentence about it: the decoder knows the sequential and the
 /// progressive kind, of 8 bits, packed by Huffman's method.
 pub(super) fn unread(bytes: &[u8]) -> Option<String> {
-    let (frame, body) = segment(bytes, |marker| {
-        (0xc0..=0xcf).contains(&marker) && ![0xc4, 0xc8, 0xcc].contains(&marker)
-    })?;
+    let (frame, body) = frame(bytes)?;
     let kind = match frame {
         0xc0..=0xc2 => None,
         0xc3 => Some("a lossless JPEG"),
         0xc5..=0xc7 => Some("a hierarchical JPEG"),
+        JPEG_LS => Some("a JPEG-LS"),
         _ => Some("a JPEG with arithmetic coding"),
     };
     let bits = *body.first()?;
     let deep = (bits != 8).then(|| format!("a JPEG of {bits} bits"));
     let kind = kind.map(str::to_owned).or(deep)?;
     Some(format!("is {kind}, which is not read; save it as PNG or TIFF"))
+}
+
+/// Whether its colours are those of four inks.
+pub(super) fn has_inks(bytes: &[u8]) -> bool {
+    frame(bytes).is_some_and(|(_, body)| body.get(5) == Some(&4))
+}
+
+/// The segment that says how the picture is coded: its marker, and bits, height, width and channels.
+fn frame(bytes: &[u8]) -> Option<(u8, &[u8])> {
+    let is_other = |marker| [0xc4, 0xc8, 0xcc].contains(&marker);
+    let is_frame = |marker| (0xc0..=0xcf).contains(&marker) && !is_other(marker);
+    segment(bytes, |marker| is_frame(marker) || marker == JPEG_LS)
 }
 
 /// How many times as wide as high the pixels are, by the JFIF header.

@@ -22,6 +22,10 @@ pub(super) const MAX_UNPACKING: u64 = 4096;
 /// Files that claim less than this are plausible whatever their size.
 pub(super) const ALWAYS_BELIEVED_BYTES: u64 = 64 << 20;
 
+/// What is said of colours for a printer.
+const INKS: &str = "holds inks (CMYK), which were turned into red, green and blue without regard to what they \
+                    look like; save it as RGB";
+
 /// Reads the picture at `path` and turns it upright as its EXIF orientation says.
 ///
 /// The content decides on the format, not the extension.
@@ -125,6 +129,7 @@ fn plain_jpeg(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
     }
     let mut decoded = plain(scope, bytes, ImageFormat::Jpeg, None)?;
     decoded.notes.extend(pixel_shape::note(jpeg::pixel_aspect(bytes), "its JFIF header"));
+    decoded.notes.extend(jpeg::has_inks(bytes).then(|| INKS.to_owned()));
     Ok(decoded)
 }
 
@@ -171,6 +176,7 @@ fn tiff(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
     }
     decoded.notes.extend(page.note);
     decoded.notes.extend(tiff_says::other_channels(&file, &page.directory));
+    decoded.notes.extend(tiff_says::has_inks(&file, &page.directory).then(|| INKS.to_owned()));
     let aspect = tiff_says::pixel_aspect(&file, &page.directory);
     decoded.notes.extend(pixel_shape::note(aspect, "its resolutions"));
     Ok(decoded)

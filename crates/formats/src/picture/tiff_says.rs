@@ -9,6 +9,9 @@ const D65: [f32; 2] = [0.3127, 0.3290];
 /// The primaries of sRGB, for files that state a white alone.
 const SRGB: [f32; 6] = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06];
 
+/// What is added from code to code, too little to be seen: all of it is a thousandth of a step of 16 bits.
+const DARKEST_STEP: f64 = 1e-10;
+
 /// What is wrong with the kind of its numbers, as the end of a sentence about the file.
 pub(super) fn unread(tiff: &Tiff<'_>, page: &Directory) -> Option<String> {
     let bits = tiff.code(page, tag::BITS).unwrap_or(1);
@@ -53,6 +56,11 @@ pub(super) fn has_coverage(tiff: &Tiff<'_>, page: &Directory) -> bool {
     matches!(tiff.code(page, tag::EXTRA_SAMPLES), Some(1 | 2))
 }
 
+/// Whether its colours are those of four inks.
+pub(super) fn has_inks(tiff: &Tiff<'_>, page: &Directory) -> bool {
+    tiff.code(page, tag::PHOTOMETRIC) == Some(5)
+}
+
 /// What is said of channels beside the colours that the file does not call coverage.
 pub(super) fn other_channels(tiff: &Tiff<'_>, page: &Directory) -> Option<String> {
     let is_other = page.has(tag::EXTRA_SAMPLES) && !has_coverage(tiff, page);
@@ -88,7 +96,13 @@ pub(super) fn profile(tiff: &Tiff<'_>, page: &Directory) -> Option<Profile> {
     let white = [0, 1].map(|c| of(tag::WHITE_POINT, c, D65[c]));
     let corners: Corners = [primary(0), primary(1), primary(2), white];
     let source = "its tags PrimaryChromaticities, WhitePoint and TransferFunction";
-    Some(Profile { curves, ..of_primaries(matrix(corners), source) })
+    let profile = of_primaries(matrix(corners), source);
+    let grows = |curve: &Vec<f32>| curve.windows(2).all(|w| w[0] < w[1]);
+    let understood = profile.understood && curves.as_ref().is_none_or(|c| c.iter().all(grows));
+    if understood {
+        return Some(Profile { curves, ..profile });
+    }
+    Some(Profile { srgb_from_file: None, understood, ..profile })
 }
 
 /// The linear values of the codes by TransferFunction: a table for each channel, or one for all.
@@ -102,7 +116,9 @@ fn curves(tiff: &Tiff<'_>, page: &Directory) -> Option<[Vec<f32>; 3]> {
     let value = |channel: usize, k: u16| {
         let at = (f64::from(k) / f64::from(SAMPLES - 1) * (codes - 1) as f64).round() as usize;
         let index = channel.min(tables - 1) * codes + at;
-        tiff.number(page, tag::TRANSFER_FUNCTION, index).map(|n| (n / 65_535.0) as f32)
+        let linear = tiff.number(page, tag::TRANSFER_FUNCTION, index)? / 65_535.0;
+        // The darkest codes are rounded to the same number: curves grow from code to code.
+        Some((linear + DARKEST_STEP * f64::from(k)) as f32)
     };
     let curve = |channel| (0..SAMPLES).map(|k| value(channel, k)).collect::<Option<Vec<f32>>>();
     Some([curve(0)?, curve(1)?, curve(2)?])

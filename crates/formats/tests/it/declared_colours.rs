@@ -199,6 +199,20 @@ fn tags_of_tiff_may_declare_primaries_and_curves() {
     let three = [square.clone(), vec![7; 256], square].concat();
     let curves =
         read(&tiff(&[page.clone().with(301, 3, &three)])).0.profile.unwrap().curves.unwrap();
-    assert!(curves[1][200] == 7.0 / 65_535.0 && curves[2][255] == 1.0);
+    assert!((curves[1][200] - 7.0 / 65_535.0).abs() < 1e-6 && curves[2][255] == 1.0);
+    // Dark codes of a steep curve are all zero in it, and a curve that falls is none.
+    let steep: Vec<u32> =
+        (0..256).map(|k| (65_535.0 * (f64::from(k) / 255.0).powf(2.6)).round() as u32).collect();
+    assert_eq!(steep[1], 0);
+    let declared = read(&tiff(&[page.clone().with(301, 3, &steep)])).0.profile.unwrap();
+    assert!(declared.curves.unwrap()[0].windows(2).all(|w| w[0] < w[1]));
+    let falling: Vec<u32> = (0..256).rev().collect();
+    assert!(!read(&tiff(&[page.clone().with(301, 3, &falling)])).0.profile.unwrap().understood);
     assert_eq!(read(&tiff(&[page])).0.profile, None);
+}
+
+#[test]
+fn inks_are_told() {
+    let page = Page::new((1, 1), 4, 8, vec![0, 0, 0, 0]).with(262, 3, &[5]);
+    warned(&tiff(&[page]), "holds inks (CMYK)");
 }

@@ -140,6 +140,7 @@ fn jpegs_of_other_kinds_are_refused_by_name() {
     };
     assert!(refusal(&frame(0xc3, 8)).contains("a lossless JPEG"));
     assert!(refusal(&frame(0xc9, 8)).contains("arithmetic coding"));
+    assert!(refusal(&frame(0xf7, 8)).contains("a JPEG-LS"));
     assert!(refusal(&frame(0xc1, 12)).contains("a JPEG of 12 bits"));
 }
 
