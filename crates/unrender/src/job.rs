@@ -164,7 +164,10 @@ fn photo(
         (None, Some(frames)) => photograph::merged(project, &frames, warnings)?,
         (None, None) => {
             let (picture, noted) = picture::read(Input::new(&project.photo, project.limits))?;
-            warnings.extend(noted);
+            warnings.extend(noted.clone());
+            if picture.invalid.len() == picture.values.pixels().len() {
+                return Err(without_measurement(&project.photo, &noted).into());
+            }
             picture
         }
     };
@@ -178,6 +181,14 @@ fn photo(
         }
     }
     Ok(picture)
+}
+
+/// The error of a photograph of which no pixel counts, for the reasons in `noted`.
+fn without_measurement(path: &Path, noted: &Warnings) -> FileError {
+    let reasons: Vec<&str> = noted.0.iter().map(String::as_str).collect();
+    let problem =
+        "has no pixel with a measurement; if its alpha channel is no coverage, save it without one";
+    FileError::new(path, format!("{problem} ({})", reasons.join("; ")))
 }
 
 /// The meshes and materials of `project`, as given or from its file; its light may be in the project alone.

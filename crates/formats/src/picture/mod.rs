@@ -4,14 +4,28 @@
 //! the camera did to them. The writers take linear values.
 
 mod budget;
+mod cicp;
+mod codes;
+mod coverage;
 mod embed;
 mod exif;
-mod jpeg_end;
+mod exr_channels;
+mod exr_picture;
+mod exr_refused;
+mod exr_says;
+mod hdr_header;
+mod jpeg;
 mod layers;
 mod merged;
 mod panorama;
+mod pixel_shape;
+mod png_chunks;
 mod profile;
+mod raw;
 mod read;
+mod tiff;
+mod tiff_page;
+mod tiff_says;
 mod write;
 
 pub(crate) use budget::{check as check_budget, exr_block};

@@ -5,13 +5,17 @@ mod support;
 
 mod bad_input;
 mod bad_pictures;
+mod camera_files;
+mod declared_colours;
 mod export;
+mod exr_kinds;
 mod gltf_exporters;
 mod gltf_read;
 mod hostile;
 mod import;
 mod light_units;
 mod materials;
+mod no_data;
 mod obj;
 mod pictures;
 mod planes;

@@ -102,7 +102,7 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
         if *clipped as f32 > CLIPPED * *pixels as f32 {
             warnings.push(format!(
                 "group \"{name}\": {clipped} of its {pixels} pixels are clipped, masked, in the \
-                 noise of black or broken; take a photo of another exposure"
+                 noise of black or without a measurement; take a photo of another exposure"
             ));
         } else if *valid < FEW {
             warnings.push(format!(

@@ -40,6 +40,42 @@ fn what_the_mask_leaves_out_does_not_count() {
     assert!(left_out.x > left_out.y && left_out.z > left_out.x, "violet: {left_out}");
 }
 
+/// Writes the photograph with an alpha channel that is zero from the column `from` on, where it is black.
+fn cut_out(folder: &Corner, from: usize) {
+    let photo = folder.read("photo.png");
+    let (width, height) = (photo.width() as u32, photo.height() as u32);
+    let code = |value: f32| (65_535.0 * value).round() as u16;
+    let pixels = photo.pixels().iter().enumerate().flat_map(|(index, rgb)| {
+        let is_there = index % SIZE.0 < from;
+        let [r, g, b] = rgb.to_array().map(code);
+        if is_there { [r, g, b, u16::MAX] } else { [0; 4] }
+    });
+    let bytes: Vec<u8> = pixels.flat_map(u16::to_ne_bytes).collect();
+    let mut png = Vec::new();
+    let kind = image::ExtendedColorType::Rgba16;
+    let encoder = image::codecs::png::PngEncoder::new(&mut png);
+    image::ImageEncoder::write_image(encoder, &bytes, width, height, kind).unwrap();
+    folder.write("photo.png", &png);
+}
+
+#[test]
+fn what_is_cut_out_of_the_photograph_is_not_taken_for_black() {
+    let folder = Corner::new();
+    cut_out(&folder, SIZE.0 / 2);
+    let told = succeeds(&folder.run(&["check", "project.toml", "--json"]));
+    let pixels = SIZE.0 * SIZE.1 / 2;
+    assert!(told.contains(&format!("{pixels} pixel(s) are transparent (alpha is 0)")), "{told}");
+    assert!(!told.contains("and say nothing"), "{told}");
+    folder.drafts(&["--no-refine", "--keep-camera", "--spp", "4"]);
+    let found = materials::read(&folder.path("out/materials.json")).unwrap();
+    for (name, truth) in [("floor", FLOOR), ("wall", WALL)] {
+        let rho_d = Rgb::from_array(found.groups[name].rho_d.unwrap());
+        assert!((rho_d - truth).abs().max_element() < 0.02, "{name}: {rho_d}");
+    }
+    cut_out(&folder, 0);
+    folder.refuses(LIGHTS, "photo.png: has no pixel with a measurement");
+}
+
 #[test]
 fn ignored_groups_are_not_asked_for_and_not_counted() {
     let folder = Corner::new();
