@@ -8,6 +8,7 @@ mod bad_pictures;
 mod export;
 mod gltf_exporters;
 mod gltf_read;
+mod gltf_unread;
 mod hostile;
 mod import;
 mod light_units;
