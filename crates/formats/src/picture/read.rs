@@ -90,7 +90,8 @@ fn put_merged(scope: &Scope, picture: &mut Picture, bytes: &[u8]) -> Result<(), 
     Ok(())
 }
 
-fn format_of(bytes: &[u8]) -> Option<ImageFormat> {
+/// The format that the bytes are of, if it is one that is read.
+pub(super) fn format_of(bytes: &[u8]) -> Option<ImageFormat> {
     let format = image::guess_format(bytes).ok()?;
     let read = [
         ImageFormat::Png,
