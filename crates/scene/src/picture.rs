@@ -68,6 +68,17 @@ impl Picture {
         measured
     }
 
+    /// The picture with left and right exchanged.
+    #[must_use]
+    pub fn mirrored(self) -> Self {
+        let width = self.values.width();
+        let across = |index: &usize| index - index % width + (width - 1 - index % width);
+        let mut invalid: Vec<usize> = self.invalid.iter().map(across).collect();
+        invalid.sort_unstable();
+        let merged = |merged: Merged| Merged { variance: merged.variance.mirrored(), ..merged };
+        Self { values: self.values.mirrored(), invalid, merged: self.merged.map(merged), ..self }
+    }
+
     /// The picture as linear values, where integer files are taken as sRGB, whatever they declare, and
     /// floating-point files as linear already, with the primaries that they declare.
     pub fn to_linear(&self) -> Image<Rgb> {

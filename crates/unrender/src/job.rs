@@ -1,11 +1,11 @@
 //! Everything a recovery starts from, read and checked.
 
 use crate::lighting::EnvironmentChoice;
-use crate::project::{CameraChoice, Project};
+use crate::project::{CameraChoice, Found, Photographed, Project};
 use crate::{Error, mask, photograph, same_as};
 use glam::DVec3;
 use std::path::Path;
-use unrender_formats::picture::{self, Picture};
+use unrender_formats::picture::{self, Orientation, Picture};
 use unrender_formats::{FileError, Input};
 use unrender_photo::{Photo, Transfer, clipping, develop};
 use unrender_render::GeometryBuffers;
@@ -75,7 +75,8 @@ impl Job {
         mut warnings: Warnings,
         given: InMemory,
     ) -> Result<Self, Error> {
-        let picture = photo(&mut project, given.photo, &mut warnings)?;
+        let is_file = given.photo.is_none();
+        let mut picture = photo(&mut project, given.photo, &mut warnings)?;
         let mut scene = model(&project, given.scene, &mut warnings)?;
         warnings.extend(project.light(&mut scene)?);
         project.check_against(&scene)?;
@@ -88,8 +89,12 @@ impl Job {
         }
         warnings.extend(validate(&mut scene, &project.scene)?);
         let own_groups = same_as::merge(&project, &mut scene);
-        let (camera, noted) = choose_camera(&project, &scene, &picture)?;
+        let Found { camera, is_mirrored, warnings: noted } =
+            choose_camera(&project, &scene, &picture, is_file)?;
         warnings.extend(noted);
+        if is_mirrored {
+            picture = picture.mirrored();
+        }
         let (transfer, noted) = photograph::transfer(&project, &picture, &camera)?;
         warnings.extend(noted);
         let photo = develop(&picture, &transfer);
@@ -109,6 +114,7 @@ impl Job {
             }
             None => mask::read(&project, &picture)?,
         };
+        let mask = if is_mirrored { mask.map(|mask| mask.mirrored()) } else { mask };
         let (width, height) = (photo.radiance.width(), photo.radiance.height());
         warnings.extend(doubtful_aspect(&camera, width, height));
         warnings.extend(folded_lens(&camera, width, height));
@@ -224,24 +230,29 @@ pub(crate) fn validate(scene: &mut Scene, path: &Path) -> Result<Warnings, Error
     scene.validate().map_err(|source| Error::Scene { path: path.to_owned(), source })
 }
 
+/// The camera of the project's photograph, which is in memory unless it `is_file`.
 fn choose_camera(
     project: &Project,
     scene: &Scene,
     picture: &Picture,
-) -> Result<(Camera, Warnings), Error> {
+    is_file: bool,
+) -> Result<Found, Error> {
     let size = (picture.values.width(), picture.values.height());
+    let as_it_is = |(camera, warnings)| Found { camera, is_mirrored: false, warnings };
     match &project.camera {
         CameraChoice::InPixels { world_from_camera, intrinsics } => {
             let camera = intrinsics.camera("project", *world_from_camera, size);
             let fault = |problem| FileError::new(&project.path, format!("camera: {problem}"));
-            Ok((camera.map_err(fault)?, Warnings::default()))
+            Ok(as_it_is((camera.map_err(fault)?, Warnings::default())))
         }
         CameraChoice::Calibrated(calibrated) => {
-            Ok((calibrated.read(size, project.limits)?, Warnings::default()))
+            let upright = Ok(Orientation::UPRIGHT);
+            let orientation = if is_file { photograph::orientation(project) } else { upright }?;
+            Ok(calibrated.read(Photographed { size, orientation }, project.limits)?)
         }
-        CameraChoice::Placed(camera) => Ok((camera.clone(), Warnings::default())),
-        CameraChoice::Named(name) => named_camera(scene, Some(name), &project.scene),
-        CameraChoice::First => named_camera(scene, None, &project.scene),
+        CameraChoice::Placed(camera) => Ok(as_it_is((camera.clone(), Warnings::default()))),
+        CameraChoice::Named(name) => named_camera(scene, Some(name), &project.scene).map(as_it_is),
+        CameraChoice::First => named_camera(scene, None, &project.scene).map(as_it_is),
     }
 }
 

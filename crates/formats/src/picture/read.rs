@@ -200,7 +200,8 @@ fn put_merged(scope: &Scope, picture: &mut Picture, bytes: &[u8]) -> Result<(), 
     Ok(())
 }
 
-fn format_of(bytes: &[u8]) -> Option<ImageFormat> {
+/// The format that the bytes are of, if it is one that is read.
+pub(super) fn format_of(bytes: &[u8]) -> Option<ImageFormat> {
     if Tiff::of(bytes).is_some() {
         return Some(ImageFormat::Tiff);
     }

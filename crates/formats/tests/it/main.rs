@@ -11,6 +11,7 @@ mod export;
 mod exr_kinds;
 mod gltf_exporters;
 mod gltf_read;
+mod gltf_unread;
 mod hostile;
 mod import;
 mod light_units;
