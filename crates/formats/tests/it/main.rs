@@ -15,4 +15,5 @@ mod materials;
 mod obj;
 mod pictures;
 mod planes;
+mod radiance;
 mod round_trip;
