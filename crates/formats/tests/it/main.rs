@@ -20,4 +20,5 @@ mod no_data;
 mod obj;
 mod pictures;
 mod planes;
+mod radiance;
 mod round_trip;
