@@ -12,6 +12,8 @@ mod hostile;
 mod import;
 mod light_units;
 mod materials;
+mod mitsuba;
+mod mitsuba_shapes;
 mod obj;
 mod pictures;
 mod planes;
