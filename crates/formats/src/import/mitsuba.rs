@@ -213,16 +213,16 @@ impl Reader<'_> {
             // It is seen only where instances of it are.
             "shapegroup" => return Ok(()),
             "merge" => {
-                let inside = node.children("shape").into_iter();
-                return inside.map(|shape| self.shape(shape, around)).collect();
+                let mut inside = node.children("shape").into_iter();
+                return inside.try_for_each(|shape| self.shape(shape, around));
             }
             "instance" => {
                 let world = *around * node.motion("to_world")?;
                 let group = node.child("shape")?.filter(|group| group.kind() == "shapegroup");
                 let group =
                     group.ok_or_else(|| node.fail("an instance has no shapegroup in it"))?;
-                let inside = group.children("shape").into_iter();
-                return inside.map(|shape| self.shape(shape, &world)).collect();
+                let mut inside = group.children("shape").into_iter();
+                return inside.try_for_each(|shape| self.shape(shape, &world));
             }
             _ => {}
         }

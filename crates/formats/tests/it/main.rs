@@ -13,6 +13,7 @@ mod import;
 mod light_units;
 mod materials;
 mod mitsuba;
+mod mitsuba_meshes;
 mod mitsuba_shapes;
 mod obj;
 mod pictures;

@@ -71,7 +71,7 @@ impl Reflectance {
     pub(super) fn doubts(&self, exact: bool) -> impl Iterator<Item = &String> {
         let is_even = self.material.alpha_x == self.material.alpha_y;
         let of_direction = move |doubt: &&String| doubt.contains("anisotropy");
-        self.doubts.iter().filter(move |d| !exact && !(is_even && of_direction(d)))
+        self.doubts.iter().filter(move |doubt| !(exact || is_even && of_direction(doubt)))
     }
 
     /// Adds the diffuse part of `other`, whose texture has the texture coordinates `to_uv`.
