@@ -68,8 +68,11 @@ fn hit(mesh: &Mesh, origin: [f32; 3], direction: [f32; 3]) -> Hit {
     found.expect("the ray meets something")
 }
 
-/// Asserts what the ray from `from` along `along` meets: (u, v), the normal and the direction of u.
-fn meets(mesh: &Mesh, rays: &[([f32; 3], [f32; 3], [f32; 2], [f32; 3], [f32; 3])]) {
+/// Where a ray comes from and where it goes; (u, v), the normal and the direction of u where it ends.
+type Ray = ([f32; 3], [f32; 3], [f32; 2], [f32; 3], [f32; 3]);
+
+/// Asserts what rays meet.
+fn meets(mesh: &Mesh, rays: &[Ray]) {
     for (from, along, uv, normal, along_u) in rays {
         let found = hit(mesh, *from, *along);
         let told = format!("{from:?} {along:?}: {} {} {}", found.uv, found.normal, found.along_u);
@@ -153,6 +156,12 @@ fn texture_coordinates_lie_as_mitsuba_lays_them() {
             ),
         ],
     );
+}
+
+#[test]
+fn each_side_of_a_cube_has_the_picture_as_mitsuba_turns_it() {
+    let down = [0.0, 0.0, -1.0];
+    let up = [0.0, 0.0, 1.0];
     meets(
         &mesh("cube", ""),
         &[
