@@ -13,7 +13,7 @@ use unrender_scene::Mesh;
 /// A corner of a face in the file becomes a triangle with three vertices of 32 bytes and indices.
 const BYTES_A_CORNER: u64 = 128;
 
-/// The mesh in `bytes`; polygons become triangles. Without normals it is flat.
+/// The mesh in `bytes`; polygons become triangles. If the file has no normals, the mesh has none.
 ///
 /// # Errors
 /// If it is not PLY, if a face names a vertex that is not there, or if it takes too much memory.
@@ -45,13 +45,8 @@ pub(super) fn mesh(scope: &Scope, bytes: &[u8]) -> Result<Mesh, String> {
         scope.charge(BYTES_A_CORNER * corners.len() as u64)?;
         polygon::split(corners, |&i| positions[i as usize], &mut triangles)?;
     }
-    Ok(match normals {
-        Some(normals) => {
-            let normals = normals.into_iter().map(Vec3::normalize_or_zero).collect();
-            Mesh { positions, normals, uvs, tangents: Vec::new(), triangles }
-        }
-        None => Mesh::flat(&positions, &uvs, &triangles),
-    })
+    let normals = normals.unwrap_or_default().into_iter().map(Vec3::normalize_or_zero).collect();
+    Ok(Mesh { positions, normals, uvs, tangents: Vec::new(), triangles })
 }
 
 /// Refuses counts that the `length` bytes of the file cannot hold, and what takes too much memory.
@@ -129,6 +124,12 @@ fn number(property: &Property) -> Option<f32> {
     match *property {
         Property::Float(v) => Some(v),
         Property::Double(v) => Some(v as f32),
+        Property::Char(v) => Some(v.into()),
+        Property::UChar(v) => Some(v.into()),
+        Property::Short(v) => Some(v.into()),
+        Property::UShort(v) => Some(v.into()),
+        Property::Int(v) => Some(v as f32),
+        Property::UInt(v) => Some(v as f32),
         _ => None,
     }
 }

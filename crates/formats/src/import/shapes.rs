@@ -1,4 +1,4 @@
-//! Shapes that other programs know by name, as meshes, and meshes moved.
+//! Shapes that other programs know by name, as meshes.
 
 use glam::{Affine3A, Vec2, Vec3};
 use std::f32::consts::TAU;
@@ -6,34 +6,6 @@ use unrender_scene::Mesh;
 
 /// Triangles around a cone.
 const AROUND: u32 = 64;
-
-/// The square from -1 to 1 in x and y, its front towards +z.
-pub(super) fn rectangle() -> Mesh {
-    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(Vec2::from_array);
-    Mesh {
-        positions: corners.map(|c| c.extend(0.0)).to_vec(),
-        normals: vec![Vec3::Z; 4],
-        uvs: corners.map(|c| 0.5 * c + 0.5).to_vec(),
-        tangents: Vec::new(),
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-    }
-}
-
-/// The cube from -1 to 1, its front outside.
-pub(super) fn cube() -> Mesh {
-    let mut cube = Mesh::default();
-    for normal in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
-        let across = normal.any_orthonormal_vector();
-        let up = normal.cross(across);
-        let side = rectangle();
-        let first = cube.positions.len() as u32;
-        cube.positions.extend(side.positions.iter().map(|p| normal + across * p.x + up * p.y));
-        cube.normals.extend([normal; 4]);
-        cube.uvs.extend(side.uvs);
-        cube.triangles.extend(side.triangles.iter().map(|t| t.map(|i| i + first)));
-    }
-    cube
-}
 
 /// The memory that `mesh` takes.
 pub(super) fn bytes_of(mesh: &Mesh) -> u64 {

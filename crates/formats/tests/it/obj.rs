@@ -424,9 +424,10 @@ fn models_of_other_scenes_need_no_material_file() {
     let uvs = |t: &[u32; 3]| t.map(|i| mesh.uvs[i as usize]);
     let with = mesh.triangles.iter().filter(|t| uvs(t) != [Vec2::ZERO; 3]).count();
     assert_eq!(with, 1);
-    let rad = "void light red 0 0 3 1 1 1\nvoid mesh m 1 m.rtm 0 0\n";
+    let rad = "void light red 0 0 3 1 1 1\nvoid plastic green 0 0 5 .1 .6 .1 0 0\nvoid mesh m 1 m.rtm 0 0\n";
     let (scene, _) = load_model(&folder.file("a.rad", rad)).unwrap();
-    assert_eq!(scene.objects[0].mesh.triangles.len(), 3);
+    let triangles: usize = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
+    assert_eq!(triangles, 3);
 }
 
 #[test]
