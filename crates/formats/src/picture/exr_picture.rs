@@ -34,11 +34,11 @@ pub(super) fn read(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
     let wanted = |_: &_, _, block: exr::block::BlockIndex| {
         block.layer == chosen.part && block.level == Vec2(0, 0)
     };
-    let mut blocks = reader
+    let blocks = reader
         .filter_chunks(false, wanted)
         .map_err(|error| fault(bytes, error))?
         .sequential_decompressor(false);
-    while let Some(block) = blocks.next() {
+    for block in blocks {
         let block = block.map_err(|error| fault(bytes, error))?;
         canvas.put(&header, &chosen, &block);
     }
