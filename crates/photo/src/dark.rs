@@ -101,9 +101,10 @@ mod tests {
     #[test]
     fn what_has_no_measurement_is_not_black() {
         // A dim picture with holes at every third pixel.
-        let mut holes = picture(|x, y| if x % 3 == 0 && y % 3 == 0 { 0.0 } else { 8.0 });
+        let third = |n: usize| n.is_multiple_of(3);
+        let mut holes = picture(|x, y| if third(x) && third(y) { 0.0 } else { 8.0 });
         assert!(dark_pixels(&holes, Rgb::ZERO).len() > SIDE);
-        let is_hole = |i: &usize| i % SIDE % 3 == 0 && i / SIDE % 3 == 0;
+        let is_hole = |i: &usize| third(i % SIDE) && third(i / SIDE);
         holes.invalid = (0..SIDE * SIDE).filter(is_hole).collect();
         assert!(dark_pixels(&holes, Rgb::ZERO).is_empty());
     }

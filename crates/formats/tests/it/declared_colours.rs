@@ -162,7 +162,7 @@ fn pixels_that_are_not_square_are_told() {
     let phys: Vec<u8> = [1000u32, 2000].iter().flat_map(|n| n.to_be_bytes()).chain([1]).collect();
     warned(&with_chunk(&png(false, false), b"pHYs", &phys), "2.000 times as wide as high");
     let page = Page::grey((2, 2), 9).with(282, 5, &[150, 1]).with(283, 5, &[300, 2]);
-    assert_eq!(read(&tiff(&[page.clone()])).1, [""; 0]);
+    assert_eq!(read(&tiff(std::slice::from_ref(&page))).1, [""; 0]);
     warned(
         &tiff(&[page.with(283, 5, &[75, 1])]),
         "0.500 times as wide as high, by its resolutions",

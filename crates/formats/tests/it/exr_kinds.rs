@@ -37,7 +37,7 @@ fn channels_are_read_by_their_names() {
 }
 
 /// The channels R, G and B of these layers, with values that count the layers.
-fn layers<'a>(names: &'a [String]) -> Vec<(&'a str, f32)> {
+fn layers(names: &[String]) -> Vec<(&str, f32)> {
     names.iter().enumerate().map(|(k, name)| (name.as_str(), (k / 3) as f32)).collect()
 }
 

@@ -153,9 +153,11 @@ pub(crate) fn exr_of(
     let mut shared = exr::meta::header::ImageAttributes::new(window);
     let mut layers: Vec<Layer<AnyChannels<FlatSamples>>> = Vec::new();
     for part in parts {
-        let mut own = LayerAttributes::default();
-        own.layer_name = (!part.name.is_empty()).then(|| part.name.into());
-        own.layer_position = Vec2(part.from.0, part.from.1);
+        let mut own = LayerAttributes {
+            layer_name: (!part.name.is_empty()).then(|| part.name.into()),
+            layer_position: Vec2(part.from.0, part.from.1),
+            ..LayerAttributes::default()
+        };
         change(&mut shared, &mut own);
         let channel = |(name, value): &(&str, f32)| {
             AnyChannel::new(*name, FlatSamples::F32(vec![*value; part.size.0 * part.size.1]))
