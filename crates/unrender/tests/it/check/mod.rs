@@ -88,7 +88,7 @@ fn a_good_project_passes_in_silence() {
     let checkup = Input::of_room(&room()).check();
     assert_eq!(checkup.warnings.0, [""; 0]);
     let [back_wall, floor, .., lamp] = checkup.groups.as_slice() else { panic!("five groups") };
-    assert_eq!((back_wall.role, lamp.role), ("unknown", "emitter"));
+    assert_eq!((back_wall.role.as_str(), lamp.role.as_str()), ("unknown", "emitter"));
     assert!(back_wall.valid > 1000 && back_wall.valid < back_wall.pixels);
     assert_eq!(back_wall.edge, back_wall.pixels - back_wall.valid);
     assert!(floor.lit.unwrap() > 0.7 && lamp.lit.is_none());
