@@ -8,9 +8,11 @@
 use crate::input::{Input, Scope};
 use crate::names::{DEFAULT, unique};
 use crate::{FileError, polygon, texels};
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
+use std::borrow::Cow;
 use std::cell::RefCell;
 use std::collections::HashMap;
+use std::fmt::Write;
 use std::path::Path;
 use std::sync::Arc;
 use tobj::{LoadError, LoadOptions};
@@ -20,6 +22,9 @@ use unrender_scene::{Group, Material, Mesh, Object, Rgb, Scene, Texture, Warning
 /// face and its separator, become a vertex of 32 bytes, here and in the parser.
 const TEXT_TO_MESH: u64 = 16;
 
+/// A text counted from elsewhere takes at most so many times its memory: `v 1 1 1` becomes 45 bytes.
+const COUNTED: u64 = 8;
+
 /// Reads the OBJ at `path` with the MTL files and pictures that it names.
 ///
 /// The scene has no camera and is not yet validated: see [`load_scene`](crate::load_scene).
@@ -28,15 +33,20 @@ const TEXT_TO_MESH: u64 = 16;
 /// If a file is missing or not what it should be.
 pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileError> {
     let input = input.into();
-    read_in(&Scope::new(input), input.path)
+    let scope = Scope::new(input);
+    read_in(&scope, input.path, scope.origin())
 }
 
-/// As [`read`], as a file that the input of `scope` is or names.
-pub(crate) fn read_in(scope: &Scope, path: &Path) -> Result<(Scene, Warnings), FileError> {
+/// As [`read`], as a file that the input of `scope` is or names; positions count from `origin`.
+pub(crate) fn read_in(
+    scope: &Scope,
+    path: &Path,
+    origin: DVec3,
+) -> Result<(Scene, Warnings), FileError> {
     let fail = |problem: String| FileError::new(path, problem);
     let text = scope.read(path).map_err(fail)?;
     scope.charge(TEXT_TO_MESH * text.len() as u64).map_err(fail)?;
-    let (models, materials) = parse(scope, path, &text).map_err(fail)?;
+    let (models, materials) = parse(scope, path, &text, origin).map_err(fail)?;
     let mut warnings = Warnings::default();
     let mut wanted: Vec<String> = materials.iter().map(|m| m.name.clone()).collect();
     wanted.push(DEFAULT.into());
@@ -72,14 +82,18 @@ pub(crate) fn read_in(scope: &Scope, path: &Path) -> Result<(Scene, Warnings), F
 type Parsed = (Vec<tobj::Model>, Vec<tobj::Material>);
 type MtlFile = (Vec<tobj::Material>, HashMap<String, usize>);
 
-/// The models and the materials of the OBJ text that stands at `path`.
-fn parse(scope: &Scope, path: &Path, text: &[u8]) -> Result<Parsed, String> {
+/// The models and the materials of the OBJ text that stands at `path`, counted from `origin`.
+fn parse(scope: &Scope, path: &Path, text: &[u8], origin: DVec3) -> Result<Parsed, String> {
     let fault = || "is not an OBJ: it is not text; export the scene again".to_owned();
     let text = std::str::from_utf8(text).map_err(|_| fault())?;
     if text.contains('\0') {
         return Err(fault());
     }
     check_faces(text)?;
+    if origin != DVec3::ZERO {
+        scope.charge(COUNTED * text.len() as u64)?;
+    }
+    let text = counted_from(origin, text);
     let options = LoadOptions {
         single_index: true,
         // Polygons need not be convex: see `polygon`.
@@ -105,6 +119,31 @@ fn parse(scope: &Scope, path: &Path, text: &[u8]) -> Result<Parsed, String> {
         format!("has a material file that is not valid ({error}); export again")
     })?;
     Ok((models, materials))
+}
+
+/// `text` with its vertices counted from `origin`: the parser has single precision.
+fn counted_from(origin: DVec3, text: &str) -> Cow<'_, str> {
+    if origin == DVec3::ZERO {
+        return Cow::Borrowed(text);
+    }
+    let mut counted = String::with_capacity(text.len());
+    for line in text.lines() {
+        let mut words = line.split_whitespace();
+        let mut place = || [words.next(), words.next(), words.next(), words.next()];
+        let numbers = match place() {
+            [Some("v"), Some(x), Some(y), Some(z)] => [x, y, z].map(|word| word.parse().ok()),
+            _ => [None; 3],
+        };
+        if let [Some(x), Some(y), Some(z)] = numbers {
+            let [x, y, z] = (DVec3::new(x, y, z) - origin).as_vec3().to_array();
+            let _ = write!(counted, "v {x:e} {y:e} {z:e}");
+            words.for_each(|more| counted.extend([" ", more]));
+        } else {
+            counted.push_str(line);
+        }
+        counted.push('\n');
+    }
+    Cow::Owned(counted)
 }
 
 /// Checks the indices of all faces; the parser computes with them before it looks at them.

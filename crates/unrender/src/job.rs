@@ -220,15 +220,19 @@ fn choose_camera(
 ) -> Result<(Camera, Warnings), Error> {
     let size = (picture.values.width(), picture.values.height());
     match &project.camera {
-        CameraChoice::InPixels { world_from_camera, intrinsics } => {
-            let camera = intrinsics.camera("project", *world_from_camera, size);
+        CameraChoice::InPixels { stand, intrinsics } => {
+            let pose = stand.camera("project", scene.origin, 1.0).world_from_camera;
+            let camera = intrinsics.camera("project", pose, size);
             let fault = |problem| FileError::new(&project.path, format!("camera: {problem}"));
             Ok((camera.map_err(fault)?, Warnings::default()))
         }
         CameraChoice::Calibrated(calibrated) => {
-            Ok((calibrated.read(size, project.limits)?, Warnings::default()))
+            let camera = calibrated.read(size, scene.origin, project.limits)?;
+            Ok((camera, Warnings::default()))
         }
-        CameraChoice::Placed(camera) => Ok((camera.clone(), Warnings::default())),
+        CameraChoice::Placed(table) => {
+            Ok((table.camera("project", scene.origin), Warnings::default()))
+        }
         CameraChoice::Named(name) => named_camera(scene, Some(name), &project.scene),
         CameraChoice::First => named_camera(scene, None, &project.scene),
     }

@@ -13,7 +13,7 @@ use crate::input::{Input, Scope};
 use crate::names::unique;
 use crate::record::Note;
 use crate::{FileError, obj};
-use glam::{Affine3A, Mat3, Vec2, Vec3};
+use glam::{Affine3A, DVec3, Mat3, Vec2, Vec3};
 use properties::Element;
 use reflectance::{Place, Reflectance};
 use roxmltree::{Document, Node};
@@ -99,7 +99,9 @@ impl Reader<'_> {
         let mut note = Note::default();
         for node in root.children() {
             if node.is_comment() {
-                note = node.text().and_then(Note::parse).unwrap_or_default();
+                let origin = self.place.0.origin();
+                let parsed = node.text().and_then(|text| Note::parse(text, origin));
+                note = parsed.unwrap_or_default();
                 continue;
             }
             if !node.is_element() {
@@ -214,29 +216,33 @@ impl Reader<'_> {
     }
 
     fn mesh(&mut self, element: &Element, kind: &str) -> Result<Option<Mesh>, String> {
+        let to_world = element.to_world()?;
+        let origin = self.place.0.origin();
+        // Where the zero of the scene lies in the shape's own coordinates: those of files and of points may be
+        // far from their zero, those of the others are at it.
+        let zero = shapes::in_mesh(origin, &to_world);
+        let zero = if matches!(kind, "disk" | "rectangle" | "cube") { DVec3::ZERO } else { zero };
+        let point = |name, default| (element.point(name).unwrap_or(default) - zero).as_vec3();
         let mesh = match kind {
-            "ply" | "obj" => self.file(element, kind)?,
+            "ply" | "obj" => self.file(element, kind, zero)?,
             "disk" => shapes::ring(Vec3::ZERO, Vec3::Z, [0.0, 1.0]),
             "cylinder" => {
-                let end = |name, default| element.point(name).unwrap_or(default);
-                let ends = [end("p0", Vec3::ZERO), end("p1", Vec3::Z)];
+                let ends = [point("p0", DVec3::ZERO), point("p1", DVec3::Z)];
                 shapes::frustum(ends, [element.float("radius", 1.0)?; 2])
             }
             "rectangle" => shapes::rectangle(),
             "cube" => shapes::cube(),
-            "sphere" => {
-                let centre = element.point("center").unwrap_or(Vec3::ZERO);
-                Mesh::sphere(centre, element.float("radius", 1.0)?)
-            }
+            "sphere" => Mesh::sphere(point("center", DVec3::ZERO), element.float("radius", 1.0)?),
             _ => return Ok(None),
         };
         self.place.0.charge(shapes::bytes_of(&mesh))?;
-        let mesh = shapes::moved(mesh, element.to_world()?);
+        let mesh = shapes::moved(mesh, &shapes::here_from_mesh(&to_world, zero, origin));
         let flips = element.value("flip_normals").as_deref() == Some("true");
         Ok(Some(if flips { shapes::turned_over(mesh) } else { mesh }))
     }
 
-    fn file(&mut self, element: &Element, kind: &str) -> Result<Mesh, String> {
+    /// The mesh of a file, counted from `zero`.
+    fn file(&mut self, element: &Element, kind: &str, zero: DVec3) -> Result<Mesh, String> {
         let name = element.value("filename").ok_or("a shape has no filename")?;
         let (scope, folder) = self.place;
         let within = |problem: String| format!("\"{name}\" {problem}");
@@ -245,12 +251,12 @@ impl Reader<'_> {
         // its reader there (and ours) turns v over, if it is not told otherwise.
         let flip = element.value("flip_tex_coords");
         let (mut mesh, flips) = if kind == "obj" {
-            let (scene, _) = obj::read_in(scope, &path).map_err(|error| error.to_string())?;
+            let (scene, _) = obj::read_in(scope, &path, zero).map_err(|error| error.to_string())?;
             let mesh = shapes::joined(scene.objects.into_iter().map(|o| o.mesh));
             (mesh, flip.as_deref() == Some("false"))
         } else {
             let bytes = scope.read(&path).map_err(within)?;
-            (ply::mesh(scope, &bytes).map_err(within)?, flip.as_deref() == Some("true"))
+            (ply::mesh(scope, &bytes, zero).map_err(within)?, flip.as_deref() == Some("true"))
         };
         if flips {
             mesh.uvs.iter_mut().for_each(|uv| *uv = Vec2::new(uv.x, 1.0 - uv.y));
@@ -280,14 +286,15 @@ impl Reader<'_> {
             _ => half / aspect,
         };
         let world = element.to_world()?;
-        let axes = Mat3::from(world.matrix3);
+        let axes = world.matrix3.as_mat3();
+        let eye = (world.translation - self.place.0.origin()).as_vec3();
         let [left, up, ahead] = [axes.x_axis, axes.y_axis, axes.z_axis].map(Vec3::normalize);
         let axes = Mat3::from_cols(-left, up, -ahead);
         let offset = |axis: &str| element.float(&format!("principal_point_offset_{axis}"), 0.0);
         let principal_point = [-offset("x")? * aspect, -offset("y")?];
         self.scene.cameras.push(Camera {
             name: note.name.clone().unwrap_or_else(|| "camera".into()),
-            world_from_camera: Affine3A::from_mat3_translation(axes, world.translation.into()),
+            world_from_camera: Affine3A::from_mat3_translation(axes, eye),
             fov_y_rad: 2.0 * half_height.atan(),
             aspect: Some(aspect),
             lens: Lens { principal_point, ..Lens::default() },
@@ -296,7 +303,7 @@ impl Reader<'_> {
     }
 
     fn emitter(&mut self, element: &Element, note: &Note) -> Result<(), String> {
-        match lights::read(element, note, &mut self.warnings)? {
+        match lights::read(element, note, self.place.0.origin(), &mut self.warnings)? {
             Some(light) => self.scene.lights.push(light),
             None => self
                 .warnings

@@ -136,7 +136,8 @@ impl Reader<'_> {
             ("void", Some(name)) => name.trim().to_owned(),
             (modifier, _) => modifier.to_owned(),
         };
-        let (scene, _) = obj::read_in(scope, &source).map_err(|error| error.to_string())?;
+        let (scene, _) =
+            obj::read_in(scope, &source, scope.origin()).map_err(|error| error.to_string())?;
         let mesh = shapes::joined(scene.objects.into_iter().map(|object| object.mesh));
         self.surface(&Primitive { modifier, ..primitive.clone() }, note, mesh)
     }

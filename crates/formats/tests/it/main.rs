@@ -6,6 +6,7 @@ mod support;
 mod bad_input;
 mod bad_pictures;
 mod export;
+mod far;
 mod gltf_exporters;
 mod gltf_read;
 mod hostile;

@@ -13,7 +13,7 @@ mod photograph;
 mod raw;
 mod rungs;
 
-pub use camera::CameraTable;
+pub use camera::{CameraTable, Stand};
 pub use camera_choice::{CalibratedCamera, CameraChoice, CameraFile};
 pub use lights::LightColor;
 pub use like::LikeGroup;

@@ -1,8 +1,9 @@
 //! An element's properties: `<float name="alpha" value="0.1"/>` and its like.
 
-use glam::{Affine3A, Mat3, Mat4, Quat, Vec3};
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, Vec3};
 use roxmltree::Node;
 use std::collections::BTreeMap;
+use std::str::FromStr;
 use unrender_scene::Rgb;
 
 /// An element, `$name` in its values replaced by defaults.
@@ -75,23 +76,28 @@ impl<'a> Element<'a> {
         color(&text).ok_or_else(|| format!("{name} is \"{text}\"; give a colour as <rgb>"))
     }
 
-    /// A point or a vector.
-    pub(super) fn point(&self, name: &str) -> Option<Vec3> {
-        self.property(name).map(|p| p.vector(Vec3::ZERO))
+    /// A vector.
+    pub(super) fn direction(&self, name: &str) -> Option<Vec3> {
+        self.point(name).map(|p| p.as_vec3())
     }
 
-    fn vector(&self, default: Vec3) -> Vec3 {
-        if let Some(all) = color(&self.attribute("value")) {
+    /// A point, in double precision: it may be far from zero.
+    pub(super) fn point(&self, name: &str) -> Option<DVec3> {
+        self.property(name).map(|p| p.vector(DVec3::ZERO))
+    }
+
+    fn vector(&self, default: DVec3) -> DVec3 {
+        if let Some(all) = triple(&self.attribute("value")) {
             return all;
         }
         let axis = |name: &str, default| parse(&self.attribute(name)).unwrap_or(default);
-        Vec3::new(axis("x", default.x), axis("y", default.y), axis("z", default.z))
+        DVec3::new(axis("x", default.x), axis("y", default.y), axis("z", default.z))
     }
 
     /// The transform `to_world`; the last step stands last.
-    pub(super) fn to_world(&self) -> Result<Affine3A, String> {
-        let Some(transform) = self.property("to_world") else { return Ok(Affine3A::IDENTITY) };
-        let mut world = Affine3A::IDENTITY;
+    pub(super) fn to_world(&self) -> Result<DAffine3, String> {
+        let Some(transform) = self.property("to_world") else { return Ok(DAffine3::IDENTITY) };
+        let mut world = DAffine3::IDENTITY;
         for node in transform.node.children().filter(Node::is_element) {
             let step = Self { node, defaults: self.defaults };
             world = step.motion()? * world;
@@ -99,30 +105,31 @@ impl<'a> Element<'a> {
         if world.is_finite() { Ok(world) } else { Err("a transform is not finite".into()) }
     }
 
-    fn motion(&self) -> Result<Affine3A, String> {
-        let triple = |name: &str| {
+    fn motion(&self) -> Result<DAffine3, String> {
+        let given = |name: &str| {
             let text = self.attribute(name);
-            color(&text).ok_or_else(|| format!("lookat has {name} = \"{text}\"; give 3 numbers"))
+            triple(&text).ok_or_else(|| format!("lookat has {name} = \"{text}\"; give 3 numbers"))
         };
         match self.node.tag_name().name() {
-            "translate" => Ok(Affine3A::from_translation(self.vector(Vec3::ZERO))),
-            "scale" => Ok(Affine3A::from_scale(self.vector(Vec3::ONE))),
+            "translate" => Ok(DAffine3::from_translation(self.vector(DVec3::ZERO))),
+            "scale" => Ok(DAffine3::from_scale(self.vector(DVec3::ONE))),
             "rotate" => {
-                let angle = parse(&self.attribute("angle")).ok_or("rotate has no angle")?;
-                let axis = self.vector(Vec3::ZERO).try_normalize().ok_or("rotate has no axis")?;
-                Ok(Affine3A::from_quat(Quat::from_axis_angle(axis, angle.to_radians())))
+                let angle: Option<f64> = parse(&self.attribute("angle"));
+                let angle = angle.ok_or("rotate has no angle")?;
+                let axis = self.vector(DVec3::ZERO).try_normalize().ok_or("rotate has no axis")?;
+                Ok(DAffine3::from_quat(DQuat::from_axis_angle(axis, angle.to_radians())))
             }
             "lookat" => {
-                let (origin, target) = (triple("origin")?, triple("target")?);
+                let (origin, target) = (given("origin")?, given("target")?);
                 let ahead = (target - origin).normalize();
-                let left = triple("up")?.cross(ahead).normalize();
-                let axes = Mat3::from_cols(left, ahead.cross(left), ahead);
-                Ok(Affine3A::from_mat3_translation(axes, origin))
+                let left = given("up")?.cross(ahead).normalize();
+                let axes = DMat3::from_cols(left, ahead.cross(left), ahead);
+                Ok(DAffine3::from_mat3_translation(axes, origin))
             }
             "matrix" => {
-                let numbers = numbers(&self.attribute("value"));
-                let rows: [f32; 16] = numbers.try_into().map_err(|_| "a matrix has 16 numbers")?;
-                Ok(Affine3A::from_mat4(Mat4::from_cols_array(&rows).transpose()))
+                let numbers: Vec<f64> = numbers(&self.attribute("value"));
+                let rows: [f64; 16] = numbers.try_into().map_err(|_| "a matrix has 16 numbers")?;
+                Ok(DAffine3::from_mat4(DMat4::from_cols_array(&rows).transpose()))
             }
             other => Err(format!("there is a transform <{other}>, which is not known")),
         }
@@ -137,11 +144,12 @@ impl<'a> Element<'a> {
     }
 }
 
-fn parse(text: &str) -> Option<f32> {
-    text.trim().parse().ok().filter(|v: &f32| v.is_finite())
+/// A finite number, in single precision or in double.
+fn parse<T: FromStr + Into<f64> + Copy>(text: &str) -> Option<T> {
+    text.trim().parse().ok().filter(|v: &T| (*v).into().is_finite())
 }
 
-fn numbers(text: &str) -> Vec<f32> {
+fn numbers<T: FromStr + Into<f64> + Copy>(text: &str) -> Vec<T> {
     let words = text.split([',', ' ', '\n', '\t']).filter(|word| !word.is_empty());
     words.map_while(parse).collect()
 }
@@ -151,6 +159,15 @@ fn color(text: &str) -> Option<Rgb> {
     match numbers(text)[..] {
         [all] => Some(Rgb::splat(all)),
         [r, g, b] => Some(Rgb::new(r, g, b)),
+        _ => None,
+    }
+}
+
+/// The same in double precision.
+fn triple(text: &str) -> Option<DVec3> {
+    match numbers(text)[..] {
+        [all] => Some(DVec3::splat(all)),
+        [x, y, z] => Some(DVec3::new(x, y, z)),
         _ => None,
     }
 }

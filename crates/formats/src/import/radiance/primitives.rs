@@ -2,6 +2,7 @@
 
 use crate::input::Scope;
 use crate::record::Note;
+use glam::DVec3;
 use std::path::{Path, PathBuf};
 use unrender_scene::Warnings;
 
@@ -23,6 +24,7 @@ pub(super) struct Primitive {
     pub(super) kind: String,
     pub(super) id: String,
     pub(super) strings: Vec<String>,
+    /// Positions among them count from where the scene does.
     pub(super) reals: Vec<f32>,
     /// The line that it starts in, with the file's name if that is an included one.
     pub(super) place: String,
@@ -83,10 +85,10 @@ impl Reading<'_> {
         for (index, line) in text.lines().enumerate() {
             let place = format!("{shown}line {}", index + 1);
             if let Some(comment) = line.strip_prefix('#') {
-                flush(&mut words, &mut note, &mut self.found)?;
-                note = Note::parse(comment);
+                self.flush(&mut words, &mut note)?;
+                note = Note::parse(comment, self.scope.origin());
             } else if let Some(command) = line.strip_prefix('!') {
-                flush(&mut words, &mut note, &mut self.found)?;
+                self.flush(&mut words, &mut note)?;
                 match command.split_whitespace().collect::<Vec<_>>()[..] {
                     ["xform", name] if depth == 0 => {
                         return Err(format!("includes \"{name}\", perhaps including itself"));
@@ -106,7 +108,26 @@ impl Reading<'_> {
                 words.extend(before.map(|text| Word { text, shown, line: index + 1 }));
             }
         }
-        flush(&mut words, &mut note, &mut self.found)
+        self.flush(&mut words, &mut note)
+    }
+
+    /// Turns the words so far into primitives.
+    fn flush(&mut self, words: &mut Vec<Word>, note: &mut Option<Note>) -> Result<(), String> {
+        let texts: Vec<&str> = words.iter().map(|word| word.text).collect();
+        let mut rest = texts.as_slice();
+        while !rest.is_empty() {
+            let first = words[texts.len() - rest.len()];
+            let place = format!("{}line {}", first.shown, first.line);
+            let (primitive, after) =
+                next(rest, self.scope.origin()).map_err(|problem| format!("{place}: {problem}"))?;
+            self.found.push((Primitive { place, ..primitive }, note.clone()));
+            if let Some(note) = note {
+                note.is_first = false;
+            }
+            rest = after;
+        }
+        words.clear();
+        Ok(())
     }
 }
 
@@ -118,29 +139,26 @@ struct Word<'a> {
     line: usize,
 }
 
-/// Turns the words so far into primitives.
-fn flush(
-    words: &mut Vec<Word>,
-    note: &mut Option<Note>,
-    found: &mut Vec<Noted>,
-) -> Result<(), String> {
-    let texts: Vec<&str> = words.iter().map(|word| word.text).collect();
-    let mut rest = texts.as_slice();
-    while !rest.is_empty() {
-        let first = words[texts.len() - rest.len()];
-        let place = format!("{}line {}", first.shown, first.line);
-        let (primitive, after) = next(rest).map_err(|problem| format!("{place}: {problem}"))?;
-        found.push((Primitive { place, ..primitive }, note.clone()));
-        if let Some(note) = note {
-            note.is_first = false;
-        }
-        rest = after;
+/// The places in the world among the arguments of a primitive of this kind, of three numbers each.
+fn places(kind: &str) -> usize {
+    match kind {
+        "polygon" => usize::MAX,
+        "sphere" | "bubble" | "ring" => 1,
+        "cylinder" | "tube" | "cone" | "cup" => 2,
+        _ => 0,
     }
-    words.clear();
-    Ok(())
 }
 
-fn next<'a>(words: &'a [&'a str]) -> Result<(Primitive, &'a [&'a str]), String> {
+/// `reals` in single precision, the places among them counted from `origin`.
+fn counted_from(origin: DVec3, kind: &str, mut reals: Vec<f64>) -> Vec<f32> {
+    for place in reals.chunks_exact_mut(3).take(places(kind)) {
+        place.copy_from_slice(&(DVec3::from_slice(place) - origin).to_array());
+    }
+    reals.into_iter().map(|v| v as f32).collect()
+}
+
+/// The first primitive of `words`, and the words after it.
+fn next<'a>(words: &'a [&'a str], origin: DVec3) -> Result<(Primitive, &'a [&'a str]), String> {
     let cut = || format!("ends in the middle of \"{}\"", words.join(" "));
     let [modifier, kind, id, rest @ ..] = words else { return Err(cut()) };
     let [modifier, kind, id] = [modifier, kind, id].map(|word| (*word).to_owned());
@@ -160,10 +178,11 @@ fn next<'a>(words: &'a [&'a str]) -> Result<(Primitive, &'a [&'a str]), String> 
         Ok(these.to_vec())
     };
     let (strings, _integers, reals) = (list()?, list()?, list()?);
-    let number = |word: &&str| word.parse::<f32>().ok().filter(|v| v.is_finite());
-    let reals: Option<Vec<f32>> = reals.iter().map(number).collect();
+    let number = |word: &&str| word.parse::<f64>().ok().filter(|v| (*v as f32).is_finite());
+    let reals: Option<Vec<f64>> = reals.iter().map(number).collect();
     let reals =
         reals.ok_or_else(|| format!("\"{}\" has an argument that is no number", empty.id))?;
+    let reals = counted_from(origin, &empty.kind, reals);
     let strings = strings.into_iter().map(str::to_owned).collect();
     Ok((Primitive { strings, reals, ..empty }, rest))
 }
