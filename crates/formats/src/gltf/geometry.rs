@@ -154,7 +154,7 @@ fn coarse(positions: &[Vec3], world_from_node: &DAffine3) -> Option<String> {
     let high = positions.iter().copied().reduce(Vec3::max)?;
     let farthest = low.abs().max(high.abs()).max_element();
     let step = f64::from(farthest.next_up() - farthest);
-    if !(step > COARSE * f64::from(low.distance(high))) {
+    if step <= COARSE * f64::from(low.distance(high)) {
         return None;
     }
     let scale = world_from_node.matrix3.determinant().abs().cbrt();

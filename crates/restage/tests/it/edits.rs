@@ -152,3 +152,51 @@ fn what_cannot_be_is_reported() {
     wall.place = Place::Seen { origin, direction, group: None };
     fails(&[Edit::Insert(wall)], "does not face upwards");
 }
+
+#[test]
+fn places_far_away_are_those_of_the_world() {
+    let origin = DVec3::new(5e5, 0.0, 5.4e6);
+    let place = Vec3::new(0.1, 0.7, 0.3);
+    let bulb = NewLight::Punctual(LightKind::Point { position: Vec3::ZERO, intensity: Rgb::ONE });
+    let edits = |at: DVec3, midst: DVec3| {
+        let mut insert = insertion(0.0, 0.0);
+        insert.rotation = glam::Quat::IDENTITY;
+        // The model may be far from its own zero, where it is put.
+        insert.place = Place::At(at + place.as_dvec3() - midst);
+        insert.model.origin = midst;
+        let light = light("bulb", LightChange::Add(bulb, at + place.as_dvec3()));
+        [Edit::Insert(insert), light]
+    };
+    let mut near = model();
+    apply(&mut near, &edits(DVec3::ZERO, DVec3::ZERO)).unwrap();
+    for midst in [DVec3::ZERO, DVec3::new(2e4, 0.0, -3e5)] {
+        let mut far = model();
+        far.origin = origin;
+        apply(&mut far, &edits(origin, midst)).unwrap();
+        let positions =
+            |scene: &unrender_scene::Scene| scene.objects.last().unwrap().mesh.positions.clone();
+        let pairs = positions(&near).into_iter().zip(positions(&far));
+        assert!(pairs.into_iter().all(|(a, b)| a.distance(b) < 1e-6));
+        let [LightKind::Point { position: a, .. }, LightKind::Point { position: b, .. }] =
+            [&near, &far].map(|scene| scene.lights[0].kind)
+        else {
+            panic!("two bulbs")
+        };
+        assert!(a.distance(b) < 1e-6, "{a} {b}");
+    }
+    let mut far = model();
+    far.origin = origin;
+    let mut beside = insertion(0.0, 0.0);
+    beside.place = Place::Onto { group: "floor".into(), x: 5e5 + 0.3, z: 5.4e6 };
+    apply(&mut far, &[Edit::Insert(beside)]).unwrap();
+    let mut beside = insertion(0.0, 0.0);
+    beside.place = Place::At(DVec3::ZERO);
+    far = model();
+    far.origin = origin;
+    let error = apply(&mut far, &[Edit::Insert(beside)]).unwrap_err();
+    assert!(
+        error.problem.contains("outside the scene, which reaches from [49999"),
+        "{}",
+        error.problem
+    );
+}
