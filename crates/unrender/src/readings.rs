@@ -49,7 +49,7 @@ pub(crate) fn others(job: &Job) -> Vec<Reading> {
 /// The lights that the file has and not the project.
 fn own_lights(job: &Job) -> impl Iterator<Item = &Light> {
     let edits = &job.project.light_edits;
-    job.scene.lights.iter().filter(|light| edits.iter().all(|edit| edit.name != light.name))
+    job.scene.lights.iter().filter(move |light| edits.iter().all(|edit| edit.name != light.name))
 }
 
 impl Reading {

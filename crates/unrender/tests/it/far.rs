@@ -6,6 +6,7 @@ use crate::kit::meshes::{add, cuboid, quad};
 use glam::{DVec3, Vec3};
 use std::fmt::Write as _;
 use unrender::formats::{gltf, picture};
+use unrender::photo::Exposure;
 use unrender::render::{Settings, Tracer};
 use unrender::scene::{Camera, Image, Rgb, RgbImage, Scene};
 use unrender::{Job, Project};
@@ -127,8 +128,8 @@ fn a_camera_far_away_is_found_and_written_where_it_stood() {
                 ["calibrate", "p.png", "--scene", "s.glb", "--points", "points.csv", "--out", out];
             succeeds(&folder.run(&arguments));
         }
-        let (project, warnings) = Project::read(&folder.path("b.toml")).unwrap();
-        let project = Project { exposure: unrender::photo::Exposure::Fixed(Rgb::ONE), ..project };
+        let (mut project, warnings) = Project::read(&folder.path("b.toml")).unwrap();
+        project.exposure = Exposure::Fixed(Rgb::ONE);
         let job = Job::load(project, warnings).unwrap();
         let eye = job.scene.in_world(job.camera.origin());
         assert!(eye.distance(at + EYE) < 0.01, "{eye}");
