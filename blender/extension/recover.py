@@ -73,7 +73,7 @@ def show(ended, doubts):
     made = {m.unrender_original: m for m in bpy.data.materials if m.unrender_original is not None}
     for name, entry in recovery.materials.items():
         material = by_full_name(name)
-        if material is None or entry.get("status") == "known":
+        if material is None or entry.get("status") in ("known", "ignored"):
             continue
         item = settings.results.add()
         item.name, item.material = name, material

@@ -38,10 +38,11 @@ size = [1, 1]
 "#;
 const TABLES: [&str; 2] =
     ["name,x_px,y_px,x_m,y_m,z_m\na,1,2,3,4,5\nb,2,3,4,5,6\n", "code,linear\n0,0\n0.5,0.2\n1,1\n"];
-const OBJ: &str = "o a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\ns 1\nusemtl m\n\
-                   f 1/1/1 2/1/1 3/1/1 4/1/1\nf -1 -2 -3\ng b\nf 1//1 2//1 3//1\n";
-const MTL: &str =
-    "newmtl m\nKd 0.5 0.4 0.3\nKs 0.1 0.1 0.1\nNs 20\nillum 2\nKe 0 0 0\nmap_Kd seed.png\n";
+const OBJ: &str = "# a\no a\nv 0 0 0\nv 1 0 0 1 1 1\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\ns 1\nusemtl m\n\
+                   f 1/1/1 2/1/1 3/1/1 \\\n 4/1/1\nf -1 -2 -3\ng b\nf 1//1 2//1 3//1\nl 1 2\np 1\n\
+                   usemtl n #2\nf 1/1 2 3//1\n";
+const MTL: &str = "newmtl m\nKd 0.5 0.4 0.3\nKs 0.1 0.1 0.1\nNs 20\nillum 2\nKe 0 \\\n0 0\nd 0.5\n\
+                   map_Ke e.png\nmap_Kd -s 1 1 1 -clamp off seed.png\n";
 
 const CALIBRATIONS: [&str; 3] = [
     "%YAML:1.0\n---\nimage_width: 4\nimage_height: 3\ncamera_matrix: !!opencv-matrix\n   rows: 3\n   \

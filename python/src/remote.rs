@@ -4,7 +4,7 @@
 use crate::error::request;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyList};
-use unrender::recover::remote::{self, Shared, Workers};
+use unrender::remote::{self, Shared, Workers};
 
 /// Somebody in Python who has the methods `count()` and `answers(shared, requests)`: the shared data are
 /// pairs of a number and bytes; the answers a list of bytes, or None if nobody is there.

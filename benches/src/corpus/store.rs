@@ -11,7 +11,7 @@ use crate::Failure;
 use serde::{Deserialize, Serialize};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
-use unrender::formats::materials::{self, GroupEntry, MaterialsFile, Status, VERSION};
+use unrender::formats::materials::{self, GroupEntry, MaterialsFile, Status, StatusEntry, VERSION};
 use unrender::formats::{atomic, gltf, picture};
 use unrender::recover::hypothesis::{self, Hypothesis};
 use unrender::scene::{Material, Rgb, Scene};
@@ -175,7 +175,7 @@ fn entry(material: &Material, is_given: bool) -> GroupEntry {
     };
     GroupEntry {
         hypothesis: Some(kind),
-        status: Some(if is_given { Status::Known } else { Status::Recovered }),
+        status: Some(StatusEntry::Of(if is_given { Status::Known } else { Status::Recovered })),
         rho_d: Some(material.rho_d.to_array()),
         rho_s: Some(material.rho_s.to_array()),
         alpha_x: Some(material.alpha_x),

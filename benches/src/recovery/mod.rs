@@ -14,6 +14,7 @@ use crate::table::{Table, verdict};
 use crate::{Effort, Failure, machine, peers, root};
 use descent::Descent;
 use std::path::Path;
+use unrender::formats::materials::StatusEntry;
 use unrender::formats::materials::{self, GroupEntry, MaterialsFile};
 use unrender::formats::picture;
 use unrender::run::{GroupIterationEntry, IterationEntry, Run};
@@ -119,7 +120,7 @@ fn rho(worst: &Worst) -> Option<f64> {
 fn scores_of(iteration: &IterationEntry, truth: &MaterialsFile) -> Vec<GroupScore> {
     let entry = |group: &GroupIterationEntry| GroupEntry {
         hypothesis: Some(group.hypothesis),
-        status: Some(Status::Recovered),
+        status: Some(StatusEntry::Of(Status::Recovered)),
         rho_d: Some(group.rho_d),
         rho_s: Some(group.rho_s),
         alpha_x: Some(group.alpha_x),

@@ -1,9 +1,13 @@
 //! The one error of this crate: which file, what is wrong, what to do.
 
 use std::error::Error;
-use std::fmt;
+use std::fmt::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use unrender_scene::Warnings;
+
+/// So many warnings are shown behind an error; a screen holds them.
+const SHOWN_BEFORE: usize = 20;
 
 /// A file that cannot be read or written.
 ///
@@ -42,6 +46,27 @@ impl FileError {
     pub fn because(path: &Path, what: &str, cause: impl Error + Send + Sync + 'static) -> Self {
         let problem = if what.is_empty() { cause.to_string() } else { format!("{what}: {cause}") };
         Self { cause: Some(Arc::new(cause)), ..Self::new(path, problem) }
+    }
+
+    /// The same error behind the `warnings` that came before it, which may explain it; the latest of them, if
+    /// there are many.
+    ///
+    /// ```
+    /// use std::path::Path;
+    /// use unrender_formats::FileError;
+    /// use unrender_scene::Warnings;
+    ///
+    /// let warnings = Warnings(vec!["the lamp \"a\" was left out".into()]);
+    /// let error = FileError::new(Path::new("a.rad"), "has no light").after(&warnings);
+    /// assert!(error.to_string().ends_with("has no light\n  before that: the lamp \"a\" was left out"));
+    /// ```
+    #[must_use]
+    pub fn after(mut self, warnings: &Warnings) -> Self {
+        let from = warnings.0.len().saturating_sub(SHOWN_BEFORE);
+        for warning in &warnings.0[from..] {
+            let _ = write!(self.problem, "\n  before that: {warning}");
+        }
+        self
     }
 
     /// The error of another library or of the system behind this one, if there is one. Its text is in

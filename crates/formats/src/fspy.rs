@@ -10,11 +10,16 @@
 //! - `calibrationSettingsBase`: `referenceDistanceUnit`, the unit of its lengths, and
 //!   `referenceDistanceAxis`, without which they mean nothing.
 //!
+//! fSpy does not look at the EXIF orientation of its photograph (its issues 44 and 57): the camera is of the
+//! pixels as they are stored, unless the sizes say otherwise, and is turned with them.
+//!
 //! Which of fSpy's axes points upwards is up to whoever labelled the vanishing points; see [`Up`].
 //! Sources: fSpy's `project_file_format.md`, and what its own importer for Blender makes of it.
 
+use crate::cameras::{Pixels, turn};
+use crate::picture::{Orientation, stored_in};
 use crate::{FileError, input};
-use glam::{Affine3A, DMat3, DVec3, Mat3};
+use glam::{Affine3A, DMat3, DVec2, DVec3, Mat3};
 use serde::Deserialize;
 use std::path::Path;
 use unrender_scene::{Camera, Lens, Warnings};
@@ -40,7 +45,7 @@ pub enum Up {
 pub struct Matched {
     /// The camera, in our axes, in metres.
     pub camera: Camera,
-    /// The photograph's size, pixels.
+    /// The size of the upright photograph, pixels.
     pub size: (usize, usize),
     /// The axis that was taken to point upwards.
     pub up: Up,
@@ -96,7 +101,7 @@ pub fn read(path: &Path, up: Option<Up>) -> Result<(Matched, Warnings), FileErro
 /// # Errors
 /// As [`read`], in words without the file's name.
 pub fn parse(bytes: &[u8], up: Option<Up>) -> Result<(Matched, Warnings), String> {
-    let state = state(bytes)?;
+    let (state, photograph) = parts(bytes)?;
     let parameters = state.camera_parameters.ok_or(
         "has no camera, as the vanishing points were not valid; mend them in fSpy and save again",
     )?;
@@ -107,7 +112,11 @@ pub fn parse(bytes: &[u8], up: Option<Up>) -> Result<(Matched, Warnings), String
     }
     let (axes, eye) = rigid(&parameters.camera_transform.rows)?;
     let mut warnings = Warnings::default();
+    let turned = turn_of(photograph, (width, height), &mut warnings)?;
     let metres = metres(state.calibration_settings_base.as_ref(), &mut warnings);
+    // The camera's own axes are right, up, backwards; those of pixels right, down, forwards.
+    let flip = DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0));
+    let axes = axes * (flip * turn(turned) * flip).transpose();
     let upwards = axes.y_axis;
     let up = up.unwrap_or(if upwards.z.abs() > upwards.y.abs() { Up::Z } else { Up::Y });
     let ours_from_fspy = match up {
@@ -116,11 +125,13 @@ pub fn parse(bytes: &[u8], up: Option<Up>) -> Result<(Matched, Warnings), String
     };
     let axes: Mat3 = (ours_from_fspy * axes).as_mat3();
     let eye = (ours_from_fspy * eye * metres).as_vec3();
-    let (width_px, height_px) = (width as f64, height as f64);
-    let focal_px = 0.5 * width_px / (0.5 * fov_x).tan();
-    let unit_px = 0.5 * width_px.max(height_px);
+    let stored_px = DVec2::new(width as f64, height as f64);
+    let upright_from_stored = turned.upright_from_stored();
+    let [width_px, height_px] = (upright_from_stored * stored_px).abs().to_array();
+    let focal_px = 0.5 * stored_px.x / (0.5 * fov_x).tan();
     let Point { x: right, y: above } = parameters.principal_point;
-    let principal_point = [right, -above].map(|shift| (shift * unit_px / height_px) as f32);
+    let off_px = upright_from_stored * DVec2::new(right, -above) * 0.5 * stored_px.max_element();
+    let principal_point = (off_px / height_px).as_vec2().to_array();
     let camera = Camera {
         name: "fspy".into(),
         world_from_camera: Affine3A::from_mat3_translation(axes, eye),
@@ -128,11 +139,39 @@ pub fn parse(bytes: &[u8], up: Option<Up>) -> Result<(Matched, Warnings), String
         aspect: Some((width_px / height_px) as f32),
         lens: Lens { principal_point, ..Lens::default() },
     };
-    Ok((Matched { camera, size: (width, height), up }, warnings))
+    let size = if turned.swaps_sides() { (height, width) } else { (width, height) };
+    Ok((Matched { camera, size, up }, warnings))
 }
 
-/// The JSON, read.
-fn state(bytes: &[u8]) -> Result<State, String> {
+/// How the pixels that fSpy showed, `shown` across and down, are turned to stand upright.
+fn turn_of(
+    photograph: &[u8],
+    shown: (usize, usize),
+    warnings: &mut Warnings,
+) -> Result<Orientation, String> {
+    let Some(stored) = stored_in(photograph) else { return Ok(Orientation::UPRIGHT) };
+    let orientation = stored.orientation;
+    let [shown, size] = [shown, stored.size].map(|(width, height)| [width as f64, height as f64]);
+    let upright = if orientation.swaps_sides() { [size[1], size[0]] } else { size };
+    let is_upright = Pixels::by_size(shown, upright, orientation) == Some(Pixels::Upright);
+    if orientation == Orientation::UPRIGHT || is_upright {
+        return Ok(Orientation::UPRIGHT);
+    }
+    let number = orientation.number();
+    if orientation.mirrors() {
+        return Err(format!(
+            "has a photograph whose EXIF orientation {number} shows it mirrored, which fSpy does not look at; save \
+             the photograph as it is shown, without EXIF data, and match that"
+        ));
+    }
+    warnings.push(format!(
+        "fSpy does not look at EXIF orientations, and its photograph's is {number}: the camera was turned with the photo"
+    ));
+    Ok(orientation)
+}
+
+/// The JSON, read, and the bytes of the photograph.
+fn parts(bytes: &[u8]) -> Result<(State, &[u8]), String> {
     let word = |at: usize| {
         let four = bytes.get(at..at + 4)?;
         Some(u32::from_le_bytes(four.try_into().ok()?))
@@ -146,9 +185,11 @@ fn state(bytes: &[u8]) -> Result<State, String> {
         return Err(format!("is an fSpy project of version {version}; only version 1 is read"));
     }
     let size = word(8).ok_or_else(cut_short)? as usize;
-    let json = bytes.get(HEADER..).and_then(|rest| rest.get(..size)).ok_or_else(cut_short)?;
-    serde_json::from_slice(json)
-        .map_err(|error| format!("has no valid project data ({error}); save it again in fSpy"))
+    let rest = bytes.get(HEADER..).unwrap_or_default();
+    let (json, photograph) = rest.split_at_checked(size).ok_or_else(cut_short)?;
+    let state = serde_json::from_slice(json)
+        .map_err(|error| format!("has no valid project data ({error}); save it again in fSpy"))?;
+    Ok((state, photograph))
 }
 
 /// The camera's axes and its place, from the rows of camera to world.
@@ -200,8 +241,11 @@ mod tests {
 
     /// The bytes of a project file.
     fn file(state: &Value) -> Vec<u8> {
+        file_with(state, b"a picture")
+    }
+
+    fn file_with(state: &Value, picture: &[u8]) -> Vec<u8> {
         let json = serde_json::to_vec(state).unwrap();
-        let picture = b"a picture";
         let mut bytes = b"fspy".to_vec();
         for word in [1, json.len() as u32, picture.len() as u32] {
             bytes.extend_from_slice(&word.to_le_bytes());
@@ -248,6 +292,49 @@ mod tests {
     fn the_axes_may_be_stated() {
         let (matched, _) = parse(&file(&project()), Some(Up::Y)).unwrap();
         assert!((matched.camera.origin() - 0.01 * Vec3::new(3.0, -5.0, 2.0)).length() < 1e-6);
+    }
+
+    /// A grey PNG of this size and EXIF orientation.
+    fn photograph(width: u32, height: u32, orientation: u8) -> Vec<u8> {
+        use image::ImageEncoder;
+        let mut exif = b"MM\0*\0\0\0\x08\0\x01".to_vec();
+        exif.extend([1, 0x12, 0, 3, 0, 0, 0, 1, 0, orientation, 0, 0, 0, 0, 0, 0]);
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        let mut encoder = image::codecs::png::PngEncoder::new(&mut bytes);
+        encoder.set_exif_metadata(exif).unwrap();
+        let codes = vec![9; (width * height) as usize];
+        encoder.write_image(&codes, width, height, image::ExtendedColorType::L8).unwrap();
+        bytes.into_inner()
+    }
+
+    #[test]
+    fn a_camera_of_stored_pixels_turns_with_them() {
+        let (plain, _) = parse(&file(&project()), None).unwrap();
+        // Where the upright photograph shows a pixel of the stored one, which has 800 x 600.
+        for (orientation, upright) in [
+            (3, (|x, y| (800.0 - x, 600.0 - y)) as fn(f32, f32) -> (f32, f32)),
+            (6, |x, y| (600.0 - y, x)),
+            (8, |x, y| (y, 800.0 - x)),
+        ] {
+            let bytes = file_with(&project(), &photograph(80, 60, orientation));
+            let (turned, warnings) = parse(&bytes, Some(Up::Z)).unwrap();
+            assert!(warnings.0[0].contains("EXIF"), "{warnings:?}");
+            let size = if orientation == 3 { (800, 600) } else { (600, 800) };
+            assert_eq!(turned.size, size);
+            assert_eq!(turned.camera.origin(), plain.camera.origin());
+            for (x, y) in [(0.5, 0.5), (700.0, 40.0), (300.0, 580.0)] {
+                let (u, v) = upright(x, y);
+                let stored = plain.camera.direction(x, y, 800, 600);
+                let seen = turned.camera.direction(u, v, size.0, size.1);
+                assert!((stored - seen).length() < 1e-5, "{orientation}: {stored} {seen}");
+            }
+        }
+        // A later fSpy that shows pictures upright says their sizes.
+        let upright = file_with(&project(), &photograph(60, 80, 6));
+        let (same, warnings) = parse(&upright, None).unwrap();
+        assert_eq!((same.camera, warnings.0.len()), (plain.camera, 0));
+        let mirrored = file_with(&project(), &photograph(80, 60, 2));
+        assert!(parse(&mirrored, None).unwrap_err().contains("mirrored"));
     }
 
     #[test]

@@ -42,13 +42,16 @@ pub(crate) fn light_note(light: &Light, origin: DVec3) -> String {
     format!("light {json}")
 }
 
+/// Three numbers of `json`.
+fn vector(json: &Value, key: &str) -> Option<DVec3> {
+    let list: Option<Vec<f64>> = json[key].as_array()?.iter().map(Value::as_f64).collect();
+    <[f64; 3]>::try_from(list?).ok().map(DVec3::from_array)
+}
+
 /// The light that [`light_note`] has written down, its position counted from `origin`.
 fn light(json: &Value, origin: DVec3) -> Option<Light> {
-    let vector_from = |origin: DVec3, key: &str| -> Option<Vec3> {
-        let list = json[key].as_array()?;
-        let list: Option<Vec<f64>> = list.iter().map(Value::as_f64).collect();
-        let world = <[f64; 3]>::try_from(list?).ok().map(DVec3::from_array)?;
-        Some((world - origin).as_vec3()).filter(|v| v.is_finite())
+    let vector_from = |origin: DVec3, key: &str| {
+        Some((vector(json, key)? - origin).as_vec3()).filter(|v| v.is_finite())
     };
     let vector = |key: &str| vector_from(DVec3::ZERO, key);
     let position = || vector_from(origin, "position");
@@ -80,6 +83,8 @@ pub(crate) struct Note {
     pub(crate) material: Option<(Material, BrdfModel)>,
     /// The exact light.
     pub(crate) light: Option<Light>,
+    /// Where the light is in the world, in double precision; zero if it is nowhere.
+    pub(crate) light_at: DVec3,
     /// Whether nothing has followed yet.
     pub(crate) is_first: bool,
 }
@@ -95,7 +100,9 @@ impl Note {
         let name = json.as_str().or_else(|| json["name"].as_str()).map(str::to_owned);
         let record = serde_json::from_value::<Record>(json.clone()).ok();
         let material = record.and_then(|record| record.to_material().ok());
-        Some(Self { name, material, light: light(&json, origin), is_first: true })
+        let light = light(&json, origin);
+        let light_at = vector(&json, "position").unwrap_or_default();
+        Some(Self { name, material, light, light_at, is_first: true })
     }
 }
 

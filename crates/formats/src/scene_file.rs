@@ -85,7 +85,8 @@ fn load(
         return Err(FileError::new(path, "does not exist"));
     }
     let (mut scene, mut warnings) = format.read(input)?;
-    let doubts = validate(&mut scene).map_err(|error| FileError::because(path, "", error))?;
+    let doubts = validate(&mut scene)
+        .map_err(|error| FileError::because(path, "", error).after(&warnings))?;
     warnings.extend(doubts);
     Ok((scene, warnings))
 }

@@ -25,14 +25,16 @@ const FULL: f32 = 0.93;
 /// The least bits of a sensor.
 const LEAST_BITS: u32 = 10;
 
-/// The indices of the pixels that have in some channel a code at which it is full (see
+/// The indices of the pixels with a measurement that have in some channel a code at which it is full (see
 /// [`clipped_from`]), or one beyond the last that the response of `transfer` was measured for.
 pub fn clipped_pixels(picture: &Picture, transfer: &Transfer) -> Vec<usize> {
     let (response, from) = (&transfer.response, clipped_from(picture, transfer.white_level));
     let beyond =
         |value: &Rgb| (0..3).any(|c| value[c] >= from[c] || value[c] > response.last_code(c));
-    let pixels = picture.values.pixels().iter().enumerate();
-    pixels.filter(|(_, value)| beyond(value)).map(|(index, _)| index).collect()
+    let measured = picture.measured();
+    let pixels = picture.values.pixels().iter().zip(measured.pixels()).enumerate();
+    let clipped = pixels.filter(|(_, (value, measured))| **measured && beyond(value));
+    clipped.map(|(index, _)| index).collect()
 }
 
 /// For each channel the value from which on it is clipped: half a code below the one at which it is full
@@ -49,9 +51,11 @@ pub fn clipped_from(picture: &Picture, white_level: Rgb) -> Rgb {
 /// For each channel the code below the greatest one of the file at which it is full, if there is one.
 pub fn full_codes(picture: &Picture) -> [Option<u16>; 3] {
     let Some(max) = picture.depth.max_code() else { return [None; 3] };
+    let measured = picture.measured();
     [0, 1, 2].map(|channel| {
         let mut histogram = vec![0usize; max as usize + 1];
-        for value in picture.values.pixels() {
+        let pixels = picture.values.pixels().iter().zip(measured.pixels());
+        for (value, _) in pixels.filter(|(_, measured)| **measured) {
             histogram[(value[channel] * max).round().clamp(0.0, max) as usize] += 1;
         }
         let code = histogram.iter().rposition(|count| *count > 0)?;
@@ -132,6 +136,16 @@ mod tests {
         let image =
             Image::from_fn(64, 64, |x, y| Rgb::splat((lamp(x, y) * 255.0f32).round() / 255.0));
         assert_eq!(full_codes(&Picture::new(image, Depth::Eight)), [None; 3]);
+    }
+
+    #[test]
+    fn what_has_no_measurement_is_not_clipped() {
+        let mut picture = ramp(255.0, 250.0, 1.5, Depth::Eight);
+        let white = (0..10_000).filter(|&i| picture.values.pixels()[i].x > 0.97);
+        picture.invalid = white.collect();
+        assert_eq!(full_codes(&picture), [None; 3]);
+        picture.values.pixels_mut()[9_000] = Rgb::ONE;
+        assert_eq!(clipped_pixels(&picture, &Transfer::plain(Response::Srgb, Rgb::ONE)), [0; 0]);
     }
 
     #[test]

@@ -6,7 +6,7 @@
 //! value: it is excluded if some of them are clipped among others that clearly are not. Regions
 //! that are black, and black pixels beside an edge, are kept.
 
-use unrender_scene::{Picture, Rgb};
+use unrender_scene::{Image, Picture, Rgb};
 
 /// Values this far above black (of 1) are clearly not clipped: two steps of 8 bits. At one step
 /// rounding would count as noise, at four steps weak noise is missed.
@@ -25,13 +25,17 @@ pub fn dark_pixels(picture: &Picture, floor: Rgb) -> Vec<usize> {
         return Vec::new();
     }
     let count = picture.values.pixels().len();
-    let dark: Vec<usize> = (0..count).filter(|&index| is_dark(picture, floor, index)).collect();
+    let measured = picture.measured();
+    let is_dark = |index: &usize| is_dark(picture, &measured, floor, *index);
+    let dark: Vec<usize> = (0..count).filter(is_dark).collect();
     if (dark.len() as f32) < HARMLESS * count as f32 { Vec::new() } else { dark }
 }
 
-fn is_dark(picture: &Picture, floor: Rgb, index: usize) -> bool {
-    let values = picture.values.pixels();
-    let neighbours = || picture.values.neighbourhood(index).filter(move |&n| n != index);
+fn is_dark(picture: &Picture, measured: &Image<bool>, floor: Rgb, index: usize) -> bool {
+    let (values, measured) = (picture.values.pixels(), measured.pixels());
+    // What has no measurement is not black, whatever its values are.
+    let counts = |n: usize| n != index && measured[n];
+    let neighbours = || picture.values.neighbourhood(index).filter(move |&n| counts(n));
     (0..3).any(|channel| {
         let floor = floor[channel];
         let clipped = neighbours().any(|n| values[n][channel] <= floor);
@@ -47,7 +51,6 @@ fn is_dark(picture: &Picture, floor: Rgb, index: usize) -> bool {
 mod tests {
     use super::*;
     use unrender_scene::Depth;
-    use unrender_scene::Image;
 
     const SIDE: usize = 300;
 
@@ -93,6 +96,17 @@ mod tests {
         // Most of the pixels between 1.5 and 3 steps are excluded.
         let (_, count) = bias(&|i| stays[i], 38..75);
         assert!((count as f32) < 0.45 * 37.0 * SIDE as f32, "{count}");
+    }
+
+    #[test]
+    fn what_has_no_measurement_is_not_black() {
+        // A dim picture with holes at every third pixel.
+        let third = |n: usize| n.is_multiple_of(3);
+        let mut holes = picture(|x, y| if third(x) && third(y) { 0.0 } else { 8.0 });
+        assert!(dark_pixels(&holes, Rgb::ZERO).len() > SIDE);
+        let is_hole = |i: &usize| third(i % SIDE) && third(i / SIDE);
+        holes.invalid = (0..SIDE * SIDE).filter(is_hole).collect();
+        assert!(dark_pixels(&holes, Rgb::ZERO).is_empty());
     }
 
     #[test]

@@ -59,7 +59,7 @@ pub struct Photo {
     /// Radiance, W sr^-1 m^-2 per channel.
     pub radiance: RgbImage,
     /// The valid mask: false where a channel is clipped, beside such a pixel, in the noise near
-    /// black, and where the file has no finite value.
+    /// black, and where the file has no measurement.
     pub valid: Image<bool>,
     /// True for pixels with a clipped channel: their radiance is a lower bound.
     pub saturated: Image<bool>,

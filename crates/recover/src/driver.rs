@@ -7,6 +7,7 @@
 //! again under the refined light. What is returned is the best state that was verified.
 
 use crate::hypothesis::Hypothesis;
+use crate::ladder::branches::{self, Kind};
 use crate::ladder::candidates::{self, Candidates, Proposal};
 use crate::ladder::textures;
 use crate::problem::{Options, RecoverError};
@@ -24,6 +25,8 @@ const REVISIONS: usize = 2;
 /// simpler, since that changes the light of others. At one a room whose largest thing is a mirror, which is found then, has two
 /// groups of seven wrong under the seed that was tried; double was not tried.
 const REFINED_MAX: usize = 2;
+/// Other kinds of hypothesis that are tried for groups which stay unexplained; each costs a choice.
+const BRANCHES: usize = 3;
 
 /// Recovers everything, the default way.
 pub(crate) fn drive(
@@ -76,19 +79,66 @@ impl Driver<'_> {
         self.candidates.enforce(state, level);
         best = self.verifier.verify(state);
         state.schedule.begin(Part::Choice);
+        self.choose(state, &mut best, observer)?;
+        self.branch(state, &mut best, observer)?;
+        let open = self.candidates.open(state, level);
+        state.note_open(&open);
+        Ok(Termination::Settled)
+    }
+
+    /// Asks the groups that are explained worst, until none is another hypothesis in its present light.
+    fn choose(
+        &mut self,
+        state: &mut State<'_>,
+        best: &mut Verified,
+        observer: &mut dyn Observer,
+    ) -> Result<(), RecoverError> {
+        let level = Level::Choice;
         while !observer.is_cancelled() {
             refine::settle_nuisances(state, self.options)?;
             let proposals = self.candidates.propose_worst(state, level, observer);
             if proposals.is_empty() {
                 break;
             }
-            if self.try_all(state, proposals, &mut best, Depth::Rough, observer) {
-                self.refine_once(state, &mut best, Depth::Rough, observer);
+            let before = best.score.clone();
+            if self.try_all(state, proposals, best, Depth::Rough, observer) {
+                self.refine_once(state, best, Depth::Rough, observer);
+                let changed = self.changed(state, &best.score, &before, level);
+                self.candidates.ask_again(&changed);
             }
         }
-        let open = self.candidates.open(state, level);
-        state.note_open(&open);
-        Ok(Termination::Settled)
+        Ok(())
+    }
+
+    /// Groups that light each other may keep each other wrong: where one stays unexplained, it gets another kind of
+    /// hypothesis, the others are asked again beside it, and the better of both ends stays.
+    fn branch(
+        &mut self,
+        state: &mut State<'_>,
+        best: &mut Verified,
+        observer: &mut dyn Observer,
+    ) -> Result<(), RecoverError> {
+        let (level, mut tried) = (Level::Choice, Vec::new());
+        while tried.len() < BRANCHES && !observer.is_cancelled() {
+            let Some(other) = branches::next(state, &tried) else { break };
+            tried.extend(Kind::of(other.hypothesis).map(|kind| (other.group, kind)));
+            let before = self.candidates.clone();
+            other.apply(state);
+            refine::refine(state, self.options, Depth::Rough, observer);
+            let mut found = self.verifier.verify(state);
+            self.candidates.hold(Some(other.group));
+            self.candidates.ask_again(&self.changed(state, &found.score, &best.score, level));
+            self.choose(state, &mut found, observer)?;
+            if self.verifier.compare(&best.score, &found.score).is_worse() {
+                *best = found;
+                self.candidates.hold(None);
+                self.choose(state, best, observer)?;
+            } else {
+                self.candidates = before;
+                state.restore(&best.snapshot);
+            }
+        }
+        Ok(())
     }
 
     /// Makes the changes of `proposals` together; where the picture speaks against them, each half of
@@ -189,7 +239,11 @@ impl Driver<'_> {
             let (hypotheses, score) = (state.hypotheses(), best.score.clone());
             termination = self.refine_once(state, &mut best, Depth::Fine, observer);
             let is_simpler = state.hypotheses() != hypotheses;
-            groups = if is_simpler { self.changed(state, &best.score, &score) } else { Vec::new() };
+            groups = if is_simpler {
+                self.changed(state, &best.score, &score, Level::Refined)
+            } else {
+                Vec::new()
+            };
             if groups.is_empty() || observer.is_cancelled() {
                 break;
             }
@@ -199,8 +253,8 @@ impl Driver<'_> {
 
     /// The groups whose light differs between two scores: by more than the error of it that is always allowed for, as a
     /// smaller change decides nothing.
-    fn changed(&self, state: &State<'_>, now: &Score, before: &Score) -> Vec<usize> {
-        let tolerated = sample_budget::allowance(Level::Refined, self.options).light.share;
+    fn changed(&self, state: &State<'_>, now: &Score, before: &Score, level: Level) -> Vec<usize> {
+        let tolerated = sample_budget::allowance(level, self.options).light.share;
         let changed = self.verifier.changed(now, before, tolerated);
         state.visible_unknowns().into_iter().filter(|group| changed.contains(group)).collect()
     }
@@ -227,7 +281,7 @@ impl Driver<'_> {
             }
             accepted = true;
             self.refine_once(state, best, Depth::Coarse, observer);
-            groups = self.changed(state, &best.score, &before);
+            groups = self.changed(state, &best.score, &before, Level::Refined);
             groups.retain(|group| !proposed.contains(group));
         }
         Ok(accepted)

@@ -3,10 +3,11 @@
 //! figure without a source is its.
 //!
 //! The modules stand in the order of the paper's loop, plain data first:
-//! photograph and scene ([`register`], [`observation`], [`blocks`], [`problem`]) -> [`evidence`] ->
+//! photograph and scene ([`observation`], [`blocks`], [`problem`]) -> [`evidence`] ->
 //! [`hypothesis`] -> [`rerender`] -> error ([`model_error`], [`residual`], [`outliers`]) -> next
-//! hypothesis ([`selection`], `ladder`) -> all parameters at once (`refine`) -> materials
-//! ([`record`]). The `driver` owns iteration, verification and cancellation.
+//! hypothesis ([`selection`], `ladder`; as the paper does it: [`paper`]) -> all parameters at once (`refine`) -> materials
+//! ([`record`]). The `driver` owns iteration, verification and cancellation. How the model lies on the
+//! photograph is found before, by [`unrender_register`].
 //!
 //! [`recover`] is the whole of it. It touches no file, no clock and no terminal; the renderer is
 //! behind the small trait [`Renderer`], and whoever wants to follow gives an [`Observer`].
@@ -20,7 +21,6 @@ pub mod evidence;
 pub mod expected;
 pub mod fit;
 pub mod hypothesis;
-pub mod identifiability;
 pub mod journal;
 pub mod ladder;
 pub mod likelihood;
@@ -29,13 +29,12 @@ pub mod noise;
 pub mod observation;
 mod others;
 pub mod outliers;
+pub mod paper;
 mod photometric;
 mod picture;
 pub mod problem;
 pub mod record;
 mod refine;
-pub mod register;
-pub mod remote;
 pub mod rerender;
 pub mod residual;
 pub mod sample_budget;
@@ -65,7 +64,6 @@ pub use rerender::{Renderer, Stored, View};
 pub use unknown::{Quantity, Unknown};
 
 use journal::Steps;
-use ladder::paper;
 use state::State;
 use unrender_scene::Material;
 

@@ -8,10 +8,10 @@
 
 pub use crate::noise::Noise;
 use crate::noise::PhotographNoise;
-use crate::register::margin::{self, near_edges};
-use crate::register::offset::EdgePicture;
-use crate::register::steep::steepness;
 use glam::Vec3;
+use unrender_register::margin::{self, near_edges};
+use unrender_register::offset::EdgePicture;
+use unrender_register::steep::steepness;
 use unrender_render::{GeometryBuffers, NOTHING};
 use unrender_scene::{Image, Rgb, RgbImage};
 

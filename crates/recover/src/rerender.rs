@@ -129,12 +129,12 @@ impl<'a> View<'a> {
     }
 
     /// The camera.
-    pub(crate) fn camera(&self) -> &Camera {
+    pub fn camera(&self) -> &Camera {
         &self.camera
     }
 
     /// How [`Renderer::picture`] renders with no more noise than `settings` say.
-    pub(crate) fn plan(&self, appearance: Appearance<'_>, settings: &Settings) -> Settings {
+    pub fn plan(&self, appearance: Appearance<'_>, settings: &Settings) -> Settings {
         let (camera, size) = (&*self.camera, self.size);
         let worth = self.tracer.path_reuse_efficiency(appearance, camera, size, settings);
         let paths = f64::from(settings.spp) / worth.unwrap_or(1.0).min(WORTH_MAX);
@@ -143,7 +143,7 @@ impl<'a> View<'a> {
     }
 
     /// The samples of these numbers of the whole picture; those of all numbers add up to it.
-    pub(crate) fn samples(
+    pub fn samples(
         &self,
         appearance: Appearance<'_>,
         samples: Range<u32>,
@@ -156,7 +156,7 @@ impl<'a> View<'a> {
     }
 
     /// The paths of `pixels`, for [`Renderer::store`].
-    pub(crate) fn paths(
+    pub fn paths(
         &self,
         appearance: Appearance<'_>,
         pixels: &[u32],
@@ -170,7 +170,7 @@ impl<'a> View<'a> {
     }
 
     /// `paths` of this view, replayed.
-    pub(crate) fn replay(
+    pub fn replay(
         &self,
         paths: &StoredPaths,
         appearance: Appearance<'_>,
@@ -280,7 +280,7 @@ impl Renderer for View<'_> {
 }
 
 /// Proposal lobes of one width in all directions.
-pub(crate) fn round_lobes(alphas: &[f32]) -> Vec<ProposalLobe> {
+pub fn round_lobes(alphas: &[f32]) -> Vec<ProposalLobe> {
     let lobe = |&alpha: &f32| ProposalLobe { alpha_x: alpha, alpha_y: alpha, theta_rad: 0.0 };
     alphas.iter().map(lobe).collect()
 }

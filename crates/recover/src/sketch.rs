@@ -6,9 +6,9 @@
 
 use crate::problem::{Options, Problem, RecoverError};
 use crate::refine::{self, Depth};
-use crate::register::edges::is_interior;
 use crate::state::State;
 use std::collections::BTreeMap;
+use unrender_register::edges::is_interior;
 use unrender_render::sampler::mix;
 use unrender_render::{GeometryBuffers, Integrator, Settings};
 use unrender_scene::color::luminance;

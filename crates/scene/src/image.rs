@@ -60,6 +60,17 @@ impl<T> Image<T> {
         &self.pixels[y * self.width + x]
     }
 
+    /// The same raster with left and right exchanged.
+    #[must_use]
+    pub fn mirrored(&self) -> Self
+    where
+        T: Clone,
+    {
+        let rows = self.pixels.chunks(self.width.max(1));
+        let pixels = rows.flat_map(|row| row.iter().rev().cloned()).collect();
+        Self { width: self.width, height: self.height, pixels }
+    }
+
     /// The same raster with every pixel passed through `f`.
     pub fn map<U>(&self, f: impl FnMut(&T) -> U) -> Image<U> {
         Image {

@@ -34,7 +34,10 @@ pub struct Picture {
     pub values: Image<Rgb>,
     /// What the values were stored as.
     pub depth: Depth,
-    /// Indices of the pixels that were not finite numbers in the file; `values` has zeros there.
+    /// Indices, in ascending order, of the pixels without a measurement: what the file does not hold, what it
+    /// calls missing or transparent, and what is no finite number. `values` has zeros where the file has no
+    /// finite number, else what the file has. A photograph leaves these pixels out; textures and panoramas take
+    /// the values.
     pub invalid: Vec<usize>,
     /// What the file declares of its colours, if it does.
     pub profile: Option<Profile>,
@@ -58,12 +61,34 @@ impl Picture {
         Self { values, depth, invalid: Vec::new(), profile: None, merged: None }
     }
 
-    /// The picture as linear values, where integer files are taken as sRGB and floating-point
-    /// files as linear already.
+    /// For each pixel, whether it has a measurement.
+    pub fn measured(&self) -> Image<bool> {
+        let mut measured = self.values.map(|_| true);
+        self.invalid.iter().for_each(|&index| measured.pixels_mut()[index] = false);
+        measured
+    }
+
+    /// The picture with left and right exchanged.
+    #[must_use]
+    pub fn mirrored(self) -> Self {
+        let width = self.values.width();
+        let across = |index: &usize| index - index % width + (width - 1 - index % width);
+        let mut invalid: Vec<usize> = self.invalid.iter().map(across).collect();
+        invalid.sort_unstable();
+        let merged = |merged: Merged| Merged { variance: merged.variance.mirrored(), ..merged };
+        Self { values: self.values.mirrored(), invalid, merged: self.merged.map(merged), ..self }
+    }
+
+    /// The picture as linear values, where integer files are taken as sRGB, whatever they declare, and
+    /// floating-point files as linear already, with the primaries that they declare.
     pub fn to_linear(&self) -> Image<Rgb> {
-        match self.depth {
-            Depth::Float => self.values.clone(),
-            Depth::Eight | Depth::Sixteen => self
+        let srgb_from_file = self.profile.as_ref().and_then(|profile| profile.srgb_from_file);
+        match (self.depth, srgb_from_file) {
+            (Depth::Float, None) => self.values.clone(),
+            (Depth::Float, Some(srgb_from_file)) => {
+                self.values.map(|value| srgb_from_file * *value)
+            }
+            (Depth::Eight | Depth::Sixteen, _) => self
                 .values
                 .map(|code| Rgb::from_array(code.to_array().map(crate::color::linear_from_srgb))),
         }

@@ -12,10 +12,10 @@ use std::ops::Range;
 use std::time::Instant;
 use unrender_formats::materials::PhotographEntry;
 use unrender_photo::Exposure;
-use unrender_recover::remote::Workers;
 use unrender_recover::{
     IterationRecord, LadderKind, Observer, Options, Problem, RecoverError, Recovery, Thresholds,
 };
+use unrender_remote::Workers;
 use unrender_render::Tracer;
 use unrender_scene::{Camera, Image, RgbImage};
 

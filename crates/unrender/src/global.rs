@@ -7,7 +7,7 @@ use unrender_formats::Limits;
 /// Flags of all subcommands.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Global {
-    /// Show no progress; errors and warnings are still shown.
+    /// Show no progress and no words on the way; results, errors and warnings are still shown.
     #[arg(long, global = true)]
     pub quiet: bool,
     /// Use this many threads [default: one a core]; the results do not depend on it.

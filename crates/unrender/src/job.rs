@@ -1,11 +1,11 @@
 //! Everything a recovery starts from, read and checked.
 
 use crate::lighting::EnvironmentChoice;
-use crate::project::{CameraChoice, Project};
+use crate::project::{CameraChoice, Found, Photographed, Project};
 use crate::{Error, mask, photograph, same_as};
 use glam::DVec3;
 use std::path::Path;
-use unrender_formats::picture::{self, Picture};
+use unrender_formats::picture::{self, Orientation, Picture};
 use unrender_formats::{FileError, Input};
 use unrender_photo::{Photo, Transfer, clipping, develop};
 use unrender_render::GeometryBuffers;
@@ -75,7 +75,8 @@ impl Job {
         mut warnings: Warnings,
         given: InMemory,
     ) -> Result<Self, Error> {
-        let picture = photo(&mut project, given.photo, &mut warnings)?;
+        let is_file = given.photo.is_none();
+        let mut picture = photo(&mut project, given.photo, &mut warnings)?;
         let mut scene = model(&project, given.scene, &mut warnings)?;
         warnings.extend(project.light(&mut scene)?);
         project.check_against(&scene)?;
@@ -88,8 +89,12 @@ impl Job {
         }
         warnings.extend(validate(&mut scene, &project.scene)?);
         let own_groups = same_as::merge(&project, &mut scene);
-        let (camera, noted) = choose_camera(&project, &scene, &picture)?;
+        let Found { camera, is_mirrored, warnings: noted } =
+            choose_camera(&project, &scene, &picture, is_file)?;
         warnings.extend(noted);
+        if is_mirrored {
+            picture = picture.mirrored();
+        }
         let (transfer, noted) = photograph::transfer(&project, &picture, &camera)?;
         warnings.extend(noted);
         let photo = develop(&picture, &transfer);
@@ -109,6 +114,7 @@ impl Job {
             }
             None => mask::read(&project, &picture)?,
         };
+        let mask = if is_mirrored { mask.map(|mask| mask.mirrored()) } else { mask };
         let (width, height) = (photo.radiance.width(), photo.radiance.height());
         warnings.extend(doubtful_aspect(&camera, width, height));
         warnings.extend(folded_lens(&camera, width, height));
@@ -164,7 +170,10 @@ fn photo(
         (None, Some(frames)) => photograph::merged(project, &frames, warnings)?,
         (None, None) => {
             let (picture, noted) = picture::read(Input::new(&project.photo, project.limits))?;
-            warnings.extend(noted);
+            warnings.extend(noted.clone());
+            if picture.invalid.len() == picture.values.pixels().len() {
+                return Err(without_measurement(&project.photo, &noted).into());
+            }
             picture
         }
     };
@@ -178,6 +187,14 @@ fn photo(
         }
     }
     Ok(picture)
+}
+
+/// The error of a photograph of which no pixel counts, for the reasons in `noted`.
+fn without_measurement(path: &Path, noted: &Warnings) -> FileError {
+    let reasons: Vec<&str> = noted.0.iter().map(String::as_str).collect();
+    let problem =
+        "has no pixel with a measurement; if its alpha channel is no coverage, save it without one";
+    FileError::new(path, format!("{problem} ({})", reasons.join("; ")))
 }
 
 /// The meshes and materials of `project`, as given or from its file; its light may be in the project alone.
@@ -213,28 +230,33 @@ pub(crate) fn validate(scene: &mut Scene, path: &Path) -> Result<Warnings, Error
     scene.validate().map_err(|source| Error::Scene { path: path.to_owned(), source })
 }
 
+/// The camera of the project's photograph, which is in memory unless it `is_file`.
 fn choose_camera(
     project: &Project,
     scene: &Scene,
     picture: &Picture,
-) -> Result<(Camera, Warnings), Error> {
+    is_file: bool,
+) -> Result<Found, Error> {
     let size = (picture.values.width(), picture.values.height());
+    let as_it_is = |(camera, warnings)| Found { camera, is_mirrored: false, warnings };
     match &project.camera {
         CameraChoice::InPixels { stand, intrinsics } => {
             let pose = stand.camera("project", scene.origin, 1.0).world_from_camera;
             let camera = intrinsics.camera("project", pose, size);
             let fault = |problem| FileError::new(&project.path, format!("camera: {problem}"));
-            Ok((camera.map_err(fault)?, Warnings::default()))
+            Ok(as_it_is((camera.map_err(fault)?, Warnings::default())))
         }
         CameraChoice::Calibrated(calibrated) => {
-            let camera = calibrated.read(size, scene.origin, project.limits)?;
-            Ok((camera, Warnings::default()))
+            let upright = Ok(Orientation::UPRIGHT);
+            let orientation = if is_file { photograph::orientation(project) } else { upright }?;
+            let photo = Photographed { size, orientation };
+            Ok(calibrated.read(photo, scene.origin, project.limits)?)
         }
         CameraChoice::Placed(table) => {
-            Ok((table.camera("project", scene.origin), Warnings::default()))
+            Ok(as_it_is((table.camera("project", scene.origin), Warnings::default())))
         }
-        CameraChoice::Named(name) => named_camera(scene, Some(name), &project.scene),
-        CameraChoice::First => named_camera(scene, None, &project.scene),
+        CameraChoice::Named(name) => named_camera(scene, Some(name), &project.scene).map(as_it_is),
+        CameraChoice::First => named_camera(scene, None, &project.scene).map(as_it_is),
     }
 }
 

@@ -159,6 +159,8 @@ pub use project::Project;
 pub use unrender_formats as formats;
 pub use unrender_photo as photo;
 pub use unrender_recover as recover;
+pub use unrender_register as register;
+pub use unrender_remote as remote;
 pub use unrender_render as render;
 pub use unrender_restage as restage;
 pub use unrender_scene as scene;

@@ -62,6 +62,7 @@ enum Kind {
 pub(crate) struct RawEnvironment {
     #[serde(alias = "panorama")]
     pub(crate) file: Option<PathBuf>,
+    #[serde(alias = "colour")]
     color: Option<Channels>,
     #[serde(default)]
     remove: bool,

@@ -31,7 +31,7 @@ pub(crate) fn counts(mask: &Picture, photo: &Image<Rgb>) -> Result<Image<bool>, 
         ));
     }
     let mut counts = mask.values.map(|value| value.max_element() >= WHITE);
-    // Pixels without a finite value are no white.
+    // Pixels without a value, and transparent ones, are no white.
     mask.invalid.iter().for_each(|&index| counts.pixels_mut()[index] = false);
     if !counts.pixels().contains(&true) {
         return Err(

@@ -4,8 +4,8 @@ use crate::bracket::read_and_merge;
 use crate::project::{Frames, Project, ResponseChoice, VignettingChoice};
 use crate::{Error, photometric};
 use std::path::Path;
-use unrender_formats::picture::{Picture, Profile};
-use unrender_formats::{FileError, response_curve};
+use unrender_formats::picture::{self, Orientation, Picture, Profile};
+use unrender_formats::{FileError, Input, response_curve};
 use unrender_photo::bracket::Settings;
 use unrender_photo::vignetting::{DARKEST, Law};
 use unrender_photo::{Curve, Response, Transfer, Vignetting, choose_response, declared_response};
@@ -112,6 +112,26 @@ pub(crate) fn merged(
     project.black_level = Rgb::ZERO;
     project.white_level = None;
     Ok(merged.picture)
+}
+
+/// How the file of `project`'s photograph, or those of its bracket, store what is upright.
+pub(crate) fn orientation(project: &Project) -> Result<Orientation, Error> {
+    let of = |file: &Path| {
+        let stored = picture::stored(Input::new(file, project.limits))?;
+        Ok::<_, FileError>(stored.map_or(Orientation::UPRIGHT, |stored| stored.orientation))
+    };
+    let first = of(&project.photo)?;
+    for file in project.bracket.iter().flat_map(|bracket| &bracket.files) {
+        let (one, other) = (first.number(), of(file)?.number());
+        if one != other {
+            let problem = format!(
+                "has the EXIF orientation {other}, and the first photograph of the bracket {one}, so that its camera \
+                 is not one of their stored pixels; give all of them the same orientation"
+            );
+            return Err(FileError::new(file, problem).into());
+        }
+    }
+    Ok(first)
 }
 
 /// A lens that lets nothing through says nothing of the corners.

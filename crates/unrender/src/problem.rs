@@ -4,11 +4,11 @@ use crate::Job;
 use crate::registered::RegisteredModel;
 use crate::working_size::WholePhotograph;
 use unrender_photo::Exposure;
-use unrender_recover::remote::{Remote, Workers};
 use unrender_recover::{
     Detail, Expected, ExposureRule, GroupSpec, Like, PhotometricParameter, Problem, RecoverError,
     Renderer, Role, View,
 };
+use unrender_remote::{Remote, Workers};
 use unrender_render::Tracer;
 use unrender_scene::{Environment, Material, Rgb, Scene};
 

@@ -8,9 +8,11 @@
 
 use crate::fingerprint::fingerprint;
 use crate::result_folder::hash;
+use crate::run::Run;
 use crate::{Error, Job, output};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -38,13 +40,13 @@ pub(crate) struct Head {
     scene: String,
     /// The photograph, developed, with its mask and its camera.
     photograph: String,
-    /// What the command line asks for.
-    options: String,
+    /// What the command line asks for, by the names of its options.
+    options: BTreeMap<String, String>,
 }
 
 impl Head {
     /// Of the recovery of `job`; `options` is what the command line asks for.
-    pub(crate) fn of(job: &Job, options: String) -> Self {
+    pub(crate) fn of(job: &Job, options: BTreeMap<String, String>) -> Self {
         let program = std::env::current_exe().and_then(|path| hash(&path)).unwrap_or_default();
         let photo = &job.photo;
         let masks = (&photo.valid, &photo.saturated, &job.mask);
@@ -58,17 +60,31 @@ impl Head {
         }
     }
 
-    /// What differs between this recovery and `other`, in words.
-    fn difference(&self, other: &Self) -> Option<&'static str> {
-        [
+    /// How `other` was begun, which this recovery is to go on with, in words; none if it is the same.
+    fn difference(&self, other: &Self) -> Option<String> {
+        let parts = [
             (&self.program, &other.program, "by another version or build of unrender"),
-            (&self.options, &other.options, "with other options"),
             (&self.project, &other.project, "from another project file"),
             (&self.scene, &other.scene, "from another scene"),
             (&self.photograph, &other.photograph, "from another photograph, mask or camera"),
-        ]
-        .into_iter()
-        .find_map(|(mine, theirs, what)| (mine != theirs).then_some(what))
+        ];
+        let [program, rest @ ..] =
+            parts.map(|(mine, theirs, what)| (mine != theirs).then(|| what.to_owned()));
+        program.or_else(|| self.other_options(other)).or_else(|| rest.into_iter().flatten().next())
+    }
+
+    /// The options with which `other` was begun, where they are others.
+    fn other_options(&self, other: &Self) -> Option<String> {
+        let changed = |(name, theirs): (&String, &String)| {
+            let mine = self.options.get(name)?;
+            (mine != theirs).then(|| format!("--{name} {theirs} and not {mine}"))
+        };
+        let changed: Vec<String> = other.options.iter().filter_map(changed).collect();
+        let is_other = self.options != other.options;
+        is_other.then(|| match changed.is_empty() {
+            true => "with other options".to_owned(),
+            false => format!("with other options: {}", changed.join(", ")),
+        })
     }
 }
 
@@ -121,10 +137,17 @@ impl RecoveryJournal {
                 let steps = writing.count().unwrap_or(0);
                 output::tell(&format!("goes on after {steps} steps of the interrupted recovery"));
             }
-            (None, true) => output::tell(&format!(
-                "no interrupted recovery is in {}: it begins from the beginning",
-                folder.display()
-            )),
+            (None, true) => {
+                let is_there = folder.join(Run::FILE).is_file();
+                let what =
+                    if is_there { "the recovery in" } else { "no interrupted recovery is in" };
+                let ended =
+                    if is_there { " had ended, and there is nothing to go on with" } else { "" };
+                output::tell(&format!(
+                    "{what} {}{ended}: it begins from the beginning",
+                    folder.display()
+                ));
+            }
             (Some(_), false) => output::tell(&format!(
                 "warning: the interrupted recovery in {} is begun anew; --resume would go on with it",
                 folder.display()
@@ -268,7 +291,7 @@ mod tests {
 
     fn head(options: &str) -> Head {
         let text = String::new;
-        let options = options.to_owned();
+        let options = BTreeMap::from([("effort".to_owned(), options.to_owned())]);
         Head { program: text(), project: text(), scene: text(), photograph: text(), options }
     }
 
@@ -338,7 +361,8 @@ mod tests {
         let Err(error) = RecoveryJournal::open(folder.path(), head("b"), true) else {
             panic!("it goes on")
         };
-        assert!(error.to_string().contains("with other options"), "{error}");
+        let told = "was begun with other options: --effort a and not b; without --resume";
+        assert!(error.to_string().contains(told), "{error}");
         RecoveryJournal::open(folder.path(), head("b"), false).unwrap().keep(b"two");
         let journal = RecoveryJournal::open(folder.path(), head("b"), true).unwrap();
         assert_eq!(recalled(&journal), [b"two"]);

@@ -1,8 +1,8 @@
 //! The model as it lies on the photograph.
 
 use crate::Job;
-use unrender_recover::register::Registration;
 use unrender_recover::{Observation, Picture};
+use unrender_register::Registration;
 use unrender_render::GeometryBuffers;
 use unrender_scene::{Camera, Image, Warnings};
 

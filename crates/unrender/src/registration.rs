@@ -4,8 +4,8 @@
 use crate::Job;
 use crate::problem::with_problem;
 use crate::registered::RegisteredModel;
-use unrender_recover::register::{self, Registration, margin};
 use unrender_recover::{Options, RecoverError, sketch};
+use unrender_register::{Registration, margin};
 use unrender_render::Tracer;
 use unrender_scene::{Camera, Warnings};
 
@@ -51,7 +51,7 @@ pub(crate) fn register(job: &Job, tracer: &Tracer, alignment: Alignment) -> Regi
     let geometry_of = |camera: &Camera, width, height| tracer.geometry(camera, width, height);
     let found = match alignment {
         Alignment::Ignore => None,
-        _ => register::register(values, &job.camera, &geometry_of),
+        _ => unrender_register::register(values, &job.camera, &geometry_of),
     };
     let verdict = match (&found, alignment) {
         (Some(_), Alignment::RefineCamera) => Verdict::Moved,

@@ -101,6 +101,14 @@ fn pose(&[w, x, y, z, tx, ty, tz]: &[f64; 7]) -> Result<Pose, String> {
 
 fn intrinsics(device: &Device) -> Result<Intrinsics, String> {
     let Device { id, model, size, parameters } = device;
+    if let Some((_, count)) =
+        MODELS.iter().find(|(name, count)| name == model && *count != parameters.len())
+    {
+        return Err(format!(
+            "has camera {id} of the model {model} with {} numbers after its size; the model has {count}",
+            parameters.len()
+        ));
+    }
     let (fx, fy, cx, cy, distortion) = match (model.as_str(), parameters.as_slice()) {
         ("SIMPLE_PINHOLE", &[f, cx, cy]) => (f, f, cx, cy, [0.0; 5]),
         ("PINHOLE", &[fx, fy, cx, cy]) => (fx, fy, cx, cy, [0.0; 5]),
@@ -378,6 +386,24 @@ mod tests {
         assert!(noted.contains("images.txt") && noted.contains("hall/a.jpg, b c.jpg"), "{noted}");
         let noted = fault(text.path(), "fish.jpg");
         assert!(noted.contains("cameras.txt") && noted.contains("image_undistorter"), "{noted}");
+        for (line, told) in [
+            (
+                "1 FULL_OPENCV 6 4 5 5 3 2 0 0 0 0",
+                "FULL_OPENCV with 8 numbers after its size; the model has 12",
+            ),
+            ("1 PINHOLE 6 4 5 3 2", "PINHOLE with 3 numbers after its size; the model has 4"),
+            ("1 FULL_OPENCV 6 4 5 5 3 2 0 0 0 0 0 0.1 0 0", "k4 to k6 zero"),
+            (
+                "1 THIN_PRISM_FISHEYE 6 4 5 5 3 2 0 0 0 0 0 0 0 0",
+                "model THIN_PRISM_FISHEYE; read are",
+            ),
+            ("1 MINE 6 4 5", "model MINE; read are"),
+        ] {
+            let broken =
+                folder([("cameras.txt", line.as_bytes()), ("images.txt", IMAGES.as_bytes())]);
+            let noted = fault(broken.path(), "a.jpg");
+            assert!(noted.contains(told), "{noted}");
+        }
         let noted = fault(Path::new("nowhere"), "a.jpg");
         assert!(noted.contains("does not exist"), "{noted}");
         let broken = folder([("cameras.txt", b"1 PINHOLE x\n"), ("images.txt", IMAGES.as_bytes())]);

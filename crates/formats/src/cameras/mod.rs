@@ -7,13 +7,18 @@
 //!
 //! Pixels are counted here from the top left corner of the picture, so that the first one's centre is
 //! (0.5, 0.5), as COLMAP has it. OpenCV puts that centre at (0, 0); [`opencv`] adds the half.
+//!
+//! Calibrations may be of the pixels that a file stores, and ours are of the upright picture: [`Pixels`].
 
 pub mod colmap;
 pub mod opencv;
 mod storage;
+mod turned;
 
 use glam::{Affine3A, DAffine3, DMat3, DVec3};
 use unrender_scene::{Camera, Lens};
+
+pub use turned::{Pixels, turn};
 
 /// Rotations are orthonormal up to this: files are written with six digits or more.
 const RIGID: f64 = 1e-3;
@@ -148,12 +153,11 @@ impl Intrinsics {
         Ok(())
     }
 
-    /// A picture that was made smaller has the same sides up to a pixel.
     fn check_size(&self, [w, h]: [f64; 2], [wide, high]: [f64; 2]) -> Result<(), String> {
         if !(w >= 1.0 && h >= 1.0) {
             return Err(format!("its picture has {w} x {h} pixels"));
         }
-        if (wide * h - high * w).abs() <= w.max(h) {
+        if is_alike([w, h], [wide, high]) {
             return Ok(());
         }
         let remedy = if (wide - high) * (w - h) < 0.0 {
@@ -165,6 +169,11 @@ impl Intrinsics {
             "it is of a picture of {w} x {h} pixels, and the photo has {wide} x {high}: {remedy}"
         ))
     }
+}
+
+/// Whether a picture of one size is one of the other made smaller: its sides are the same up to a pixel.
+fn is_alike([w, h]: [f64; 2], [wide, high]: [f64; 2]) -> bool {
+    (wide * h - high * w).abs() <= w.max(h)
 }
 
 /// A similarity that takes the world of a calibration to the scene, from the rows of its matrix.

@@ -31,6 +31,9 @@ const VIEWS: [&str; 2] = ["extrinsic_parameters", "Extrinsic_Parameters"];
 /// its rational, thin-prism or tilted model was asked for.
 const TERMS: usize = 5;
 
+/// Numbers of the pose of a view: three of a rotation vector, three of a translation.
+const VIEW: usize = 6;
+
 /// A skew below this, relatively to the focal length, shifts no pixel of a picture by a hundredth.
 const SKEW: f64 = 1e-6;
 
@@ -56,7 +59,7 @@ pub fn read<'a>(input: impl Into<Input<'a>>, view: Option<usize>) -> Result<Cali
 /// As [`read`], in words without the file's name.
 pub fn parse(text: &str, extension: &str, view: Option<usize>) -> Result<Calibrated, String> {
     let tree = storage::parse(text, extension)?;
-    refuse_fisheyes(&tree)?;
+    refuse_other_lenses(&tree)?;
     let matrix = matrix(&tree, &MATRICES)?.ok_or_else(|| {
         format!(
             "has no camera matrix; call it {}, 3 x 3 as cv2.calibrateCamera gives it",
@@ -92,16 +95,36 @@ fn matrix(tree: &Node, names: &[&str]) -> Result<Option<Matrix>, String> {
     node.matrix().map(Some).ok_or_else(whole)
 }
 
-fn refuse_fisheyes(tree: &Node) -> Result<(), String> {
+/// The names of Brown's model, with which the coefficients are those of [`distortion`].
+const BROWN: [&str; 8] = [
+    "plumb_bob",
+    "rational_polynomial",
+    "radtan",
+    "radial_tangential",
+    "brown",
+    "brown_conrady",
+    "opencv",
+    "none",
+];
+
+fn refuse_other_lenses(tree: &Node) -> Result<(), String> {
     let flag = tree.get("fisheye_model").and_then(Node::number).is_some_and(|flag| flag != 0.0);
-    let model = match tree.get("distortion_model") {
-        Some(Node::Text(model)) => model.as_str(),
-        _ => "plumb_bob",
+    let stated = match tree.get("distortion_model") {
+        Some(Node::Text(model)) => model.trim(),
+        _ => BROWN[0],
     };
-    if flag || matches!(model, "equidistant" | "fisheye") {
+    let model = stated.to_lowercase().replace([' ', '-'], "_");
+    if flag || model.contains("equidistant") || model.contains("fisheye") {
         return Err("is of a fisheye lens; undistort the photo by cv2.fisheye.undistortImage and \
                     give the new camera matrix"
             .into());
+    }
+    if !BROWN.contains(&model.as_str()) {
+        return Err(format!(
+            "is of the lens model \"{stated}\", which is not read; if its coefficients are k1, k2, p1, p2, k3, call \
+             it {}, else undistort the photo and leave them out",
+            BROWN[0]
+        ));
     }
     Ok(())
 }
@@ -147,7 +170,9 @@ fn pose(tree: &Node, view: Option<usize>) -> Result<Option<Pose>, String> {
         [x, y, z] => Ok(DVec3::new(x, y, z)),
         _ => Err(format!("has a {name} of {} numbers; it has 3", data.len())),
     };
-    if let (Some(turn), Some(shift)) = (matrix(tree, &ROTATIONS)?, matrix(tree, &TRANSLATIONS)?) {
+    let views = matrix(tree, &VIEWS)?;
+    let own = matrix(tree, &ROTATIONS)?.zip(matrix(tree, &TRANSLATIONS)?);
+    if let (Some((turn, shift)), None) = (&own, view) {
         let translation = triple("translation", &shift.data)?;
         return match <[f64; 9]>::try_from(turn.data.as_slice()) {
             Ok(rows) => Pose::new(DMat3::from_cols_array(&rows).transpose(), translation).map(Some),
@@ -156,9 +181,24 @@ fn pose(tree: &Node, view: Option<usize>) -> Result<Option<Pose>, String> {
             }
         };
     }
-    let Some(views) = matrix(tree, &VIEWS)?.filter(|views| views.columns == 6) else {
-        return Ok(None);
+    let Some(views) = views else {
+        return match (view, own) {
+            (Some(view), Some(_)) => Err(format!(
+                "has one pose, by its R or rvec and tvec, and none of view {view}; leave out view"
+            )),
+            (Some(view), None) => Err(format!(
+                "has no poses of views ({}), and none of view {view}; leave out view, and give eye and target",
+                VIEWS[0]
+            )),
+            (None, _) => Ok(None),
+        };
     };
+    if views.columns != VIEW {
+        return Err(format!(
+            "has {} of {} columns; they are the {VIEW} of a rotation vector and a translation, a row a view",
+            VIEWS[0], views.columns
+        ));
+    }
     let row = match (view, views.rows) {
         (Some(view), rows) if view < rows => view,
         (None, 1) => 0,
@@ -173,7 +213,7 @@ fn pose(tree: &Node, view: Option<usize>) -> Result<Option<Pose>, String> {
             ));
         }
     };
-    let of_view = &views.data[6 * row..6 * row + 6];
+    let of_view = &views.data[VIEW * row..VIEW * (row + 1)];
     let [turn, shift] = [&of_view[..3], &of_view[3..]].map(DVec3::from_slice);
     Pose::of_rotation_vector(turn, shift).map(Some)
 }
@@ -221,6 +261,15 @@ mod tests {
             assert_eq!(other.translation, matrix.translation);
         }
         assert!(fault(&rows).contains("view = 0"));
+        let both = format!("{rows}rvec: [0, 0, 0]\ntvec: [7, 8, 9]\n");
+        let of = |text: &str, view| parse(text, "yml", view).unwrap().1.unwrap().translation;
+        assert_eq!(of(&both, Some(1)), matrix.translation, "the view that was asked for");
+        assert_eq!(of(&both, None), DVec3::new(7.0, 8.0, 9.0));
+        let one = format!("{CAMERA}rvec: [0, 0, 0]\ntvec: [7, 8, 9]\n");
+        assert!(parse(&one, "yml", Some(3)).unwrap_err().contains("none of view 3; leave out"));
+        assert!(parse(CAMERA, "yml", Some(3)).unwrap_err().contains("no poses of views"));
+        let wide = format!("{CAMERA}extrinsic_parameters: [[1, 0, 0, 0]]\n");
+        assert!(fault(&wide).contains("of 4 columns"));
         assert!(parse(&rows, "yml", Some(2)).unwrap_err().contains("none of view 2"));
     }
 
@@ -234,6 +283,11 @@ mod tests {
         assert!(fault("K: [[5, 0.1, 3], [0, 5, 2], [0, 0, 1]]\n").contains("skew"));
         assert!(fault(&format!("{CAMERA}fisheye_model: 1\n")).contains("fisheye"));
         assert!(fault(&format!("{CAMERA}distortion_model: equidistant\n")).contains("fisheye"));
+        let omni = fault(&format!("{CAMERA}distortion_model: omnidirectional\n"));
+        assert!(omni.contains("lens model \"omnidirectional\", which is not read"), "{omni}");
+        for brown in ["plumb_bob", "rational_polynomial", "Brown-Conrady", "radtan"] {
+            assert!(parse(&format!("{CAMERA}distortion_model: {brown}\n"), "yml", None).is_ok());
+        }
         let k = "K: [[5, 0, 3], [0, 5, 2], [0, 0, 1]]\n";
         assert!(fault(&format!("{k}D: [0, 0, 0, 0, 0, 0.1, 0, 0]\n")).contains("RATIONAL"));
         assert!(parse(&format!("{k}D: [0.1, 0, 0, 0, 0, 0, 0, 0]\n"), "yml", None).is_ok());

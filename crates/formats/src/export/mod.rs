@@ -129,14 +129,19 @@ impl FromStr for Target {
 /// # Errors
 /// If the scene cannot be said in the target's words at all.
 pub fn export(shot: &Shot, target: Target) -> Result<(Files, Warnings), String> {
-    match target {
+    let (files, mut warnings) = match target {
         Target::Blender => blender::export(shot),
         Target::Gltf => gltf(shot),
         Target::Materialx => materialx::export(shot),
         Target::Mitsuba => mitsuba::export(shot),
         Target::Pbrt => pbrt::export(shot),
         Target::Radiance => radiance::export(shot),
+    }?;
+    if shot.scene.environment.is_some() {
+        warnings
+            .push("the scene has an environment, which is not exported: put it into the program");
     }
+    Ok((files, warnings))
 }
 
 /// One file, with the camera in place of the scene's.

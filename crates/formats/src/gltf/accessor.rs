@@ -36,38 +36,51 @@ pub(super) fn vec4s(source: &Source, index: usize) -> Result<Vec<Vec4>, Problem>
 /// The elements of accessor `index`, vertex indices.
 pub(super) fn indices(source: &Source, index: usize) -> Result<Vec<u32>, Problem> {
     let accessor = get(&source.document.accessors, index, "accessor")?;
-    let elements = open(source, accessor, "SCALAR").map_err(|p| named(index, &p))?;
-    if accessor.sparse.is_some() {
-        return Err(named(index, "is a sparse list of indices, which is not supported"));
-    }
-    source.scope().charge(elements.count as u64 * BYTES_A_INDEX).map_err(|p| named(index, &p))?;
-    let mut values = Vec::with_capacity(elements.count);
-    for element in elements.iter() {
-        let value = unsigned(element, accessor.component_type);
-        values.push(value.ok_or_else(|| named(index, "holds indices that are not unsigned"))?);
-    }
-    Ok(values)
+    let decode = |bytes: &[u8]| {
+        let value = unsigned(bytes, accessor.component_type);
+        value.ok_or_else(|| "holds indices that are not unsigned".to_owned())
+    };
+    values(source, accessor, ("SCALAR", BYTES_A_INDEX), decode).map_err(|p| named(index, &p))
 }
 
 /// All components of accessor `index`, element by element.
 fn floats(source: &Source, index: usize, kind: &str) -> Result<Vec<f32>, Problem> {
     let accessor = get(&source.document.accessors, index, "accessor")?;
-    let elements = open(source, accessor, kind).map_err(|problem| named(index, &problem))?;
+    let decode = |bytes: &[u8]| Ok(float(bytes, accessor.component_type, accessor.normalized));
+    values(source, accessor, (kind, BYTES_A_NUMBER), decode).map_err(|p| named(index, &p))
+}
+
+/// All components of an accessor of a kind, of which each costs so many bytes. Those without a bufferView are
+/// zero, as glTF has it, but where a sparse list replaces them.
+fn values<T: Clone + Default>(
+    source: &Source,
+    accessor: &Accessor,
+    (kind, bytes_each): (&str, u64),
+    decode: impl Fn(&[u8]) -> Result<T, Problem>,
+) -> Result<Vec<T>, Problem> {
+    let elements = open(source, accessor, kind)?;
     let width = component_size(accessor.component_type).unwrap_or(1);
-    let total = elements.count as u64 * components(kind) as u64;
-    source.scope().charge(total * BYTES_A_NUMBER).map_err(|p| named(index, &p))?;
-    let mut values = Vec::with_capacity(elements.count * components(kind));
-    let decode = |bytes| float(bytes, accessor.component_type, accessor.normalized);
-    for element in elements.iter() {
-        values.extend(element.chunks_exact(width).map(decode));
-    }
-    let overrides = sparse(source, accessor, kind).map_err(|problem| named(index, &problem))?;
-    for (target, element) in overrides {
-        let start = target as usize * components(kind);
-        let slots = values.get_mut(start..start + components(kind)).ok_or_else(|| {
-            named(index, &format!("replaces element {target}, which it does not have"))
-        })?;
-        slots.iter_mut().zip(element.chunks_exact(width)).for_each(|(s, b)| *s = decode(b));
+    let each = components(kind);
+    let total = (accessor.count as u64).saturating_mul(each as u64);
+    source.scope().charge(total.saturating_mul(bytes_each))?;
+    let mut values = match elements {
+        Some(elements) => {
+            let mut values = Vec::with_capacity(elements.count * each);
+            for component in elements.iter().flat_map(|element| element.chunks_exact(width)) {
+                values.push(decode(component)?);
+            }
+            values
+        }
+        None => vec![T::default(); accessor.count * each],
+    };
+    for (target, element) in sparse(source, accessor, kind)? {
+        let start = target as usize * each;
+        let slots = values
+            .get_mut(start..start + each)
+            .ok_or_else(|| format!("replaces element {target}, which it does not have"))?;
+        for (slot, component) in slots.iter_mut().zip(element.chunks_exact(width)) {
+            *slot = decode(component)?;
+        }
     }
     Ok(values)
 }
@@ -132,20 +145,24 @@ impl<'a> Elements<'a> {
     }
 }
 
-fn open<'a>(source: &'a Source, accessor: &Accessor, kind: &str) -> Result<Elements<'a>, Problem> {
+/// The bytes of an accessor's elements, if they have any.
+fn open<'a>(
+    source: &'a Source,
+    accessor: &Accessor,
+    kind: &str,
+) -> Result<Option<Elements<'a>>, Problem> {
     if accessor.kind != kind {
         return Err(format!("is of type {} where {kind} is needed", accessor.kind));
     }
     let Some(component) = component_size(accessor.component_type) else {
         return Err(format!("has the unknown component type {}", accessor.component_type));
     };
-    let Some(view) = accessor.buffer_view else {
-        return Err("has no bufferView, which is not supported".into());
-    };
+    let Some(view) = accessor.buffer_view else { return Ok(None) };
     let size = component * components(kind);
     let stride = get(&source.document.buffer_views, view, "bufferView")?.byte_stride;
     let bytes = source.view(view)?;
-    Elements::new(bytes, accessor.byte_offset, stride.unwrap_or(size), size, accessor.count)
+    let stride = stride.unwrap_or(size);
+    Elements::new(bytes, accessor.byte_offset, stride, size, accessor.count).map(Some)
 }
 
 fn named(index: usize, problem: &str) -> Problem {

@@ -123,7 +123,9 @@ pub(super) fn list_extensions(root: &mut Value) {
             || materials.is_some_and(|all| all.iter().any(|m| m["extensions"].get(name).is_some()))
             || name == transform::EXTENSION && transform::is_used_in(&root["materials"])
     };
-    let ours = UNDERSTOOD.iter().filter(|name| **name != "KHR_mesh_quantization");
+    // Meshes and nodes, of which these are, stay as they were.
+    let kept = ["KHR_mesh_quantization", "KHR_node_visibility"];
+    let ours = UNDERSTOOD.iter().filter(|name| !kept.contains(name));
     let dropped = ["KHR_materials_pbrSpecularGlossiness", "KHR_materials_unlit"];
     let mut lists = ["extensionsUsed", "extensionsRequired"].map(|key| {
         let list = root[key].as_array().cloned().unwrap_or_default();

@@ -1,5 +1,8 @@
 //! The part of glTF's JSON that is read, as typed data. Indices are not yet checked here.
+//!
+//! Every element keeps the names of what no field here asks for in its `unread`, which is told.
 
+use super::unread::Unread;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::Value;
@@ -38,6 +41,8 @@ pub(super) struct Document {
     pub(super) cameras: Vec<Camera>,
     #[serde(default)]
     pub(super) extensions: DocumentExtensions,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -47,18 +52,24 @@ pub(super) struct Asset {
     pub(super) generator: Value,
     #[serde(default)]
     pub(super) extras: Value,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize, Default)]
 pub(super) struct DocumentExtensions {
     #[serde(rename = "KHR_lights_punctual", default)]
     pub(super) punctual: Lights,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize, Default)]
 pub(super) struct Lights {
     #[serde(default)]
     pub(super) lights: Vec<Light>,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -73,6 +84,8 @@ pub(super) struct Light {
     pub(super) range: Option<f64>,
     #[serde(default)]
     pub(super) spot: Spot,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -80,11 +93,14 @@ pub(super) struct Light {
 pub(super) struct Spot {
     pub(super) inner_cone_angle: f64,
     pub(super) outer_cone_angle: f64,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 impl Default for Spot {
     fn default() -> Self {
-        Self { inner_cone_angle: 0.0, outer_cone_angle: std::f64::consts::FRAC_PI_4 }
+        let outer_cone_angle = std::f64::consts::FRAC_PI_4;
+        Self { inner_cone_angle: 0.0, outer_cone_angle, unread: Unread::default() }
     }
 }
 
@@ -92,6 +108,8 @@ impl Default for Spot {
 pub(super) struct SceneNodes {
     #[serde(default)]
     pub(super) nodes: Vec<usize>,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -108,17 +126,33 @@ pub(super) struct Node {
     pub(super) scale: Option<[f64; 3]>,
     #[serde(default)]
     pub(super) extensions: NodeExtensions,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize, Default)]
 pub(super) struct NodeExtensions {
     #[serde(rename = "KHR_lights_punctual")]
     pub(super) punctual: Option<NodeLight>,
+    #[serde(rename = "KHR_node_visibility")]
+    pub(super) visibility: Option<Visibility>,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Visibility {
+    #[serde(default = "shown")]
+    pub(super) visible: bool,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
 pub(super) struct NodeLight {
     pub(super) light: usize,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -126,6 +160,8 @@ pub(super) struct Mesh {
     pub(super) name: Option<String>,
     #[serde(default)]
     pub(super) primitives: Vec<Primitive>,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -138,6 +174,8 @@ pub(super) struct Primitive {
     pub(super) mode: u32,
     #[serde(default)]
     pub(super) targets: Vec<IgnoredAny>,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize, Default)]
@@ -167,7 +205,6 @@ impl Attributes {
 pub(super) struct Material {
     pub(super) name: Option<String>,
     pub(super) pbr_metallic_roughness: Option<Pbr>,
-    pub(super) normal_texture: Option<IgnoredAny>,
     pub(super) emissive_texture: Option<IgnoredAny>,
     #[serde(default)]
     pub(super) emissive_factor: [f64; 3],
@@ -178,6 +215,8 @@ pub(super) struct Material {
     pub(super) extensions: MaterialExtensions,
     #[serde(default)]
     pub(super) extras: Value,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -189,6 +228,8 @@ pub(super) struct Pbr {
     pub(super) metallic_factor: Option<f64>,
     pub(super) roughness_factor: Option<f64>,
     pub(super) metallic_roughness_texture: Option<TextureInfo>,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -199,12 +240,16 @@ pub(super) struct TextureInfo {
     pub(super) tex_coord: usize,
     #[serde(default)]
     pub(super) extensions: TextureExtensions,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize, Default)]
 pub(super) struct TextureExtensions {
     #[serde(rename = "KHR_texture_transform")]
     pub(super) transform: Option<TextureTransform>,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -217,6 +262,8 @@ pub(super) struct TextureTransform {
     #[serde(default = "unscaled")]
     pub(super) scale: [f64; 2],
     pub(super) tex_coord: Option<usize>,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize, Default)]
@@ -229,6 +276,8 @@ pub(super) struct MaterialExtensions {
     pub(super) specular: Option<Specular>,
     #[serde(rename = "KHR_materials_anisotropy")]
     pub(super) anisotropy: Option<Anisotropy>,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -236,12 +285,16 @@ pub(super) struct MaterialExtensions {
 pub(super) struct EmissiveStrength {
     #[serde(default = "one")]
     pub(super) emissive_strength: f64,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
 pub(super) struct Ior {
     #[serde(default = "glass")]
     pub(super) ior: f64,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -251,6 +304,8 @@ pub(super) struct Specular {
     pub(super) specular_factor: f64,
     #[serde(default = "white")]
     pub(super) specular_color_factor: [f64; 3],
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -260,12 +315,16 @@ pub(super) struct Anisotropy {
     pub(super) anisotropy_strength: f64,
     #[serde(default)]
     pub(super) anisotropy_rotation: f64,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
 pub(super) struct Texture {
     pub(super) sampler: Option<usize>,
     pub(super) source: Option<usize>,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -273,13 +332,18 @@ pub(super) struct Texture {
 pub(super) struct Image {
     pub(super) uri: Option<String>,
     pub(super) buffer_view: Option<usize>,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Sampler {
+    pub(super) mag_filter: Option<u32>,
     pub(super) wrap_s: Option<u32>,
     pub(super) wrap_t: Option<u32>,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -295,6 +359,8 @@ pub(super) struct Accessor {
     #[serde(rename = "type")]
     pub(super) kind: String,
     pub(super) sparse: Option<Sparse>,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -302,6 +368,8 @@ pub(super) struct Sparse {
     pub(super) count: usize,
     pub(super) indices: SparseIndices,
     pub(super) values: SparseValues,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -311,6 +379,8 @@ pub(super) struct SparseIndices {
     #[serde(default)]
     pub(super) byte_offset: usize,
     pub(super) component_type: u32,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -319,6 +389,8 @@ pub(super) struct SparseValues {
     pub(super) buffer_view: usize,
     #[serde(default)]
     pub(super) byte_offset: usize,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -329,6 +401,8 @@ pub(super) struct BufferView {
     pub(super) byte_offset: usize,
     pub(super) byte_length: usize,
     pub(super) byte_stride: Option<usize>,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -336,12 +410,16 @@ pub(super) struct BufferView {
 pub(super) struct Buffer {
     pub(super) uri: Option<String>,
     pub(super) byte_length: usize,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
 pub(super) struct Camera {
     pub(super) name: Option<String>,
     pub(super) perspective: Option<Perspective>,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
 }
 
 #[derive(Deserialize)]
@@ -349,6 +427,12 @@ pub(super) struct Camera {
 pub(super) struct Perspective {
     pub(super) yfov: f64,
     pub(super) aspect_ratio: Option<f64>,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
+}
+
+fn shown() -> bool {
+    true
 }
 
 fn one() -> f64 {

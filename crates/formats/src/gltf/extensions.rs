@@ -1,13 +1,14 @@
 //! The extensions of glTF: which are read, and what is said about the others.
 
 /// The extensions that are read, or whose absence changes nothing.
-pub(super) const UNDERSTOOD: [&str; 7] = [
+pub(super) const UNDERSTOOD: [&str; 8] = [
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_specular",
     "KHR_materials_anisotropy",
     "KHR_mesh_quantization",
+    "KHR_node_visibility",
     super::transform::EXTENSION,
 ];
 

@@ -1,9 +1,9 @@
 //! Primitives to meshes in world space.
 
-use super::document::Primitive;
+use super::document::{Attributes, Primitive};
 use super::source::Source;
 use super::transform::Layout;
-use super::{Problem, accessor};
+use super::{Problem, accessor, extensions};
 use glam::{DAffine3, DMat3, DVec3, Vec3, Vec4};
 use unrender_scene::{Mesh, Warnings};
 
@@ -68,6 +68,7 @@ fn too_large() -> Problem {
 fn local_mesh(source: &Source, primitive: &Primitive, set: usize) -> Result<Option<Mesh>, Problem> {
     let attributes = &primitive.attributes;
     let Some(position) = attributes.position else { return Ok(None) };
+    refuse_compressed(source, primitive)?;
     let positions = accessor::vec3s(source, position)?;
     let count = positions.len();
     let fits = |length: usize, name: &str| {
@@ -106,6 +107,22 @@ fn local_mesh(source: &Source, primitive: &Primitive, set: usize) -> Result<Opti
     }
     mesh.triangles = triangles(&indices, primitive.mode);
     Ok(Some(mesh))
+}
+
+/// Of a compressed mesh the accessors have no data of their own.
+fn refuse_compressed(source: &Source, primitive: &Primitive) -> Result<(), Problem> {
+    let Attributes { position, normal, tangent, texcoord_0, .. } = primitive.attributes;
+    let accessors =
+        [position, normal, tangent, texcoord_0, primitive.indices].into_iter().flatten();
+    let is_empty = |index: usize| {
+        let accessor = source.document.accessors.get(index);
+        accessor.is_some_and(|a| a.buffer_view.is_none() && a.sparse.is_none())
+    };
+    let compression = primitive.unread.extensions.keys().find(|name| name.contains("compression"));
+    match compression {
+        Some(name) if accessors.into_iter().any(is_empty) => Err(extensions::refused(name)),
+        _ => Ok(()),
+    }
 }
 
 fn triangles(indices: &[u32], mode: u32) -> Vec<[u32; 3]> {

@@ -15,7 +15,7 @@ pub(super) struct Placed {
     pub(super) world_from_node: DAffine3,
 }
 
-/// All nodes of the default scene, parents before children, in the order of the file.
+/// All nodes of the default scene that are shown, parents before children, in the order of the file.
 ///
 /// Without a default scene the first one counts, and without scenes all nodes count.
 pub(super) fn placed_nodes(document: &Document) -> Result<Vec<Placed>, Problem> {
@@ -31,6 +31,10 @@ pub(super) fn placed_nodes(document: &Document) -> Result<Vec<Placed>, Problem> 
                 "node {index} is reached twice: it has two parents or is its own descendant; \
                  export the scene again"
             ));
+        }
+        // It hides what hangs on it, too.
+        if node.extensions.visibility.as_ref().is_some_and(|visibility| !visibility.visible) {
+            continue;
         }
         let local = parent_from_node(node).map_err(|p| format!("node {index} {p}"))?;
         let world_from_node = world_from_parent * local;

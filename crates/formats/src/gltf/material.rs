@@ -3,7 +3,7 @@
 use super::Problem;
 use super::document::{Material as MaterialJson, TextureInfo};
 use super::source::Source;
-use super::{texture, ward};
+use super::{texture, unread, ward};
 use crate::numbers::color_and_factor;
 use crate::texels;
 use glam::DVec3;
@@ -75,13 +75,11 @@ pub(super) fn set_emission(json: &mut Value, emission: Rgb) {
 }
 
 fn warn_of_the_unread(json: &MaterialJson, name: &str, warnings: &mut Warnings) {
+    unread::tell_material(json, name, warnings);
     if json.emissive_texture.is_some() {
         warnings.push(format!(
             "material \"{name}\": its emissiveTexture was ignored; it emits emissiveFactor all over."
         ));
-    }
-    if json.normal_texture.is_some() {
-        warnings.push(format!("material \"{name}\": its normalTexture was ignored."));
     }
     if json.alpha_mode.as_deref().is_some_and(|mode| mode != "OPAQUE") {
         warnings.push(format!("material \"{name}\" is transparent; it was taken as opaque."));
@@ -201,6 +199,12 @@ impl Reader<'_> {
             ));
             return Ok(None);
         };
+        if texture::is_in_blocks(self.source, info.index) {
+            self.warnings.push(format!(
+                "material \"{name}\": its texture is to be shown as blocks (magFilter NEAREST); between its \
+                 texels it was interpolated."
+            ));
+        }
         let image = texels::linear(&encoded).map(|texel| *texel * factor);
         Ok(Some(Arc::new(Texture { image, wrap_u, wrap_v })))
     }

@@ -7,7 +7,8 @@
 //!
 //! What a Ward material is in glTF's words, both ways, is the business of one file, `ward.rs`.
 //! To understand another extension: name it in `extensions::UNDERSTOOD`, give it a field in
-//! `document`, and use the field where its owner (material, node, camera) is read.
+//! `document`, and use the field where its owner (material, node, camera) is read. What has no field there is
+//! told (`unread`).
 
 mod accessor;
 mod assign;
@@ -26,6 +27,7 @@ mod texture;
 mod transform;
 mod two_sided;
 mod units;
+mod unread;
 mod ward;
 mod write;
 

@@ -1,6 +1,6 @@
 //! An opened glTF file: its JSON, its buffers, and the pictures beside it.
 
-use super::document::Document;
+use super::document::{Buffer, Document};
 use super::{Problem, container, extensions, units};
 use crate::LightUnits;
 use crate::input::{Input, Scope};
@@ -106,7 +106,7 @@ fn load_buffers(
         let mut bytes = match (&buffer.uri, bin) {
             (Some(uri), _) => fetch(uri, folder, scope, &format!("buffer {index}"))?,
             (None, Some(bin)) if index == 0 => bin.to_owned(),
-            _ => return Err(format!("buffer {index} has no data; export the scene again")),
+            _ => return Err(no_data(index, buffer)),
         };
         if bytes.len() < buffer.byte_length {
             return Err(format!(
@@ -119,6 +119,13 @@ fn load_buffers(
         buffers.push(bytes);
     }
     Ok(buffers)
+}
+
+/// A buffer without data is what a compressed one leaves for programs that do not know the compression.
+fn no_data(index: usize, buffer: &Buffer) -> Problem {
+    let compressed = buffer.unread.extensions.keys().next();
+    let plain = || format!("buffer {index} has no data; export the scene again");
+    compressed.map_or_else(plain, |name| extensions::refused(name))
 }
 
 /// What stands at `uri`: a data URI, or a file in or below `folder`.

@@ -26,6 +26,15 @@ pub(super) fn encoded(
     Ok(Some((texels, u, v)))
 }
 
+/// Whether glTF texture `index` asks for its nearest texel.
+pub(super) fn is_in_blocks(source: &Source, index: usize) -> bool {
+    let document = &source.document;
+    let sampler = document.textures.get(index).and_then(|texture| texture.sampler);
+    let sampler = sampler.and_then(|sampler| document.samplers.get(sampler));
+    sampler.is_some_and(|sampler| sampler.mag_filter == Some(NEAREST))
+}
+
+const NEAREST: u32 = 9728;
 const REPEAT: u32 = 10497;
 const MIRRORED_REPEAT: u32 = 33648;
 const CLAMP_TO_EDGE: u32 = 33071;

@@ -1,77 +1,87 @@
-//! Mitsuba 3 scenes (`.xml`): what our own export writes, exactly, and the common plugins.
+//! Mitsuba 3 scenes (`.xml`): what our own export writes, exactly, and what others write with the common
+//! plugins, of version 0.5 and later.
 //!
-//! Shapes: `ply`, `obj`, `rectangle`, `cube`, `sphere`, `cylinder`, `disk`. Emitters: `area`, `point`, `spot`,
-//! `directional`. Reflectances: see `reflectance.rs`. The camera is `perspective`. Everything else is
-//! left out with a warning. [Jakob et al., Mitsuba 3 documentation, plugin reference]
+//! Includes, paths, parameters, aliases and references are followed, in any order. Shapes: `ply`, `obj`,
+//! `serialized`, `rectangle`, `cube`, `sphere`, `cylinder`, `disk`, `instance` of a `shapegroup`, `merge`. Emitters:
+//! `area`, `point`, `spot`, `directional`, `constant`, `envmap`. Reflectances: see `bsdf.rs`; colours and textures:
+//! see `paint.rs`. Cameras: `perspective` and `thinlens`, each sensor becomes one. Plugins of other types are
+//! refused, and each property that is not read is told. [Jakob et al., Mitsuba 3 documentation, plugin
+//! reference]
 
+mod bsdf;
+mod colorimetry;
 mod lights;
-mod properties;
-mod reflectance;
+mod mesh_file;
+mod metals;
+mod motion;
+mod paint;
+mod parse;
+mod references;
+mod sensor;
+mod serialized;
+mod shapes;
+mod spectrum;
+mod tree;
+mod upgrade;
+mod wavefront;
 
-use super::{ply, shapes};
+use super::shapes::{bytes_of, here_from_mesh, in_mesh, turned_over};
+use crate::FileError;
 use crate::input::{Input, Scope};
-use crate::names::unique;
-use crate::record::Note;
-use crate::{FileError, obj};
-use glam::{Affine3A, DVec3, Mat3, Vec2, Vec3};
-use properties::Element;
-use reflectance::{Place, Reflectance};
-use roxmltree::{Document, Node};
-use std::collections::BTreeMap;
-use std::path::Path;
-use unrender_scene::{BrdfModel, Camera, Group, Lens, Mesh, Object, Rgb, Scene, Warnings};
+use crate::names::{DEFAULT, unique};
+use bsdf::{Reflectance, Reflectances};
+use glam::{Affine2, DAffine3, DVec3, Vec3};
+use lights::Emitter;
+use paint::{Context, color};
+use spectrum::Use;
+use std::collections::BTreeSet;
+use tree::{Node, Tree};
+use unrender_scene::{BrdfModel, Group, Mesh, Object, Rgb, Scene, Warnings};
 
-/// The tree of an XML text takes at most so many times its memory: `<a/>` becomes a node of 80 bytes.
-const TEXT_TO_TREE: u64 = 32;
-
-/// Elements lie in one another at most so deep. Scenes have up to ten; each level takes a kilobyte of
-/// the stack, which has 2 MiB in threads.
-const DEPTH: u32 = 100;
-
-/// Refuses elements that lie too deep, as they are read by recursion.
-fn check_depth(document: &Document) -> Result<(), String> {
-    let mut depths: Vec<u32> = Vec::new();
-    for node in document.descendants() {
-        let parent = node.parent().and_then(|parent| depths.get(parent.id().get_usize()));
-        let depth = parent.map_or(0, |depth| depth + 1);
-        if depth > DEPTH {
-            return Err(format!("has elements within elements, {DEPTH} deep and deeper"));
-        }
-        depths.push(depth);
-    }
-    Ok(())
-}
+/// What an instance of a shape takes beside its mesh, bytes.
+const SHAPE_BYTES: u64 = 1024;
 
 /// Reads the scene at `path` with the files that it names; it is not yet validated: see
 /// [`load_scene`](crate::load_scene).
 ///
 /// # Errors
-/// If a file is missing or damaged, or if something refers to what is not there.
+/// If a file is missing or damaged, if something refers to what is not there, or if there are plugins that
+/// cannot be read.
 pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileError> {
     let input = input.into();
     let fail = |problem: String| FileError::new(input.path, problem);
     let scope = Scope::new(input);
-    let text = scope.text(input.path).map_err(fail)?;
-    scope.charge(TEXT_TO_TREE * text.len() as u64).map_err(fail)?;
-    let document = Document::parse(&text).map_err(|error| fail(format!("is no XML: {error}")))?;
-    check_depth(&document).map_err(fail)?;
-    let folder = input.path.parent().unwrap_or(Path::new(""));
+    let tree = parse::read(&scope, input.path).map_err(fail)?;
+    let context = Context::new(&scope);
     let mut reader = Reader {
-        place: (&scope, folder),
+        context: &context,
+        reflectances: Reflectances::default(),
         surfaces: Vec::new(),
         scene: Scene::default(),
-        warnings: Warnings::default(),
         microfacets: Vec::new(),
+        exact: None,
     };
-    let root = document.root_element();
-    reader.scene(root, &defaults(root)).map_err(fail)?;
-    Ok((reader.finished(), reader.warnings))
+    reader.scene(&tree).map_err(fail)?;
+    let scene = reader.finished(&tree);
+    let mut warnings = context.warnings.into_inner();
+    tree.unread().into_iter().for_each(|told| warnings.push(told));
+    Ok((scene, warnings))
+}
+
+/// Whose reflectance a surface has.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Source {
+    /// A BSDF by its place in the tree.
+    Bsdf(usize),
+    /// That of shapes without a BSDF: grey.
+    Nobody,
+    /// That of lamps without one: black.
+    Lamp,
 }
 
 /// A surface's reflectance and emission before groups have their final names.
 struct Surface {
-    /// The `id` of its BSDF; empty for one that stands in its shape.
-    id: String,
+    source: Source,
     name: String,
     reflectance: Reflectance,
     emission: Rgb,
@@ -79,257 +89,259 @@ struct Surface {
 }
 
 struct Reader<'a> {
-    place: Place<'a>,
+    context: &'a Context<'a>,
+    reflectances: Reflectances,
     surfaces: Vec<Surface>,
     scene: Scene,
-    warnings: Warnings,
     /// Surfaces with microfacets that are not known exactly: the name, and whether they are GGX.
     microfacets: Vec<(String, bool)>,
-}
-
-/// The `<default>` values of the document.
-fn defaults(root: Node) -> BTreeMap<String, String> {
-    let defaults = root.children().filter(|n| n.has_tag_name("default"));
-    let value = |n: Node, key: &str| n.attribute(key).unwrap_or_default().to_owned();
-    defaults.map(|n| (value(n, "name"), value(n, "value"))).collect()
+    /// The model of surfaces that are known exactly, if any of them shines.
+    exact: Option<BrdfModel>,
 }
 
 impl Reader<'_> {
-    fn scene(&mut self, root: Node, defaults: &BTreeMap<String, String>) -> Result<(), String> {
-        let mut note = Note::default();
-        for node in root.children() {
-            if node.is_comment() {
-                let origin = self.place.0.origin();
-                let parsed = node.text().and_then(|text| Note::parse(text, origin));
-                note = parsed.unwrap_or_default();
+    fn scene(&mut self, tree: &Tree) -> Result<(), String> {
+        let root = tree.node(0);
+        // What says how to render, and what others refer to.
+        for tag in
+            ["integrator", "sampler", "texture", "medium", "phase", "volume", "film", "rfilter"]
+        {
+            root.children(tag);
+        }
+        let shapes = root.children("shape");
+        let used = reachable(tree, shapes.iter().map(|shape| shape.index));
+        for node in root.children("bsdf") {
+            match self.bsdf(node) {
+                Err(problem) if !used.contains(&node.index) => {
+                    self.context.warn(format!("{problem}; no shape has it"));
+                }
+                read => read.map(|_| ())?,
+            }
+        }
+        for node in root.children("sensor") {
+            self.scene.cameras.extend(sensor::read(self.context, node)?);
+        }
+        for node in shapes {
+            self.shape(node, &DAffine3::IDENTITY)?;
+        }
+        // An area emitter at the root is what shapes refer to.
+        for node in root.children("emitter") {
+            if node.kind() == "area" && used.contains(&node.index) {
                 continue;
             }
-            if !node.is_element() {
-                continue;
+            match lights::read(self.context, node)? {
+                Emitter::Light(light) => self.scene.lights.push(light),
+                Emitter::Environment(_) if self.scene.environment.is_some() => {
+                    return Err(node.fail("there are two environments; leave one of them out"));
+                }
+                Emitter::Environment(around) => self.scene.environment = Some(around),
             }
-            let placed = |problem| {
-                let line = node.document().text_pos_at(node.range().start).row;
-                format!("line {line}: {problem}")
-            };
-            self.element(&Element::new(node, defaults), &note).map_err(placed)?;
-            note = Note::default();
         }
         Ok(())
     }
 
-    fn element(&mut self, element: &Element, note: &Note) -> Result<(), String> {
-        match element.tag() {
-            "bsdf" => self.bsdf(element, note).map(|_| ()),
-            "shape" => self.shape(element, note),
-            "sensor" => self.sensor(element, note),
-            "emitter" => self.emitter(element, note),
-            "default" | "integrator" => Ok(()),
-            other => {
-                self.warnings.push(format!("<{other}> was left out"));
-                Ok(())
-            }
+    /// The surface of a BSDF; none if it is nothing.
+    fn bsdf(&mut self, node: Node) -> Result<Option<usize>, String> {
+        let source = Source::Bsdf(node.index);
+        if let Some(known) = self.surfaces.iter().position(|s| s.source == source) {
+            return Ok(Some(known));
         }
-    }
-
-    fn bsdf(&mut self, element: &Element, note: &Note) -> Result<usize, String> {
-        let id = element.attribute("id");
+        let mut reflectance = self.reflectances.read(self.context, node)?;
+        if reflectance.is_nothing {
+            return Ok(None);
+        }
         let number = self.surfaces.len();
-        let name = note.name.clone().filter(|n| !n.is_empty()).unwrap_or_else(|| match &id[..] {
-            "" => format!("material {number}"),
-            id => id.to_owned(),
+        let name = node.note().name.clone().filter(|n| !n.is_empty()).unwrap_or_else(|| {
+            if node.id().is_empty() { format!("material {number}") } else { node.id().to_owned() }
         });
-        let mut reflectance = reflectance::read(element, self.place, &name, &mut self.warnings)?;
-        if let Some((material, brdf)) = &note.material {
+        if let Some((material, brdf)) = &node.note().material {
             // Our export lets u grow along the anisotropy direction.
-            let theta_rad =
-                if material.alpha_x == material.alpha_y { material.theta_rad } else { 0.0 };
             let texture = reflectance.material.texture.take();
-            let theta_rad = if texture.is_some() { material.theta_rad } else { theta_rad };
+            let is_even = material.alpha_x == material.alpha_y;
+            let theta_rad = if is_even || texture.is_some() { material.theta_rad } else { 0.0 };
             reflectance.material =
                 unrender_scene::Material { theta_rad, texture, ..material.clone() };
             self.scene.brdf = *brdf;
+        } else if let Some(model) = reflectance.model.filter(|_| reflectance.material.is_glossy()) {
+            self.exact = Some(model);
         } else if reflectance.material.is_glossy() {
             self.microfacets.push((name.clone(), reflectance.is_ggx));
         }
-        reflectance.warn(&name, note.material.is_some(), &mut self.warnings);
-        self.surfaces.push(Surface {
-            id,
-            name,
-            reflectance,
-            emission: Rgb::ZERO,
-            objects: Vec::new(),
-        });
-        Ok(number)
+        for doubt in reflectance.doubts(node.note().material.is_some()) {
+            self.context.warn(format!("group \"{name}\": {doubt}"));
+        }
+        Ok(Some(self.push(source, name, reflectance)))
     }
 
-    fn shape(&mut self, element: &Element, note: &Note) -> Result<(), String> {
-        let kind = element.attribute("type");
-        let Some(mesh) = self.mesh(element, &kind)? else {
-            self.warnings.push(format!("a shape of type \"{kind}\" was left out"));
-            return Ok(());
-        };
-        let surface = match (element.child("bsdf"), element.reference()) {
-            (Some(inside), _) => self.bsdf(&inside, &Note::default())?,
-            (None, Some(id)) => self
-                .surfaces
-                .iter()
-                .position(|s| s.id == id)
-                .ok_or_else(|| format!("a shape refers to \"{id}\", which is not there"))?,
-            // Mitsuba's own reflectance of a shape that names none.
-            (None, None) => self.grey(),
-        };
-        let emission = match element.child("emitter") {
-            Some(emitter) if emitter.attribute("type") == "area" => {
-                emitter.rgb("radiance", Rgb::ONE)?
-            }
-            _ => Rgb::ZERO,
-        };
-        let surface = self.emitting(surface, emission);
-        let name = note.name.clone().unwrap_or_else(|| element.attribute("id"));
-        self.surfaces[surface].objects.push(Object { name, group: 0, mesh });
-        Ok(())
+    fn push(&mut self, source: Source, name: String, reflectance: Reflectance) -> usize {
+        let (emission, objects) = (Rgb::ZERO, Vec::new());
+        self.surfaces.push(Surface { source, name, reflectance, emission, objects });
+        self.surfaces.len() - 1
     }
 
-    fn grey(&mut self) -> usize {
-        let found = self.surfaces.iter().position(|s| s.id == "default");
+    /// The surface of shapes that have no BSDF.
+    fn without_bsdf(&mut self, source: Source) -> usize {
+        let found = self.surfaces.iter().position(|s| s.source == source);
+        let (name, rho_d) = if source == Source::Lamp { ("lamp", 0.0) } else { (DEFAULT, 0.5) };
         found.unwrap_or_else(|| {
-            let reflectance = Reflectance::diffuse(Rgb::splat(0.5));
-            let (id, name) = ("default".to_owned(), "default".to_owned());
-            let (emission, objects) = (Rgb::ZERO, Vec::new());
-            self.surfaces.push(Surface { id, name, reflectance, emission, objects });
-            self.surfaces.len() - 1
+            self.push(source, name.to_owned(), Reflectance::diffuse(Rgb::splat(rho_d)))
         })
     }
 
     /// The surface like `like` that emits `emission`.
     fn emitting(&mut self, like: usize, emission: Rgb) -> usize {
-        let unused = self.surfaces[like].objects.is_empty();
-        if unused || self.surfaces[like].emission == emission {
+        if self.surfaces[like].objects.is_empty() {
             self.surfaces[like].emission = emission;
             return like;
         }
-        let Surface { name, reflectance, .. } = &self.surfaces[like];
-        let (name, reflectance) = (name.clone(), reflectance.clone());
-        let (id, objects) = (String::new(), Vec::new());
-        self.surfaces.push(Surface { id, name, reflectance, emission, objects });
-        self.surfaces.len() - 1
+        let source = self.surfaces[like].source;
+        let found = self.surfaces.iter().position(|s| s.source == source && s.emission == emission);
+        found.unwrap_or_else(|| {
+            let Surface { name, reflectance, .. } = &self.surfaces[like];
+            let (name, reflectance) = (name.clone(), reflectance.clone());
+            let new = self.push(source, name, reflectance);
+            self.surfaces[new].emission = emission;
+            new
+        })
     }
 
-    fn mesh(&mut self, element: &Element, kind: &str) -> Result<Option<Mesh>, String> {
-        let to_world = element.to_world()?;
-        let origin = self.place.0.origin();
+    /// Adds the shape `node`, with `around` behind its own transform.
+    fn shape(&mut self, node: Node, around: &DAffine3) -> Result<(), String> {
+        let scope = self.context.scope;
+        scope.charge(SHAPE_BYTES).map_err(|problem| node.fail(problem))?;
+        match node.kind() {
+            // It is seen only where instances of it are.
+            "shapegroup" => return Ok(()),
+            "merge" => {
+                let mut inside = node.children("shape").into_iter();
+                return inside.try_for_each(|shape| self.shape(shape, around));
+            }
+            "instance" => {
+                let world = *around * node.motion("to_world")?;
+                let group = node.child("shape")?.filter(|group| group.kind() == "shapegroup");
+                let group =
+                    group.ok_or_else(|| node.fail("an instance has no shapegroup in it"))?;
+                let mut inside = group.children("shape").into_iter();
+                return inside.try_for_each(|shape| self.shape(shape, &world));
+            }
+            _ => {}
+        }
+        let world = *around * node.motion("to_world")?;
+        let emission = self.emission(node)?;
+        let surface = match (node.child("bsdf")?, emission) {
+            (Some(bsdf), _) => match self.bsdf(bsdf)? {
+                Some(surface) => surface,
+                None if emission.is_none() => return Ok(()),
+                None => self.without_bsdf(Source::Lamp),
+            },
+            (None, None) => self.without_bsdf(Source::Nobody),
+            (None, Some(_)) => self.without_bsdf(Source::Lamp),
+        };
+        let reflectance = &self.surfaces[surface].reflectance;
+        let (to_uv, wants_uvs) = (reflectance.to_uv, reflectance.wants_uvs());
+        let mut mesh = self.mesh(node, &world, wants_uvs)?;
+        scope.charge(bytes_of(&mesh)).map_err(|problem| node.fail(problem))?;
+        if to_uv != Affine2::IDENTITY {
+            mesh.uvs.iter_mut().for_each(|uv| *uv = to_uv.transform_point2(*uv));
+        }
+        let surface = self.emitting(surface, emission.unwrap_or(Rgb::ZERO));
+        let name = node.note().name.clone().unwrap_or_else(|| node.id().to_owned());
+        self.surfaces[surface].objects.push(Object { name, group: 0, mesh });
+        Ok(())
+    }
+
+    /// The radiance of a shape that is a lamp.
+    fn emission(&self, node: Node) -> Result<Option<Rgb>, String> {
+        let Some(emitter) = node.child("emitter")? else { return Ok(None) };
+        if emitter.kind() != "area" {
+            return Err(emitter.refused("emitters of shapes are of type \"area\""));
+        }
+        emitter.pass(&["sampling_weight"]);
+        color(self.context, emitter, "radiance", Use::Emission, 1.0).map(Some)
+    }
+
+    fn mesh(&self, node: Node, world: &DAffine3, wants_uvs: bool) -> Result<Mesh, String> {
+        node.pass(&["silhouette_sampling_weight"]);
+        let check_round = |world: &DAffine3, axes: [DVec3; 2]| {
+            if shapes::stretches(world, axes) {
+                let kind = node.kind();
+                let what = format!("a {kind} is stretched, which Mitsuba takes for a scale alike");
+                self.context.warn(node.fail(what));
+            }
+        };
+        let origin = self.context.scope.origin();
         // Where the zero of the scene lies in the shape's own coordinates: those of files and of points may be
         // far from their zero, those of the others are at it.
-        let zero = shapes::in_mesh(origin, &to_world);
-        let zero = if matches!(kind, "disk" | "rectangle" | "cube") { DVec3::ZERO } else { zero };
-        let point = |name, default| (element.point(name).unwrap_or(default) - zero).as_vec3();
-        let mesh = match kind {
-            "ply" | "obj" => self.file(element, kind, zero)?,
-            "disk" => shapes::ring(Vec3::ZERO, Vec3::Z, [0.0, 1.0]),
-            "cylinder" => {
-                let ends = [point("p0", DVec3::ZERO), point("p1", DVec3::Z)];
-                shapes::frustum(ends, [element.float("radius", 1.0)?; 2])
+        let zero = in_mesh(origin, world);
+        let here = here_from_mesh(world, zero, origin);
+        let here_from_unit = here_from_mesh(world, DVec3::ZERO, origin);
+        let point = |name, default: DVec3| -> Result<Vec3, String> {
+            Ok((node.point(name)?.unwrap_or(default) - zero).as_vec3())
+        };
+        let mesh = match node.kind() {
+            "ply" | "obj" | "serialized" => {
+                mesh_file::read(self.context, node, (&here, zero), wants_uvs)?
             }
-            "rectangle" => shapes::rectangle(),
-            "cube" => shapes::cube(),
-            "sphere" => Mesh::sphere(point("center", DVec3::ZERO), element.float("radius", 1.0)?),
-            _ => return Ok(None),
+            "rectangle" => shapes::moved(shapes::rectangle(), &here_from_unit),
+            "cube" => {
+                // Its sides are flat in any case.
+                node.pass(&["face_normals"]);
+                shapes::moved(shapes::cube(), &here_from_unit)
+            }
+            "disk" => shapes::moved(shapes::disk(), &here_from_unit),
+            "cylinder" => {
+                let (p0, p1) = (point("p0", DVec3::ZERO)?, point("p1", DVec3::Z)?);
+                let own = shapes::along(p0, p1, node.number("radius", 1.0)?);
+                let world = here * own.map_err(|problem| node.fail(problem))?;
+                check_round(&world, [DVec3::X, DVec3::Y]);
+                shapes::moved(shapes::cylinder(), &world)
+            }
+            "sphere" => {
+                let centre = point("center", DVec3::ZERO)?.as_dvec3();
+                let radius = DVec3::splat(node.number("radius", 1.0)?.into());
+                let own = DAffine3::from_translation(centre) * DAffine3::from_scale(radius);
+                let world = here * own;
+                check_round(&world, [DVec3::X, DVec3::Z]);
+                shapes::sphere(&world)
+            }
+            _ => {
+                let why = "read are ply, obj, serialized, rectangle, cube, sphere, cylinder, disk, \
+                           instance and merge";
+                return Err(node.refused(why));
+            }
         };
-        self.place.0.charge(shapes::bytes_of(&mesh))?;
-        let mesh = shapes::moved(mesh, &shapes::here_from_mesh(&to_world, zero, origin));
-        let flips = element.value("flip_normals").as_deref() == Some("true");
-        Ok(Some(if flips { shapes::turned_over(mesh) } else { mesh }))
+        Ok(if node.flag("flip_normals", false)? { turned_over(mesh) } else { mesh })
     }
 
-    /// The mesh of a file, counted from `zero`.
-    fn file(&mut self, element: &Element, kind: &str, zero: DVec3) -> Result<Mesh, String> {
-        let name = element.value("filename").ok_or("a shape has no filename")?;
-        let (scope, folder) = self.place;
-        let within = |problem: String| format!("\"{name}\" {problem}");
-        let path = scope.beside(folder, &name).map_err(within)?;
-        // Mitsuba counts v from the top of a picture, as we do; OBJ counts from the bottom, so that
-        // its reader there (and ours) turns v over, if it is not told otherwise.
-        let flip = element.value("flip_tex_coords");
-        let (mut mesh, flips) = if kind == "obj" {
-            let (scene, _) = obj::read_in(scope, &path, zero).map_err(|error| error.to_string())?;
-            let mesh = shapes::joined(scene.objects.into_iter().map(|o| o.mesh));
-            (mesh, flip.as_deref() == Some("false"))
-        } else {
-            let bytes = scope.read(&path).map_err(within)?;
-            (ply::mesh(scope, &bytes, zero).map_err(within)?, flip.as_deref() == Some("true"))
-        };
-        if flips {
-            mesh.uvs.iter_mut().for_each(|uv| *uv = Vec2::new(uv.x, 1.0 - uv.y));
-        }
-        Ok(mesh)
-    }
-
-    /// The camera. Mitsuba's looks along its own +z, with +x to the left.
-    fn sensor(&mut self, element: &Element, note: &Note) -> Result<(), String> {
-        let kind = element.attribute("type");
-        if kind != "perspective" {
-            self.warnings.push(format!("a sensor of type \"{kind}\" was left out"));
-            return Ok(());
-        }
-        let film = element.child("film");
-        let side = |name: &str, default| {
-            film.as_ref().map_or(Ok(default), |film| film.float(name, default))
-        };
-        let aspect = side("width", 768.0)? / side("height", 576.0)?.max(1.0);
-        let half = (0.5 * element.float("fov", 45.0)?.to_radians()).tan();
-        let axis = element.value("fov_axis").unwrap_or_else(|| "x".into());
-        let half_height = match axis.as_str() {
-            "y" => half,
-            "smaller" => half / aspect.min(1.0),
-            "larger" => half / aspect.max(1.0),
-            "diagonal" => half / (1.0 + aspect * aspect).sqrt(),
-            _ => half / aspect,
-        };
-        let world = element.to_world()?;
-        let axes = world.matrix3.as_mat3();
-        let eye = (world.translation - self.place.0.origin()).as_vec3();
-        let [left, up, ahead] = [axes.x_axis, axes.y_axis, axes.z_axis].map(Vec3::normalize);
-        let axes = Mat3::from_cols(-left, up, -ahead);
-        let offset = |axis: &str| element.float(&format!("principal_point_offset_{axis}"), 0.0);
-        let principal_point = [-offset("x")? * aspect, -offset("y")?];
-        self.scene.cameras.push(Camera {
-            name: note.name.clone().unwrap_or_else(|| "camera".into()),
-            world_from_camera: Affine3A::from_mat3_translation(axes, eye),
-            fov_y_rad: 2.0 * half_height.atan(),
-            aspect: Some(aspect),
-            lens: Lens { principal_point, ..Lens::default() },
-        });
-        Ok(())
-    }
-
-    fn emitter(&mut self, element: &Element, note: &Note) -> Result<(), String> {
-        match lights::read(element, note, self.place.0.origin(), &mut self.warnings)? {
-            Some(light) => self.scene.lights.push(light),
-            None => self
-                .warnings
-                .push(format!("an emitter of type \"{}\" was left out", element.attribute("type"))),
-        }
-        Ok(())
-    }
-
-    /// GGX, if all microfacets are; else Ward's, and those of GGX are doubtful.
+    /// The model that is exact for some; GGX, if all microfacets are; else Ward's, and those of GGX are
+    /// doubtful.
     fn choose_lobe(&mut self) {
-        if !self.microfacets.is_empty() && self.microfacets.iter().all(|(_, is_ggx)| *is_ggx) {
+        if let Some(model) = self.exact {
+            self.scene.brdf = model;
+        } else if !self.microfacets.is_empty() && self.microfacets.iter().all(|(_, is_ggx)| *is_ggx)
+        {
             self.scene.brdf = BrdfModel::Ggx;
             return;
         }
         for (name, _) in self.microfacets.iter().filter(|(_, is_ggx)| *is_ggx) {
-            self.warnings.push(format!(
+            self.context.warn(format!(
                 "group \"{name}\": the roughness of its GGX was taken as Ward's, as others are no GGX"
             ));
         }
     }
 
     /// The scene with its groups, each with a name of its own.
-    fn finished(&mut self) -> Scene {
+    fn finished(&mut self, tree: &Tree) -> Scene {
         self.choose_lobe();
+        // BSDFs that stand in others are no groups, unless shapes have them, too.
+        let others = tree.plugins.iter().enumerate().filter(|(_, plugin)| plugin.tag == "bsdf");
+        let inner: BTreeSet<usize> = others.flat_map(|(i, _)| tree.node(i).inside()).collect();
+        self.surfaces.retain(|surface| match surface.source {
+            Source::Bsdf(index) => !surface.objects.is_empty() || !inner.contains(&index),
+            _ => true,
+        });
         let wanted: Vec<String> = self.surfaces.iter().map(|s| s.name.clone()).collect();
-        let names = unique(&wanted, &mut self.warnings);
+        let names = unique(&wanted, &mut self.context.warnings.borrow_mut());
         let mut scene = std::mem::take(&mut self.scene);
         for (group, (surface, name)) in self.surfaces.drain(..).zip(names).enumerate() {
             let material = surface.reflectance.material;
@@ -339,4 +351,16 @@ impl Reader<'_> {
         }
         scene
     }
+}
+
+/// The plugins that are in `starts` or in what is in them.
+fn reachable(tree: &Tree, starts: impl Iterator<Item = usize>) -> BTreeSet<usize> {
+    let mut found = BTreeSet::new();
+    let mut open: Vec<usize> = starts.collect();
+    while let Some(index) = open.pop() {
+        if found.insert(index) {
+            open.extend(tree.node(index).inside());
+        }
+    }
+    found
 }

@@ -13,7 +13,7 @@ use unrender_scene::Mesh;
 /// A corner of a face in the file becomes a triangle with three vertices of 32 bytes and indices.
 const BYTES_A_CORNER: u64 = 128;
 
-/// The mesh in `bytes`, counted from `origin`; polygons become triangles. Without normals it is flat.
+/// The mesh in `bytes`, counted from `origin`; polygons become triangles. If the file has no normals, the mesh has none.
 ///
 /// # Errors
 /// If it is not PLY, if a face names a vertex that is not there, or if it takes too much memory.
@@ -49,13 +49,8 @@ pub(super) fn mesh(scope: &Scope, bytes: &[u8], origin: DVec3) -> Result<Mesh, S
         scope.charge(BYTES_A_CORNER * corners.len() as u64)?;
         polygon::split(corners, |&i| positions[i as usize], &mut triangles)?;
     }
-    Ok(match normals {
-        Some(normals) => {
-            let normals = normals.into_iter().map(Vec3::normalize_or_zero).collect();
-            Mesh { positions, normals, uvs, tangents: Vec::new(), triangles }
-        }
-        None => Mesh::flat(&positions, &uvs, &triangles),
-    })
+    let normals = normals.unwrap_or_default().into_iter().map(Vec3::normalize_or_zero).collect();
+    Ok(Mesh { positions, normals, uvs, tangents: Vec::new(), triangles })
 }
 
 /// Refuses counts that the `length` bytes of the file cannot hold, and what takes too much memory.
@@ -126,19 +121,26 @@ impl PropertyAccess for Element {
             }
             _ => return PropertyAccessResult::Ignored,
         };
-        let number = number(&property);
-        if let (Some(axis), Some(number)) = (self.place.get_mut(slot), number) {
-            *axis = number;
+        if let (None, Some(number)) = (self.numbers[slot], number(&property)) {
+            self.numbers[slot] = Some(number as f32);
+            if let Some(axis) = self.place.get_mut(slot) {
+                *axis = number;
+            }
         }
-        self.numbers[slot] = self.numbers[slot].or(number.map(|v| v as f32));
         PropertyAccessResult::Set
     }
 }
 
 fn number(property: &Property) -> Option<f64> {
     match *property {
-        Property::Float(v) => Some(f64::from(v)),
+        Property::Float(v) => Some(v.into()),
         Property::Double(v) => Some(v),
+        Property::Char(v) => Some(v.into()),
+        Property::UChar(v) => Some(v.into()),
+        Property::Short(v) => Some(v.into()),
+        Property::UShort(v) => Some(v.into()),
+        Property::Int(v) => Some(v.into()),
+        Property::UInt(v) => Some(v.into()),
         _ => None,
     }
 }

@@ -1,222 +1,255 @@
 //! Radiance scenes (`.rad`): what our own export writes, exactly, and the common primitives.
 //!
 //! Surfaces: `polygon`, what is round (`sphere`, `cylinder`, `cone`, `ring` and those inside out), and
-//! `mesh` where the OBJ lies beside it that it was compiled from.
-//! Materials: see `materials.rs`. Lights: surfaces of `light`, `glow` and `illum` shine; a `source`
-//! is a directional light. The camera is that of `view.vf`, or of the scene's name and `.vf`, if there
-//! is such a file. Everything else is left out with a warning.
+//! `mesh` where the OBJ lies beside it that it was compiled from. Materials, mixtures and aliases: see
+//! `materials.rs` and `reflectance.rs`. Lights: surfaces of `light`, `glow` and `illum` shine, a
+//! `spotlight` is a spot light; a narrow `source` is a directional light, wide ones are the environment.
+//! Commands: `xform`, `cat`, `genbox`, `genprism` and `gensky` are carried out here; no program is ever
+//! run, and others are refused. The camera is that of `view.vf`, or of the scene's name and `.vf`, if there
+//! is such a file. What is approximated or left out is told, with its line.
 //! ["The RADIANCE 5.4 Synthetic Imaging System" (reference manual), section 2.1]
 
+mod files;
+mod generators;
+mod gensky;
+mod kinds;
+mod lamps;
 mod materials;
+mod meshes;
+mod modifiers;
+mod motion;
+mod patterns;
 mod primitives;
+mod reflectance;
+mod shell;
+mod sky;
+mod surfaces;
 mod view;
+mod words;
+mod xform;
 
 use super::shapes;
+use crate::FileError;
 use crate::input::{Input, Scope};
 use crate::names::unique;
 use crate::record::Note;
-use crate::{FileError, obj, polygon};
-use glam::Vec3;
-use materials::Materials;
-use primitives::Primitive;
-use std::f32::consts::PI;
+use glam::DVec3;
+use kinds::Sort;
+use lamps::Lamps;
+use materials::{Materials, Seen};
+use meshes::Meshes;
+use primitives::{Noted, Primitive};
+use std::collections::BTreeMap;
 use std::path::Path;
-use unrender_scene::{Group, Light, LightKind, Mesh, Object, Scene, Warnings};
+use surfaces::{brush, polygon, round};
+use unrender_scene::{Group, Mesh, Object, Scene, Warnings};
 
 /// Reads the scene at `path` with the files that it names; it is not yet validated: see
 /// [`load_scene`](crate::load_scene).
 ///
 /// # Errors
-/// If a file is missing or damaged, or if something is made of what is not there.
+/// If a file is missing or damaged, if something is made of what is not there, or if a command or a lamp is
+/// not understood.
 pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileError> {
     let input = input.into();
+    let mut warnings = Warnings::default();
+    let scene = scene(input, &mut warnings)
+        .map_err(|problem| FileError::new(input.path, problem).after(&warnings))?;
+    Ok((scene, warnings))
+}
+
+fn scene(input: Input<'_>, warnings: &mut Warnings) -> Result<Scene, String> {
     let path = input.path;
-    let fail = |problem: String| FileError::new(path, problem);
     let scope = Scope::new(input);
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut warnings = Warnings::default();
-    let primitives = primitives::read(&scope, path, &mut warnings).map_err(fail)?;
+    let primitives = files::read(&scope, path, warnings)?;
     let mut reader = Reader {
         place: (&scope, folder),
-        materials: Materials::default(),
+        materials: Materials::new((&scope, folder)),
+        meshes: Meshes::default(),
         objects: Vec::new(),
-        lights: Vec::new(),
+        lamps: Lamps::default(),
         warnings,
     };
-    for (primitive, note) in &primitives {
-        let placed = |problem| fail(format!("{}: {problem}", primitive.place));
-        reader.primitive(primitive, note.as_ref()).map_err(placed)?;
+    for noted in primitives {
+        let place = noted.primitive.place.clone();
+        reader.primitive(noted).map_err(|problem| format!("{place}: {problem}"))?;
     }
-    let mut scene = reader.finished();
-    scene.cameras.extend(view::beside(&scope, path).map_err(fail)?);
-    Ok((scene, reader.warnings))
+    let mut scene = reader.finished()?;
+    scene.cameras.extend(view::beside(&scope, path, warnings)?);
+    Ok(scene)
 }
 
 /// An object in the making: what has one name and one material.
 struct ObjectMeshes {
     name: String,
-    material: usize,
+    group: usize,
+    /// The direction of its highlights in the world.
+    along: Option<DVec3>,
     meshes: Vec<Mesh>,
 }
 
 struct Reader<'a> {
     /// What bounds the reading of the scene, and its folder.
     place: (&'a Scope, &'a Path),
-    materials: Materials,
+    materials: Materials<'a>,
+    meshes: Meshes,
     objects: Vec<ObjectMeshes>,
-    lights: Vec<Light>,
-    warnings: Warnings,
+    lamps: Lamps,
+    warnings: &'a mut Warnings,
 }
 
 impl Reader<'_> {
-    fn primitive(&mut self, primitive: &Primitive, note: Option<&Note>) -> Result<(), String> {
-        if let Some(light) = note.and_then(|note| note.light.clone()) {
+    fn primitive(&mut self, noted: Noted) -> Result<(), String> {
+        let noted = noted.counted_from(self.place.0.origin());
+        let Noted { primitive, note } = &noted;
+        if let Some(light) = note.as_ref().and_then(|note| note.light.clone()) {
             // What follows only says the same in Radiance's words.
-            if note.is_some_and(|note| note.is_first) {
-                self.lights.push(light);
+            if note.as_ref().is_some_and(|note| note.is_first) {
+                self.lamps.lights.push(light);
             }
             return Ok(());
         }
         match primitive.kind.as_str() {
             "polygon" => {
                 // The backs of mirrors are our own doing.
-                if !primitive.id.ends_with(".back") {
-                    self.surface(primitive, note, polygon(primitive)?)?;
+                if note.is_some() && primitive.id.ends_with(".back") {
+                    return Ok(());
                 }
+                self.surface(primitive, note.as_ref(), polygon(primitive)?)
             }
-            "sphere" | "bubble" | "cylinder" | "tube" | "cone" | "cup" | "ring" => {
-                self.surface(primitive, note, round(primitive)?)?;
+            "mesh" => self.mesh(primitive, note.as_ref()),
+            "source" => self.far(primitive),
+            "instance" => Err(format!(
+                "{} is an octree, which is not read; put the scene that it was made from there instead, by \
+                 !xform",
+                primitive.named()
+            )),
+            kind if kinds::kind(kind).map(|kind| kind.sort) == Some(Sort::Surface) => {
+                self.surface(primitive, note.as_ref(), round(primitive)?)
             }
-            "mesh" => self.mesh(primitive, note)?,
-            "source" => self.distant(primitive)?,
-            "instance" => {
-                let id = &primitive.id;
-                self.warnings.push(format!("the instance \"{id}\" was left out"));
-            }
-            _ => self.materials.add(primitive, note, self.place, &mut self.warnings)?,
+            _ => self.materials.define(noted, self.warnings),
         }
-        Ok(())
     }
 
     fn surface(&mut self, p: &Primitive, note: Option<&Note>, mesh: Mesh) -> Result<(), String> {
         self.place.0.charge(shapes::bytes_of(&mesh))?;
-        let material = self.materials.find(&p.modifier)?;
+        self.tell_words(p);
+        let modifier = self.materials.modifiers.find(&p.modifier);
+        let modifier = modifier.map_err(|problem| format!("{} {problem}", p.named()))?;
+        let Some(modifier) = modifier else {
+            self.warnings.push(format!(
+                "{}: {} has no material (void) and is invisible; it was left out",
+                p.place,
+                p.named()
+            ));
+            return Ok(());
+        };
+        let seen = self.materials.seen(modifier, self.warnings);
+        match seen.map_err(|problem| format!("{}: {problem}", p.named()))? {
+            Seen::Nothing => Ok(()),
+            Seen::Spot(spot) => self.lamps.spot(&p.id, spot, mesh),
+            Seen::Group(group, along) => {
+                self.add(p, note, group, along, mesh);
+                Ok(())
+            }
+        }
+    }
+
+    /// Adds `mesh` to the object that it belongs to.
+    fn add(
+        &mut self,
+        p: &Primitive,
+        note: Option<&Note>,
+        group: usize,
+        along: Option<DVec3>,
+        mesh: Mesh,
+    ) {
         let name = note.and_then(|note| note.name.clone()).unwrap_or_else(|| p.id.clone());
         let starts = note.is_none_or(|note| note.is_first);
-        match self
-            .objects
-            .last_mut()
-            .filter(|o| !starts && o.name == name && o.material == material)
-        {
+        let goes_on = |o: &&mut ObjectMeshes| {
+            !starts && o.name == name && o.group == group && o.along == along
+        };
+        match self.objects.last_mut().filter(goes_on) {
             Some(part) => part.meshes.push(mesh),
-            None => self.objects.push(ObjectMeshes { name, material, meshes: vec![mesh] }),
+            None => self.objects.push(ObjectMeshes { name, group, along, meshes: vec![mesh] }),
         }
-        Ok(())
+    }
+
+    fn tell_words(&mut self, p: &Primitive) {
+        if p.kind != "mesh" && !p.strings.is_empty() {
+            self.warnings.push(format!("{}: the words of {} are not read", p.place, p.named()));
+        }
     }
 
     /// A compiled mesh, by the OBJ that it comes from.
-    fn mesh(&mut self, primitive: &Primitive, note: Option<&Note>) -> Result<(), String> {
-        let compiled = primitive.strings.first().ok_or("a mesh names no file")?;
-        let (scope, folder) = self.place;
-        let source = Path::new(compiled).with_extension("obj");
-        if !folder.join(&source).exists() {
-            let id = &primitive.id;
+    fn mesh(&mut self, p: &Primitive, note: Option<&Note>) -> Result<(), String> {
+        let (source, is_there) = meshes::source(p, self.place.1)?;
+        if !is_there {
             self.warnings.push(format!(
-                "the mesh \"{id}\" was left out: there is no {} beside it",
-                folder.join(source).display()
+                "{}: {} was left out: there is no {} beside it",
+                p.place,
+                p.named(),
+                self.place.1.join(source).display()
             ));
             return Ok(());
         }
-        let named = |problem: String| format!("{} {problem}", source.display());
-        let source = scope.beside(folder, &source.to_string_lossy()).map_err(named)?;
-        let text = scope.text(&source).map_err(named)?;
-        // Of several materials the first: ours differ in the anisotropy direction only.
-        let named = text.lines().find_map(|line| line.strip_prefix("usemtl "));
-        let modifier = match (primitive.modifier.as_str(), named) {
-            ("void", Some(name)) => name.trim().to_owned(),
-            (modifier, _) => modifier.to_owned(),
-        };
-        let (scene, _) =
-            obj::read_in(scope, &source, scope.origin()).map_err(|error| error.to_string())?;
-        let mesh = shapes::joined(scene.objects.into_iter().map(|object| object.mesh));
-        self.surface(&Primitive { modifier, ..primitive.clone() }, note, mesh)
-    }
-
-    /// A disk infinitely far away, as a direction.
-    fn distant(&mut self, primitive: &Primitive) -> Result<(), String> {
-        let [x, y, z, angle] = primitive.reals()?;
-        let material = self.materials.find(&primitive.modifier)?;
-        let sin = (0.5 * angle.to_radians()).sin();
-        let irradiance = self.materials.emission(material) * PI * sin * sin;
-        if angle > 5.0 {
-            let id = &primitive.id;
-            self.warnings.push(format!(
-                "the source \"{id}\", {angle} degrees across, was taken as a directional light"
-            ));
+        let read = self.meshes.parts(p, &source, self.place, self.warnings)?;
+        let mut parts: BTreeMap<String, Vec<Mesh>> = BTreeMap::new();
+        for (named, mesh) in read {
+            let modifier = named.filter(|_| p.modifier == "void");
+            parts.entry(modifier.unwrap_or_else(|| p.modifier.clone())).or_default().push(mesh);
         }
-        let direction = -Vec3::new(x, y, z).normalize_or(Vec3::Y);
-        let kind = LightKind::Directional { direction, irradiance };
-        self.lights.push(Light { name: primitive.id.clone(), kind });
+        for (number, (modifier, meshes)) in parts.into_iter().enumerate() {
+            let mesh = shapes::joined(meshes.into_iter());
+            let is_first = note.is_some_and(|note| note.is_first) && number == 0;
+            let note = note.map(|note| Note { is_first, ..note.clone() });
+            self.surface(&Primitive { modifier, ..p.clone() }, note.as_ref(), mesh)?;
+        }
         Ok(())
     }
 
-    /// The scene, with the groups that emit or that an object has, each with a name of its own.
-    fn finished(&mut self) -> Scene {
-        let mut scene = Scene { lights: std::mem::take(&mut self.lights), ..Scene::default() };
-        let groups = self.materials.groups(self.objects.iter().map(|o| o.material));
+    /// A disk infinitely far away.
+    fn far(&mut self, p: &Primitive) -> Result<(), String> {
+        self.tell_words(p);
+        let modifier = self.materials.modifiers.find(&p.modifier);
+        let modifier = modifier.map_err(|problem| format!("{} {problem}", p.named()))?;
+        let far = modifier.map(|modifier| self.materials.far(modifier, self.warnings));
+        match far.transpose()?.flatten() {
+            Some(far) => self.lamps.far(&p.id, p.reals()?, far),
+            None => {
+                self.warnings.push(format!(
+                    "{}: {} gives no light and was left out",
+                    p.place,
+                    p.named()
+                ));
+                Ok(())
+            }
+        }
+    }
+
+    /// The scene, with the groups that an object has, each with a name of its own.
+    fn finished(self) -> Result<Scene, String> {
+        let groups = self.materials.groups(self.objects.iter().map(|o| o.group));
         let wanted: Vec<String> = groups.iter().map(|(_, group)| group.name.clone()).collect();
-        let names = unique(&wanted, &mut self.warnings);
-        for part in self.objects.drain(..) {
-            let group = groups.iter().position(|(index, _)| *index == part.material).unwrap_or(0);
-            let mesh = shapes::joined(part.meshes.into_iter());
+        let names = unique(&wanted, self.warnings);
+        let places: BTreeMap<usize, usize> =
+            groups.iter().enumerate().map(|(place, (index, _))| (*index, place)).collect();
+        let mut scene = Scene { brdf: self.materials.brdf(), ..Scene::default() };
+        for part in self.objects {
+            let group = places.get(&part.group).copied().unwrap_or(0);
+            let mut mesh = shapes::joined(part.meshes.into_iter());
+            if let Some(along) = part.along {
+                brush(&mut mesh, along);
+            }
             scene.objects.push(Object { name: part.name, group, mesh });
         }
-        scene.brdf = self.materials.brdf();
         scene.groups = groups
             .into_iter()
             .zip(names)
             .map(|((_, group), name)| Group { name, ..group })
             .collect();
-        scene
+        (scene.lights, scene.environment) = self.lamps.finished(&scene.objects, self.warnings)?;
+        Ok(scene)
     }
-}
-
-/// What is round, as a mesh.
-fn round(primitive: &Primitive) -> Result<Mesh, String> {
-    let ends = |n: &[f32]| [Vec3::from_slice(&n[..3]), Vec3::from_slice(&n[3..6])];
-    let kind = primitive.kind.as_str();
-    let mesh = match kind {
-        "sphere" | "bubble" => {
-            let [x, y, z, radius] = primitive.reals()?;
-            Mesh::sphere(Vec3::new(x, y, z), radius)
-        }
-        "cylinder" | "tube" => {
-            let reals: [f32; 7] = primitive.reals()?;
-            shapes::frustum(ends(&reals), [reals[6]; 2])
-        }
-        _ => {
-            let reals: [f32; 8] = primitive.reals()?;
-            let ([from, to], radii) = (ends(&reals), [reals[6], reals[7]]);
-            if kind == "ring" {
-                shapes::ring(from, to, radii)
-            } else {
-                shapes::frustum([from, to], radii)
-            }
-        }
-    };
-    let is_inside_out = matches!(kind, "bubble" | "tube" | "cup");
-    Ok(if is_inside_out { shapes::turned_over(mesh) } else { mesh })
-}
-
-/// A polygon, convex or not, as triangles.
-fn polygon(primitive: &Primitive) -> Result<Mesh, String> {
-    let corners: Vec<Vec3> = primitive.reals.chunks_exact(3).map(Vec3::from_slice).collect();
-    if corners.len() < 3 || !primitive.reals.len().is_multiple_of(3) {
-        return Err(format!("the polygon \"{}\" has no three corners", primitive.id));
-    }
-    let all: Vec<u32> = (0..corners.len() as u32).collect();
-    let mut triangles = Vec::new();
-    polygon::split(&all, |&i| corners[i as usize], &mut triangles)
-        .map_err(|problem| format!("\"{}\" {problem}", primitive.id))?;
-    Ok(Mesh::flat(&corners, &[], &triangles))
 }

@@ -1,4 +1,4 @@
-//! Shapes that other programs know by name, as meshes, and meshes moved.
+//! Shapes that other programs know by name, as meshes.
 
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 use std::f32::consts::TAU;
@@ -6,34 +6,6 @@ use unrender_scene::Mesh;
 
 /// Triangles around a cone.
 const AROUND: u32 = 64;
-
-/// The square from -1 to 1 in x and y, its front towards +z.
-pub(super) fn rectangle() -> Mesh {
-    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(Vec2::from_array);
-    Mesh {
-        positions: corners.map(|c| c.extend(0.0)).to_vec(),
-        normals: vec![Vec3::Z; 4],
-        uvs: corners.map(|c| 0.5 * c + 0.5).to_vec(),
-        tangents: Vec::new(),
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-    }
-}
-
-/// The cube from -1 to 1, its front outside.
-pub(super) fn cube() -> Mesh {
-    let mut cube = Mesh::default();
-    for normal in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
-        let across = normal.any_orthonormal_vector();
-        let up = normal.cross(across);
-        let side = rectangle();
-        let first = cube.positions.len() as u32;
-        cube.positions.extend(side.positions.iter().map(|p| normal + across * p.x + up * p.y));
-        cube.normals.extend([normal; 4]);
-        cube.uvs.extend(side.uvs);
-        cube.triangles.extend(side.triangles.iter().map(|t| t.map(|i| i + first)));
-    }
-    cube
-}
 
 /// The memory that `mesh` takes.
 pub(super) fn bytes_of(mesh: &Mesh) -> u64 {
@@ -133,20 +105,21 @@ pub(super) fn turned_over(mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-/// All of `meshes` as one; texture coordinates only if all have them.
+/// All of `meshes` as one; those without texture coordinates have zero, if others have some.
 pub(super) fn joined(meshes: impl Iterator<Item = Mesh>) -> Mesh {
     let mut all = Mesh::default();
-    let mut has_uvs = true;
     for mesh in meshes {
-        let first = all.positions.len() as u32;
-        has_uvs &= !mesh.uvs.is_empty();
+        let first = all.positions.len();
+        if !mesh.uvs.is_empty() {
+            all.uvs.resize(first, Vec2::ZERO);
+            all.uvs.extend(mesh.uvs);
+        }
         all.positions.extend(mesh.positions);
         all.normals.extend(mesh.normals);
-        all.uvs.extend(mesh.uvs);
-        all.triangles.extend(mesh.triangles.into_iter().map(|t| t.map(|i| i + first)));
+        all.triangles.extend(mesh.triangles.into_iter().map(|t| t.map(|i| i + first as u32)));
     }
-    if !has_uvs {
-        all.uvs.clear();
+    if !all.uvs.is_empty() {
+        all.uvs.resize(all.positions.len(), Vec2::ZERO);
     }
     all
 }

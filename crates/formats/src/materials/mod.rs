@@ -7,12 +7,14 @@ mod alternative;
 mod apply;
 mod light_entry;
 mod photograph_entry;
+mod status_entry;
 mod std_entry;
 
 pub use alternative::AlternativeEntry;
 pub use apply::{apply, apply_from, mean_of, read_texture, read_texture_beside};
 pub use light_entry::{LightEntry, PanoramaEntry};
 pub use photograph_entry::{PhotographEntry, PhotographStd};
+pub use status_entry::StatusEntry;
 pub use std_entry::StdEntry;
 
 use crate::{FileError, Input, atomic};
@@ -59,7 +61,7 @@ pub struct GroupEntry {
     /// What the group was taken to be.
     pub hypothesis: Option<Hypothesis>,
     /// Where the numbers come from.
-    pub status: Option<Status>,
+    pub status: Option<StatusEntry>,
     /// Diffuse reflectance; with a texture its mean.
     pub rho_d: Option<[f32; 3]>,
     /// Specular reflectance.

@@ -4,14 +4,29 @@
 //! the camera did to them. The writers take linear values.
 
 mod budget;
+mod cicp;
+mod codes;
+mod coverage;
 mod embed;
 mod exif;
-mod jpeg_end;
+mod exr_channels;
+mod exr_picture;
+mod exr_refused;
+mod exr_says;
+mod hdr_header;
+mod jpeg;
 mod layers;
 mod merged;
+mod orientation;
 mod panorama;
+mod pixel_shape;
+mod png_chunks;
 mod profile;
+mod raw;
 mod read;
+mod tiff;
+mod tiff_page;
+mod tiff_says;
 mod write;
 
 pub(crate) use budget::{check as check_budget, exr_block};
@@ -19,6 +34,7 @@ pub use embed::{jpeg_bytes, png_bytes};
 pub use exif::{Exposure, exif_focal_px, exposure_of};
 pub use layers::{LightLayer, read_layers, write_layers};
 pub use merged::write_merged;
+pub use orientation::{Orientation, Stored, stored, stored_in};
 pub use panorama::read_environment;
 pub(crate) use read::read_in;
 pub use read::{decode, read};

@@ -8,7 +8,8 @@ use unrender_scene::{Environment, Rgb, Warnings};
 const ASPECT_TOLERANCE: f64 = 0.02;
 
 /// Reads the equirectangular panorama at `path` as an environment, turned by `rotation_rad` (see
-/// [`Environment::new`]), whose radiance is `scale` times the picture's linear values.
+/// [`Environment::new`]), whose radiance is `scale` times the picture's linear values. What is transparent
+/// gives the light that the file has there; what has no value gives none, with a warning.
 ///
 /// # Errors
 /// If the picture cannot be read, or if `scale` makes no finite radiance of it.
@@ -24,6 +25,14 @@ pub fn read_environment<'a>(
         warnings.push(format!(
             "{}: was taken for an sRGB picture; whatever was brighter than its white, lamps and sun \
              above all, is not in it; .hdr and .exr files have it",
+            path.display()
+        ));
+    }
+    let black = |index: &&usize| picture.values.pixels()[**index] == Rgb::ZERO;
+    let missing = picture.invalid.iter().filter(black).count();
+    if missing > 0 {
+        warnings.push(format!(
+            "{}: of the pixels without a value {missing} give no light here",
             path.display()
         ));
     }

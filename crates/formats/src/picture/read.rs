@@ -1,22 +1,30 @@
 //! Reads a picture file into code values.
 
-use super::{Depth, Picture, budget, jpeg_end, merged, profile};
+use super::tiff::{Directory, Tiff};
+use super::{
+    Picture, budget, codes, coverage, exr_picture, hdr_header, jpeg, merged, pixel_shape,
+    png_chunks, profile, raw, tiff_page, tiff_says,
+};
 use crate::FileError;
 use crate::input::{Input, Scope};
-use image::codecs::hdr::HdrDecoder;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use std::borrow::Cow;
 use std::io::Cursor;
 use std::path::Path;
 use unrender_scene::{Image, Rgb, Warnings};
 
 /// More pixels than any camera has today; beyond it a header is taken to be corrupt.
-const MAX_PIXELS: u64 = 1 << 28;
+pub(super) const MAX_PIXELS: u64 = 1 << 28;
 
 /// No decoder here unpacks a byte of a file to more bytes than this.
 pub(super) const MAX_UNPACKING: u64 = 4096;
 
 /// Files that claim less than this are plausible whatever their size.
 pub(super) const ALWAYS_BELIEVED_BYTES: u64 = 64 << 20;
+
+/// What is said of colours for a printer.
+const INKS: &str = "holds inks (CMYK), which were turned into red, green and blue without regard to what they \
+                    look like; save it as RGB";
 
 /// Reads the picture at `path` and turns it upright as its EXIF orientation says.
 ///
@@ -43,31 +51,135 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<(Picture, Warnings), FileErro
     decode_in(&Scope::new(Input::from(path)), bytes, path)
 }
 
+/// A picture, and what the user should know of it, as ends of sentences about its file.
+pub(super) struct Decoded {
+    pub picture: Picture,
+    pub notes: Vec<String>,
+}
+
 fn decode_in(scope: &Scope, bytes: &[u8], path: &Path) -> Result<(Picture, Warnings), FileError> {
-    let format = format_of(bytes)
-        .ok_or_else(|| FileError::new(path, "is not a PNG, JPEG, TIFF, EXR or HDR file"))?;
-    if format == ImageFormat::Jpeg && !jpeg_end::has_end(bytes) {
-        return Err(FileError::new(path, "is cut short: the end of the JPEG data is missing"));
-    }
-    let (decoded, icc) =
-        pixels_of(scope, bytes, format).map_err(|problem| FileError::new(path, problem))?;
+    let decoded = decoded(scope, bytes).map_err(|problem| FileError::new(path, problem))?;
+    let Decoded { mut picture, notes } = decoded;
     let mut warnings = Warnings::default();
-    if decoded.color().has_alpha() && has_transparency(&decoded) {
-        warnings.push(format!("{}: the alpha channel was ignored", path.display()));
+    for note in notes {
+        warnings.push(format!("{}: {note}", path.display()));
     }
-    let mut picture = picture_of(&decoded);
-    picture.profile = profile::of(bytes, format, icc.as_deref());
-    if format == ImageFormat::OpenExr {
-        put_merged(scope, &mut picture, bytes).map_err(|problem| FileError::new(path, problem))?;
-    }
-    if !picture.invalid.is_empty() {
+    let broken = codes::leave_out_what_is_not_finite(&mut picture);
+    if broken > 0 {
         warnings.push(format!(
-            "{}: {} pixel(s) are not finite numbers; they were left out",
-            path.display(),
-            picture.invalid.len()
+            "{}: {broken} pixel(s) are not finite numbers; they were left out",
+            path.display()
         ));
     }
+    picture.invalid.sort_unstable();
+    picture.invalid.dedup();
     Ok((picture, warnings))
+}
+
+fn decoded(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
+    if let Some(kind) = raw::of_beginning(bytes) {
+        return Err(raw::refusal(kind));
+    }
+    let format = format_of(bytes).ok_or_else(|| match raw::other(bytes) {
+        Some(kind) => format!(
+            "is not a PNG, JPEG, TIFF, EXR or HDR file, but {kind}, which is not read; save it as one of these"
+        ),
+        None => "is not a PNG, JPEG, TIFF, EXR or HDR file".to_owned(),
+    })?;
+    budget::check(scope, bytes, Some(format))?;
+    match format {
+        ImageFormat::OpenExr => {
+            let mut decoded = exr_picture::read(scope, bytes)?;
+            put_merged(scope, &mut decoded.picture, bytes)?;
+            Ok(decoded)
+        }
+        ImageFormat::Tiff => tiff(scope, bytes),
+        ImageFormat::Jpeg => plain_jpeg(scope, bytes),
+        ImageFormat::Hdr => hdr(scope, bytes),
+        _ => {
+            let mut decoded = plain(scope, bytes, format, None)?;
+            let aspect = png_chunks::pixel_aspect(bytes);
+            decoded.notes.extend(pixel_shape::note(aspect, "its chunk pHYs"));
+            Ok(decoded)
+        }
+    }
+}
+
+/// A file whose decoder says all that there is to say; `page` is that of a TIFF.
+fn plain(
+    scope: &Scope,
+    bytes: &[u8],
+    format: ImageFormat,
+    page: Option<(&Tiff<'_>, &Directory)>,
+) -> Result<Decoded, String> {
+    let (decoded, icc) = pixels_of(scope, bytes, format)?;
+    let mut picture = codes::picture_of(&decoded);
+    let is_coverage = page.is_none_or(|(tiff, page)| tiff_says::has_coverage(tiff, page));
+    let notes = coverage::mark(&decoded, is_coverage, &mut picture).into_iter().collect();
+    picture.profile = profile::of(bytes, format, icc.as_deref(), page)?;
+    Ok(Decoded { picture, notes })
+}
+
+fn plain_jpeg(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
+    if let Some(problem) = jpeg::unread(bytes) {
+        return Err(problem);
+    }
+    if !jpeg::has_end(bytes) {
+        return Err("is cut short: the end of the JPEG data is missing".into());
+    }
+    let mut decoded = plain(scope, bytes, ImageFormat::Jpeg, None)?;
+    decoded.notes.extend(pixel_shape::note(jpeg::pixel_aspect(bytes), "its JFIF header"));
+    decoded.notes.extend(jpeg::has_inks(bytes).then(|| INKS.to_owned()));
+    Ok(decoded)
+}
+
+/// Radiance's header tells by how much the picture was multiplied after the fact, and its primaries.
+fn hdr(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
+    let header = hdr_header::read(bytes)?;
+    let mut decoded = plain(scope, bytes, ImageFormat::Hdr, None)?;
+    if header.factor != [1.0; 3] {
+        let factor = Rgb::from_array(header.factor);
+        decoded.picture.values.pixels_mut().iter_mut().for_each(|value| *value /= factor);
+    }
+    let source = "the line PRIMARIES= of its header";
+    let stated =
+        header.primaries.map(|corners| profile::of_primaries(profile::matrix(corners), source));
+    decoded.picture.profile = stated;
+    let aspect = Some(1.0 / header.height_of_pixels);
+    decoded.notes.extend(pixel_shape::note(aspect, "the line PIXASPECT= of its header"));
+    Ok(decoded)
+}
+
+fn tiff(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
+    let Some(file) = Tiff::of(bytes) else { return plain(scope, bytes, ImageFormat::Tiff, None) };
+    let Some(page) = tiff_page::choose(&file)? else {
+        return plain(scope, bytes, ImageFormat::Tiff, None);
+    };
+    if let Some(problem) = tiff_says::unread(&file, &page.directory) {
+        return Err(problem);
+    }
+    // The decoder reads the first page only.
+    let bytes = if page.is_first {
+        Cow::Borrowed(bytes)
+    } else {
+        scope.charge(bytes.len() as u64)?;
+        Cow::Owned(file.beginning_at(page.directory.at))
+    };
+    let mut decoded = plain(scope, &bytes, ImageFormat::Tiff, Some((&file, &page.directory)))?;
+    if let Some(no_data) = tiff_says::no_data(&file, &page.directory) {
+        let count = coverage::mark_no_data(&mut decoded.picture, no_data);
+        if count > 0 {
+            decoded.notes.push(format!(
+                "{count} pixel(s) have the value {no_data} for no data (GDAL_NODATA); they were left out"
+            ));
+        }
+    }
+    decoded.notes.extend(page.note);
+    decoded.notes.extend(tiff_says::other_channels(&file, &page.directory));
+    decoded.notes.extend(tiff_says::has_inks(&file, &page.directory).then(|| INKS.to_owned()));
+    let aspect = tiff_says::pixel_aspect(&file, &page.directory);
+    decoded.notes.extend(pixel_shape::note(aspect, "its resolutions"));
+    Ok(decoded)
 }
 
 /// Reads the variances of a merged bracket, and which pixels have no value.
@@ -84,21 +196,17 @@ fn put_merged(scope: &Scope, picture: &mut Picture, bytes: &[u8]) -> Result<(), 
         picture.values.pixels_mut()[index] = Rgb::ZERO;
         picture.invalid.push(index);
     }
-    picture.invalid.sort_unstable();
-    picture.invalid.dedup();
     picture.merged = Some(merged);
     Ok(())
 }
 
-fn format_of(bytes: &[u8]) -> Option<ImageFormat> {
+/// The format that the bytes are of, if it is one that is read.
+pub(super) fn format_of(bytes: &[u8]) -> Option<ImageFormat> {
+    if Tiff::of(bytes).is_some() {
+        return Some(ImageFormat::Tiff);
+    }
     let format = image::guess_format(bytes).ok()?;
-    let read = [
-        ImageFormat::Png,
-        ImageFormat::Jpeg,
-        ImageFormat::Tiff,
-        ImageFormat::OpenExr,
-        ImageFormat::Hdr,
-    ];
+    let read = [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::OpenExr, ImageFormat::Hdr];
     read.contains(&format).then_some(format)
 }
 
@@ -108,15 +216,7 @@ fn pixels_of(
     bytes: &[u8],
     format: ImageFormat,
 ) -> Result<(DynamicImage, Option<Vec<u8>>), String> {
-    let name = format!("{format:?}");
-    let faulty = |error: image::ImageError| fault(&name, &error);
-    let mut scale = 1.0;
-    if format == ImageFormat::Hdr {
-        let decoder = HdrDecoder::new(Cursor::new(bytes)).map_err(faulty)?;
-        // Radiance's header tells by how much the picture was multiplied after the fact.
-        scale = decoder.metadata().exposure.filter(|e| e.is_finite() && *e > 0.0).unwrap_or(1.0);
-    }
-    budget::check(scope, bytes, Some(format))?;
+    let faulty = |error: image::ImageError| fault(bytes, format, &error);
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(budget::BESIDE_PIXELS);
@@ -133,18 +233,19 @@ fn pixels_of(
     let icc = decoder.icc_profile().ok().flatten();
     let mut decoded = DynamicImage::from_decoder(decoder).map_err(faulty)?;
     decoded.apply_orientation(orientation);
-    if scale != 1.0
-        && let Some(rgb) = decoded.as_mut_rgb32f()
-    {
-        rgb.iter_mut().for_each(|value| *value /= scale);
-    }
     Ok((decoded, icc))
 }
 
-fn fault(format: &str, error: &image::ImageError) -> String {
+fn fault(bytes: &[u8], format: ImageFormat, error: &image::ImageError) -> String {
     match error {
         image::ImageError::Unsupported(_) => {
-            format!("is a kind of {format} file that is not read ({error}); save it as RGB")
+            // What a TIFF's decoder says is a number.
+            let first = Tiff::of(bytes).and_then(|tiff| {
+                let page = tiff.directory(tiff.first()?)?;
+                Some(tiff_says::kind(&tiff, &page))
+            });
+            let what = first.unwrap_or_else(|| error.to_string());
+            format!("is a kind of {format:?} file that is not read ({what}); save it as RGB")
         }
         image::ImageError::Limits(_) => {
             "has a colour profile or texts that are too large; save it again without them".into()
@@ -165,61 +266,4 @@ fn check_size(decoder: &impl ImageDecoder, file_bytes: u64) -> Result<(), String
         return Err(budget::unbelievable(width.into(), height.into(), file_bytes));
     }
     Ok(())
-}
-
-/// True if some pixel's alpha is not full; a full alpha channel says nothing worth a warning.
-fn has_transparency(decoded: &DynamicImage) -> bool {
-    match decoded {
-        DynamicImage::ImageLumaA8(p) => p.pixels().any(|p| p.0[1] != u8::MAX),
-        DynamicImage::ImageRgba8(p) => p.pixels().any(|p| p.0[3] != u8::MAX),
-        DynamicImage::ImageLumaA16(p) => p.pixels().any(|p| p.0[1] != u16::MAX),
-        DynamicImage::ImageRgba16(p) => p.pixels().any(|p| p.0[3] != u16::MAX),
-        DynamicImage::ImageRgba32F(p) => p.pixels().any(|p| p.0[3] < 1.0),
-        _ => false,
-    }
-}
-
-fn picture_of(decoded: &DynamicImage) -> Picture {
-    use DynamicImage as D;
-    let depth = match decoded {
-        D::ImageLuma8(_) | D::ImageLumaA8(_) | D::ImageRgb8(_) | D::ImageRgba8(_) => Depth::Eight,
-        D::ImageLuma16(_) | D::ImageLumaA16(_) | D::ImageRgb16(_) | D::ImageRgba16(_) => {
-            Depth::Sixteen
-        }
-        _ => Depth::Float,
-    };
-    let (width, height) = (decoded.width() as usize, decoded.height() as usize);
-    let mut pixels = code_values(decoded);
-    let mut invalid = Vec::new();
-    for (index, value) in pixels.iter_mut().enumerate() {
-        if !value.is_finite() {
-            *value = Rgb::ZERO;
-            invalid.push(index);
-        }
-    }
-    Picture { invalid, ..Picture::new(Image::new(width, height, pixels), depth) }
-}
-
-/// The code values of all pixels, grey repeated in all channels, alpha left out.
-fn code_values(decoded: &DynamicImage) -> Vec<Rgb> {
-    let of8 = |code: u8| f32::from(code) / 255.0;
-    let of16 = |code: u16| f32::from(code) / 65535.0;
-    let rgb8 = |p: [u8; 3]| Rgb::from_array(p.map(of8));
-    let rgb16 = |p: [u16; 3]| Rgb::from_array(p.map(of16));
-    match decoded {
-        DynamicImage::ImageLuma8(p) => p.pixels().map(|p| Rgb::splat(of8(p.0[0]))).collect(),
-        DynamicImage::ImageLumaA8(p) => p.pixels().map(|p| Rgb::splat(of8(p.0[0]))).collect(),
-        DynamicImage::ImageRgb8(p) => p.pixels().map(|p| rgb8(p.0)).collect(),
-        DynamicImage::ImageRgba8(p) => p.pixels().map(|p| rgb8([p.0[0], p.0[1], p.0[2]])).collect(),
-        DynamicImage::ImageLuma16(p) => p.pixels().map(|p| Rgb::splat(of16(p.0[0]))).collect(),
-        DynamicImage::ImageLumaA16(p) => p.pixels().map(|p| Rgb::splat(of16(p.0[0]))).collect(),
-        DynamicImage::ImageRgb16(p) => p.pixels().map(|p| rgb16(p.0)).collect(),
-        DynamicImage::ImageRgba16(p) => {
-            p.pixels().map(|p| rgb16([p.0[0], p.0[1], p.0[2]])).collect()
-        }
-        DynamicImage::ImageRgba32F(p) => {
-            p.pixels().map(|p| Rgb::new(p.0[0], p.0[1], p.0[2])).collect()
-        }
-        other => other.to_rgb32f().pixels().map(|p| Rgb::from_array(p.0)).collect(),
-    }
 }

@@ -217,11 +217,11 @@ fn damaged_files_never_panic() {
         json
     };
     let glb = glb(&json, &triangle_bytes());
-    let obj =
-        "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0 1\nvt 0 0\nvn 0 0 1\nusemtl m\nf 1/1/1 2/1/1 -1/-1/-1\n";
+    let obj = "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0 1\nvt 0 0\nvn 0 0 1\nusemtl m\nf 1/1/1 2/1/1 \\\n-1/-1/-1\n\
+         g b\nf 1/1 2//1 3\nf 1 2 3 1 3 2\nl 1 2\ns 1\nusemtl x #2\nf 1 2 3\n";
     let obj = &format!("mtllib a.mtl\n{obj}");
-    let mtl =
-        "newmtl m\nKd 1 0.5 0\nKe 1\nKs 0 0.1 0.2\nNs 20\nillum 2\nd 1\nNi 1.5\nmap_Kd x.png\n";
+    let mtl = "newmtl m\nKd 1 0.5 0\nKe 1\nKs 0 0.1 0.2\nNs 20\nillum 2\nd 1\nNi 1.5\nTr 0.5\nx\n\
+         map_Kd -s 1 1 x.png\nnewmtl n\nmap_Ke x\n";
     let mut numbers = Numbers(7);
     let folder = Folder::new();
     for _ in 0..3000 {

@@ -1,5 +1,6 @@
 //! Scenes far from zero: the same as near it, but for where they are, and written back where they were.
 
+use crate::mitsuba_meshes::serialized;
 use crate::support::{Folder, changed, glb, triangle_bytes, triangle_json};
 use glam::{DVec3, Vec3};
 use serde_json::json;
@@ -160,6 +161,60 @@ fn mitsuba(folder: &Folder, moved: [i64; 3]) -> std::path::PathBuf {
     ))
 }
 
+/// The room by commands that move it, with meshes near their own zero and far from it, and a light of our own.
+fn commands(folder: &Folder, moved: [i64; 3]) -> std::path::PathBuf {
+    let room = std::fs::read_to_string(radiance(folder, [0; 3])).unwrap();
+    folder.file(
+        "room.rad",
+        room + "wall mesh m 5 near.rtm -t 1 0.5 0.25 0 0\n\
+                # light {\"kind\":\"point\",\"position\":[0.1,1.7001,0.3],\"name\":\"l\",\"strength\":[4,4,4]}\n\
+                void light l 0 0 3 1 1 1\nl sphere l.s 0 0 4 0.1 1.7001 0.3 .001\n",
+    );
+    let lines = |moved| {
+        let corners = CORNERS[1].map(|corner| format!("v {}\n", point(corner, moved)));
+        corners.concat() + "f 1 2 3 4\n"
+    };
+    folder.file("near.obj", lines([0; 3]));
+    folder.file("there.obj", lines(moved));
+    // The view is where the room goes to.
+    let path = radiance(folder, moved);
+    let [x, y, z] = moved;
+    folder.file("half.rad", format!("!xform -t 0 {y} 0 room.rad\n"));
+    std::fs::write(
+        &path,
+        format!("!xform -t {x} 0 0 -t 0 0 {z} half.rad\nwall mesh w 1 there.rtm 0 0\n"),
+    )
+    .unwrap();
+    path
+}
+
+/// Shapes in groups, and a compressed mesh that is far along one axis in its file, along the others by its motion.
+fn instances(folder: &Folder, moved: [i64; 3]) -> std::path::PathBuf {
+    let [x, y, z] = moved;
+    let lines = CORNERS[1].map(|corner| format!("v {}\n", point(corner, [0; 3]))).concat();
+    folder.file("wall.obj", lines + "f 1 2 3 4\n");
+    folder.file("m.serialized", serialized(4, &[z as f64 + 0.3001], true));
+    let eye = point([3, 12_001, 38_000], moved);
+    folder.file("a.xml", format!(
+        r#"<scene version="3.0.0">
+        <bsdf type="diffuse" id="grey"/>
+        <shape type="shapegroup" id="group">
+          <shape type="obj"><string name="filename" value="wall.obj"/><ref id="grey"/></shape>
+          <shape type="sphere"><point name="center" value="0.1 0.2 0.3"/><float name="radius" value="0.2"/>
+            <ref id="grey"/></shape></shape>
+        <shape type="instance"><ref id="group"/><transform name="to_world"><rotate y="1" angle="20"/>
+          <translate x="{x}" y="{y}" z="{z}"/></transform></shape>
+        <shape type="serialized"><string name="filename" value="m.serialized"/><ref id="grey"/>
+          <transform name="to_world"><translate x="{x}" y="{y}"/></transform></shape>
+        <shape type="disk"><ref id="grey"/><transform name="to_world"><scale value="0.3"/>
+          <translate x="{x}" y="{y}" z="{z}"/></transform></shape>
+        <sensor type="perspective"><transform name="to_world">
+          <translate value="{eye}"/></transform></sensor>
+        <emitter type="point"><transform name="to_world"><translate value="{eye}"/></transform></emitter>
+        </scene>"#
+    ))
+}
+
 /// The room as glTF, each vertex near its node's zero and the nodes where they are.
 fn nodes(folder: &Folder, moved: [i64; 3]) -> std::path::PathBuf {
     let mut json = triangle_json();
@@ -186,8 +241,10 @@ fn scenes_far_from_zero_are_read_as_near_it() {
             assert_eq!(places(&far), places(&near), "{moved:?}");
             assert_alike(&far, &near, moved);
         }
-        let [far, near] = both(moved, &mitsuba);
-        assert_alike(&far, &near, moved);
+        for write in [&mitsuba as &dyn Fn(&Folder, [i64; 3]) -> _, &commands, &instances] {
+            let [far, near] = both(moved, write);
+            assert_alike(&far, &near, moved);
+        }
     }
 }
 

@@ -82,13 +82,14 @@ fn a_node_flattened_to_a_plane_has_normals() {
 
 #[test]
 fn only_the_default_scene_counts() {
-    let (scene, _) = load_changed(|json, _| {
+    let (scene, warnings) = load_changed(|json, _| {
         json["nodes"] = json!([{ "mesh": 0, "name": "a" }, { "mesh": 0, "name": "b" }]);
         json["scenes"] = json!([{ "nodes": [0] }, { "nodes": [1] }]);
         json["scene"] = json!(1);
     });
     assert_eq!(scene.objects.len(), 1);
     assert_eq!(scene.objects[0].name, "b");
+    assert_eq!(warnings.0, ["Of the 2 scenes of the file only the default one was read."]);
 }
 
 #[test]

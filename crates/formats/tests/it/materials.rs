@@ -4,7 +4,8 @@ use crate::support::Folder;
 use glam::Vec3;
 use std::path::Path;
 use unrender_formats::materials::{
-    self, AlternativeEntry, GroupEntry, Hypothesis, LightEntry, MaterialsFile, Status, StdEntry,
+    self, AlternativeEntry, GroupEntry, Hypothesis, LightEntry, MaterialsFile, Status, StatusEntry,
+    StdEntry,
 };
 use unrender_formats::picture;
 use unrender_scene::{Group, Image, Light, LightKind, Material, Rgb, Scene, WardModel};
@@ -142,12 +143,29 @@ fn numbers_out_of_range_name_group_and_key() {
 }
 
 #[test]
+fn statuses_are_words_and_those_of_before_stay_readable() {
+    let of = |text: &str| serde_json::from_str::<StatusEntry>(&format!("\"{text}\""));
+    for (text, status) in [
+        ("recovered", StatusEntry::Of(Status::Recovered)),
+        ("known", StatusEntry::Of(Status::Known)),
+        ("assumed", StatusEntry::Of(Status::Assumed)),
+        ("doubtful", StatusEntry::Of(Status::Doubtful)),
+        ("ignored", StatusEntry::Ignored),
+        ("same as old oak", StatusEntry::SameAs("old oak".into())),
+    ] {
+        assert_eq!(of(text).unwrap(), status);
+        assert_eq!(serde_json::to_string(&status).unwrap(), format!("\"{text}\""));
+    }
+    assert!(of("guessed").unwrap_err().to_string().contains("no status \"guessed\""));
+}
+
+#[test]
 fn files_come_back_as_they_were_written() {
     let folder = Folder::new();
     let path = folder.path("materials.json");
     let floor = GroupEntry {
         hypothesis: Some(Hypothesis::PartialMirror),
-        status: Some(Status::Assumed),
+        status: Some(StatusEntry::Of(Status::Assumed)),
         rho_d: Some([0.1, 0.2, 0.3]),
         theta_deg: Some(f32::NAN),
         std: Some(StdEntry { alpha_x: Some(f32::INFINITY), ..StdEntry::default() }),

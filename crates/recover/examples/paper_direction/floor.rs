@@ -2,7 +2,7 @@
 
 use crate::cornell_box::{FLOOR, camera};
 use glam::{Vec2, Vec3};
-use unrender_recover::hypothesis::brushed;
+use unrender_recover::paper::brushed;
 use unrender_render::{Probe, ProbeSettings, Probes, Settings, Tracer};
 use unrender_scene::color::{luminance, srgb_from_linear};
 use unrender_scene::{Camera, Material, Rgb, RgbImage, Scene};

@@ -13,7 +13,7 @@ mod plots;
 use floor::{Brushed, Floor};
 use std::error::Error;
 use std::path::Path;
-use unrender_recover::hypothesis::brushed;
+use unrender_recover::paper::brushed;
 
 /// The floors: how each is brushed, degrees.
 const FLOORS: [Brushed; 5] = [None, Some(0.0), Some(30.0), Some(60.0), Some(90.0)];

@@ -7,7 +7,6 @@
 //! (`quantities`), which materials are of it ([`of`]), and whether it is uniform ([`UNIFORM`]).
 
 pub mod anisotropic;
-pub mod brushed;
 pub mod diffuse;
 pub mod diffuse_specular;
 pub mod isotropic;

@@ -11,7 +11,7 @@ use super::evidence_pair::{EvidencePair, Fits, Gathering};
 use super::textures;
 use crate::hypothesis::{Fit, Hypothesis};
 use crate::likelihood::Likelihood;
-use crate::others::{MIDDLE, error_of_others, light_of_others};
+use crate::others::{BETTER, MIDDLE, error_of_others, light_of_others};
 use crate::outliers;
 use crate::problem::Options;
 use crate::record::{CandidateRecord, Observer, Status};
@@ -36,12 +36,9 @@ const UNEXPLAINED: f64 = 6.0;
 /// A texture is tried where the model error is this many times that of the better groups, and has to gain more
 /// than from residuals of that size ([`crate::verify`]). At half of it time goes to textures that are not borne
 /// out, and shadows become textures; at double faint textures become noise.
-const TEXTURED: f64 = 2.0;
-/// The scene's better groups: those below this quantile of the model errors. A group that no hypothesis
-/// explains yet does not make the others' textures explained.
-const BETTER: f64 = 0.25;
+pub(super) const TEXTURED: f64 = 2.0;
 /// The model error of the better groups is taken as at least this: a real scene is not known better.
-const TYPICAL_MIN: f64 = 0.01;
+pub(super) const TYPICAL_MIN: f64 = 0.01;
 /// Outliers are looked for so often, each time without those before.
 const OUTLIER_ROUNDS: usize = 3;
 
@@ -56,7 +53,8 @@ pub(crate) struct Proposal {
     pub(crate) adds: f64,
     material: Material,
     residual: ResidualStats,
-    likelihood: Likelihood,
+    /// None where it was not asked for in the present light.
+    likelihood: Option<Likelihood>,
     /// Pixels that show something that is not in the model.
     outliers: Vec<u32>,
     /// Whether it is the present hypothesis in another minimum, which explains the group better than the one
@@ -87,11 +85,29 @@ impl Proposal {
             adds: added(state.groups[group].hypothesis, fit.hypothesis),
             material: fit.material.clone(),
             residual: fit.residual,
-            likelihood: fit.likelihood,
+            likelihood: Some(fit.likelihood),
             outliers: outliers.to_vec(),
             is_other_minimum: false,
             least: None,
             next,
+            then: None,
+        }
+    }
+
+    /// The change to a candidate that was not taken when the group was asked.
+    pub(super) fn of_record(state: &State<'_>, group: usize, record: &CandidateRecord) -> Self {
+        Self {
+            group,
+            hypothesis: record.hypothesis,
+            is_more_complex: record.hypothesis > state.groups[group].hypothesis,
+            adds: added(state.groups[group].hypothesis, record.hypothesis),
+            material: record.material.clone(),
+            residual: record.residual,
+            likelihood: None,
+            outliers: Vec::new(),
+            is_other_minimum: false,
+            least: None,
+            next: None,
             then: None,
         }
     }
@@ -140,7 +156,7 @@ impl Proposal {
         let of_group = &mut state.groups[self.group];
         of_group.hypothesis = self.hypothesis;
         of_group.residual = Some(self.residual);
-        of_group.likelihood = Some(self.likelihood);
+        of_group.likelihood = self.likelihood;
         of_group.note = (outliers > 0.0).then(|| {
             format!(
                 "{:.0} % of its pixels show something that is not in the model and do not count",
@@ -155,6 +171,7 @@ impl Proposal {
 }
 
 /// Asks groups for other hypotheses, and remembers which were asked.
+#[derive(Clone)]
 pub(crate) struct Candidates<'o> {
     options: &'o Options,
     /// How often each group was asked.
@@ -163,6 +180,8 @@ pub(crate) struct Candidates<'o> {
     asked_at: Vec<Option<Level>>,
     /// Hypotheses that the whole picture spoke against.
     rejected: Vec<Vec<Hypothesis>>,
+    /// A group whose hypothesis is held while the others are asked.
+    held: Option<usize>,
 }
 
 impl<'o> Candidates<'o> {
@@ -173,6 +192,7 @@ impl<'o> Candidates<'o> {
             asked: vec![0; groups],
             asked_at: vec![None; groups],
             rejected: vec![Vec::new(); groups],
+            held: None,
         }
     }
 
@@ -184,6 +204,20 @@ impl<'o> Candidates<'o> {
     /// Gives rejected hypotheses another chance, under better light.
     pub(crate) fn forget_rejections(&mut self) {
         self.rejected.iter_mut().for_each(Vec::clear);
+    }
+
+    /// Lets `groups` be asked again at the present level, whatever spoke against some hypotheses: their light is
+    /// another one now.
+    pub(crate) fn ask_again(&mut self, groups: &[usize]) {
+        for &group in groups {
+            self.asked_at[group] = None;
+            self.rejected[group].clear();
+        }
+    }
+
+    /// Leaves `group` as it is until another one, or none, is held.
+    pub(crate) fn hold(&mut self, group: Option<usize>) {
+        self.held = group;
     }
 
     /// Groups whose hypothesis does not explain the photograph yet.
@@ -201,7 +235,7 @@ impl<'o> Candidates<'o> {
     }
 
     /// Other hypotheses for the groups in error, the worst ones among those that were not asked at
-    /// this level.
+    /// this level in their present light.
     pub(crate) fn propose_worst(
         &mut self,
         state: &mut State<'_>,
@@ -214,7 +248,10 @@ impl<'o> Candidates<'o> {
                 let hypothesis = state.groups[*g].hypothesis;
                 !matches!(hypothesis, Hypothesis::Diffuse | Hypothesis::Textured)
             };
-            let asked = |g: &usize| self.asked[*g] < ASKED_MAX && self.asked_at[*g] != Some(level);
+            let asked = |g: &usize| {
+                let is_new = self.asked[*g] < ASKED_MAX && self.asked_at[*g] != Some(level);
+                is_new && self.held != Some(*g)
+            };
             let wanted = state.visible_unknowns().into_iter();
             let wanted: Vec<usize> =
                 wanted.filter(|g| open.contains(g) || climbed(g)).filter(asked).collect();

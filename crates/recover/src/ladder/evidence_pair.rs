@@ -1,8 +1,9 @@
 //! The evidence on one group, gathered twice, and all uniform rungs fitted to it under the present light.
 
 use crate::evidence::{Evidence, SampleBudget};
-use crate::hypothesis::{self, Fit, Hypothesis, Search, brushed};
+use crate::hypothesis::{self, Fit, Hypothesis, Search};
 use crate::model_error::{LightError, ModelError};
+use crate::paper::brushed;
 use crate::problem::Options;
 use crate::state::State;
 use rayon::prelude::*;

@@ -8,5 +8,4 @@ mod error_bars;
 mod ggx;
 mod ladder;
 mod registration;
-mod same_bits;
 mod sharp_lobes;

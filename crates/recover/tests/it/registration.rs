@@ -2,11 +2,11 @@
 //! lacks.
 
 use glam::{Affine3A, Quat, Vec3};
-use unrender_recover::register::{Registration, margin, register};
 use unrender_recover::{
     Effort, Expected, ExposureRule, GroupSpec, Hypothesis, Observation, Options, Picture,
     PixelStatus, Problem, Recovery, Role, View, recover,
 };
+use unrender_register::{Registration, margin, register};
 use unrender_render::sampler::mix;
 use unrender_render::{Settings, Tracer};
 use unrender_scene::{

@@ -23,7 +23,7 @@ mod shapes;
 use glam::Vec3;
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use unrender::formats::materials::{GroupEntry, MaterialsFile, Status, VERSION};
+use unrender::formats::materials::{GroupEntry, MaterialsFile, Status, StatusEntry, VERSION};
 use unrender::formats::{atomic, gltf, materials, picture};
 use unrender::recover::hypothesis::{self, Hypothesis};
 use unrender::render::{Settings, Tracer};
@@ -96,7 +96,7 @@ fn entry(scene: &Scene, index: usize) -> GroupEntry {
     let known = is_unseen(name);
     GroupEntry {
         hypothesis: Some(kind),
-        status: Some(if known { Status::Known } else { Status::Recovered }),
+        status: Some(StatusEntry::Of(if known { Status::Known } else { Status::Recovered })),
         rho_d: Some(material.rho_d.to_array()),
         rho_s: Some(material.rho_s.to_array()),
         alpha_x: Some(material.alpha_x),

@@ -1,12 +1,12 @@
 //! The model's edges on the photograph: where they fit, where they are off, and where the photograph
-//! shows none (the finding is `unrender-recover`'s: [`unrender_recover::register`]).
+//! shows none (the finding is `unrender-register`'s: [`unrender_register`]).
 
 use super::{Subject, some};
 use crate::registration::{CLEAR, OBJECT_NOTABLE};
 use glam::Vec2;
 use serde::Serialize;
-use unrender_recover::register::edges::{Edgel, edgels, finer};
-use unrender_recover::register::offset::EdgePicture;
+use unrender_register::edges::{Edgel, edgels, finer};
+use unrender_register::offset::EdgePicture;
 use unrender_scene::{Camera, Warnings};
 
 /// Edges that are off by no more than this fit, pixels.

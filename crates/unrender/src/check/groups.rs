@@ -1,9 +1,9 @@
 //! Group by group: how many pixels show it and count, whether it is lit, and what there is to tell
 //! its roughness by.
 
+use super::identifiability::RoughnessCue;
 use super::{Subject, some};
 use serde::Serialize;
-use unrender_recover::identifiability::RoughnessCue;
 use unrender_recover::{PixelStatus, Role};
 use unrender_scene::Warnings;
 
@@ -14,13 +14,18 @@ const DARK: f32 = 0.02;
 /// A group is mostly cut off from this share of its pixels on.
 const CLIPPED: f32 = 0.5;
 
+/// The role of a group that the project leaves out.
+pub(super) const IGNORED: &str = "ignored";
+/// What the role of a group begins with that has the material of another.
+pub(super) const SAME_AS: &str = "same as ";
+
 /// What the photograph has of one group.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GroupCheck {
     /// Its name.
     pub name: String,
-    /// "unknown", "known" or "emitter".
-    pub role: &'static str,
+    /// "unknown", "known", "emitter", "ignored", or "same as NAME", whose pixels are counted there.
+    pub role: String,
     /// Pixels that show it.
     pub pixels: usize,
     /// Those of them that count.
@@ -58,11 +63,7 @@ fn one(subject: &Subject<'_>, group: usize) -> GroupCheck {
     let of_group = || subject.job.scene.objects.iter().filter(move |o| o.group == group);
     GroupCheck {
         name: subject.group_name(group).to_owned(),
-        role: match subject.specs[group].role {
-            Role::Unknown => "unknown",
-            Role::Known => "known",
-            Role::Emitter => "emitter",
-        },
+        role: role(subject, group),
         pixels: all.len(),
         valid: observation.pixels_of_group[group].len(),
         clipped: count(PixelStatus::Clipped),
@@ -79,6 +80,20 @@ fn one(subject: &Subject<'_>, group: usize) -> GroupCheck {
         texture_coordinates: of_group().count() > 0
             && of_group().all(|object| !object.mesh.uvs.is_empty()),
     }
+}
+
+fn role(subject: &Subject<'_>, group: usize) -> String {
+    let (project, name) = (&subject.job.project, subject.group_name(group));
+    if let Some(other) = project.same_as.get(name) {
+        return format!("{SAME_AS}{other}");
+    }
+    match subject.specs[group].role {
+        _ if project.ignored.contains(name) => IGNORED,
+        Role::Unknown => "unknown",
+        Role::Known => "known",
+        Role::Emitter => "emitter",
+    }
+    .into()
 }
 
 /// Groups that the photograph has too little of.
@@ -102,7 +117,7 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
         if *clipped as f32 > CLIPPED * *pixels as f32 {
             warnings.push(format!(
                 "group \"{name}\": {clipped} of its {pixels} pixels are clipped, masked, in the \
-                 noise of black or broken; take a photo of another exposure"
+                 noise of black or without a measurement; take a photo of another exposure"
             ));
         } else if *valid < FEW {
             warnings.push(format!(

@@ -6,6 +6,7 @@
 mod camera;
 mod edges;
 mod groups;
+mod identifiability;
 mod light_units;
 mod lights;
 mod model;
@@ -25,8 +26,8 @@ use crate::problem;
 use crate::registered::RegisteredModel;
 use crate::registration::{self, Alignment};
 use glam::Vec3;
+use identifiability::{Identifiability, identifiability};
 use unrender_recover::evidence::Stage;
-use unrender_recover::identifiability::{Identifiability, identifiability};
 use unrender_recover::{GroupSpec, Observation, PixelStatus, Role, View};
 use unrender_render::{GeometryBuffers, RadianceCache, Tracer};
 use unrender_scene::color::luminance;

@@ -5,18 +5,18 @@
 //!    likely came along.
 //!  - **Gaps in the histogram**: codes that never occur between codes that do often. Contrast or
 //!    brightness were changed after the camera had written its codes.
-//!  - **The slope** of the photograph over the light ([`unrender_recover::identifiability`]), which a wrong
+//!  - **The slope** of the photograph over the light ([`mod@super::identifiability`]), which a wrong
 //!    response bends.
 //!  - **Brightness**: clipped, black, or far from what the lights can do on middle grey.
 
+use super::identifiability::Identifiability;
 use super::{GREY, Subject};
 use crate::project::ResponseChoice;
 use unrender_formats::picture::{Depth, Picture};
-use unrender_photo::{Exposure, Response};
-use unrender_recover::identifiability::Identifiability;
+use unrender_photo::{Exposure, Response, squares};
 use unrender_recover::{PixelStatus, Role};
-use unrender_scene::Warnings;
 use unrender_scene::color::luminance;
+use unrender_scene::{Rgb, Warnings};
 
 /// Values are steps of 8 bits if all but this share of them are.
 const OTHERS: f32 = 0.001;
@@ -52,12 +52,19 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
     warnings
 }
 
+/// The values of the pixels that have a measurement.
+fn measured(codes: &Picture) -> impl Iterator<Item = Rgb> {
+    let measured = codes.measured();
+    let values = codes.values.pixels().iter().copied().enumerate();
+    values.filter(move |(index, _)| measured.pixels()[*index]).map(|(_, value)| value)
+}
+
 /// A deep file that holds the steps of 8 bits.
 fn steps(subject: &Subject<'_>, codes: &Picture) -> Option<String> {
     if codes.depth == Depth::Eight {
         return None;
     }
-    let values = || codes.values.pixels().iter().flat_map(|v| v.to_array());
+    let values = || measured(codes).flat_map(|v| v.to_array());
     let is_step = |v: f32| {
         let code = 255.0 * v;
         (0.0..=255.5).contains(&code) && (code - code.round()).abs() < 255.0 * STEP
@@ -85,7 +92,7 @@ fn gaps(codes: &Picture) -> Option<String> {
     }
     let gaps = (0..3).map(|channel| {
         let mut histogram = [0usize; 256];
-        for value in codes.values.pixels() {
+        for value in measured(codes) {
             histogram[(255.0 * value[channel]).round().clamp(0.0, 255.0) as usize] += 1;
         }
         let is_gap = |w: &&[usize]| w[1] == 0 && w[0] >= OFTEN && w[2] >= OFTEN;
@@ -139,8 +146,11 @@ fn clipped(subject: &Subject<'_>) -> Option<String> {
     let reflecting = (0..subject.specs.len()).filter(|&g| subject.specs[g].role != Role::Emitter);
     let (mut all, mut off) = (0usize, 0usize);
     let counts = subject.job.counts(subject.geometry);
+    let measured =
+        squares(&subject.job.picture.measured(), subject.job.side, |of| !of.contains(&false));
     let pixels = reflecting.flat_map(|g| &observation.all_pixels_of_group[g]);
-    for &pixel in pixels.filter(|pixel| counts[**pixel as usize]) {
+    let counts = |pixel: usize| counts[pixel] && measured.pixels()[pixel];
+    for &pixel in pixels.filter(|pixel| counts(**pixel as usize)) {
         all += 1;
         off += usize::from(observation.status.pixels()[pixel as usize] == PixelStatus::Clipped);
     }
@@ -156,9 +166,13 @@ fn clipped(subject: &Subject<'_>) -> Option<String> {
 fn too_dark(subject: &Subject<'_>, codes: &Picture) -> Option<String> {
     codes.depth.max_code()?;
     let exposure = subject.job.transfer.exposure;
-    let radiance = subject.job.photo.radiance.pixels();
-    let mean =
-        radiance.iter().map(|r| luminance(*r / exposure)).sum::<f32>() / radiance.len() as f32;
+    let photo = &subject.job.photo;
+    let measured = squares(&codes.measured(), subject.job.side, |of| !of.contains(&false));
+    let pixels = photo.radiance.pixels().iter().zip(measured.pixels());
+    let pixels = pixels.filter(|(_, measured)| **measured);
+    let (sum, count) =
+        pixels.fold((0.0, 0usize), |(sum, n), (r, _)| (sum + luminance(*r / exposure), n + 1));
+    let mean = sum / count.max(1) as f32;
     (mean < DARK).then(|| {
         format!(
             "the photo is very dark, {:.2} % of white on the mean, where codes are coarse and noise \

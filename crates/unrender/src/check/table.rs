@@ -1,5 +1,6 @@
 //! A check as text for people and as JSON for programs.
 
+use super::groups::{IGNORED, SAME_AS};
 use super::{Checkup, Edges, GroupCheck};
 use crate::text_table;
 use serde::Serialize;
@@ -35,15 +36,22 @@ fn row(group: &GroupCheck) -> [String; 7] {
     let reasons = reasons.into_iter().filter(|(_, count)| *count > 0);
     let left_out: Vec<String> =
         reasons.map(|(reason, count)| format!("{reason} {}", of_pixels(count))).collect();
-    let name = match group.role {
+    let name = match group.role.as_str() {
         "unknown" => group.name.clone(),
         role => format!("{} ({role})", group.name),
     };
+    let is_elsewhere = group.role.starts_with(SAME_AS);
+    let is_ignored = group.role == IGNORED;
+    let count = |count: usize, is_none: bool| if is_none { dash() } else { count.to_string() };
     [
         name,
-        group.pixels.to_string(),
-        group.valid.to_string(),
-        if left_out.is_empty() { dash() } else { left_out.join(", ") },
+        count(group.pixels, is_elsewhere),
+        count(group.valid, is_elsewhere || is_ignored),
+        match left_out.is_empty() {
+            _ if is_ignored => "by the project".to_owned(),
+            true => dash(),
+            false => left_out.join(", "),
+        },
         group.lit.map_or_else(dash, percent),
         group.roughness.map_or_else(dash, str::to_owned),
         if group.texture_coordinates { "possible" } else { "no uv" }.to_owned(),

@@ -106,9 +106,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     } else {
         write_scene(args, &target, &table, zero, global.limits())?;
     }
-    if !global.quiet {
-        global.console.print(&summary);
-    }
+    global.console.print(&summary);
     Ok(ExitCode::SUCCESS)
 }
 

@@ -78,9 +78,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         response_curve::write(path, &rows, "found by unrender merge-exposures")?;
     }
     picture::write_merged(&args.out, &merged.picture)?;
-    if !global.quiet {
-        global.console.print(&summary(&merged, &args.photos));
-    }
+    global.console.print(&summary(&merged, &args.photos));
     Ok(ExitCode::SUCCESS)
 }
 

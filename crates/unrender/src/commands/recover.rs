@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 use unrender_formats::Limits;
-use unrender_recover::remote::Workers;
 use unrender_recover::{LadderKind, Options, Termination, effort};
+use unrender_remote::Workers;
 use unrender_scene::Hypothesis;
 
 /// Recovers the materials of a project's groups from its photograph.
@@ -132,7 +132,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         folder.write(false, |place| results::write(&job, &recovered, place, &global.console))?;
     if args.json {
         global.console.print(&run.to_text()?);
-    } else if !global.quiet {
+    } else {
         global.console.print(&results::summary(&job, &recovered));
     }
     if recovered.recovery.termination == Termination::Interrupted {
@@ -144,12 +144,32 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
 }
 
 impl Args {
-    /// What the results depend on, as text: where it differs, so may they.
-    fn choices(&self, limits: Limits) -> String {
+    /// What the results depend on, by name: where it differs, so may they.
+    fn choices(&self, limits: Limits) -> BTreeMap<String, String> {
         let Self { ladder, effort, seed, spp, bounces, no_refine, max_rung, .. } = self;
         let Self { refine_camera, keep_camera, no_filter, force, .. } = self;
-        let flags = (no_refine, refine_camera, keep_camera, no_filter, force, limits.outside);
-        format!("{ladder:?} {effort:?} {seed} {spp:?} {bounces:?} {max_rung:?} {flags:?}")
+        let word = |value: &dyn std::fmt::Debug| format!("{value:?}").to_lowercase();
+        let number = |value: Option<u32>| value.map_or_else(|| "default".into(), |n| n.to_string());
+        let stated = [
+            ("ladder", word(ladder)),
+            ("effort", word(effort)),
+            ("seed", seed.to_string()),
+            ("spp", number(*spp)),
+            ("bounces", number(*bounces)),
+            ("max-rung", max_rung.map_or("default", Hypothesis::name).to_owned()),
+        ];
+        let flags = [
+            ("no-refine", *no_refine),
+            ("refine-camera", *refine_camera),
+            ("keep-camera", *keep_camera),
+            ("no-filter", *no_filter),
+            ("force", *force),
+            ("allow-outside", limits.outside),
+        ];
+        let flags =
+            flags.map(|(name, is_given)| (name, if is_given { "yes" } else { "no" }.to_owned()));
+        let all = stated.into_iter().chain(flags);
+        all.map(|(name, value)| (name.to_owned(), value)).collect()
     }
 }
 

@@ -74,9 +74,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         .map_err(|error| FileError::new(&args.out, error))?;
     let _until_written = interrupt::writing();
     atomic::write(&args.out, &bytes)?;
-    if !global.quiet {
-        global.console.print(&noted);
-    }
+    global.console.print(&noted);
     Ok(ExitCode::SUCCESS)
 }
 

@@ -122,8 +122,19 @@ impl CameraTable {
 }
 
 /// The keys by which a table says the same otherwise.
-const OTHER_FORMS: [&str; 10] =
-    ["fx", "fy", "cx", "cy", "opencv", "view", "colmap", "image", "scene_from_world", "crop"];
+const OTHER_FORMS: [&str; 11] = [
+    "fx",
+    "fy",
+    "cx",
+    "cy",
+    "opencv",
+    "view",
+    "colmap",
+    "image",
+    "scene_from_world",
+    "crop",
+    "pixels",
+];
 
 /// How the line begins that says where the camera comes from.
 const ORIGIN: &str = "# Calibrated ";
@@ -177,7 +188,8 @@ mod tests {
         let once = put(&format!("{head}camera = \"door\"\n{tail}"));
         assert_eq!(once, expected);
         assert_eq!(put(&once), once, "again changes nothing");
-        let other = "\n[camera]\ncolmap = \"sparse/0\"\nimage = \"a.jpg\"\ncrop = [1, 2]\n";
+        let other = "\n[camera]\ncolmap = \"sparse/0\"\nimage = \"a.jpg\"\ncrop = [1, 2]\n\
+                 pixels = \"stored\"\n";
         assert_eq!(put(&format!("{head}{other}")).replace("\n\n#", "\n#"), {
             let table = &expected[expected.find("# Calibrated").unwrap()..];
             format!("{head}{table}")

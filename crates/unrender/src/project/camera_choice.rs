@@ -5,12 +5,11 @@ use super::{CameraTable, Stand};
 use glam::{DAffine3, DVec3, Vec3};
 use std::path::{Path, PathBuf};
 use toml::Value;
-use unrender_formats::cameras::{self, Intrinsics, colmap, opencv};
-use unrender_formats::{FileError, Input, Limits};
-use unrender_scene::{Camera, Lens};
+use unrender_formats::cameras::{self, Intrinsics, Pixels, colmap};
+use unrender_scene::Lens;
 
 /// What the camera of a project is called in messages.
-const NAME: &str = "project";
+pub(super) const NAME: &str = "project";
 
 /// Which camera took the photograph.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,6 +43,8 @@ pub struct CalibratedCamera {
     /// Where the upper left corner of the photograph lies in the picture of the calibration, pixels;
     /// none if the photograph is all of it, at any size.
     pub crop: Option<[f64; 2]>,
+    /// Which pixels of a photograph that is turned it is of, where the project says so.
+    pub pixels: Option<Pixels>,
 }
 
 /// The file of another program, and which of its cameras it is.
@@ -78,64 +79,6 @@ impl CameraChoice {
             }
         }
     }
-}
-
-impl CalibratedCamera {
-    /// The camera of a photograph of `size`, its position counted from `origin`.
-    ///
-    /// # Errors
-    /// If a file cannot be read, or has no such camera, or one of another picture.
-    pub(crate) fn read(
-        &self,
-        size: (usize, usize),
-        origin: DVec3,
-        limits: Limits,
-    ) -> Result<Camera, FileError> {
-        let (path, intrinsics, pose) = match &self.file {
-            CameraFile::Opencv { path, view } => {
-                let (intrinsics, pose) = opencv::read(Input::new(path, limits), *view)?;
-                (path, intrinsics, pose)
-            }
-            CameraFile::Colmap { cameras, images, image } => {
-                let (intrinsics, pose) = colmap::read(cameras, images, image, limits)?;
-                (cameras, intrinsics, Some(pose))
-            }
-        };
-        let fault = |problem: String| FileError::new(path, problem);
-        let here_from_world = DAffine3::from_translation(-origin) * self.scene_from_world;
-        let of_file = pose.map(|pose| pose.world_from_camera(&here_from_world));
-        let stated = self.stand.map(|stand| stand.camera(NAME, origin, 1.0).world_from_camera);
-        let pose = stated.or(of_file).ok_or_else(|| {
-            fault(
-                "has no pose: write rvec and tvec into it as cv2.solvePnP gives them, or give eye \
-                 and target in [camera]"
-                    .into(),
-            )
-        })?;
-        let intrinsics = match self.crop {
-            Some(corner) => within(&intrinsics, corner, size).map_err(fault)?,
-            None => intrinsics,
-        };
-        intrinsics.camera(NAME, pose, size).map_err(fault)
-    }
-}
-
-/// The intrinsics of a photograph of `size` that was cut out at `corner`.
-fn within(
-    intrinsics: &Intrinsics,
-    corner: [f64; 2],
-    (width, height): (usize, usize),
-) -> Result<Intrinsics, String> {
-    let [left, top] = corner;
-    if let Some([w, h]) = intrinsics.size
-        && (left + width as f64 > w || top + height as f64 > h)
-    {
-        return Err(format!(
-            "it is of a picture of {w} x {h} pixels, and camera.crop lets the photo's {width} x \
-             {height} begin at {left}, {top}; cut the photo out without making it smaller or larger"
-        ));
-    }
-    Ok(intrinsics.cropped(corner))
 }
 
 /// The key `camera`; files are relative to `folder`, and an image of COLMAP is called as `photo` is.
@@ -204,6 +147,11 @@ fn calibrated(raw: &RawCamera, file: CameraFile) -> Result<CalibratedCamera, Str
                 .into(),
         );
     }
+    if has_pose && raw.view.is_some() {
+        return Err("camera.view: eye and target say where the camera stood; leave out view, or \
+                    eye, target and up"
+            .into());
+    }
     let crop = raw.crop.filter(|crop| !crop.iter().all(|side| side.is_finite() && *side >= 0.0));
     if let Some([left, top]) = crop {
         return Err(format!(
@@ -216,7 +164,16 @@ fn calibrated(raw: &RawCamera, file: CameraFile) -> Result<CalibratedCamera, Str
         scene_from_world: scene_from_world(raw.scene_from_world.as_ref())?,
         stand: if has_pose { Some(stand(raw)?) } else { None },
         crop: raw.crop,
+        pixels: raw.pixels.as_deref().map(which_pixels).transpose()?,
     })
+}
+
+fn which_pixels(word: &str) -> Result<Pixels, String> {
+    match word {
+        "stored" => Ok(Pixels::Stored),
+        "upright" => Ok(Pixels::Upright),
+        _ => Err(format!("camera.pixels is \"{word}\"; it is \"stored\" or \"upright\"")),
+    }
 }
 
 fn scene_from_world(value: Option<&Value>) -> Result<DAffine3, String> {
@@ -246,10 +203,13 @@ fn scene_from_world(value: Option<&Value>) -> Result<DAffine3, String> {
 
 /// A camera in the project's own numbers.
 fn described(raw: &RawCamera) -> Result<CameraChoice, String> {
-    let of_files =
-        [("scene_from_world", raw.scene_from_world.is_some()), ("crop", raw.crop.is_some())];
-    let of_files =
-        of_files.into_iter().chain([("view", raw.view.is_some()), ("image", raw.image.is_some())]);
+    let of_files = [
+        ("scene_from_world", raw.scene_from_world.is_some()),
+        ("crop", raw.crop.is_some()),
+        ("pixels", raw.pixels.is_some()),
+        ("view", raw.view.is_some()),
+        ("image", raw.image.is_some()),
+    ];
     if let Some((key, _)) = of_files.into_iter().find(|(_, is_there)| *is_there) {
         return Err(format!("camera.{key}: it goes with a file; give opencv or colmap too"));
     }

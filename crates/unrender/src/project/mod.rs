@@ -3,6 +3,7 @@
 //! `parse` turns the text into a [`Project`] and checks every number; names are checked against
 //! the scene by [`Project::check_against`], once that is read.
 
+mod calibrated;
 mod camera;
 mod camera_choice;
 mod expected;
@@ -13,6 +14,7 @@ mod photograph;
 mod raw;
 mod rungs;
 
+pub(crate) use calibrated::{Found, Photographed};
 pub use camera::{CameraTable, Stand};
 pub use camera_choice::{CalibratedCamera, CameraChoice, CameraFile};
 pub use lights::LightColor;

@@ -92,10 +92,33 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
 
 fn with_line(error: &toml::de::Error, text: &str) -> String {
     let message = error.message();
-    match error.span().and_then(|span| text.get(..span.start)) {
-        Some(before) => format!("line {}: {message}", before.matches('\n').count() + 1),
-        None => message.to_owned(),
+    let Some(before) = error.span().and_then(|span| text.get(..span.start)) else {
+        return message.to_owned();
+    };
+    let index = before.matches('\n').count();
+    let hint = text.lines().nth(index).and_then(|line| hint_of_lights(message, line));
+    format!("line {}: {message}{}", index + 1, hint.unwrap_or_default())
+}
+
+/// What to do about the two forms that lights have, of which `[lights.NAME]` says less.
+fn hint_of_lights(message: &str, line: &str) -> Option<&'static str> {
+    const COLOURS: [&str; 4] = ["`color`", "`colour`", "`same_color_as`", "`same_colour_as`"];
+    let key = line.trim_start().trim_start_matches('[').trim_start();
+    let unknown = message.strip_prefix("unknown field ");
+    let is_alone = message.ends_with("expected `unknown`");
+    if is_alone && unknown.is_some_and(|of| COLOURS.iter().any(|key| of.starts_with(key))) {
+        return Some(
+            "; the colour of an unknown light goes into a list: instead of [lights.NAME] write [[lights]] with \
+             name = \"NAME\", unknown = true, and its colour",
+        );
     }
+    // A table behind a list belongs to the last entry of it.
+    let is_twice = message.contains("duplicate key") && key.starts_with("lights");
+    let is_behind = key.starts_with("lights.") && unknown.is_some() && !is_alone;
+    (is_twice || is_behind).then_some(
+        "; lights are a list [[lights]] or tables [lights.NAME], not both in one file: write the table as an entry of \
+         the list, [[lights]] with name = \"NAME\" and unknown = true",
+    )
 }
 
 /// The materials that are stated, by the names of their groups.

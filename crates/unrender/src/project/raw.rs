@@ -259,6 +259,7 @@ pub(super) struct RawCamera {
     pub(super) image: Option<String>,
     pub(super) scene_from_world: Option<Value>,
     pub(super) crop: Option<[f64; 2]>,
+    pub(super) pixels: Option<String>,
 }
 
 impl RawCamera {

@@ -5,7 +5,7 @@ use super::{Key, RunFolder, embed, parameters, selection_log, under};
 use crate::Error;
 use crate::run::{Run, RunGroup};
 use maud::{Markup, html};
-use unrender_scene::Status;
+use unrender_formats::materials::{Status, StatusEntry};
 
 /// The section. On narrow screens the script-less style makes a card of every row, so rows and cells
 /// state their roles.
@@ -30,7 +30,7 @@ pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
 fn row(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Result<Markup, Error> {
     let key = source.key.at("groups").at(name);
     let entry = &group.entry;
-    let failed = matches!(entry.status, Some(Status::Assumed | Status::Doubtful));
+    let failed = matches!(entry.status, Some(StatusEntry::Of(Status::Assumed | Status::Doubtful)));
     let hypothesis = entry.hypothesis.map_or("", |h| h.name());
     Ok(html! {
         tr role="row" class=[failed.then_some("failed")] data-group=(name) data-color=(group.map_color) {
@@ -43,11 +43,11 @@ fn row(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Result<Markup, E
             }
             (cell("hypothesis", &html! {
                 (hypothesis)
-                @match entry.status {
-                    Some(Status::Known) => { " " span class="status" { "given" } }
-                    Some(Status::Assumed) => { " " span class="status bad" { "assumed" } }
-                    Some(Status::Doubtful) => { " " span class="status bad" { "doubtful" } }
-                    _ => {}
+                @match &entry.status {
+                    None | Some(StatusEntry::Of(Status::Recovered)) => {}
+                    Some(StatusEntry::Of(Status::Known)) => { " " span class="status" { "given" } }
+                    Some(status) if failed => { " " span class="status bad" { (status) } }
+                    Some(status) => { " " span class="status" { (status) } }
                 }
             }))
             (cell("parameters", &parameters::list(&key, entry)))

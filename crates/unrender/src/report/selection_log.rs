@@ -4,7 +4,7 @@ use super::number::{count, percent};
 use super::{Key, RunFolder, parameters};
 use crate::run::{CandidateEntry, RunGroup};
 use maud::{Markup, html};
-use unrender_scene::{Hypothesis, Status};
+use unrender_formats::materials::{Hypothesis, Status, StatusEntry};
 
 /// The selection log, and why the group stands where it does.
 pub(super) fn of(source: &RunFolder<'_>, key: &Key, name: &str, group: &RunGroup) -> Markup {
@@ -29,9 +29,11 @@ fn reason(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Markup {
     let open =
         ladder.is_some_and(|iteration| iteration.open_groups.iter().any(|open| open == name));
     html! {
-        @match (group.entry.status, hypothesis, last) {
-            (Some(Status::Known), ..) => "Given, not recovered.",
-            (Some(Status::Assumed), ..) => "Not determined by this photograph.",
+        @match (&group.entry.status, hypothesis, last) {
+            (Some(StatusEntry::Ignored), ..) => "Left out by the project; it keeps the scene's material.",
+            (Some(StatusEntry::SameAs(other)), ..) => { "One material with " (other) ", as the project says." }
+            (Some(StatusEntry::Of(Status::Known)), ..) => "Given, not recovered.",
+            (Some(StatusEntry::Of(Status::Assumed)), ..) => "Not determined by this photograph.",
             (_, Hypothesis::Textured, _) => "No uniform reflectance explains it: its texture was \
                 taken from the photograph.",
             (_, _, None) if open => "When the ladder ended, what its first rung left was more than \

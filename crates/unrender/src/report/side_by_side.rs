@@ -128,7 +128,7 @@ fn cell(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Markup {
     let key = source.key.at("groups").at(name);
     html! {
         (group.entry.hypothesis.map_or("", |h| h.name()))
-        @if let Some(status) = group.entry.status { ", " (status) }
+        @if let Some(status) = &group.entry.status { ", " (status) }
         (parameters::list(&key, &group.entry))
         "error " (percent(&key.at("error"), group.entry.error))
     }

@@ -11,9 +11,10 @@ use unrender_scene::Status;
 pub(super) fn section(source: &RunFolder<'_>) -> Markup {
     let run = source.run;
     let groups = || run.groups.iter();
-    let assumed = groups().filter(|(_, g)| g.entry.status == Some(Status::Assumed));
-    let noted =
-        groups().filter(|(_, g)| g.entry.note.is_some() && g.entry.status != Some(Status::Assumed));
+    let is_assumed =
+        |g: &RunGroup| g.entry.status.as_ref().is_some_and(|status| status.is(Status::Assumed));
+    let assumed = groups().filter(|(_, g)| is_assumed(g));
+    let noted = groups().filter(|(_, g)| g.entry.note.is_some() && !is_assumed(g));
     let ambiguous: Vec<(&String, &RunGroup)> =
         groups().filter(|(_, g)| !g.entry.alternatives.is_empty()).collect();
     let (assumed, noted): (Vec<_>, Vec<_>) = (assumed.collect(), noted.collect());

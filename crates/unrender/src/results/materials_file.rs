@@ -7,7 +7,7 @@ use glam::Vec3;
 use indexmap::IndexMap;
 use std::path::Path;
 use unrender_formats::materials::{
-    AlternativeEntry, GroupEntry, LightEntry, MaterialsFile, StdEntry, VERSION,
+    AlternativeEntry, GroupEntry, LightEntry, MaterialsFile, StatusEntry, StdEntry, VERSION,
 };
 use unrender_formats::picture;
 use unrender_recover::{Alternative, Deviations, GroupResult};
@@ -42,7 +42,7 @@ pub(crate) fn build(job: &Job, recovered: &Recovered) -> MaterialsFile {
     };
     file.lights = lights(job, recovered);
     for group in &recovery.groups {
-        file.groups.insert(group.name.clone(), entry(group));
+        file.groups.insert(group.name.clone(), entry(job, group));
     }
     file
 }
@@ -65,12 +65,21 @@ pub(super) fn lights(job: &Job, recovered: &Recovered) -> IndexMap<String, Light
     job.scene.sources().filter_map(of).collect()
 }
 
-fn entry(group: &GroupResult) -> GroupEntry {
+/// Where the numbers of a group come from.
+pub(super) fn status(job: &Job, group: &GroupResult) -> StatusEntry {
+    if let Some(other) = job.project.same_as.get(&group.name) {
+        return StatusEntry::SameAs(other.clone());
+    }
+    let is_ignored = job.project.ignored.contains(&group.name);
+    if is_ignored { StatusEntry::Ignored } else { StatusEntry::Of(group.status) }
+}
+
+fn entry(job: &Job, group: &GroupResult) -> GroupEntry {
     let material = &group.material;
     let anisotropic = group.hypothesis == Hypothesis::Anisotropic;
     GroupEntry {
         hypothesis: Some(group.hypothesis),
-        status: Some(group.status),
+        status: Some(status(job, group)),
         rho_d: Some(material.rho_d.to_array()),
         rho_s: Some(material.rho_s.to_array()),
         alpha_x: Some(material.alpha_x),

@@ -4,7 +4,7 @@ use super::{alike, materials_file, parts};
 use crate::Job;
 use crate::engine::Recovered;
 use crate::text_table::table;
-use unrender_formats::materials::PhotographEntry;
+use unrender_formats::materials::{PhotographEntry, StatusEntry};
 use unrender_recover::{GroupResult, Recovery, Status};
 use unrender_scene::{Hypothesis, Rgb};
 
@@ -12,17 +12,17 @@ const HEADER: [&str; 8] =
     ["group", "hypothesis", "rho_d", "rho_s", "alpha", "direction", "error", "pixels"];
 
 /// The header and a row for each group that reflects something.
-pub(super) fn rows(recovery: &Recovery) -> ([&'static str; 8], Vec<[String; 8]>) {
+fn rows(job: &Job, recovery: &Recovery) -> ([&'static str; 8], Vec<[String; 8]>) {
     let reflects = |g: &&GroupResult| {
         g.status != Status::Known || (g.material.rho_d + g.material.rho_s).max_element() > 0.0
     };
-    (HEADER, recovery.groups.iter().filter(reflects).map(row).collect())
+    (HEADER, recovery.groups.iter().filter(reflects).map(|group| row(job, group)).collect())
 }
 
 /// The summary of a recovery: a line a group and unknown light, then time and iterations.
 pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
     let recovery = &recovered.recovery;
-    let (header, groups) = rows(recovery);
+    let (header, groups) = rows(job, recovery);
     let mut lines = vec![header.map(str::to_owned)];
     lines.extend(groups);
     let mut text = table(&lines);
@@ -113,12 +113,12 @@ fn rgb(v: Rgb) -> String {
     format!("{:.3} {:.3} {:.3}", v.x, v.y, v.z)
 }
 
-fn row(group: &GroupResult) -> [String; 8] {
+fn row(job: &Job, group: &GroupResult) -> [String; 8] {
     let material = &group.material;
     let dash = || "-".to_owned();
     let specular = material.rho_s.max_element() > 0.0;
-    let hypothesis = match group.status {
-        Status::Recovered => group.hypothesis.to_string(),
+    let hypothesis = match materials_file::status(job, group) {
+        StatusEntry::Of(Status::Recovered) => group.hypothesis.to_string(),
         other => format!("{} ({other})", group.hypothesis),
     };
     let alpha = match group.hypothesis {

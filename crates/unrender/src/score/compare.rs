@@ -5,16 +5,23 @@ use super::certainty::{ParameterScore, largest};
 use super::lobe::Lobe;
 use glam::Vec2;
 use std::path::Path;
-use unrender_formats::materials::{GroupEntry, Status, mean_of, read_texture_beside};
+use unrender_formats::materials::{
+    GroupEntry, MaterialsFile, Status, StatusEntry, mean_of, read_texture_beside,
+};
 use unrender_formats::{FileError, Limits};
 use unrender_scene::{Image, Rgb, Texture, Wrap};
 
-/// True if a group of this status is compared with the truth.
-pub(super) fn counts(status: Option<Status>) -> bool {
-    status.is_none_or(|s| matches!(s, Status::Recovered | Status::Doubtful))
+/// True if a group of `file` is compared with the truth: it was recovered, or another one that it has the
+/// material of.
+pub(super) fn counts(file: &MaterialsFile, group: &GroupEntry) -> bool {
+    let status = match &group.status {
+        Some(StatusEntry::SameAs(name)) => file.groups.get(name).and_then(|g| g.status.as_ref()),
+        status => status.as_ref(),
+    };
+    status.is_none_or(|status| status.is(Status::Recovered) || status.is(Status::Doubtful))
 }
 
-/// Compares one group; the name is left to the caller.
+/// Compares one group; its name, and whether it counts, are left to the caller.
 pub(super) fn group(
     found: &GroupEntry,
     found_folder: &Path,
@@ -22,8 +29,7 @@ pub(super) fn group(
     wanted_folder: &Path,
 ) -> Result<GroupScore, FileError> {
     let mut score = GroupScore {
-        counted: counts(found.status) && counts(wanted.status),
-        status: found.status,
+        status: found.status.clone(),
         hypothesis: found.hypothesis,
         true_hypothesis: wanted.hypothesis,
         ..GroupScore::default()

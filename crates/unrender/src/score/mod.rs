@@ -13,7 +13,7 @@ pub use certainty::{Certainty, LightScore, ParameterScore, certainty, score_ligh
 use serde::Serialize;
 use std::path::Path;
 use unrender_formats::FileError;
-use unrender_formats::materials::{Hypothesis, MaterialsFile, Status};
+use unrender_formats::materials::{Hypothesis, MaterialsFile, StatusEntry};
 
 /// The errors of one group; none where the truth says nothing to compare with.
 #[derive(Clone, Debug, PartialEq, Default, Serialize)]
@@ -23,7 +23,7 @@ pub struct GroupScore {
     /// True if the group counts: recovered, and not stated or assumed on either side.
     pub counted: bool,
     /// The status in the results; none for groups that the results leave out.
-    pub status: Option<Status>,
+    pub status: Option<StatusEntry>,
     /// What the group was taken to be.
     pub hypothesis: Option<Hypothesis>,
     /// What it is.
@@ -109,10 +109,14 @@ pub fn score(
     truth_folder: &Path,
 ) -> Result<Vec<GroupScore>, FileError> {
     let pairs = truth.groups.iter().map(|(name, wanted)| {
+        let counted = compare::counts(truth, wanted);
         let score = match results.groups.get(name) {
-            Some(found) => compare::group(found, results_folder, wanted, truth_folder)?,
+            Some(found) => GroupScore {
+                counted: counted && compare::counts(results, found),
+                ..compare::group(found, results_folder, wanted, truth_folder)?
+            },
             None => GroupScore {
-                counted: compare::counts(wanted.status),
+                counted,
                 true_hypothesis: wanted.hypothesis,
                 missing: vec!["group"],
                 ..GroupScore::default()

@@ -99,7 +99,7 @@ fn row(
 }
 
 fn status(score: &GroupScore) -> String {
-    match score.status {
+    match &score.status {
         Some(status) if score.counted => status.to_string(),
         Some(status) => format!("({status})"),
         None => "-".to_owned(),

@@ -10,14 +10,19 @@ use std::path::{Path, PathBuf};
 const DOCUMENTS: [&str; 4] = ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "SECURITY.md"];
 
 /// Which crates of the workspace each crate may use.
-const DIRECTIONS: [(&str, &[&str]); 7] = [
+const DIRECTIONS: [(&str, &[&str]); 9] = [
     ("scene", &[]),
     ("formats", &["scene"]),
     ("render", &["scene"]),
     ("photo", &["scene"]),
-    ("recover", &["scene", "render"]),
+    ("register", &["scene", "render"]),
+    ("recover", &["scene", "render", "register"]),
+    ("remote", &["scene", "render", "recover"]),
     ("restage", &["scene", "render"]),
-    ("unrender", &["scene", "formats", "render", "photo", "recover", "restage"]),
+    (
+        "unrender",
+        &["scene", "formats", "render", "photo", "register", "recover", "remote", "restage"],
+    ),
 ];
 
 fn root() -> PathBuf {
@@ -117,7 +122,7 @@ fn assert_absent(words: &[&str], inside: impl Fn(&str) -> bool, except: &[&str])
 }
 
 fn is_core(path: &str) -> bool {
-    ["scene", "render", "photo", "recover", "restage"]
+    ["scene", "render", "photo", "register", "recover", "remote", "restage"]
         .iter()
         .any(|c| path.starts_with(&format!("crates/{c}/")))
 }

@@ -174,7 +174,8 @@ fn a_scene_gets_the_camera() {
     folder.write("points.csv", &points(&view()));
     let arguments =
         ["p.png", "--scene", "s.glb", "--points", "points.csv", "--out", "seen.glb", "--quiet"];
-    assert_eq!(succeeds(&folder.calibrate(&arguments)), "");
+    let told = succeeds(&folder.calibrate(&arguments));
+    assert!(told.contains("pairs"), "quiet hides progress, and this is what was found: {told}");
     let (seen, _) = load_scene(&folder.path("seen.glb")).unwrap();
     let (before, _) = load_scene(&folder.path("s.glb")).unwrap();
     assert_eq!((&seen.objects, &seen.groups), (&before.objects, &before.groups));

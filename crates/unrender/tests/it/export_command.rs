@@ -54,6 +54,8 @@ white ring floor 0 0 8  0 0 0  0 0 1  0 3
 steel cylinder pillar 0 0 7  0 0 0  0 0 1.5  .4
 bulb sphere lamp 0 0 4  1 -1 3  .2
 !genbox white box 1 1 1
+void glass pane 0 0 3 .9 .9 .9
+pane ring window 0 0 8  0 -1 1  0 1 0  0 .5
 ";
 
 fn scenes(folder: &Folder) -> [PathBuf; 2] {
@@ -65,7 +67,9 @@ fn scenes(folder: &Folder) -> [PathBuf; 2] {
 #[test]
 fn scenes_written_by_hand_are_rendered_and_exported() {
     let folder = Folder::new();
-    for (scene, said) in scenes(&folder).iter().zip(["constant", "line 7: the command \"genbox"]) {
+    for (scene, said) in
+        scenes(&folder).iter().zip(["spots fall off", "line 8: the glass \"pane\""])
+    {
         let photo = folder.path("picture.exr");
         let words = ["render", "--height", "30", "--spp", "4"];
         let rendered = unrender(&words, &[("", scene), ("--out", &photo)]);

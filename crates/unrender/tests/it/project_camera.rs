@@ -39,6 +39,12 @@ fn faults_of_cameras_of_other_programs_name_their_key() {
         (placed("fx = 5, fy = -5, cx = 3, cy = 2"), "camera: fx, fy, cx, cy are 5, -5, 3, 2"),
         (placed("fx = 5, fy = 5, cx = 3, cy = 2, fx_over_fy = 1.1"), "leave these out"),
         (placed("fov_y_deg = 40, crop = [1, 2]"), "camera.crop: it goes with a file"),
+        (placed("fov_y_deg = 40, pixels = \"stored\""), "camera.pixels: it goes with a file"),
+        (file("opencv = \"a.yml\", pixels = \"turned\""), "it is \"stored\" or \"upright\""),
+        (
+            file("opencv = \"a.yml\", eye = [0,0,5], target = [0,0,0], view = 1"),
+            "camera.view: eye and target say",
+        ),
         (placed("fov_y_deg = 40, view = 1"), "camera.view: it goes with a file"),
         (file("opencv = \"a.yml\", colmap = \"b\""), "not both"),
         (file("opencv = \"a.yml\", image = \"b\""), "camera.image: it is for colmap"),
@@ -211,4 +217,159 @@ fn the_examples_have_the_camera_of_their_scene() {
     assert_eq!(job.project.same_as["wardrobe"], "oak");
     assert_eq!(job.project.like["walls"].group, "ceiling");
     assert_eq!(job.project.expected["floor"].bounds.alpha_x, [0.05, 1.0]);
+}
+
+/// A TIFF file of this EXIF orientation that stores rows of `pixels`.
+fn tiff(orientation: u16, width: usize, pixels: &[[u8; 3]]) -> Vec<u8> {
+    let (bytes, height) = (pixels.as_flattened(), (pixels.len() / width) as u32);
+    let entries: [(u16, u16, u32, u32); 10] = [
+        (256, 4, 1, width as u32),
+        (257, 4, 1, height),
+        // Three numbers of bits, behind the pixels.
+        (258, 3, 3, 8 + bytes.len() as u32),
+        (259, 3, 1, 1),
+        (262, 3, 1, 2),
+        (273, 4, 1, 8),
+        (274, 3, 1, orientation.into()),
+        (277, 3, 1, 3),
+        (278, 4, 1, height),
+        (279, 4, 1, bytes.len() as u32),
+    ];
+    let mut file = b"II*\0".to_vec();
+    file.extend((8 + bytes.len() as u32 + 6).to_le_bytes());
+    file.extend(bytes);
+    file.extend([8, 0, 8, 0, 8, 0]);
+    file.extend((entries.len() as u16).to_le_bytes());
+    for (tag, kind, count, value) in entries {
+        file.extend(tag.to_le_bytes());
+        file.extend(kind.to_le_bytes());
+        file.extend(count.to_le_bytes());
+        file.extend(value.to_le_bytes());
+    }
+    file.extend([0; 4]);
+    file
+}
+
+/// What a camera of another program took, of 64 x 48 or 48 x 48 pixels: each pixel says where it is stored.
+fn stored(width: usize) -> Vec<[u8; 3]> {
+    (0..48 * width)
+        .map(|index| [3 * (index % width) as u8 + 20, 4 * (index / width) as u8 + 20, 90])
+        .collect()
+}
+
+/// The job of a folder whose photograph is a file, and whose camera is that of `text`.
+fn job_of(place: &Path, text: &str) -> Result<Job, String> {
+    let text = format!("{FILES}exposure = 1\nresponse = \"srgb\"\n{text}");
+    let (project, warnings) =
+        Project::parse(&place.join("a.toml"), &text).map_err(|e| e.to_string())?;
+    let given = InMemory { scene: Some(lit()), ..InMemory::default() };
+    Job::assemble(project, warnings, given).map_err(|e| e.to_string())
+}
+
+/// Writes `p.png` of this width and orientation, and the camera that took its pixels as they are stored.
+fn turned_photograph(place: &Path, width: usize, orientation: u16) {
+    std::fs::write(place.join("p.png"), tiff(orientation, width, &stored(width))).unwrap();
+    let [x, y, z] = [-EYE[0], EYE[1], EYE[2]];
+    let cameras = format!("1 OPENCV {width} 48 70 66 33 23 -0.12 0.02 0.01 -0.02\n");
+    let images = format!("1 0 1 0 0 {x} {y} {z} 1 p.png\n\n");
+    std::fs::create_dir_all(place.join("sparse")).unwrap();
+    std::fs::write(place.join("sparse/cameras.txt"), cameras).unwrap();
+    std::fs::write(place.join("sparse/images.txt"), images).unwrap();
+    let yaml = format!(
+        "image_width: {width}\nimage_height: 48\nK: [[70, 0, 32.5], [0, 66, 22.5], [0, 0, 1]]\n\
+         D: [-0.12, 0.02, 0.01, -0.02]\nR: [[1, 0, 0], [0, -1, 0], [0, 0, -1]]\ntvec: [{x}, {y}, {z}]\n"
+    );
+    std::fs::write(place.join("k.yml"), yaml).unwrap();
+}
+
+/// The pixels that the camera of `job` shows the points at.
+fn shown(job: &Job) -> Vec<[i32; 3]> {
+    let picture = &job.picture.values;
+    let (width, height) = (picture.width(), picture.height());
+    let at = |point: [f64; 3]| {
+        let (x, y) =
+            job.camera.project(Vec3::from_array(point.map(|c| c as f32)), width, height)?;
+        Some(
+            picture.at(x as usize, y as usize).to_array().map(|code| (255.0 * code).round() as i32),
+        )
+    };
+    points().filter_map(at).collect()
+}
+
+#[test]
+fn a_pose_of_stored_pixels_turns_with_the_photograph() {
+    let place = tempfile::tempdir().unwrap();
+    let place = place.path();
+    let colmap = "camera = { colmap = \"sparse\" }";
+    let opencv = "camera = { opencv = \"k.yml\", pixels = \"stored\" }";
+    for width in [64, 48] {
+        turned_photograph(place, width, 1);
+        let as_stored = job_of(place, colmap).unwrap();
+        let expected = shown(&as_stored);
+        assert!(expected.len() > 20 && as_stored.warnings.0.is_empty(), "{:?}", as_stored.warnings);
+        for orientation in 2..=8 {
+            turned_photograph(place, width, orientation);
+            for camera in [colmap, opencv] {
+                let job = job_of(place, camera).unwrap();
+                let sides = (job.picture.values.width(), job.picture.values.height());
+                assert_eq!(sides, if orientation < 5 { (width, 48) } else { (48, width) });
+                let found = shown(&job);
+                // A point on the border of two pixels may fall into the other.
+                let same = found
+                    .iter()
+                    .zip(&expected)
+                    .all(|(a, b)| a.iter().zip(b).all(|(a, b)| a.abs_diff(*b) <= 5));
+                assert!(same && found.len() == expected.len(), "{width}, {orientation}: {camera}");
+                let told = job.warnings.0.join("\n");
+                let is_mirrored = [2, 4, 5, 7].contains(&orientation);
+                assert_eq!(told.contains("shows it mirrored"), is_mirrored, "{told}");
+                let is_open = camera == colmap && (width == 48 || orientation < 5);
+                assert_eq!(told.contains("pixels = \"upright\""), is_open, "{told}");
+            }
+        }
+    }
+}
+
+#[test]
+fn where_nothing_tells_which_pixels_a_calibration_is_of_it_is_asked() {
+    let place = tempfile::tempdir().unwrap();
+    let place = place.path();
+    let of = |rest: &str| job_of(place, &format!("camera = {{ opencv = \"k.yml\"{rest} }}"));
+    for (width, orientation) in [(64, 2), (64, 3), (48, 6)] {
+        turned_photograph(place, width, orientation);
+        let told = of("").unwrap_err();
+        assert!(told.contains("k.yml") && told.contains("give pixels = \"upright\""), "{told}");
+        assert!(of(", pixels = \"stored\"").is_ok());
+        let upright = of(", pixels = \"upright\"").unwrap();
+        assert!(upright.camera.origin().distance(Vec3::new(0.3, 1.2, 3.0)) < 1e-6);
+        assert!((upright.camera.lens.p1 - 0.01).abs() < 1e-6, "as the file says");
+    }
+    // Sizes tell.
+    turned_photograph(place, 64, 6);
+    let by_size = of("").unwrap();
+    assert_eq!(by_size.camera, of(", pixels = \"stored\"").unwrap().camera);
+    assert!((by_size.camera.lens.p1 + 0.02).abs() < 1e-6, "tilted the other way");
+    // A centred pinhole, whose pose the project states for the upright picture, is the same either way.
+    turned_photograph(place, 64, 3);
+    let yaml = "image_width: 64\nimage_height: 48\nK: [[70, 0, 31.5], [0, 70, 23.5], [0, 0, 1]]\n";
+    std::fs::write(place.join("k.yml"), yaml).unwrap();
+    assert!(of(", eye = [0, 0, 5], target = [0, 0, 0]").unwrap().warnings.0.is_empty());
+    // Which pixels a camera is of that has no file is no question.
+    let named = "camera = { eye = [0, 0, 5], target = [0, 0, 0], fov_y_deg = 40 }";
+    assert!(job_of(place, named).unwrap().warnings.0.is_empty());
+}
+
+#[test]
+fn a_mask_is_mirrored_back_with_its_photograph() {
+    let place = tempfile::tempdir().unwrap();
+    let place = place.path();
+    turned_photograph(place, 64, 2);
+    // White where the upright picture shows the first columns that are stored, which is on its right.
+    let mask: Vec<[u8; 3]> =
+        (0..48 * 64).map(|i| [if i % 64 >= 60 { 255 } else { 0 }; 3]).collect();
+    std::fs::write(place.join("m.png"), tiff(1, 64, &mask)).unwrap();
+    let job = job_of(place, "mask = \"m.png\"\ncamera = { colmap = \"sparse\" }").unwrap();
+    let mask = job.mask.unwrap();
+    assert!(*mask.at(0, 7) && *mask.at(3, 7) && !*mask.at(4, 7) && !*mask.at(63, 7));
+    assert_eq!(job.picture.values.at(3, 0).x, 29.0 / 255.0);
 }

@@ -112,7 +112,7 @@ fn killed(project: &Path, flags: &'static [&'static str], steps: &[usize]) {
             let other = often.command(&["--resume", "--seed", "9"]).output().unwrap();
             let said = String::from_utf8_lossy(&other.stderr).into_owned();
             assert_eq!(other.status.code(), Some(1), "{said}");
-            assert!(said.contains("with other options"), "{said}");
+            assert!(said.contains("with other options: --seed 0 and not 9;"), "{said}");
         }
     }
     assert!(kills >= 2, "it was killed {kills} times: too fast for this test");
@@ -153,7 +153,16 @@ fn resuming_where_nothing_was_interrupted_says_so() {
     let folder = floor_and_lamp::project();
     let flags = &["--effort", "draft", "--max-rung", "diffuse", "--no-refine", "--spp", "1"];
     let recovery = Recovery { project: folder.path("p.toml"), out: folder.path("out"), flags };
-    let told = recovery.command(&["--resume"]).output().unwrap();
-    let said = String::from_utf8_lossy(&told.stderr).into_owned();
-    assert!(told.status.success() && said.contains("from the beginning"), "{said}");
+    for expected in
+        ["no interrupted recovery is in", "had ended, and there is nothing to go on with"]
+    {
+        let told =
+            recovery.command(&["--resume", "--quiet"]).stdout(Stdio::piped()).output().unwrap();
+        let said = String::from_utf8_lossy(&told.stderr).into_owned();
+        assert!(told.status.success() && said.contains("from the beginning"), "{said}");
+        assert!(said.contains(expected), "{said}");
+        // What was found is no progress.
+        let table = String::from_utf8_lossy(&told.stdout).into_owned();
+        assert!(table.starts_with("group ") && table.contains("floor"), "{table}");
+    }
 }

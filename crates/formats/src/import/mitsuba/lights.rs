@@ -1,49 +1,123 @@
-//! Emitters without a surface.
+//! Emitters without a surface: points, spots, directions, and what shines from everywhere.
 
-use super::Element;
-use crate::record::Note;
-use glam::{DVec3, Vec3};
-use unrender_scene::{Light, LightKind, Rgb, Warnings};
+use super::paint::{Context, color};
+use super::spectrum::Use;
+use super::tree::Node;
+use crate::picture;
+use glam::{DAffine3, Mat3, Vec3};
+use std::f32::consts::{PI, TAU};
+use unrender_scene::{Depth, Environment, Light, LightKind, Rgb, RgbImage};
 
-/// The light that `element` is, its position counted from `origin`; none if it is of a kind that is not known.
-pub(super) fn read(
-    element: &Element,
-    note: &Note,
-    origin: DVec3,
-    warnings: &mut Warnings,
-) -> Result<Option<Light>, String> {
-    if note.light.is_some() {
-        return Ok(note.light.clone());
+/// What an emitter is.
+pub(super) enum Emitter {
+    Light(Light),
+    Environment(Environment),
+}
+
+/// The emitter `node`.
+pub(super) fn read(context: &Context, node: Node) -> Result<Emitter, String> {
+    if let Some(light) = &node.note().light {
+        return Ok(Emitter::Light(light.clone()));
     }
-    let id = element.attribute("id");
-    let name = note.name.clone().unwrap_or(if id.is_empty() { "light".into() } else { id });
-    let world = element.to_world()?;
-    let here = |world: DVec3| (world - origin).as_vec3();
-    let ahead = world.transform_vector3(DVec3::Z).as_vec3();
-    let kind = match element.attribute("type").as_str() {
-        "point" => LightKind::Point {
-            position: here(element.point("position").unwrap_or(world.translation)),
-            intensity: element.rgb("intensity", Rgb::ONE)?,
-        },
-        "directional" => LightKind::Directional {
-            direction: element.direction("direction").unwrap_or(ahead).normalize_or(Vec3::NEG_Y),
-            irradiance: element.rgb("irradiance", Rgb::ONE)?,
-        },
-        "spot" => {
-            let outer = element.float("cutoff_angle", 20.0)?;
-            let inner = element.float("beam_width", 0.75 * outer)?;
-            warnings.push(format!(
-                "light \"{name}\": Mitsuba's spots fall off by the angle, not by its cosine"
-            ));
-            LightKind::Spot {
-                position: here(world.translation),
-                direction: ahead.normalize_or(Vec3::NEG_Y),
-                intensity: element.rgb("intensity", Rgb::ONE)?,
-                inner_rad: inner.min(outer).to_radians(),
-                outer_rad: outer.to_radians(),
-            }
+    node.pass(&["sampling_weight"]);
+    let id = if node.id().is_empty() { "light" } else { node.id() };
+    let name = node.note().name.clone().unwrap_or_else(|| id.into());
+    let world = || node.motion("to_world");
+    let kind = match node.kind() {
+        "point" => {
+            let position = match node.point("position")? {
+                Some(position) => position,
+                None => node.place("to_world")?,
+            };
+            let position = (position - context.scope.origin()).as_vec3();
+            LightKind::Point { position, intensity: light(context, node, "intensity")? }
         }
-        _ => return Ok(None),
+        "directional" => {
+            let direction = match node.vector("direction")? {
+                Some(direction) => direction,
+                None => world()?.matrix3.z_axis.as_vec3(),
+            };
+            let direction = direction.try_normalize();
+            let direction = direction.ok_or_else(|| node.fail("its direction is zero"))?;
+            LightKind::Directional { direction, irradiance: light(context, node, "irradiance")? }
+        }
+        "spot" => {
+            let name = format!("light \"{name}\"");
+            spot(context, node, &name, &world()?)?
+        }
+        "constant" => {
+            let radiance = light(context, node, "radiance")?;
+            let panorama = RgbImage::new(2, 1, vec![radiance; 2]);
+            let around = Environment::new(panorama, 0.0).map_err(|error| node.fail(error))?;
+            return Ok(Emitter::Environment(around));
+        }
+        "envmap" => return panorama(context, node).map(Emitter::Environment),
+        "area" => return Err(node.fail("an emitter of type \"area\" stands outside of a shape")),
+        _ => {
+            return Err(
+                node.refused("read are area, point, spot, directional, constant and envmap")
+            );
+        }
     };
-    Ok(Some(Light { name, kind }))
+    Ok(Emitter::Light(Light { name, kind }))
+}
+
+fn light(context: &Context, node: Node, name: &str) -> Result<Rgb, String> {
+    color(context, node, name, Use::Emission, 1.0)
+}
+
+fn spot(context: &Context, node: Node, name: &str, world: &DAffine3) -> Result<LightKind, String> {
+    let outer = node.positive("cutoff_angle", 20.0)?;
+    let inner = node.number("beam_width", 0.75 * outer)?;
+    context.warn(format!("{name}: Mitsuba's spots fall off by the angle, not by its cosine"));
+    let texture = color(context, node, "texture", Use::Index, 1.0)?;
+    let direction = world.matrix3.z_axis.as_vec3().try_normalize();
+    Ok(LightKind::Spot {
+        position: (world.translation - context.scope.origin()).as_vec3(),
+        direction: direction.ok_or_else(|| node.fail("its direction is zero"))?,
+        intensity: light(context, node, "intensity")? * texture,
+        inner_rad: inner.clamp(0.0, outer).to_radians(),
+        outer_rad: outer.to_radians(),
+    })
+}
+
+/// The panorama of an `envmap`, whose middle lies along +z, up along +y, before `to_world`.
+fn panorama(context: &Context, node: Node) -> Result<Environment, String> {
+    let path = node.file(context.scope, "filename")?;
+    let (read, told) =
+        picture::read_in(context.scope, &path).map_err(|error| node.fail(error.to_string()))?;
+    context.warnings.borrow_mut().extend(told);
+    if read.depth != Depth::Float {
+        let what = "an envmap that is an sRGB picture lacks whatever was brighter than its white";
+        context.warn(node.fail(what));
+    }
+    node.pass(&["mis_compensation"]);
+    let scale = node.number("scale", 1.0)?;
+    let radiance = read.to_linear().map(|rgb| rgb.max(Rgb::ZERO) * scale);
+    let world = node.motion("to_world")?.matrix3;
+    let axes = [world.x_axis, world.y_axis, world.z_axis];
+    let [x, y, z] = axes.map(|axis| axis.normalize_or_zero().as_vec3());
+    let around = |image, turn| Environment::new(image, turn).map_err(|error| node.fail(error));
+    let is_upright = (y - Vec3::Y).length() < 1e-6 && x.cross(y).dot(z) > 0.0;
+    if is_upright {
+        // Ours has its middle along -z.
+        let turn = z.x.atan2(z.z) - PI;
+        return around(radiance, if turn <= -PI { turn + TAU } else { turn });
+    }
+    let local_from_world = Mat3::from_cols(x, y, z).inverse();
+    if !local_from_world.is_finite() {
+        return Err(node.wrong("to_world", "a motion: it makes the panorama flat"));
+    }
+    let size = (radiance.width(), radiance.height());
+    let bytes = (size.0 * size.1 * size_of::<Rgb>()) as u64;
+    context.scope.charge(bytes).map_err(|problem| node.fail(problem))?;
+    let [local, upright] =
+        [around(radiance, -PI)?, around(RgbImage::new(1, 1, vec![Rgb::ZERO]), 0.0)?];
+    let turned = RgbImage::from_fn(size.0, size.1, |column, row| {
+        let u = (column as f32 + 0.5) / size.0 as f32;
+        let v = (row as f32 + 0.5) / size.1 as f32;
+        let direction = upright.direction(u, Environment::cos_polar(v));
+        local.radiance((local_from_world * direction).normalize_or(Vec3::Y))
+    });
+    around(turned, 0.0)
 }

@@ -1,196 +1,411 @@
-//! Materials of Radiance as groups.
-//!
-//! `plastic` and `metal` of colour `c`, specularity `s` and roughness `a` have `rho_d = c (1 - s)`,
-//! `rho_s = s` or `c s`, and `a` as both alphas; those with a `2` have two. Where the roughness is
-//! zero, Radiance lets them shine at grazing angles, which is left out. `WGMDfunc` has both parts
-//! apart. The anisotropy direction of what we did not write is not understood.
+//! What surfaces are made of, as groups: a material with all that modifies it, mixtures, and what shines.
 
-use super::Primitive;
+use super::kinds::Sort;
+use super::lamps::{Far, Spot};
+use super::modifiers::{Chain, Definition, Modifiers, Number};
+use super::patterns::{Pattern, Pictures, constant};
+use super::primitives::Noted;
+use super::reflectance::{mixed, reflectance, why_hidden};
+use super::sky::Sky;
 use crate::input::Scope;
-use crate::record::Note;
-use crate::{picture, texels};
-use std::collections::BTreeMap;
+use crate::texels;
+use glam::DVec3;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
-use unrender_scene::{BrdfModel, Group, Material, Rgb, Texture, Warnings, Wrap};
+use unrender_scene::{BrdfModel, Group, Material, Rgb, Texture, Warnings};
 
-/// What has been defined so far.
-#[derive(Default)]
-pub(super) struct Materials {
-    groups: Vec<Group>,
-    /// From an identifier to the group; what comes last counts.
-    by_id: BTreeMap<String, usize>,
-    /// Constant colours by identifier.
-    colors: BTreeMap<String, Rgb>,
-    /// Pictures by identifier.
-    pictures: BTreeMap<String, Arc<Texture>>,
+/// So many mixtures may be in one another.
+const MIXED: usize = 8;
+
+/// What a modifier makes of a surface.
+#[derive(Clone, Debug)]
+pub(super) enum Seen {
+    /// Nothing that can be seen.
+    Nothing,
+    /// The group of this number, its roughness along a direction of the world.
+    Group(usize, Option<DVec3>),
+    /// A lamp without a surface.
+    Spot(Spot),
+}
+
+/// As [`Seen`], before it is a group.
+#[derive(Clone)]
+enum Look {
+    Hidden,
+    Surface { material: Material, emission: Rgb, along: Option<DVec3> },
+    Spot(Spot),
+}
+
+/// What the patterns of a material do.
+struct Tint {
+    factor: Rgb,
+    texture: Option<Arc<Texture>>,
+    sky: Option<Sky>,
+    /// The first that is no constant, for messages.
+    varying: Option<String>,
+}
+
+/// What has been made so far.
+pub(super) struct Materials<'a> {
+    /// What bounds the reading, and the scene's folder.
+    place: (&'a Scope, &'a Path),
+    pub(super) modifiers: Modifiers,
+    pictures: Pictures,
+    /// Each with the definition that it was first made for.
+    groups: Vec<(Number, Group)>,
+    /// The last group of each name.
+    by_name: BTreeMap<String, usize>,
+    seen: BTreeMap<Number, Seen>,
     brdf: BrdfModel,
 }
 
-impl Materials {
+impl<'a> Materials<'a> {
+    pub(super) fn new(place: (&'a Scope, &'a Path)) -> Self {
+        Self {
+            place,
+            modifiers: Modifiers::default(),
+            pictures: Pictures::default(),
+            groups: Vec::new(),
+            by_name: BTreeMap::new(),
+            seen: BTreeMap::new(),
+            brdf: BrdfModel::default(),
+        }
+    }
+
     /// The lobe that all of it means: Radiance's, or that of exact numbers.
     pub(super) fn brdf(&self) -> BrdfModel {
         self.brdf
     }
 
-    /// The group called `id`.
-    pub(super) fn find(&self, id: &str) -> Result<usize, String> {
-        let found = self.by_id.get(id).copied();
-        found.ok_or_else(|| format!("a surface is made of \"{id}\", which is not there"))
+    /// Takes in a modifier.
+    pub(super) fn define(&mut self, noted: Noted, warnings: &mut Warnings) -> Result<(), String> {
+        let p = &noted.primitive;
+        let has_words = super::kinds::kind(&p.kind).is_some_and(|kind| kind.has_words);
+        if !has_words && !p.strings.is_empty() {
+            warnings.push(format!("{}: the words of {} are not read", p.place, p.named()));
+        }
+        self.modifiers.define(noted)
     }
 
-    /// What the group emits.
-    pub(super) fn emission(&self, group: usize) -> Rgb {
-        self.groups[group].emission
-    }
-
-    /// The groups that are in `used`, or that we wrote, each with its index.
+    /// The groups that are in `used`, each with its number, in the order of their definitions.
     pub(super) fn groups(&self, used: impl Iterator<Item = usize>) -> Vec<(usize, Group)> {
-        let used: std::collections::BTreeSet<usize> = used.collect();
-        let groups = self.groups.iter().cloned().enumerate();
-        groups.filter(|(index, _)| used.contains(index)).collect()
+        let used: BTreeSet<usize> = used.collect();
+        let groups = self.groups.iter().enumerate();
+        let mut groups: Vec<_> = groups.filter(|(index, _)| used.contains(index)).collect();
+        groups.sort_by_key(|(_, (number, _))| *number);
+        groups.into_iter().map(|(index, (_, group))| (index, group.clone())).collect()
     }
 
-    /// Takes in a material or a pattern.
-    pub(super) fn add(
-        &mut self,
-        primitive: &Primitive,
-        note: Option<&Note>,
-        (scope, folder): (&Scope, &Path),
-        warnings: &mut Warnings,
-    ) -> Result<(), String> {
-        let id = primitive.id.clone();
-        match primitive.kind.as_str() {
-            "colorfunc" => {
-                let channels = primitive.strings.iter().take(3).map(|s| s.parse().ok());
-                if let Some([r, g, b]) = channels
-                    .collect::<Option<Vec<f32>>>()
-                    .and_then(|c| <[f32; 3]>::try_from(c).ok())
-                {
-                    self.colors.insert(id, Rgb::new(r, g, b));
+    /// What the modifier `start` makes of surfaces.
+    pub(super) fn seen(&mut self, start: Number, warnings: &mut Warnings) -> Result<Seen, String> {
+        if let Some(seen) = self.seen.get(&start) {
+            return Ok(seen.clone());
+        }
+        let chain = self.modifiers.chain(start)?;
+        if chain.material.is_none() {
+            let definition = self.modifiers.get(start);
+            warnings.push(format!(
+                "{}: {} has no material behind it; its surfaces are invisible and were left out",
+                definition.place,
+                definition.shown()
+            ));
+        }
+        let seen = match self.look(&chain, MIXED, warnings)? {
+            Look::Hidden => Seen::Nothing,
+            Look::Spot(spot) => Seen::Spot(spot),
+            Look::Surface { material, emission, along } => {
+                let definition = self.modifiers.get(chain.material.unwrap_or(start));
+                let name = definition.note.as_ref().and_then(|note| note.name.clone());
+                let name = name.unwrap_or_else(|| definition.id.clone());
+                let group = Group { name, material, emission };
+                // The same again, in another direction or behind a texture, is the same group.
+                let before = self.by_name.get(&group.name).copied();
+                let same = before.filter(|before| self.groups[*before].1 == group);
+                let index = same.unwrap_or(self.groups.len());
+                if same.is_none() {
+                    self.by_name.insert(group.name.clone(), index);
+                    self.groups.push((chain.material.unwrap_or(start), group));
                 }
-                return Ok(());
+                Seen::Group(index, along)
             }
-            "colorpict" => {
-                let name = primitive.strings.get(3).ok_or("a colorpict names no picture")?;
-                let path = scope.beside(folder, name).map_err(|p| format!("\"{name}\" {p}"))?;
-                self.pictures.insert(id, texture(scope, &path, primitive)?);
-                return Ok(());
+        };
+        self.seen.insert(start, seen.clone());
+        Ok(seen)
+    }
+
+    /// The source far away that the modifier `start` makes, if it is a lamp that gives light.
+    pub(super) fn far(
+        &mut self,
+        start: Number,
+        warnings: &mut Warnings,
+    ) -> Result<Option<Far>, String> {
+        let chain = self.modifiers.chain(start)?;
+        let number = chain.material.filter(|n| self.modifiers.get(*n).sort() == Some(Sort::Lamp));
+        let Some(number) = number else { return Ok(None) };
+        let tint = self.tint(&chain, warnings)?;
+        let lamp = self.modifiers.get(number);
+        if tint.sky.is_none() {
+            check_brightness(lamp, &tint)?;
+        }
+        let radiance = color(lamp) * tint.factor;
+        let is_glow = lamp.made.kind == "glow";
+        match lamp.made.kind.as_str() {
+            "spotlight" => return Err(format!("{} is far away, which is not read", lamp.shown())),
+            "glow" if lamp.made.reals[3] < 0.0 => {
+                warnings.push(unlit(lamp));
+                return Ok(None);
             }
-            kind if kind.ends_with("func") && kind != "WGMDfunc" || kind.ends_with("text") => {
-                warnings.push(format!("the {kind} \"{id}\" was left out"));
-                return Ok(());
-            }
+            "illum" => warnings.push(visible(lamp)),
             _ => {}
         }
-        let group = match note.filter(|note| !note.is_first) {
-            // Another anisotropy direction of the group before.
-            Some(_) if self.continues(note) => self.groups.len() - 1,
-            _ => {
-                let group = self.group(primitive, note, warnings)?;
-                self.groups.push(group);
-                self.groups.len() - 1
-            }
-        };
-        self.by_id.insert(id, group);
-        Ok(())
+        Ok(Some(Far { radiance, sky: tint.sky, is_glow }))
     }
 
-    /// Whether the last group is the one that `note` is about.
-    fn continues(&self, note: Option<&Note>) -> bool {
-        let name = note.and_then(|note| note.name.as_ref());
-        name.is_some() && self.groups.last().map(|group| &group.name) == name
-    }
-
-    fn group(
+    fn look(
         &mut self,
-        primitive: &Primitive,
-        note: Option<&Note>,
+        chain: &Chain,
+        depth: usize,
         warnings: &mut Warnings,
-    ) -> Result<Group, String> {
-        let texture = self.pictures.get(&primitive.modifier).cloned();
-        let name = note.and_then(|n| n.name.clone()).unwrap_or_else(|| primitive.id.clone());
-        let (mut material, emission) = self.reflectance(primitive, warnings)?;
-        if let Some((exact, brdf)) = note.and_then(|note| note.material.clone()) {
-            material = exact;
-            self.brdf = brdf;
-        } else if let Some(texture) = &texture {
-            material.rho_d *= texels::mean(&texture.image);
+    ) -> Result<Look, String> {
+        let Some(number) = chain.material else { return Ok(Look::Hidden) };
+        let tint = self.tint(chain, warnings)?;
+        let definition = self.modifiers.get(number);
+        let shown = format!("{}: {}", definition.place, definition.shown());
+        let exact = definition.note.as_ref().and_then(|note| note.material.clone());
+        if let Some((_, brdf)) = &exact {
+            self.brdf = *brdf;
         }
-        material.texture = texture;
-        Ok(Group { name, material, emission })
+        if definition.sort() == Some(Sort::Mixture) {
+            if tint.varying.is_some() || tint.factor != Rgb::ONE {
+                warnings.push(format!("{shown} has a pattern over it, which is not read"));
+            }
+            return self.mixture(number, depth, warnings);
+        }
+        if definition.sort() == Some(Sort::Lamp) {
+            check_brightness(definition, &tint)?;
+            return Ok(lamp(definition, tint.factor, warnings));
+        }
+        if let Some(why) = why_hidden(&definition.made.kind) {
+            warnings.push(format!("{shown} {why}"));
+            return Ok(Look::Hidden);
+        }
+        if definition.made.kind == "mirror" && !definition.made.strings.is_empty() {
+            warnings.push(format!(
+                "{shown} was taken as the material that is seen in its place; it mirrors no lamps"
+            ));
+            return self.named(number, 0, depth, warnings);
+        }
+        let shine = self.shine(number)?;
+        let definition = self.modifiers.get(number);
+        let found = reflectance(&definition.made, tint.factor, shine)?;
+        let emission = Rgb::ZERO;
+        if let Some((exact, _)) = exact {
+            let material = Material { texture: tint.texture, ..exact };
+            return Ok(Look::Surface { material, emission, along: None });
+        }
+        if let Some(doubt) = found.doubt {
+            warnings.push(format!("{shown} {doubt}"));
+        }
+        let mut material = found.material;
+        if let Some(texture) = tint.texture {
+            // A texture is the diffuse reflectance itself.
+            let color = material.rho_d;
+            material.rho_d = color * texels::mean(&texture.image);
+            let image = texture.image.map(|texel| *texel * color);
+            material.texture = Some(Arc::new(Texture { image, ..(*texture).clone() }));
+        }
+        Ok(Look::Surface { material, emission, along: found.along })
     }
 
-    fn reflectance(
-        &self,
-        p: &Primitive,
+    /// What the modifier looks like that the definition `number` names as its word number `which`.
+    fn named(
+        &mut self,
+        number: Number,
+        which: usize,
+        depth: usize,
         warnings: &mut Warnings,
-    ) -> Result<(Material, Rgb), String> {
-        let dark = Material::diffuse(Rgb::ZERO);
-        let color = Rgb::from_slice(&[p.reals.clone(), vec![0.0; 3]].concat());
-        let material = match p.kind.as_str() {
-            "light" | "illum" | "glow" | "spotlight" => return Ok((dark, color)),
-            "mirror" => Material::mirror(color),
-            "plastic" | "metal" => {
-                let [_, _, _, share, alpha] = p.reals()?;
-                colored(&p.kind, color, share, [alpha, alpha])
-            }
-            "plastic2" | "metal2" => {
-                let [_, _, _, share, alpha_x, alpha_y] = p.reals()?;
-                colored(&p.kind, color, share, [alpha_x, alpha_y])
-            }
-            "WGMDfunc" => {
-                let number = |i: usize| p.strings.get(i).and_then(|s| s.parse::<f32>().ok());
-                let colored = p.strings.first().and_then(|id| self.colors.get(id));
-                let rho_s = colored.copied().unwrap_or(Rgb::ONE) * number(1).unwrap_or(0.0);
-                let alphas = [2, 3].map(|i| number(i).unwrap_or(0.0));
-                let [alpha_x, alpha_y] = alphas;
-                Material { rho_s, alpha_x, alpha_y, ..Material::diffuse(color) }
-            }
-            kind => {
-                let id = &p.id;
-                warnings.push(format!(
-                    "the {kind} \"{id}\" is not known; it was taken as diffuse with rho_d = 0.5"
-                ));
-                Material::diffuse(Rgb::splat(0.5))
-            }
+    ) -> Result<Look, String> {
+        let definition = self.modifiers.get(number);
+        let name = definition.made.strings.get(which).map_or("", String::as_str);
+        if name == "void" {
+            return Ok(Look::Hidden);
+        }
+        let found = definition.named.get(which).copied().flatten();
+        let found = found.ok_or_else(|| {
+            format!("{} names \"{name}\", which is not there", definition.shown())
+        })?;
+        let depth = depth.checked_sub(1);
+        let depth =
+            depth.ok_or_else(|| format!("more than {MIXED} mixtures are in one another"))?;
+        let chain = self.modifiers.chain(found)?;
+        self.look(&chain, depth, warnings)
+    }
+
+    /// Two materials in one; where it is not the same mixture everywhere, half of each.
+    fn mixture(
+        &mut self,
+        number: Number,
+        depth: usize,
+        warnings: &mut Warnings,
+    ) -> Result<Look, String> {
+        let definition = self.modifiers.get(number);
+        let (made, named) = (definition.made.clone(), definition.shown());
+        let shown = format!("{}: {named}", definition.place);
+        let share = (made.kind == "mixfunc").then(|| made.strings.get(2)).flatten();
+        let share = share.and_then(|word| constant(word, &made.reals)).map(|s| s.clamp(0.0, 1.0));
+        match share {
+            Some(1.0) => return self.named(number, 0, depth, warnings),
+            Some(0.0) => return self.named(number, 1, depth, warnings),
+            _ => {}
+        }
+        let one = self.named(number, 0, depth, warnings)?;
+        let other = self.named(number, 1, depth, warnings)?;
+        let shines = |look: &Look| match look {
+            Look::Spot(_) => true,
+            Look::Surface { emission, .. } => *emission != Rgb::ZERO,
+            Look::Hidden => false,
         };
-        Ok((material, Rgb::ZERO))
+        if shines(&one) || shines(&other) {
+            return Err(format!(
+                "{named} has a lamp in it, whose brightness is not understood; give the lamp's surfaces the \
+                 lamp itself"
+            ));
+        }
+        let (one, other) = match (one, other) {
+            (Look::Surface { material: a, along, .. }, Look::Surface { material: b, .. }) => {
+                ((a, along), b)
+            }
+            (Look::Hidden, Look::Hidden) => return Ok(Look::Hidden),
+            (seen, Look::Hidden) | (Look::Hidden, seen) => {
+                warnings.push(format!("{shown} is transparent in part; it was taken as opaque"));
+                return Ok(seen);
+            }
+            (seen, _) => return Ok(seen),
+        };
+        let (material, is_exact) = mixed(&one.0, &other, share.unwrap_or(0.5));
+        if share.is_none() {
+            warnings.push(format!(
+                "{shown} mixes by what is not read; half of each was taken, everywhere"
+            ));
+        } else if !is_exact {
+            warnings.push(format!("{shown} was taken as one material of the mean reflectance"));
+        }
+        Ok(Look::Surface { material, emission: Rgb::ZERO, along: one.1 })
+    }
+
+    /// The colour of a `WGMDfunc`'s specular part.
+    fn shine(&mut self, number: Number) -> Result<Rgb, String> {
+        let definition = self.modifiers.get(number);
+        let name = definition.made.strings.first().map_or("void", String::as_str);
+        if definition.made.kind != "WGMDfunc" || name == "void" {
+            return Ok(Rgb::ONE);
+        }
+        let unread = format!(
+            "{} has the colour \"{name}\" of its highlights, which is no constant colorfunc; give it one",
+            definition.shown()
+        );
+        let found = definition.named.first().copied().flatten().ok_or_else(|| unread.clone())?;
+        let made = self.modifiers.get(found).made.clone();
+        match self.pictures.pattern(&made, self.place)? {
+            Pattern::Constant(color) => Ok(color),
+            _ => Err(unread),
+        }
+    }
+
+    /// What the patterns of `chain` do; those that are not read are told, and textures.
+    fn tint(&mut self, chain: &Chain, warnings: &mut Warnings) -> Result<Tint, String> {
+        let mut tint = Tint { factor: Rgb::ONE, texture: None, sky: None, varying: None };
+        for &number in &chain.others {
+            let definition = self.modifiers.get(number);
+            let shown = definition.shown();
+            let placed = format!("{}: {shown}", definition.place);
+            if definition.sort() == Some(Sort::Texture) {
+                warnings.push(format!("{placed} is not read; its surfaces are smooth here"));
+                continue;
+            }
+            let made = definition.made.clone();
+            let pattern = self.pictures.pattern(&made, self.place)?;
+            match pattern {
+                Pattern::Constant(color) => {
+                    tint.factor *= color;
+                    continue;
+                }
+                Pattern::Sky(sky) => tint.sky = Some(sky),
+                Pattern::Picture(texture) => tint.texture = Some(texture),
+                Pattern::Mean(color) => {
+                    tint.factor *= color;
+                    warnings.push(format!(
+                        "{placed} is laid out by functions that are not read; its mean colour was taken"
+                    ));
+                }
+                Pattern::Unread => {
+                    warnings
+                        .push(format!("{placed} is not read; what it changes was left as it is"));
+                }
+            }
+            tint.varying.get_or_insert(shown);
+        }
+        Ok(tint)
     }
 }
 
-fn colored(kind: &str, color: Rgb, share: f32, [alpha_x, alpha_y]: [f32; 2]) -> Material {
-    let shine = if kind.starts_with("metal") { color } else { Rgb::ONE };
-    let material = Material::diffuse(color * (1.0 - share));
-    Material { rho_s: shine * share, alpha_x, alpha_y, ..material }
+/// An error if `lamp` is not equally bright everywhere.
+fn check_brightness(lamp: &Definition, tint: &Tint) -> Result<(), String> {
+    let Some(pattern) = &tint.varying else { return Ok(()) };
+    Err(format!(
+        "{} is as bright as {pattern} says, which is not read; give the lamp a brightness of its own: a \
+         {} with the modifier void",
+        lamp.shown(),
+        lamp.made.kind
+    ))
 }
 
-/// The picture of a `colorpict`. In ours the texels around it are there too, and how it goes on is
-/// told by the expression of its place.
-fn texture(scope: &Scope, path: &Path, primitive: &Primitive) -> Result<Arc<Texture>, String> {
-    let (read, _) = picture::read_in(scope, path).map_err(|error| error.to_string())?;
-    let mut image = read.to_linear().map(|texel| middle_of_step(*texel));
-    let is_ours = primitive.id.ends_with(".texture") && image.width() > 2 && image.height() > 2;
-    if is_ours {
-        let framed = image;
-        image = unrender_scene::Image::from_fn(framed.width() - 2, framed.height() - 2, |x, y| {
-            *framed.at(x + 1, y + 1)
-        });
+fn color(lamp: &Definition) -> Rgb {
+    let [r, g, b] = lamp.made.vector(0).as_vec3().to_array();
+    Rgb::new(r, g, b)
+}
+
+/// What a lamp makes of a surface.
+fn lamp(lamp: &Definition, factor: Rgb, warnings: &mut Warnings) -> Look {
+    let radiance = color(lamp) * factor;
+    let exact = lamp.note.as_ref().and_then(|note| note.material.clone());
+    let material = exact.map_or_else(|| Material::diffuse(Rgb::ZERO), |(material, _)| material);
+    let mut emission = radiance;
+    match lamp.made.kind.as_str() {
+        "spotlight" if lamp.made.reals[3] <= 180.0 => {
+            let (angle_deg, direction) = (lamp.made.reals[3] as f32, lamp.made.vector(4));
+            return Look::Spot(Spot { radiance, angle_deg, direction });
+        }
+        "glow" if lamp.made.reals[3] < 0.0 => {
+            warnings.push(unlit(lamp));
+            emission = Rgb::ZERO;
+        }
+        "illum" => warnings.push(visible(lamp)),
+        _ => {}
     }
-    let wrap = |place: usize| match primitive.strings.get(place) {
-        Some(text) if text.contains("abs(") => Wrap::MirroredRepeat,
-        Some(text) if text.contains("if(") => Wrap::ClampToEdge,
-        _ => Wrap::Repeat,
+    Look::Surface { material, emission, along: None }
+}
+
+/// What to tell of a glow that gives no light.
+fn unlit(lamp: &Definition) -> String {
+    format!(
+        "{}: {} is seen and lights nothing (its radius is below zero); here it is black, so leave out its \
+         pixels",
+        lamp.place,
+        lamp.shown()
+    )
+}
+
+/// What to tell of an illum.
+fn visible(lamp: &Definition) -> String {
+    let looks = match lamp.made.strings.first().map(String::as_str) {
+        None | Some("void") => "is invisible".to_owned(),
+        Some(other) => format!("looks like \"{other}\""),
     };
-    Ok(Arc::new(Texture { image, wrap_u: wrap(5), wrap_v: wrap(6) }))
-}
-
-/// Radiance takes the eight bits of a channel for the middle of their step, readers of pictures for
-/// its lower end. The largest channel has a mantissa of 128 to 255 steps.
-fn middle_of_step(texel: Rgb) -> Rgb {
-    let largest = texel.max_element();
-    if largest <= 0.0 {
-        return texel;
-    }
-    texel + Rgb::splat(0.5 * (largest.log2().floor() - 7.0).exp2())
+    format!(
+        "{}: {} gives light and {looks}; here the lamp itself is seen, so leave out its pixels",
+        lamp.place,
+        lamp.shown()
+    )
 }

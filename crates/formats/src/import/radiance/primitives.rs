@@ -1,21 +1,27 @@
-//! The words of a `.rad` file, in primitives.
+//! Primitives: what one is, how its words are read, and how it is moved.
 
-use crate::input::Scope;
+use super::kinds::{Sort, kind};
+use super::motion::Motion;
+use super::words::Words;
 use crate::record::Note;
 use glam::DVec3;
-use std::path::{Path, PathBuf};
-use unrender_scene::Warnings;
+use std::fmt;
+use std::rc::Rc;
+use unrender_scene::LightKind;
 
-/// How many files may include one another.
-const DEPTH: usize = 16;
+/// Where a primitive begins.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Place {
+    /// The file with a comma behind it, unless it is the scene's own.
+    pub(super) file: Rc<str>,
+    pub(super) line: usize,
+}
 
-/// How many files a scene may include, each counted as often as it is included. Buildings have some
-/// hundreds; each costs an opened file, so that ten times as many are still read in a second.
-const FILES: usize = 1000;
-
-/// What is kept of a text takes at most so many times its memory: `a b c 0 0 0` is a primitive of 200
-/// bytes.
-const TEXT_TO_PRIMITIVES: u64 = 32;
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}line {}", self.file, self.line)
+    }
+}
 
 /// A primitive: `modifier kind id`, and its arguments.
 #[derive(Clone, Debug, Default)]
@@ -24,122 +30,38 @@ pub(super) struct Primitive {
     pub(super) kind: String,
     pub(super) id: String,
     pub(super) strings: Vec<String>,
-    /// Positions among them count from where the scene does.
-    pub(super) reals: Vec<f32>,
-    /// The line that it starts in, with the file's name if that is an included one.
-    pub(super) place: String,
-}
-
-impl Primitive {
-    /// Exactly this many numbers.
-    pub(super) fn reals<const N: usize>(&self) -> Result<[f32; N], String> {
-        let count = self.reals.len();
-        self.reals.clone().try_into().map_err(|_| {
-            format!("the {} \"{}\" has {count} numbers instead of {N}", self.kind, self.id)
-        })
-    }
-}
-
-/// All primitives of the file at `path` and of those that it includes by `!xform`, each with the
-/// comment of ours that it stands under.
-pub(super) fn read(
-    scope: &Scope,
-    path: &Path,
-    warnings: &mut Warnings,
-) -> Result<Vec<Noted>, String> {
-    let mut reading = Reading { scope, found: Vec::new(), warnings, files: 0 };
-    let text = scope.text(path)?;
-    reading.file(path, &text, "", DEPTH)?;
-    Ok(reading.found)
+    pub(super) reals: Vec<f64>,
+    pub(super) place: Place,
 }
 
 /// A primitive, and the comment of ours that it stands under.
-type Noted = (Primitive, Option<Note>);
-
-/// The reading of a scene.
-struct Reading<'a> {
-    scope: &'a Scope,
-    found: Vec<Noted>,
-    warnings: &'a mut Warnings,
-    /// Files that were included so far.
-    files: usize,
+#[derive(Clone, Debug)]
+pub(super) struct Noted {
+    pub(super) primitive: Primitive,
+    pub(super) note: Option<Note>,
 }
 
-impl Reading<'_> {
-    /// The text of the file that the one at `path` includes as `name`, and where it lies.
-    fn included(&mut self, path: &Path, name: &str) -> Result<(PathBuf, String), String> {
-        self.files += 1;
-        if self.files > FILES {
-            return Err(format!("includes more than {FILES} files, counting repetitions"));
+impl Noted {
+    /// The same, its places counted from `origin` instead of from the world's zero.
+    pub(super) fn counted_from(mut self, origin: DVec3) -> Self {
+        let reals = &mut self.primitive.reals;
+        for place in reals.chunks_exact_mut(3).take(places(&self.primitive.kind)) {
+            place.copy_from_slice(&(DVec3::from_slice(place) - origin).to_array());
         }
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let path = self.scope.beside(folder, name);
-        path.and_then(|path| self.scope.text(&path).map(|text| (path, text)))
-            .map_err(|problem| format!("includes \"{name}\", which {problem}"))
-    }
-
-    fn file(&mut self, path: &Path, text: &str, shown: &str, depth: usize) -> Result<(), String> {
-        self.scope.charge(TEXT_TO_PRIMITIVES * text.len() as u64)?;
-        let mut words: Vec<Word> = Vec::new();
-        let mut note: Option<Note> = None;
-        for (index, line) in text.lines().enumerate() {
-            let place = format!("{shown}line {}", index + 1);
-            if let Some(comment) = line.strip_prefix('#') {
-                self.flush(&mut words, &mut note)?;
-                note = Note::parse(comment, self.scope.origin());
-            } else if let Some(command) = line.strip_prefix('!') {
-                self.flush(&mut words, &mut note)?;
-                match command.split_whitespace().collect::<Vec<_>>()[..] {
-                    ["xform", name] if depth == 0 => {
-                        return Err(format!("includes \"{name}\", perhaps including itself"));
-                    }
-                    ["xform", name] => {
-                        let (included, text) =
-                            self.included(path, name).map_err(|p| format!("{place}: {p}"))?;
-                        self.file(&included, &text, &format!("{name}, "), depth - 1)?;
-                    }
-                    _ => self.warnings.push(format!(
-                        "{place}: the command \"{command}\" was left out; write what it prints \
-                         into a file, and !xform that file"
-                    )),
+        if let Some(note) = &mut self.note {
+            let here = (note.light_at - origin).as_vec3();
+            match note.light.as_mut().map(|light| &mut light.kind) {
+                Some(LightKind::Point { position, .. } | LightKind::Spot { position, .. }) => {
+                    *position = here;
                 }
-            } else {
-                let before = line.split('#').next().unwrap_or("").split_whitespace();
-                words.extend(before.map(|text| Word { text, shown, line: index + 1 }));
+                _ => {}
             }
         }
-        self.flush(&mut words, &mut note)
-    }
-
-    /// Turns the words so far into primitives.
-    fn flush(&mut self, words: &mut Vec<Word>, note: &mut Option<Note>) -> Result<(), String> {
-        let texts: Vec<&str> = words.iter().map(|word| word.text).collect();
-        let mut rest = texts.as_slice();
-        while !rest.is_empty() {
-            let first = words[texts.len() - rest.len()];
-            let place = format!("{}line {}", first.shown, first.line);
-            let (primitive, after) =
-                next(rest, self.scope.origin()).map_err(|problem| format!("{place}: {problem}"))?;
-            self.found.push((Primitive { place, ..primitive }, note.clone()));
-            if let Some(note) = note {
-                note.is_first = false;
-            }
-            rest = after;
-        }
-        words.clear();
-        Ok(())
+        self
     }
 }
 
-/// A word and where it stands.
-#[derive(Clone, Copy)]
-struct Word<'a> {
-    text: &'a str,
-    shown: &'a str,
-    line: usize,
-}
-
-/// The places in the world among the arguments of a primitive of this kind, of three numbers each.
+/// How many places in the world a primitive of this kind has; its numbers begin with them.
 fn places(kind: &str) -> usize {
     match kind {
         "polygon" => usize::MAX,
@@ -149,40 +71,219 @@ fn places(kind: &str) -> usize {
     }
 }
 
-/// `reals` in single precision, the places among them counted from `origin`.
-fn counted_from(origin: DVec3, kind: &str, mut reals: Vec<f64>) -> Vec<f32> {
-    for place in reals.chunks_exact_mut(3).take(places(kind)) {
-        place.copy_from_slice(&(DVec3::from_slice(place) - origin).to_array());
+impl Primitive {
+    /// The primitive that `words` go on with.
+    pub(super) fn read(words: &mut Words) -> Result<Self, String> {
+        let cut = |so_far: &str| format!("ends in the middle of \"{so_far}\"");
+        let modifier = words.word().ok_or_else(|| cut("a word in quotation marks"))?.to_owned();
+        let kind = words.word().ok_or_else(|| cut(&modifier))?.to_owned();
+        let id = words.word().ok_or_else(|| cut(&format!("{modifier} {kind}")))?.to_owned();
+        let mut read = Self { modifier, kind, id, ..Self::default() };
+        let Some(known) = super::kinds::kind(&read.kind) else {
+            return Err(format!(
+                "\"{}\" is no kind of primitive that Radiance has; perhaps the one before it has another \
+                 number of arguments than it says",
+                read.kind
+            ));
+        };
+        if known.sort == Sort::Alias {
+            let original = words.word().ok_or_else(|| cut(&read.named()))?;
+            read.strings.push(original.to_owned());
+            return Ok(read);
+        }
+        let miscounted = format!("{} does not say how many arguments it has", read.named());
+        let count = |words: &mut Words| {
+            let count = words.number().and_then(|word| word.parse::<usize>().ok());
+            count.ok_or_else(|| miscounted.clone())
+        };
+        for _ in 0..count(words)? {
+            let word = words.word().ok_or_else(|| miscounted.clone())?;
+            read.strings.push(word.to_owned());
+        }
+        if count(words)? != 0 {
+            return Err(format!(
+                "{} has whole numbers between its words and its numbers; Radiance has none there",
+                read.named()
+            ));
+        }
+        for _ in 0..count(words)? {
+            let word = words.number().ok_or_else(|| miscounted.clone())?;
+            let number = word.parse::<f64>().ok().filter(|v| (*v as f32).is_finite());
+            read.reals.push(number.ok_or_else(|| {
+                format!("{} has an argument that is no number (\"{word}\")", read.named())
+            })?);
+        }
+        read.check_count()?;
+        Ok(read)
     }
-    reals.into_iter().map(|v| v as f32).collect()
+
+    /// Whether it has as many numbers as its kind.
+    fn check_count(&self) -> Result<(), String> {
+        let wanted = kind(&self.kind).map_or(&[][..], |kind| kind.reals);
+        if wanted.is_empty() || wanted.contains(&self.reals.len()) {
+            return Ok(());
+        }
+        let wanted: Vec<String> = wanted.iter().map(ToString::to_string).collect();
+        let count = self.reals.len();
+        Err(format!("{} has {count} numbers instead of {}", self.named(), wanted.join(" or ")))
+    }
+
+    /// Its kind and identifier, for messages.
+    pub(super) fn named(&self) -> String {
+        format!("the {} \"{}\"", self.kind, self.id)
+    }
+
+    /// Exactly this many numbers.
+    pub(super) fn reals<const N: usize>(&self) -> Result<[f32; N], String> {
+        let reals: Vec<f32> = self.reals.iter().map(|v| *v as f32).collect();
+        let count = reals.len();
+        reals.try_into().map_err(|_| format!("{} has {count} numbers instead of {N}", self.named()))
+    }
+
+    /// Three numbers from the one at `at` on.
+    pub(super) fn vector(&self, at: usize) -> DVec3 {
+        let number = |k: usize| self.reals.get(at + k).copied().unwrap_or_default();
+        DVec3::new(number(0), number(1), number(2))
+    }
+
+    fn set_vector(&mut self, at: usize, vector: DVec3) {
+        for (number, moved) in self.reals.iter_mut().skip(at).zip(vector.to_array()) {
+            *number = moved;
+        }
+    }
+
+    /// The memory that it takes.
+    pub(super) fn bytes(&self) -> u64 {
+        let words = self.strings.iter().map(|word| word.len() + size_of::<String>());
+        let names = self.modifier.len() + self.kind.len() + self.id.len();
+        let numbers = self.reals.len() * size_of::<f64>();
+        (size_of::<Noted>() + words.sum::<usize>() + names + numbers) as u64
+    }
 }
 
-/// The first primitive of `words`, and the words after it.
-fn next<'a>(words: &'a [&'a str], origin: DVec3) -> Result<(Primitive, &'a [&'a str]), String> {
-    let cut = || format!("ends in the middle of \"{}\"", words.join(" "));
-    let [modifier, kind, id, rest @ ..] = words else { return Err(cut()) };
-    let [modifier, kind, id] = [modifier, kind, id].map(|word| (*word).to_owned());
-    let empty = Primitive { modifier, kind, id, ..Primitive::default() };
-    if empty.kind == "alias" {
-        let [real, rest @ ..] = rest else { return Err(cut()) };
-        return Ok((Primitive { strings: vec![(*real).to_owned()], ..empty }, rest));
+/// What `xform` does with all that it reads.
+#[derive(Clone, Debug)]
+pub(super) struct Change {
+    pub(super) motion: Motion,
+    /// The words of the motion, which functions and meshes get.
+    pub(super) words: Vec<String>,
+    /// Turned inside out.
+    pub(super) inverted: bool,
+    /// The modifier of all surfaces.
+    pub(super) modifier: Option<String>,
+    /// What the names of surfaces begin with.
+    pub(super) prefix: Option<String>,
+}
+
+impl Change {
+    /// `noted` moved.
+    pub(super) fn of(&self, noted: &Noted) -> Noted {
+        let mut changed = noted.clone();
+        let sort = kind(&noted.primitive.kind).map(|kind| kind.sort);
+        if sort == Some(Sort::Surface) {
+            self.name(&mut changed);
+        }
+        self.arguments(&mut changed.primitive, sort);
+        if let Some(Note { light: Some(light), light_at, .. }) = changed.note.as_mut() {
+            *light_at = self.motion.point(*light_at);
+            self.light(&mut light.kind);
+            if let Some(prefix) = &self.prefix {
+                light.name = format!("{prefix}.{}", light.name);
+            }
+        }
+        changed
     }
-    let mut rest = rest;
-    let mut list = || -> Result<Vec<&str>, String> {
-        let count = rest.first().and_then(|n| n.parse::<usize>().ok());
-        let count = count.filter(|n| *n < rest.len()).ok_or_else(|| {
-            format!("the {} \"{}\" does not say how many arguments it has", empty.kind, empty.id)
-        })?;
-        let (these, others) = rest[1..].split_at(count);
-        rest = others;
-        Ok(these.to_vec())
-    };
-    let (strings, _integers, reals) = (list()?, list()?, list()?);
-    let number = |word: &&str| word.parse::<f64>().ok().filter(|v| (*v as f32).is_finite());
-    let reals: Option<Vec<f64>> = reals.iter().map(number).collect();
-    let reals =
-        reals.ok_or_else(|| format!("\"{}\" has an argument that is no number", empty.id))?;
-    let reals = counted_from(origin, &empty.kind, reals);
-    let strings = strings.into_iter().map(str::to_owned).collect();
-    Ok((Primitive { strings, reals, ..empty }, rest))
+
+    fn name(&self, Noted { primitive, note }: &mut Noted) {
+        if let Some(modifier) = &self.modifier {
+            primitive.modifier.clone_from(modifier);
+        }
+        let Some(prefix) = &self.prefix else { return };
+        let name = note.as_mut().and_then(|note| note.name.as_mut());
+        for name in [Some(&mut primitive.id), name].into_iter().flatten() {
+            *name = format!("{prefix}.{name}");
+        }
+    }
+
+    fn arguments(&self, p: &mut Primitive, sort: Option<Sort>) {
+        let motion = &self.motion;
+        let point = |p: &mut Primitive, at: usize| p.set_vector(at, motion.point(p.vector(at)));
+        let vector = |p: &mut Primitive, at: usize| p.set_vector(at, motion.vector(p.vector(at)));
+        let scale = |p: &mut Primitive, at: usize| {
+            p.reals.iter_mut().skip(at).for_each(|length| *length *= motion.scale());
+        };
+        match p.kind.as_str() {
+            "polygon" => {
+                (0..p.reals.len() / 3).for_each(|k| point(p, 3 * k));
+                if motion.mirrors() != self.inverted {
+                    let corners: Vec<_> =
+                        p.reals.chunks_exact(3).rev().flatten().copied().collect();
+                    p.reals[..corners.len()].copy_from_slice(&corners);
+                }
+            }
+            "sphere" | "bubble" => {
+                point(p, 0);
+                scale(p, 3);
+            }
+            "cylinder" | "tube" | "cone" | "cup" => {
+                point(p, 0);
+                point(p, 3);
+                scale(p, 6);
+            }
+            "ring" => {
+                point(p, 0);
+                vector(p, 3);
+                scale(p, 6);
+                if self.inverted {
+                    p.set_vector(3, -p.vector(3));
+                }
+            }
+            "source" => vector(p, 0),
+            "glow" => scale(p, 3),
+            "spotlight" => vector(p, 4),
+            // Whatever else has words has a function's place at their end, or the motion of a mesh.
+            _ => {
+                let has_place = kind(&p.kind).is_some_and(|kind| kind.has_words);
+                let is_text = p.kind.ends_with("text");
+                let is_named =
+                    matches!(p.kind.as_str(), "illum" | "mirror" | "mist" | "antimatter");
+                if has_place && !is_named && !is_text && sort != Some(Sort::Alias) {
+                    // What repeats the motion before does not repeat this one.
+                    let apart = self.words.first().is_some_and(|word| word != "-i");
+                    p.strings
+                        .extend(apart.then(|| ["-i", "1"].map(String::from)).into_iter().flatten());
+                    p.strings.extend(self.words.iter().cloned());
+                }
+            }
+        }
+        if self.inverted
+            && let Some(inverse) = inside_out(&p.kind)
+        {
+            p.kind = inverse.to_owned();
+        }
+    }
+
+    /// A light without a surface: a small ball of the same radiance, larger or smaller; but for its place.
+    fn light(&self, light: &mut LightKind) {
+        let turned = |v: glam::Vec3| self.motion.vector(v.as_dvec3()).normalize_or_zero().as_vec3();
+        let area = (self.motion.scale() * self.motion.scale()) as f32;
+        match light {
+            LightKind::Point { intensity, .. } => *intensity *= area,
+            LightKind::Spot { direction, intensity, .. } => {
+                *direction = turned(*direction);
+                *intensity *= area;
+            }
+            LightKind::Directional { direction, .. } => *direction = turned(*direction),
+        }
+    }
+}
+
+/// The kind of surface with its front where the back of `kind` is, if it is another one.
+fn inside_out(kind: &str) -> Option<&'static str> {
+    let pairs = [("sphere", "bubble"), ("cylinder", "tube"), ("cone", "cup")];
+    pairs.into_iter().find_map(|(out, inwards)| match kind {
+        _ if kind == out => Some(inwards),
+        _ if kind == inwards => Some(out),
+        _ => None,
+    })
 }

@@ -3,10 +3,14 @@
 use crate::input::Scope;
 use glam::{DVec3, Vec3};
 use std::path::Path;
-use unrender_scene::{Camera, Lens};
+use unrender_scene::{Camera, Lens, Warnings};
 
 /// The camera of the view file that belongs to the scene at `path`, if there is one.
-pub(super) fn beside(scope: &Scope, path: &Path) -> Result<Option<Camera>, String> {
+pub(super) fn beside(
+    scope: &Scope,
+    path: &Path,
+    warnings: &mut Warnings,
+) -> Result<Option<Camera>, String> {
     let candidates = [path.with_extension("vf"), path.with_file_name("view.vf")];
     let Some(found) = candidates.iter().find(|candidate| candidate.is_file()) else {
         return Ok(None);
@@ -16,22 +20,27 @@ pub(super) fn beside(scope: &Scope, path: &Path) -> Result<Option<Camera>, Strin
     let file = found.file_name().unwrap_or_default().to_string_lossy();
     let text = scope.beside(folder, &file).and_then(|path| scope.text(&path));
     let text = text.map_err(|problem| format!("{name} {problem}"))?;
-    camera(&text, scope.origin()).map(Some).map_err(|problem| format!("{name}: {problem}"))
-}
-
-/// The camera of the last view in `text`, its position counted from `origin`.
-fn camera(text: &str, origin: DVec3) -> Result<Camera, String> {
     let words: Vec<&str> = text
         .lines()
         .rfind(|line| line.contains("-v"))
         .map_or(Vec::new(), |line| line.split_whitespace().collect());
+    // Our export writes them as zero: nothing is cut off.
+    for option in ["-vo", "-va"] {
+        let value = words.iter().skip_while(|word| **word != option).nth(1);
+        if value.is_some_and(|value| value.parse::<f32>().is_ok_and(|value| value > 0.0)) {
+            warnings.push(format!("{name}: what {option} cuts off is seen here"));
+        }
+    }
+    camera(&words, scope.origin()).map(Some).map_err(|problem| format!("{name}: {problem}"))
+}
+
+/// The camera of the view `words`, its position counted from `origin`.
+fn camera(words: &[&str], origin: DVec3) -> Result<Camera, String> {
     let numbers = |option: &str, count: usize| -> Option<Vec<f64>> {
         let at = words.iter().position(|word| *word == option)?;
         let these = words.get(at + 1..at + 1 + count)?;
-        these
-            .iter()
-            .map(|word| word.parse().ok().filter(|v: &f64| (*v as f32).is_finite()))
-            .collect()
+        let finite = |v: &f64| (*v as f32).is_finite();
+        these.iter().map(|word| word.parse().ok().filter(finite)).collect()
     };
     let point = |option: &str| numbers(option, 3).map(|v| DVec3::from_slice(&v));
     let vector = |option: &str| point(option).map(|v| v.as_vec3());

@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "not every test uses everything here")]
 
+pub(crate) mod pictures;
+
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -7,12 +7,14 @@ const PAGE: &str = "docs/code-map.md";
 const MARKS: (&str, &str) = ("<!-- the code map -->", "<!-- end of the code map -->");
 
 /// The folders of code, each with a table of its own, and the endings of their files.
-const FOLDERS: [(&str, &[&str]); 13] = [
+const FOLDERS: [(&str, &[&str]); 15] = [
     ("crates/scene/src", &[".rs"]),
     ("crates/formats/src", &[".rs"]),
     ("crates/photo/src", &[".rs"]),
     ("crates/render/src", &[".rs"]),
+    ("crates/register/src", &[".rs"]),
     ("crates/recover/src", &[".rs"]),
+    ("crates/remote/src", &[".rs"]),
     ("crates/restage/src", &[".rs"]),
     ("crates/unrender/src", &[".rs"]),
     ("python/src", &[".rs"]),

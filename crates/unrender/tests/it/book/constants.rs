@@ -5,7 +5,7 @@ use std::fs;
 
 const PAGE: &str = "docs/constants.md";
 const MARKS: (&str, &str) = ("<!-- the constants -->", "<!-- end of the constants -->");
-const FOLDER: &str = "crates/recover/src";
+const FOLDERS: [&str; 3] = ["crates/register/src", "crates/recover/src", "crates/remote/src"];
 
 /// A constant as its file declares it. One that follows another on the next line shares its comment.
 struct Constant {
@@ -48,12 +48,12 @@ fn is_visibility(before: &str) -> bool {
 
 fn rows() -> String {
     let mut text = String::new();
-    for path in files(FOLDER, ".rs") {
+    for path in FOLDERS.iter().flat_map(|folder| files(folder, ".rs")) {
         let constants = constants(&fs::read_to_string(root().join(&path)).unwrap());
         if constants.is_empty() {
             continue;
         }
-        let place = path.strip_prefix(FOLDER).unwrap_or(&path).trim_start_matches('/');
+        let place = path.trim_start_matches("crates/").replacen("/src", "", 1);
         text.push_str(&format!(
             "\n## {place}\n\n| constant | value | what it is |\n|---|---|---|\n"
         ));

@@ -149,6 +149,7 @@ fn bound(value: &Value, bound: &Value, holds: fn(f64, f64) -> bool) -> bool {
 fn matches_pattern(pattern: &str, text: &str) -> bool {
     match pattern {
         "[./]" => text.contains(['.', '/']),
+        "^same as " => text.starts_with("same as "),
         "^#[0-9a-f]{6}$" => text.strip_prefix('#').is_some_and(|digits| {
             let is_digit = |c: char| c.is_ascii_digit() || ('a'..='f').contains(&c);
             digits.len() == 6 && digits.chars().all(is_digit)

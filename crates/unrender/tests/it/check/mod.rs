@@ -88,11 +88,30 @@ fn a_good_project_passes_in_silence() {
     let checkup = Input::of_room(&room()).check();
     assert_eq!(checkup.warnings.0, [""; 0]);
     let [back_wall, floor, .., lamp] = checkup.groups.as_slice() else { panic!("five groups") };
-    assert_eq!((back_wall.role, lamp.role), ("unknown", "emitter"));
+    assert_eq!((back_wall.role.as_str(), lamp.role.as_str()), ("unknown", "emitter"));
     assert!(back_wall.valid > 1000 && back_wall.valid < back_wall.pixels);
     assert_eq!(back_wall.edge, back_wall.pixels - back_wall.valid);
     assert!(floor.lit.unwrap() > 0.7 && lamp.lit.is_none());
     assert!(!floor.texture_coordinates);
+}
+
+#[test]
+fn what_has_no_measurement_is_left_out() {
+    // As if the file held the left part of the picture alone.
+    let whole = photo_of_room();
+    let (width, held) = (whole.width(), whole.width() * 5 / 8);
+    let is_held = |index: usize| index % width < held;
+    let mut codes = Picture::new(whole, Depth::Float);
+    codes.invalid = (0..codes.values.pixels().len()).filter(|i| !is_held(*i)).collect();
+    for &index in &codes.invalid {
+        codes.values.pixels_mut()[index] = Rgb::ZERO;
+    }
+    let checkup = Input::new(&room(), camera(), codes, Response::Linear, "exposure = 1\n").check();
+    let full = Input::of_room(&room()).check();
+    assert!(checkup.groups[1].valid < full.groups[1].valid && checkup.groups[1].valid > 100);
+    // No word of black, of clipping, nor of a dark photograph.
+    let told = checkup.warnings.0;
+    assert!(!told.iter().any(|w| w.contains("clipped") || w.contains("dark")), "{told:?}");
 }
 
 #[test]

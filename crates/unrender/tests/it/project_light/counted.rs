@@ -40,14 +40,54 @@ fn what_the_mask_leaves_out_does_not_count() {
     assert!(left_out.x > left_out.y && left_out.z > left_out.x, "violet: {left_out}");
 }
 
+/// Writes the photograph with an alpha channel that is zero from the column `from` on, where it is black.
+fn cut_out(folder: &Corner, from: usize) {
+    let photo = folder.read("photo.png");
+    let (width, height) = (photo.width() as u32, photo.height() as u32);
+    let code = |value: f32| (65_535.0 * value).round() as u16;
+    let pixels = photo.pixels().iter().enumerate().flat_map(|(index, rgb)| {
+        let is_there = index % SIZE.0 < from;
+        let [r, g, b] = rgb.to_array().map(code);
+        if is_there { [r, g, b, u16::MAX] } else { [0; 4] }
+    });
+    let bytes: Vec<u8> = pixels.flat_map(u16::to_ne_bytes).collect();
+    let mut png = Vec::new();
+    let kind = image::ExtendedColorType::Rgba16;
+    let encoder = image::codecs::png::PngEncoder::new(&mut png);
+    image::ImageEncoder::write_image(encoder, &bytes, width, height, kind).unwrap();
+    folder.write("photo.png", &png);
+}
+
+#[test]
+fn what_is_cut_out_of_the_photograph_is_not_taken_for_black() {
+    let folder = Corner::new();
+    cut_out(&folder, SIZE.0 / 2);
+    let told = succeeds(&folder.run(&["check", "project.toml", "--json"]));
+    let pixels = SIZE.0 * SIZE.1 / 2;
+    assert!(told.contains(&format!("{pixels} pixel(s) are transparent (alpha is 0)")), "{told}");
+    assert!(!told.contains("and say nothing"), "{told}");
+    folder.drafts(&["--no-refine", "--keep-camera", "--spp", "4"]);
+    let found = materials::read(&folder.path("out/materials.json")).unwrap();
+    for (name, truth) in [("floor", FLOOR), ("wall", WALL)] {
+        let rho_d = Rgb::from_array(found.groups[name].rho_d.unwrap());
+        assert!((rho_d - truth).abs().max_element() < 0.02, "{name}: {rho_d}");
+    }
+    cut_out(&folder, 0);
+    folder.refuses(LIGHTS, "photo.png: has no pixel with a measurement");
+}
+
 #[test]
 fn ignored_groups_are_not_asked_for_and_not_counted() {
     let folder = Corner::new();
     folder.refuses("[groups.door]\nignore = true\n[environment]\ncolor = 1\n", "no group \"door\"");
     folder.write("project.toml", &format!("{HEAD}{LIGHTS}[groups.wall]\nignore = true\n"));
-    folder.succeeds(&["check", "project.toml"]);
+    let checked = succeeds(&folder.run(&["check", "project.toml"]));
+    let row = checked.lines().find(|line| line.starts_with("wall (ignored) ")).unwrap();
+    assert!(row.contains("by the project") && !row.contains("cut off"), "{row}");
     folder.drafts(&["--no-refine", "--spp", "4"]);
     let found = materials::read(&folder.path("out/materials.json")).unwrap();
+    assert_eq!(found.groups["wall"].status, Some(StatusEntry::Ignored));
+    assert_eq!(found.groups["floor"].status, Some(StatusEntry::Of(Status::Recovered)));
     let floor = Rgb::from_array(found.groups["floor"].rho_d.unwrap());
     assert!((floor - FLOOR).abs().max_element() < 0.02, "{floor}");
     let wall = Rgb::from_array(found.groups["wall"].rho_d.unwrap());
@@ -110,9 +150,15 @@ fn groups_of_one_material_are_recovered_as_one() {
     let folder = Corner::new();
     let same = "[groups.wall]\nsame_as = \"floor\"\n[recover]\nmax_rung = \"diffuse\"\n";
     folder.write("project.toml", &format!("{HEAD}{LIGHTS}{same}"));
-    folder.succeeds(&["check", "project.toml"]);
+    let checked = succeeds(&folder.run(&["check", "project.toml"]));
+    let row = checked.lines().find(|line| line.starts_with("wall (same as floor) ")).unwrap();
+    let words: Vec<&str> = row.split_whitespace().skip(4).collect();
+    assert_eq!(words[..3], ["-", "-", "-"], "its pixels are counted with the other's: {row}");
     folder.drafts(&["--spp", "4"]);
     let found = materials::read(&folder.path("out/materials.json")).unwrap();
+    let scores = unrender::score::score(&found, &folder.path("out"), &found, &folder.path("out"));
+    assert!(scores.unwrap().iter().all(|score| score.counted));
+    assert_eq!(found.groups["wall"].status, Some(StatusEntry::SameAs("floor".into())));
     let [floor, wall] = ["floor", "wall"].map(|name| &found.groups[name]);
     assert_eq!((floor.rho_d, floor.hypothesis), (wall.rho_d, wall.hypothesis));
     assert_eq!(floor.std, wall.std);

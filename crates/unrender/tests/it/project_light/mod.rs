@@ -6,6 +6,7 @@ use crate::kit::meshes::{add, quad};
 use glam::Vec3;
 use std::ops::Deref;
 use std::process::Output;
+use unrender::formats::materials::{Status, StatusEntry};
 use unrender::formats::picture::{self, Depth};
 use unrender::formats::{gltf, materials};
 use unrender::render::accel::Ray;

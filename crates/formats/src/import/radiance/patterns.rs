@@ -1,0 +1,128 @@
+//! Patterns: constants, pictures over the texture coordinates of a mesh, skies.
+
+use super::primitives::Primitive;
+use super::sky::Sky;
+use crate::input::Scope;
+use crate::{picture, texels};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+use unrender_scene::{Image, Rgb, Texture, Wrap};
+
+/// What a pattern is.
+pub(super) enum Pattern {
+    /// The same everywhere.
+    Constant(Rgb),
+    /// A picture laid over texture coordinates.
+    Picture(Arc<Texture>),
+    /// A picture laid out in another way; its mean colour.
+    Mean(Rgb),
+    /// The brightness of a sky.
+    Sky(Sky),
+    /// Something else.
+    Unread,
+}
+
+/// Pictures that were read, by what says them, so that many patterns share one.
+#[derive(Default)]
+pub(super) struct Pictures(BTreeMap<(String, bool, [String; 2]), Arc<Texture>>);
+
+impl Pictures {
+    /// What the pattern `p` is.
+    pub(super) fn pattern(
+        &mut self,
+        p: &Primitive,
+        (scope, folder): (&Scope, &Path),
+    ) -> Result<Pattern, String> {
+        let constant = |at: usize| {
+            let value = p.strings.get(at).and_then(|word| constant(word, &p.reals));
+            value.filter(|value| *value >= 0.0)
+        };
+        let found = match p.kind.as_str() {
+            "colorfunc" => match [0, 1, 2].map(constant) {
+                [Some(r), Some(g), Some(b)] => Pattern::Constant(Rgb::new(r, g, b)),
+                _ => Pattern::Unread,
+            },
+            "brightfunc" => constant(0)
+                .map(|value| Pattern::Constant(Rgb::splat(value)))
+                .or_else(|| Sky::of(p).map(Pattern::Sky))
+                .unwrap_or(Pattern::Unread),
+            "colorpict" => self.picture(p, scope, folder)?,
+            _ => Pattern::Unread,
+        };
+        Ok(found)
+    }
+
+    fn picture(&mut self, p: &Primitive, scope: &Scope, folder: &Path) -> Result<Pattern, String> {
+        let name = p.strings.get(3).ok_or("a colorpict names no picture")?;
+        let [u, v] = [5, 6].map(|at| p.strings.get(at).cloned().unwrap_or_default());
+        let is_ours = is_ours(&u) && is_ours(&v);
+        let key = (name.clone(), is_ours, [u.clone(), v.clone()]);
+        let texture = match self.0.get(&key) {
+            Some(texture) => texture.clone(),
+            None => {
+                let path = scope.beside(folder, name).map_err(|p| format!("\"{name}\" {p}"))?;
+                let read = Arc::new(texture(scope, &path, is_ours, [&u, &v])?);
+                self.0.insert(key, read.clone());
+                read
+            }
+        };
+        let is_square = texture.image.width() == texture.image.height();
+        let is_plain = |word: &str, name: &str| word == name || word == format!("frac({name})");
+        let is_laid = is_ours || is_square && is_plain(&u, "Lu") && is_plain(&v, "Lv");
+        if is_laid {
+            return Ok(Pattern::Picture(texture));
+        }
+        Ok(Pattern::Mean(texels::mean(&texture.image)))
+    }
+}
+
+/// A word that is a number, or a numbered argument.
+pub(super) fn constant(word: &str, reals: &[f64]) -> Option<f32> {
+    let argument = word.strip_prefix('A').and_then(|k| k.parse::<usize>().ok());
+    let value = match argument {
+        Some(k) => reals.get(k.checked_sub(1)?).copied(),
+        None => word.parse::<f64>().ok(),
+    };
+    value.map(|value| value as f32).filter(|value| value.is_finite())
+}
+
+/// Whether `place` is an expression as our export writes them.
+fn is_ours(place: &str) -> bool {
+    place.contains("+.5)*") && (place.contains("Lu") || place.contains("Lv"))
+}
+
+/// The picture of a `colorpict`. In ours the texels around it are there too, and how it goes on is
+/// told by the expression of its place.
+fn texture(
+    scope: &Scope,
+    path: &Path,
+    is_ours: bool,
+    places: [&str; 2],
+) -> Result<Texture, String> {
+    let (read, _) = picture::read_in(scope, path).map_err(|error| error.to_string())?;
+    let mut image = read.to_linear().map(|texel| middle_of_step(*texel));
+    if is_ours && image.width() > 2 && image.height() > 2 {
+        let framed = image;
+        image = Image::from_fn(framed.width() - 2, framed.height() - 2, |x, y| {
+            *framed.at(x + 1, y + 1)
+        });
+    }
+    let wrap = |place: &str| match place {
+        _ if place.contains("abs(") => Wrap::MirroredRepeat,
+        _ if place.contains("if(") => Wrap::ClampToEdge,
+        _ => Wrap::Repeat,
+    };
+    let [wrap_u, wrap_v] = places.map(wrap);
+    Ok(Texture { image, wrap_u, wrap_v })
+}
+
+/// Radiance takes the eight bits of a channel for the middle of their step, readers of pictures for
+/// its lower end. The largest channel has a mantissa of 128 to 255 steps.
+fn middle_of_step(texel: Rgb) -> Rgb {
+    let largest = texel.max_element();
+    if largest <= 0.0 {
+        return texel;
+    }
+    texel + Rgb::splat(0.5 * (largest.log2().floor() - 7.0).exp2())
+}

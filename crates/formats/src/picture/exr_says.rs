@@ -1,0 +1,75 @@
+//! What the header of an EXR file says of its colours.
+
+use super::profile::{matrix, of_primaries};
+use exr::meta::attribute::AttributeValue;
+use exr::meta::header::Header;
+use unrender_scene::Profile;
+
+/// Attributes in which programs name a colour space, in small letters.
+const SPACES: [&str; 5] =
+    ["colorspace", "oiio:colorspace", "color_space", "colorinteropid", "ocio:colorspace"];
+/// Names of linear values with the primaries of sRGB, without blanks, dashes and other signs.
+const LINEAR_SRGB: [&str; 11] = [
+    "linear",
+    "scenelinear",
+    "linsrgb",
+    "linrec709",
+    "linearrec709",
+    "linearrec709srgb",
+    "linearsrgb",
+    "linrec709scene",
+    "linearbt709",
+    "utilitylinearsrgb",
+    "utilitylinearrec709",
+];
+/// The primaries and the white of ACES 2065-1 [SMPTE ST 2065-1], as CIE x and y.
+const ACES: [[f32; 2]; 4] = [[0.7347, 0.2653], [0.0, 1.0], [0.0001, -0.077], [0.321_68, 0.337_67]];
+
+/// The primaries that the header states.
+pub(super) fn profile(header: &Header) -> Option<Profile> {
+    let Some(stated) = header.shared_attributes.chromaticities else {
+        let is_aces = text_or_number(header, "acesimagecontainerflag").is_some();
+        return is_aces.then(|| of_primaries(matrix(ACES), "its acesImageContainerFlag"));
+    };
+    let of = |xy: exr::math::Vec2<f32>| [xy.x(), xy.y()];
+    let corners = [of(stated.red), of(stated.green), of(stated.blue), of(stated.white)];
+    Some(of_primaries(matrix(corners), "its chromaticities"))
+}
+
+/// What the header says of colours that is not looked at, as ends of sentences about the file.
+pub(super) fn notes(header: &Header) -> Vec<String> {
+    let mut notes = Vec::new();
+    let has_primaries = header.shared_attributes.chromaticities.is_some();
+    for name in SPACES {
+        let Some(space) = text_or_number(header, name) else { continue };
+        let plain: String = space.chars().filter(char::is_ascii_alphanumeric).collect();
+        let is_known = LINEAR_SRGB.contains(&plain.to_ascii_lowercase().as_str());
+        if !is_known {
+            let primaries =
+                if has_primaries { "its chromaticities" } else { "the primaries of sRGB" };
+            notes.push(format!(
+                "says \"{space}\" of its colour space ({name}), which is not looked at: its values were taken as \
+                 linear with {primaries}"
+            ));
+        }
+    }
+    if let Some(luminance) = header.own_attributes.white_luminance {
+        notes.push(format!(
+            "says that its white has {luminance} cd/m2 (whiteLuminance), which is not looked at: the exposure says \
+             what a value is"
+        ));
+    }
+    notes
+}
+
+/// The value of an attribute without regard to capitals, if it is a text, or a number other than zero.
+fn text_or_number(header: &Header, name: &str) -> Option<String> {
+    let shared = header.shared_attributes.other.iter();
+    let mut all = shared.chain(header.own_attributes.other.iter());
+    let (_, value) = all.find(|(key, _)| key.to_string().eq_ignore_ascii_case(name))?;
+    match value {
+        AttributeValue::Text(text) => Some(text.to_string()),
+        AttributeValue::I32(number) => (*number != 0).then(|| number.to_string()),
+        _ => None,
+    }
+}

@@ -1,0 +1,75 @@
+//! What the header of a Radiance picture says: by what its values were multiplied, primaries, the shape of pixels.
+//!
+//! Lines that begin with a blank are of the pictures that this one was made from, as Radiance's programs write
+//! them, and say nothing of this one.
+
+use super::profile::Corners;
+
+/// What the header says.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Header {
+    /// By what the values of each channel were multiplied, of all lines EXPOSURE= and COLORCORR= together.
+    pub factor: [f32; 3],
+    /// Primaries and white.
+    pub primaries: Option<Corners>,
+    /// How many times as high as wide the pixels are, of all lines PIXASPECT= together.
+    pub height_of_pixels: f64,
+}
+
+/// Reads the header at the beginning of `bytes`.
+///
+/// # Errors
+/// If a line is not as it must be, as the end of a sentence about the file.
+pub(super) fn read(bytes: &[u8]) -> Result<Header, String> {
+    let mut header = Header { factor: [1.0; 3], primaries: None, height_of_pixels: 1.0 };
+    for line in bytes.split(|byte| *byte == b'\n').take_while(|line| !line.is_empty()) {
+        let line = String::from_utf8_lossy(line);
+        let Some((key, value)) = line.split_once('=') else { continue };
+        match key.trim_end() {
+            "EXPOSURE" => {
+                let [factor] = positive(key, value)?;
+                header.factor = header.factor.map(|f| f * factor);
+            }
+            "COLORCORR" => {
+                let factors: [f32; 3] = positive(key, value)?;
+                (0..3).for_each(|c| header.factor[c] *= factors[c]);
+            }
+            "PIXASPECT" => {
+                let [aspect] = positive(key, value)?;
+                header.height_of_pixels *= f64::from(aspect);
+            }
+            "PRIMARIES" => {
+                let xy: [f32; 8] = numbers(key, value)?;
+                header.primaries = Some([0, 1, 2, 3].map(|k| [xy[2 * k], xy[2 * k + 1]]));
+            }
+            "FORMAT" if value.trim() == "32-bit_rle_xyze" => {
+                return Err(
+                    "holds CIE XYZ (32-bit_rle_xyze); convert it to RGB by ra_xyze -r".into()
+                );
+            }
+            _ => {}
+        }
+    }
+    let is_usable = |factor: f32| factor.is_finite() && factor > 0.0;
+    if !header.factor.into_iter().all(is_usable) {
+        return Err(
+            "has lines EXPOSURE= or COLORCORR= whose product is no number above zero".into()
+        );
+    }
+    Ok(header)
+}
+
+fn numbers<const N: usize>(key: &str, value: &str) -> Result<[f32; N], String> {
+    let parsed: Result<Vec<f32>, _> = value.split_whitespace().map(str::parse).collect();
+    let wrong = || format!("has a line {}={value} that has no {N} number(s)", key.trim_end());
+    let numbers: [f32; N] = parsed.ok().and_then(|n| n.try_into().ok()).ok_or_else(wrong)?;
+    if numbers.iter().all(|n| n.is_finite()) { Ok(numbers) } else { Err(wrong()) }
+}
+
+fn positive<const N: usize>(key: &str, value: &str) -> Result<[f32; N], String> {
+    let numbers = numbers(key, value)?;
+    if numbers.iter().all(|n: &f32| *n > 0.0) {
+        return Ok(numbers);
+    }
+    Err(format!("has a line {}={value} that is not above zero", key.trim_end()))
+}

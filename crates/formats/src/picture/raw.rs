@@ -1,0 +1,84 @@
+//! Raw files and other files of cameras that are no picture to read, told by their content.
+//!
+//! A raw file holds what the sensor counted, under a filter of one colour a pixel, and beside it previews that the
+//! camera has developed to its taste. Neither is the photograph.
+
+/// How raw files begin that are no ordinary TIFF: where, with what, and what they are.
+const BEGINNINGS: [(usize, &[u8], &str); 14] = [
+    (8, b"CR\x02\0", "a raw file (CR2)"),
+    (6, b"HEAPCCDR", "a raw file (CRW)"),
+    (4, b"ftypcrx ", "a raw file (CR3)"),
+    (0, b"FUJIFILMCCD-RAW", "a raw file (RAF)"),
+    (0, b"IIRO", "a raw file (ORF)"),
+    (0, b"IIRS", "a raw file (ORF)"),
+    (0, b"MMOR", "a raw file (ORF)"),
+    (0, b"IIU\0", "a raw file (RW2)"),
+    (0, b"FOVb", "a raw file (X3F)"),
+    (0, b"\0MRM", "a raw file (MRW)"),
+    (8, b"IIIITwaR", "a raw file (IIQ)"),
+    (8, b"MMMMRawT", "a raw file (IIQ)"),
+    (0, b"ARRI", "a raw file (ARI)"),
+    (0, b"qktk", "a raw file (QTK)"),
+];
+
+/// How other files of pictures begin that people have and that are not read.
+const OTHERS: [(usize, &[u8], &str); 11] = [
+    (4, b"ftypheic", "HEIC"),
+    (4, b"ftypheix", "HEIC"),
+    (4, b"ftypmif1", "HEIF"),
+    (4, b"ftypavif", "AVIF"),
+    (8, b"WEBP", "WebP"),
+    (0, b"GIF8", "GIF"),
+    (0, b"BM", "BMP"),
+    (0, b"8BPS", "Photoshop (PSD)"),
+    (0, b"\0\0\0\x0cJXL ", "JPEG XL"),
+    (0, b"\xff\x0a", "JPEG XL"),
+    (0, b"\0\0\0\x0cjP  ", "JPEG 2000"),
+];
+
+/// The raw files of makers whose files are TIFFs, by how the maker's name begins.
+const MAKERS: [(&str, &str); 10] = [
+    ("NIKON", "NEF"),
+    ("CANON", "CR2"),
+    ("SONY", "ARW"),
+    ("PENTAX", "PEF"),
+    ("RICOH", "PEF"),
+    ("OLYMPUS", "ORF"),
+    ("PANASONIC", "RW2"),
+    ("SAMSUNG", "SRW"),
+    ("HASSELBLAD", "3FR"),
+    ("EPSON", "ERF"),
+];
+
+/// What the bytes are, if they are a raw file by how they begin.
+pub(super) fn of_beginning(bytes: &[u8]) -> Option<&'static str> {
+    // In JPEG and PNG files, what is there means something else.
+    let is_picture = bytes.starts_with(b"\xff\xd8") || bytes.starts_with(b"\x89PNG");
+    found(&BEGINNINGS, bytes).filter(|_| !is_picture)
+}
+
+/// The name of another kind of file that is not read.
+pub(super) fn other(bytes: &[u8]) -> Option<&'static str> {
+    found(&OTHERS, bytes)
+}
+
+fn found(list: &[(usize, &[u8], &'static str)], bytes: &[u8]) -> Option<&'static str> {
+    let begins =
+        |at: usize, with: &[u8]| bytes.get(at..).is_some_and(|rest| rest.starts_with(with));
+    list.iter().find(|(at, with, _)| begins(*at, with)).map(|(_, _, name)| *name)
+}
+
+/// The raw file of a camera of this maker.
+pub(super) fn of_maker(make: &str) -> String {
+    let make = make.to_ascii_uppercase();
+    let kind = MAKERS.iter().find(|(name, _)| make.starts_with(name));
+    kind.map_or("a raw file".into(), |(_, kind)| format!("a raw file ({kind})"))
+}
+
+/// Why a file that is `what` is not read, and what to do, as the end of a sentence about it.
+pub(super) fn refusal(what: &str) -> String {
+    format!(
+        "is {what}: it has to be developed first, without a tone curve, to a TIFF of 16 bits or a linear EXR; name \
+         that one"
+    )
+}

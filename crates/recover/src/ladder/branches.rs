@@ -1,0 +1,66 @@
+//! Branches: other kinds of hypothesis for a group that stays unexplained, each with a choice of its own.
+//!
+//! Groups that light each other are tied: a wall's lobe is found where the table that it is seen in is a mirror, and
+//! the table is found to be one where the wall has its lobe. Asked one after the other, with the rest held, each keeps
+//! what it has. So the group that leaves most of the picture unexplained gets another kind of hypothesis, whether
+//! its own evidence speaks for it or not, and all others are asked again beside it; the driver keeps what comes of it
+//! where the whole picture is better for it.
+
+use super::candidates::{Proposal, TEXTURED, TYPICAL_MIN};
+use crate::hypothesis::Hypothesis;
+use crate::others::{BETTER, error_of_others};
+use crate::state::State;
+
+/// What a surface is besides diffuse.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Matt,
+    Mirror,
+    Lobe,
+}
+
+impl Kind {
+    /// That of `hypothesis`; a texture is none of a uniform surface.
+    pub(crate) fn of(hypothesis: Hypothesis) -> Option<Self> {
+        match hypothesis {
+            Hypothesis::Diffuse => Some(Self::Matt),
+            Hypothesis::Mirror | Hypothesis::PartialMirror | Hypothesis::DiffuseSpecular => {
+                Some(Self::Mirror)
+            }
+            Hypothesis::Isotropic | Hypothesis::Anisotropic => Some(Self::Lobe),
+            _ => None,
+        }
+    }
+}
+
+/// The hypothesis of another kind that came nearest to the present one, for the group that leaves most of the picture
+/// unexplained; not those of `tried`. None where all is explained as well as most groups are.
+pub(crate) fn next(state: &State<'_>, tried: &[(usize, Kind)]) -> Option<Proposal> {
+    let unexplained = |group: usize| {
+        let error = state.groups[group].likelihood?.error.share;
+        let typical = error_of_others(state, group, BETTER).max(TYPICAL_MIN);
+        let pixels = state.observation.pixels_of_group[group].len() as f64;
+        (error > TEXTURED * typical).then_some(pixels * error * error)
+    };
+    let mut groups: Vec<(usize, f64)> = state
+        .visible_unknowns()
+        .into_iter()
+        .filter(|group| Kind::of(state.groups[*group].hypothesis).is_some())
+        .filter_map(|group| Some((group, unexplained(group)?)))
+        .collect();
+    groups.sort_by(|a, b| b.1.total_cmp(&a.1));
+    groups.into_iter().find_map(|(group, _)| other_kind(state, group, tried))
+}
+
+/// The nearest hypothesis of `group` that is of a kind which is neither its own nor was tried.
+fn other_kind(state: &State<'_>, group: usize, tried: &[(usize, Kind)]) -> Option<Proposal> {
+    let of_group = &state.groups[group];
+    let own = Kind::of(of_group.hypothesis);
+    let is_new = |kind: Kind| Some(kind) != own && !tried.contains(&(group, kind));
+    let is_allowed = |hypothesis| {
+        state.problem.groups[group].allows(hypothesis) && Kind::of(hypothesis).is_some_and(is_new)
+    };
+    let last = of_group.last_candidates().filter(|record| is_allowed(record.hypothesis));
+    let nearest = last.min_by(|a, b| a.criterion.total_cmp(&b.criterion))?;
+    Some(Proposal::of_record(state, group, nearest))
+}
