@@ -25,7 +25,8 @@ const REVISIONS: usize = 2;
 /// simpler, since that changes the light of others. At one a room whose largest thing is a mirror, which is found then, has two
 /// groups of seven wrong under the seed that was tried; double was not tried.
 const REFINED_MAX: usize = 2;
-/// Other kinds of hypothesis that are tried for groups which stay unexplained; each costs a choice.
+/// Other kinds of hypothesis that are tried for groups which stay unexplained; each costs a choice beside it. One of
+/// two kinds is the first in the order of the evidence, which is wrong there; half and double of it were not tried.
 const BRANCHES: usize = 3;
 
 /// Recovers everything, the default way.

@@ -157,7 +157,8 @@ fn groups_of_one_material_are_recovered_as_one() {
     folder.drafts(&["--spp", "4"]);
     let found = materials::read(&folder.path("out/materials.json")).unwrap();
     let scores = unrender::score::score(&found, &folder.path("out"), &found, &folder.path("out"));
-    assert!(scores.unwrap().iter().all(|score| score.counted));
+    let counted = scores.unwrap().into_iter().filter(|score| score.counted);
+    assert_eq!(counted.map(|score| score.group).collect::<Vec<_>>(), ["floor", "wall"]);
     assert_eq!(found.groups["wall"].status, Some(StatusEntry::SameAs("floor".into())));
     let [floor, wall] = ["floor", "wall"].map(|name| &found.groups[name]);
     assert_eq!((floor.rho_d, floor.hypothesis), (wall.rho_d, wall.hypothesis));
