@@ -13,7 +13,8 @@ use unrender_scene::Mesh;
 /// A corner of a face in the file becomes a triangle with three vertices of 32 bytes and indices.
 const BYTES_A_CORNER: u64 = 128;
 
-/// The mesh in `bytes`, counted from `origin`; polygons become triangles. If the file has no normals, the mesh has none.
+/// The mesh in `bytes`, counted from `origin`; polygons become triangles. If the file has no normals, the mesh has
+/// none.
 ///
 /// # Errors
 /// If it is not PLY, if a face names a vertex that is not there, or if it takes too much memory.

@@ -50,11 +50,11 @@ impl Noted {
         }
         if let Some(note) = &mut self.note {
             let here = (note.light_at - origin).as_vec3();
-            match note.light.as_mut().map(|light| &mut light.kind) {
-                Some(LightKind::Point { position, .. } | LightKind::Spot { position, .. }) => {
-                    *position = here;
-                }
-                _ => {}
+            let light = note.light.as_mut().map(|light| &mut light.kind);
+            if let Some(LightKind::Point { position, .. } | LightKind::Spot { position, .. }) =
+                light
+            {
+                *position = here;
             }
         }
         self
