@@ -102,9 +102,11 @@ impl Driver<'_> {
                 break;
             }
             let before = best.score.clone();
+            let proposed: Vec<usize> = proposals.iter().map(|proposal| proposal.group).collect();
             if self.try_all(state, proposals, best, Depth::Rough, observer) {
                 self.refine_once(state, best, Depth::Rough, observer);
-                let changed = self.changed(state, &best.score, &before, level);
+                let mut changed = self.changed(state, &best.score, &before, level);
+                changed.retain(|group| !proposed.contains(group));
                 self.candidates.ask_again(&changed);
             }
         }
@@ -120,8 +122,9 @@ impl Driver<'_> {
         observer: &mut dyn Observer,
     ) -> Result<(), RecoverError> {
         let (level, mut tried) = (Level::Choice, Vec::new());
+        let allowed = sample_budget::allowance(level, self.options).floor;
         while tried.len() < BRANCHES && !observer.is_cancelled() {
-            let Some(other) = branches::next(state, &tried) else { break };
+            let Some(other) = branches::next(state, allowed, &tried) else { break };
             tried.extend(Kind::of(other.hypothesis).map(|kind| (other.group, kind)));
             let before = self.candidates.clone();
             other.apply(state);

@@ -12,10 +12,6 @@ pub(crate) const MIDDLE: f64 = 0.5;
 /// of the other groups: it comes from the same lamps and walls. At half of it the group beside a wrong
 /// one gets a lobe, at double broad faint lobes pass for errors of the light.
 const LIKE_OTHERS: f64 = 2.0;
-/// The scene's better groups: those below this quantile of the model errors. A group that no hypothesis
-/// explains yet does not make the others' textures explained.
-pub(crate) const BETTER: f64 = 0.25;
-
 /// The model error of the groups other than `group` below which a `share` of them lies; zero without
 /// others.
 pub(crate) fn error_of_others(state: &State<'_>, group: usize, share: f64) -> f64 {

@@ -6,9 +6,9 @@
 //! its own evidence speaks for it or not, and all others are asked again beside it; the driver keeps what comes of it
 //! where the whole picture is better for it.
 
-use super::candidates::{Proposal, TEXTURED, TYPICAL_MIN};
+use super::candidates::Proposal;
 use crate::hypothesis::Hypothesis;
-use crate::others::{BETTER, error_of_others};
+use crate::model_error::ModelError;
 use crate::state::State;
 
 /// What a surface is besides diffuse.
@@ -34,20 +34,24 @@ impl Kind {
 }
 
 /// The hypothesis of another kind that came nearest to the present one, for the group that leaves most of the picture
-/// unexplained; not those of `tried`. None where all is explained as well as most groups are.
-pub(crate) fn next(state: &State<'_>, tried: &[(usize, Kind)]) -> Option<Proposal> {
-    let unexplained = |group: usize| {
-        let error = state.groups[group].likelihood?.error.share;
-        let typical = error_of_others(state, group, BETTER).max(TYPICAL_MIN);
-        let pixels = state.observation.pixels_of_group[group].len() as f64;
-        (error > TEXTURED * typical).then_some(pixels * error * error)
+/// unexplained; not those of `tried`. None where no group leaves more than the model error that is always `allowed` for
+/// leaves of the whole picture.
+pub(crate) fn next(
+    state: &State<'_>,
+    allowed: ModelError,
+    tried: &[(usize, Kind)],
+) -> Option<Proposal> {
+    let left = |group: usize, error: f64| {
+        error * error * state.observation.pixels_of_group[group].len() as f64
     };
-    let mut groups: Vec<(usize, f64)> = state
-        .visible_unknowns()
-        .into_iter()
-        .filter(|group| Kind::of(state.groups[*group].hypothesis).is_some())
-        .filter_map(|group| Some((group, unexplained(group)?)))
-        .collect();
+    let least: f64 = state.visible_unknowns().iter().map(|group| left(*group, allowed.share)).sum();
+    let unexplained = |group: usize| {
+        Kind::of(state.groups[group].hypothesis)?;
+        let error = state.groups[group].likelihood?.error.share;
+        Some((group, left(group, error))).filter(|(_, left)| *left > least)
+    };
+    let mut groups: Vec<(usize, f64)> =
+        state.visible_unknowns().into_iter().filter_map(unexplained).collect();
     groups.sort_by(|a, b| b.1.total_cmp(&a.1));
     groups.into_iter().find_map(|(group, _)| other_kind(state, group, tried))
 }

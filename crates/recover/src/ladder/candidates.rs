@@ -11,7 +11,7 @@ use super::evidence_pair::{EvidencePair, Fits, Gathering};
 use super::textures;
 use crate::hypothesis::{Fit, Hypothesis};
 use crate::likelihood::Likelihood;
-use crate::others::{BETTER, MIDDLE, error_of_others, light_of_others};
+use crate::others::{MIDDLE, error_of_others, light_of_others};
 use crate::outliers;
 use crate::problem::Options;
 use crate::record::{CandidateRecord, Observer, Status};
@@ -36,9 +36,12 @@ const UNEXPLAINED: f64 = 6.0;
 /// A texture is tried where the model error is this many times that of the better groups, and has to gain more
 /// than from residuals of that size ([`crate::verify`]). At half of it time goes to textures that are not borne
 /// out, and shadows become textures; at double faint textures become noise.
-pub(super) const TEXTURED: f64 = 2.0;
+const TEXTURED: f64 = 2.0;
+/// The scene's better groups: those below this quantile of the model errors. A group that no hypothesis
+/// explains yet does not make the others' textures explained.
+const BETTER: f64 = 0.25;
 /// The model error of the better groups is taken as at least this: a real scene is not known better.
-pub(super) const TYPICAL_MIN: f64 = 0.01;
+const TYPICAL_MIN: f64 = 0.01;
 /// Outliers are looked for so often, each time without those before.
 const OUTLIER_ROUNDS: usize = 3;
 
