@@ -199,7 +199,7 @@ impl Recovered {
             "exposure_std": recovery.exposure_std.map(|std| std.to_array()),
             "iterations": iterations.collect::<Vec<_>>(),
             "valid_pixels": valid.collect::<serde_json::Map<_, _>>(),
-            "camera": camera_out(&self.recovered.camera(&self.job)),
+            "camera": camera_out(&self.recovered.camera(&self.job), &self.job.scene),
             "warnings": self.job.warnings.0,
             "summary": self.recovered.summary(&self.job),
             "brdf": self.job.scene.brdf.name(),

@@ -2,7 +2,7 @@
 
 use crate::arrays::{image, picture, rows, rows2, rows3, triangles};
 use crate::error::{exception, request};
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Affine3A, DVec3, Vec2, Vec3};
 use numpy::{PyArray2, PyArray3, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
@@ -109,15 +109,16 @@ impl Scene {
         json!({
             "objects": scene.objects.iter().map(object).collect::<Vec<_>>(),
             "groups": scene.groups.iter().map(group).collect::<Vec<_>>(),
-            "lights": scene.lights.iter().map(light_out).collect::<Vec<_>>(),
-            "cameras": scene.cameras.iter().map(camera_out).collect::<Vec<_>>(),
+            "lights": scene.lights.iter().map(|light| light_out(light, scene)).collect::<Vec<_>>(),
+            "cameras": scene.cameras.iter().map(|c| camera_out(c, scene)).collect::<Vec<_>>(),
+            "origin": scene.origin.to_array(),
             "environment": scene.environment.is_some(),
             "brdf": scene.brdf.name(),
         })
         .to_string()
     }
 
-    /// The arrays of an object's mesh: positions (N, 3) in metres, triangles (M, 3), normals (N, 3),
+    /// The arrays of an object's mesh: positions (N, 3) in metres from the scene's origin, triangles (M, 3), normals (N, 3),
     /// texture coordinates (N, 2) or none.
     fn mesh<'py>(&self, py: Python<'py>, object: usize) -> PyResult<MeshOut<'py>> {
         let objects = &self.plain().objects;
@@ -154,8 +155,8 @@ impl Scene {
     /// The same scene with one camera more, which replaces one of its name.
     fn with_camera(&self, json: &str) -> PyResult<Self> {
         let value: Value = serde_json::from_str(json).map_err(|e| request(e.to_string()))?;
-        let camera = camera_in(&value)?;
         let mut scene = self.plain().clone();
+        let camera = camera_in(&value, &scene)?;
         scene.cameras.retain(|other| other.name != camera.name);
         scene.cameras.push(camera);
         Ok(Self::new(scene))
@@ -237,7 +238,8 @@ fn put_texture(scene: &mut plain::Scene, group: &str, texture: RgbImage) -> PyRe
 }
 
 fn built(value: &Value, meshes: &[MeshArrays<'_>]) -> PyResult<plain::Scene> {
-    let mut scene = plain::Scene::default();
+    let origin = if value["origin"].is_null() { DVec3::ZERO } else { place(value, "origin")? };
+    let mut scene = plain::Scene { origin, ..plain::Scene::default() };
     let list = |key: &str| value[key].as_array().cloned().unwrap_or_default();
     for group in list("groups") {
         let theta_rad = number(&group, "theta_deg")?.to_radians();
@@ -258,10 +260,10 @@ fn built(value: &Value, meshes: &[MeshArrays<'_>]) -> PyResult<plain::Scene> {
         scene.objects.push(Object { name: name(object)?, group, mesh: mesh(arrays)? });
     }
     for light in list("lights") {
-        scene.lights.push(light_in(&light)?);
+        scene.lights.push(light_in(&light, &scene)?);
     }
     for camera in list("cameras") {
-        scene.cameras.push(camera_in(&camera)?);
+        scene.cameras.push(camera_in(&camera, &scene)?);
     }
     if !value["environment"].is_null() {
         let radiance: Rgb = triple(value, "environment")?.into();
@@ -305,19 +307,25 @@ fn number(of: &Value, key: &str) -> PyResult<f32> {
 }
 
 fn triple(of: &Value, key: &str) -> PyResult<[f32; 3]> {
-    let problem = || request(format!("{key} must be three finite numbers"));
-    let list = of[key].as_array().filter(|list| list.len() == 3).ok_or_else(problem)?;
-    let one = |k: usize| list[k].as_f64().filter(|n| n.is_finite()).map(|n| n as f32);
-    one(0).zip(one(1)).zip(one(2)).map(|((a, b), c)| [a, b, c]).ok_or_else(problem)
+    place(of, key).map(|place| place.as_vec3().to_array())
 }
 
-fn light_in(light: &Value) -> PyResult<Light> {
+/// A place in the world, or any three numbers, in double precision.
+fn place(of: &Value, key: &str) -> PyResult<DVec3> {
+    let problem = || request(format!("{key} must be three finite numbers"));
+    let list = of[key].as_array().filter(|list| list.len() == 3).ok_or_else(problem)?;
+    let one = |k: usize| list[k].as_f64().filter(|n| n.is_finite());
+    one(0).zip(one(1)).zip(one(2)).map(|((a, b), c)| DVec3::new(a, b, c)).ok_or_else(problem)
+}
+
+fn light_in(light: &Value, scene: &plain::Scene) -> PyResult<Light> {
     let vec = |key: &str| triple(light, key).map(Vec3::from_array);
+    let position = || place(light, "position").map(|place| scene.here(place));
     let strength: Rgb = triple(light, "strength")?.into();
     let kind = match light["kind"].as_str() {
-        Some("point") => LightKind::Point { position: vec("position")?, intensity: strength },
+        Some("point") => LightKind::Point { position: position()?, intensity: strength },
         Some("spot") => LightKind::Spot {
-            position: vec("position")?,
+            position: position()?,
             direction: vec("direction")?.normalize_or(Vec3::NEG_Y),
             intensity: strength,
             inner_rad: number(light, "inner_deg")?.to_radians(),
@@ -332,13 +340,14 @@ fn light_in(light: &Value) -> PyResult<Light> {
     Ok(Light { name: name(light)?, kind })
 }
 
-fn light_out(light: &Light) -> Value {
+fn light_out(light: &Light, scene: &plain::Scene) -> Value {
+    let place = |here: Vec3| scene.in_world(here).to_array();
     let mut value = match light.kind {
         LightKind::Point { position, intensity } => json!({
-            "kind": "point", "position": position.to_array(), "strength": intensity.to_array(),
+            "kind": "point", "position": place(position), "strength": intensity.to_array(),
         }),
         LightKind::Spot { position, direction, intensity, inner_rad, outer_rad } => json!({
-            "kind": "spot", "position": position.to_array(), "direction": direction.to_array(),
+            "kind": "spot", "position": place(position), "direction": direction.to_array(),
             "strength": intensity.to_array(), "inner_deg": inner_rad.to_degrees(),
             "outer_deg": outer_rad.to_degrees(),
         }),
@@ -351,18 +360,21 @@ fn light_out(light: &Light) -> Value {
     value
 }
 
-/// A camera of its pose (12 numbers, column by column), or of where it stands and looks.
-fn camera_in(camera: &Value) -> PyResult<Camera> {
+/// A camera in `scene`, of its pose (12 numbers, column by column), or of where it stands and looks.
+fn camera_in(camera: &Value, scene: &plain::Scene) -> PyResult<Camera> {
     let fov_y_rad = number(camera, "fov_y_deg")?.to_radians();
-    let vec = |key: &str| triple(camera, key).map(Vec3::from_array);
-    let (eye, target, up) = (vec("eye")?, vec("target")?, vec("up")?);
+    let here = |key: &str| place(camera, key).map(|place| scene.here(place));
+    let (eye, target) = (here("eye")?, here("target")?);
+    let up = Vec3::from_array(triple(camera, "up")?);
     let mut made = Camera::look_at(&name(camera)?, eye, target, up, fov_y_rad);
     if let Some(pose) = camera["world_from_camera"].as_array().filter(|pose| pose.len() == 12) {
         let mut columns = [0.0; 12];
         for (to, from) in columns.iter_mut().zip(pose) {
-            *to = from.as_f64().unwrap_or_default() as f32;
+            *to = from.as_f64().unwrap_or_default();
         }
-        made.world_from_camera = Affine3A::from_cols_array(&columns);
+        let eye = scene.here(DVec3::from_slice(&columns[9..]));
+        made.world_from_camera = Affine3A::from_cols_array(&columns.map(|number| number as f32));
+        made.world_from_camera.translation = eye.into();
     }
     if !made.world_from_camera.is_finite() {
         return Err(request("the camera's eye, target and up leave its direction open"));
@@ -377,14 +389,18 @@ fn camera_in(camera: &Value) -> PyResult<Camera> {
     Ok(made)
 }
 
-pub(crate) fn camera_out(camera: &Camera) -> Value {
+/// A camera in `scene`, in the world of its file.
+pub(crate) fn camera_out(camera: &Camera, scene: &plain::Scene) -> Value {
     let axes = camera.world_from_camera.matrix3;
     let eye = camera.origin();
+    let place = |here: Vec3| scene.in_world(here).to_array();
+    let mut pose = camera.world_from_camera.to_cols_array().map(f64::from);
+    pose[9..].copy_from_slice(&place(eye));
     json!({
         "name": camera.name, "fov_y_deg": camera.fov_y_rad.to_degrees(), "aspect": camera.aspect,
-        "eye": eye.to_array(), "target": (eye - Vec3::from(axes.z_axis)).to_array(),
+        "eye": place(eye), "target": place(eye - Vec3::from(axes.z_axis)),
         "up": Vec3::from(axes.y_axis).to_array(),
-        "world_from_camera": camera.world_from_camera.to_cols_array(),
+        "world_from_camera": pose,
         "principal_point": camera.lens.principal_point, "fx_over_fy": camera.lens.fx_over_fy,
         "k1": camera.lens.k1, "k2": camera.lens.k2, "k3": camera.lens.k3,
         "p1": camera.lens.p1, "p2": camera.lens.p2,

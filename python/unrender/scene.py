@@ -176,11 +176,30 @@ class Light:
     name: str = "light"
 
 
-class _Arrays:
-    """The arrays of a mesh as the compiled half takes them."""
+_FAR = 32.0
+"""Meshes farther from zero than so many times their extent count from their midst, as those of
+files do."""
 
-    def __init__(self, mesh: Mesh) -> None:
-        self.positions = plain(mesh.vertices)
+
+def _origin(meshes: Sequence[Mesh]) -> NDArray[np.float64]:
+    """Where the vertices are best counted from, in single precision."""
+    corners = [np.asarray(mesh.vertices, dtype=float).reshape(-1, 3) for mesh in meshes]
+    corners = [c for c in corners if c.size and np.isfinite(c).all()]
+    if not corners:
+        return np.zeros(3)
+    low = np.min([c.min(axis=0) for c in corners], axis=0)
+    high = np.max([c.max(axis=0) for c in corners], axis=0)
+    middle, extent = 0.5 * (low + high), float(np.linalg.norm(high - low))
+    step = 10.0 ** np.floor(np.log10(extent)) if extent > 0.0 else 1.0
+    return np.asarray(np.where(np.abs(middle) > _FAR * extent, np.round(middle / step) * step, 0.0))
+
+
+class _Arrays:
+    """The arrays of a mesh as the compiled half takes them, counted from an origin."""
+
+    def __init__(self, mesh: Mesh, origin: NDArray[np.float64]) -> None:
+        far = origin.any() and np.ndim(mesh.vertices) == 2
+        self.positions = plain(np.asarray(mesh.vertices, dtype=float) - origin if far else mesh.vertices)
         self.triangles = np.ascontiguousarray(mesh.faces, dtype=np.uint32)
         self.normals = None if mesh.normals is None else plain(mesh.normals)
         self.uvs = None if mesh.uvs is None else plain(mesh.uvs)
@@ -218,6 +237,7 @@ class Scene:
         meshes, given = list(meshes), dict(groups or {})
         for mesh in meshes:
             given.setdefault(mesh.group, Group())
+        origin = _origin(meshes)
         textures = {n: plain(g.texture) for n, g in given.items() if g.texture is not None}
         fields = ("rho_d", "rho_s", "alpha_x", "alpha_y", "theta_deg", "emission")
         document = {
@@ -229,9 +249,10 @@ class Scene:
             "lights": [vars(light) for light in lights],
             "cameras": [vars(camera) for camera in cameras],
             "environment": environment,
+            "origin": list(origin),
         }
         text = json.dumps(jsonable(document))
-        self._inner, doubts = _unrender.Scene.build(text, [_Arrays(m) for m in meshes], textures)
+        self._inner, doubts = _unrender.Scene.build(text, [_Arrays(m, origin) for m in meshes], textures)
         self.path = None
         self._doubt(doubts)
 
@@ -305,9 +326,12 @@ class Scene:
 
     def mesh(self, index: int) -> Mesh:
         """The arrays of the object with this number: vertices (N, 3) in metres, faces (M, 3),
-        normals (N, 3), uvs (N, 2) or None."""
-        name, group = self.objects[index]
+        normals (N, 3), uvs (N, 2) or None. The vertices of a scene far from zero have double precision."""
+        described = self._description()
+        name, group = described["objects"][index]["name"], described["objects"][index]["group"]
         vertices, faces, normals, uvs = self._inner.mesh(index)
+        if any(described["origin"]):
+            vertices = np.asarray(vertices, dtype=float) + np.asarray(described["origin"])
         return Mesh(group, vertices, faces, uvs=uvs, normals=normals, name=name)
 
     def texture(self, group: str) -> NDArray[np.float32] | None:

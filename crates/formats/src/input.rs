@@ -7,6 +7,7 @@
 //! [`Limits::memory`]; the count is never lowered, so it is a bound from above.
 
 use crate::LightUnits;
+use glam::DVec3;
 use std::cell::Cell;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
@@ -76,17 +77,24 @@ pub struct Input<'a> {
     pub limits: Limits,
     /// The units of the lights of a glTF file, where they are not to be taken as the file says.
     pub light_units: Option<LightUnits>,
+    /// Where the positions of what is read count from, in the world of the file.
+    pub(crate) origin: DVec3,
 }
 
 impl<'a> Input<'a> {
     /// The file at `path` within `limits`.
     pub fn new(path: &'a Path, limits: Limits) -> Self {
-        Self { path, limits, light_units: None }
+        Self { path, limits, light_units: None, origin: DVec3::ZERO }
     }
 
     /// The same, its lights in these units, if they are stated.
     pub fn in_light_units(self, light_units: Option<LightUnits>) -> Self {
         Self { light_units, ..self }
+    }
+
+    /// The same, its positions counted from `origin`.
+    pub(crate) fn about(self, origin: DVec3) -> Self {
+        Self { origin, ..self }
     }
 }
 
@@ -102,6 +110,7 @@ pub(crate) struct Scope {
     /// The folder as the user names it.
     folder: PathBuf,
     limits: Limits,
+    origin: DVec3,
     used: Cell<u64>,
 }
 
@@ -111,6 +120,7 @@ impl Scope {
         Self {
             folder: folder.unwrap_or(Path::new(".")).to_owned(),
             limits: input.limits,
+            origin: input.origin,
             used: Cell::new(0),
         }
     }
@@ -147,6 +157,11 @@ impl Scope {
              --allow-outside",
             self.folder.display()
         ))
+    }
+
+    /// Where the positions of the scene count from, in the world of its file.
+    pub(crate) fn origin(&self) -> DVec3 {
+        self.origin
     }
 
     /// Counts `bytes` that are about to be allocated; an error if that is too much.

@@ -51,7 +51,7 @@ impl LightUnits {
     }
 
     /// The radiometric number (W/sr, or W/m^2 where the light is directional) of an intensity of one.
-    pub(crate) fn radiometric(self, is_directional: bool) -> f64 {
+    pub fn radiometric(self, is_directional: bool) -> f64 {
         match self {
             Self::Radiometric | Self::Unitless => 1.0,
             Self::BlenderStandard => 1.0 / LUMENS_PER_WATT,

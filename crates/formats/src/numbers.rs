@@ -1,12 +1,19 @@
-//! Single-precision numbers as JSON that reads back to the same bits and is short to look at.
+//! Single-precision numbers as text and JSON that reads back to the same bits and is short to look at.
 
+use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 use unrender_scene::Rgb;
+use unrender_scene::origin::in_digits;
 
 /// The shortest decimal that rounds to `value`.
 pub(crate) fn number(value: f32) -> f64 {
     let short = value.to_string().parse().unwrap_or(f64::from(value));
     if short as f32 == value { short } else { f64::from(value) }
+}
+
+/// Three coordinates in the world that are read back as `here`, which counts from `origin`.
+pub(crate) fn triple_at(origin: DVec3, here: Vec3) -> [f64; 3] {
+    [0, 1, 2].map(|axis| in_digits(origin[axis], here[axis]))
 }
 
 /// Three numbers, as [`number`] writes them.

@@ -4,8 +4,8 @@
 //! Such a comment says what follows (`group`, `object`, `light` or `camera`) and then, as JSON on
 //! the same line, its name or, of groups, an object with `name` and the parameters.
 
-use crate::numbers::{degrees, number, radians, triple};
-use glam::Vec3;
+use crate::numbers::{degrees, number, radians, triple, triple_at};
+use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use unrender_scene::{BrdfModel, Group, Light, LightKind, Material, Rgb};
@@ -17,20 +17,20 @@ pub(crate) fn group_note(group: &Group, brdf: BrdfModel) -> String {
     format!("group {json}")
 }
 
-/// The comment about `light`.
-pub(crate) fn light_note(light: &Light) -> String {
+/// The comment about `light`, whose position counts from `origin`.
+pub(crate) fn light_note(light: &Light, origin: DVec3) -> String {
     let vector = |v: Vec3| v.to_array().map(number);
     let strength = triple(light.kind.strength());
     let json = match light.kind {
         LightKind::Point { position, .. } => {
-            json!({ "kind": "point", "position": vector(position) })
+            json!({ "kind": "point", "position": triple_at(origin, position) })
         }
         LightKind::Directional { direction, .. } => {
             json!({ "kind": "directional", "direction": vector(direction) })
         }
         LightKind::Spot { position, direction, inner_rad, outer_rad, .. } => json!({
             "kind": "spot",
-            "position": vector(position),
+            "position": triple_at(origin, position),
             "direction": vector(direction),
             "inner_deg": degrees(inner_rad),
             "outer_deg": degrees(outer_rad),
@@ -42,23 +42,28 @@ pub(crate) fn light_note(light: &Light) -> String {
     format!("light {json}")
 }
 
-/// The light that [`light_note`] has written down.
-fn light(json: &Value) -> Option<Light> {
-    let number = |value: &Value| value.as_f64().map(|v| v as f32).filter(|v| v.is_finite());
-    let vector = |key: &str| -> Option<Vec3> {
-        let list = json[key].as_array()?;
-        let list: Option<Vec<f32>> = list.iter().map(number).collect();
-        <[f32; 3]>::try_from(list?).ok().map(Vec3::from_array)
+/// Three numbers of `json`.
+fn vector(json: &Value, key: &str) -> Option<DVec3> {
+    let list: Option<Vec<f64>> = json[key].as_array()?.iter().map(Value::as_f64).collect();
+    <[f64; 3]>::try_from(list?).ok().map(DVec3::from_array)
+}
+
+/// The light that [`light_note`] has written down, its position counted from `origin`.
+fn light(json: &Value, origin: DVec3) -> Option<Light> {
+    let vector_from = |origin: DVec3, key: &str| {
+        Some((vector(json, key)? - origin).as_vec3()).filter(|v| v.is_finite())
     };
+    let vector = |key: &str| vector_from(DVec3::ZERO, key);
+    let position = || vector_from(origin, "position");
     let angle = |key: &str| json[key].as_f64().map(radians);
     let strength = vector("strength").filter(|s| s.min_element() >= 0.0)?;
     let kind = match json["kind"].as_str()? {
-        "point" => LightKind::Point { position: vector("position")?, intensity: strength },
+        "point" => LightKind::Point { position: position()?, intensity: strength },
         "directional" => {
             LightKind::Directional { direction: vector("direction")?, irradiance: strength }
         }
         "spot" => LightKind::Spot {
-            position: vector("position")?,
+            position: position()?,
             direction: vector("direction")?,
             intensity: strength,
             inner_rad: angle("inner_deg")?,
@@ -78,13 +83,15 @@ pub(crate) struct Note {
     pub(crate) material: Option<(Material, BrdfModel)>,
     /// The exact light.
     pub(crate) light: Option<Light>,
+    /// Where the light is in the world, in double precision; zero if it is nowhere.
+    pub(crate) light_at: DVec3,
     /// Whether nothing has followed yet.
     pub(crate) is_first: bool,
 }
 
 impl Note {
-    /// The note in `comment`, if it is one.
-    pub(crate) fn parse(comment: &str) -> Option<Self> {
+    /// The note in `comment`, if it is one; positions count from `origin`.
+    pub(crate) fn parse(comment: &str, origin: DVec3) -> Option<Self> {
         let (kind, json) = comment.trim().split_once(' ')?;
         if !["group", "object", "light", "camera"].contains(&kind) {
             return None;
@@ -93,7 +100,9 @@ impl Note {
         let name = json.as_str().or_else(|| json["name"].as_str()).map(str::to_owned);
         let record = serde_json::from_value::<Record>(json.clone()).ok();
         let material = record.and_then(|record| record.to_material().ok());
-        Some(Self { name, material, light: light(&json), is_first: true })
+        let light = light(&json, origin);
+        let light_at = vector(&json, "position").unwrap_or_default();
+        Some(Self { name, material, light, light_at, is_first: true })
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::import::{mitsuba, radiance};
 use crate::{FileError, Input, gltf, obj};
+use glam::DVec3;
 use std::path::Path;
 use unrender_scene::{Camera, Scene, SceneError, Warnings};
 
@@ -13,7 +14,21 @@ enum Format {
 }
 
 impl Format {
+    /// The scene of `input`. If it lies far from zero it is read once more, counted from its midst: positions are
+    /// single precision, and files have more.
     fn read(&self, input: Input<'_>) -> Result<(Scene, Warnings), FileError> {
+        let (scene, warnings) = self.read_about(input)?;
+        let origin = scene.far_origin();
+        if origin == DVec3::ZERO {
+            return Ok((scene, warnings));
+        }
+        // Before the other one takes its memory.
+        drop(scene);
+        let (scene, warnings) = self.read_about(input.about(origin))?;
+        Ok((Scene { origin, ..scene }, warnings))
+    }
+
+    fn read_about(&self, input: Input<'_>) -> Result<(Scene, Warnings), FileError> {
         match self {
             Self::Gltf => gltf::read(input),
             Self::Obj => obj::read(input),
@@ -94,18 +109,25 @@ pub fn assign_materials<'a>(
     }
 }
 
-/// The bytes of a `.glb` that shows what `source` shows, seen by one camera more; one of the same
+/// The bytes of a `.glb` that shows what `source` shows, seen by one camera more, whose position counts from
+/// `origin`, as those of the scene that was read do from [`Scene::origin`]; one of the same
 /// name is replaced. glTF has no words for what a lens does.
 ///
 /// # Errors
 /// If `source` cannot be read or the scene cannot be written.
-pub fn place<'a>(source: impl Into<Input<'a>>, camera: &Camera) -> Result<Vec<u8>, FileError> {
+pub fn place<'a>(
+    source: impl Into<Input<'a>>,
+    camera: &Camera,
+    origin: DVec3,
+) -> Result<Vec<u8>, FileError> {
     let source = source.into();
     match format_of(source.path)? {
-        Format::Gltf => gltf::place(source, camera),
+        Format::Gltf => gltf::place(source, camera, origin),
         format => {
             let (mut scene, _) = format.read(source)?;
-            scene.cameras.push(camera.clone());
+            let mut camera = camera.clone();
+            camera.world_from_camera.translation += (origin - scene.origin).as_vec3a();
+            scene.cameras.push(camera);
             gltf::to_glb(&scene).map_err(|error| FileError::new(source.path, error))
         }
     }

@@ -257,7 +257,7 @@ pub enum RecoverError {
     #[error(
         "no reflectances explain this photograph: the nearest leave {:.0} % of it. If all light of the scene were \
          {} as bright, {:.0} % would be left: correct the units of the lights, or the project's exposure or \
-         response. --force goes on as it is",
+         response{remedy}. --force goes on as it is",
         100.0 * unexplained[0], times(*factor), 100.0 * unexplained[1]
     )]
     Unexplained {
@@ -266,6 +266,9 @@ pub enum RecoverError {
         factor: Rgb,
         /// The share of the photograph that is not explained as it is, and with the factor.
         unexplained: [f64; 2],
+        /// What whoever knows the scene's files has to say of such a factor, a clause behind the message; empty at
+        /// first.
+        remedy: String,
     },
 }
 

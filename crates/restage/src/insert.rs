@@ -3,7 +3,7 @@
 use crate::repaint::Paint;
 use crate::snap;
 use crate::stage::Stage;
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, DVec3, Quat, Vec3};
 use unrender_scene::{Light, LightKind, Mesh, Scene};
 
 /// Inserts a model. Its objects and groups get the prefix `name.`.
@@ -26,20 +26,20 @@ pub struct Insert {
 /// The position of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Place {
-    /// The position of its origin, metres.
-    At(Vec3),
+    /// The position of its origin in the world of the scene's file, metres.
+    At(DVec3),
     /// On the highest upward-facing surface of a group at given horizontal coordinates.
     Onto {
         /// The group.
         group: String,
         /// World x, metres.
-        x: f32,
+        x: f64,
         /// World z, metres.
-        z: f32,
+        z: f64,
     },
     /// At the first hit of a ray.
     Seen {
-        /// Origin of the ray, metres.
+        /// Origin of the ray, metres, as positions of the scene count.
         origin: Vec3,
         /// Unit vector along the ray.
         direction: Vec3,
@@ -73,7 +73,12 @@ pub(crate) fn apply(insert: &Insert, stage: &mut Stage<'_>) -> Result<(), String
     };
     let foot = 0.5 * (low + high).with_y(2.0 * low.y);
     let shift = match &insert.place {
-        Place::At(position) => *position,
+        Place::At(position) => {
+            // The model counts from its own midst, if it is far from its own zero.
+            let scale = f64::from(insert.scale);
+            let midst = insert.rotation.as_dquat() * (scale * insert.model.origin);
+            scene.here(*position + midst)
+        }
         Place::Onto { group, x, z } => snap::highest(scene, group, *x, *z)? - foot,
         Place::Seen { origin, direction, group } => {
             snap::seen(scene, *origin, *direction, group.as_deref())? - foot
@@ -85,10 +90,12 @@ pub(crate) fn apply(insert: &Insert, stage: &mut Stage<'_>) -> Result<(), String
         && ((low + shift).cmpgt(b).any() || (high + shift).cmplt(a).any())
     {
         return Err(format!(
-            "\"{name}\" stands outside the scene, which reaches from {a} to {b}: it would reach \
+            "\"{name}\" stands outside the scene, which reaches from {} to {}: it would reach \
              from {} to {}",
-            low + shift,
-            high + shift
+            scene.shown(a),
+            scene.shown(b),
+            scene.shown(low + shift),
+            scene.shown(high + shift)
         ));
     }
     let world_from_model = moved * turned;

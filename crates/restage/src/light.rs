@@ -3,7 +3,7 @@
 //! An area light is a group that emits, with its objects; punctual lights are in `Scene::lights`.
 
 use crate::stage::{Stage, some_names};
-use glam::{Quat, Vec2, Vec3};
+use glam::{DVec3, Quat, Vec2, Vec3};
 use unrender_scene::{Group, Light, LightKind, Material, Mesh, Object, Rgb};
 
 /// Changes, adds or removes one light.
@@ -22,8 +22,8 @@ pub enum LightChange {
     Alter(Alter),
     /// Removes it; of an area light the objects, too.
     Remove,
-    /// Adds it.
-    Add(NewLight),
+    /// Adds it; its position counts from this place in the world of the scene's file, metres.
+    Add(NewLight, DVec3),
 }
 
 /// A change of the parameters of a light.
@@ -75,8 +75,8 @@ enum LightRef {
 
 pub(crate) fn apply(edit: &LightEdit, stage: &mut Stage<'_>) -> Result<(), String> {
     stage.claim("light", &edit.name)?;
-    if let LightChange::Add(new) = edit.change {
-        return add(&edit.name, new, stage);
+    if let LightChange::Add(new, place) = edit.change {
+        return add(&edit.name, moved(new, stage.scene.here(place)), stage);
     }
     match (find(&edit.name, stage)?, edit.change) {
         (found, LightChange::Alter(alter)) => alter_light(&edit.name, &found, alter, stage),
@@ -162,6 +162,19 @@ fn place(name: &str, kind: &mut LightKind, alter: Alter) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// The light `new`, its position counted from where `place` does.
+fn moved(mut new: NewLight, place: Vec3) -> NewLight {
+    match &mut new {
+        NewLight::Punctual(
+            LightKind::Point { position, .. } | LightKind::Spot { position, .. },
+        )
+        | NewLight::Area { centre: position, .. }
+        | NewLight::Sphere { centre: position, .. } => *position += place,
+        NewLight::Punctual(LightKind::Directional { .. }) => {}
+    }
+    new
 }
 
 fn add(name: &str, new: NewLight, stage: &mut Stage<'_>) -> Result<(), String> {

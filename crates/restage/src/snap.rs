@@ -1,7 +1,7 @@
 //! Finding upward-facing surfaces to place models on.
 
 use crate::stage::some_names;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use unrender_render::accel::Ray;
 use unrender_render::path::Transport;
 use unrender_render::{Tracer, surface::Surface};
@@ -12,7 +12,7 @@ use unrender_scene::Scene;
 const LEVEL: f32 = 0.5;
 
 /// The highest upward-facing point of `group` at `x` and `z`.
-pub(crate) fn highest(scene: &Scene, group: &str, x: f32, z: f32) -> Result<Vec3, String> {
+pub(crate) fn highest(scene: &Scene, group: &str, x: f64, z: f64) -> Result<Vec3, String> {
     let index = scene.group_index(group).ok_or_else(|| {
         let there = some_names(scene.groups.iter().map(|g| g.name.as_str()));
         format!("the scene has no group \"{group}\" to stand on; it has {there}")
@@ -20,7 +20,7 @@ pub(crate) fn highest(scene: &Scene, group: &str, x: f32, z: f32) -> Result<Vec3
     let positions = scene.objects.iter().flat_map(|o| &o.mesh.positions);
     let top = positions.fold(f32::NEG_INFINITY, |top, p| top.max(p.y));
     let tracer = Tracer::new(scene);
-    let mut ray = Ray::new(Vec3::new(x, top + 1.0, z), Vec3::NEG_Y);
+    let mut ray = Ray::new(scene.here(DVec3::new(x, 0.0, z)).with_y(top + 1.0), Vec3::NEG_Y);
     while let Some(surface) = tracer.surface(&ray) {
         if surface.group as usize == index && is_level(&surface) {
             return Ok(surface.point);

@@ -16,6 +16,7 @@ pub mod lens;
 pub mod light;
 pub mod material;
 pub mod mesh;
+pub mod origin;
 pub mod picture;
 pub mod points;
 mod serial;
@@ -34,7 +35,7 @@ pub use picture::{Depth, Merged, Picture, Profile};
 pub use points::Pair;
 pub use validate::{SceneError, Warnings};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// The objects that share one material. In glTF: all primitives with that material.
@@ -70,6 +71,9 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// The BRDF model of the groups' materials.
     pub brdf: BrdfModel,
+    /// Where the zero of all positions here lies in the world of the scene's file, metres. It is zero but for
+    /// scenes far from it, whose positions would lose their digits in single precision.
+    pub origin: DVec3,
 }
 
 impl Scene {

@@ -91,7 +91,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Writes photograph and project of `dial`; returns the project's path.
 fn prepare(dial: &Dial, room: &Path, folder: &Path) -> Result<PathBuf, Box<dyn Error>> {
     let scene = formats::load_scene(&room.join("scene.glb"))?.0;
-    let camera = scene.cameras[0].clone();
+    let (camera, origin) = (scene.cameras[0].clone(), scene.origin);
     let mut values = if dial.unmodelled {
         with_box(scene, room)?
     } else {
@@ -106,7 +106,7 @@ fn prepare(dial: &Dial, room: &Path, folder: &Path) -> Result<PathBuf, Box<dyn E
     } else {
         picture::write_png_srgb(&photo, &values)?;
     }
-    let table = CameraTable::of(&turned(&camera, dial.pixels, values.height()), 3.0);
+    let table = CameraTable::of(&turned(&camera, dial.pixels, values.height()), 3.0, origin);
     let project = std::fs::read_to_string(room.join("room.toml"))?
         .replace("\"scene.glb\"", &format!("{:?}", room.join("scene.glb")))
         .replace("\"photo.png\"", &format!("{photo:?}"));

@@ -7,13 +7,13 @@ use crate::progress::Progress;
 use crate::recovery_journal::RecoveryJournal;
 use crate::registered::RegisteredModel;
 use crate::registration::{self, Alignment};
-use crate::{Error, Job, same_as};
+use crate::{Error, Job, readings, same_as};
 use std::ops::Range;
 use std::time::Instant;
 use unrender_formats::materials::PhotographEntry;
 use unrender_photo::Exposure;
 use unrender_recover::{
-    IterationRecord, LadderKind, Observer, Options, Problem, Recovery, Thresholds,
+    IterationRecord, LadderKind, Observer, Options, Problem, RecoverError, Recovery, Thresholds,
 };
 use unrender_remote::Workers;
 use unrender_render::Tracer;
@@ -73,10 +73,35 @@ pub(crate) struct Asked<'a> {
     pub(crate) share: f64,
 }
 
+/// As [`recover_as_read`]; an error of brightness names the reading of the lights' units that would explain it.
+pub(crate) fn recover(
+    job: &mut Job,
+    asked: &Asked<'_>,
+    progress: &Progress,
+    journal: &RecoveryJournal,
+    workers: Option<&dyn Workers>,
+) -> Result<Recovered, Error> {
+    recover_as_read(job, asked, progress, journal, workers).map_err(|error| match error {
+        Error::Recover(RecoverError::Unexplained { factor, unexplained, .. }) => {
+            let all = readings::others(job);
+            let behind = all.iter().find(|reading| reading.explains(job, factor));
+            let remedy = behind.map_or(String::new(), |reading| {
+                let (units, remedy) = (reading.units, readings::remedy(reading.units));
+                format!(
+                    " (the lights read as \"{units}\" would be so bright: {}; {remedy})",
+                    reading.lamp(job)
+                )
+            });
+            RecoverError::Unexplained { factor, unexplained, remedy }.into()
+        }
+        error => error,
+    })
+}
+
 /// Recovers the materials of `job`'s groups. Where the project asks for numbers of the camera, they
 /// are found too, and the photograph of `job` ends as developed with them. The renderer's work is done
 /// by `workers`, where they are given.
-pub(crate) fn recover(
+fn recover_as_read(
     job: &mut Job,
     &Asked { options, alignment, share: end }: &Asked<'_>,
     progress: &Progress,

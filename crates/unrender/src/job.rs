@@ -240,17 +240,21 @@ fn choose_camera(
     let size = (picture.values.width(), picture.values.height());
     let as_it_is = |(camera, warnings)| Found { camera, is_mirrored: false, warnings };
     match &project.camera {
-        CameraChoice::InPixels { world_from_camera, intrinsics } => {
-            let camera = intrinsics.camera("project", *world_from_camera, size);
+        CameraChoice::InPixels { stand, intrinsics } => {
+            let pose = stand.camera("project", scene.origin, 1.0).world_from_camera;
+            let camera = intrinsics.camera("project", pose, size);
             let fault = |problem| FileError::new(&project.path, format!("camera: {problem}"));
             Ok(as_it_is((camera.map_err(fault)?, Warnings::default())))
         }
         CameraChoice::Calibrated(calibrated) => {
             let upright = Ok(Orientation::UPRIGHT);
             let orientation = if is_file { photograph::orientation(project) } else { upright }?;
-            Ok(calibrated.read(Photographed { size, orientation }, project.limits)?)
+            let photo = Photographed { size, orientation };
+            Ok(calibrated.read(photo, scene.origin, project.limits)?)
         }
-        CameraChoice::Placed(camera) => Ok(as_it_is((camera.clone(), Warnings::default()))),
+        CameraChoice::Placed(table) => {
+            Ok(as_it_is((table.camera("project", scene.origin), Warnings::default())))
+        }
         CameraChoice::Named(name) => named_camera(scene, Some(name), &project.scene).map(as_it_is),
         CameraChoice::First => named_camera(scene, None, &project.scene).map(as_it_is),
     }

@@ -132,6 +132,8 @@ mod progressive;
 mod progressive_render;
 pub mod project;
 #[cfg(feature = "cli")]
+mod readings;
+
 mod recovery_journal;
 mod registered;
 mod registration;

@@ -3,8 +3,8 @@
 //! A light is added, changed or taken away by its name; an environment is a panorama, or the same
 //! radiance from everywhere. [`restage`](crate::restage) makes the change in the scene.
 
-use crate::toml_values::{Channels, Direction, Finite, NotNegative, Point, Positive, Size};
-use glam::Vec3;
+use crate::toml_values::{Channels, Direction, Finite, NotNegative, Place, Positive, Size, Way};
+use glam::{DVec3, Vec3};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use unrender_formats::Input;
@@ -36,8 +36,8 @@ pub(crate) struct RawLight {
     scale: Option<Channels>,
     strength: Option<Channels>,
     #[serde(rename = "move")]
-    shift: Option<Point>,
-    position: Option<Point>,
+    shift: Option<Way>,
+    position: Option<Place>,
     direction: Option<Direction>,
     size: Option<Size>,
     radius: Option<Positive>,
@@ -120,7 +120,10 @@ impl RawLight {
     /// If its keys do not go together; the message is without the place.
     pub(crate) fn edit(&self) -> Result<LightEdit, String> {
         let change = match (self.add, self.remove) {
-            (Some(kind), false) => LightChange::Add(self.new_light(kind)?),
+            (Some(kind), false) => LightChange::Add(
+                self.new_light(kind)?,
+                self.position.map_or(DVec3::ZERO, |at| at.0),
+            ),
             (None, true) => LightChange::Remove,
             (Some(_), true) => return Err("a light is added or removed, not both".into()),
             (None, false) => LightChange::Alter(self.alter()?),
@@ -152,13 +155,15 @@ impl RawLight {
         self.scale.map_or(Rgb::ONE, |scale| scale.0)
     }
 
+    /// The light, at zero: its place is known in double precision.
     fn new_light(&self, kind: Kind) -> Result<NewLight, String> {
         let strength = self.strength.ok_or("a light that is added needs a strength")?.0;
         let strength = strength * self.factor();
         if !strength.is_finite() {
             return Err("strength times scale is not a finite number".into());
         }
-        let position = self.position.ok_or("a light that is added needs a position");
+        let position =
+            self.position.map(|_| Vec3::ZERO).ok_or("a light that is added needs a position");
         let direction = self.direction.ok_or("this kind of light needs a direction to shine to");
         if self.shift.is_some() {
             return Err(
@@ -167,7 +172,7 @@ impl RawLight {
         }
         Ok(match kind {
             Kind::Point => {
-                NewLight::Punctual(LightKind::Point { position: position?.0, intensity: strength })
+                NewLight::Punctual(LightKind::Point { position: position?, intensity: strength })
             }
             Kind::Directional => NewLight::Punctual(LightKind::Directional {
                 direction: direction?.0,
@@ -176,7 +181,7 @@ impl RawLight {
             Kind::Spot => {
                 let (inner_rad, outer_rad) = self.cone()?;
                 NewLight::Punctual(LightKind::Spot {
-                    position: position?.0,
+                    position: position?,
                     direction: direction?.0,
                     intensity: strength,
                     inner_rad,
@@ -189,12 +194,12 @@ impl RawLight {
                 if size.min_element() <= 0.0 {
                     return Err("both sides of an area light are above zero".into());
                 }
-                let (centre, normal) = (position?.0, direction?.0);
+                let (centre, normal) = (position?, direction?.0);
                 NewLight::Area { centre, normal, size, radiance: strength }
             }
             Kind::Sphere => {
                 let radius = self.radius.ok_or("a sphere needs its radius = 0.05")?.0;
-                NewLight::Sphere { centre: position?.0, radius, radiance: strength }
+                NewLight::Sphere { centre: position?, radius, radiance: strength }
             }
         })
     }

@@ -1,6 +1,6 @@
 //! Values of project and edit files, checked where they are read: an error has the line of the value.
 
-use glam::{Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use serde::Deserialize;
 use toml::Value;
 use unrender_scene::Rgb;
@@ -35,9 +35,19 @@ checked!(
     |value| within(channels(value)?, |v| v >= 0.0, "light is not negative")
 );
 checked!(
-    /// A point or a way in space, metres, or three angles.
-    Point(Vec3),
+    /// A way in space, metres, or three angles.
+    Way(Vec3),
     |value| Ok(Vec3::from_array(list(value)?))
+);
+checked!(
+    /// A place in the world, metres; it may be far from zero.
+    Place(DVec3),
+    |value| Ok(DVec3::from_array(doubles(value)?))
+);
+checked!(
+    /// A place on the ground, metres.
+    Ground(DVec2),
+    |value| Ok(DVec2::from_array(doubles(value)?))
 );
 checked!(
     /// A direction in space; kept as a unit vector.
@@ -63,15 +73,24 @@ checked!(Positive(f32), |value| {
 });
 
 fn number(value: &Value) -> Result<f32, String> {
+    double(value).map(|v| v as f32)
+}
+
+/// A number that single precision has room for.
+fn double(value: &Value) -> Result<f64, String> {
     let number = value.as_float().or_else(|| value.as_integer().map(|i| i as f64));
-    let number = number.map(|v| v as f32).filter(|v| v.is_finite());
+    let number = number.filter(|v| (*v as f32).is_finite());
     number.ok_or_else(|| format!("{value} is not a finite number"))
 }
 
 fn list<const N: usize>(value: &Value) -> Result<[f32; N], String> {
+    Ok(doubles(value)?.map(|v| v as f32))
+}
+
+fn doubles<const N: usize>(value: &Value) -> Result<[f64; N], String> {
     let fault = || format!("{value} is not a list of {N} numbers");
     let numbers = value.as_array().ok_or_else(fault)?;
-    let numbers: Vec<f32> = numbers.iter().map(number).collect::<Result<_, _>>()?;
+    let numbers: Vec<f64> = numbers.iter().map(double).collect::<Result<_, _>>()?;
     numbers.try_into().map_err(|_| fault())
 }
 

@@ -7,7 +7,7 @@
 //! `alpha_y = alpha/(1 - a)`. [Blender manual, Principled BSDF and Glossy BSDF]
 
 use super::identifiers::identifiers;
-use super::{Files, Shot, ply, tiling};
+use super::{Files, Shot, far, ply, tiling};
 use crate::numbers::{number, triple};
 use crate::texels;
 use glam::Mat4;
@@ -24,6 +24,7 @@ const SCRIPT: &str = include_str!("blender/scene.py");
 /// If a texture cannot be encoded.
 pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
     let (mut files, mut warnings) = (Files::new(), Warnings::default());
+    far::warn(shot.scene, "Blender", far::WRITTEN_NEARER, &mut warnings);
     let ids = identifiers("m_", shot.scene.groups.iter().map(|g| g.name.as_str()));
     let mut groups = Vec::new();
     for (index, id) in ids.iter().enumerate() {

@@ -10,9 +10,11 @@ mod materials;
 mod sensor;
 
 use super::identifiers::{identifiers, quoted};
-use super::{Files, Shot, ply, tiling};
-use glam::{Affine3A, Mat4, Vec3};
+use super::{Files, Shot, far, ply, tiling};
+use crate::numbers::triple_at;
+use glam::{Affine3A, DVec3, Mat4, Vec3};
 use std::fmt::Write;
+use unrender_scene::origin::in_digits;
 use unrender_scene::{Object, Warnings};
 
 /// The files of `shot`.
@@ -29,6 +31,7 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
          \x20       <integer name=\"rr_depth\" value=\"16\"/>\n\
          \x20   </integrator>\n",
     );
+    far::warn(shot.scene, "Mitsuba", far::WRITTEN_THERE, &mut warnings);
     xml.push_str(&sensor::text(shot, &mut warnings));
     let groups = identifiers("m_", shot.scene.groups.iter().map(|g| g.name.as_str()));
     for (index, id) in groups.iter().enumerate() {
@@ -68,6 +71,14 @@ fn shape(shot: &Shot, object: &Object, path: &str, material: &str) -> String {
          \x20       <ref id=\"{material}\"/>\n",
         comment("object", &object.name)
     );
+    let origin = shot.scene.origin;
+    if origin != DVec3::ZERO {
+        let [x, y, z] = origin.to_array();
+        let _ = writeln!(
+            text,
+            "        <transform name=\"to_world\"><translate x=\"{x}\" y=\"{y}\" z=\"{z}\"/></transform>"
+        );
+    }
     if group.is_emitter() {
         let _ = writeln!(
             text,
@@ -108,13 +119,23 @@ fn float(name: &str, value: f32) -> String {
     format!("<float name=\"{name}\" value=\"{value}\"/>")
 }
 
-fn vector(kind: &str, name: &str, v: Vec3) -> String {
-    format!("<{kind} name=\"{name}\" x=\"{}\" y=\"{}\" z=\"{}\"/>", v.x, v.y, v.z)
+fn vector(name: &str, v: Vec3) -> String {
+    format!("<vector name=\"{name}\" x=\"{}\" y=\"{}\" z=\"{}\"/>", v.x, v.y, v.z)
 }
 
-/// `to_world` as a matrix, row by row.
-fn to_world(world_from_local: Affine3A) -> String {
-    let rows = Mat4::from(world_from_local).transpose().to_cols_array();
-    let numbers = rows.map(|v| v.to_string()).join(" ");
+/// A point that counts from `origin`.
+fn point(name: &str, here: Vec3, origin: DVec3) -> String {
+    let [x, y, z] = triple_at(origin, here);
+    format!("<point name=\"{name}\" x=\"{x}\" y=\"{y}\" z=\"{z}\"/>")
+}
+
+/// `to_world` as a matrix, row by row, of a transform to positions that count from `origin`.
+fn to_world(here_from_local: Affine3A, origin: DVec3) -> String {
+    let mut rows = Mat4::from(here_from_local).transpose().to_cols_array().map(|v| v.to_string());
+    for axis in 0..3 {
+        let here = here_from_local.translation[axis];
+        rows[4 * axis + 3] = in_digits(origin[axis], here).to_string();
+    }
+    let numbers = rows.join(" ");
     format!("<transform name=\"to_world\"><matrix value=\"{numbers}\"/></transform>")
 }

@@ -7,6 +7,7 @@
 
 mod anisotropy;
 mod blender;
+mod far;
 mod folder;
 mod identifiers;
 mod materialx;

@@ -1,15 +1,19 @@
 //! One object as Wavefront OBJ, for programs that take smooth and textured meshes that way.
 
 use super::identifiers::quoted;
+use crate::numbers::triple_at;
+use glam::DVec3;
 use std::fmt::Write;
 use unrender_scene::Object;
 
-/// The text of `object`; `material` names the material of each of its triangles.
-pub(super) fn text(object: &Object, material: impl Fn(usize) -> String) -> String {
+/// The text of `object`, whose positions count from `origin`; `material` names the material of each of its
+/// triangles.
+pub(super) fn text(object: &Object, origin: DVec3, material: impl Fn(usize) -> String) -> String {
     let mesh = &object.mesh;
     let mut text = format!("# object {}\n", quoted(&object.name));
     for p in &mesh.positions {
-        let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+        let [x, y, z] = triple_at(origin, *p);
+        let _ = writeln!(text, "v {x} {y} {z}");
     }
     for uv in &mesh.uvs {
         // OBJ counts v from the bottom.

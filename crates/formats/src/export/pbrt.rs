@@ -7,7 +7,7 @@
 //! tangents. [Pharr, Jakob, Humphreys: pbrt-v4 input file format]
 
 use super::identifiers::{identifiers, quoted};
-use super::{Files, Shot, ply, tiling};
+use super::{Files, Shot, far, ply, tiling};
 use crate::texels;
 use glam::{Mat4, Vec3, Vec4};
 use std::fmt::Write;
@@ -23,6 +23,7 @@ const HIGHEST: f32 = 0.9999;
 pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
     let (mut files, mut warnings) = (Files::new(), Warnings::default());
     let mut text = String::from("# A scene for PBRT v4, written by unrender.\n");
+    far::warn(shot.scene, "PBRT", far::WRITTEN_NEARER, &mut warnings);
     text.push_str(&camera(shot, &mut warnings));
     text.push_str("\nWorldBegin\n");
     let groups = identifiers("m_", shot.scene.groups.iter().map(|g| g.name.as_str()));

@@ -16,7 +16,8 @@ mod view;
 
 use super::identifiers::{identifiers, quoted};
 use super::{Files, Shot, anisotropy, obj};
-use glam::Vec3;
+use crate::numbers::triple_at;
+use glam::{DVec3, Vec3};
 use std::fmt::Write;
 use unrender_scene::{Mesh, Object, Warnings};
 
@@ -42,17 +43,17 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
         if let Some((centre, radius)) = balls::sphere(&object.mesh).filter(|_| is_lamp) {
             let material = materials.of_triangle(object, 0);
             let _ = writeln!(surfaces, "\n# object {}", quoted(&object.name));
-            let centre = triple(centre);
+            let centre = place(centre, shot.scene.origin);
             let _ = writeln!(surfaces, "{material} sphere {id}\n0\n0\n4 {centre} {radius}");
         } else if needs_mesh(shot, object) {
             let material = |index: usize| materials.of_triangle(object, index);
-            let text = obj::text(object, material);
+            let text = obj::text(object, shot.scene.origin, material);
             files.push((format!("mesh/{id}.obj"), text.into_bytes()));
             let _ = writeln!(surfaces, "\n# object {}", quoted(&object.name));
             let _ = writeln!(surfaces, "void mesh {id}\n1 ./mesh/{id}.rtm\n0\n0");
             meshes.push(id.as_str());
         } else {
-            surfaces.push_str(&polygons(object, id, &materials));
+            surfaces.push_str(&polygons(object, id, &materials, shot.scene.origin));
         }
     }
     materials.note_doubts(&mut warnings);
@@ -83,7 +84,7 @@ fn is_smooth(mesh: &Mesh) -> bool {
 
 /// Triangle by triangle, but two that make a parallelogram are one polygon: lamps of that shape are
 /// what Radiance samples exactly.
-fn polygons(object: &Object, id: &str, materials: &materials::Materials) -> String {
+fn polygons(object: &Object, id: &str, materials: &materials::Materials, origin: DVec3) -> String {
     let mut text = format!("\n# object {}\n", quoted(&object.name));
     let count = object.mesh.triangles.len();
     // Radiance's mirrors throw the light of lamps from their front only.
@@ -95,6 +96,7 @@ fn polygons(object: &Object, id: &str, materials: &materials::Materials) -> Stri
             .then(|| parallelogram(object.mesh.corners(index), object.mesh.corners(index + 1)))
             .flatten();
         let corners = joined.map_or(object.mesh.corners(index).to_vec(), |quad| quad.to_vec());
+        let corners: Vec<String> = corners.iter().map(|corner| place(*corner, origin)).collect();
         text.push_str(&polygon(&material, &format!("{id}.{index}"), corners.iter()));
         if has_back {
             let id = format!("{id}.{index}{BACK}");
@@ -108,11 +110,11 @@ fn polygons(object: &Object, id: &str, materials: &materials::Materials) -> Stri
 fn polygon<'a>(
     material: &str,
     id: &str,
-    corners: impl ExactSizeIterator<Item = &'a Vec3>,
+    corners: impl ExactSizeIterator<Item = &'a String>,
 ) -> String {
     let mut text = format!("{material} polygon {id}\n0\n0\n{}\n", 3 * corners.len());
     for corner in corners {
-        let _ = writeln!(text, "    {}", triple(*corner));
+        let _ = writeln!(text, "    {corner}");
     }
     text
 }
@@ -126,6 +128,11 @@ fn parallelogram(one: [Vec3; 3], other: [Vec3; 3]) -> Option<[Vec3; 4]> {
     quads.find(|[z, x, w, y]| {
         (*x + *y - *z - *w).length() <= 1e-5 * ((*x - *z).length() + (*y - *z).length())
     })
+}
+
+/// A place in the world that reads back to the same bits of `here`, which counts from `origin`.
+fn place(here: Vec3, origin: DVec3) -> String {
+    triple_at(origin, here).map(|v| v.to_string()).join(" ")
 }
 
 /// Three numbers that read back to the same bits.

@@ -8,22 +8,28 @@ use super::source::Source;
 use super::ward::object;
 use super::write::Glb;
 use crate::{FileError, Input};
+use glam::DVec3;
 use serde_json::json;
 use unrender_scene::Camera;
 
-/// The bytes of a `.glb` with everything that is in the glTF file `source`, and `camera` in its
+/// The bytes of a `.glb` with everything that is in the glTF file `source`, and `camera`, whose position counts
+/// from `origin`, in its
 /// default scene. A camera of the same name there is replaced. What the lens does cannot be said.
 ///
 /// # Errors
 /// If `source` cannot be read, or if the result would be larger than 4 GiB.
-pub fn place<'a>(source: impl Into<Input<'a>>, camera: &Camera) -> Result<Vec<u8>, FileError> {
+pub fn place<'a>(
+    source: impl Into<Input<'a>>,
+    camera: &Camera,
+    origin: DVec3,
+) -> Result<Vec<u8>, FileError> {
     let source = source.into();
     let fail = |problem| FileError::new(source.path, problem);
     let opened = Source::open(source).map_err(fail)?;
-    placed(&opened, camera).map_err(fail)
+    placed(&opened, camera, origin).map_err(fail)
 }
 
-fn placed(source: &Source, camera: &Camera) -> Result<Vec<u8>, Problem> {
+fn placed(source: &Source, camera: &Camera, origin: DVec3) -> Result<Vec<u8>, Problem> {
     let document = &source.document;
     let mut former = None;
     for placed in placed_nodes(document)? {
@@ -34,7 +40,7 @@ fn placed(source: &Source, camera: &Camera) -> Result<Vec<u8>, Problem> {
         }
     }
     let mut glb = Glb::embedding(source);
-    let node = glb.camera_node(camera);
+    let node = glb.camera_node(camera, origin);
     let scene = glb.root["scene"].as_u64().unwrap_or(0) as usize;
     if glb.root["scenes"].get(scene).is_none() {
         return Err("has no scene to place a camera in; export it again".into());

@@ -8,7 +8,7 @@ use crate::{FileError, Input};
 use std::collections::BTreeMap;
 use unrender_scene::{BrdfModel, Object, Scene, Warnings};
 
-/// Reads the default scene of the `.glb` or `.gltf` at `path` into world space.
+/// Reads the default scene of the `.glb` or `.gltf` at `path` into world space, counted from where the input says.
 ///
 /// Groups are the materials that some triangle has, in the order of the file; objects are the
 /// pairs of a node and a material. The scene is not yet validated:
@@ -34,7 +34,8 @@ fn scene(source: &Source) -> Result<(Scene, Warnings), Problem> {
     unread::tell_document(document, &mut warnings);
     let names = group_names(document, &mut warnings);
     let mut scene = Scene::default();
-    for placed in placed_nodes(document)? {
+    for mut placed in placed_nodes(document)? {
+        placed.world_from_node.translation -= source.scope().origin();
         read_node(source, &placed, &mut scene, &mut warnings)?;
     }
     scene.brdf = sort_into_groups(source, &names, &mut scene, &mut warnings)?;

@@ -1,11 +1,15 @@
 //! A scene to a `.glb`: one node an object, a light, a camera; everything in world space.
+//!
+//! The vertices of a scene far from zero stay near it, and its nodes say where they are: those are numbers of
+//! JSON, in double precision.
 
 use super::{Problem, container, lights, material, texture, units, ward};
 use crate::LightUnits;
 use crate::numbers::{number, triple};
 use crate::texels;
-use glam::{Affine3A, Mat3, Vec3};
+use glam::{Affine3A, DVec3, Mat3, Vec3};
 use serde_json::{Value, json};
+use unrender_scene::origin::in_digits;
 use unrender_scene::{Camera, Group, Light, LightKind, Material, Mesh, Object, Scene, Texture};
 
 const ARRAY_BUFFER: u32 = 34962;
@@ -58,11 +62,11 @@ fn build(scene: &Scene, shown: &[Material], units: LightUnits) -> Result<Vec<u8>
     for object in &scene.objects {
         // An object without triangles cannot be said in glTF.
         if !object.mesh.triangles.is_empty() {
-            nodes.push(glb.object_node(object)?);
+            nodes.push(glb.object_node(object, scene.origin)?);
         }
     }
-    nodes.extend(scene.cameras.iter().map(|camera| glb.camera_node(camera)));
-    nodes.extend(scene.lights.iter().map(|light| glb.light_node(light, units)));
+    nodes.extend(scene.cameras.iter().map(|camera| glb.camera_node(camera, scene.origin)));
+    nodes.extend(scene.lights.iter().map(|light| glb.light_node(light, scene.origin, units)));
     let indices: Vec<usize> = nodes.into_iter().map(|node| glb.push("nodes", node)).collect();
     // glTF forbids empty lists, this one as well.
     let nodes = if indices.is_empty() { json!({}) } else { json!({ "nodes": indices }) };
@@ -145,7 +149,7 @@ impl Glb {
         Ok(json)
     }
 
-    fn object_node(&mut self, object: &Object) -> Result<Value, Problem> {
+    fn object_node(&mut self, object: &Object, origin: DVec3) -> Result<Value, Problem> {
         let attributes = self.attributes(&object.mesh).ok_or_else(|| {
             format!("object \"{}\" has coordinates that are not finite", object.name)
         })?;
@@ -170,7 +174,11 @@ impl Glb {
                 ],
             }),
         );
-        Ok(json!({ "name": object.name, "mesh": mesh }))
+        let mut node = json!({ "name": object.name, "mesh": mesh });
+        if origin != DVec3::ZERO {
+            node["translation"] = json!(origin.to_array());
+        }
+        Ok(node)
     }
 
     fn attributes(&mut self, mesh: &Mesh) -> Option<Value> {
@@ -212,8 +220,8 @@ impl Glb {
         self.push("accessors", accessor)
     }
 
-    /// Lists `camera` and returns a node that places it.
-    pub(super) fn camera_node(&mut self, camera: &Camera) -> Value {
+    /// Lists `camera` and returns a node that places it, its position counted from `origin`.
+    pub(super) fn camera_node(&mut self, camera: &Camera, origin: DVec3) -> Value {
         let mut perspective = json!({ "yfov": number(camera.fov_y_rad), "znear": 0.01 });
         if let Some(aspect) = camera.aspect {
             perspective["aspectRatio"] = json!(number(aspect));
@@ -222,10 +230,11 @@ impl Glb {
             "cameras",
             json!({ "name": camera.name, "type": "perspective", "perspective": perspective }),
         );
-        json!({ "name": camera.name, "camera": index, "matrix": matrix(&camera.world_from_camera) })
+        let matrix = matrix(&camera.world_from_camera, origin);
+        json!({ "name": camera.name, "camera": index, "matrix": matrix })
     }
 
-    fn light_node(&mut self, light: &Light, units: LightUnits) -> Value {
+    fn light_node(&mut self, light: &Light, origin: DVec3, units: LightUnits) -> Value {
         let (json, place) = light_json(&light.kind, units);
         let mut json = json;
         json["name"] = json!(light.name);
@@ -239,7 +248,7 @@ impl Glb {
         });
         json!({
             "name": light.name,
-            "matrix": matrix(&place),
+            "matrix": matrix(&place, origin),
             "extensions": { "KHR_lights_punctual": { "light": index } },
         })
     }
@@ -275,6 +284,10 @@ fn along(direction: Vec3, position: Vec3) -> Affine3A {
     Affine3A::from_mat3_translation(Mat3::from_cols(right, back.cross(right), back), position)
 }
 
-fn matrix(world_from_node: &Affine3A) -> [f64; 16] {
-    glam::Mat4::from(*world_from_node).to_cols_array().map(number)
+fn matrix(here_from_node: &Affine3A, origin: DVec3) -> [f64; 16] {
+    let mut numbers = glam::Mat4::from(*here_from_node).to_cols_array().map(number);
+    for axis in 0..3 {
+        numbers[12 + axis] = in_digits(origin[axis], here_from_node.translation[axis]);
+    }
+    numbers
 }

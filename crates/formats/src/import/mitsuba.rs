@@ -25,12 +25,12 @@ mod tree;
 mod upgrade;
 mod wavefront;
 
-use super::shapes::{bytes_of, turned_over};
+use super::shapes::{bytes_of, here_from_mesh, in_mesh, turned_over};
 use crate::FileError;
 use crate::input::{Input, Scope};
 use crate::names::{DEFAULT, unique};
 use bsdf::{Reflectance, Reflectances};
-use glam::{Affine2, DAffine3, DVec3};
+use glam::{Affine2, DAffine3, DVec3, Vec3};
 use lights::Emitter;
 use paint::{Context, color};
 use spectrum::Use;
@@ -269,28 +269,38 @@ impl Reader<'_> {
                 self.context.warn(node.fail(what));
             }
         };
+        let origin = self.context.scope.origin();
+        // Where the zero of the scene lies in the shape's own coordinates: those of files and of points may be
+        // far from their zero, those of the others are at it.
+        let zero = in_mesh(origin, world);
+        let here = here_from_mesh(world, zero, origin);
+        let here_from_unit = here_from_mesh(world, DVec3::ZERO, origin);
+        let point = |name, default: DVec3| -> Result<Vec3, String> {
+            Ok((node.point(name)?.unwrap_or(default) - zero).as_vec3())
+        };
         let mesh = match node.kind() {
-            "ply" | "obj" | "serialized" => mesh_file::read(self.context, node, world, wants_uvs)?,
-            "rectangle" => shapes::moved(shapes::rectangle(), world),
+            "ply" | "obj" | "serialized" => {
+                mesh_file::read(self.context, node, (&here, zero), wants_uvs)?
+            }
+            "rectangle" => shapes::moved(shapes::rectangle(), &here_from_unit),
             "cube" => {
                 // Its sides are flat in any case.
                 node.pass(&["face_normals"]);
-                shapes::moved(shapes::cube(), world)
+                shapes::moved(shapes::cube(), &here_from_unit)
             }
-            "disk" => shapes::moved(shapes::disk(), world),
+            "disk" => shapes::moved(shapes::disk(), &here_from_unit),
             "cylinder" => {
-                let [p0, p1] = [node.vector("p0")?, node.vector("p1")?];
-                let (p0, p1) = (p0.unwrap_or_default(), p1.unwrap_or(glam::Vec3::Z));
+                let (p0, p1) = (point("p0", DVec3::ZERO)?, point("p1", DVec3::Z)?);
                 let own = shapes::along(p0, p1, node.number("radius", 1.0)?);
-                let world = *world * own.map_err(|problem| node.fail(problem))?;
+                let world = here * own.map_err(|problem| node.fail(problem))?;
                 check_round(&world, [DVec3::X, DVec3::Y]);
                 shapes::moved(shapes::cylinder(), &world)
             }
             "sphere" => {
-                let centre = node.vector("center")?.unwrap_or_default().as_dvec3();
+                let centre = point("center", DVec3::ZERO)?.as_dvec3();
                 let radius = DVec3::splat(node.number("radius", 1.0)?.into());
                 let own = DAffine3::from_translation(centre) * DAffine3::from_scale(radius);
-                let world = *world * own;
+                let world = here * own;
                 check_round(&world, [DVec3::X, DVec3::Z]);
                 shapes::sphere(&world)
             }

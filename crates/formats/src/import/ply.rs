@@ -2,7 +2,7 @@
 
 use crate::input::Scope;
 use crate::polygon;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{
     ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType,
@@ -13,11 +13,12 @@ use unrender_scene::Mesh;
 /// A corner of a face in the file becomes a triangle with three vertices of 32 bytes and indices.
 const BYTES_A_CORNER: u64 = 128;
 
-/// The mesh in `bytes`; polygons become triangles. If the file has no normals, the mesh has none.
+/// The mesh in `bytes`, counted from `origin`; polygons become triangles. If the file has no normals, the mesh has
+/// none.
 ///
 /// # Errors
 /// If it is not PLY, if a face names a vertex that is not there, or if it takes too much memory.
-pub(super) fn mesh(scope: &Scope, bytes: &[u8]) -> Result<Mesh, String> {
+pub(super) fn mesh(scope: &Scope, bytes: &[u8], origin: DVec3) -> Result<Mesh, String> {
     let invalid = |error| format!("is no valid PLY: {error}");
     let mut reader = Reader::new(bytes);
     let parser = Parser::<Element>::new();
@@ -31,7 +32,11 @@ pub(super) fn mesh(scope: &Scope, bytes: &[u8]) -> Result<Mesh, String> {
         let [x, y, z] = [column(first)?, column(first + 1)?, column(first + 2)?];
         Some(x.into_iter().zip(y).zip(z).map(|((x, y), z)| Vec3::new(x, y, z)).collect())
     };
-    let positions = vectors(0).ok_or("has vertices without x, y and z")?;
+    if !vertices.iter().all(|vertex| vertex.numbers[..3].iter().all(Option::is_some)) {
+        return Err("has vertices without x, y and z".into());
+    }
+    let here = |vertex: &Element| (DVec3::from_array(vertex.place) - origin).as_vec3();
+    let positions: Vec<Vec3> = vertices.iter().map(here).collect();
     let normals = vectors(3);
     let uvs = column(6).zip(column(7));
     let uvs: Vec<Vec2> =
@@ -90,6 +95,8 @@ fn size(scalar: &ScalarType) -> u64 {
 struct Element {
     /// Position, normal and texture coordinates of a vertex.
     numbers: [Option<f32>; 8],
+    /// The position in double precision.
+    place: [f64; 3],
     /// The vertices of a face.
     corners: Option<Vec<u32>>,
 }
@@ -115,21 +122,26 @@ impl PropertyAccess for Element {
             }
             _ => return PropertyAccessResult::Ignored,
         };
-        self.numbers[slot] = self.numbers[slot].or(number(&property));
+        if let (None, Some(number)) = (self.numbers[slot], number(&property)) {
+            self.numbers[slot] = Some(number as f32);
+            if let Some(axis) = self.place.get_mut(slot) {
+                *axis = number;
+            }
+        }
         PropertyAccessResult::Set
     }
 }
 
-fn number(property: &Property) -> Option<f32> {
+fn number(property: &Property) -> Option<f64> {
     match *property {
-        Property::Float(v) => Some(v),
-        Property::Double(v) => Some(v as f32),
+        Property::Float(v) => Some(v.into()),
+        Property::Double(v) => Some(v),
         Property::Char(v) => Some(v.into()),
         Property::UChar(v) => Some(v.into()),
         Property::Short(v) => Some(v.into()),
         Property::UShort(v) => Some(v.into()),
-        Property::Int(v) => Some(v as f32),
-        Property::UInt(v) => Some(v as f32),
+        Property::Int(v) => Some(v.into()),
+        Property::UInt(v) => Some(v.into()),
         _ => None,
     }
 }

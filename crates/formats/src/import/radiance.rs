@@ -101,6 +101,7 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn primitive(&mut self, noted: Noted) -> Result<(), String> {
+        let noted = noted.counted_from(self.place.0.origin());
         let Noted { primitive, note } = &noted;
         if let Some(light) = note.as_ref().and_then(|note| note.light.clone()) {
             // What follows only says the same in Radiance's words.
@@ -193,17 +194,9 @@ impl Reader<'_> {
             ));
             return Ok(());
         }
-        let read = self.meshes.parts(p, &source, self.place)?;
-        // In ours they differ in the direction of the highlights only.
-        if read.are_one && p.modifier == "void" && note.is_none() {
-            self.warnings.push(format!(
-                "{}: {} has several materials, of which the first was taken for all",
-                p.place,
-                p.named()
-            ));
-        }
+        let read = self.meshes.parts(p, &source, self.place, self.warnings)?;
         let mut parts: BTreeMap<String, Vec<Mesh>> = BTreeMap::new();
-        for (named, mesh) in read.list {
+        for (named, mesh) in read {
             let modifier = named.filter(|_| p.modifier == "void");
             parts.entry(modifier.unwrap_or_else(|| p.modifier.clone())).or_default().push(mesh);
         }

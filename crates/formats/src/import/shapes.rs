@@ -1,6 +1,6 @@
 //! Shapes that other programs know by name, as meshes.
 
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 use std::f32::consts::TAU;
 use unrender_scene::Mesh;
 
@@ -63,17 +63,34 @@ fn strip(radii: [f32; 2]) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// `mesh` taken into the world; a motion that mirrors does not turn it over.
-pub(super) fn moved(mut mesh: Mesh, world_from_mesh: Affine3A) -> Mesh {
-    if world_from_mesh == Affine3A::IDENTITY {
+/// Where `origin`, the scene's zero in the world, lies in the coordinates of a mesh: whatever the transform, those
+/// of its vertices that are near it there are near zero here. Zero for scenes that count from their file's zero.
+pub(super) fn in_mesh(origin: DVec3, world_from_mesh: &DAffine3) -> DVec3 {
+    if origin == DVec3::ZERO {
+        return DVec3::ZERO;
+    }
+    let zero = world_from_mesh.inverse().transform_point3(origin);
+    if zero.is_finite() { zero } else { DVec3::ZERO }
+}
+
+/// What takes a mesh that counts from `zero` of its coordinates into a scene that counts from `origin` of the
+/// world.
+pub(super) fn here_from_mesh(world_from_mesh: &DAffine3, zero: DVec3, origin: DVec3) -> DAffine3 {
+    let translation = world_from_mesh.transform_point3(zero) - origin;
+    DAffine3 { matrix3: world_from_mesh.matrix3, translation }
+}
+
+/// `mesh` moved; a motion that mirrors does not turn it over.
+pub(super) fn moved(mut mesh: Mesh, world_from_mesh: &DAffine3) -> Mesh {
+    for position in &mut mesh.positions {
+        *position = world_from_mesh.transform_point3(position.as_dvec3()).as_vec3();
+    }
+    if world_from_mesh.matrix3 == DMat3::IDENTITY {
         return mesh;
     }
     let of_normals = world_from_mesh.matrix3.inverse().transpose();
-    for position in &mut mesh.positions {
-        *position = world_from_mesh.transform_point3(*position);
-    }
     for normal in &mut mesh.normals {
-        *normal = (of_normals * *normal).normalize_or_zero();
+        *normal = (of_normals * normal.as_dvec3()).normalize_or_zero().as_vec3();
     }
     if world_from_mesh.matrix3.determinant() < 0.0 {
         mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));

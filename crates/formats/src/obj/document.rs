@@ -5,11 +5,13 @@ use super::unread::{Unread, Use, unknown, use_of};
 use crate::input::Scope;
 use glam::{DVec3, Vec2, Vec3};
 use std::collections::HashMap;
+use unrender_scene::Warnings;
 
 const CURVES: Use = Use::Told("curves and free-form surfaces were left out; make meshes of them");
 const DISPLAY: Use = Use::Told("what is said of the display of objects was passed over");
 const OTHER_FILES: Use = Use::Told("other files that it calls were not read; join them into one");
-const MAPS: Use = Use::Told("a usemap was passed over; only map_Kd of the material is read");
+const USEMAP: &str = "a usemap was passed over; only map_Kd of the material is read";
+const MAPS: Use = Use::Told(USEMAP);
 
 /// All words of OBJ, and how they are taken.
 pub(super) const WORDS: [(&str, Use); 45] = [
@@ -64,14 +66,14 @@ pub(super) const WORDS: [(&str, Use); 45] = [
 const COLOURS: &str = "colours of vertices were not read; only the material colours a surface";
 
 /// A corner of a face: position, texture coordinates and normal, counted from 1; 0 where it has none.
-pub(super) type Corner = [u32; 3];
+pub(crate) type Corner = [u32; 3];
 
 /// The words of a corner's three indices.
 const KINDS: [&str; 3] = ["v", "vt", "vn"];
 
 /// A polygon.
-pub(super) struct Face {
-    pub(super) line: usize,
+pub(crate) struct Face {
+    pub(crate) line: usize,
     /// Its corners are those from `first` on.
     pub(super) first: usize,
     pub(super) count: usize,
@@ -85,15 +87,15 @@ pub(super) struct Face {
 
 /// What an OBJ says.
 #[derive(Default)]
-pub(super) struct Document {
-    /// In double precision, so that what lies far from the origin keeps its shape until it is known
-    /// where faces start.
-    pub(super) positions: Vec<DVec3>,
+pub(crate) struct Document {
+    /// From where the caller counts. In double precision, so that what lies far from there keeps its shape
+    /// until it is known where faces start.
+    pub(crate) positions: Vec<DVec3>,
     /// v counts from the bottom here.
-    pub(super) uvs: Vec<Vec2>,
-    pub(super) normals: Vec<Vec3>,
-    pub(super) corners: Vec<Corner>,
-    pub(super) faces: Vec<Face>,
+    pub(crate) uvs: Vec<Vec2>,
+    pub(crate) normals: Vec<Vec3>,
+    pub(crate) corners: Vec<Corner>,
+    pub(crate) faces: Vec<Face>,
     /// The names of `g` and `o`, each once; nothing where faces have none.
     pub(super) objects: Names,
     /// The names of `usemtl`, each once; nothing where faces have none.
@@ -146,11 +148,11 @@ pub(super) fn push<T>(scope: &Scope, list: &mut Vec<T>, item: T) -> Result<(), S
     Ok(())
 }
 
-/// Reads the statements of `text`.
+/// Reads the statements of the text `bytes`; positions count from `origin`.
 ///
 /// # Errors
 /// If it is no OBJ, or takes too much memory; with the line.
-pub(super) fn read(scope: &Scope, bytes: &[u8]) -> Result<Document, String> {
+pub(crate) fn read(scope: &Scope, bytes: &[u8], origin: DVec3) -> Result<Document, String> {
     if !text::is_text(bytes) {
         return Err(
             "is not an OBJ: it is not text (UTF-8 or Latin-1); export the scene again".into()
@@ -158,7 +160,7 @@ pub(super) fn read(scope: &Scope, bytes: &[u8]) -> Result<Document, String> {
     }
     // A line of Latin-1, or one that is continued, is copied.
     scope.charge(2 * bytes.len() as u64)?;
-    let mut reader = Reader { scope, found: Document::default(), now: Now::default() };
+    let mut reader = Reader { scope, origin, found: Document::default(), now: Now::default() };
     reader.rename()?;
     reader.now.material = reader.found.materials.index(scope, None)?;
     for line in text::lines(bytes) {
@@ -180,6 +182,7 @@ struct Now {
 
 struct Reader<'a> {
     scope: &'a Scope,
+    origin: DVec3,
     found: Document,
     now: Now,
 }
@@ -247,7 +250,8 @@ impl Reader<'_> {
             5 => self.note("a fourth and a fifth number of a vertex were passed over", line),
             _ => self.note(COLOURS, line),
         }
-        push(self.scope, &mut self.found.positions, DVec3::from_array(numbers(line, 3)?))
+        let position = DVec3::from_array(numbers(line, 3)?) - self.origin;
+        push(self.scope, &mut self.found.positions, position)
     }
 
     fn face(&mut self, line: &Line<'_>) -> Result<(), String> {
@@ -312,8 +316,14 @@ impl Document {
     }
 
     /// The corners of `face`.
-    pub(super) fn corners(&self, face: &Face) -> &[Corner] {
+    pub(crate) fn corners(&self, face: &Face) -> &[Corner] {
         &self.corners[face.first..face.first + face.count]
+    }
+
+    /// Tells what of `file` was not read, for those who take the shapes alone: nothing of materials.
+    pub(crate) fn tell_of_shapes(mut self, file: &str, warnings: &mut Warnings) {
+        self.unread.forget(USEMAP);
+        self.unread.tell(file, warnings);
     }
 }
 
@@ -341,10 +351,9 @@ fn numbers<const N: usize>(line: &Line<'_>, least: usize) -> Result<[f64; N], St
 mod tests {
     use super::*;
     use crate::input::Input;
-    use unrender_scene::Warnings;
 
     fn document(text: &str) -> Document {
-        read(&Scope::new(Input::from("a.obj")), text.as_bytes()).unwrap()
+        read(&Scope::new(Input::from("a.obj")), text.as_bytes(), DVec3::ZERO).unwrap()
     }
 
     #[test]

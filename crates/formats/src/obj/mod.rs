@@ -11,7 +11,7 @@
 //! the names of materials that no file has, stop at characters that are not UTF-8, and do not say what
 //! they have passed over.
 
-mod document;
+pub(crate) mod document;
 mod material;
 mod mesh;
 mod mtl;
@@ -22,15 +22,17 @@ use crate::FileError;
 use crate::input::{Input, Scope};
 use crate::names::{DEFAULT, unique};
 use document::Document;
+use glam::DVec3;
 use material::ASSUMED_RHO_D;
 use mesh::Part;
 use mtl::Materials;
 use std::collections::HashMap;
 use std::path::Path;
 use unread::listed;
-use unrender_scene::{Object, Scene, Warnings};
+use unrender_scene::{Mesh, Object, Scene, Warnings};
 
-/// Reads the OBJ at `path` with the MTL files and pictures that it names.
+/// Reads the OBJ at `path` with the MTL files and pictures that it names; positions count from where the
+/// input says.
 ///
 /// The scene has no camera and is not yet validated: see [`load_scene`](crate::load_scene).
 ///
@@ -40,12 +42,12 @@ pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileEr
     let input = input.into();
     let scope = Scope::new(input);
     let fail = |problem: String| FileError::new(input.path, problem);
-    let (document, parts) = geometry(&scope, input.path).map_err(fail)?;
+    let (document, parts) = geometry(&scope, input.path, scope.origin()).map_err(fail)?;
     let materials =
         Materials::read(&scope, input.path, document.libraries.given()).map_err(fail)?;
     let mut warnings = Warnings::default();
     let (place, by_object) = ((&scope, input.path), are_objects_groups(&document));
-    let scene = scene(place, &document, parts, Some(&materials), &mut warnings).map_err(fail)?;
+    let scene = scene(place, &document, parts, &materials, &mut warnings).map_err(fail)?;
     tell(input.path, document, &mut warnings);
     let used = scene.groups.iter().map(|group| group.name.as_str());
     materials.tell(used.filter(|_| !by_object), &mut warnings);
@@ -56,20 +58,27 @@ pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileEr
     Ok((scene, warnings))
 }
 
+/// A mesh, and the name that `usemtl` gives it, if there is one.
+pub(crate) type Named = (Option<String>, Mesh);
+
 /// Reads the meshes of the OBJ at `path`, which the input of `scope` names and gives its materials: no
-/// MTL is read. The groups have the names of `usemtl` (see the head of this module) and no reflectance
-/// of their own.
-pub(crate) fn read_in(scope: &Scope, path: &Path) -> Result<(Scene, Warnings), FileError> {
+/// MTL is read. Positions count from `origin`.
+pub(crate) fn read_in(
+    scope: &Scope,
+    path: &Path,
+    origin: DVec3,
+) -> Result<(Vec<Named>, Warnings), FileError> {
     let fail = |problem: String| FileError::new(path, problem);
-    let (document, parts) = geometry(scope, path).map_err(fail)?;
+    let (document, parts) = geometry(scope, path, origin).map_err(fail)?;
+    let named = |part: Part| (document.materials.get(part.material).map(str::to_owned), part.mesh);
+    let meshes = parts.into_iter().map(named).collect();
     let mut warnings = Warnings::default();
-    let scene = scene((scope, path), &document, parts, None, &mut warnings).map_err(fail)?;
     tell(path, document, &mut warnings);
-    Ok((scene, warnings))
+    Ok((meshes, warnings))
 }
 
-fn geometry(scope: &Scope, path: &Path) -> Result<(Document, Vec<Part>), String> {
-    let mut document = document::read(scope, &scope.read(path)?)?;
+fn geometry(scope: &Scope, path: &Path, origin: DVec3) -> Result<(Document, Vec<Part>), String> {
+    let mut document = document::read(scope, &scope.read(path)?, origin)?;
     let parts = mesh::parts(scope, &mut document)?;
     Ok((document, parts))
 }
@@ -88,24 +97,19 @@ fn are_objects_groups(document: &Document) -> bool {
 }
 
 /// The name of the group that `part` is in, if it has any.
-fn group_name<'a>(
-    document: &'a Document,
-    materials: Option<&Materials>,
-    part: &Part,
-) -> Option<&'a str> {
+fn group_name<'a>(document: &'a Document, materials: &Materials, part: &Part) -> Option<&'a str> {
     if are_objects_groups(document) {
         return document.objects.get(part.object);
     }
-    let name = document.materials.get(part.material)?;
-    Some(materials.map_or(name, |materials| materials.resolve(name)))
+    document.materials.get(part.material).map(|name| materials.resolve(name))
 }
 
-/// The groups and objects of `parts`; without materials if another file gives them.
+/// The groups and objects of `parts`.
 fn scene(
     (scope, path): (&Scope, &Path),
     document: &Document,
     parts: Vec<Part>,
-    materials: Option<&Materials>,
+    materials: &Materials,
     warnings: &mut Warnings,
 ) -> Result<Scene, String> {
     let mut slots: Vec<Option<&str>> = Vec::new();
@@ -123,7 +127,7 @@ fn scene(
     }
     let default = default_name(&slots);
     let place = (scope, path.parent().unwrap_or(Path::new("")));
-    let of_materials = materials.filter(|_| !are_objects_groups(document));
+    let of_materials = (!are_objects_groups(document)).then_some(materials);
     let mut missing = Vec::new();
     for slot in &slots {
         let found = slot.and_then(|name| of_materials?.get(name));
@@ -136,11 +140,9 @@ fn scene(
             None => material::unstated(name),
         });
     }
-    if materials.is_some() {
-        let without = slots.contains(&None).then_some(default.as_str());
-        warn_of_assumed(path, of_materials.is_some(), &missing, without, warnings);
-        warn_of_missing_uvs(&scene, warnings);
-    }
+    let without = slots.contains(&None).then_some(default.as_str());
+    warn_of_assumed(path, of_materials.is_some(), &missing, without, warnings);
+    warn_of_missing_uvs(&scene, warnings);
     Ok(scene)
 }
 

@@ -59,6 +59,11 @@ impl Unread {
         }
     }
 
+    /// Passes over `what`.
+    pub(super) fn forget(&mut self, what: &str) {
+        self.kinds.remove(what);
+    }
+
     /// Tells it of `file`, in the order of the lines.
     pub(super) fn tell(self, file: &str, warnings: &mut Warnings) {
         let mut kinds: Vec<_> = self.kinds.into_iter().collect();

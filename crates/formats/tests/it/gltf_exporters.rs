@@ -274,7 +274,7 @@ fn cameras_keep_their_names() {
     assert_eq!(names(&own), ["Door", "window"]);
     for name in ["Door", "window"] {
         let camera = Camera::look_at(name, Vec3::ONE, Vec3::ZERO, Vec3::Y, 0.5);
-        let placed = folder.file("d.glb", place(&path, &camera).unwrap());
+        let placed = folder.file("d.glb", place(&path, &camera, scene.origin).unwrap());
         let (back, _) = load_scene(&placed).unwrap();
         let mut wanted = names(&back);
         wanted.sort();

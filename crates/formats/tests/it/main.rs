@@ -9,6 +9,7 @@ mod camera_files;
 mod declared_colours;
 mod export;
 mod exr_kinds;
+mod far;
 mod gltf_exporters;
 mod gltf_read;
 mod gltf_unread;

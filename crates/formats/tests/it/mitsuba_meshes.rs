@@ -6,7 +6,7 @@ use std::io::Write;
 use unrender_formats::load_model;
 
 /// A file of meshes: one square for each of `heights`, at this height.
-fn serialized(version: u16, heights: &[f64], is_double: bool) -> Vec<u8> {
+pub(crate) fn serialized(version: u16, heights: &[f64], is_double: bool) -> Vec<u8> {
     let mut file = Vec::new();
     let mut starts = Vec::new();
     for height in heights {

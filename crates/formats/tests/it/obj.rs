@@ -431,6 +431,53 @@ fn models_of_other_scenes_need_no_material_file() {
 }
 
 #[test]
+fn what_models_of_other_scenes_do_not_say_right_is_told() {
+    let folder = Folder::new();
+    let read = |text: &str, scene: &str| {
+        folder.file("m.obj", text);
+        let shape = "<shape type=\"obj\"><string name=\"filename\" value=\"m.obj\"/></shape>";
+        folder.file("a.xml", format!("<scene version=\"3.0.0\">{shape}{shape}</scene>"));
+        folder.file(
+            "a.rad",
+            "void plastic red 0 0 5 .7 .1 .1 0 0\nvoid plastic g 0 0 5 .1 .7 .1 0 0\n\
+                              void mesh m 1 m.rtm 0 0\nvoid mesh n 5 m.rtm -t 3 0 0 0 0\n",
+        );
+        load_model(&folder.path(scene))
+    };
+    let text = format!("{SQUARE}o g\nf 1 2 3\nusemtl red\nf 1 3 4\nl 1 2\nl 2 3\nwonder 1\n");
+    for scene in ["a.xml", "a.rad"] {
+        let (found, warnings) = read(&text, scene).unwrap();
+        assert_eq!(found.objects.len(), 2, "{scene}");
+        for words in
+            ["m.obj: lines (l) were left out; only faces are surfaces (2 times", "\"wonder\""]
+        {
+            let told = warnings.0.iter().filter(|told| told.contains(words)).count();
+            assert_eq!(told, 1, "{scene}: {words}: {warnings:?}");
+        }
+        // Names of objects are no materials.
+        let groups: Vec<&str> = found.groups.iter().map(|group| group.name.as_str()).collect();
+        assert_eq!(groups.contains(&"red"), scene == "a.rad", "{groups:?}");
+        assert!(!groups.contains(&"g"), "{groups:?}");
+    }
+    // Mitsuba asks no OBJ for materials, so that what is said of them is no news.
+    let text = format!("{SQUARE}usemap a\nf 1 2 3\n");
+    assert_eq!(read(&text, "a.xml").unwrap().1.0, [""; 0]);
+    tells(&read(&text.replace("f 1", "usemtl red\nf 1"), "a.rad").unwrap().1.0, &["usemap"]);
+    for (text, words) in [
+        ("v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "line 4 has a face at v 1"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt inf 0\nf 1/1 2/1 3/1\n", "line 5 has a face at vt 1"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 nan 0\nf 1//1 2//1 3//1\n", "line 5 has a face at vn 1"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "line 4 has a face with an index"),
+    ] {
+        let error = read(text, "a.xml").unwrap_err().to_string();
+        assert!(
+            error.contains("a.xml: ") && error.contains("\"m.obj\"") && error.contains(words),
+            "{error}"
+        );
+    }
+}
+
+#[test]
 fn hostile_files_end_soon() {
     let folder = Folder::new();
     folder.file("a.mtl", RED);

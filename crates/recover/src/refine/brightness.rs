@@ -23,7 +23,7 @@ pub(crate) struct Brightness {
 
 impl From<Brightness> for RecoverError {
     fn from(Brightness { factor, unexplained }: Brightness) -> Self {
-        Self::Unexplained { factor, unexplained }
+        Self::Unexplained { factor, unexplained, remedy: String::new() }
     }
 }
 

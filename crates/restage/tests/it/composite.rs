@@ -141,7 +141,7 @@ fn what_no_path_meets_changes_nothing() {
         scene
     };
     let mut insert = insertion(0.0, 0.0);
-    insert.place = Place::At(Vec3::new(0.0, 0.2, -0.4));
+    insert.place = Place::At(Vec3::new(0.0, 0.2, -0.4).as_dvec3());
     // Nothing differs, by however few paths.
     let case = Case::of_paths(16, with_crate(), with_crate(), &[Edit::Insert(insert)]);
     for pixel in case.paired.pixels() {

@@ -1,7 +1,7 @@
 //! Edits done to a scene, and those that cannot be.
 
 use crate::common::{self, insertion, model};
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use unrender_restage::insert::Place;
 use unrender_restage::light::{Alter, LightChange, LightEdit, NewLight};
 use unrender_restage::remove::{Bearer, Remove};
@@ -56,7 +56,7 @@ fn things_are_put_down_where_their_foot_is() {
             },
             Vec3::new(1.0, 0.0, 0.0),
         ),
-        (Place::At(Vec3::new(0.1, 0.7, 0.3)), Vec3::new(0.1, 0.7, 0.3)),
+        (Place::At(Vec3::new(0.1, 0.7, 0.3).as_dvec3()), Vec3::new(0.1, 0.7, 0.3)),
     ] {
         let mut scene = model();
         let mut insert = insertion(0.0, 0.0);
@@ -96,8 +96,8 @@ fn lights_are_changed_moved_added_and_removed() {
     let before = scene.objects[5].mesh.positions[0];
     let edits = [
         light("lamp", LightChange::Alter(alter)),
-        light("panel", LightChange::Add(panel)),
-        light("bulb", LightChange::Add(bulb)),
+        light("panel", LightChange::Add(panel, DVec3::ZERO)),
+        light("bulb", LightChange::Add(bulb, DVec3::ZERO)),
     ];
     let change = apply(&mut scene, &edits).unwrap();
     assert_eq!(scene.groups[5].emission, Rgb::new(4.0, 8.0, 16.0));
@@ -110,7 +110,8 @@ fn lights_are_changed_moved_added_and_removed() {
     assert_eq!(scene.lights.len(), 1);
     let ball = NewLight::Sphere { centre, radius: 0.1, radiance: Rgb::ONE };
     let mut with_ball = scene.clone();
-    let change = apply(&mut with_ball, &[light("ball", LightChange::Add(ball))]).unwrap();
+    let change =
+        apply(&mut with_ball, &[light("ball", LightChange::Add(ball, DVec3::ZERO))]).unwrap();
     assert_eq!(change.origin.last(), Some(&None));
     let ball = &with_ball.objects[7].mesh;
     assert!(ball.positions.iter().all(|p| (p.distance(centre) - 0.1).abs() < 1e-6));
@@ -142,7 +143,7 @@ fn what_cannot_be_is_reported() {
     fails(&[insert.clone(), insert], "\"box\" already");
     fails(&[Edit::Insert(insertion(9.0, 0.0))], "nothing of \"floor\" can be stood on");
     let mut far = insertion(0.0, 0.0);
-    far.place = Place::At(Vec3::new(0.0, 30.0, 0.0));
+    far.place = Place::At(DVec3::new(0.0, 30.0, 0.0));
     fails(&[Edit::Insert(far)], "stands outside the scene");
     let mut wall = insertion(0.0, 0.0);
     let (origin, direction) = (Vec3::Y, Vec3::NEG_Z);
@@ -150,4 +151,52 @@ fn what_cannot_be_is_reported() {
     fails(&[Edit::Insert(wall.clone())], "shows \"back\", not \"floor\"");
     wall.place = Place::Seen { origin, direction, group: None };
     fails(&[Edit::Insert(wall)], "does not face upwards");
+}
+
+#[test]
+fn places_far_away_are_those_of_the_world() {
+    let origin = DVec3::new(5e5, 0.0, 5.4e6);
+    let place = Vec3::new(0.1, 0.7, 0.3);
+    let bulb = NewLight::Punctual(LightKind::Point { position: Vec3::ZERO, intensity: Rgb::ONE });
+    let edits = |at: DVec3, midst: DVec3| {
+        let mut insert = insertion(0.0, 0.0);
+        insert.rotation = glam::Quat::IDENTITY;
+        // The model may be far from its own zero, where it is put.
+        insert.place = Place::At(at + place.as_dvec3() - midst);
+        insert.model.origin = midst;
+        let light = light("bulb", LightChange::Add(bulb, at + place.as_dvec3()));
+        [Edit::Insert(insert), light]
+    };
+    let mut near = model();
+    apply(&mut near, &edits(DVec3::ZERO, DVec3::ZERO)).unwrap();
+    for midst in [DVec3::ZERO, DVec3::new(2e4, 0.0, -3e5)] {
+        let mut far = model();
+        far.origin = origin;
+        apply(&mut far, &edits(origin, midst)).unwrap();
+        let positions =
+            |scene: &unrender_scene::Scene| scene.objects.last().unwrap().mesh.positions.clone();
+        let pairs = positions(&near).into_iter().zip(positions(&far));
+        assert!(pairs.into_iter().all(|(a, b)| a.distance(b) < 1e-6));
+        let [LightKind::Point { position: a, .. }, LightKind::Point { position: b, .. }] =
+            [&near, &far].map(|scene| scene.lights[0].kind)
+        else {
+            panic!("two bulbs")
+        };
+        assert!(a.distance(b) < 1e-6, "{a} {b}");
+    }
+    let mut far = model();
+    far.origin = origin;
+    let mut beside = insertion(0.0, 0.0);
+    beside.place = Place::Onto { group: "floor".into(), x: 5e5 + 0.3, z: 5.4e6 };
+    apply(&mut far, &[Edit::Insert(beside)]).unwrap();
+    let mut beside = insertion(0.0, 0.0);
+    beside.place = Place::At(DVec3::ZERO);
+    far = model();
+    far.origin = origin;
+    let error = apply(&mut far, &[Edit::Insert(beside)]).unwrap_err();
+    assert!(
+        error.problem.contains("outside the scene, which reaches from [49999"),
+        "{}",
+        error.problem
+    );
 }

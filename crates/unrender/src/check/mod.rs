@@ -7,6 +7,7 @@ mod camera;
 mod edges;
 mod groups;
 mod identifiability;
+mod light_units;
 mod lights;
 mod model;
 mod photograph;
@@ -81,6 +82,7 @@ pub fn check(job: &Job) -> Checkup {
         model::warnings(&subject),
         sides::warnings(&subject),
         lights::warnings(&subject),
+        light_units::warnings(&subject),
         groups::warnings(&subject),
     ] {
         warnings.extend(noted);

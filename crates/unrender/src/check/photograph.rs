@@ -9,6 +9,7 @@
 //!    response bends.
 //!  - **Brightness**: clipped, black, or far from what the lights can do on middle grey.
 
+use super::identifiability::Identifiability;
 use super::{GREY, Subject};
 use crate::project::ResponseChoice;
 use unrender_formats::picture::{Depth, Picture};
@@ -181,23 +182,32 @@ fn too_dark(subject: &Subject<'_>, codes: &Picture) -> Option<String> {
     })
 }
 
-/// The photograph against the scene in grey.
-fn brightness(subject: &Subject<'_>) -> Option<String> {
+/// How many times as bright as the scene in grey the photograph is, where `identifiabilities` are those of the
+/// grey scene; nothing where its brightness is not known.
+pub(super) fn factor(
+    subject: &Subject<'_>,
+    identifiabilities: &[Option<Identifiability>],
+) -> Option<f64> {
     let job = subject.job;
     if job.project.exposure == Exposure::Auto || !job.unknown_lights.is_empty() {
         return None;
     }
     let (mut photo, mut grey) = (0.0f64, 0.0f64);
-    for (group, identifiability) in subject.identifiabilities.iter().enumerate() {
+    for (group, identifiability) in identifiabilities.iter().enumerate() {
         let pixels = subject.observation.pixels_of_group[group].len() as f64;
         if let Some(identifiability) = identifiability {
             photo += pixels * f64::from(identifiability.photo);
             grey += pixels * f64::from(identifiability.light * luminance(GREY));
         }
     }
-    let factor = photo / grey;
+    (grey > 0.0 && photo > 0.0).then_some(photo / grey)
+}
+
+/// The photograph against the scene in grey.
+fn brightness(subject: &Subject<'_>) -> Option<String> {
+    let factor = factor(subject, subject.identifiabilities)?;
     let [low, high] = [1.0 / f64::from(FACTOR), f64::from(FACTOR)];
-    if grey <= 0.0 || (low..=high).contains(&factor) {
+    if (low..=high).contains(&factor) {
         return None;
     }
     Some(format!(

@@ -95,7 +95,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let inputs = [&args.points, &args.fspy, &args.photo];
     output::check_inputs(&args.out, inputs.into_iter().flatten().map(PathBuf::as_path))?;
     let target = target(args, global)?;
-    let (table, origin, summary) = match (&args.fspy, &args.points) {
+    let (table, zero, origin, summary) = match (&args.fspy, &args.points) {
         (Some(path), _) => from_fspy(args, path, global)?,
         (None, Some(path)) => from_points(args, path, &target, global)?,
         (None, None) => return Err(Error::Request("give --points or --fspy".into())),
@@ -104,7 +104,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     if is_project {
         write_project(args, &target, &table, &origin)?;
     } else {
-        write_scene(args, &target, &table, global.limits())?;
+        write_scene(args, &target, &table, zero, global.limits())?;
     }
     global.console.print(&summary);
     Ok(ExitCode::SUCCESS)
@@ -142,7 +142,8 @@ fn target(args: &Args, global: &Global) -> Result<Target, Error> {
     Ok(target)
 }
 
-type Found = (CameraTable, String, String);
+/// The camera, where the positions of the scene count from, where the camera is from in words, and a summary.
+type Found = (CameraTable, DVec3, String, String);
 
 fn from_fspy(args: &Args, path: &Path, global: &Global) -> Result<Found, Error> {
     let up = args.fspy_up.map(|up| match up {
@@ -167,7 +168,7 @@ fn from_fspy(args: &Args, path: &Path, global: &Global) -> Result<Found, Error> 
     global.console.warn(&warnings);
     // fSpy's origin is a point that somebody marked in the picture.
     let distance = matched.camera.origin().length().max(0.1);
-    let table = CameraTable::of(&matched.camera, distance);
+    let table = CameraTable::of(&matched.camera, distance, DVec3::ZERO);
     let [x, y, z] = table.eye.to_array();
     let axis = match matched.up {
         fspy::Up::Y => "y",
@@ -178,7 +179,7 @@ fn from_fspy(args: &Args, path: &Path, global: &Global) -> Result<Found, Error> 
          upwards\n",
         table.fov_y_deg
     );
-    Ok((table, format!("by fSpy: {}.", file_name(path)), summary))
+    Ok((table, DVec3::ZERO, format!("by fSpy: {}.", file_name(path)), summary))
 }
 
 fn from_points(args: &Args, path: &Path, target: &Target, global: &Global) -> Result<Found, Error> {
@@ -190,9 +191,9 @@ fn from_points(args: &Args, path: &Path, target: &Target, global: &Global) -> Re
         .map_err(|error| FileError::because(photo, "", error))?;
     let (picture, _) = picture::read(Input::new(photo, limits))?;
     let size = (picture.values.width(), picture.values.height());
-    let pairs = points::read(path)?;
-    let mut warnings =
-        doubtful_points(&pairs, size, target.scene.as_deref().map(|s| Input::new(s, limits)))?;
+    let mut pairs = points::read(path)?;
+    let scene = target.scene.as_deref().map(|s| Input::new(s, limits));
+    let (mut warnings, zero) = doubtful_points(&mut pairs, size, scene)?;
     let exif = picture::exif_focal_px(&bytes, size.0, size.1);
     let request = Request {
         focal: focal(args.fov_y_deg, exif, size.1)?,
@@ -200,7 +201,7 @@ fn from_points(args: &Args, path: &Path, target: &Target, global: &Global) -> Re
         distortion: args.distortion,
         seed: args.seed,
     };
-    let found = calibrate(&pairs, size, &request)
+    let mut found = calibrate(&pairs, size, &request)
         .map_err(|problem| Error::Calibrate { path: path.to_owned(), problem })?;
     warnings.extend(found.warnings.clone());
     if let Some(exif) = exif {
@@ -209,7 +210,11 @@ fn from_points(args: &Args, path: &Path, target: &Target, global: &Global) -> Re
     global.console.warn(&warnings);
     let eye = found.camera("").origin();
     let distance = eye.distance(DVec3::from_array(found.target).as_vec3());
-    let table = CameraTable::of(&found.camera("photo"), distance.max(0.1));
+    let table = CameraTable::of(&found.camera("photo"), distance.max(0.1), zero);
+    for axis in 0..3 {
+        found.eye[axis].value += zero[axis];
+        found.target[axis] += zero[axis];
+    }
     let origin = format!(
         "from {}: {} of {} pairs, {:.2} px rms.",
         file_name(path),
@@ -217,7 +222,7 @@ fn from_points(args: &Args, path: &Path, target: &Target, global: &Global) -> Re
         pairs.len(),
         found.rms_px
     );
-    Ok((table, origin, results::calibration(&found, pairs.len())))
+    Ok((table, zero, origin, results::calibration(&found, pairs.len())))
 }
 
 fn focal(fov_y_deg: Option<f64>, exif: Option<f64>, height: usize) -> Result<Focal, Error> {
@@ -230,23 +235,31 @@ fn focal(fov_y_deg: Option<f64>, exif: Option<f64>, height: usize) -> Result<Foc
     }
 }
 
-/// Warnings of points beside the photograph and beside the scene.
+/// Warnings of points beside the photograph and beside the scene. Also where the positions of the scene count from;
+/// the points of `pairs` are made to count from there.
 fn doubtful_points(
-    pairs: &[Pair],
+    pairs: &mut [Pair],
     size: (usize, usize),
     scene: Option<Input<'_>>,
-) -> Result<Warnings, Error> {
-    let Some(scene) = scene else { return Ok(doubtful_pairs(pairs, size, None)) };
+) -> Result<(Warnings, DVec3), Error> {
+    let Some(scene) = scene else {
+        return Ok((doubtful_pairs(pairs, size, None), DVec3::ZERO));
+    };
     if !scene.path.is_file() {
         return Err(FileError::new(scene.path, "there is no such scene file").into());
     }
     // A scene that lacks its lights yet is no reason not to calibrate.
-    match unrender_formats::load_scene(scene) {
-        Ok((scene, _)) => Ok(doubtful_pairs(pairs, size, scene.bounds())),
+    match unrender_formats::load_model(scene) {
+        Ok((scene, _)) => {
+            for pair in pairs.iter_mut() {
+                pair.point = (DVec3::from_array(pair.point) - scene.origin).to_array();
+            }
+            Ok((doubtful_pairs(pairs, size, scene.bounds()), scene.origin))
+        }
         Err(error) => {
             let mut warnings = doubtful_pairs(pairs, size, None);
             warnings.push(format!("the points were not held against the scene: {error}"));
-            Ok(warnings)
+            Ok((warnings, DVec3::ZERO))
         }
     }
 }
@@ -283,6 +296,7 @@ fn write_scene(
     args: &Args,
     target: &Target,
     table: &CameraTable,
+    zero: DVec3,
     limits: Limits,
 ) -> Result<(), Error> {
     let Some(scene) = &target.scene else {
@@ -291,8 +305,9 @@ fn write_scene(
     if table.lens != Lens::default() {
         return Err(lens_in_gltf(&args.out));
     }
-    let camera = table.camera(&args.name);
-    atomic::write(&args.out, &unrender_formats::place(Input::new(scene, limits), &camera)?)?;
+    let camera = table.camera(&args.name, zero);
+    let placed = unrender_formats::place(Input::new(scene, limits), &camera, zero)?;
+    atomic::write(&args.out, &placed)?;
     Ok(())
 }
 

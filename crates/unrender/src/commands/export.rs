@@ -169,7 +169,7 @@ fn input(args: &Args, limits: Limits) -> Result<(Scene, Camera, (usize, usize), 
     let used = run.as_deref().map(run::recovered_camera).transpose()?.flatten();
     let size = run.as_deref().map(run::recovered_size).transpose()?.flatten();
     let camera = match used {
-        Some(table) => table.camera("photograph"),
+        Some(table) => table.camera("photograph", scene.origin),
         None => {
             let (camera, noted) = job::named_camera(&scene, args.camera.as_deref(), &path)?;
             warnings.extend(noted);

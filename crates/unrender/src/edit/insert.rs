@@ -3,7 +3,7 @@
 use super::repaint::RawPaint;
 use super::sheet::Sheet;
 use super::start::Start;
-use crate::toml_values::{Point, Positive, Size};
+use crate::toml_values::{Ground, Place as At, Positive, Size, Way};
 use glam::{EulerRot, Quat, Vec3};
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -18,11 +18,11 @@ use unrender_scene::Warnings;
 pub(super) struct RawInsert {
     name: Option<String>,
     pub(super) file: PathBuf,
-    position: Option<Point>,
+    position: Option<At>,
     on: Option<String>,
-    at: Option<Size>,
+    at: Option<Ground>,
     pixel: Option<Size>,
-    rotation_deg: Option<Point>,
+    rotation_deg: Option<Way>,
     scale: Option<Positive>,
     #[serde(default)]
     pub(super) material: Vec<RawPaint>,

@@ -155,9 +155,9 @@ impl Start {
         // The recovery may have moved the camera to where the model fits the photograph.
         let run = recovered.map(|folder| folder.join("run.json"));
         if let Some(used) = run.map(|run| run::recovered_camera(&run)).transpose()?.flatten()
-            && used != CameraTable::of(&camera, 1.0)
+            && used != CameraTable::of(&camera, 1.0, scene.origin)
         {
-            camera = Camera { aspect: camera.aspect, ..used.camera(&camera.name) };
+            camera = Camera { aspect: camera.aspect, ..used.camera(&camera.name, scene.origin) };
         }
         let photograph = Photograph { picture, photo, transfer, camera };
         Ok((Self { scene, path: project.scene, photograph: Some(photograph) }, warnings))

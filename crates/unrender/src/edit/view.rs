@@ -2,7 +2,7 @@
 
 use super::sheet::Sheet;
 use super::start::Start;
-use crate::toml_values::{Direction, Finite, Point, Positive};
+use crate::toml_values::{Direction, Finite, Place, Positive};
 use crate::{Error, job};
 use glam::Vec3;
 use serde::Deserialize;
@@ -14,8 +14,8 @@ use unrender_scene::{Camera, Lens};
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawCamera {
-    eye: Option<Point>,
-    target: Option<Point>,
+    eye: Option<Place>,
+    target: Option<Place>,
     up: Option<Direction>,
     fov_y_deg: Option<Positive>,
     #[serde(default)]
@@ -28,8 +28,8 @@ struct RawCamera {
 #[serde(deny_unknown_fields)]
 struct RawKey {
     time: Option<Finite>,
-    eye: Point,
-    target: Point,
+    eye: Place,
+    target: Place,
     up: Option<Direction>,
     fov_y_deg: Option<Positive>,
 }
@@ -115,7 +115,8 @@ fn placed(raw: RawCamera, start: &Start) -> Result<Vec<Camera>, String> {
         let fov = fov.ok_or("camera: fov_y_deg is missing, or not below 180")?;
         let time = key.time.map_or(index as f32, |time| time.0);
         let up = key.up.map_or(up, |up| up.0);
-        Ok(Key { time, eye: key.eye.0, target: key.target.0, up, fov_y_rad: fov.to_radians() })
+        let [eye, target] = [key.eye, key.target].map(|place| start.scene.here(place.0));
+        Ok(Key { time, eye, target, up, fov_y_rad: fov.to_radians() })
     };
     let keys: Vec<Key> = keys.iter().enumerate().map(key).collect::<Result<_, String>>()?;
     if keys.windows(2).any(|pair| pair[0].time >= pair[1].time) {

@@ -2,7 +2,7 @@
 
 use super::camera_choice::NAME;
 use super::{CalibratedCamera, CameraFile};
-use glam::Affine3A;
+use glam::{Affine3A, DAffine3, DVec3};
 use std::path::PathBuf;
 use unrender_formats::cameras::{Intrinsics, Pixels, Pose, colmap, opencv};
 use unrender_formats::picture::Orientation;
@@ -38,12 +38,17 @@ struct Calibration<'a> {
 }
 
 impl CalibratedCamera {
-    /// The camera of `photo`.
+    /// The camera of `photo`, its position counted from `origin`.
     ///
     /// # Errors
     /// If a file cannot be read, has no such camera, or one of another picture; or if nothing says whether it
     /// is of the stored pixels of a photograph that is turned.
-    pub(crate) fn read(&self, photo: Photographed, limits: Limits) -> Result<Found, FileError> {
+    pub(crate) fn read(
+        &self,
+        photo: Photographed,
+        origin: DVec3,
+        limits: Limits,
+    ) -> Result<Found, FileError> {
         let calibration = self.calibration(limits)?;
         let fault = |problem: String| FileError::new(calibration.path, problem);
         let mut warnings = Warnings::default();
@@ -53,9 +58,9 @@ impl CalibratedCamera {
             Pixels::Upright => Orientation::UPRIGHT,
         };
         // A pose of the project is of the upright picture; that of a file is of the pixels that it was made from.
-        let is_mirrored = turn.mirrors() && self.world_from_camera.is_none();
+        let is_mirrored = turn.mirrors() && self.stand.is_none();
         let turn = if is_mirrored { turn.mirrored_back() } else { turn };
-        let pose = self.pose(&calibration, turn).map_err(fault)?;
+        let pose = self.pose(&calibration, turn, origin).map_err(fault)?;
         let (width, height) = photo.size;
         let stored = if turn.swaps_sides() { (height, width) } else { (width, height) };
         let intrinsics = match self.crop {
@@ -87,10 +92,18 @@ impl CalibratedCamera {
         }
     }
 
-    fn pose(&self, calibration: &Calibration<'_>, turn: Orientation) -> Result<Affine3A, String> {
+    /// The pose, its position counted from `origin`.
+    fn pose(
+        &self,
+        calibration: &Calibration<'_>,
+        turn: Orientation,
+        origin: DVec3,
+    ) -> Result<Affine3A, String> {
         let of_file = calibration.pose.and_then(|pose| pose.turned(turn));
-        let of_file = of_file.map(|pose| pose.world_from_camera(&self.scene_from_world));
-        self.world_from_camera.or(of_file).ok_or_else(|| {
+        let here_from_world = DAffine3::from_translation(-origin) * self.scene_from_world;
+        let of_file = of_file.map(|pose| pose.world_from_camera(&here_from_world));
+        let stated = self.stand.map(|stand| stand.camera(NAME, origin, 1.0).world_from_camera);
+        stated.or(of_file).ok_or_else(|| {
             "has no pose: write rvec and tvec into it as cv2.solvePnP gives them, or give eye and \
              target in [camera]"
                 .into()
@@ -112,7 +125,7 @@ impl CalibratedCamera {
         if let Some(pixels) = self.pixels.or(told) {
             return Ok(pixels);
         }
-        let has_pose = self.world_from_camera.is_some();
+        let has_pose = self.stand.is_some();
         let turned = calibration.intrinsics.turned(orientation, upright);
         if orientation == Orientation::UPRIGHT || has_pose && turned == calibration.intrinsics {
             return Ok(Pixels::Upright);

@@ -1,19 +1,20 @@
 //! The table `[camera]` of a project file: from numbers to a camera, and into a file that keeps
 //! everything else.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::path::Path;
 use toml_edit::{Array, DocumentMut, Item, Table, Value};
 use unrender_formats::FileError;
+use unrender_scene::origin::in_digits;
 use unrender_scene::{Camera, Lens};
 
 /// A camera as the project file has it; reading what was written gives the same bits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraTable {
-    /// The camera's centre, metres.
-    pub eye: Vec3,
+    /// The camera's centre in the world of the scene's file, metres.
+    pub eye: DVec3,
     /// A point that it looks at.
-    pub target: Vec3,
+    pub target: DVec3,
     /// Upwards in the picture, not along the line of sight.
     pub up: Vec3,
     /// Full vertical field of view, degrees.
@@ -22,24 +23,51 @@ pub struct CameraTable {
     pub lens: Lens,
 }
 
+/// Where a camera stands and looks, in the world of the scene's file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stand {
+    /// The camera's centre, metres.
+    pub eye: DVec3,
+    /// A point that it looks at.
+    pub target: DVec3,
+    /// Upwards in the picture, not along the line of sight.
+    pub up: Vec3,
+}
+
+impl Stand {
+    /// The camera that stands there, called `name`, its position counted from `origin`.
+    pub fn camera(&self, name: &str, origin: DVec3, fov_y_rad: f32) -> Camera {
+        let [eye, target] = [self.eye, self.target].map(|place| (place - origin).as_vec3());
+        Camera::look_at(name, eye, target, self.up, fov_y_rad)
+    }
+}
+
 impl CameraTable {
-    /// The table for `camera`, with a target `distance` metres before it.
-    pub fn of(camera: &Camera, distance: f32) -> Self {
+    /// The table for `camera`, whose position counts from `origin`, with a target `distance` metres before it.
+    pub fn of(camera: &Camera, distance: f32, origin: DVec3) -> Self {
         let axes = camera.world_from_camera.matrix3;
         let eye = camera.origin();
+        let in_world = |here: Vec3| {
+            // Near zero these are the very numbers in single precision.
+            let axis = |axis: usize| match origin[axis] {
+                0.0 => f64::from(here[axis]),
+                from => in_digits(from, here[axis]),
+            };
+            DVec3::from_array([0, 1, 2].map(axis))
+        };
         Self {
-            eye,
-            target: eye - distance * Vec3::from(axes.z_axis),
+            eye: in_world(eye),
+            target: in_world(eye - distance * Vec3::from(axes.z_axis)),
             up: axes.y_axis.into(),
             fov_y_deg: camera.fov_y_rad.to_degrees(),
             lens: camera.lens,
         }
     }
 
-    /// The camera, called `name`.
-    pub fn camera(&self, name: &str) -> Camera {
-        let fov_y_rad = self.fov_y_deg.to_radians();
-        let camera = Camera::look_at(name, self.eye, self.target, self.up, fov_y_rad);
+    /// The camera, called `name`, its position counted from `origin`.
+    pub fn camera(&self, name: &str, origin: DVec3) -> Camera {
+        let stand = Stand { eye: self.eye, target: self.target, up: self.up };
+        let camera = stand.camera(name, origin, self.fov_y_deg.to_radians());
         Camera { lens: self.lens, ..camera }
     }
 
@@ -69,10 +97,11 @@ impl CameraTable {
     }
 
     fn fill(&self, table: &mut Table) {
-        let triple = |v: Vec3| Item::Value(list(&v.to_array()));
-        table.insert("eye", triple(self.eye));
-        table.insert("target", triple(self.target));
-        table.insert("up", triple(self.up));
+        let place =
+            |v: DVec3| Item::Value(v.to_array().map(double).into_iter().collect::<Array>().into());
+        table.insert("eye", place(self.eye));
+        table.insert("target", place(self.target));
+        table.insert("up", Item::Value(list(&self.up.to_array())));
         table.insert("fov_y_deg", Item::Value(number(self.fov_y_deg)));
         let Lens { principal_point, fx_over_fy, k1, k2, k3, p1, p2 } = self.lens;
         let shift = (principal_point != [0.0; 2]).then(|| list(&principal_point));
@@ -115,6 +144,12 @@ fn list(values: &[f32]) -> Value {
     Value::Array(numbers)
 }
 
+/// The shortest decimal that reads back as `value`, which is single precision near zero.
+fn double(value: f64) -> Value {
+    let single = value as f32;
+    if f64::from(single) == value { number(single) } else { Value::from(value) }
+}
+
 /// The shortest decimal that reads back as `value`.
 fn number(value: f32) -> Value {
     let short = value.to_string().parse().unwrap_or(f64::from(value));
@@ -127,8 +162,8 @@ mod tests {
 
     fn table() -> CameraTable {
         CameraTable {
-            eye: Vec3::new(0.1, 1.6, 4.0),
-            target: Vec3::new(-0.3, 1.2, 0.0),
+            eye: Vec3::new(0.1, 1.6, 4.0).as_dvec3(),
+            target: Vec3::new(-0.3, 1.2, 0.0).as_dvec3(),
             up: Vec3::new(0.01, 0.99, -0.1),
             fov_y_deg: 39.6,
             lens: Lens { principal_point: [0.01, -0.02], k1: -0.1, ..Lens::default() },
@@ -176,9 +211,17 @@ mod tests {
 
     #[test]
     fn a_camera_gives_its_table_and_back() {
-        let camera = table().camera("a");
-        let back = CameraTable::of(&camera, 3.0).camera("a");
+        let camera = table().camera("a", DVec3::ZERO);
+        let back = CameraTable::of(&camera, 3.0, DVec3::ZERO).camera("a", DVec3::ZERO);
         let (a, b) = (camera.world_from_camera, back.world_from_camera);
         assert!(a.abs_diff_eq(b, 1e-6) && camera.lens == back.lens);
+        // And far away, where its file has digits that single precision has not.
+        let origin = DVec3::new(5e5, 0.0, 5.4e6);
+        let far = CameraTable::of(&camera, 3.0, origin);
+        let text = far.put_into("", Path::new("a.toml"), "by hand.").unwrap();
+        assert!(text.contains("eye = [500000.1, 1.6, 5400004.0]"), "{text}");
+        let again = far.camera("a", origin).world_from_camera;
+        assert_eq!(again.translation, a.translation);
+        assert!(again.abs_diff_eq(a, 1e-6));
     }
 }

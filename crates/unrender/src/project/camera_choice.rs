@@ -1,12 +1,12 @@
 //! The key `camera` of a project file: a name, numbers, or the file of another program's calibration.
 
-use super::CameraTable;
 use super::raw::RawCamera;
-use glam::{Affine3A, DAffine3, Vec3};
+use super::{CameraTable, Stand};
+use glam::{DAffine3, DVec3, Vec3};
 use std::path::{Path, PathBuf};
 use toml::Value;
 use unrender_formats::cameras::{self, Intrinsics, Pixels, colmap};
-use unrender_scene::{Camera, Lens};
+use unrender_scene::Lens;
 
 /// What the camera of a project is called in messages.
 pub(super) const NAME: &str = "project";
@@ -19,11 +19,11 @@ pub enum CameraChoice {
     /// The scene's camera of this name.
     Named(String),
     /// One that the project describes itself.
-    Placed(Camera),
+    Placed(CameraTable),
     /// The same in pixels of the photograph, whose size is not in the project.
     InPixels {
         /// Its pose.
-        world_from_camera: Affine3A,
+        stand: Stand,
         /// Its focal lengths, axis and distortion.
         intrinsics: Intrinsics,
     },
@@ -39,7 +39,7 @@ pub struct CalibratedCamera {
     /// From the world of the calibration to the scene: a similarity.
     pub scene_from_world: DAffine3,
     /// The pose, where the project states it and not the file.
-    pub world_from_camera: Option<Affine3A>,
+    pub stand: Option<Stand>,
     /// Where the upper left corner of the photograph lies in the picture of the calibration, pixels;
     /// none if the photograph is all of it, at any size.
     pub crop: Option<[f64; 2]>,
@@ -162,7 +162,7 @@ fn calibrated(raw: &RawCamera, file: CameraFile) -> Result<CalibratedCamera, Str
     Ok(CalibratedCamera {
         file,
         scene_from_world: scene_from_world(raw.scene_from_world.as_ref())?,
-        world_from_camera: if has_pose { Some(pose(raw)?) } else { None },
+        stand: if has_pose { Some(stand(raw)?) } else { None },
         crop: raw.crop,
         pixels: raw.pixels.as_deref().map(which_pixels).transpose()?,
     })
@@ -220,9 +220,8 @@ fn described(raw: &RawCamera) -> Result<CameraChoice, String> {
             if !(fov_y_deg > 0.0 && fov_y_deg < 180.0) {
                 return Err(format!("camera.fov_y_deg is {fov_y_deg}; it is between 0 and 180"));
             }
-            let (eye, target, up) = points(raw)?;
-            let table = CameraTable { eye, target, up, fov_y_deg, lens };
-            Ok(CameraChoice::Placed(table.camera(NAME)))
+            let Stand { eye, target, up } = stand(raw)?;
+            Ok(CameraChoice::Placed(CameraTable { eye, target, up, fov_y_deg, lens }))
         }
         (None, [Some(fx), Some(fy), Some(cx), Some(cy)]) => {
             if raw.principal_point.is_some() || raw.fx_over_fy.is_some() {
@@ -240,7 +239,7 @@ fn described(raw: &RawCamera) -> Result<CameraChoice, String> {
             }
             let distortion = [lens.k1, lens.k2, lens.p1, lens.p2, lens.k3].map(f64::from);
             let intrinsics = Intrinsics { fx, fy, cx, cy, distortion, size: None };
-            Ok(CameraChoice::InPixels { world_from_camera: pose(raw)?, intrinsics })
+            Ok(CameraChoice::InPixels { stand: stand(raw)?, intrinsics })
         }
         _ => Err("camera: give eye and target with fov_y_deg or with all of fx, fy, cx, cy; or a \
                   file, by opencv or colmap"
@@ -249,24 +248,22 @@ fn described(raw: &RawCamera) -> Result<CameraChoice, String> {
 }
 
 /// The camera's centre, its target and upwards.
-fn points(raw: &RawCamera) -> Result<(Vec3, Vec3, Vec3), String> {
+fn stand(raw: &RawCamera) -> Result<Stand, String> {
     let (Some(eye), Some(target)) = (raw.eye, raw.target) else {
         return Err("camera: eye and target are missing, where it stood and a point ahead".into());
     };
-    let [eye, target, up] = [eye, target, raw.up.unwrap_or([0.0, 1.0, 0.0])].map(Vec3::from_array);
-    if !(eye.is_finite() && target.is_finite() && up.is_finite()) || eye == target {
+    let [eye, target] = [eye, target].map(DVec3::from_array);
+    let up = Vec3::from_array(raw.up.unwrap_or([0.0, 1.0, 0.0]));
+    let are_finite = [eye, target].iter().all(|place| place.as_vec3().is_finite());
+    if !(are_finite && up.is_finite()) || eye == target {
         return Err("camera: eye and target must be two points".into());
     }
-    let sideways = up.normalize_or_zero().cross((eye - target).normalize_or_zero());
+    let back = (eye - target).normalize_or_zero().as_vec3();
+    let sideways = up.normalize_or_zero().cross(back);
     if sideways.length() < 1e-4 {
         return Err("camera.up: it must not point along the line of sight".into());
     }
-    Ok((eye, target, up))
-}
-
-fn pose(raw: &RawCamera) -> Result<Affine3A, String> {
-    let (eye, target, up) = points(raw)?;
-    Ok(Camera::look_at(NAME, eye, target, up, 1.0).world_from_camera)
+    Ok(Stand { eye, target, up })
 }
 
 fn lens(raw: &RawCamera) -> Result<Lens, String> {

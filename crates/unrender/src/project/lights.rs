@@ -91,7 +91,7 @@ impl Project {
     pub(crate) fn rebuilds_lights(&self) -> bool {
         self.light_edits.iter().any(|edit| match edit.change {
             LightChange::Alter(alter) => alter.shift != Vec3::ZERO || alter.direction.is_some(),
-            LightChange::Add(_) | LightChange::Remove => true,
+            LightChange::Add(..) | LightChange::Remove => true,
         })
     }
 

@@ -15,7 +15,7 @@ mod raw;
 mod rungs;
 
 pub(crate) use calibrated::{Found, Photographed};
-pub use camera::CameraTable;
+pub use camera::{CameraTable, Stand};
 pub use camera_choice::{CalibratedCamera, CameraChoice, CameraFile};
 pub use lights::LightColor;
 pub use like::LikeGroup;

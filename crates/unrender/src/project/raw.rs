@@ -238,8 +238,8 @@ pub(super) struct RawRecover {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawCamera {
-    pub(super) eye: Option<[f32; 3]>,
-    pub(super) target: Option<[f32; 3]>,
+    pub(super) eye: Option<[f64; 3]>,
+    pub(super) target: Option<[f64; 3]>,
     pub(super) up: Option<[f32; 3]>,
     pub(super) fov_y_deg: Option<f32>,
     pub(super) principal_point: Option<[f32; 2]>,

@@ -138,7 +138,7 @@ fn stages(recovered: &Recovered) -> Stages {
 /// How the model was registered with the photograph, and the camera that was used.
 fn registration(job: &Job, recovered: &Recovered) -> RegistrationEntry {
     let registered = &recovered.registered;
-    let table = CameraTable::of(&recovered.camera(job), 1.0);
+    let table = CameraTable::of(&recovered.camera(job), 1.0, job.scene.origin);
     let lens = table.lens;
     let camera = json!({
         "eye": table.eye.to_array(),

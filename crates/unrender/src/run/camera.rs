@@ -2,7 +2,7 @@
 //! Only this much of run.json is read, so that files of other versions will do.
 
 use crate::project::CameraTable;
-use glam::Vec3;
+use glam::DVec3;
 use serde_json::Value;
 use std::path::Path;
 use unrender_formats::{FileError, input};
@@ -16,10 +16,11 @@ pub(crate) fn recovered_camera(path: &Path) -> Result<Option<CameraTable>, FileE
     let Some(run) = value(path)? else { return Ok(None) };
     let camera = &run["registration"]["camera"];
     let number = |value: &Value| value.as_f64().map(|number| number as f32);
-    let vector = |key: &str| {
-        let [x, y, z] = [0, 1, 2].map(|index| number(&camera[key][index]));
-        Some(Vec3::new(x?, y?, z?))
+    let place = |key: &str| {
+        let [x, y, z] = [0, 1, 2].map(|index| camera[key][index].as_f64());
+        Some(DVec3::new(x?, y?, z?))
     };
+    let vector = |key: &str| place(key).map(|v| v.as_vec3());
     let table = || {
         let [right, down] = [0, 1].map(|index| number(&camera["principal_point"][index]));
         let (k1, k2) = (number(&camera["k1"])?, number(&camera["k2"])?);
@@ -28,7 +29,7 @@ pub(crate) fn recovered_camera(path: &Path) -> Result<Option<CameraTable>, FileE
         let [k3, p1, p2] = ["k3", "p1", "p2"].map(|key| or(key, 0.0));
         let fx_over_fy = or("fx_over_fy", 1.0);
         let lens = Lens { principal_point: [right?, down?], fx_over_fy, k1, k2, k3, p1, p2 };
-        let (eye, target, up) = (vector("eye")?, vector("target")?, vector("up")?);
+        let (eye, target, up) = (place("eye")?, place("target")?, vector("up")?);
         Some(CameraTable { eye, target, up, fov_y_deg: number(&camera["fov_y_deg"])?, lens })
     };
     Ok(table())

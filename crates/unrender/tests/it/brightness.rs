@@ -32,3 +32,20 @@ fn light_that_is_a_factor_off_is_refused_with_the_factor() {
         assert!(!folder.path("out/materials.json").exists());
     }
 }
+
+#[test]
+fn lights_of_another_lighting_mode_are_refused_with_its_name() {
+    let folder = Folder::new();
+    let example = beside_crates("examples/corpus/anisotropic");
+    for entry in fs::read_dir(example).unwrap().map(Result::unwrap) {
+        fs::copy(entry.path(), folder.path(&entry.file_name())).unwrap();
+    }
+    // The file's own are W/sr, as Blender's Unitless.
+    let project = format!("light_units = \"blender-standard\"\n{}", folder.text("project.toml"));
+    folder.write("off.toml", &project);
+    let output =
+        folder.run(&["recover", "off.toml", "--out", "out", "--effort", "draft", "--quiet"]);
+    fails(&output, "the lights read as \"unitless\" would be so bright");
+    let said = stderr(&output);
+    assert!(said.contains("say light_units = \"unitless\" in the project"), "{said}");
+}

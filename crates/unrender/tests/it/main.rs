@@ -13,6 +13,7 @@ mod command;
 mod corpus_recovery;
 mod export_command;
 mod exports;
+mod far;
 mod farm;
 mod fig8_recovery;
 mod fig8_reference;

@@ -35,7 +35,7 @@ fn a_full_project_is_understood() {
     assert_eq!((floor.alpha_y, floor.rho_d), (0.2, Rgb::splat(0.1)));
     assert!((floor.theta_rad - std::f32::consts::PI).abs() < 1e-6);
     let CameraChoice::Placed(camera) = project.camera else { panic!("a placed camera") };
-    assert!((camera.fov_y_rad.to_degrees() - 40.0).abs() < 1e-4);
+    assert!((camera.fov_y_deg - 40.0).abs() < 1e-4);
     assert_eq!(
         camera.lens,
         Lens { principal_point: [0.01, -0.02], k1: -0.1, k2: 0.01, ..Lens::default() }

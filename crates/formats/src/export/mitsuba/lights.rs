@@ -1,11 +1,11 @@
 //! Lights without a surface.
 
-use super::{float, rgb, safe, to_world, vector};
+use super::{float, point, rgb, safe, to_world, vector};
 use crate::export::identifiers::identifiers;
 use crate::export::{Files, Shot};
 use crate::record::light_note;
 use crate::texels;
-use glam::{Affine3A, Mat3, Vec3};
+use glam::{Affine3A, DVec3, Mat3, Vec3};
 use unrender_scene::{Image, LightKind, Rgb};
 
 /// Texels of the picture of a spot's cone, across and down.
@@ -13,7 +13,7 @@ const CONE_TEXELS: usize = 512;
 
 /// All of them, and the pictures that they name.
 pub(super) fn text(shot: &Shot) -> Result<(String, Files), String> {
-    let lights = &shot.scene.lights;
+    let (lights, origin) = (&shot.scene.lights, shot.scene.origin);
     let ids = identifiers("l_", lights.iter().map(|l| l.name.as_str()));
     let (mut text, mut files) = (String::new(), Files::new());
     for (light, id) in lights.iter().zip(&ids) {
@@ -23,23 +23,23 @@ pub(super) fn text(shot: &Shot) -> Result<(String, Files), String> {
         }
         text.push_str(&format!(
             "    {}\n    {}\n",
-            safe(&light_note(light)),
-            emitter(&light.kind, &picture)
+            safe(&light_note(light, origin)),
+            emitter(&light.kind, &picture, origin)
         ));
     }
     Ok((text, files))
 }
 
-fn emitter(kind: &LightKind, picture: &str) -> String {
+fn emitter(kind: &LightKind, picture: &str, origin: DVec3) -> String {
     match *kind {
         LightKind::Point { position, intensity } => format!(
             "<emitter type=\"point\">{}{}</emitter>",
-            vector("point", "position", position),
+            point("position", position, origin),
             rgb("intensity", intensity)
         ),
         LightKind::Directional { direction, irradiance } => format!(
             "<emitter type=\"directional\">{}{}</emitter>",
-            vector("vector", "direction", direction),
+            vector("direction", direction),
             rgb("irradiance", irradiance)
         ),
         LightKind::Spot { position, direction, intensity, outer_rad, .. } => {
@@ -51,7 +51,7 @@ fn emitter(kind: &LightKind, picture: &str) -> String {
                  <string name=\"filename\" value=\"{picture}\"/>\
                  <boolean name=\"raw\" value=\"true\"/>\
                  <string name=\"wrap_mode\" value=\"clamp\"/></texture></emitter>",
-                to_world(Affine3A::from_mat3_translation(axes, position)),
+                to_world(Affine3A::from_mat3_translation(axes, position), origin),
                 rgb("intensity", intensity),
                 float("cutoff_angle", angle),
                 float("beam_width", 0.999_9 * angle)

@@ -47,6 +47,6 @@ pub(super) fn text(shot: &Shot, warnings: &mut Warnings) -> String {
          \x20       <sampler type=\"independent\"><integer name=\"sample_count\" value=\"256\"/></sampler>\n\
          \x20   </sensor>\n",
         comment("camera", &camera.name),
-        to_world(place)
+        to_world(place, shot.scene.origin)
     )
 }

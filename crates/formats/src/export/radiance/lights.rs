@@ -4,11 +4,11 @@
 //! direction, and exactly the irradiance of a point; what a spot sends into a direction is a pattern
 //! on the sphere, by the direction of the ray.
 
-use super::triple;
+use super::{place, triple};
 use crate::export::Shot;
 use crate::export::identifiers::identifiers;
 use crate::record::light_note;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
 use unrender_scene::LightKind;
 
@@ -21,24 +21,24 @@ const DISTANT_DEG: f32 = 0.1;
 pub(super) fn text(shot: &Shot) -> String {
     let lights = &shot.scene.lights;
     let ids = identifiers("l_", lights.iter().map(|l| l.name.as_str()));
-    let texts = lights
-        .iter()
-        .zip(&ids)
-        .map(|(light, id)| format!("\n# {}\n{}", light_note(light), primitives(&light.kind, id)));
+    let texts = lights.iter().zip(&ids).map(|(light, id)| {
+        let origin = shot.scene.origin;
+        format!("\n# {}\n{}", light_note(light, origin), primitives(&light.kind, id, origin))
+    });
     texts.collect()
 }
 
-fn primitives(kind: &LightKind, id: &str) -> String {
+fn primitives(kind: &LightKind, id: &str, origin: DVec3) -> String {
     let per_area = 1.0 / (PI * RADIUS * RADIUS);
     match *kind {
         LightKind::Point { position, intensity } => {
-            light("void", id, intensity * per_area) + &sphere(id, position)
+            light("void", id, intensity * per_area) + &sphere(id, &place(position, origin))
         }
         LightKind::Spot { position, direction, intensity, inner_rad, outer_rad } => {
             let cone = format!("{id}.cone");
             falloff(&cone, direction, inner_rad, outer_rad)
                 + &light(&cone, id, intensity * per_area)
-                + &sphere(id, position)
+                + &sphere(id, &place(position, origin))
         }
         LightKind::Directional { direction, irradiance } => {
             // The projected solid angle of the disk: pi sin^2 of its angular radius.
@@ -55,8 +55,8 @@ fn light(modifier: &str, id: &str, radiance: Vec3) -> String {
     format!("{modifier} light {id}\n0\n0\n3 {}\n", triple(radiance))
 }
 
-fn sphere(id: &str, position: Vec3) -> String {
-    format!("{id} sphere {id}.sphere\n0\n0\n4 {} {RADIUS}\n", triple(position))
+fn sphere(id: &str, place: &str) -> String {
+    format!("{id} sphere {id}.sphere\n0\n0\n4 {place} {RADIUS}\n")
 }
 
 /// The formula that `KHR_lights_punctual` recommends: the square of a line in the cosine. A ray

@@ -1,6 +1,6 @@
 //! The camera as a view file, and the commands that make a picture.
 
-use super::triple;
+use super::{place, triple};
 use crate::export::Shot;
 use std::fmt::Write;
 use unrender_scene::Warnings;
@@ -25,7 +25,7 @@ pub(super) fn text(shot: &Shot, warnings: &mut Warnings) -> String {
     let [right, down] = camera.lens.principal_point;
     format!(
         "rvu -vtv -vp {} -vd {} -vu {} -vh {} -vv {} -vo 0 -va 0 -vs {} -vl {}\n",
-        triple(camera.origin()),
+        place(camera.origin(), shot.scene.origin),
         triple((-axes.z_axis).into()),
         triple(axes.y_axis.into()),
         fov_x_rad.to_degrees(),

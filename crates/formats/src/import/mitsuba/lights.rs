@@ -25,10 +25,11 @@ pub(super) fn read(context: &Context, node: Node) -> Result<Emitter, String> {
     let world = || node.motion("to_world");
     let kind = match node.kind() {
         "point" => {
-            let position = match node.vector("position")? {
+            let position = match node.point("position")? {
                 Some(position) => position,
-                None => node.origin("to_world")?.as_vec3(),
+                None => node.place("to_world")?,
             };
+            let position = (position - context.scope.origin()).as_vec3();
             LightKind::Point { position, intensity: light(context, node, "intensity")? }
         }
         "directional" => {
@@ -72,7 +73,7 @@ fn spot(context: &Context, node: Node, name: &str, world: &DAffine3) -> Result<L
     let texture = color(context, node, "texture", Use::Index, 1.0)?;
     let direction = world.matrix3.z_axis.as_vec3().try_normalize();
     Ok(LightKind::Spot {
-        position: world.translation.as_vec3(),
+        position: (world.translation - context.scope.origin()).as_vec3(),
         direction: direction.ok_or_else(|| node.fail("its direction is zero"))?,
         intensity: light(context, node, "intensity")? * texture,
         inner_rad: inner.clamp(0.0, outer).to_radians(),

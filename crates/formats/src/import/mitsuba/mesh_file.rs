@@ -4,18 +4,18 @@ use super::paint::Context;
 use super::tree::Node;
 use super::{serialized, shapes, wavefront};
 use crate::import::ply;
-use glam::{DAffine3, Vec2};
+use glam::{DAffine3, DVec3, Vec2};
 use unrender_scene::Mesh;
 
 /// What a corner of a triangle takes that it does not share, bytes.
 const CORNER_BYTES: u64 = 36;
 
-/// The mesh that the shape `node` of the kind `ply`, `obj` or `serialized` names, taken into the world; with
-/// texture coordinates in any case, if it `wants_uvs`.
+/// The mesh that the shape `node` of the kind `ply`, `obj` or `serialized` names, taken to where the scene counts
+/// from, by what moves it there when it counts from `zero`; with texture coordinates in any case, if it `wants_uvs`.
 pub(super) fn read(
     context: &Context,
     node: Node,
-    world: &DAffine3,
+    (here_from_mesh, zero): (&DAffine3, DVec3),
     wants_uvs: bool,
 ) -> Result<Mesh, String> {
     let scope = context.scope;
@@ -25,29 +25,29 @@ pub(super) fn read(
     let bytes = scope.read(&path).map_err(within)?;
     let mut is_flat = node.flag("face_normals", false)?;
     // Mitsuba counts v from the top of a picture, as we do; OBJ counts from the bottom.
-    let counts_from_bottom = node.kind() == "obj";
+    let flips = node.flag("flip_tex_coords", node.kind() == "obj")?;
     let mut mesh = match node.kind() {
-        "obj" => wavefront::mesh(scope, &bytes),
+        "obj" => wavefront::mesh(context, &bytes, (file, zero), flips),
         "serialized" => {
-            let read = serialized::mesh(scope, &bytes, node.number("shape_index", 0.0)?);
+            let read = serialized::mesh(scope, &bytes, node.number("shape_index", 0.0)?, zero);
             read.map(|(mesh, flat)| {
                 is_flat |= flat;
                 mesh
             })
         }
-        _ => ply::mesh(scope, &bytes),
+        _ => ply::mesh(scope, &bytes, zero),
     }
     .map_err(within)?;
     if mesh.triangles.is_empty() {
         return Err(within("has no faces".into()));
     }
-    if node.flag("flip_tex_coords", counts_from_bottom)? {
+    if flips && node.kind() != "obj" {
         mesh.uvs.iter_mut().for_each(|uv| *uv = Vec2::new(uv.x, 1.0 - uv.y));
     }
     if is_flat {
         mesh.normals.clear();
     }
-    let mut mesh = shapes::placed(mesh, world);
+    let mut mesh = shapes::placed(mesh, here_from_mesh);
     if is_flat || (wants_uvs && mesh.uvs.is_empty()) {
         scope.charge(mesh.triangles.len() as u64 * 3 * CORNER_BYTES).map_err(within)?;
     }

@@ -175,7 +175,9 @@ impl Parser<'_> {
         let mut note = Note::default();
         for child in xml.children() {
             if child.is_comment() {
-                note = child.text().and_then(Note::parse).unwrap_or_default();
+                let origin = self.scope.origin();
+                let parsed = child.text().and_then(|text| Note::parse(text, origin));
+                note = parsed.unwrap_or_default();
             } else if child.is_element() {
                 self.element(child, parent, text, depth + 1, std::mem::take(&mut note))?;
             }

@@ -78,10 +78,11 @@ pub(super) fn read(context: &Context, node: Node) -> Result<Option<Camera>, Stri
         Ok(0.5 * size[i] - offset * size[i] - middle)
     };
     let off = [off(0, "principal_point_offset_x")?, off(1, "principal_point_offset_y")?];
+    let eye = (world.translation - context.scope.origin()).as_vec3();
     let id = if node.id().is_empty() { "camera" } else { node.id() };
     Ok(Some(Camera {
         name: node.note().name.clone().unwrap_or_else(|| id.into()),
-        world_from_camera: Affine3A::from_mat3_translation(axes, world.translation.as_vec3()),
+        world_from_camera: Affine3A::from_mat3_translation(axes, eye),
         fov_y_rad: 2.0 * (half_height * crop_size[1] / size[1]).atan(),
         aspect: Some(crop_size[0] / crop_size[1]),
         lens: Lens { principal_point: off.map(|pixels| pixels / crop_size[1]), ..Lens::default() },

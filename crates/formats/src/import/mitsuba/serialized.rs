@@ -3,7 +3,7 @@
 
 use crate::input::Scope;
 use flate2::bufread::ZlibDecoder;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use std::io::{BufRead, BufReader, Read};
 use unrender_scene::Mesh;
 
@@ -19,8 +19,14 @@ const MAX_UNPACKING: u64 = 1032;
 /// The name of a mesh has at most so many bytes.
 const MAX_NAME: u64 = 4096;
 
-/// The mesh number `index` of `bytes`, without normals if it has none, and whether it is to be flat.
-pub(super) fn mesh(scope: &Scope, bytes: &[u8], index: f32) -> Result<(Mesh, bool), String> {
+/// The mesh number `index` of `bytes`, counted from `zero`, without normals if it has none, and whether it is to
+/// be flat.
+pub(super) fn mesh(
+    scope: &Scope,
+    bytes: &[u8],
+    index: f32,
+    zero: DVec3,
+) -> Result<(Mesh, bool), String> {
     let header = |at: usize| Some((u16_at(bytes, at)?, u16_at(bytes, at + 2)?));
     let version = match header(0) {
         Some((MAGIC, version @ (3 | 4))) => version,
@@ -35,7 +41,7 @@ pub(super) fn mesh(scope: &Scope, bytes: &[u8], index: f32) -> Result<(Mesh, boo
     let packed = &bytes[start + 4..];
     let stream = BufReader::new(ZlibDecoder::new(packed));
     let most = MAX_UNPACKING.saturating_mul(packed.len() as u64);
-    read(scope, stream, version, most)
+    read(scope, stream, (version, most), zero)
 }
 
 /// Where the mesh number `index` begins.
@@ -63,8 +69,8 @@ fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
 fn read(
     scope: &Scope,
     mut stream: impl BufRead,
-    version: u16,
-    most: u64,
+    (version, most): (u16, u64),
+    zero: DVec3,
 ) -> Result<(Mesh, bool), String> {
     let flags = u32::from_le_bytes(exact(&mut stream)?);
     if version == 4 {
@@ -85,8 +91,8 @@ fn read(
     }
     // The numbers as they are read, and as the mesh has them.
     scope.charge(needed.saturating_mul(3))?;
+    let positions = places(&mut stream, vertices, size == 8, zero)?;
     let mut list = |width: u64| numbers(&mut stream, vertices * width, size == 8);
-    let positions = triples(&list(3)?);
     let normals = if flags & HAS_NORMALS != 0 { triples(&list(3)?) } else { Vec::new() };
     let uvs = if flags & HAS_UVS != 0 { list(2)? } else { Vec::new() };
     if flags & HAS_COLORS != 0 {
@@ -120,17 +126,28 @@ fn exact<const N: usize>(stream: &mut impl Read) -> Result<[u8; N], String> {
     Ok(bytes)
 }
 
+fn number(stream: &mut impl Read, is_double: bool) -> Result<f64, String> {
+    Ok(if is_double {
+        f64::from_le_bytes(exact(stream)?)
+    } else {
+        f32::from_le_bytes(exact(stream)?).into()
+    })
+}
+
 fn numbers(stream: &mut impl Read, count: u64, is_double: bool) -> Result<Vec<f32>, String> {
-    let mut all = Vec::new();
-    for _ in 0..count {
-        let number = if is_double {
-            f64::from_le_bytes(exact(stream)?) as f32
-        } else {
-            f32::from_le_bytes(exact(stream)?)
-        };
-        all.push(number);
-    }
-    Ok(all)
+    (0..count).map(|_| Ok(number(stream, is_double)? as f32)).collect()
+}
+
+/// Positions, counted from `zero`.
+fn places(
+    stream: &mut impl Read,
+    count: u64,
+    is_double: bool,
+    zero: DVec3,
+) -> Result<Vec<Vec3>, String> {
+    let mut axis = || number(stream, is_double);
+    let place = |_| Ok((DVec3::new(axis()?, axis()?, axis()?) - zero).as_vec3());
+    (0..count).map(place).collect()
 }
 
 fn words(stream: &mut impl Read, count: u64) -> Result<Vec<u32>, String> {

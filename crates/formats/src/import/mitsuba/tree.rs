@@ -220,11 +220,16 @@ impl<'t> Node<'t> {
         }
     }
 
-    /// A point or a vector.
+    /// A vector.
     pub(super) fn vector(self, name: &str) -> Result<Option<Vec3>, String> {
+        Ok(self.point(name)?.map(|vector| vector.as_vec3()))
+    }
+
+    /// A point, in double precision: it may be far from zero.
+    pub(super) fn point(self, name: &str) -> Result<Option<Point>, String> {
         match self.value(name) {
             None => Ok(None),
-            Some(Value::Vector(vector)) => Ok(Some(vector.as_vec3())),
+            Some(Value::Vector(vector)) => Ok(Some(*vector)),
             Some(_) => Err(self.wrong(name, "a <point> or <vector>")),
         }
     }
@@ -238,8 +243,8 @@ impl<'t> Node<'t> {
         }
     }
 
-    /// The position to which a transform takes the origin.
-    pub(super) fn origin(self, name: &str) -> Result<Point, String> {
+    /// The position to which a transform takes zero.
+    pub(super) fn place(self, name: &str) -> Result<Point, String> {
         Ok(self.motion(name)?.translation)
     }
 

@@ -9,6 +9,7 @@ use super::words::{Item, Words, decoded};
 use super::{generators, gensky, xform};
 use crate::input::Scope;
 use crate::record::Note;
+use glam::DVec3;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -102,7 +103,8 @@ impl Reading<'_> {
         while let Some(item) = words.item() {
             let place = Place { file: file.clone(), line: words.first_line() };
             match item {
-                Item::Comment(comment) => note = Note::parse(comment),
+                // Counted from elsewhere when all motions are known.
+                Item::Comment(comment) => note = Note::parse(comment, DVec3::ZERO),
                 Item::Command(command) => {
                     note = None;
                     let given = Given { folder, depth, place: &place };

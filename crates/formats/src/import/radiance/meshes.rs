@@ -1,28 +1,23 @@
 //! Meshes that `obj2mesh` has compiled, by the OBJ files that they were made from.
 
-use super::files::text_of;
 use super::motion::Motion;
 use super::primitives::Primitive;
 use crate::import::shapes;
 use crate::input::Scope;
-use crate::obj;
-use std::collections::{BTreeMap, BTreeSet};
+use crate::obj::{self, Named};
+use glam::{DVec3, Vec3};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use unrender_scene::Mesh;
+use unrender_scene::{Mesh, Warnings};
 
-/// The parts of a mesh.
-#[derive(Clone)]
-pub(super) struct Parts {
-    /// Each with the modifier that the file gives it.
-    pub(super) list: Vec<(Option<String>, Mesh)>,
-    /// Whether the file gives several modifiers that the parts do not have.
-    pub(super) are_one: bool,
-}
+/// The parts of a mesh, each with the modifier that the file gives it; those that have none have that of the first
+/// that has one.
+type Parts = Rc<Vec<Named>>;
 
-/// Those that were read, by their files.
+/// Those that were read, by their files and by where they count from in their own coordinates.
 #[derive(Default)]
-pub(super) struct Meshes(BTreeMap<PathBuf, Rc<Parts>>);
+pub(super) struct Meshes(BTreeMap<(PathBuf, [u64; 3]), Parts>);
 
 /// What a mesh comes from, seen from the folder of the scene; nothing if it is not there.
 pub(super) fn source(p: &Primitive, folder: &Path) -> Result<(PathBuf, bool), String> {
@@ -33,48 +28,69 @@ pub(super) fn source(p: &Primitive, folder: &Path) -> Result<(PathBuf, bool), St
 }
 
 impl Meshes {
-    /// The parts of the mesh `p`, made from `source`, in their places in the scene.
+    /// The parts of the mesh `p`, made from `source`, in their places in the scene, each with its modifier.
     pub(super) fn parts(
         &mut self,
         p: &Primitive,
         source: &Path,
         (scope, folder): (&Scope, &Path),
-    ) -> Result<Parts, String> {
+        warnings: &mut Warnings,
+    ) -> Result<Vec<Named>, String> {
         let motion = Motion::of_all(p.strings.get(1..).unwrap_or_default())
             .map_err(|problem| format!("{}: {problem}", p.named()))?;
-        let parts = match self.0.get(source) {
-            Some(parts) => parts.clone(),
-            None => {
-                let read = Rc::new(read(source, scope, folder)?);
-                self.0.insert(source.to_owned(), read.clone());
-                read
-            }
-        };
-        let matrix = motion.matrix().as_affine3a();
+        let (matrix, origin) = (motion.matrix(), scope.origin());
+        let mut read = |zero| self.counted_from(zero, source, (scope, folder), warnings);
+        let (mut parts, mut zero) = (read(DVec3::ZERO)?, DVec3::ZERO);
+        // Meshes about their own zero are read once, however often they are moved.
+        if origin != DVec3::ZERO && is_far(&parts) {
+            zero = shapes::in_mesh(origin, &matrix);
+            parts = read(zero)?;
+        }
+        let here = shapes::here_from_mesh(&matrix, zero, origin);
         let moved = |mesh: &Mesh| -> Result<Mesh, String> {
             scope.charge(shapes::bytes_of(mesh))?;
-            Ok(shapes::moved(mesh.clone(), matrix))
+            Ok(shapes::moved(mesh.clone(), &here))
         };
-        let list = parts.list.iter().map(|(name, mesh)| Ok((name.clone(), moved(mesh)?)));
-        Ok(Parts { list: list.collect::<Result<_, String>>()?, ..*parts })
+        parts.iter().map(|(name, mesh)| Ok((name.clone(), moved(mesh)?))).collect()
+    }
+
+    fn counted_from(
+        &mut self,
+        zero: DVec3,
+        source: &Path,
+        place: (&Scope, &Path),
+        warnings: &mut Warnings,
+    ) -> Result<Parts, String> {
+        let key = (source.to_owned(), zero.to_array().map(f64::to_bits));
+        if let Some(parts) = self.0.get(&key) {
+            return Ok(parts.clone());
+        }
+        let parts = Rc::new(read(source, place, zero, warnings)?);
+        self.0.insert(key, parts.clone());
+        Ok(parts)
     }
 }
 
-fn read(source: &Path, scope: &Scope, folder: &Path) -> Result<Parts, String> {
-    let named = |problem: String| format!("{} {problem}", source.display());
-    let path = scope.beside(folder, &source.to_string_lossy()).map_err(named)?;
-    let text = text_of(scope, &path).map_err(named)?;
-    let names = text.lines().filter_map(|line| line.trim().strip_prefix("usemtl "));
-    let names: BTreeSet<&str> = names.map(str::trim).collect();
-    let first = text.lines().find_map(|line| line.trim().strip_prefix("usemtl ")).map(str::trim);
-    let (scene, _) = obj::read_in(scope, &path).map_err(|error| error.to_string())?;
-    let part = |object: unrender_scene::Object| {
-        // The group is called as the material, unless the file says no more of it than its name.
-        let group = &scene.groups[object.group].name;
-        let name = if names.contains(group.as_str()) { Some(group.as_str()) } else { first };
-        (name.map(str::to_owned), object.mesh)
-    };
-    let list: Vec<_> = scene.objects.into_iter().map(part).collect();
-    let are_one = names.len() > 1 && list.iter().all(|(name, _)| name.as_deref() == first);
-    Ok(Parts { list, are_one })
+/// Whether meshes are farther from their zero than twice their size.
+fn is_far(parts: &[Named]) -> bool {
+    let positions = || parts.iter().flat_map(|(_, mesh)| mesh.positions.iter().copied());
+    let (low, high) = (positions().reduce(Vec3::min), positions().reduce(Vec3::max));
+    let (low, high) = (low.unwrap_or_default(), high.unwrap_or_default());
+    low.abs().max(high.abs()).max_element() > 2.0 * low.distance(high)
+}
+
+fn read(
+    source: &Path,
+    (scope, folder): (&Scope, &Path),
+    zero: DVec3,
+    warnings: &mut Warnings,
+) -> Result<Vec<Named>, String> {
+    let path = scope
+        .beside(folder, &source.to_string_lossy())
+        .map_err(|problem| format!("{} {problem}", source.display()))?;
+    let (mut parts, told) = obj::read_in(scope, &path, zero).map_err(|error| error.to_string())?;
+    warnings.extend(told);
+    let first = parts.iter().find_map(|(name, _)| name.clone());
+    parts.iter_mut().for_each(|(name, _)| *name = name.take().or_else(|| first.clone()));
+    Ok(parts)
 }

@@ -41,6 +41,36 @@ pub(super) struct Noted {
     pub(super) note: Option<Note>,
 }
 
+impl Noted {
+    /// The same, its places counted from `origin` instead of from the world's zero.
+    pub(super) fn counted_from(mut self, origin: DVec3) -> Self {
+        let reals = &mut self.primitive.reals;
+        for place in reals.chunks_exact_mut(3).take(places(&self.primitive.kind)) {
+            place.copy_from_slice(&(DVec3::from_slice(place) - origin).to_array());
+        }
+        if let Some(note) = &mut self.note {
+            let here = (note.light_at - origin).as_vec3();
+            let light = note.light.as_mut().map(|light| &mut light.kind);
+            if let Some(LightKind::Point { position, .. } | LightKind::Spot { position, .. }) =
+                light
+            {
+                *position = here;
+            }
+        }
+        self
+    }
+}
+
+/// How many places in the world a primitive of this kind has; its numbers begin with them.
+fn places(kind: &str) -> usize {
+    match kind {
+        "polygon" => usize::MAX,
+        "sphere" | "bubble" | "ring" => 1,
+        "cylinder" | "tube" | "cone" | "cup" => 2,
+        _ => 0,
+    }
+}
+
 impl Primitive {
     /// The primitive that `words` go on with.
     pub(super) fn read(words: &mut Words) -> Result<Self, String> {
@@ -154,7 +184,8 @@ impl Change {
             self.name(&mut changed);
         }
         self.arguments(&mut changed.primitive, sort);
-        if let Some(light) = changed.note.as_mut().and_then(|note| note.light.as_mut()) {
+        if let Some(Note { light: Some(light), light_at, .. }) = changed.note.as_mut() {
+            *light_at = self.motion.point(*light_at);
             self.light(&mut light.kind);
             if let Some(prefix) = &self.prefix {
                 light.name = format!("{prefix}.{}", light.name);
@@ -232,17 +263,13 @@ impl Change {
         }
     }
 
-    /// A light without a surface: a small ball of the same radiance, larger or smaller.
+    /// A light without a surface: a small ball of the same radiance, larger or smaller; but for its place.
     fn light(&self, light: &mut LightKind) {
         let turned = |v: glam::Vec3| self.motion.vector(v.as_dvec3()).normalize_or_zero().as_vec3();
         let area = (self.motion.scale() * self.motion.scale()) as f32;
         match light {
-            LightKind::Point { position, intensity } => {
-                *position = self.motion.point(position.as_dvec3()).as_vec3();
-                *intensity *= area;
-            }
-            LightKind::Spot { position, direction, intensity, .. } => {
-                *position = self.motion.point(position.as_dvec3()).as_vec3();
+            LightKind::Point { intensity, .. } => *intensity *= area,
+            LightKind::Spot { direction, intensity, .. } => {
                 *direction = turned(*direction);
                 *intensity *= area;
             }

@@ -1,7 +1,7 @@
 //! View files: `-vp` where from, `-vd` where to, `-vu` upwards, `-vh` and `-vv` how wide.
 
 use crate::input::Scope;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::path::Path;
 use unrender_scene::{Camera, Lens, Warnings};
 
@@ -31,22 +31,26 @@ pub(super) fn beside(
             warnings.push(format!("{name}: what {option} cuts off is seen here"));
         }
     }
-    camera(&words).map(Some).map_err(|problem| format!("{name}: {problem}"))
+    camera(&words, scope.origin()).map(Some).map_err(|problem| format!("{name}: {problem}"))
 }
 
-fn camera(words: &[&str]) -> Result<Camera, String> {
-    let numbers = |option: &str, count: usize| -> Option<Vec<f32>> {
+/// The camera of the view `words`, its position counted from `origin`.
+fn camera(words: &[&str], origin: DVec3) -> Result<Camera, String> {
+    let numbers = |option: &str, count: usize| -> Option<Vec<f64>> {
         let at = words.iter().position(|word| *word == option)?;
         let these = words.get(at + 1..at + 1 + count)?;
-        these.iter().map(|word| word.parse().ok().filter(|v: &f32| v.is_finite())).collect()
+        let finite = |v: &f64| (*v as f32).is_finite();
+        these.iter().map(|word| word.parse().ok().filter(finite)).collect()
     };
-    let vector = |option: &str| numbers(option, 3).map(|v| Vec3::from_slice(&v));
-    let number = |option: &str| numbers(option, 1).map(|v| v[0]);
+    let point = |option: &str| numbers(option, 3).map(|v| DVec3::from_slice(&v));
+    let vector = |option: &str| point(option).map(|v| v.as_vec3());
+    let number = |option: &str| numbers(option, 1).map(|v| v[0] as f32);
     if words.iter().any(|word| word.starts_with("-vt") && *word != "-vtv") {
         return Err("its view is no perspective (-vtv)".into());
     }
     let missing = |option: &str| format!("its view has no {option}");
-    let eye = vector("-vp").ok_or_else(|| missing("-vp"))?;
+    let eye = point("-vp").ok_or_else(|| missing("-vp"))?;
+    let eye = (eye - origin).as_vec3();
     let ahead = vector("-vd").ok_or_else(|| missing("-vd"))?;
     let up = vector("-vu").unwrap_or(Vec3::Z);
     let [wide, high] = ["-vh", "-vv"].map(|o| number(o).unwrap_or(45.0).to_radians());

@@ -260,6 +260,6 @@ fn lights_of_our_own_exports_move_with_their_comments() {
     let light = &scene.lights[0];
     assert_eq!(light.name, "n.l");
     let unrender_scene::LightKind::Point { position, intensity } = light.kind else { panic!() };
-    assert_near(position, [2., 0., 1.], "position");
+    assert_near(scene.in_world(position).as_vec3(), [2., 0., 1.], "position");
     assert_near(intensity, [16.; 3], "a ball of the same radiance, four times the size");
 }

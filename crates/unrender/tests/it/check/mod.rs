@@ -248,6 +248,59 @@ fn bright_dark_and_clipped_photos_are_reported() {
     assert_eq!(of(0.5, auto).check().warnings.0, [""; 0]);
 }
 
+/// The room in the light of a bulb of `watts` alone, read with its light this many times as bright.
+fn by_bulb(watts: f32, read: f32, text: &str) -> Input {
+    let with = |factor: f32| {
+        let mut scene = room();
+        scene.groups.iter_mut().for_each(|group| group.emission = Rgb::ZERO);
+        let intensity = Rgb::splat(factor * watts / (4.0 * std::f32::consts::PI));
+        let kind = LightKind::Point { position: Vec3::new(0.3, 1.2, 0.3), intensity };
+        scene.lights.push(Light { name: "bulb".into(), kind });
+        scene
+    };
+    let codes = Picture::new(photograph(&with(1.0), &camera()), Depth::Float);
+    Input::new(&with(read), camera(), codes, Response::Linear, text)
+}
+
+#[test]
+fn the_lighting_mode_of_the_export_is_known_by_the_photograph() {
+    let read = |read: f32, units: &str| {
+        by_bulb(35.0, read, &format!("exposure = 1\nlight_units = \"{units}\"\n"))
+    };
+    let watts_a_steradian = 1.0 / (4.0 * std::f32::consts::PI);
+    read(1.0 / 683.0, "blender-standard").warns(
+        "read as \"unitless\", the lights fit the photo",
+        "has 0.051 W, and would have 35 W",
+    );
+    read(watts_a_steradian, "blender-raw")
+        .warns("read as \"unitless\", the lights fit", "say light_units = \"unitless\"");
+    read(683.0, "unitless").warns("read as \"blender-standard\", the lights fit", "Lighting Mode");
+    read(watts_a_steradian.recip(), "unitless")
+        .warns("read as \"blender-raw\", the lights", "35 W");
+    for units in ["blender-standard", "unitless", "blender-raw", "radiometric"] {
+        says_nothing_of_units(&read(1.0, units));
+    }
+}
+
+/// Asserts that no warning names the key of the lights' units.
+fn says_nothing_of_units(input: &Input) {
+    let told = input.check().warnings.0;
+    assert!(told.iter().all(|told| !told.contains("light_units")), "{told:?}");
+}
+
+#[test]
+fn the_lighting_mode_of_the_export_is_known_by_the_lamps() {
+    let auto = "\nexposure = \"auto\"\n[anchor]\ngroup = \"floor\"\nrho_d = 0.5\n";
+    let read =
+        |read: f32, units: &str| by_bulb(35.0, read, &format!("light_units = \"{units}\"{auto}"));
+    read(1.0 / 683.0, "blender-standard").warns(
+        "no lamp is one that there is; as \"unitless\" all are",
+        "light_units = \"unitless\"",
+    );
+    read(683.0, "unitless").warns("as \"blender-standard\" all are", "would have 35 W");
+    says_nothing_of_units(&read(1.0, "unitless"));
+}
+
 #[test]
 fn lights_in_the_wrong_place_are_reported() {
     let with = |kind: LightKind| {

@@ -1,0 +1,23 @@
+//! What is said of scenes that lie far from zero, for programs that compute in single precision.
+
+use unrender_scene::{Scene, Warnings};
+
+/// For files that have the scene where it is.
+pub(super) const WRITTEN_THERE: &str =
+    "it was written where it is; render it with a variant in double precision, or move it";
+
+/// For files that have it elsewhere.
+pub(super) const WRITTEN_NEARER: &str = "it was written with that point at zero";
+
+/// Warns that `program` cannot tell the positions of `scene` apart, if that is so.
+pub(super) fn warn(scene: &Scene, program: &str, what: &str, warnings: &mut Warnings) {
+    let farthest = scene.origin.abs().max_element();
+    if farthest > 0.0 {
+        let [x, y, z] = scene.origin.to_array();
+        let step = (farthest as f32).next_up() - farthest as f32;
+        warnings.push(format!(
+            "the scene lies about ({x}, {y}, {z}) m, where {program}, which computes in single precision, has \
+             steps of {step} m: {what}"
+        ));
+    }
+}

@@ -1,0 +1,69 @@
+//! Lights in the units of another Lighting Mode of Blender's export: by the brightness of the photograph under each
+//! reading, or where that says nothing, by what lamps there are.
+
+use super::{Subject, identifiabilities, photograph};
+use crate::readings::{self, Reading};
+use unrender_recover::View;
+use unrender_render::Tracer;
+use unrender_scene::Warnings;
+
+/// Photograph and grey rendering are alike up to this factor: half of the least step between two readings.
+const NEAR: f64 = 3.5;
+
+/// What is doubtful about the units of the lights.
+pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
+    let mut warnings = Warnings::default();
+    let job = subject.job;
+    let others = readings::others(job);
+    if others.is_empty() {
+        return warnings;
+    }
+    match photograph::factor(subject, subject.identifiabilities) {
+        Some(factor) if is_near(factor) => {}
+        Some(factor) => {
+            let fits =
+                others.iter().filter_map(|reading| Some((reading, by_photo(subject, reading)?)));
+            let nearest = fits.min_by(|a, b| a.1.ln().abs().total_cmp(&b.1.ln().abs()));
+            if let Some((reading, then)) = nearest.filter(|(_, then)| is_near(*then)) {
+                let units = reading.units;
+                warnings.push(format!(
+                    "read as \"{units}\", the lights fit the photo: in middle grey the photo is {} times as \
+                     bright as the scene is now, and would be {then:.1} times as bright; {}. {}",
+                    if factor >= 1.0 { format!("{factor:.0}") } else { format!("{factor:.4}") },
+                    reading.lamp(job),
+                    sentence(&readings::remedy(units))
+                ));
+            }
+        }
+        None => {
+            for reading in others.iter().filter(|reading| reading.is_plausible(job)) {
+                let units = reading.units;
+                warnings.push(format!(
+                    "as the lights are read, no lamp is one that there is; as \"{units}\" all are: {}. {}",
+                    reading.lamp(job),
+                    sentence(&readings::remedy(units))
+                ));
+            }
+        }
+    }
+    warnings
+}
+
+fn is_near(factor: f64) -> bool {
+    (1.0 / NEAR..=NEAR).contains(&factor)
+}
+
+/// The brightness of the photograph over that of the grey scene with its lights read like this.
+fn by_photo(subject: &Subject<'_>, reading: &Reading) -> Option<f64> {
+    let scene = reading.scene(subject.job);
+    let tracer = Tracer::new(&scene);
+    let (width, height) = (subject.geometry.width(), subject.geometry.height());
+    let view = View::new(&tracer, &subject.registered.camera, (width, height), scene.brdf);
+    photograph::factor(subject, &identifiabilities(&view, subject.observation, subject.specs))
+}
+
+/// With a capital letter.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
