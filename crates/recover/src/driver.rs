@@ -21,10 +21,6 @@ use crate::verify::{Score, Verified, Verifier};
 /// How often the hypotheses are asked again after a refinement; each time costs a refinement where
 /// one changes.
 const REVISIONS: usize = 2;
-/// How often all of that and the last refinement are made at most: again where the last refinement has made hypotheses
-/// simpler, since that changes the light of others. At one a room whose largest thing is a mirror, which is found then, has two
-/// groups of seven wrong under the seed that was tried; double was not tried.
-const REFINED_MAX: usize = 2;
 /// Other kinds of hypothesis that are tried for groups which stay unexplained; each costs a choice beside it. One of
 /// two kinds is the first in the order of the evidence, which is wrong there; half and double of it were not tried.
 const BRANCHES: usize = 3;
@@ -218,7 +214,7 @@ impl Driver<'_> {
     }
 
     /// Refines all parameters together, roughly at first; under that light the hypotheses are asked
-    /// again. Where the last refinement makes some simpler, those are asked once more whose light that changed.
+    /// again.
     fn refine(
         &mut self,
         state: &mut State<'_>,
@@ -229,30 +225,10 @@ impl Driver<'_> {
         let mut best = self.verifier.verify(state);
         state.schedule.begin(Part::Refinement);
         self.refine_once(state, &mut best, Depth::Coarse, observer);
-        let mut groups = state.visible_unknowns();
-        let mut termination = Termination::Refined;
-        for round in 0..self.options.effort.rounds(REFINED_MAX) {
-            state.schedule.begin(Part::Revision);
-            let is_revised = self.revise(state, groups, &mut best, observer)?;
-            if round > 0 && !is_revised {
-                // What was settled for the questions alone goes with them.
-                state.restore(&best.snapshot);
-                break;
-            }
-            state.schedule.begin(Part::LastRefinement);
-            let (hypotheses, score) = (state.hypotheses(), best.score.clone());
-            termination = self.refine_once(state, &mut best, Depth::Fine, observer);
-            let is_simpler = state.hypotheses() != hypotheses;
-            groups = if is_simpler {
-                self.changed(state, &best.score, &score, Level::Refined)
-            } else {
-                Vec::new()
-            };
-            if groups.is_empty() || observer.is_cancelled() {
-                break;
-            }
-        }
-        Ok(termination)
+        state.schedule.begin(Part::Revision);
+        self.revise(state, &mut best, observer)?;
+        state.schedule.begin(Part::LastRefinement);
+        Ok(self.refine_once(state, &mut best, Depth::Fine, observer))
     }
 
     /// The groups whose light differs between two scores: by more than the error of it that is always allowed for, as a
@@ -263,15 +239,14 @@ impl Driver<'_> {
         state.visible_unknowns().into_iter().filter(|group| changed.contains(group)).collect()
     }
 
-    /// Asks `groups` again, and then those whose light that has changed. Whether one is another hypothesis now.
+    /// Asks all groups again, and then those whose light that has changed.
     fn revise(
         &mut self,
         state: &mut State<'_>,
-        mut groups: Vec<usize>,
         best: &mut Verified,
         observer: &mut dyn Observer,
-    ) -> Result<bool, RecoverError> {
-        let mut accepted = false;
+    ) -> Result<(), RecoverError> {
+        let mut groups = state.visible_unknowns();
         for _ in 0..self.options.effort.rounds(REVISIONS) {
             refine::settle_nuisances(state, self.options)?;
             let before = best.score.clone();
@@ -283,12 +258,11 @@ impl Driver<'_> {
             if !self.try_all(state, proposals, best, Depth::Coarse, observer) {
                 break;
             }
-            accepted = true;
             self.refine_once(state, best, Depth::Coarse, observer);
             groups = self.changed(state, &best.score, &before, Level::Refined);
             groups.retain(|group| !proposed.contains(group));
         }
-        Ok(accepted)
+        Ok(())
     }
 
     /// One joint refinement; it is taken back if the picture speaks against it, by two sets of random numbers.

@@ -226,11 +226,6 @@ impl<'a> State<'a> {
         self.seen = Some(RadianceCache { radiance, valid: known });
     }
 
-    /// The hypotheses of all groups.
-    pub(crate) fn hypotheses(&self) -> Vec<Hypothesis> {
-        self.groups.iter().map(|of_group| of_group.hypothesis).collect()
-    }
-
     /// The groups to be recovered that the photograph shows.
     pub(crate) fn visible_unknowns(&self) -> Vec<usize> {
         let asked = |g: &usize| self.problem.groups[*g].role == Role::Unknown;

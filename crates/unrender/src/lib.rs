@@ -131,9 +131,8 @@ mod progressive;
 #[cfg(feature = "cli")]
 mod progressive_render;
 pub mod project;
-#[cfg(feature = "cli")]
 mod readings;
-
+#[cfg(feature = "cli")]
 mod recovery_journal;
 mod registered;
 mod registration;
