@@ -2,7 +2,7 @@
 //!
 //! Every pixel has a [`PixelStatus`]: it is valid, or there is a reason why not. The photograph may be
 //! cut off there; an edge of the model may be too close, as far as the model may be off
-//! ([`crate::register`]); and what does not fit its group may be no part of it ([`crate::outliers`]). A
+//! ([`unrender_register`]); and what does not fit its group may be no part of it ([`crate::outliers`]). A
 //! group that would be left with next to nothing gets a narrower margin.
 //! [`crate::noise`] says how noisy they are.
 

@@ -1,7 +1,7 @@
 //! A sketch of the photograph: every group diffuse, quickly fitted. Near the edges of the model it says which
 //! of two cameras took the photograph.
 //!
-//! The photograph's edges alone ([`crate::register`]) do not: some are those of shadows and reflections, and
+//! The photograph's edges alone ([`unrender_register`]) do not: some are those of shadows and reflections, and
 //! pull a camera that is right away by parts of a pixel. A rendering has these edges too.
 
 use crate::problem::{Options, Problem, RecoverError};

@@ -1,6 +1,6 @@
 //! Rung 6, anisotropic Ward: the anisotropy direction, then `alpha_x` and `alpha_y` (section 4.2.5).
 //!
-//! The paper reads the direction off the photograph ([`super::brushed`]) and keeps it. Here it is
+//! The paper reads the direction off the photograph ([`crate::paper::brushed`]) and keeps it. Here it is
 //! where the search starts, beside a ring of directions (while both alphas are alike the direction
 //! hardly matters, so a single start can fall into the wrong basin); then direction and roughness
 //! are refined together by downhill simplex, the reflectances inside by least squares.
