@@ -277,6 +277,19 @@ fn what_depends_on_texture_coordinates_has_some() {
 }
 
 #[test]
+fn rotations_about_an_axis_that_is_no_unit_vector_shear() {
+    let corner = |axis: &str| {
+        let turned = to_world(&format!("<rotate {axis} angle=\"15\"/>"));
+        let mesh = mesh("rectangle", &turned);
+        mesh.positions.iter().copied().max_by(|a, b| (a.x + a.y).total_cmp(&(b.x + b.y))).unwrap()
+    };
+    let sheared = corner("y=\"1\" z=\"1\"");
+    assert!(sheared.distance(Vec3::new(0.707_107, 1.258_819, -0.224_745)) < 1e-5, "{sheared}");
+    let rigid = corner("y=\"0.70710678\" z=\"0.70710678\"");
+    assert!(rigid.distance(Vec3::new(0.782_913, 1.165_976, -0.165_976)) < 1e-5, "{rigid}");
+}
+
+#[test]
 fn textures_are_laid_by_their_own_transform() {
     let board =
         "<bsdf type=\"diffuse\" id=\"board\"><texture type=\"checkerboard\" name=\"reflectance\">

@@ -1,6 +1,6 @@
 //! Numbers in attributes, and the steps of a `<transform>`.
 
-use glam::{DAffine3, DMat3, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
 /// A position in double precision.
 pub(super) type Point = DVec3;
@@ -66,15 +66,25 @@ pub(super) fn step(tag: &str, attributes: &Attributes) -> Result<DAffine3, Strin
         "scale" => DAffine3::from_scale(vector(attributes, Some(1.0))?),
         "rotate" => {
             let angle = number(attribute(attributes, "angle").ok_or("rotate has no angle")?)?;
-            let axis = vector(attributes, Some(0.0))?.try_normalize();
-            let axis = axis.ok_or("rotate has no axis")?;
-            DAffine3::from_quat(DQuat::from_axis_angle(axis, angle.to_radians()))
+            let axis = vector(attributes, Some(0.0))?;
+            if axis == DVec3::ZERO {
+                return Err("rotate has no axis".into());
+            }
+            DAffine3::from_mat3(turned_about(axis, angle.to_radians()))
         }
         "lookat" => look_at(attributes)?,
         "matrix" => matrix(attribute(attributes, "value").ok_or("a matrix has no value")?)?,
         other => return Err(format!("there is a transform <{other}>, which is not known")),
     };
     if motion.is_finite() { Ok(motion) } else { Err(format!("<{tag}> is no transform")) }
+}
+
+/// Rodrigues' formula with the axis as it is: where it is no unit vector, Mitsuba shears and scales what it turns.
+fn turned_about(axis: DVec3, angle: f64) -> DMat3 {
+    let (sin, cos) = angle.sin_cos();
+    let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|unit| axis.cross(unit));
+    let along = DMat3::from_cols(axis.x * axis, axis.y * axis, axis.z * axis);
+    DMat3::from_diagonal(DVec3::splat(cos)) + DMat3::from_cols(x, y, z) * sin + along * (1.0 - cos)
 }
 
 /// Mitsuba's camera looks along its own +z, with +x to the left.
