@@ -3,6 +3,7 @@
 
 use crate::support::Folder;
 use glam::{Vec2, Vec3};
+use std::f32::consts::FRAC_1_SQRT_2;
 use unrender_formats::load_model;
 use unrender_scene::{Mesh, Rgb, Scene, Warnings};
 
@@ -284,7 +285,7 @@ fn rotations_about_an_axis_that_is_no_unit_vector_shear() {
         mesh.positions.iter().copied().max_by(|a, b| (a.x + a.y).total_cmp(&(b.x + b.y))).unwrap()
     };
     let sheared = corner("y=\"1\" z=\"1\"");
-    assert!(sheared.distance(Vec3::new(0.707_107, 1.258_819, -0.224_745)) < 1e-5, "{sheared}");
+    assert!(sheared.distance(Vec3::new(FRAC_1_SQRT_2, 1.258_819, -0.224_745)) < 1e-5, "{sheared}");
     let rigid = corner("y=\"0.70710678\" z=\"0.70710678\"");
     assert!(rigid.distance(Vec3::new(0.782_913, 1.165_976, -0.165_976)) < 1e-5, "{rigid}");
 }
