@@ -21,8 +21,8 @@ use crate::verify::{Score, Verified, Verifier};
 /// How often the hypotheses are asked again after a refinement; each time costs a refinement where
 /// one changes.
 const REVISIONS: usize = 2;
-/// Other kinds of hypothesis that are tried for groups which stay unexplained; each costs a choice beside it. One of
-/// two kinds is the first in the order of the evidence, which is wrong there; half and double of it were not tried.
+/// Other kinds of hypothesis that are tried at most for groups which stay unexplained: both of one group, and one of a
+/// second. Each costs about as much as the first choice. Half and double of it were not tried.
 const BRANCHES: usize = 3;
 
 /// Recovers everything, the default way.
@@ -110,7 +110,7 @@ impl Driver<'_> {
     }
 
     /// Groups that light each other may keep each other wrong: where one stays unexplained, it gets another kind of
-    /// hypothesis, the others are asked again beside it, and the better of both ends stays.
+    /// hypothesis, the groups that it lights are asked again beside it, and the better of both ends stays.
     fn branch(
         &mut self,
         state: &mut State<'_>,
@@ -213,8 +213,7 @@ impl Driver<'_> {
         (!comparison.is_worse()).then_some(found)
     }
 
-    /// Refines all parameters together, roughly at first; under that light the hypotheses are asked
-    /// again.
+    /// Refines all parameters together, roughly at first; under that light the hypotheses are asked again.
     fn refine(
         &mut self,
         state: &mut State<'_>,
@@ -239,7 +238,7 @@ impl Driver<'_> {
         state.visible_unknowns().into_iter().filter(|group| changed.contains(group)).collect()
     }
 
-    /// Asks all groups again, and then those whose light that has changed.
+    /// Asks all groups again, and then those whose light has changed.
     fn revise(
         &mut self,
         state: &mut State<'_>,

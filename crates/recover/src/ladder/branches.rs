@@ -3,18 +3,18 @@
 //! Groups that light each other are tied: a wall's lobe is found where the table that it is seen in is a mirror, and
 //! the table is found to be one where the wall has its lobe. Asked one after the other, with the rest held, each keeps
 //! what it has. So the group that leaves most of the picture unexplained gets another kind of hypothesis, whether
-//! its own evidence speaks for it or not, and all others are asked again beside it; the driver keeps what comes of it
-//! where the whole picture is better for it.
+//! its own evidence speaks for it or not, and those whose light it changes are asked again beside it; the driver keeps
+//! what comes of it where the whole picture is better for it.
 
 use super::candidates::Proposal;
 use crate::hypothesis::Hypothesis;
 use crate::model_error::ModelError;
 use crate::state::State;
 
-/// What a surface is besides diffuse.
+/// The kinds of uniform hypotheses, by their specular part: none, a mirror, a lobe with a width.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
-    Matt,
+    Diffuse,
     Mirror,
     Lobe,
 }
@@ -23,7 +23,7 @@ impl Kind {
     /// That of `hypothesis`; a texture is none of a uniform surface.
     pub(crate) fn of(hypothesis: Hypothesis) -> Option<Self> {
         match hypothesis {
-            Hypothesis::Diffuse => Some(Self::Matt),
+            Hypothesis::Diffuse => Some(Self::Diffuse),
             Hypothesis::Mirror | Hypothesis::PartialMirror | Hypothesis::DiffuseSpecular => {
                 Some(Self::Mirror)
             }
