@@ -27,6 +27,7 @@ fn global() -> Global {
         allow_outside: false,
         input_memory: Some(0.25),
         console: Console::default(),
+        scene: None,
     }
 }
 

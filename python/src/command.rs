@@ -2,6 +2,7 @@
 //! data.
 
 use crate::error::request;
+use crate::scene::Scene;
 use crate::supervise::{Control, supervise};
 use clap::{Arg, ArgAction, Command};
 use pyo3::prelude::*;
@@ -11,14 +12,17 @@ use std::process::ExitCode;
 use unrender::cli;
 
 /// Runs the command line `words`, without the program's name. What it printed, and whether it ended as
-/// it should.
+/// it should. A `scene` takes the place of the file that the words name as theirs.
 #[pyfunction]
+#[pyo3(signature = (words, control, scene=None))]
 pub(crate) fn call(
     py: Python<'_>,
     words: Vec<OsString>,
     control: Control<'_>,
+    scene: Option<Bound<'_, Scene>>,
 ) -> PyResult<(String, bool, bool)> {
-    let ended = supervise(py, &control, move |listener| cli::call(words, listener))?;
+    let scene = scene.map(|scene| scene.get().shared());
+    let ended = supervise(py, &control, move |listener| cli::call(words, scene, listener))?;
     let succeeded = ended.result == Some(ExitCode::SUCCESS);
     Ok((ended.heard.text, succeeded, ended.signalled))
 }

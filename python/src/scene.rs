@@ -5,6 +5,7 @@ use crate::error::{exception, request};
 use glam::{Affine3A, DVec3, Vec2, Vec3};
 use numpy::{PyArray2, PyArray3, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -48,6 +49,10 @@ impl Scene {
 
     pub(crate) fn plain(&self) -> &plain::Scene {
         &self.scene
+    }
+
+    pub(crate) fn shared(&self) -> Arc<plain::Scene> {
+        Arc::clone(&self.scene)
     }
 }
 
@@ -160,6 +165,40 @@ impl Scene {
         scene.cameras.retain(|other| other.name != camera.name);
         scene.cameras.push(camera);
         Ok(Self::new(scene))
+    }
+
+    /// The panorama about the scene, radiance (H, W, 3), and how far it is turned about +y, degrees.
+    fn environment<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<Option<(Bound<'py, PyArray3<f32>>, f32)>> {
+        let around = self.plain().environment.as_ref();
+        let given = |around: &Environment| {
+            let turned = around.rotation_rad().to_degrees();
+            picture(py, around.panorama().clone()).map(|panorama| (panorama, turned))
+        };
+        around.map(given).transpose()
+    }
+
+    /// All of the scene, for a process with the same build.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = py.detach(|| postcard::to_stdvec(self.plain()));
+        bytes.map(|b| PyBytes::new(py, &b)).map_err(|error| request(format!("the scene: {error}")))
+    }
+
+    /// The scene of [`Scene::to_bytes`].
+    #[staticmethod]
+    fn from_bytes(py: Python<'_>, bytes: &[u8]) -> PyResult<Self> {
+        let read = || -> Result<plain::Scene, String> {
+            let mut scene: plain::Scene =
+                postcard::from_bytes(bytes).map_err(|error| error.to_string())?;
+            scene.validate_meshes().map_err(|error| error.to_string())?;
+            Ok(scene)
+        };
+        let scene = py.detach(read);
+        scene.map(Self::new).map_err(|problem| {
+            request(format!("these are no bytes of a scene by the same build: {problem}"))
+        })
     }
 
     /// Writes the scene as glTF to a .glb file.

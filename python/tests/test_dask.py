@@ -140,6 +140,22 @@ def test_a_worker_with_another_build_is_refused(
     assert any("install the same wheel" in str(warning.message) for warning in told)
 
 
+def test_projects_and_materials_in_memory_go_to_the_workers(client: Any, project: unrender.Project) -> None:
+    options: dict[str, Any] = {"materials": {"wall": {"rho_d": [0.1, 0.2, 0.3]}}, "spp": 6}
+    here = unrender.render(project=project, **options)
+    there = unrender.dask.render(project=project, client=client, **options)
+    np.testing.assert_array_equal(there, here)
+    settings = {**OPTIONS, "max_rung": "diffuse"}
+    batch = unrender.dask.batch([project, project], client=client, **settings)
+    results = batch.wait()
+    assert sorted(result.number for result in results) == [1, 2]
+    alone = unrender.recover(project, **settings)
+    for result in results:
+        assert result.error is None
+        assert dict(result.materials or {}) == dict(alone.materials)
+    assert set(batch.table().index.get_level_values("project")) == {"(in memory) 1", "(in memory) 2"}
+
+
 def test_a_batch_hands_over_what_came_out(client: Any, corpus: Path, tmp_path: Path) -> None:
     projects = [corpus / name / "project.toml" for name in ("isotropic", "plastic")]
     options = {**OPTIONS, "max_rung": "diffuse"}

@@ -1,9 +1,9 @@
 """Work on a cluster, by Dask's ``distributed``: many projects, or one picture or one recovery over all
 workers.
 
-Workers need this package in the same version. For :func:`batch` and :func:`render` they see the files of
-scenes and projects under the same paths; what is in memory goes to them by itself, and so does everything
-in :func:`recover`.
+Workers need this package in the same version. For :func:`batch` and :func:`render` they see files under the
+same paths as this process; what is in memory goes to them by itself, and so does everything in
+:func:`recover`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ._workers import Workers
 from .errors import Error, RequestError
 from .materials import Materials
 from .pictures import Picture
-from .project import Project
+from .project import IN_MEMORY, Project
 from .recovery import WORKERS, Recovery
 from .recovery import recover as recover_here
 from .rendering import merge
@@ -46,16 +46,18 @@ class Result:
     """What came of one project.
 
     Attributes:
-        project: The path of the project file.
+        project: The path of the project file; or the project, if it lies in no file.
         materials: Its materials; None if it failed.
         folder: The folder of its results, if they were written.
         error: Why it failed, if it did.
+        number: Which of the projects it is, counted from 1.
     """
 
-    project: Path
+    project: Path | Project
     materials: Materials | None
     folder: Path | None = None
     error: Error | None = None
+    number: int = 0
 
 
 @dataclass
@@ -89,7 +91,8 @@ class Batch:
 
         rows: dict[tuple[str, str], dict[str, Any]] = {}
         for result in self.wait():
-            project = os.fspath(result.project)
+            is_file = isinstance(result.project, Path)
+            project = str(result.project) if is_file else f"{IN_MEMORY} {result.number}"
             for group, entry in (result.materials or {}).items():
                 rows[project, group] = _tables.row(entry)
             if result.error is not None:
@@ -106,7 +109,7 @@ class Batch:
 
 
 def batch(
-    projects: Iterable[StrPath],
+    projects: Iterable[Project | StrPath],
     *,
     client: Client,
     out: StrPath | None = None,
@@ -116,25 +119,27 @@ def batch(
     """Recovers many projects, one future a project.
 
     Args:
-        projects: The project files.
+        projects: Projects, or the paths of their files.
         client: A client of ``distributed``.
         out: A folder, in which each project gets a folder of results by its number and name.
         retries: How often a project is tried again whose worker was lost.
         options: Those of :func:`unrender.recover`.
     """
-    jobs: list[tuple[str, str | None]] = []
+    jobs: list[_Job] = []
     for number, project in enumerate(projects, 1):
-        path = Path(project).absolute()
-        name = f"{number:04d}_{path.parent.name}_{path.stem}"
-        jobs.append((os.fspath(path), None if out is None else os.fspath(Path(out).absolute() / name)))
+        given = _there(project)
+        named = f"{given.parent.name}_{given.stem}" if isinstance(given, Path) else "in_memory"
+        place = None if out is None else Path(out).absolute() / f"{number:04d}_{named}"
+        jobs.append((number, given, place))
     futures = client.map(_recovered, jobs, options=options, retries=retries, pure=False)
     return Batch(list(futures))
 
 
 def render(
-    scene: Scene | StrPath,
+    scene: Scene | StrPath | None = None,
     *,
     client: Client,
+    project: Project | StrPath | None = None,
     materials: Materials | Recovery | Mapping[str, Any] | StrPath | None = None,
     spp: int = 64,
     parts: int | None = None,
@@ -142,7 +147,7 @@ def render(
     progress: Progress = None,
     **options: Any,
 ) -> Picture:
-    """Renders one picture over all workers, with the bits of one machine.
+    """Renders one picture over all workers, with the bits of one machine; of a scene, or of a project.
 
     The samples are cut into ranges; the workers' exact sums are added. Workers may come and go: what a
     lost one had is rendered again.
@@ -150,6 +155,7 @@ def render(
     Args:
         scene: A scene, or the path of its file.
         client: A client of ``distributed``.
+        project: Instead of a scene, as of :func:`unrender.render`.
         materials: As of :func:`unrender.render`.
         spp: Samples a pixel.
         parts: Into how many ranges they are cut; by default four a worker.
@@ -165,7 +171,7 @@ def render(
     ranges = list(zip(edges, edges[1:], strict=False))
     with tempfile.TemporaryDirectory(prefix="unrender-") as folder:
         scatter: Any = client.scatter
-        given = scatter(_packed(scene, materials, Path(folder)), broadcast=True)
+        given = scatter(_Given(_there(scene), _there(project), _there(materials)), broadcast=True)
         futures = client.map(
             _samples, ranges, given=given, options=options, retries=retries, pure=False
         )
@@ -217,28 +223,24 @@ def recover(
             warn(doubt)
 
 
-Packed = tuple[str | bytes, str | dict[str, bytes] | None]
-"""The path of the scene or the bytes of a .glb; the path of the materials or their files by name."""
+@dataclass(frozen=True)
+class _Given:
+    """What a worker renders: paths, or what lies in no file."""
+
+    scene: Path | Scene | None
+    project: Path | Project | None
+    materials: Path | Materials | None
 
 
-def _packed(scene: Any, materials: Any, folder: Path) -> Packed:
-    """What workers need that lies in no file."""
-    if isinstance(scene, Scene) and scene.path is None:
-        scene.save(folder / "scene.glb")
-        model: str | bytes = (folder / "scene.glb").read_bytes()
-    else:
-        path: Any = scene.path if isinstance(scene, Scene) else scene
-        model = os.fspath(Path(path).absolute())
-    if materials is None:
-        return model, None
-    if isinstance(materials, (str, os.PathLike)):
-        path = Path(materials).absolute()
-        return model, os.fspath(path / "materials.json" if path.is_dir() else path)
-    found = materials.materials if isinstance(materials, Recovery) else Materials.of(materials)
-    place = folder / "materials"
-    place.mkdir()
-    found.write(place / "materials.json")
-    return model, {file.name: file.read_bytes() for file in place.iterdir()}
+def _there(given: Any) -> Any:
+    """What goes to a worker: the path of a file, or what lies in none."""
+    if isinstance(given, Project):
+        return given if given.path is None else given.path.absolute()
+    if given is None or isinstance(given, Scene):
+        return given
+    if isinstance(given, (str, os.PathLike)):
+        return Path(given).absolute()
+    return given.materials if isinstance(given, Recovery) else Materials.of(given)
 
 
 def _as_completed(futures: list[Any]) -> Generator[Any, None, None]:
@@ -247,29 +249,24 @@ def _as_completed(futures: list[Any]) -> Generator[Any, None, None]:
     yield from distributed.as_completed(futures)
 
 
-def _samples(samples: tuple[int, int], given: Packed, options: dict[str, Any]) -> bytes:
+def _samples(samples: tuple[int, int], given: _Given, options: dict[str, Any]) -> bytes:
     """On a worker: the part of a picture with these samples."""
-    model, materials = given
-    with tempfile.TemporaryDirectory(prefix="unrender-") as name:
-        folder = Path(name)
-        if isinstance(model, bytes):
-            (folder / "scene.glb").write_bytes(model)
-            model = os.fspath(folder / "scene.glb")
-        if isinstance(materials, dict):
-            for file, data in materials.items():
-                (folder / file).write_bytes(data)
-            materials = os.fspath(folder / "materials.json")
-        part = folder / "part.exr"
-        words = {"materials": materials, **options, "samples": samples, "out": part}
-        render_here(model, **words)
+    with tempfile.TemporaryDirectory(prefix="unrender-") as folder:
+        part = Path(folder) / "part.exr"
+        words = {"project": given.project, "materials": given.materials, **options}
+        render_here(given.scene, **words, samples=samples, out=part)
         return part.read_bytes()
 
 
-def _recovered(job: tuple[str, str | None], options: dict[str, Any]) -> Result:
+_Job = tuple[int, Path | Project, Path | None]
+"""The number of a project, the project, and the folder of its results."""
+
+
+def _recovered(job: _Job, options: dict[str, Any]) -> Result:
     """On a worker: what came of a project. Errors of the project are results, not failures."""
-    project, out = job
+    number, project, out = job
     try:
         recovery = recover_here(project, out=out, **options)
     except Error as error:
-        return Result(Path(project), None, error=error)
-    return Result(Path(project), recovery.materials, recovery.folder)
+        return Result(project, None, error=error, number=number)
+    return Result(project, recovery.materials, recovery.folder, number=number)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import struct
+import zlib
 from typing import Any
 
 import numpy as np
@@ -54,6 +56,22 @@ def read_picture(path: StrPath) -> Picture:
     for doubt in doubts:
         warn(doubt)
     return Picture(values)
+
+
+def png_file(codes: NDArray[Any]) -> bytes:
+    """The PNG file that has these integer codes (H, W, 3), uint8 or uint16, without a loss."""
+    height, width, _ = codes.shape
+    bits = 8 * codes.dtype.itemsize
+    big_endian = np.ascontiguousarray(codes, dtype=codes.dtype.newbyteorder(">"))
+    # A row begins with the number of its filter: none.
+    rows = np.pad(big_endian.view(np.uint8).reshape(height, -1), ((0, 0), (1, 0)))
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = struct.pack(">IIBBBBB", width, height, bits, 2, 0, 0, 0)
+    parts = {b"IHDR": header, b"IDAT": zlib.compress(rows.tobytes(), 1), b"IEND": b""}
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(kind, data) for kind, data in parts.items())
 
 
 def plain(values: ArrayLike) -> NDArray[np.float32]:

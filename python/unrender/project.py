@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import os
 import tempfile
@@ -18,12 +19,24 @@ from . import _unrender
 from ._control import StrPath
 from .errors import FileError, RequestError
 from .materials import jsonable
-from .pictures import Picture, plain
+from .pictures import Picture, plain, png_file, read_picture
 from .scene import Camera, Scene
 
 __all__ = ["Project"]
 
 IN_MEMORY = "(in memory)"
+
+PATHS = (
+    ("scene",),
+    ("photo",),
+    ("photo", "bracket"),
+    ("mask",),
+    ("response",),
+    ("camera", "opencv"),
+    ("camera", "colmap"),
+    ("environment", "panorama"),
+)
+"""The keys of a project file that name files."""
 
 
 class Project:
@@ -35,12 +48,10 @@ class Project:
     Attributes:
         document: The project file as a dict.
         folder: Where its relative paths start.
-        path: The file that it was read from, if it was and nothing was changed since.
     """
 
     document: dict[str, Any]
     folder: Path
-    path: Path | None
 
     def __init__(
         self,
@@ -78,7 +89,8 @@ class Project:
             folder: Where relative paths start.
             keys: Further keys of the project file.
         """
-        self.folder, self.path = Path(folder).absolute(), None
+        self.folder = Path(folder).absolute()
+        self._read: tuple[Path, dict[str, Any]] | None = None
         self._scene = scene if isinstance(scene, Scene) else None
         self._photo = None if isinstance(photo, (str, os.PathLike)) else np.asarray(photo)
         is_mask = mask is not None and not isinstance(mask, (str, os.PathLike))
@@ -109,7 +121,8 @@ class Project:
         except (OSError, ValueError) as error:
             raise FileError(f"{file}: cannot be read: {error}", file) from error
         made = cls.__new__(cls)
-        made.document, made.folder, made.path = document, file.parent.absolute(), file
+        made.document, made.folder = document, file.parent.absolute()
+        made._read = (file, copy.deepcopy(document))
         made._scene = made._photo = made._mask = None
         return made
 
@@ -117,6 +130,13 @@ class Project:
     def of(cls, value: Project | StrPath) -> Project:
         """A project, or the one in the file of this path."""
         return value if isinstance(value, Project) else cls.read(value)
+
+    @property
+    def path(self) -> Path | None:
+        """The file that it was read from, if it was and nothing was changed since."""
+        if self._read is None or self._read[1] != self.document:
+            return None
+        return self._read[0]
 
     @property
     def text(self) -> str:
@@ -133,42 +153,75 @@ class Project:
         return self._scene or Scene.read(self.folder / self.document["scene"])
 
     def save(self, path: StrPath) -> Path:
-        """Writes the project file, with scene, photograph and mask beside it where they are in
-        memory; its path."""
+        """Writes the project file, with scene, environment, photograph and mask beside it where they are
+        in memory; its path."""
         file = Path(path).absolute()
         file.parent.mkdir(parents=True, exist_ok=True)
         document = json.loads(json.dumps(self.document))
-        for key in ("scene", "photo", "mask", "response"):
-            value = document.get(key)
-            is_file = isinstance(value, str) and (self.folder / value).is_file()
-            if is_file and not Path(value).is_absolute():
-                document[key] = os.path.relpath(self.folder / value, file.parent)
-        panorama = document.get("environment", {}).get("panorama")
-        if panorama and not Path(panorama).is_absolute():
-            document["environment"]["panorama"] = os.path.relpath(
-                self.folder / panorama, file.parent
-            )
+        self._name_files(document, file.parent)
         if self._scene is not None:
-            document["scene"] = f"{file.stem}.glb"
-            self._scene.save(file.with_suffix(".glb"))
+            self._save_scene(document, file)
+        mask = None if self._mask is None else mask_picture(self._mask)
         if self._photo is not None:
-            self._save_photo(document, file)
-        if self._mask is not None:
+            mask = self._save_photo(document, file, mask)
+        if mask is not None:
             document["mask"] = f"{file.stem}_mask.exr"
-            Picture(mask_picture(self._mask)).save(file.with_name(document["mask"]))
+            Picture(mask).save(file.with_name(document["mask"]))
         file.write_text(_unrender.toml_text(json.dumps(document)), encoding="utf-8")
         return file
 
-    def _save_photo(self, document: dict[str, Any], file: Path) -> None:
+    def _name_files(self, document: dict[str, Any], folder: Path) -> None:
+        """Makes the relative paths of ``document`` start at ``folder``."""
+
+        def moved(value: Any) -> Any:
+            if isinstance(value, list):
+                return [moved(item) for item in value]
+            # Some of these keys may hold another word than a path.
+            if not isinstance(value, str) or not (self.folder / value).exists():
+                return value
+            return value if Path(value).is_absolute() else os.path.relpath(self.folder / value, folder)
+
+        for *tables, key in PATHS:
+            table: Any = document
+            for name in tables:
+                table = table.get(name) if isinstance(table, dict) else None
+            if isinstance(table, dict) and key in table:
+                table[key] = moved(table[key])
+
+    def _save_scene(self, document: dict[str, Any], file: Path) -> None:
+        scene = self.scene()._inner
+        document["scene"] = f"{file.stem}.glb"
+        scene.save(os.fspath(file.with_suffix(".glb")))
+        around = scene.environment()
+        # That of the project takes its place.
+        if around is not None and "environment" not in document:
+            panorama, turned = around
+            name = f"{file.stem}_environment.exr"
+            Picture(panorama).save(file.with_name(name))
+            document["environment"] = {"panorama": name, "rotation_deg": turned}
+
+    def _save_photo(
+        self, document: dict[str, Any], file: Path, mask: NDArray[np.float32] | None
+    ) -> NDArray[np.float32] | None:
+        """Writes the photograph. The mask that goes with it: pixels that are no numbers do not count."""
         values, bits = codes(self._photo)
         if bits:
-            raise RequestError(
-                "a project with integer codes in memory cannot be written; write the photo as a "
-                "PNG yourself, and name it"
-            )
+            document["photo"] = f"{file.stem}_photo.png"
+            file.with_name(document["photo"]).write_bytes(png_file(np.asarray(self._photo)))
+            return mask
         document["photo"] = f"{file.stem}_photo.exr"
         document.setdefault("response", "linear")
-        Picture(values).save(file.with_name(document["photo"]))
+        bad = ~np.isfinite(values).all(axis=2, keepdims=True)
+        Picture(np.where(bad, np.float32(0), values)).save(file.with_name(document["photo"]))
+        if not np.any(bad):
+            return mask
+        if mask is None and "mask" in document:
+            mask = code_values(file.parent / document["mask"])
+        elif mask is None:
+            mask = np.ones_like(values)
+        if mask.shape != values.shape:
+            raise RequestError(f"the mask is of the shape {mask.shape[:2]}, the photo {values.shape[:2]}")
+        return plain(np.where(bad, np.float32(0), mask))
 
     @contextmanager
     def as_file(self) -> Generator[Path, None, None]:
@@ -197,8 +250,9 @@ class ProjectParts:
             self.photo, self.bits = codes(project._photo)
         self.mask = None if project._mask is None else mask_picture(project._mask)
         for key, held in (("scene", self.scene), ("photo", self.photo)):
-            file = project.folder / project.document[key]
-            if held is None and not file.is_file():
+            name = project.document[key]
+            if held is None and isinstance(name, str) and not (project.folder / name).is_file():
+                file = project.folder / name
                 raise FileError(f"{self.path}: {key}: there is no file {file}", self.path)
 
 
@@ -212,6 +266,12 @@ def codes(photo: Any) -> tuple[NDArray[np.float32], int]:
     if array.dtype == np.uint16:
         return plain(array.astype(np.float32) / np.float32(65535)), 16
     return plain(array), 0
+
+
+def code_values(path: Path) -> NDArray[np.float32]:
+    """The values (H, W, 3) that a file has, as they stand there."""
+    read = read_picture(path)
+    return plain(read) if path.suffix.lower() in (".exr", ".hdr") else read.srgb()
 
 
 def mask_picture(mask: NDArray[Any]) -> NDArray[np.float32]:

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+from numpy.typing import ArrayLike
+
 from . import _unrender
-from ._control import CancelToken, Progress, Samples, StrPath, control, words
+from ._control import CancelToken, Control, Progress, Samples, StrPath, control, words
+from ._files import materials_file, panorama_file, project_file, temporary
 from .errors import Cancelled, Interrupted, RequestError
 from .materials import Materials, Parts
 from .pictures import Picture, read_picture
-from .project import Project
+from .project import IN_MEMORY, Project
 from .recovery import Recovery
 from .scene import Camera, Scene
 
-__all__ = ["render"]
-
-_UNNAMED = "(in memory)"
+__all__ = ["merge", "merge_exposures", "relight", "render"]
 
 
 def render(
@@ -27,7 +29,7 @@ def render(
     project: Project | StrPath | None = None,
     materials: Materials | Recovery | Mapping[str, Any] | StrPath | None = None,
     light_units: str | None = None,
-    environment: StrPath | None = None,
+    environment: ArrayLike | StrPath | None = None,
     environment_rotation: float = 0.0,
     environment_scale: float = 1.0,
     camera: Camera | str | None = None,
@@ -64,7 +66,8 @@ def render(
             folder of results, a dict like it or like its groups, Materials, or a Recovery.
         light_units: The units of a glTF file's lights: "blender-standard", "unitless",
             "blender-raw" or "radiometric"; by default as its generator writes them.
-        environment: A panorama that lights the scene from all around (.hdr, .exr).
+        environment: A panorama that lights the scene from all around (.hdr, .exr); or an array
+            (H, W, 3) of its radiance.
         environment_rotation: Turns it about +y, counter-clockwise seen from above, degrees.
         environment_scale: Multiplies its radiance.
         camera: A camera, or the name of one of the scene; by default the project's, else the
@@ -104,7 +107,6 @@ def render(
         raise RequestError("give either a scene or a project")
     flags: dict[str, object] = {
         "light_units": light_units,
-        "environment": environment,
         "width": width,
         "height": height,
         "denoise": denoise,
@@ -132,20 +134,23 @@ def render(
         flags["camera"] = camera
     if layers and out is None:
         raise RequestError("light layers are written to a file: give out")
-    if (layers or samples is not None) and out is not None and isinstance(materials, (str, os.PathLike)):
-        # Such a file is what the command makes of the files that it reads itself.
-        path = Path(materials)
-        flags["materials"] = path / "materials.json" if path.is_dir() else path
-        materials = None
-    parts = None if materials is None else Parts(_materials(materials))
     inner = scene._inner if isinstance(scene, Scene) else None
-    positional = [] if scene is None else [_UNNAMED if isinstance(scene, Scene) else scene]
-    with control(progress, cancel, threads) as controls:
-        if project is None:
-            return _rendered(positional, flags, (inner, parts), out, controls, allow_outside, input_memory)
-        with Project.of(project).as_file() as file:
-            flags["project"] = file
-            return _rendered([], flags, (None, parts), out, controls, allow_outside, input_memory)
+    positional = [] if scene is None else [IN_MEMORY if isinstance(scene, Scene) else scene]
+    with ExitStack() as stack:
+        controls = stack.enter_context(control(progress, cancel, threads))
+        place = stack.enter_context(temporary())
+        flags["project"] = stack.enter_context(project_file(project))
+        flags["environment"] = panorama_file(environment, place / "environment.exr")
+        if out is not None and (layers or samples is not None):
+            # Samples and light layers are what the command makes, of files.
+            flags["materials"] = materials_file(materials, place / "materials.json")
+            flags["out"] = os.fspath(out)
+            line = words("render", positional, flags, allow_outside, input_memory)
+            return _written(line, inner, out, controls)
+        parts = None if materials is None else Parts(_materials(materials))
+        flags["out"] = f"{IN_MEMORY}.exr"
+        line = words("render", positional, flags, allow_outside, input_memory)
+        return _rendered(line, (inner, parts), out, controls)
 
 
 def merge(
@@ -252,18 +257,11 @@ def merge_exposures(
 
 
 def _rendered(
-    positional: list[Any],
-    flags: dict[str, object],
+    line: list[str],
     given: tuple[_unrender.Scene | None, Parts | None],
     out: StrPath | None,
-    controls: Any,
-    allow_outside: bool,
-    input_memory: float | None,
+    controls: Control,
 ) -> Picture:
-    if out is not None and (flags["samples"] is not None or flags["layers"]):
-        return _written(positional, flags, given, os.fspath(out), controls, allow_outside, input_memory)
-    flags["out"] = "(in memory).exr"
-    line = words("render", positional, flags, allow_outside, input_memory)
     radiance, _, _, _, signalled = _unrender.render(line, *given, controls)
     picture = None if radiance is None else Picture(radiance)
     if signalled or picture is None:
@@ -274,21 +272,9 @@ def _rendered(
 
 
 def _written(
-    positional: list[Any],
-    flags: dict[str, object],
-    given: tuple[_unrender.Scene | None, Parts | None],
-    out: str,
-    controls: Any,
-    allow_outside: bool,
-    input_memory: float | None,
+    line: list[str], scene: _unrender.Scene | None, out: StrPath, controls: Control
 ) -> Picture:
-    """Samples and light layers are what the command makes of files."""
-    if given != (None, None):
-        what = "light layers" if flags["layers"] else "samples"
-        raise RequestError(f"{what} are written from files: give the paths of scene and materials")
-    flags["out"] = out
-    line = words("render", positional, flags, allow_outside, input_memory)
-    _, succeeded, signalled = _unrender.call(line, controls)
+    _, succeeded, signalled = _unrender.call(line, controls, scene)
     if signalled:
         raise Interrupted
     if not succeeded:

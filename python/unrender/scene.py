@@ -349,8 +349,19 @@ class Scene:
         return self._of(self._inner.with_camera(json.dumps(jsonable(vars(camera)))))
 
     def save(self, path: StrPath) -> None:
-        """Writes the scene to a .glb file, the exact Ward numbers in its extras."""
+        """Writes the scene to a .glb file, the exact Ward numbers in its extras. Its environment, if it has
+        one, is not in the file: glTF has no words for it."""
         self._inner.save(os.fspath(path))
+        if self._inner.environment() is not None:
+            warn(f"{os.fspath(path)}: glTF has no words for the scene's environment, which is not in it")
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All of the scene, for processes with the same build: ``pickle`` and ``copy`` ask for it."""
+        return {"bytes": self._inner.to_bytes(), "path": self.path}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """The scene of such a state."""
+        self._inner, self.path = _unrender.Scene.from_bytes(state["bytes"]), state["path"]
 
     def __repr__(self) -> str:
         described = self._description()

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
-from collections.abc import Generator, Mapping
-from contextlib import ExitStack, contextmanager
+from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,15 +15,35 @@ from numpy.typing import ArrayLike
 
 from . import _unrender
 from ._control import CancelToken, Control, Progress, Samples, StrPath, control, words
+from ._files import (
+    AnyMaterials,
+    given_scene,
+    is_path,
+    materials_file,
+    panorama_file,
+    project_file,
+    results_folder,
+    temporary,
+)
 from .errors import Cancelled, Interrupted, RequestError
-from .materials import Materials
 from .pictures import Picture, read_picture
 from .project import Project
 from .recovery import Recovery
 from .scene import Camera, Scene
 
-__all__ = ["Calibration", "Checkup", "Restaging", "Score", "calibrate", "check", "export", "report",
-           "restage", "score"]
+__all__ = [
+    "Calibration",
+    "Checkup",
+    "Restaging",
+    "Score",
+    "calibrate",
+    "check",
+    "export",
+    "report",
+    "restage",
+    "score",
+    "split",
+]
 
 
 @dataclass(frozen=True)
@@ -41,9 +60,9 @@ class Calibration:
 
 
 def calibrate(
-    photo: StrPath | None = None,
+    photo: ArrayLike | StrPath | None = None,
     *,
-    scene: StrPath | None = None,
+    scene: Scene | StrPath | None = None,
     points: StrPath | tuple[ArrayLike, ArrayLike] | None = None,
     fspy: StrPath | None = None,
     fspy_up: str | None = None,
@@ -59,8 +78,9 @@ def calibrate(
     """Finds the camera of a photograph from points of the scene that it shows.
 
     Args:
-        photo: The photograph; by default that of the project in ``out``.
-        scene: The scene file; by default that of the project in ``out``.
+        photo: The photograph, a path or an array (H, W, 3) as of a :class:`Project`; by default that of
+            the project in ``out``.
+        scene: A scene, or the path of its file; by default that of the project in ``out``.
         points: The path of a CSV file (x_px,y_px,x_m,y_m,z_m,name); or two arrays: pixels (N, 2),
             (0, 0) the photo's top left corner, and the same points in the scene, metres (N, 3).
         fspy: Take the camera of an fSpy project instead.
@@ -71,7 +91,8 @@ def calibrate(
         seed: Chooses the subsets of pairs that are tried.
         name: The camera's name in a .glb.
         out: A project file (.toml), which is made or whose camera is replaced, or the scene with the
-            camera in it (.glb); by default nothing is written.
+            camera in it (.glb); by default nothing is written. What is in memory is written beside a
+            project that is made.
         allow_outside: Whether scenes may name files outside their folder.
         input_memory: The memory that a scene or a picture may take while it is read, GiB.
 
@@ -79,11 +100,20 @@ def calibrate(
         CalibrateError: If the points give no camera.
     """
     with ExitStack() as stack:
-        temporary = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="unrender-")))
+        place = stack.enter_context(temporary())
         if isinstance(points, tuple):
-            points = _points_file(temporary / "points.csv", *points)
-        target = temporary / "project.toml" if out is None else Path(out)
-        flags = {
+            points = _points_file(place / "points.csv", *points)
+        target = place / "project.toml" if out is None else Path(out)
+        made = None
+        if isinstance(scene, Scene) or not (photo is None or is_path(photo)):
+            made = _project_in_memory(photo, scene, target)
+            file = made.save(place / "project.toml")
+            if target.suffix == ".toml":
+                photo, scene, target = None, None, file
+            else:
+                stated = Project.read(file)
+                photo, scene = (stated.folder / stated.document[key] for key in ("photo", "scene"))
+        flags: dict[str, object] = {
             "scene": scene,
             "points": points,
             "fspy": fspy,
@@ -95,13 +125,26 @@ def calibrate(
             "name": name,
             "out": target,
         }
-        line = words("calibrate", [] if photo is None else [photo], flags, allow_outside, input_memory)
+        positional: list[Any] = [] if photo is None else [photo]
+        line = words("calibrate", positional, flags, allow_outside, input_memory)
         summary = _called(line, None, None, None)
+        if made is not None and out is not None and target != Path(out):
+            made.document["camera"] = Project.read(target).document["camera"]
+            made.save(out)
         if target.suffix == ".toml":
             camera = Camera(**Project.read(target).document["camera"])
         else:
             camera = next(c for c in Scene.read(target).cameras if c.name == name)
     return Calibration(camera, summary)
+
+
+def _project_in_memory(photo: Any, scene: Scene | StrPath | None, target: Path) -> Project:
+    """The project of a photograph and a scene that are not both files."""
+    if target.suffix == ".toml" and target.exists():
+        raise RequestError(f"{target}: is a project already, which names its photo and its scene")
+    if photo is None or scene is None:
+        raise RequestError("give photo and scene")
+    return Project(scene, photo)
 
 
 def _points_file(path: Path, pixels: ArrayLike, metres: ArrayLike) -> Path:
@@ -156,10 +199,10 @@ def check(
         input_memory: The memory that a scene or a picture may take while it is read, GiB.
     """
     with ExitStack() as stack:
-        temporary = stack.enter_context(tempfile.TemporaryDirectory(prefix="unrender-"))
-        path = stack.enter_context(_project_file(project))
-        picture = Path(temporary) / "check.png" if out is None else Path(out)
-        line = words("check", [path], {"out": picture, "json": True}, allow_outside, input_memory)
+        place = stack.enter_context(temporary())
+        path = stack.enter_context(project_file(project))
+        picture = place / "check.png" if out is None else Path(out)
+        line = words("check", [str(path)], {"out": picture, "json": True}, allow_outside, input_memory)
         document = json.loads(_called(line, None, None, threads))
         return Checkup(document, read_picture(picture))
 
@@ -189,13 +232,13 @@ def restage(
     denoise: bool = False,
     recovered: Recovery | StrPath | None = None,
     project: Project | StrPath | None = None,
-    scene: StrPath | None = None,
+    scene: Scene | StrPath | None = None,
     light_units: str | None = None,
-    materials: StrPath | None = None,
+    materials: AnyMaterials | None = None,
     remove: list[str] | None = None,
     repaint: list[str] | None = None,
     light: list[str] | None = None,
-    environment: str | None = None,
+    environment: ArrayLike | StrPath | None = None,
     insert: list[str] | None = None,
     camera: str | None = None,
     width: int | None = None,
@@ -220,20 +263,20 @@ def restage(
     """Renders a recovered scene with edits, or puts them into its photograph.
 
     Args:
-        edits: The edit file (docs/restage.md).
+        edits: The edit file, as of ``unrender restage --help``.
         out: A folder for the pictures; by default they are not kept.
         composite: Put the change into the photograph, and leave the rest of it as it is.
         grain: Give what is synthetic in the composite the noise of the photograph.
         denoise: Remove noise from the pictures, for a small bias.
         recovered: A recovery to start from, or the folder of one.
-        project: The project that was recovered, for its photograph.
-        scene: Start from a scene file.
+        project: The project that was recovered, or the path of its file, for its photograph.
+        scene: Start from a scene, or from the path of its file.
         light_units: The units of a glTF file's lights.
-        materials: Materials to put onto the scene's groups.
+        materials: Materials to put onto the scene's groups, as of :func:`render`.
         remove: Objects, or groups with all of theirs, to take away.
         repaint: Changes of how groups reflect: "GROUP: rho_d = [0.5, 0.1, 0.1]".
         light: Changes of lights: "NAME: scale = 0.5".
-        environment: A panorama: "FILE.hdr: rotation_deg = 90".
+        environment: A panorama: "FILE.hdr: rotation_deg = 90"; or an array (H, W, 3) of its radiance.
         insert: Models to put into the scene: "FILE: on = 'GROUP', at = [x, z]".
         camera: The scene's camera to look through; by default the photograph's.
         width: Pixels in a row; by default the photograph's.
@@ -256,23 +299,23 @@ def restage(
         input_memory: The memory that a scene or a picture may take while it is read, GiB.
     """
     with ExitStack() as stack:
-        place = Path(out) if out is not None else None
-        if place is None:
-            place = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="unrender-")))
+        given = stack.enter_context(temporary())
+        place = given / "out" if out is None else Path(out)
+        name, inner = given_scene(scene, light_units)
         flags: dict[str, object] = {
             "out": place,
             "composite": composite,
             "grain": grain,
             "denoise": denoise,
-            "recovered": stack.enter_context(_results(recovered)),
-            "project": None if project is None else stack.enter_context(_project_file(project)),
-            "scene": scene,
+            "recovered": stack.enter_context(results_folder(recovered)),
+            "project": stack.enter_context(project_file(project)),
+            "scene": name,
             "light_units": light_units,
-            "materials": materials,
+            "materials": materials_file(materials, given / "materials.json"),
             "remove": remove,
             "repaint": repaint,
             "light": light,
-            "environment": environment,
+            "environment": panorama_file(environment, given / "environment.exr"),
             "insert": insert,
             "camera": camera,
             "width": width,
@@ -290,7 +333,7 @@ def restage(
             "bounces": bounces,
         }
         line = words("restage", [] if edits is None else [edits], flags, allow_outside, input_memory)
-        _called(line, progress, cancel, threads)
+        _called(line, progress, cancel, threads, scene=inner)
         files = sorted(place.glob("*.exr")) if samples is None else []
         pictures = {file.stem: read_picture(file) for file in files}
         return Restaging(pictures, None if out is None else place)
@@ -299,8 +342,8 @@ def restage(
 def export(
     results: Recovery | StrPath | None = None,
     *,
-    scene: StrPath | None = None,
-    materials: StrPath | None = None,
+    scene: Scene | StrPath | None = None,
+    materials: AnyMaterials | None = None,
     light_units: str | None = None,
     to: str,
     out: StrPath,
@@ -314,8 +357,8 @@ def export(
 
     Args:
         results: A recovery, or the folder of one.
-        scene: The scene file, instead of a recovery.
-        materials: Materials to put onto the groups of ``scene``.
+        scene: A scene, or the path of its file, instead of a recovery.
+        materials: Materials to put onto the groups of ``scene``, as of :func:`render`.
         light_units: The units of a glTF file's lights.
         to: "blender", "gltf", "materialx", "mitsuba", "pbrt" or "radiance".
         out: The folder to write, or for gltf the .glb file.
@@ -328,19 +371,23 @@ def export(
     Returns:
         The path that was written.
     """
-    flags = {
-        "scene": scene,
-        "materials": materials,
-        "light_units": light_units,
-        "to": to,
-        "out": out,
-        "camera": camera,
-        "width": width,
-        "height": height,
-    }
-    with _results(results) as folder:
+    with ExitStack() as stack:
+        given = stack.enter_context(temporary())
+        folder = stack.enter_context(results_folder(results))
+        name, inner = given_scene(scene, light_units)
+        flags = {
+            "scene": name,
+            "materials": materials_file(materials, given / "materials.json"),
+            "light_units": light_units,
+            "to": to,
+            "out": out,
+            "camera": camera,
+            "width": width,
+            "height": height,
+        }
         positional = [] if folder is None else [folder]
-        _called(words("export", positional, flags, allow_outside, input_memory), None, None, None)
+        line = words("export", positional, flags, allow_outside, input_memory)
+        _called(line, None, None, None, scene=inner)
     return Path(out)
 
 
@@ -372,8 +419,8 @@ class Score:
 
 
 def score(
-    results: Recovery | Materials | Mapping[str, Any] | StrPath,
-    truth: Materials | Mapping[str, Any] | StrPath,
+    results: AnyMaterials,
+    truth: AnyMaterials,
     *,
     max_rho: float | None = None,
     max_alpha_percent: float | None = None,
@@ -399,12 +446,12 @@ def score(
         "json": True,
     }
     with ExitStack() as stack:
-        temporary = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="unrender-")))
+        place = stack.enter_context(temporary())
         both = [
-            _materials_file(value, temporary / f"{name}.json")
+            materials_file(value, place / f"{name}.json")
             for value, name in ((results, "results"), (truth, "truth"))
         ]
-        line = words("score", both, limits, allow_outside, input_memory)
+        line = words("score", [str(path) for path in both], limits, allow_outside, input_memory)
         return Score(json.loads(_called(line, None, None, None, may_fail=True)))
 
 
@@ -420,21 +467,21 @@ def split(results: Recovery | StrPath, *, out: StrPath, group: str | None = None
         The path that was written.
     """
     flags = {"group": group, "out": out}
-    with _results(results) as folder:
+    with results_folder(results) as folder:
         positional = [] if folder is None else [folder]
         _called(words("split", positional, flags, False, None), None, None, None)
     return Path(out)
 
 
 def report(
-    runs: Recovery | StrPath | list[StrPath],
+    runs: Recovery | StrPath | Sequence[Recovery | StrPath],
     *,
     out: StrPath | None = None,
 ) -> Path:
     """Makes the page of a recovery anew, or one that compares several.
 
     Args:
-        runs: A recovery, or the folder of one; or several folders.
+        runs: A recovery, or the folder of one; or a list of several.
         out: The page (.html); by default, for a single folder: its report.html.
 
     Returns:
@@ -443,11 +490,9 @@ def report(
     if isinstance(runs, Recovery) and runs.folder is None and out is None:
         raise RequestError("this recovery has no folder; name the page by out=, or save it first")
     with ExitStack() as stack:
-        if isinstance(runs, list):
-            folders = [Path(run) for run in runs]
-        else:
-            folder = stack.enter_context(_results(runs))
-            folders = [] if folder is None else [folder]
+        several = [runs] if isinstance(runs, (Recovery, str, os.PathLike)) else list(runs)
+        found = [stack.enter_context(results_folder(run)) for run in several]
+        folders = [folder for folder in found if folder is not None]
         _called(words("report", folders, {"out": out}), None, None, None)
         return Path(out) if out is not None else folders[0] / "report.html"
 
@@ -458,41 +503,14 @@ def _called(
     cancel: CancelToken | None,
     threads: int | None,
     may_fail: bool = False,
+    scene: _unrender.Scene | None = None,
 ) -> str:
-    """What a command printed."""
+    """What a command printed; a ``scene`` in memory is its scene."""
     controls: Control
     with control(progress, cancel, threads) as controls:
-        text, succeeded, signalled = _unrender.call(line, controls)
+        text, succeeded, signalled = _unrender.call(line, controls, scene)
     if signalled:
         raise Interrupted
     if not succeeded and not may_fail:
         raise Cancelled("the work was ended before it had a result")
     return text
-
-
-@contextmanager
-def _project_file(project: Project | StrPath) -> Generator[Path, None, None]:
-    if isinstance(project, Project):
-        with project.as_file() as path:
-            yield path
-    else:
-        yield Path(project)
-
-
-@contextmanager
-def _results(results: Recovery | StrPath | None) -> Generator[Path | None, None, None]:
-    if isinstance(results, Recovery):
-        with results.as_folder() as folder:
-            yield folder
-    else:
-        yield None if results is None else Path(results)
-
-
-def _materials_file(
-    value: Recovery | Materials | Mapping[str, Any] | StrPath, temporary: Path
-) -> Path:
-    if isinstance(value, (str, os.PathLike)):
-        return Path(value)
-    materials = value.materials if isinstance(value, Recovery) else Materials.of(value)
-    materials.write(temporary)
-    return temporary

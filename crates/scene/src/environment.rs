@@ -182,6 +182,11 @@ impl Environment {
         &self.radiance
     }
 
+    /// How far the panorama is turned about world +y, counter-clockwise seen from above, radians.
+    pub fn rotation_rad(&self) -> f32 {
+        self.rotation_rad
+    }
+
     /// True if it is not black.
     pub fn is_bright(&self) -> bool {
         self.radiance.pixels().iter().any(|rgb| luminance(*rgb) > 0.0)

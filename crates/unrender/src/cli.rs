@@ -12,6 +12,7 @@ use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::process::ExitCode;
 use std::sync::Arc;
+use unrender_scene::Scene;
 
 /// Recovers the reflectance of every surface of a known scene from one photograph.
 #[derive(Debug, Parser)]
@@ -78,16 +79,19 @@ pub fn run_from(words: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 /// Runs the command line `words`, without the program's name, as a function: what it has to say goes
-/// to `listener`, and signals stay with the caller.
+/// to `listener`, and signals stay with the caller. A `scene` in memory takes the place of the file that the
+/// words name ([`Global::scene`]).
 ///
 /// # Errors
 /// If the words are no command line, and those of the command.
 pub fn call(
     words: impl IntoIterator<Item = OsString>,
+    scene: Option<Arc<Scene>>,
     listener: Arc<dyn Listener>,
 ) -> Result<ExitCode, Error> {
     let mut cli = parse(words)?;
     cli.global.console = Console::new(listener);
+    cli.global.scene = scene;
     dispatch(&cli)
 }
 

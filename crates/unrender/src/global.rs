@@ -2,7 +2,9 @@
 
 use crate::listener::Console;
 use std::num::NonZeroUsize;
+use std::sync::Arc;
 use unrender_formats::Limits;
+use unrender_scene::Scene;
 
 /// Flags of all subcommands.
 #[derive(Clone, Debug, clap::Args)]
@@ -22,6 +24,10 @@ pub struct Global {
     /// Where to tell what there is to say.
     #[arg(skip)]
     pub console: Console,
+    /// A scene that the caller has in memory: `render`, `restage` and `export` take it instead of the file that
+    /// their arguments name.
+    #[arg(skip)]
+    pub scene: Option<Arc<Scene>>,
 }
 
 impl Global {

@@ -60,7 +60,7 @@ pub struct Args {
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     export::check_path(&args.out, args.to)?;
     check_inputs(args)?;
-    let (scene, camera, size, warnings) = input(args, global.limits())?;
+    let (scene, camera, size, warnings) = input(args, global)?;
     let light_units = light_units(args, global.limits())?;
     global.console.warn(&warnings);
     let conversions = converted(&scene, &camera, size, args.to.lobe(scene.brdf));
@@ -145,7 +145,8 @@ fn light_units(args: &Args, limits: Limits) -> Result<LightUnits, Error> {
 }
 
 /// The scene with its materials, the camera, and the size of its picture.
-fn input(args: &Args, limits: Limits) -> Result<(Scene, Camera, (usize, usize), Warnings), Error> {
+fn input(args: &Args, global: &Global) -> Result<(Scene, Camera, (usize, usize), Warnings), Error> {
+    let limits = global.limits();
     if let Some(folder) = &args.results {
         result_folder::check(folder)?;
     }
@@ -153,7 +154,10 @@ fn input(args: &Args, limits: Limits) -> Result<(Scene, Camera, (usize, usize), 
     let of_results = args.results.as_ref().map(|folder| folder.join("materials.json"));
     let materials = of_results.or_else(|| args.materials.clone());
     let source = Input::new(&path, limits).in_light_units(args.light_units);
-    let (mut scene, mut warnings) = unrender_formats::load_scene(source)?;
+    let (mut scene, mut warnings) = match &global.scene {
+        Some(scene) => (Scene::clone(scene), Warnings::default()),
+        None => unrender_formats::load_scene(source)?,
+    };
     if let Some(materials) = materials {
         warnings.extend(materials::apply_from(Input::new(&materials, limits), &mut scene)?);
     }

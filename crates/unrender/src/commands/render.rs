@@ -90,7 +90,8 @@ pub struct Args {
 /// If the input cannot be used or the picture cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     check_outputs(args)?;
-    let shot = Shot::load(args, InMemory::default(), global.limits())?;
+    let given = InMemory { scene: global.scene.as_deref().cloned(), materials: None };
+    let shot = Shot::load(args, given, global.limits())?;
     global.console.warn(&shot.warnings);
     let render = shot.render(args);
     let job = shot.job(args, &render);

@@ -163,7 +163,10 @@ fn sheets(args: &Args, global: &Global) -> Result<Vec<Sheet>, Error> {
     let flags = flags
         .into_iter()
         .flat_map(|(flag, values)| values.iter().map(move |value| Sheet::of_flag(flag, value)));
-    let within = |sheet: Sheet| sheet.within(global.limits()).in_light_units(args.light_units);
+    let within = |sheet: Sheet| {
+        let sheet = sheet.within(global.limits()).in_light_units(args.light_units);
+        sheet.with_scene(global.scene.clone())
+    };
     file.chain(flags).map(|sheet| sheet.map(within)).collect()
 }
 

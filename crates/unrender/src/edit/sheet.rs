@@ -4,7 +4,9 @@ use super::raw::RawEdits;
 use crate::Error;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use unrender_formats::{FileError, LightUnits, Limits, input};
+use unrender_scene::Scene;
 
 /// Edits as they are written, with what messages call their place.
 #[derive(Debug)]
@@ -18,6 +20,7 @@ pub struct Sheet {
     pub(super) raw: RawEdits,
     limits: Limits,
     light_units: Option<LightUnits>,
+    scene: Option<Arc<Scene>>,
 }
 
 /// The flags that stand for one edit.
@@ -80,7 +83,7 @@ impl Sheet {
         })?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         let (name, limits) = (path.display().to_string(), Limits::default());
-        Ok(Self { name, text: Some(text), folder, raw, limits, light_units: None })
+        Ok(Self { name, text: Some(text), folder, raw, limits, light_units: None, scene: None })
     }
 
     /// The edit that a flag with this value stands for.
@@ -98,7 +101,7 @@ impl Sheet {
         let raw = toml::from_str(&text)
             .map_err(|error| Error::Request(format!("{name}: {}", error.message())))?;
         let (folder, limits) = (PathBuf::new(), Limits::default());
-        Ok(Self { name, text: None, folder, raw, limits, light_units: None })
+        Ok(Self { name, text: None, folder, raw, limits, light_units: None, scene: None })
     }
 
     /// The same, the reading of whose files may go so far.
@@ -109,6 +112,17 @@ impl Sheet {
     /// The same, the lights of whose scene are in these units, if they are stated.
     pub fn in_light_units(self, light_units: Option<LightUnits>) -> Self {
         Self { light_units, ..self }
+    }
+
+    /// The same, of a caller who has the scene to start from in memory: it takes the place of the file that `scene`
+    /// names.
+    pub fn with_scene(self, scene: Option<Arc<Scene>>) -> Self {
+        Self { scene, ..self }
+    }
+
+    /// The scene that takes the place of the file that `scene` names.
+    pub(super) fn scene(&self) -> Option<&Scene> {
+        self.scene.as_deref()
     }
 
     /// The units of the lights of the scene to start from, where they are stated.

@@ -87,6 +87,7 @@ impl Start {
         }
         let run = recovered.as_ref().filter(|_| scene.is_none()).map(|r| r.0.join("run.json"));
         let around = run.map(|run| run::recovered_environment(&run)).transpose()?.flatten();
+        let given = scene.as_ref().and_then(|(_, sheet, _)| sheet.scene());
         let scene = scene.map(|s| s.0).or(recovered.map(|(folder, ..)| folder.join("scene.glb")));
         let scene = scene.ok_or_else(|| {
             Error::Request(
@@ -96,7 +97,7 @@ impl Start {
             )
         })?;
         let source = Input::new(&scene, limits).in_light_units(light_units);
-        let (start, mut warnings) = Self::of_scene(source, materials.as_deref())?;
+        let (start, mut warnings) = Self::of_scene(source, given, materials.as_deref())?;
         if let Some(environment) = around {
             warnings.push(format!(
                 "the recovery had an environment ({environment}), which scene.glb does not hold: \
@@ -106,9 +107,17 @@ impl Start {
         Ok((start, warnings))
     }
 
-    fn of_scene(source: Input<'_>, materials: Option<&Path>) -> Result<(Self, Warnings), Error> {
+    /// The scene in a file, or the one that is `given` instead.
+    fn of_scene(
+        source: Input<'_>,
+        given: Option<&Scene>,
+        materials: Option<&Path>,
+    ) -> Result<(Self, Warnings), Error> {
         let Input { path, limits, .. } = source;
-        let (mut scene, mut warnings) = unrender_formats::load_scene(source)?;
+        let (mut scene, mut warnings) = match given {
+            Some(scene) => (scene.clone(), Warnings::default()),
+            None => unrender_formats::load_scene(source)?,
+        };
         if let Some(materials) = materials {
             let materials = Input::new(materials, limits);
             warnings.extend(materials::apply_from(materials, &mut scene)?);
