@@ -1,23 +1,17 @@
 //! One edit file, or one flag that stands for a line of it.
 
 use super::raw::RawEdits;
+use super::written::{self, Written};
 use crate::Error;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 use unrender_formats::{FileError, LightUnits, Limits, input};
 
 /// Edits as they are written, with what messages call their place.
 #[derive(Debug)]
 pub struct Sheet {
-    /// What messages call it: the file, or the flag.
-    name: String,
-    /// Its text, where lines mean something.
-    text: Option<String>,
-    /// Where its paths start.
-    folder: PathBuf,
+    /// Where they are written.
+    pub(super) written: Written,
     pub(super) raw: RawEdits,
-    limits: Limits,
-    light_units: Option<LightUnits>,
 }
 
 /// The flags that stand for one edit.
@@ -76,11 +70,9 @@ impl Sheet {
     pub fn read(path: &Path) -> Result<Self, FileError> {
         let text = input::text(path).map_err(|error| FileError::because(path, "", error))?;
         let raw = toml::from_str(&text).map_err(|error| {
-            FileError::new(path, with_line(&text, error.span(), error.message()))
+            FileError::new(path, written::with_line(&text, error.span(), error.message()))
         })?;
-        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        let (name, limits) = (path.display().to_string(), Limits::default());
-        Ok(Self { name, text: Some(text), folder, raw, limits, light_units: None })
+        Ok(Self { written: Written::of_file(path, text), raw })
     }
 
     /// The edit that a flag with this value stands for.
@@ -97,28 +89,17 @@ impl Sheet {
         let name = format!("{written} '{value}'");
         let raw = toml::from_str(&text)
             .map_err(|error| Error::Request(format!("{name}: {}", error.message())))?;
-        let (folder, limits) = (PathBuf::new(), Limits::default());
-        Ok(Self { name, text: None, folder, raw, limits, light_units: None })
+        Ok(Self { written: Written::of_flag(name), raw })
     }
 
     /// The same, the reading of whose files may go so far.
     pub fn within(self, limits: Limits) -> Self {
-        Self { limits, ..self }
+        Self { written: Written { limits, ..self.written }, ..self }
     }
 
     /// The same, the lights of whose scene are in these units, if they are stated.
     pub fn in_light_units(self, light_units: Option<LightUnits>) -> Self {
-        Self { light_units, ..self }
-    }
-
-    /// The units of the lights of the scene to start from, where they are stated.
-    pub(super) fn light_units(&self) -> Option<LightUnits> {
-        self.light_units
-    }
-
-    /// How far the reading of its files may go.
-    pub(super) fn limits(&self) -> Limits {
-        self.limits
+        Self { written: Written { light_units, ..self.written }, ..self }
     }
 
     /// The files that it names, and itself.
@@ -132,33 +113,8 @@ impl Sheet {
         let painted = raw.repaint.iter().map(|repaint| repaint.get_ref()).chain(materials);
         let painted = painted.filter_map(|paint| paint.texture.as_ref());
         let named = stated.chain(inserted).chain(around).chain(painted);
-        let own = self.text.as_ref().map(|_| PathBuf::from(&self.name));
-        named.map(|path| self.path(path)).chain(own).collect()
+        named.map(|path| self.written.path(path)).chain(self.written.file()).collect()
     }
-
-    /// What messages call the place of `span`.
-    pub(super) fn place(&self, span: Range<usize>) -> String {
-        match &self.text {
-            Some(text) => format!("{}: line {}", self.name, line(text, span.start)),
-            None => self.name.clone(),
-        }
-    }
-
-    /// The file that a path of this sheet means.
-    pub(super) fn path(&self, path: &Path) -> PathBuf {
-        self.folder.join(path)
-    }
-}
-
-fn line(text: &str, offset: usize) -> usize {
-    text.get(..offset).map_or(1, |before| before.matches('\n').count() + 1)
-}
-
-fn with_line(text: &str, span: Option<Range<usize>>, message: &str) -> String {
-    let Some(span) = span else { return message.to_owned() };
-    let number = line(text, span.start);
-    let shown = text.lines().nth(number - 1).unwrap_or_default().trim();
-    format!("line {number}, `{shown}`: {message}")
 }
 
 #[cfg(test)]
