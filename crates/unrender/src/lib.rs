@@ -106,15 +106,15 @@
 //!
 //! `cli` (on by default) is the command with its terminal, its signals and its folders of results;
 //! `report` the pages that it makes. A library needs neither: `default-features = false` leaves out
-//! their twelve dependencies, with [`cli`], [`commands`], [`check`], [`edit`] and [`report`]. Whole
-//! recoveries stay: [`engine`] finds the camera's place and its response as the command does.
+//! their twelve dependencies, with [`cli`], [`commands`], [`edit`] and [`report`]. Whole recoveries stay:
+//! [`check`] looks at what they are made of, and [`engine`] finds the camera's place and its response as the
+//! command does.
 
 // What the command alone uses of the rest is not used without it.
 #![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod bracket;
-#[cfg(feature = "cli")]
 pub mod check;
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -167,7 +167,6 @@ mod same_as;
 pub mod score;
 #[cfg(feature = "cli")]
 mod shard;
-#[cfg(feature = "cli")]
 mod text_table;
 mod toml_values;
 mod working_size;

@@ -1,6 +1,6 @@
 //! From the tables of edit files to the edits that they ask for, in their order.
 
-use super::photograph::Photograph;
+use super::developed::Photograph;
 use super::remove::RawRemove;
 use super::sheet::Sheet;
 use super::written::Written;

@@ -1,6 +1,6 @@
 //! `[[insert]]`: models that are put into the scene.
 
-use super::photograph::Photograph;
+use super::developed::Photograph;
 use super::repaint::RawPaint;
 use super::written::Written;
 use crate::toml_values::{Ground, Place as At, Positive, Size, Way};

@@ -3,12 +3,13 @@
 //! `sheet` is one file or flag: where that is, with the lines that errors name (`written`), and its tables (`raw`).
 //! Each kind of edit (`remove`, `repaint`, `insert`, `view`) says in one file how it is written and
 //! which edit of `unrender-restage` it is; lights and environments, which projects have too, do so
-//! in `lighting`. `edits` collects them all. `start` reads the scene and the `photograph` that the edits are made to.
+//! in `lighting`. `edits` collects them all. `start` reads the scene and the photograph (`developed`) that the edits
+//! are made to.
 
 mod composite;
+mod developed;
 mod edits;
 mod insert;
-mod photograph;
 mod raw;
 mod remove;
 mod repaint;
@@ -18,7 +19,7 @@ mod view;
 mod written;
 
 pub use composite::Composite;
-pub use photograph::Photograph;
+pub use developed::Photograph;
 pub use sheet::{Flag, Sheet};
 pub use start::Start;
 pub use view::View;

@@ -1,6 +1,6 @@
 //! What the edits are made to: a scene in its materials, and the photograph of it.
 
-use super::photograph::Photograph;
+use super::developed::Photograph;
 use super::sheet::Sheet;
 use crate::project::CameraTable;
 use crate::{Error, Job, Project, job, result_folder, run};

@@ -226,12 +226,12 @@ fn circles_are_found_inside_of_folders() {
         ("a::c", "mod d; use super::Shared;"),
         ("a::c::d", "pub struct One;"),
     ];
-    let module = |path: &str| path.split("::").map(str::to_owned).filter(|p| !p.is_empty());
-    let texts = texts.map(|(path, text)| (module(path).collect::<Module>(), text.to_owned()));
+    let module = |path: &str| -> Module {
+        path.split("::").filter(|name| !name.is_empty()).map(str::to_owned).collect()
+    };
+    let texts = texts.map(|(path, text)| (module(path), text.to_owned()));
     let modules = Crate::of(texts.into_iter().collect());
-    let folders = [vec![], vec!["a"], vec!["a", "c"]];
-    let folders: BTreeSet<Module> =
-        folders.into_iter().map(|f| f.into_iter().map(str::to_owned).collect()).collect();
+    let folders = BTreeSet::from(["", "a", "a::c"].map(module));
     assert_eq!(modules.folders(), folders);
     let circles = folders.iter().map(|folder| circle(&modules.families(folder)));
     let circles: Vec<Option<Vec<String>>> = circles.collect();

@@ -1,4 +1,4 @@
-//! The photograph that edits are put into.
+//! The photograph that edits are put into, developed.
 
 use unrender_formats::picture::Picture;
 use unrender_photo::{Photo, Transfer};
