@@ -73,7 +73,7 @@ enum Other {
 
 fn main() -> io::Result<ExitCode> {
     #[cfg(unix)]
-    if std::env::var_os(faults::work::AS_COMMAND).is_some() {
+    if std::env::var_os(faults::AS_COMMAND).is_some() {
         return Ok(unrender::cli::run());
     }
     let args = Args::parse();

@@ -29,8 +29,8 @@ pub(crate) use request::CorpusRequest;
 use crate::Failure;
 use crate::command::Unrender;
 use generate::Plan;
-use recover::Subject;
-use result::{Scored, Wanted};
+use recover::{Subject, Wanted};
+use result::Scored;
 use std::time::Duration;
 use store::{Folder, Meta};
 

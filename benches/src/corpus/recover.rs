@@ -22,6 +22,18 @@ pub(crate) struct Subject {
     pub(crate) key: String,
 }
 
+/// What is done with a scene.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wanted<'a> {
+    pub(crate) subject: &'a Subject,
+    /// The command that recovers diffuse materials only, if it can, for the comparison.
+    pub(crate) plain: Option<&'a Subject>,
+    /// Recover although results are there.
+    pub(crate) again: bool,
+    /// Ask for new light and new viewpoint.
+    pub(crate) relight: bool,
+}
+
 impl Subject {
     /// The command at `command` with further `arguments` of `recover`.
     ///

@@ -3,8 +3,7 @@
 
 use super::generate::Plan;
 use super::photograph::{self, SampleBudget};
-use super::recover::{self, Subject};
-use super::result::Wanted;
+use super::recover::{self, Subject, Wanted};
 use super::spoil::Dial;
 use super::store::{self, Folder, Format};
 use crate::Failure;

@@ -3,7 +3,7 @@
 use super::family::Renderer;
 use super::generate::Plan;
 use super::make;
-use super::recover::{self, Outcome, Subject};
+use super::recover::{self, Outcome, Wanted};
 use super::relight::{self, Relit};
 use super::score::{self, GroupScore};
 use super::spoil::Dial;
@@ -29,18 +29,6 @@ pub(crate) struct Scored {
     pub(crate) groups: Vec<GroupScore>,
     /// New light and new viewpoint, where that was asked for.
     pub(crate) relit: Option<Relit>,
-}
-
-/// What is done with a scene.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Wanted<'a> {
-    pub(crate) subject: &'a Subject,
-    /// The command that recovers diffuse materials only, if it can, for the comparison.
-    pub(crate) plain: Option<&'a Subject>,
-    /// Recover although results are there.
-    pub(crate) again: bool,
-    /// Ask for new light and new viewpoint.
-    pub(crate) relight: bool,
 }
 
 /// Recovers from one photograph and scores what came out; both are kept.

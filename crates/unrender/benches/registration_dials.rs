@@ -70,8 +70,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let words: Vec<&String> = arguments.iter().filter(|a| !a.starts_with("--")).collect();
     let room = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/room");
-    let folder = std::env::temp_dir().join(format!("unrender-dials-{}", std::process::id()));
-    std::fs::create_dir_all(&folder)?;
+    let folder = tempfile::tempdir()?;
     println!("| photograph and model | | hypotheses | rho_d | rho_s | rho_d, no texture |");
     println!("|---|---|---|---|---|---|");
     for dial in DIALS {
@@ -80,12 +79,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             words.iter().all(|word| row.contains(word.as_str()))
         });
         for (way, flags) in ways {
-            let project = prepare(&dial, &room, &folder)?;
-            let row = recover(&project, flags, &room, &folder.join("out"))?;
+            let project = prepare(&dial, &room, folder.path())?;
+            let row = recover(&project, flags, &room, &folder.path().join("out"))?;
             println!("| {} | {way} | {row} |", dial.name);
         }
     }
-    Ok(std::fs::remove_dir_all(&folder)?)
+    Ok(folder.close()?)
 }
 
 /// Writes photograph and project of `dial`; returns the project's path.

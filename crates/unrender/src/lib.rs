@@ -16,6 +16,8 @@
 //!   materials come with each question.
 //! - [`recover`] is the way back. An [`Observation`](recover::Observation) is the photograph sorted
 //!   by groups, a [`Problem`](recover::Problem) says what is asked, and [`recover::recover`] answers.
+//! - [`engine`] ties them together: from a [`Project`] and what it names to what [`Recovered`](engine::Recovered)
+//!   has.
 //!
 //! # All the way round
 //!
@@ -81,22 +83,38 @@
 //!
 //! # With files
 //!
-//! The command does the same from a project file: [`Project::read`] checks the text, [`Job::load`]
-//! reads what it names, and `unrender recover` writes what came out. [`score`] compares two such
-//! results.
-
+//! The same from a project file is four calls. What the project leaves open is found too: where the camera
+//! stands exactly, and the camera's response where it is "auto".
+//!
+//! ```no_run
+//! use unrender::engine::{self, Asked};
+//! use unrender::{Job, Project};
+//!
+//! let (project, warnings) = Project::read("room/project.toml".as_ref())?;
+//! let mut job = Job::load(project, warnings)?;
+//! let asked = Asked::of(&job);
+//! // The follower `()` hears of nothing.
+//! let recovered = engine::recover(&mut job, &asked, &mut ())?;
+//! println!("{:?}", recovered.materials(&job).groups);
+//! # Ok::<(), unrender::Error>(())
+//! ```
+//!
+//! `unrender recover` does that, tells how far it has come, and writes what came out. [`score`] compares two
+//! such results.
+//!
 //! # Features
 //!
 //! `cli` (on by default) is the command with its terminal, its signals and its folders of results;
 //! `report` the pages that it makes. A library needs neither: `default-features = false` leaves out
-//! their twelve dependencies, with [`cli`], [`commands`], [`check`], [`edit`] and [`report`].
+//! their twelve dependencies, with [`cli`], [`commands`], [`edit`] and [`report`]. Whole recoveries stay:
+//! [`check`] looks at what they are made of, and [`engine`] finds the camera's place and its response as the
+//! command does.
 
 // What the command alone uses of the rest is not used without it.
 #![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod bracket;
-#[cfg(feature = "cli")]
 pub mod check;
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -105,7 +123,6 @@ pub mod commands;
 pub mod converted;
 #[cfg(feature = "cli")]
 pub mod edit;
-#[cfg(feature = "cli")]
 pub mod engine;
 pub mod error;
 #[cfg(feature = "cli")]
@@ -132,8 +149,11 @@ mod progressive;
 mod progressive_render;
 pub mod project;
 mod readings;
+mod recovered;
 #[cfg(feature = "cli")]
 mod recovery_journal;
+#[cfg(feature = "cli")]
+mod recovery_progress;
 mod registered;
 mod registration;
 #[cfg(feature = "report")]
@@ -147,7 +167,6 @@ mod same_as;
 pub mod score;
 #[cfg(feature = "cli")]
 mod shard;
-#[cfg(feature = "cli")]
 mod text_table;
 mod toml_values;
 mod working_size;

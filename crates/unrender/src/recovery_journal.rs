@@ -109,12 +109,6 @@ struct Writing {
 }
 
 impl RecoveryJournal {
-    /// One that keeps nothing.
-    pub(crate) fn none() -> Self {
-        let writing = Writing { file: None, at: 0, number: 0, recalling: false, closed: true };
-        Self { path: PathBuf::new(), head: Head::default(), writing: Mutex::new(writing) }
-    }
-
     /// The journal in the folder of results `folder`. With `resume`, the one that an interrupted
     /// recovery has left there goes on; else the first step replaces it.
     ///

@@ -11,7 +11,7 @@ use unrender_scene::{Camera, Warnings};
 
 /// What to do about a model that is off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub(crate) enum Alignment {
+pub enum Alignment {
     /// Move the camera if a sketch is nearer to the photograph for it, and leave out the pixels that
     /// are doubtful still.
     #[default]

@@ -26,6 +26,9 @@ use std::process::ExitCode;
 use std::time::Duration;
 use work::{Bench, Work};
 
+/// With this variable set, the fuzzer is the command `unrender`.
+pub(crate) const AS_COMMAND: &str = "UNRENDER_FUZZ_IS_UNRENDER";
+
 /// Interrupts commands at random moments and looks at what is left.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {

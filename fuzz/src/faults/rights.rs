@@ -1,8 +1,8 @@
 //! What root may do and others may not: commands run without root's rights, which no write protection
 //! holds back, and on a file system of a few kilobytes.
 
+use super::AS_COMMAND;
 use super::state::files_of;
-use super::work::AS_COMMAND;
 use std::fs;
 use std::io;
 use std::os::unix::fs::{MetadataExt, chown};

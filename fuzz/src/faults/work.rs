@@ -1,5 +1,6 @@
 //! The commands that faults strike, with their inputs and what they write without a fault.
 
+use super::AS_COMMAND;
 use super::rights::{Disk, User};
 use super::state::{State, files_of};
 use glam::{Vec2, Vec3};
@@ -13,8 +14,6 @@ use unrender::formats::{gltf, picture};
 use unrender::render::{Settings, Tracer};
 use unrender::scene::{Camera, Group, Material, Mesh, Object, Rgb, Scene};
 
-/// With this variable set, the fuzzer is the command `unrender`.
-pub(crate) const AS_COMMAND: &str = "UNRENDER_FUZZ_IS_UNRENDER";
 /// The sides of the photograph, pixels: a recovery takes about a second.
 const SIDE: usize = 24;
 

@@ -3,7 +3,8 @@
 
 use super::super::dice::Dice;
 use super::super::family::Renderer;
-use super::materials::{Kind, Rules, color, material};
+use super::colors::color;
+use super::materials::{Kind, Rules, material};
 use serde_json::{Value, json};
 use unrender::scene::{Material, Rgb};
 

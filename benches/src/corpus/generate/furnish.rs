@@ -2,6 +2,7 @@
 
 use super::super::dice::Dice;
 use super::super::family::{Family, Renderer, Style};
+use super::colors::color;
 use super::materials::{self, Kind, Rules};
 use super::things::{self, Spot, Thing};
 use super::{Plan, PlannedGroup, foreign, lights, room, shapes};
@@ -197,7 +198,7 @@ fn add_shell(plan: &mut Plan, paint: &mut Dice, rules: Rules) {
             (material, foreign) = foreign::reflectance(paint, renderer, rules, part.has_uvs);
         } else if kind == Kind::Diffuse {
             // Walls are brighter than things.
-            material.rho_d = materials::color(paint, 0.25, 0.85);
+            material.rho_d = color(paint, 0.25, 0.85);
         }
         plan.groups.push(PlannedGroup {
             name: part.group.to_owned(),

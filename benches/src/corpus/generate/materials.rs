@@ -1,6 +1,7 @@
 //! Random reflectances of the in-model family: Ward's or GGX's lobe over a diffuse colour.
 
 use super::super::dice::Dice;
+use super::colors::{color, round};
 use super::textures;
 use unrender::scene::{Material, Rgb};
 
@@ -25,20 +26,6 @@ pub(crate) struct Rules {
     pub(crate) alpha_min: f32,
     /// Whether the renderer knows anisotropic lobes of any direction.
     pub(crate) anisotropic: bool,
-}
-
-/// A muted or strong colour whose brightest channel lies between the two.
-pub(crate) fn color(dice: &mut Dice, low: f32, high: f32) -> Rgb {
-    let value = dice.range(low.sqrt(), high.sqrt()).powi(2);
-    let saturation = dice.unit().powi(2) * 0.9;
-    let mut channels = [1.0, 1.0 - saturation * dice.unit(), 1.0 - saturation];
-    dice.shuffle(&mut channels);
-    round(value * Rgb::from_array(channels))
-}
-
-/// To four digits, so that files hold what was rendered.
-fn round(color: Rgb) -> Rgb {
-    (color * 1e4).round() / 1e4
 }
 
 /// A material of the kind.

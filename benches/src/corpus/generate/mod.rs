@@ -4,6 +4,7 @@
 //! of it, with the lights of the photograph or with others. What a plan leaves to chance is drawn from streams of
 //! its own, so that a change of one kind of choice leaves the others as they are.
 
+mod colors;
 mod foreign;
 mod furnish;
 pub(crate) mod lights;

@@ -1,6 +1,7 @@
 //! Textures: checks, stripes, blots, and smooth clouds of two or three colours.
 
 use super::super::dice::Dice;
+use super::colors::color;
 use glam::Vec2;
 use std::sync::Arc;
 use unrender::scene::{Image, Rgb, Texture, Wrap};
@@ -10,7 +11,7 @@ const SIDE: usize = 48;
 
 /// A random texture. Its steps are those of 8 bits, so that a file holds it exactly.
 pub(crate) fn texture(dice: &mut Dice) -> Arc<Texture> {
-    let colors = [(); 3].map(|()| super::materials::color(dice, 0.05, 0.85));
+    let colors = [(); 3].map(|()| color(dice, 0.05, 0.85));
     let pattern = dice.index(4);
     let count = dice.count(2, 5) as f32;
     let turn = Vec2::from_angle(dice.range(0.0, 3.0));

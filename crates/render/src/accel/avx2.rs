@@ -13,8 +13,8 @@
 #![expect(unsafe_code, reason = "AVX2 intrinsics, behind the proof that the processor has AVX2")]
 
 use super::tree::{ChildRef, Node, Tree, WIDTH};
-use super::walk::{self, Boxes, Lanes, RaySlabs, three};
-use super::woop::Triangles4;
+use super::walk::{self, Boxes, Lanes, RaySlabs};
+use super::woop::{Triangles4, three};
 use super::{Hit, Ray};
 use std::arch::x86_64::{
     __m256, _MM_HINT_T0, _mm_prefetch, _mm256_castps_si256, _mm256_castsi256_ps,

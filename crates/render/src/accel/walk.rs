@@ -5,7 +5,7 @@
 //! side widened by its rounding error [Ize 2013].
 
 use super::tree::{ChildRef, Node, Tree, WIDTH};
-use super::woop::ShearedRay;
+use super::woop::{ShearedRay, three};
 use super::{Hit, Ray, build};
 use glam::Vec4;
 use std::mem::MaybeUninit;
@@ -119,13 +119,6 @@ fn boxes<B: Boxes>(proof: B::Proof, ray: &Ray) -> B {
     let near = [negative & 1, negative >> 1 & 1, negative >> 2 & 1];
     let origin = ray.origin.to_array();
     B::new(proof, RaySlabs { origin, inverse: [[x, y, z], far], near })
-}
-
-/// `array::map` that is always inlined: the compiler leaves the library's out of line here, which
-/// costs as much as a box test.
-#[inline(always)]
-pub(super) fn three<T: Copy, U>([x, y, z]: [T; 3], f: impl Fn(T) -> U) -> [U; 3] {
-    [f(x), f(y), f(z)]
 }
 
 /// The children that the ray has still to visit. An entry holds the entry distance, which is not

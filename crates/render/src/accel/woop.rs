@@ -5,7 +5,6 @@
 //! so the ray hits at least one of them. An edge function that is exactly zero is computed again in
 //! double precision.
 
-use super::walk::three;
 use super::{Hit, Ray};
 use glam::{BVec4A, DVec3, Vec3, Vec4};
 
@@ -138,6 +137,13 @@ impl Triangles4 {
     pub(super) fn corners(&self, lane: usize) -> [Vec3; 3] {
         self.corners.map(|c| Vec3::new(c[0][lane], c[1][lane], c[2][lane]))
     }
+}
+
+/// `array::map` that is always inlined: the compiler leaves the library's out of line here, which
+/// costs as much as a box test.
+#[inline(always)]
+pub(super) fn three<T: Copy, U>([x, y, z]: [T; 3], f: impl Fn(T) -> U) -> [U; 3] {
+    [f(x), f(y), f(z)]
 }
 
 /// The lanes in which all three edge functions have the same sign or are zero.

@@ -12,17 +12,13 @@
 //! [`CLUSTERS_MAX`] clusters instead of a tree of them; all are evaluated, several at a time.
 
 use super::LampSphere;
-use super::pool::Emitter;
+use super::pool::{CLUSTERS_MAX, Emitter};
 use crate::lanes::{Vec3x4, dot, set_lane};
 use glam::{Vec3, Vec4};
 use std::f32::consts::PI;
 use unrender_scene::LightKind;
 use unrender_scene::color::luminance;
 
-/// Most clusters. Bounds ignore visibility, so that more clusters would hardly reduce the variance;
-/// with half of them lamps of one ceiling share a cluster, with double of them each sample
-/// evaluates twice as many bounds. A multiple of four: they are evaluated in fours.
-pub(super) const CLUSTERS_MAX: usize = 16;
 /// Clusters of a smaller extent are not split. Positions count in radii of the scene, orientations
 /// in components of the unit axis, so 0.3 is a third of the radius or about 17 degrees. Half of it
 /// makes clusters whose bounds differ little, double of it joins lamps of opposite walls.

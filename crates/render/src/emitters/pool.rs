@@ -1,7 +1,6 @@
 //! Pools of lights: a light of a pool is drawn by its strength, a pool by numbers that each point has for all
 //! of them.
 
-use super::bounds::CLUSTERS_MAX;
 use crate::lanes::{self, total};
 use glam::Vec4;
 
@@ -9,6 +8,10 @@ use glam::Vec4;
 /// visibility: without this share a nearby lamp behind a wall would take nearly all samples. With
 /// half of it such samples are twice as noisy, with double of it those by bounds are.
 const BY_POWER: f32 = 0.2;
+/// Most clusters. Bounds ignore visibility, so that more clusters would hardly reduce the variance;
+/// with half of them lamps of one ceiling share a cluster, with double of them each sample
+/// evaluates twice as many bounds. A multiple of four: they are evaluated in fours.
+pub(super) const CLUSTERS_MAX: usize = 16;
 /// The pool of the directional lights, after all clusters.
 pub(super) const DIRECTIONAL: usize = CLUSTERS_MAX;
 /// The pool of the environment.

@@ -12,7 +12,7 @@ mod programs;
 mod table;
 
 use programs::{Program, compare, our_picture};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use unrender::converted::converted;
 use unrender::formats::export::{self, Shot, Target};
 use unrender::formats::{LightUnits, materials};
@@ -97,31 +97,13 @@ fn rows(
     let size = (width, request.height);
     let conversions = converted(scene, camera, size, target.lobe(scene.brdf));
     let materials: Vec<_> = conversions.iter().map(|c| c.material.clone()).collect();
-    let folder = Folder::new();
+    let folder = tempfile::tempdir()?;
     let shot =
         Shot { scene, materials: &materials, camera, size, light_units: LightUnits::Radiometric };
     let (files, _) = export::export(&shot, target)?;
-    let path = folder.0.join(if target == Target::Gltf { "scene.glb" } else { "scene" });
+    let path = folder.path().join(if target == Target::Gltf { "scene.glb" } else { "scene" });
     export::write(&path, target, &files)?;
     let theirs = program.picture(&path, request.spp)?;
     let ours = our_picture(scene, camera, size, OURS);
     Ok(table::rows(scene, &conversions, &compare(scene, camera, &ours, &theirs, LEAST_PIXELS)))
-}
-
-/// A temporary folder that is removed at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new() -> Self {
-        let path = std::env::temp_dir().join(format!("unrender-verify-{}", std::process::id()));
-        let _ = std::fs::create_dir_all(&path);
-        Self(path)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // A folder that is left behind in the temporary files does no harm.
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
 }

@@ -1,19 +1,19 @@
 //! `unrender recover`: from a project to the materials of its groups.
 
-use crate::engine::{self, Asked, Recovered};
+use crate::engine::{self, Alignment, Asked, Recovered};
 use crate::global::Global;
+use crate::interrupt::{self, Pausable};
 use crate::progress::Progress;
 use crate::recovery_journal::{Head, RecoveryJournal};
-use crate::registration::Alignment;
+use crate::recovery_progress::RecoveryProgress;
 use crate::result_folder::ResultFolder;
-use crate::{Error, Job, Project, interrupt, output, results};
+use crate::{Error, Job, Project, output, results};
 use clap::ValueEnum;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Instant;
 use unrender_formats::Limits;
-use unrender_recover::{LadderKind, Options, Termination, effort};
+use unrender_recover::{Journal, LadderKind, Options, Termination, effort};
 use unrender_remote::Workers;
 use unrender_scene::Hypothesis;
 
@@ -120,7 +120,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let mut job = Job::load(project, warnings)?;
     let head = Head::of(&job, args.choices(global.limits()));
     let journal = RecoveryJournal::open(&args.out, head, args.resume)?;
-    let recovered = match recovered_with(args, &mut job, global, &journal, None) {
+    let recovered = match recovered_with(args, &mut job, global, Some(&journal), None) {
         Ok(recovered) => recovered,
         Err(error) => {
             // Nothing is there to go on with.
@@ -178,7 +178,7 @@ impl Args {
 /// # Errors
 /// If the camera sees nothing, or the anchor cannot fix the exposure.
 pub fn recovered(args: &Args, job: &mut Job, global: &Global) -> Result<Recovered, Error> {
-    recovered_with(args, job, global, &RecoveryJournal::none(), None)
+    recovered_with(args, job, global, None, None)
 }
 
 /// As [`recovered`], with the renderer's work done by `workers`: the bits are the same.
@@ -191,32 +191,37 @@ pub fn recovered_by(
     global: &Global,
     workers: &dyn Workers,
 ) -> Result<Recovered, Error> {
-    recovered_with(args, job, global, &RecoveryJournal::none(), Some(workers))
+    recovered_with(args, job, global, None, Some(workers))
 }
 
 fn recovered_with(
     args: &Args,
     job: &mut Job,
     global: &Global,
-    journal: &RecoveryJournal,
+    journal: Option<&RecoveryJournal>,
     workers: Option<&dyn Workers>,
 ) -> Result<Recovered, Error> {
+    // The number of its pixels then says how many samples the last picture has.
     job.reduce();
     global.console.warn(&job.warnings);
     let pixels = job.photo.radiance.pixels().len();
-    let options = options(args, &job.project, pixels);
+    let asked = Asked {
+        options: options(args, &job.project, pixels),
+        alignment: alignment(args),
+        workers,
+        journal: journal.map(|journal| journal as &dyn Journal),
+    };
     let progress = Progress::new("recover", global);
     let is_full = args.picture == PictureSize::Full && job.side > 1;
     let share = if is_full { 1.0 - FULL_SHARE } else { 1.0 };
-    let asked = Asked { options: &options, alignment: alignment(args), share };
-    let mut recovered = engine::recover(job, &asked, &progress, journal, workers)?;
+    let (ladder, pausable) = (asked.options.ladder, Pausable::new());
+    let mut follower = RecoveryProgress { progress: &progress, ladder, share, pausable, journal };
+    let mut recovered = engine::recover(job, &asked, &mut follower)?;
+    drop(follower);
     if is_full && recovered.recovery.termination != Termination::Interrupted {
-        let started = Instant::now();
-        let tell = |done: f64| {
+        recovered.render_full(job, &|done: f64| {
             progress.work_on("rendering all pixels of the photo", share + done * FULL_SHARE);
-        };
-        recovered.full = Some(results::full_picture::render(job, &recovered, &tell));
-        recovered.times.all += started.elapsed().as_secs_f64();
+        });
     }
     Ok(recovered)
 }

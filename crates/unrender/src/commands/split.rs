@@ -2,7 +2,7 @@
 
 use crate::global::Global;
 use crate::project::Project;
-use crate::results::parts;
+use crate::recovered::parts;
 use crate::run::Run;
 use crate::{Error, interrupt, output};
 use std::path::PathBuf;

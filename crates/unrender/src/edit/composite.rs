@@ -1,7 +1,7 @@
 //! The change of a restaging put into its photograph.
 
 use super::Restaging;
-use super::start::Photograph;
+use super::developed::Photograph;
 use unrender_photo::clipping;
 use unrender_recover::{Observation, Picture};
 use unrender_render::{GeometryBuffers, Tracer};

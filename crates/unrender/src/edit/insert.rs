@@ -1,8 +1,8 @@
 //! `[[insert]]`: models that are put into the scene.
 
+use super::developed::Photograph;
 use super::repaint::RawPaint;
-use super::sheet::Sheet;
-use super::start::Start;
+use super::written::Written;
 use crate::toml_values::{Ground, Place as At, Positive, Size, Way};
 use glam::{EulerRot, Quat, Vec3};
 use serde::Deserialize;
@@ -32,28 +32,28 @@ impl RawInsert {
     /// The edit that it asks for; reads the model.
     pub(super) fn edit(
         &self,
-        sheet: &Sheet,
-        start: &Start,
+        written: &Written,
+        photograph: Option<&Photograph>,
         notes: &mut Warnings,
     ) -> Result<Edit, String> {
-        let path = sheet.path(&self.file);
-        let (model, warnings) = unrender_formats::load_model(Input::new(&path, sheet.limits()))
+        let path = written.path(&self.file);
+        let (model, warnings) = unrender_formats::load_model(Input::new(&path, written.limits))
             .map_err(|error| error.to_string())?;
         notes.extend(warnings);
         let stem = || self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let turn = self.rotation_deg.map_or(Vec3::ZERO, |turn| turn.0.map(f32::to_radians));
-        let paint = self.material.iter().map(|material| material.of_model(sheet, notes));
+        let paint = self.material.iter().map(|material| material.of_model(written, notes));
         Ok(Edit::Insert(Insert {
             paint: paint.collect::<Result<_, String>>()?,
             name: self.name.clone().unwrap_or_else(stem),
             model,
             rotation: Quat::from_euler(EulerRot::ZYX, turn.z, turn.y, turn.x),
             scale: self.scale.map_or(1.0, |scale| scale.0),
-            place: self.place(start)?,
+            place: self.place(photograph)?,
         }))
     }
 
-    fn place(&self, start: &Start) -> Result<Place, String> {
+    fn place(&self, photograph: Option<&Photograph>) -> Result<Place, String> {
         match (self.position, self.at, self.pixel) {
             (Some(position), None, None) if self.on.is_none() => Ok(Place::At(position.0)),
             (None, Some(at), None) => {
@@ -61,7 +61,8 @@ impl RawInsert {
                     self.on.clone().ok_or("at = [x, z] needs on = \"GROUP\" to stand on")?;
                 Ok(Place::Onto { group, x: at.0.x, z: at.0.y })
             }
-            (None, None, Some(pixel)) => self.seen_at(pixel, start),
+            (None, None, Some(pixel)) => self
+                .seen_at(pixel, photograph.ok_or("pixel needs the photograph; name the project")?),
             _ => Err("give one place: position = [x, y, z]; on = \"GROUP\" with at = [x, z]; or \
                       pixel = [x, y]"
                 .into()),
@@ -69,9 +70,7 @@ impl RawInsert {
     }
 
     /// Where the photograph shows `pixel`.
-    fn seen_at(&self, Size(pixel): Size, start: &Start) -> Result<Place, String> {
-        let photograph = start.photograph.as_ref();
-        let photograph = photograph.ok_or("pixel needs the photograph; name the project")?;
+    fn seen_at(&self, Size(pixel): Size, photograph: &Photograph) -> Result<Place, String> {
         let (camera, (width, height)) = (&photograph.camera, photograph.size());
         if !(0.0..width as f32).contains(&pixel.x) || !(0.0..height as f32).contains(&pixel.y) {
             return Err(format!("pixel is {pixel}, outside the photograph of {width} x {height}"));

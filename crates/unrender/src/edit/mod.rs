@@ -1,11 +1,14 @@
 //! The edit file and the flags that stand for a line of it, understood.
 //!
-//! `sheet` is one file or flag with the lines that errors name, `raw` the list of its tables. Each
-//! kind of edit (`remove`, `repaint`, `insert`, `view`) says in one file how it is written and
+//! `sheet` is one file or flag: where that is, with the lines that errors name (`written`), and its tables (`raw`).
+//! Each kind of edit (`remove`, `repaint`, `insert`, `view`) says in one file how it is written and
 //! which edit of `unrender-restage` it is; lights and environments, which projects have too, do so
-//! in `lighting`. `start` reads the scene and the photograph that the edits are made to.
+//! in `lighting`. `edits` collects them all. `start` reads the scene and the photograph (`developed`) that the edits
+//! are made to.
 
 mod composite;
+mod developed;
+mod edits;
 mod insert;
 mod raw;
 mod remove;
@@ -13,10 +16,12 @@ mod repaint;
 mod sheet;
 mod start;
 mod view;
+mod written;
 
 pub use composite::Composite;
+pub use developed::Photograph;
 pub use sheet::{Flag, Sheet};
-pub use start::{Photograph, Start};
+pub use start::Start;
 pub use view::View;
 
 use crate::Error;
@@ -51,7 +56,7 @@ impl Restaging {
     /// If a file cannot be used, or an edit does not fit the scene; the message names the line.
     pub fn load(sheets: &[Sheet]) -> Result<Self, Error> {
         let (start, mut warnings) = Start::load(sheets)?;
-        let edits = raw::edits(sheets, &start, &mut warnings)?;
+        let edits = edits::all(sheets, start.photograph.as_ref(), &mut warnings)?;
         let (places, edits): (Vec<String>, Vec<Edit>) = edits.into_iter().unzip();
         let mut after = start.scene.clone();
         let mut change = unrender_restage::apply(&mut after, &edits).map_err(|error| {

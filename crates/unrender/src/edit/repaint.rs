@@ -1,6 +1,6 @@
 //! `[[repaint]]` and `[[insert.material]]`: materials that are changed.
 
-use super::sheet::Sheet;
+use super::written::Written;
 use crate::toml_values::{Finite, NotNegative, Reflectance};
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -29,10 +29,10 @@ pub(super) struct RawPaint {
 
 impl RawPaint {
     /// The edit that an entry of `[[repaint]]` asks for.
-    pub(super) fn edit(&self, sheet: &Sheet, notes: &mut Warnings) -> Result<Edit, String> {
+    pub(super) fn edit(&self, written: &Written, notes: &mut Warnings) -> Result<Edit, String> {
         match (&self.group, &self.name) {
             (Some(group), None) => {
-                let paint = self.paint(sheet, notes)?;
+                let paint = self.paint(written, notes)?;
                 Ok(Edit::Repaint(Repaint { group: group.clone(), paint }))
             }
             _ => Err("repaint: name what is repainted by group = \"GROUP\"".into()),
@@ -42,16 +42,16 @@ impl RawPaint {
     /// The paint of an entry of `[[insert.material]]`, and the material that gets it.
     pub(super) fn of_model(
         &self,
-        sheet: &Sheet,
+        written: &Written,
         notes: &mut Warnings,
     ) -> Result<(Option<String>, Paint), String> {
         match &self.group {
-            None => Ok((self.name.clone(), self.paint(sheet, notes)?)),
+            None => Ok((self.name.clone(), self.paint(written, notes)?)),
             Some(_) => Err("material: name the model's material by name = \"NAME\"".into()),
         }
     }
 
-    fn paint(&self, sheet: &Sheet, notes: &mut Warnings) -> Result<Paint, String> {
+    fn paint(&self, written: &Written, notes: &mut Warnings) -> Result<Paint, String> {
         if self.alpha.is_some() && (self.alpha_x.is_some() || self.alpha_y.is_some()) {
             return Err("give alpha, or alpha_x and alpha_y".into());
         }
@@ -60,7 +60,7 @@ impl RawPaint {
         }
         let texture = match &self.texture {
             Some(path) => {
-                let read = materials::read_texture(Input::new(&sheet.path(path), sheet.limits()));
+                let read = materials::read_texture(Input::new(&written.path(path), written.limits));
                 let (image, warnings) = read.map_err(|error| error.to_string())?;
                 notes.extend(warnings);
                 let (wrap_u, wrap_v) = (Wrap::Repeat, Wrap::Repeat);

@@ -1,8 +1,8 @@
 //! One edit file, or one flag that stands for a line of it.
 
 use super::raw::RawEdits;
+use super::written::{self, Written};
 use crate::Error;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use unrender_formats::{FileError, LightUnits, Limits, input};
@@ -11,16 +11,9 @@ use unrender_scene::Scene;
 /// Edits as they are written, with what messages call their place.
 #[derive(Debug)]
 pub struct Sheet {
-    /// What messages call it: the file, or the flag.
-    name: String,
-    /// Its text, where lines mean something.
-    text: Option<String>,
-    /// Where its paths start.
-    folder: PathBuf,
+    /// Where they are written.
+    pub(super) written: Written,
     pub(super) raw: RawEdits,
-    limits: Limits,
-    light_units: Option<LightUnits>,
-    scene: Option<Arc<Scene>>,
 }
 
 /// The flags that stand for one edit.
@@ -79,11 +72,9 @@ impl Sheet {
     pub fn read(path: &Path) -> Result<Self, FileError> {
         let text = input::text(path).map_err(|error| FileError::because(path, "", error))?;
         let raw = toml::from_str(&text).map_err(|error| {
-            FileError::new(path, with_line(&text, error.span(), error.message()))
+            FileError::new(path, written::with_line(&text, error.span(), error.message()))
         })?;
-        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        let (name, limits) = (path.display().to_string(), Limits::default());
-        Ok(Self { name, text: Some(text), folder, raw, limits, light_units: None, scene: None })
+        Ok(Self { written: Written::of_file(path, text), raw })
     }
 
     /// The edit that a flag with this value stands for.
@@ -100,39 +91,23 @@ impl Sheet {
         let name = format!("{written} '{value}'");
         let raw = toml::from_str(&text)
             .map_err(|error| Error::Request(format!("{name}: {}", error.message())))?;
-        let (folder, limits) = (PathBuf::new(), Limits::default());
-        Ok(Self { name, text: None, folder, raw, limits, light_units: None, scene: None })
+        Ok(Self { written: Written::of_flag(name), raw })
     }
 
     /// The same, the reading of whose files may go so far.
     pub fn within(self, limits: Limits) -> Self {
-        Self { limits, ..self }
+        Self { written: Written { limits, ..self.written }, ..self }
     }
 
     /// The same, the lights of whose scene are in these units, if they are stated.
     pub fn in_light_units(self, light_units: Option<LightUnits>) -> Self {
-        Self { light_units, ..self }
+        Self { written: Written { light_units, ..self.written }, ..self }
     }
 
     /// The same, of a caller who has the scene to start from in memory: it takes the place of the file that `scene`
     /// names.
     pub fn with_scene(self, scene: Option<Arc<Scene>>) -> Self {
-        Self { scene, ..self }
-    }
-
-    /// The scene that takes the place of the file that `scene` names.
-    pub(super) fn scene(&self) -> Option<&Scene> {
-        self.scene.as_deref()
-    }
-
-    /// The units of the lights of the scene to start from, where they are stated.
-    pub(super) fn light_units(&self) -> Option<LightUnits> {
-        self.light_units
-    }
-
-    /// How far the reading of its files may go.
-    pub(super) fn limits(&self) -> Limits {
-        self.limits
+        Self { written: Written { scene, ..self.written }, ..self }
     }
 
     /// The files that it names, and itself.
@@ -146,33 +121,8 @@ impl Sheet {
         let painted = raw.repaint.iter().map(|repaint| repaint.get_ref()).chain(materials);
         let painted = painted.filter_map(|paint| paint.texture.as_ref());
         let named = stated.chain(inserted).chain(around).chain(painted);
-        let own = self.text.as_ref().map(|_| PathBuf::from(&self.name));
-        named.map(|path| self.path(path)).chain(own).collect()
+        named.map(|path| self.written.path(path)).chain(self.written.file()).collect()
     }
-
-    /// What messages call the place of `span`.
-    pub(super) fn place(&self, span: Range<usize>) -> String {
-        match &self.text {
-            Some(text) => format!("{}: line {}", self.name, line(text, span.start)),
-            None => self.name.clone(),
-        }
-    }
-
-    /// The file that a path of this sheet means.
-    pub(super) fn path(&self, path: &Path) -> PathBuf {
-        self.folder.join(path)
-    }
-}
-
-fn line(text: &str, offset: usize) -> usize {
-    text.get(..offset).map_or(1, |before| before.matches('\n').count() + 1)
-}
-
-fn with_line(text: &str, span: Option<Range<usize>>, message: &str) -> String {
-    let Some(span) = span else { return message.to_owned() };
-    let number = line(text, span.start);
-    let shown = text.lines().nth(number - 1).unwrap_or_default().trim();
-    format!("line {number}, `{shown}`: {message}")
 }
 
 #[cfg(test)]

@@ -1,13 +1,13 @@
 //! What the edits are made to: a scene in its materials, and the photograph of it.
 
+use super::developed::Photograph;
 use super::sheet::Sheet;
 use crate::project::CameraTable;
 use crate::{Error, Job, Project, job, result_folder, run};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
-use unrender_formats::picture::Picture;
 use unrender_formats::{FileError, Input, LightUnits, Limits, materials};
-use unrender_photo::{Exposure, Photo, Transfer};
+use unrender_photo::Exposure;
 use unrender_scene::{Camera, Rgb, Scene, Warnings};
 
 /// The scene before the edits.
@@ -21,26 +21,6 @@ pub struct Start {
     pub photograph: Option<Photograph>,
 }
 
-/// The photograph, and the camera that took it.
-#[derive(Debug)]
-pub struct Photograph {
-    /// The code values of the file.
-    pub picture: Picture,
-    /// The photograph as radiance.
-    pub photo: Photo,
-    /// What turns radiance into its code values, and back.
-    pub transfer: Transfer,
-    /// The camera.
-    pub camera: Camera,
-}
-
-impl Photograph {
-    /// Width and height in pixels.
-    pub fn size(&self) -> (usize, usize) {
-        (self.picture.values.width(), self.picture.values.height())
-    }
-}
-
 /// The one path that `sheets` give for a key, and what messages call its place.
 fn stated<'a>(
     sheets: &'a [Sheet],
@@ -48,7 +28,7 @@ fn stated<'a>(
 ) -> Option<(PathBuf, &'a Sheet, String)> {
     let of_sheet = |sheet: &'a Sheet| {
         let path = key(sheet)?;
-        Some((sheet.path(path.get_ref()), sheet, sheet.place(path.span())))
+        Some((sheet.written.path(path.get_ref()), sheet, sheet.written.place(path.span())))
     };
     // A flag, which comes behind the file, counts before it.
     sheets.iter().rev().find_map(of_sheet)
@@ -64,8 +44,8 @@ impl Start {
         let project = stated(sheets, |s| s.raw.project.as_ref());
         let scene = stated(sheets, |s| s.raw.scene.as_ref());
         let own = stated(sheets, |s| s.raw.materials.as_ref()).map(|m| m.0);
-        let limits = sheets.first().map_or_else(Limits::default, Sheet::limits);
-        let light_units = sheets.first().and_then(Sheet::light_units);
+        let limits = sheets.first().map_or_else(Limits::default, |sheet| sheet.written.limits);
+        let light_units = sheets.first().and_then(|sheet| sheet.written.light_units);
         if let Some((folder, ..)) = &recovered {
             result_folder::check(folder)?;
         }
@@ -87,7 +67,7 @@ impl Start {
         }
         let run = recovered.as_ref().filter(|_| scene.is_none()).map(|r| r.0.join("run.json"));
         let around = run.map(|run| run::recovered_environment(&run)).transpose()?.flatten();
-        let given = scene.as_ref().and_then(|(_, sheet, _)| sheet.scene());
+        let given = scene.as_ref().and_then(|(_, sheet, _)| sheet.written.scene.as_deref());
         let scene = scene.map(|s| s.0).or(recovered.map(|(folder, ..)| folder.join("scene.glb")));
         let scene = scene.ok_or_else(|| {
             Error::Request(

@@ -67,7 +67,7 @@ pub(super) fn choose(sheets: &[Sheet], start: &Start) -> Result<View, Error> {
             }
         });
     };
-    let place = sheet.place(value.span());
+    let place = sheet.written.place(value.span());
     let fault = |problem: String| Error::Request(format!("{place}: {problem}"));
     match value.get_ref() {
         Value::String(name) => {

@@ -1,8 +1,8 @@
 //! What a project expects of a group's numbers: the keys `rho_d`, `rho_s`, `alpha_x`, `alpha_y` and
 //! `theta_deg` of `[groups.NAME]`, each with a start and, but for the direction, with bounds.
 
-use super::parse::{number, reflectance};
 use super::raw::{RawBounds, RawGroup, RawStart};
+use super::values::{number, reflectance};
 use std::collections::BTreeMap;
 use toml::Value;
 use unrender_recover::Expected;

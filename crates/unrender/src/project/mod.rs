@@ -13,6 +13,7 @@ mod parse;
 mod photograph;
 mod raw;
 mod rungs;
+mod values;
 
 pub(crate) use calibrated::{Found, Photographed};
 pub use camera::{CameraTable, Stand};

@@ -1,7 +1,7 @@
 //! What a project says of how its photograph was made: response, black and white level, vignetting.
 
-use super::parse::{number, triple};
 use super::raw::{RawBracket, RawPhoto};
+use super::values::{number, triple};
 use std::path::{Path, PathBuf};
 use toml::Value;
 use unrender_photo::{Response, vignetting};

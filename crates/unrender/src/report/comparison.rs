@@ -1,7 +1,7 @@
 //! Two pictures in one frame: a divider that is dragged or moved by keys, and a flicker between the
 //! two.
 
-use super::gallery::Exhibit;
+use super::exhibit::Exhibit;
 use super::{RunFolder, embed, under};
 use crate::Error;
 use maud::{Markup, html};

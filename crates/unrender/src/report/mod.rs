@@ -11,6 +11,7 @@ mod comparison;
 mod convergence;
 mod embed;
 mod errors;
+mod exhibit;
 mod facts;
 mod gallery;
 mod group_map;
@@ -24,7 +25,8 @@ mod side_by_side;
 mod unknowable;
 mod valid;
 
-pub use gallery::{Exhibit, gallery};
+pub use exhibit::Exhibit;
+pub use gallery::gallery;
 
 use crate::Error;
 use crate::run::Run;

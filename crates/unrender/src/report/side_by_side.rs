@@ -1,6 +1,6 @@
 //! Several recoveries side by side: their pictures, their convergence, and their groups.
 
-use super::gallery::{Exhibit, figure};
+use super::exhibit::{Exhibit, figure};
 use super::number::{Shown, number, percent};
 use super::plot::{Axis, Curve, plot};
 use super::{RunFolder, head, parameters};

@@ -1,21 +1,17 @@
 //! What `recover` leaves in its folder, and the tables that it and `calibrate` print.
 
-mod alike;
-mod around;
 mod ball;
 mod calibration;
 mod dark;
 mod error_picture;
-pub(crate) mod full_picture;
 mod group_picture;
-mod materials_file;
 mod memory;
-pub(crate) mod parts;
 pub(crate) mod restaged;
 mod run_file;
 mod scale_bar;
 mod status_picture;
 mod summary;
+mod textures;
 
 pub(crate) use calibration::calibration;
 pub(crate) use summary::summary;
@@ -26,37 +22,11 @@ use crate::listener::Console;
 use crate::run::{Pictures, Run};
 use crate::{Error, Job, report};
 use std::path::Path;
-use unrender_formats::materials::MaterialsFile;
 use unrender_formats::{FileError, atomic, gltf, materials, picture};
-use unrender_photo::develop;
 use unrender_scene::color::srgb_from_linear;
-use unrender_scene::{Rgb, RgbImage, Scene, Warnings};
+use unrender_scene::{Rgb, Warnings};
 
 impl Recovered {
-    /// The contents of materials.json, without the names of textures.
-    pub fn materials(&self, job: &Job) -> MaterialsFile {
-        materials_file::build(job, self)
-    }
-
-    /// The scene of `job` with the recovered materials and lights.
-    pub fn scene(&self, job: &Job) -> Scene {
-        with_recovered_materials(job, self)
-    }
-
-    /// The re-rendering, radiance: in all pixels of the photograph where that was asked for, else at the size at which it
-    /// was worked on.
-    pub fn rerendered(&self) -> &RgbImage {
-        self.full.as_ref().unwrap_or(&self.recovery.rerendered)
-    }
-
-    /// The photograph of `job`, developed, at the same size.
-    pub fn photo(&self, job: &Job) -> RgbImage {
-        match &self.full {
-            Some(_) => develop(&job.picture, &job.transfer).radiance,
-            None => job.photo.radiance.clone(),
-        }
-    }
-
     /// The table that the command prints.
     pub fn summary(&self, job: &Job) -> String {
         summary(job, self)
@@ -86,7 +56,7 @@ pub(crate) fn write(
     crate::output::prepare_folder(&folder.join(REPORT_FOLDER))?;
     let recovery = &recovered.recovery;
     let mut bad = 0;
-    let file = materials_file::write_textures(job, recovered, folder, &mut bad)?;
+    let file = textures::write(job, recovered, folder, &mut bad)?;
     bad += picture::write_exr(&folder.join("rerendered.exr"), recovered.rerendered())?;
     let pictures = write_pictures(job, recovered, folder, &mut bad)?;
     let balls = ball::write(job, recovery, folder)?;
@@ -156,25 +126,10 @@ fn hex(color: Rgb) -> String {
 /// The bytes of scene.glb. A file of the user keeps what it has beside, unless the project puts
 /// lights elsewhere than it has them.
 fn scene_file(job: &Job, recovered: &Recovered) -> Result<Vec<u8>, FileError> {
-    let (scene, path) = (with_recovered_materials(job, recovered), &job.project.scene);
+    let (scene, path) = (recovered.scene(job), &job.project.scene);
     // A scene that was handed over in memory has no file.
     if job.project.rebuilds_lights() || !path.exists() {
         return gltf::to_glb(&scene).map_err(|error| FileError::new(path, error));
     }
     unrender_formats::assign_materials(job.project.scene_input(), &scene)
-}
-
-/// The scene with the recovered materials on.
-pub(crate) fn with_recovered_materials(job: &Job, recovered: &Recovered) -> Scene {
-    let mut scene = job.scene.clone();
-    for (object, group) in scene.objects.iter_mut().zip(&job.own_groups) {
-        object.group = *group;
-    }
-    for (group, result) in scene.groups.iter_mut().zip(&recovered.recovery.groups) {
-        group.material = result.material.clone();
-    }
-    for light in &recovered.recovery.lights {
-        scene.scale_source(light.source, light.factor);
-    }
-    scene
 }

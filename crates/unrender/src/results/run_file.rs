@@ -1,10 +1,11 @@
 //! The records of a recovery as run.json has them.
 
-use super::{alike, memory, parts};
+use super::memory;
 use crate::Job;
 use crate::engine::Recovered;
 use crate::lighting::EnvironmentChoice;
 use crate::project::CameraTable;
+use crate::recovered::parts;
 use crate::run::{
     CandidateEntry, GroupIterationEntry, Input, IterationEntry, LeftOut, Pictures, Program,
     RegistrationEntry, Run, RunGroup, SettingsEntry, Stages, VERSION,
@@ -26,9 +27,9 @@ pub(super) fn build(
 ) -> Run {
     let recovery = &recovered.recovery;
     let iterations = recovery.iterations.iter().zip(&recovered.times.iterations);
-    let (parts, labels) = (parts::find(job, recovered), parts::labels(&job.scene));
+    let (parts, labels) = (recovered.parts(job), parts::labels(&job.scene));
     let named = |part: &Vec<usize>| part.iter().map(|object| labels[*object].clone()).collect();
-    let alike = alike::find(&job.project, &recovery.groups);
+    let alike = recovered.alike(job);
     let groups = recovery.groups.iter().enumerate().map(|(index, result)| {
         let agrees_with = alike.get(result.name.as_str()).into_iter().flatten();
         let entry = materials.groups.get(&result.name).cloned().unwrap_or_default();

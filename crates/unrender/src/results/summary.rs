@@ -1,8 +1,7 @@
 //! The table at the end: what a person wants to know in ten seconds. Black lamps are left out.
 
-use super::{alike, materials_file, parts};
 use crate::Job;
-use crate::engine::Recovered;
+use crate::recovered::{Recovered, entries, parts};
 use crate::text_table::table;
 use unrender_formats::materials::{PhotographEntry, StatusEntry};
 use unrender_recover::{GroupResult, Recovery, Status};
@@ -26,7 +25,7 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
     let mut lines = vec![header.map(str::to_owned)];
     lines.extend(groups);
     let mut text = table(&lines);
-    for (name, light) in materials_file::lights(job, recovered) {
+    for (name, light) in entries::lights(job, recovered) {
         let [found, std] =
             [light.intensity, light.std].map(|v| rgb(Rgb::from_array(v.unwrap_or_default())));
         let what = if light.panorama.is_some() { "mean radiance" } else { "intensity" };
@@ -39,7 +38,7 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
         }
     }
     let labels = parts::labels(&job.scene);
-    for (group, parts) in parts::find(job, recovered) {
+    for (group, parts) in recovered.parts(job) {
         let named = |part: &Vec<usize>| {
             part.iter().map(|object| labels[*object].as_str()).collect::<Vec<_>>().join(", ")
         };
@@ -50,7 +49,7 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
             parts.iter().map(named).collect::<Vec<_>>().join(" | ")
         ));
     }
-    for (name, others) in alike::find(&job.project, &recovery.groups) {
+    for (name, others) in recovered.alike(job) {
         // Each pair once.
         let others: Vec<&str> = others.into_iter().filter(|other| *other > name).collect();
         if !others.is_empty() {
@@ -117,7 +116,7 @@ fn row(job: &Job, group: &GroupResult) -> [String; 8] {
     let material = &group.material;
     let dash = || "-".to_owned();
     let specular = material.rho_s.max_element() > 0.0;
-    let hypothesis = match materials_file::status(job, group) {
+    let hypothesis = match entries::status(job, group) {
         StatusEntry::Of(Status::Recovered) => group.hypothesis.to_string(),
         other => format!("{} ({other})", group.hypothesis),
     };

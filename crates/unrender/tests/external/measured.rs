@@ -1,6 +1,7 @@
 //! Photographs that are not part of the repository: they lie in `shared/data` beside it.
 
 use crate::kit::example::{Limits, beside_crates, recovers};
+use crate::kit::folder::Folder;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use unrender::formats::{load_scene, materials};
@@ -59,8 +60,8 @@ const WHITE: [&str; 3] = ["back_wall", "floor", "ceiling"];
 
 /// The largest relative error of a recovery with `flags`.
 fn error(data: &Path, flags: &[&str]) -> f64 {
-    let name = format!("unrender-{}-photo{}", std::process::id(), flags.concat());
-    let out = std::env::temp_dir().join(name);
+    let folder = Folder::new();
+    let out = folder.path("out");
     let mut recover = Command::new(env!("CARGO_BIN_EXE_unrender"));
     recover.arg("recover").arg(data.join("photo0/project.toml")).arg("--out").arg(&out);
     recover.args(["--quiet", "--spp", "2"]).args(flags);
@@ -77,7 +78,6 @@ fn error(data: &Path, flags: &[&str]) -> f64 {
     let color = measured("green_over_white", 0) / measured("green_over_white", 1);
     let green = (green[0] / white(0)) / (green[1] / white(1)) / color - 1.0;
     println!("{flags:?}: red wall {:+.3} {:+.3}, green wall's colour {green:+.3}", red[0], red[1]);
-    let _ = std::fs::remove_dir_all(out);
     red.into_iter().chain([green]).map(f64::abs).fold(0.0, f64::max)
 }
 

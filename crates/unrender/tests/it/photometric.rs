@@ -1,126 +1,50 @@
 //! Gamma and vignetting from the photograph itself: a room photographed by a camera of known
 //! response and lens must give both back, and the reflectances with them.
 
-use glam::{Vec2, Vec3};
-use std::path::PathBuf;
+use crate::kit::coloured_room::{EXPOSURE, RHO, codes, room};
+use crate::kit::folder::Folder;
+use glam::Vec3;
 use std::process::Command;
 use unrender::formats::materials::MaterialsFile;
+use unrender::formats::picture::Depth;
 use unrender::formats::{gltf, materials, picture};
 use unrender::photo::vignetting::Law;
-use unrender::photo::{Response, Transfer, Vignetting};
-use unrender::render::{Settings, Tracer};
-use unrender::scene::{
-    Camera, Group, Light, LightKind, Material, Mesh, Object, Rgb, RgbImage, Scene, WardModel, color,
-};
+use unrender::scene::{Light, LightKind, Rgb, Scene};
 
 const SIZE: (usize, usize) = (72, 60);
-const EXPOSURE: f32 = 2.4;
-const RHO: [(&str, [f32; 3]); 5] = [
-    ("floor", [0.5, 0.4, 0.3]),
-    ("back", [0.7, 0.7, 0.7]),
-    ("left", [0.6, 0.2, 0.15]),
-    ("right", [0.2, 0.5, 0.3]),
-    ("ceiling", [0.8, 0.8, 0.8]),
-];
-
-/// A square about `centre`, its front towards `normal`.
-fn square(group: usize, centre: Vec3, normal: Vec3, half: f32) -> Object {
-    let x = if normal.x.abs() > 0.5 { Vec3::Z } else { Vec3::X };
-    let y = normal.cross(x);
-    let corner = |u: f32, v: f32| centre + half * (u * x + v * y);
-    let positions =
-        vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
-    let mesh = Mesh {
-        normals: vec![normal; 4],
-        tangents: vec![x.extend(1.0); 4],
-        uvs: vec![Vec2::ZERO; 4],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        positions,
-    };
-    Object { name: format!("square {group}"), group, mesh }
-}
-
-fn room() -> Scene {
-    let camera = Camera::look_at(
-        "camera",
-        Vec3::new(0.1, 0.0, 2.6),
-        Vec3::new(0.0, -0.05, 0.0),
-        Vec3::Y,
-        0.9,
-    );
-    let group = |(name, rho_d): (&str, [f32; 3])| Group {
-        name: name.to_owned(),
-        material: Material::diffuse(Rgb::from_array(rho_d)),
-        emission: Rgb::ZERO,
-    };
-    let lamp = Group { emission: Rgb::splat(12.0), ..group(("lamp", [0.0; 3])) };
-    let mut scene = Scene {
-        objects: vec![
-            square(0, Vec3::NEG_Y, Vec3::Y, 1.0),
-            square(1, Vec3::NEG_Z, Vec3::Z, 1.0),
-            square(2, Vec3::NEG_X, Vec3::X, 1.0),
-            square(3, Vec3::X, Vec3::NEG_X, 1.0),
-            square(4, Vec3::Y, Vec3::NEG_Y, 1.0),
-            square(5, 0.98 * Vec3::Y, Vec3::NEG_Y, 0.3),
-        ],
-        groups: RHO.into_iter().map(group).chain([lamp]).collect(),
-        cameras: vec![camera],
-        brdf: WardModel::WardGmd.into(),
-        ..Scene::default()
-    };
-    scene.validate().unwrap();
-    scene
-}
 
 /// A folder with a project of the 8-bit photograph that a camera of this gamma and lens takes.
-struct Shot(PathBuf);
+struct Shot(Folder);
 
 impl Shot {
-    fn new(test: &str, scene: &Scene, gamma: f32, law: Option<Law>, settings: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("unrender-{}-{test}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
-        let camera = scene.cameras[0].clone();
-        let render = Settings { spp: 256, seed: 77, ..Settings::default() };
-        let tracer = Tracer::new(scene);
-        let radiance = tracer.render(&scene.materials(), &camera, SIZE, &render, &|_| {}).mean;
-        let vignetting = law.map(|law| Vignetting { law, camera, size: SIZE });
-        let exposure = Rgb::splat(EXPOSURE);
-        let transfer = Transfer { vignetting, ..Transfer::plain(Response::Gamma(gamma), exposure) };
-        // The writer encodes by sRGB and rounds to 8 bits.
-        let decoded = |code: Rgb| Rgb::from_array(code.to_array().map(color::linear_from_srgb));
-        let as_linear: RgbImage = transfer.codes(&radiance).map(|code| decoded(*code));
-        picture::write(&folder.join("photo.png"), &as_linear).unwrap();
-        std::fs::write(folder.join("scene.glb"), gltf::to_glb(scene).unwrap()).unwrap();
+    fn new(scene: &Scene, gamma: f32, law: Option<Law>, settings: &str) -> Self {
+        let folder = Folder::new();
+        let codes = codes(scene, &scene.cameras[0], SIZE, (gamma, law));
+        picture::write_png_codes(&folder.path("photo.png"), &codes, Depth::Eight).unwrap();
+        folder.write("scene.glb", &gltf::to_glb(scene).unwrap());
         let text = format!(
             "scene = \"scene.glb\"\nphoto = \"photo.png\"\nexposure = {EXPOSURE}\n{settings}\n\
              [groups.back]\nknown = {{ rho_d = 0.7 }}\n"
         );
-        std::fs::write(folder.join("project.toml"), text).unwrap();
+        folder.write("project.toml", &text);
         Self(folder)
     }
 
     /// Takes the back wall's reflectance out of the project.
     fn forget_the_back(&mut self) {
-        let path = self.0.join("project.toml");
+        let path = self.0.path("project.toml");
         let text = std::fs::read_to_string(&path).unwrap();
         std::fs::write(path, &text[..text.find("[groups.back]").unwrap()]).unwrap();
     }
 
     fn recover(&self) -> MaterialsFile {
-        let out = self.0.join("out");
+        let out = self.0.path("out");
         let mut recover = Command::new(env!("CARGO_BIN_EXE_unrender"));
-        recover.arg("recover").arg(self.0.join("project.toml")).arg("--out").arg(&out);
+        recover.arg("recover").arg(self.0.path("project.toml")).arg("--out").arg(&out);
         let output = recover.args(["--effort", "draft", "--spp", "4"]).output().unwrap();
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         println!("{}{}", text(&output.stderr), text(&output.stdout));
         materials::read(&out.join("materials.json")).unwrap()
-    }
-}
-
-impl Drop for Shot {
-    fn drop(&mut self) {
-        // A folder that is left behind in the temporary files does no harm.
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 
@@ -147,7 +71,7 @@ fn assert_near(found: f64, truth: f64, std: f64, deviations: f64) {
 #[test]
 #[ignore = "slow: gamma and vignetting together are found on every run"]
 fn a_gamma_comes_back_and_the_reflectances_with_it() {
-    let found = Shot::new("gamma", &room(), 1.8, None, "response = \"auto\"").recover();
+    let found = Shot::new(&room(), 1.8, None, "response = \"auto\"").recover();
     let photograph = found.photograph.as_ref().unwrap();
     let std = photograph.std.as_ref().unwrap().gamma.unwrap();
     assert!(std < 0.002, "{std}");
@@ -158,7 +82,7 @@ fn a_gamma_comes_back_and_the_reflectances_with_it() {
 
 #[test]
 fn gamma_and_vignetting_come_back_together() {
-    let found = Shot::new("both", &room(), 2.4, Some(LAW), BOTH).recover();
+    let found = Shot::new(&room(), 2.4, Some(LAW), BOTH).recover();
     let photograph = found.photograph.as_ref().unwrap();
     let std = photograph.std.as_ref().unwrap();
     assert_near(photograph.gamma.unwrap(), 2.4, std.gamma.unwrap(), 3.0);
@@ -176,7 +100,7 @@ fn gamma_and_vignetting_come_back_together() {
 #[ignore = "slow: one more recovery"]
 fn a_wrong_gamma_spoils_the_reflectances() {
     let ordinary = "response = { gamma = 2.2 }";
-    let found = Shot::new("believed", &room(), 2.4, Some(LAW), ordinary).recover();
+    let found = Shot::new(&room(), 2.4, Some(LAW), ordinary).recover();
     assert_eq!(found.photograph, None);
     assert!(worst(&found) > 5.0 * BOTH_RHO, "{}", worst(&found));
 }
@@ -189,7 +113,7 @@ fn a_wall_of_one_colour_in_even_light_tells_nothing() {
     scene.objects.remove(0);
     let kind = LightKind::Directional { direction: Vec3::NEG_Z, irradiance: Rgb::splat(3.0) };
     scene.lights = vec![Light { name: "sun".into(), kind }];
-    let mut shot = Shot::new("even", &scene, 1.8, None, "response = \"auto\"");
+    let mut shot = Shot::new(&scene, 1.8, None, "response = \"auto\"");
     shot.forget_the_back();
     let photograph = shot.recover().photograph.unwrap();
     let std = photograph.std.unwrap().gamma.unwrap();

@@ -1,5 +1,6 @@
 //! Scores of made-up results against made-up truths.
 
+use crate::kit::folder::Folder;
 use std::path::Path;
 use unrender::formats::materials::MaterialsFile;
 use unrender::score::{
@@ -187,8 +188,8 @@ fn limits_hypotheses_and_missing_groups_are_held() {
 fn textures_are_compared_by_their_texels() {
     use unrender::formats::picture;
     use unrender::scene::{Image, Rgb};
-    let folder = std::env::temp_dir().join(format!("unrender-score-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
+    let folder = Folder::new();
+    let folder = folder.root();
     let stripes = |off: f32| {
         Image::from_fn(4, 4, move |x, _| Rgb::splat(if x < 2 { 0.2 } else { 0.6 + off }))
     };
@@ -197,7 +198,7 @@ fn textures_are_compared_by_their_texels() {
     let truth = parsed(r#""a": {"hypothesis": "textured", "texture": "t.png"}"#);
     let against = |entry: &str| {
         let found = parsed(&format!("\"a\": {entry}"));
-        score(&found, &folder, &truth, &folder).unwrap().remove(0)
+        score(&found, folder, &truth, folder).unwrap().remove(0)
     };
     assert!(near(against(r#"{"texture": "f.png"}"#).rho_d, 0.05));
     assert!(near(against(r#"{"rho_d": [0.4, 0.4, 0.4]}"#).rho_d, 0.2));
@@ -205,5 +206,4 @@ fn textures_are_compared_by_their_texels() {
     let score = against(r#"{"texture": "f.png", "std": {"rho_d": [0.05, 0.1, 0.025]}}"#);
     let ratios: Vec<Option<f64>> = score.parameters[0].in_std.clone();
     assert!(ratios.iter().zip([1.0, 0.5, 2.0]).all(|(&r, wanted)| near(r, wanted)), "{ratios:?}");
-    std::fs::remove_dir_all(folder).unwrap();
 }

@@ -4,6 +4,7 @@
 // Each test binary uses a part of it.
 #![allow(dead_code, unused_imports)]
 
+pub(crate) mod coloured_room;
 pub(crate) mod example;
 pub(crate) mod export_scene;
 pub(crate) mod floor_and_lamp;

@@ -1,6 +1,8 @@
-//! As much of Markdown as these pages use: fenced blocks, headings, links.
+//! Pages as Markdown: fenced blocks, headings, links.
 
+use pulldown_cmark::{CodeBlockKind, Event, Options, Parser, Tag, TagEnd};
 use std::collections::BTreeSet;
+use std::ops::Range;
 use std::path::{Component, Path};
 
 /// A page as text.
@@ -32,70 +34,75 @@ impl Page {
         Self { text: text.unwrap_or_else(|error| panic!("{path}: {error}")) }
     }
 
-    /// The lines outside fenced blocks, with their numbers.
-    fn prose(&self) -> impl Iterator<Item = (usize, &str)> {
-        let mut fenced = false;
-        self.text.lines().enumerate().filter_map(move |(index, line)| {
-            let is_fence = line.trim_start().starts_with("```");
-            fenced ^= is_fence;
-            (!fenced && !is_fence).then_some((index + 1, line))
-        })
+    /// What is on the page, each with its place.
+    fn events(&self) -> impl Iterator<Item = (Event<'_>, Range<usize>)> {
+        Parser::new_ext(&self.text, Options::ENABLE_TABLES).into_offset_iter()
+    }
+
+    /// The line of a place, counted from one.
+    fn line(&self, place: &Range<usize>) -> usize {
+        1 + self.text[..place.start].matches('\n').count()
     }
 
     pub(crate) fn links(&self) -> Vec<Link> {
-        let mut links = Vec::new();
-        for (line, text) in self.prose() {
-            let mut rest = without_code(text);
-            while let Some((_, behind)) = rest.split_once("](") {
-                let Some((target, behind)) = behind.split_once(')') else { break };
-                links.push(Link { line, target: target.to_owned() });
-                rest = behind.to_owned();
+        let link = |(event, place): (Event<'_>, Range<usize>)| match event {
+            Event::Start(Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. }) => {
+                Some(Link { line: self.line(&place), target: dest_url.into_string() })
             }
-        }
-        links
+            _ => None,
+        };
+        self.events().filter_map(link).collect()
     }
 
     /// What can stand behind `#` in a link to this page, by the rule of GitHub and mdBook.
     pub(crate) fn anchors(&self) -> BTreeSet<String> {
         let mut anchors = BTreeSet::new();
-        for (_, line) in self.prose().filter(|(_, line)| line.starts_with('#')) {
-            let heading = line.trim_start_matches('#').trim().to_lowercase();
-            let kept = |c: &char| c.is_alphanumeric() || "-_ ".contains(*c);
-            let slug = heading.chars().filter(kept).collect::<String>().replace(' ', "-");
-            let all = std::iter::once(slug.clone()).chain((1..).map(|n| format!("{slug}-{n}")));
-            all.into_iter().find(|anchor| anchors.insert(anchor.clone()));
+        let mut heading: Option<String> = None;
+        for (event, _) in self.events() {
+            match event {
+                Event::Start(Tag::Heading { .. }) => heading = Some(String::new()),
+                Event::Text(text) | Event::Code(text) => {
+                    heading.iter_mut().for_each(|heading| heading.push_str(&text));
+                }
+                Event::End(TagEnd::Heading(_)) => {
+                    let heading = heading.take().unwrap_or_default().to_lowercase();
+                    let kept = |c: &char| c.is_alphanumeric() || "-_ ".contains(*c);
+                    let slug = heading.chars().filter(kept).collect::<String>().replace(' ', "-");
+                    let all =
+                        std::iter::once(slug.clone()).chain((1..).map(|n| format!("{slug}-{n}")));
+                    all.into_iter().find(|anchor| anchors.insert(anchor.clone()));
+                }
+                _ => {}
+            }
         }
         anchors
     }
 
     pub(crate) fn blocks(&self) -> Vec<Block> {
         let mut blocks: Vec<Block> = Vec::new();
-        let mut open = false;
-        for (index, line) in self.text.lines().enumerate() {
-            if let Some(fence) = line.trim_start().strip_prefix("```") {
-                open = !open;
-                let mut words = fence.split([' ', ',']).map(str::to_owned);
-                let (language, kind) = (words.next(), words.next());
-                if open {
+        let mut is_open = false;
+        for (event, place) in self.events() {
+            match event {
+                Event::Start(Tag::CodeBlock(CodeBlockKind::Fenced(words))) => {
+                    let mut words = words.split([' ', ',']).map(str::to_owned);
+                    let (language, kind) = (words.next(), words.next());
                     blocks.push(Block {
-                        line: index + 1,
+                        line: self.line(&place),
                         language: language.unwrap_or_default(),
                         kind: kind.unwrap_or_default(),
                         text: String::new(),
                     });
+                    is_open = true;
                 }
-            } else if open && let Some(block) = blocks.last_mut() {
-                block.text.push_str(line);
-                block.text.push('\n');
+                Event::End(TagEnd::CodeBlock) => is_open = false,
+                Event::Text(text) if is_open => {
+                    blocks.last_mut().into_iter().for_each(|block| block.text.push_str(&text));
+                }
+                _ => {}
             }
         }
         blocks
     }
-}
-
-/// The line without what is in backticks.
-fn without_code(line: &str) -> String {
-    line.split('`').step_by(2).collect()
 }
 
 /// The file that a link on the page at `path` leads to, from the root, and the heading in it.
@@ -117,4 +124,20 @@ pub(crate) fn resolve(path: &str, target: &str) -> (String, Option<String>) {
         }
     }
     (parts.join("/"), anchor)
+}
+
+#[test]
+fn pages_are_read_as_their_renderers_do() {
+    let text = "# A `b_c` [d](e.md)\n\n## A b_c d\n\n`[no](link)` ![p](q.png) <https://a.b>\n\n\
+                - ```toml project\n  a = 1\n  # no heading\n  ```\n\n| a |\n|---|\n| [x\\|y](z.md#w) |\n";
+    let page = Page { text: text.to_owned() };
+    let links: Vec<(usize, String)> =
+        page.links().into_iter().map(|link| (link.line, link.target)).collect();
+    let expected = [(1, "e.md"), (5, "q.png"), (5, "https://a.b"), (14, "z.md#w")];
+    assert_eq!(links, expected.map(|(line, target)| (line, target.to_owned())));
+    let anchors = ["a-b_c-d", "a-b_c-d-1"].map(str::to_owned);
+    assert_eq!(page.anchors(), BTreeSet::from(anchors));
+    let [block] = &page.blocks()[..] else { panic!("there is one block") };
+    assert_eq!((block.line, block.language.as_str(), block.kind.as_str()), (7, "toml", "project"));
+    assert_eq!(block.text, "a = 1\n# no heading\n");
 }

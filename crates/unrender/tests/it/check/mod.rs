@@ -3,6 +3,7 @@
 mod room;
 
 use crate::kit::example::beside_crates;
+use crate::kit::folder::Folder;
 use glam::Vec3;
 use room::*;
 use std::path::Path;
@@ -429,7 +430,8 @@ fn unrender(arguments: &[&dyn AsRef<std::ffi::OsStr>]) -> Output {
 #[test]
 fn the_command_finds_nothing_wrong_with_the_example_and_draws_it() {
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/fig8/fig8.toml");
-    let out = std::env::temp_dir().join(format!("unrender-check-{}.png", std::process::id()));
+    let folder = Folder::new();
+    let out = folder.path("drawn.png");
     let output = unrender(&[&"check", &project, &"--out", &out]);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success() && output.stderr.is_empty(), "{text}");
@@ -437,22 +439,18 @@ fn the_command_finds_nothing_wrong_with_the_example_and_draws_it() {
     assert!(text.contains("\nceil (known)     0 "), "{text}");
     let drawn = picture::read(&out).unwrap().0.values;
     assert_eq!((drawn.width(), drawn.height()), (1024, 1024));
-    let _ = std::fs::remove_file(&out);
 }
 
 #[test]
 fn json_help_and_bad_input() {
-    let folder = std::env::temp_dir().join(format!("unrender-check-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
+    let folder = Folder::new();
     let scene = room();
-    let glb = unrender::formats::gltf::to_glb(&scene).unwrap();
-    std::fs::write(folder.join("s.glb"), glb).unwrap();
-    picture::write(&folder.join("p.exr"), &photograph(&scene, &camera())).unwrap();
+    folder.write("s.glb", &unrender::formats::gltf::to_glb(&scene).unwrap());
+    picture::write(&folder.path("p.exr"), &photograph(&scene, &camera())).unwrap();
     let text = "scene = \"s.glb\"\nphoto = \"p.exr\"\nresponse = \"linear\"\nexposure = 90\n\
         camera = { eye = [0.1, 1, 3.2], target = [0, 0.7, 0], fov_y_deg = 31.5 }\n";
-    let project = folder.join("a.toml");
-    std::fs::write(&project, text).unwrap();
-    let out = folder.join("drawn.png");
+    let project = folder.write("a.toml", text);
+    let out = folder.path("drawn.png");
     let output = unrender(&[&"check", &project, &"--out", &out, &"--json"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -473,18 +471,17 @@ fn json_help_and_bad_input() {
         assert_eq!(output.status.code(), Some(1), "{stderr}");
         assert!(stderr.starts_with("error: ") && stderr.contains(problem), "{stderr}");
     };
-    let missing = folder.join("no.toml");
+    let missing = folder.path("no.toml");
     fails(&[&"check", &missing, &"--out", &out], "no.toml: cannot be read");
     fails(
-        &[&"check", &project, &"--out", &folder.join("a.jpg")],
+        &[&"check", &project, &"--out", &folder.path("a.jpg")],
         "end the name of the picture in .png",
     );
-    std::fs::write(folder.join("s.glb"), "no scene").unwrap();
+    folder.write("s.glb", "no scene");
     std::fs::remove_file(&out).unwrap();
     fails(&[&"check", &project, &"--out", &out], "s.glb");
     assert!(!out.exists());
     let help = unrender(&[&"check", &"--help"]);
     let help = String::from_utf8_lossy(&help.stdout);
     assert!(help.contains("Examples:") && help.contains("--json"), "{help}");
-    let _ = std::fs::remove_dir_all(folder);
 }

@@ -1,15 +1,24 @@
 //! The re-rendering in all pixels of a photograph that was worked on in squares of them.
 
-use super::with_recovered_materials;
+use super::Recovered;
 use crate::Job;
-use crate::engine::Recovered;
+use std::time::Instant;
 use unrender_recover::{Renderer, View};
 use unrender_render::{Appearance, Integrator, Settings, Tracer};
 use unrender_scene::{Material, RgbImage};
 
-/// What the photograph's camera sees with what was `recovered` for `job`, radiance. `tell` hears the share done.
-pub(crate) fn render(job: &Job, recovered: &Recovered, tell: &(dyn Fn(f64) + Sync)) -> RgbImage {
-    let scene = with_recovered_materials(job, recovered);
+impl Recovered {
+    /// Renders what the photograph's camera sees in all pixels of the photograph of `job`, for [`Recovered::full`].
+    /// `tell` hears the share done.
+    pub fn render_full(&mut self, job: &Job, tell: &(dyn Fn(f64) + Sync)) {
+        let started = Instant::now();
+        self.full = Some(render(job, self, tell));
+        self.times.all += started.elapsed().as_secs_f64();
+    }
+}
+
+fn render(job: &Job, recovered: &Recovered, tell: &(dyn Fn(f64) + Sync)) -> RgbImage {
+    let scene = recovered.scene(job);
     let (width, height) = job.photograph_size();
     let (tracer, camera) = (Tracer::new(&scene), recovered.camera(job));
     let view = View::new(&tracer, &camera, (width, height), scene.brdf);

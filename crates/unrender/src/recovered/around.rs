@@ -1,7 +1,7 @@
 //! What was found of the environment.
 
+use super::Recovered;
 use crate::Job;
-use crate::engine::Recovered;
 use unrender_formats::materials::{LightEntry, PanoramaEntry};
 use unrender_recover::{LightResult, Quantity, Unknown};
 use unrender_scene::Rgb;

@@ -1,35 +1,23 @@
-//! materials.json and the texture files that it names.
+//! What was recovered, as the entries of materials.json.
 
-use super::around;
-use crate::engine::Recovered;
-use crate::{Error, Job};
+use super::{Recovered, around};
+use crate::Job;
 use glam::Vec3;
 use indexmap::IndexMap;
-use std::path::Path;
 use unrender_formats::materials::{
     AlternativeEntry, GroupEntry, LightEntry, MaterialsFile, StatusEntry, StdEntry, VERSION,
 };
-use unrender_formats::picture;
 use unrender_recover::{Alternative, Deviations, GroupResult};
-use unrender_scene::{Hypothesis, Image, Material, Rgb, RgbImage, Source};
+use unrender_scene::{Hypothesis, Material, Source};
 
-/// The contents of materials.json; writes the textures beside it and counts bad values in `bad`.
-pub(super) fn write_textures(
-    job: &Job,
-    recovered: &Recovered,
-    folder: &Path,
-    bad: &mut usize,
-) -> Result<MaterialsFile, Error> {
-    let mut file = build(job, recovered);
-    let groups = recovered.recovery.groups.iter().enumerate();
-    for ((index, group), entry) in groups.zip(file.groups.values_mut()) {
-        entry.texture = write_texture(group, index, folder, bad)?;
+impl Recovered {
+    /// The contents of materials.json, without the names of textures.
+    pub fn materials(&self, job: &Job) -> MaterialsFile {
+        build(job, self)
     }
-    Ok(file)
 }
 
-/// The contents of materials.json without the names of textures.
-pub(crate) fn build(job: &Job, recovered: &Recovered) -> MaterialsFile {
+fn build(job: &Job, recovered: &Recovered) -> MaterialsFile {
     let recovery = &recovered.recovery;
     let mut file = MaterialsFile {
         version: Some(VERSION),
@@ -48,7 +36,7 @@ pub(crate) fn build(job: &Job, recovered: &Recovered) -> MaterialsFile {
 }
 
 /// The lights that were asked for, by name.
-pub(super) fn lights(job: &Job, recovered: &Recovered) -> IndexMap<String, LightEntry> {
+pub(crate) fn lights(job: &Job, recovered: &Recovered) -> IndexMap<String, LightEntry> {
     let around = job.scene.environment_parts().start;
     let of = |source: Source<'_>| {
         if source.index == around {
@@ -66,7 +54,7 @@ pub(super) fn lights(job: &Job, recovered: &Recovered) -> IndexMap<String, Light
 }
 
 /// Where the numbers of a group come from.
-pub(super) fn status(job: &Job, group: &GroupResult) -> StatusEntry {
+pub(crate) fn status(job: &Job, group: &GroupResult) -> StatusEntry {
     if let Some(other) = job.project.same_as.get(&group.name) {
         return StatusEntry::SameAs(other.clone());
     }
@@ -117,34 +105,4 @@ fn std_entry(std: &Deviations, material: &Material) -> StdEntry {
         alpha_y: std.ln_alpha_y.map(|v| v * material.alpha_y),
         theta_deg: std.theta_rad.map(f32::to_degrees),
     }
-}
-
-/// Writes a group's texture as PNG and EXR and the mask of the texels that the photograph shows;
-/// returns the PNG's name.
-fn write_texture(
-    group: &GroupResult,
-    index: usize,
-    folder: &Path,
-    bad: &mut usize,
-) -> Result<Option<String>, Error> {
-    let Some(texture) = &group.material.texture else { return Ok(None) };
-    let stem = format!("texture_{index}_{}", file_name(&group.name));
-    let png = format!("{stem}.png");
-    *bad += picture::write_png_srgb(&folder.join(&png), &texture.image)?;
-    *bad += picture::write_exr(&folder.join(format!("{stem}.exr")), &texture.image)?;
-    if let Some(seen) = &group.seen_texels {
-        let mask = mask_picture(seen);
-        *bad += picture::write_png_srgb(&folder.join(format!("{stem}_seen.png")), &mask)?;
-    }
-    Ok(Some(png))
-}
-
-/// White where the photograph shows the texel, black where it was filled from its neighbours.
-fn mask_picture(seen: &Image<bool>) -> RgbImage {
-    seen.map(|seen| if *seen { Rgb::ONE } else { Rgb::ZERO })
-}
-
-/// A group's name as part of a file name: letters and digits, the rest as underscores.
-fn file_name(name: &str) -> String {
-    name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
 }

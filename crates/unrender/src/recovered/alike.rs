@@ -4,7 +4,8 @@
 //! over its variance, has the mean n and the variance 2 n if the groups are alike. Numbers that the
 //! photograph leaves open agree with everything, so pairs with such numbers are not named.
 
-use crate::Project;
+use super::Recovered;
+use crate::{Job, Project};
 use std::collections::BTreeMap;
 use unrender_recover::{GroupResult, Status};
 use unrender_scene::{Hypothesis, Rgb};
@@ -18,12 +19,15 @@ const RHO_OPEN: f64 = 0.03;
 /// The same of the logarithm of a roughness: 0.2 is a highlight that is a fifth wider, which is seen.
 const LN_ALPHA_OPEN: f64 = 0.2;
 
-/// For each of the groups that `results` are of: the names of those that agree with it. Groups that
-/// the project has made one are not compared with each other.
-pub(super) fn find<'a>(
-    project: &Project,
-    results: &'a [GroupResult],
-) -> BTreeMap<&'a str, Vec<&'a str>> {
+impl Recovered {
+    /// For each group of `job` by its name: the names of those that agree with it. Groups that the project has made
+    /// one are not compared with each other.
+    pub fn alike(&self, job: &Job) -> BTreeMap<&str, Vec<&str>> {
+        find(&job.project, &self.recovery.groups)
+    }
+}
+
+fn find<'a>(project: &Project, results: &'a [GroupResult]) -> BTreeMap<&'a str, Vec<&'a str>> {
     let mut alike: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     let own: Vec<&GroupResult> =
         results.iter().filter(|result| !project.same_as.contains_key(&result.name)).collect();

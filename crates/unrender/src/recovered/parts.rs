@@ -5,8 +5,8 @@
 //! channel by channel, with its standard error from squares of pixels, inside which errors of the model
 //! are alike. Objects whose factors agree are one part.
 
+use super::Recovered;
 use crate::Job;
-use crate::engine::Recovered;
 use std::collections::BTreeMap;
 use unrender_recover::{PixelStatus, Status};
 use unrender_scene::{Rgb, Scene};
@@ -33,9 +33,15 @@ struct ObjectFit {
     error: [f64; 3],
 }
 
-/// For each group that falls apart, by its index: the objects of its parts, the one with the most pixels
-/// first, each in the scene's order. Objects that are not seen well enough are with the first.
-pub(super) fn find(job: &Job, recovered: &Recovered) -> BTreeMap<usize, Vec<Vec<usize>>> {
+impl Recovered {
+    /// For each group of `job` that falls apart by object, by its index: the objects of its parts, the one with the
+    /// most pixels first, each in the scene's order. Objects that are not seen well enough are with the first.
+    pub fn parts(&self, job: &Job) -> BTreeMap<usize, Vec<Vec<usize>>> {
+        find(job, self)
+    }
+}
+
+fn find(job: &Job, recovered: &Recovered) -> BTreeMap<usize, Vec<Vec<usize>>> {
     let mut found = BTreeMap::new();
     for (group, result) in recovered.recovery.groups.iter().enumerate() {
         // Of groups that the project has made one, each is looked at by itself.

@@ -1,0 +1,25 @@
+//! The photograph that edits are put into, developed.
+
+use unrender_formats::picture::Picture;
+use unrender_photo::{Photo, Transfer};
+use unrender_scene::Camera;
+
+/// The photograph, and the camera that took it.
+#[derive(Debug)]
+pub struct Photograph {
+    /// The code values of the file.
+    pub picture: Picture,
+    /// The photograph as radiance.
+    pub photo: Photo,
+    /// What turns radiance into its code values, and back.
+    pub transfer: Transfer,
+    /// The camera.
+    pub camera: Camera,
+}
+
+impl Photograph {
+    /// Width and height in pixels.
+    pub fn size(&self) -> (usize, usize) {
+        (self.picture.values.width(), self.picture.values.height())
+    }
+}

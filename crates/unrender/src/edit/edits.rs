@@ -1,0 +1,88 @@
+//! From the tables of edit files to the edits that they ask for, in their order.
+
+use super::developed::Photograph;
+use super::remove::RawRemove;
+use super::sheet::Sheet;
+use super::written::Written;
+use crate::Error;
+use crate::lighting::{RawEnvironment, RawLight};
+use toml::Spanned;
+use unrender_restage::Edit;
+use unrender_restage::environment::Surround;
+use unrender_scene::Warnings;
+
+/// An edit, and what messages call its place.
+type Placed = (String, Edit);
+
+/// The edits of all `sheets`, of the scene that `photograph` shows: first all that is removed, then repainted, lit and
+/// inserted.
+pub(super) fn all(
+    sheets: &[Sheet],
+    photograph: Option<&Photograph>,
+    warnings: &mut Warnings,
+) -> Result<Vec<Placed>, Error> {
+    let mut edits = Vec::new();
+    let mut notes = Warnings::default();
+    for sheet in sheets {
+        collect(sheet, &sheet.raw.remove, &mut edits, &mut RawRemove::edit)?;
+    }
+    for sheet in sheets {
+        collect(sheet, &sheet.raw.repaint, &mut edits, &mut |raw| {
+            raw.edit(&sheet.written, &mut notes)
+        })?;
+    }
+    for sheet in sheets {
+        collect(sheet, &sheet.raw.lights, &mut edits, &mut light)?;
+    }
+    for sheet in sheets {
+        collect(sheet, sheet.raw.environment.as_slice(), &mut edits, &mut |raw| {
+            surround(raw, &sheet.written, &mut notes)
+        })?;
+    }
+    for sheet in sheets {
+        collect(sheet, &sheet.raw.insert, &mut edits, &mut |raw| {
+            raw.edit(&sheet.written, photograph, &mut notes)
+        })?;
+    }
+    warnings.extend(notes);
+    Ok(edits)
+}
+
+fn collect<T>(
+    sheet: &Sheet,
+    raw: &[Spanned<T>],
+    edits: &mut Vec<Placed>,
+    understand: &mut dyn FnMut(&T) -> Result<Edit, String>,
+) -> Result<(), Error> {
+    for written in raw {
+        let place = sheet.written.place(written.span());
+        let edit = understand(written.get_ref())
+            .map_err(|problem| Error::Request(format!("{place}: {problem}")))?;
+        edits.push((place, edit));
+    }
+    Ok(())
+}
+
+fn light(raw: &RawLight) -> Result<Edit, String> {
+    if raw.unknown.is_some() {
+        return Err("unknown is a key of project files, where brightness can be asked for".into());
+    }
+    if raw.color.is_some() || raw.same_color_as.is_some() {
+        return Err("color and same_color_as are keys of project files, for unknown lights; \
+                    strength = [r, g, b] gives a light its colour"
+            .into());
+    }
+    Ok(Edit::Light(raw.edit()?))
+}
+
+fn surround(raw: &RawEnvironment, written: &Written, notes: &mut Warnings) -> Result<Edit, String> {
+    if raw.unknown.is_some() {
+        return Err(
+            "environment: unknown is a key of project files: what is edited is known".into()
+        );
+    }
+    let read = raw.choice(&|file| written.path(file))?.read(written.limits);
+    let (environment, warnings) = read.map_err(|error| error.to_string())?;
+    notes.extend(warnings);
+    Ok(Edit::Surround(Surround { environment }))
+}

@@ -1,0 +1,63 @@
+//! What the terminal or a listener hears of a recovery, and Ctrl-C, which ends it with what there is.
+
+use crate::engine::Follower;
+use crate::interrupt::Pausable;
+use crate::progress::Progress;
+use crate::recovery_journal::RecoveryJournal;
+use unrender_recover::{IterationRecord, LadderKind, Observer};
+use unrender_scene::Warnings;
+
+/// Passes a recovery's progress on.
+pub(crate) struct RecoveryProgress<'a> {
+    pub(crate) progress: &'a Progress,
+    pub(crate) ladder: LadderKind,
+    /// The share of the whole work that the recovery is.
+    pub(crate) share: f64,
+    pub(crate) pausable: Pausable,
+    /// The journal of the recovery, if it has one.
+    pub(crate) journal: Option<&'a RecoveryJournal>,
+}
+
+impl Follower for RecoveryProgress<'_> {
+    fn warning(&self, sentence: &str) {
+        self.progress.warn(&Warnings(vec![sentence.to_owned()]));
+    }
+}
+
+impl Observer for RecoveryProgress<'_> {
+    fn iteration(&mut self, record: &IterationRecord) {
+        self.progress.iteration(record);
+        self.progress.say(sentence(record, self.ladder), self.share * record.done);
+    }
+
+    fn working(&self, what: &str, done: f64) {
+        self.progress.work_on(what, self.share * done);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        let is_asked = self.pausable.is_asked() || self.progress.is_cancelled();
+        if is_asked && let Some(journal) = self.journal {
+            // What follows is not what a recovery that goes on does.
+            journal.close();
+        }
+        is_asked
+    }
+}
+
+/// An iteration in words.
+fn sentence(record: &IterationRecord, ladder: LadderKind) -> String {
+    let (number, error, change) = (record.iteration, 100.0 * record.worst_error, record.change);
+    if ladder == LadderKind::Paper {
+        let open = match record.open_groups.len() {
+            0 => "none".to_owned(),
+            n if n <= 4 => record.open_groups.join(", "),
+            n => format!("{n} groups"),
+        };
+        return format!(
+            "paper's ladder, iteration {number}: error of the worst group {error:.2} %, change \
+             {change:.4}, still open: {open}"
+        );
+    }
+    let what = if record.refining { "refining" } else { "fitting" };
+    format!("{what} all, iteration {number}: error of all groups {error:.2} %, change {change:.4}")
+}
