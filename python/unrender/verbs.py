@@ -220,7 +220,7 @@ def restage(
     """Renders a recovered scene with edits, or puts them into its photograph.
 
     Args:
-        edits: The edit file (docs/restage.md).
+        edits: The edit file (docs/reference/edit.md).
         out: A folder for the pictures; by default they are not kept.
         composite: Put the change into the photograph, and leave the rest of it as it is.
         grain: Give what is synthetic in the composite the noise of the photograph.
