@@ -88,7 +88,7 @@ pub(crate) fn recover(
             let remedy = behind.map_or(String::new(), |reading| {
                 let (units, remedy) = (reading.units, readings::remedy(reading.units));
                 format!(
-                    " (the lights read as \"{units}\" would be so bright: {}; {remedy})",
+                    " (light read as \"{units}\" would explain it: {}; {remedy})",
                     reading.lamp(job)
                 )
             });
