@@ -35,12 +35,15 @@ cp crates/unrender/tests/external/report_browser/*.{json,mjs} "$out/browser"
 npm ci --prefix "$out/browser"
 node "$out/browser/screenshot.mjs" "$out/report/report.html" docs/images/report.png 1100 640 light "#groups"
 
-# The first of the README, of the results of its five lines: the photograph, what was recovered of it, and
-# the photograph without the small block.
-if [ -e out/rerendered.png ] && [ -e out_restaged/composite.png ]; then
-    sheet docs/images/before-after.jpg 1 \
-        out_restaged/photo.png out/rerendered.png out_restaged/composite.png
-fi
+# The first of the README, of the materials that its five lines recover, with less noise than there: the photograph,
+# the view with these materials, and the photograph without the small block.
+[ -e out/materials.json ] || cargo run --release -- recover examples/fig8/fig8.toml --out out
+cargo run --release -- render --project examples/fig8/fig8.toml --materials out/materials.json \
+    --denoise --spp 256 --out "$out/again.exr"
+cargo run --release -- restage --recovered out --project examples/fig8/fig8.toml \
+    --remove small_block --composite --spp 512 --out "$out/without"
+sheet docs/images/before-after.jpg 1 \
+    "$out/without/photo.png" "$out/again.exr" "$out/without/composite.png"
 
 # Pictures of two tutorials, if their steps were done: docs/tutorials/phone.md and blender.md.
 if [ -e out_phone/room.toml ]; then

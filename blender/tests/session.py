@@ -93,7 +93,7 @@ def work(folder, looks):
     bpy.ops.object.select_all(action="DESELECT")
     stuff = studio.material("new")
     stuff.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.6, 0.3, 0.02, 1.0)
-    studio.add("new", stuff, bpy.ops.mesh.primitive_cube_add, size=0.22, location=(0.6, -0.2, 0.11))
+    studio.add("new", stuff, bpy.ops.mesh.primitive_cube_add, size=0.22, location=(-0.15, -0.35, 0.11))
     bpy.ops.unrender.mark_inserted()
     bpy.ops.unrender.composite(wait=True)
     print(settings.message)
@@ -118,9 +118,12 @@ def write(folder, pictures, out):
     gap = np.ones((pictures[0].shape[0], 4, 3), dtype=np.float32)
     row = np.concatenate([p for picture in pictures for p in (picture, gap)][:-1], axis=1)
     unrender.Picture(np.ascontiguousarray(row)).save(folder / "sheet.png")
-    image = bpy.data.images.load(str(folder / "sheet.png"))
-    image.file_format = "JPEG"
-    image.save(filepath=str(out), quality=88)
+    image = bpy.data.images.load(str(folder / "sheet.png"), check_existing=False)
+    # Image.save keeps the format of the file that was loaded, whatever the name says.
+    scene = bpy.context.scene
+    scene.view_settings.view_transform = "Standard"
+    scene.render.image_settings.file_format, scene.render.image_settings.quality = "JPEG", 88
+    image.save_render(str(out), scene=scene)
 
 
 def main():

@@ -48,7 +48,7 @@ fn difference(a: &Response, b: &Response) -> f32 {
 /// The response to use for a file of this depth, with warnings.
 ///
 /// If the project states none, integer files have the response that they declare, or else sRGB, and
-/// floating-point files are linear.
+/// floating-point files are linear. Of formats that have linear values alone, [`Response::Linear`] is declared.
 pub fn choose_response(
     depth: Depth,
     stated: Option<Response>,
@@ -60,7 +60,10 @@ pub fn choose_response(
             warnings.push("the project states no response; that of the photo's profile was taken");
             return (declared, warnings);
         }
-        (Some(stated), Some(declared)) if difference(stated, &declared) > CONTRADICTS => {
+        (None, Some(Response::Linear)) => return (Response::Linear, warnings),
+        (Some(stated), Some(declared))
+            if depth != Depth::Float && difference(stated, &declared) > CONTRADICTS =>
+        {
             warnings.push(
                 "the photo's profile declares another response than the project states; the \
                  project's was taken",
@@ -111,6 +114,10 @@ mod tests {
         };
         assert_eq!(chosen(Depth::Float, None), (Response::Linear, 1));
         assert_eq!(chosen(Depth::Float, Some(Response::Linear)), (Response::Linear, 0));
+        // EXR and HDR are linear; a TIFF of floating-point values need not be.
+        let of_exr = |stated| choose_response(Depth::Float, stated, Some(Response::Linear));
+        assert_eq!(of_exr(None), (Response::Linear, Warnings::default()));
+        assert_eq!(of_exr(Some(Response::Srgb)).1.0.len(), 1);
         assert_eq!(chosen(Depth::Float, Some(Response::Srgb)), (Response::Srgb, 1));
         assert_eq!(chosen(Depth::Eight, None), (Response::Srgb, 1));
         assert_eq!(chosen(Depth::Eight, Some(Response::Srgb)), (Response::Srgb, 0));

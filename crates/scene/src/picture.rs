@@ -41,6 +41,8 @@ pub struct Picture {
     pub invalid: Vec<usize>,
     /// What the file declares of its colours, if it does.
     pub profile: Option<Profile>,
+    /// Whether its format has linear values, as EXR and HDR do: no response need be stated then.
+    pub is_linear: bool,
     /// What is known of the values of a picture that was merged from a bracket of exposures.
     pub merged: Option<Merged>,
 }
@@ -58,7 +60,7 @@ pub struct Merged {
 impl Picture {
     /// A picture of finite code values.
     pub fn new(values: Image<Rgb>, depth: Depth) -> Self {
-        Self { values, depth, invalid: Vec::new(), profile: None, merged: None }
+        Self { values, depth, invalid: Vec::new(), profile: None, is_linear: false, merged: None }
     }
 
     /// For each pixel, whether it has a measurement.

@@ -17,19 +17,48 @@ const TIMES: f64 = 0.03;
 /// Codes beyond these are extrapolated by a fitted response; more than that is said.
 const COVERED: [f64; 2] = [0.15, 0.85];
 
+/// Where a bracket is named, for messages.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Place<'a> {
+    /// By the command `merge-exposures`.
+    Command,
+    /// By this project.
+    Project(&'a Path),
+}
+
+impl<'a> Place<'a> {
+    fn path(self) -> &'a Path {
+        match self {
+            Self::Command => Path::new("merge-exposures"),
+            Self::Project(path) => path,
+        }
+    }
+
+    /// How exposure times are stated there.
+    fn of_times(self) -> &'static str {
+        match self {
+            Self::Command => "by --times 1/60,1/15,1/4",
+            Self::Project(_) => {
+                "in the project, as in photo = { bracket = [...], times = [\"1/60\", \"1/15\", \"1/4\"] }"
+            }
+        }
+    }
+}
+
 /// Reads the files of `bracket` and merges them as `settings` say.
 ///
 /// # Errors
 /// If a file cannot be read, says no exposure time where none is stated, or the frames are no bracket; the
-/// last as the fault of `place`, a file or a command line.
+/// last as the fault of `place`.
 pub(crate) fn read_and_merge(
     bracket: &Frames,
     settings: &Settings,
     limits: Limits,
-    place: &Path,
+    place: Place<'_>,
 ) -> Result<(Bracket, Warnings), FileError> {
     let (frames, mut warnings) = read(bracket, limits, place)?;
-    let merged = merge(&frames, settings).map_err(|problem| FileError::new(place, problem))?;
+    let merged =
+        merge(&frames, settings).map_err(|problem| FileError::new(place.path(), problem))?;
     let names: Vec<&str> = frames.iter().map(|frame| frame.name.as_str()).collect();
     warnings.extend(doubts(&merged.report, &names));
     Ok((merged, warnings))
@@ -38,7 +67,7 @@ pub(crate) fn read_and_merge(
 fn read(
     bracket: &Frames,
     limits: Limits,
-    place: &Path,
+    place: Place<'_>,
 ) -> Result<(Vec<Frame>, Warnings), FileError> {
     let mut warnings = Warnings::default();
     let mut frames = Vec::new();
@@ -60,12 +89,12 @@ fn read(
                 times.len(),
                 frames.len()
             );
-            return Err(FileError::new(place, problem));
+            return Err(FileError::new(place.path(), problem));
         }
         Some(times) => {
             frames.iter_mut().zip(times).for_each(|(frame, time)| frame.exposure = *time);
         }
-        None => by_files(&mut frames, &bracket.files, &exposures, &mut warnings)?,
+        None => warnings.extend(by_files(&mut frames, &bracket.files, &exposures, place)?),
     }
     Ok((frames, warnings))
 }
@@ -75,8 +104,9 @@ fn by_files(
     frames: &mut [Frame],
     files: &[PathBuf],
     exposures: &[Exposure],
-    warnings: &mut Warnings,
-) -> Result<(), FileError> {
+    place: Place<'_>,
+) -> Result<Warnings, FileError> {
+    let mut warnings = Warnings::default();
     let count = |of: &dyn Fn(&Exposure) -> Option<f64>| exposures.iter().filter_map(of).count();
     let all = exposures.len();
     let [apertures, speeds] = [count(&|e| e.f_number), count(&|e| e.iso)];
@@ -90,17 +120,17 @@ fn by_files(
     }
     for ((frame, exposure), file) in frames.iter_mut().zip(exposures).zip(files) {
         let seconds = exposure.seconds.ok_or_else(|| {
-            FileError::new(
-                file,
-                "states no exposure time; give those of all photographs of the bracket, by --times \
-                 1/60,1/15,1/4 or in the project by times",
-            )
+            let problem = format!(
+                "states no exposure time; give those of all photographs of the bracket {}",
+                place.of_times()
+            );
+            FileError::new(file, problem)
         })?;
         let f_number = exposure.f_number.filter(|_| apertures == all).unwrap_or(1.0);
         frame.gain = exposure.iso.filter(|_| speeds == all).unwrap_or(1.0);
         frame.exposure = seconds * frame.gain / (f_number * f_number);
     }
-    Ok(())
+    Ok(warnings)
 }
 
 fn name(path: &Path) -> String {

@@ -92,7 +92,7 @@ fn other_reading(job: &Job, factor: Rgb) -> String {
     behind.map_or(String::new(), |reading| {
         let (units, remedy) = (reading.units, readings::remedy(reading.units));
         format!(
-            " (the lights read as \"{units}\" would be so bright: {}; {remedy})",
+            " (light read as \"{units}\" would explain it: {}; {remedy})",
             reading.lamp(job)
         )
     })

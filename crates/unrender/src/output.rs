@@ -47,13 +47,17 @@ pub(crate) fn check_picture(path: &Path) -> Result<(), FileError> {
     check_file(path, &["exr", "hdr", "png"], "end the name of the picture in .exr, .hdr or .png")
 }
 
-/// Writes the `radiance` that `accumulator` has come to; the warnings say what in it is no number.
+/// Writes the mean that `accumulator` has come to, or what is left of it `denoised`; the warnings say what in it is
+/// no number.
 pub(crate) fn write_picture(
     path: &Path,
-    radiance: &RgbImage,
     accumulator: &Accumulator,
+    denoised: Option<&RgbImage>,
 ) -> Result<Warnings, FileError> {
-    picture::write(path, radiance)?;
+    match denoised {
+        Some(denoised) => picture::write_denoised(path, denoised)?,
+        None => picture::write(path, &accumulator.mean())?,
+    };
     Ok(doubts(accumulator))
 }
 

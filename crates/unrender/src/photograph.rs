@@ -1,6 +1,6 @@
 //! The transfer function of a project's photograph, from what project and file say of it.
 
-use crate::bracket::read_and_merge;
+use crate::bracket::{Place, read_and_merge};
 use crate::project::{Frames, Project, ResponseChoice, VignettingChoice};
 use crate::{Error, photometric};
 use std::path::Path;
@@ -20,7 +20,8 @@ pub(crate) fn transfer(
 ) -> Result<(Transfer, Warnings), Error> {
     let profile = picture.profile.as_ref();
     let asked = project.response == Some(ResponseChoice::Auto);
-    let declared = profile.filter(|_| !asked).and_then(declared_response);
+    let by_format = picture.is_linear.then_some(Response::Linear);
+    let declared = by_format.or_else(|| profile.filter(|_| !asked).and_then(declared_response));
     let (response, mut warnings) = choose_response(picture.depth, stated(project)?, declared);
     warnings.extend(profile_warnings(profile));
     let size = (picture.values.width(), picture.values.height());
@@ -106,7 +107,8 @@ pub(crate) fn merged(
         black_level: project.black_level,
         white_level: project.white_level.unwrap_or(Rgb::INFINITY),
     };
-    let (merged, noted) = read_and_merge(frames, &settings, project.limits, &project.path)?;
+    let place = Place::Project(&project.path);
+    let (merged, noted) = read_and_merge(frames, &settings, project.limits, place)?;
     warnings.extend(noted);
     project.response = Some(ResponseChoice::Stated(Response::Linear));
     project.black_level = Rgb::ZERO;

@@ -205,7 +205,7 @@ mod tests {
         let before = job.photo.radiance.clone();
         let numbers = [0, 1, 2].map(Number::Vignetting);
         for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY, f64::MAX] {
-            // Half of what is no number is none for ever.
+            // Halving such a step never makes it finite, so that the search must end by itself.
             assert_eq!(apply(&mut job, &numbers, &[0.01, bad, 0.0]), 0.0);
             assert!(job.photo.radiance == before);
         }

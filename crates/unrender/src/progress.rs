@@ -114,7 +114,7 @@ impl Drop for Progress {
     }
 }
 
-/// A line whenever something is told, and one of what is being done where nothing was told for a while.
+/// A line for each message, and one with the present stage where there was no message for a while.
 struct Lines {
     ticking: Arc<Ticking>,
     ticker: Option<JoinHandle<()>>,

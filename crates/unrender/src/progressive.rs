@@ -230,7 +230,12 @@ fn begin(job: &Job<'_>, goal: &Goal) -> Result<Rendered, Error> {
 /// With what differs.
 pub(crate) fn check(job: &Job<'_>, head: &Head) -> Result<(), String> {
     if head.layers != job.render.layers() {
-        return Err(format!("it has the layers {}", head.layers.join(", ")));
+        let of = |layers: &[String]| layers.join(", ");
+        let (there, here) = (of(&head.layers), of(&job.render.layers()));
+        return Err(format!(
+            "it has the sums of {there}, and this rendering has those of {here}; --denoise, --layers and \
+             --composite must be as they were"
+        ));
     }
     let difference = job.identity.difference(&head.identity);
     difference.map_or(Ok(()), |difference| Err(format!("this one has {difference}")))

@@ -129,7 +129,7 @@ impl RecoveryJournal {
                 }
                 writing = Writing { file: Some(file), at, recalling: true, ..writing };
                 let steps = writing.count().unwrap_or(0);
-                output::tell(&format!("goes on after {steps} steps of the interrupted recovery"));
+                output::tell(&format!("the interrupted recovery goes on after its {steps} steps"));
             }
             (None, true) => {
                 let is_there = folder.join(Run::FILE).is_file();

@@ -27,6 +27,19 @@ pub(crate) struct ResultFolder {
     /// Held until the command ends, so that another process notices; none where the system has no
     /// locks on folders, or where several processes may share the folder.
     lock: Option<File>,
+    /// Whether its pictures are denoised.
+    is_denoised: bool,
+    /// The folders that were made for it, the innermost first.
+    made: Vec<PathBuf>,
+}
+
+impl Drop for ResultFolder {
+    /// Removes the folders that were made, if nothing came to lie in them: a refused input leaves nothing behind.
+    fn drop(&mut self) {
+        self.lock = None;
+        // Folders with something in them are not removed, nor those around them.
+        let _ = self.made.iter().try_for_each(fs::remove_dir);
+    }
 }
 
 impl ResultFolder {
@@ -58,8 +71,10 @@ impl ResultFolder {
         writes: &dyn Fn(&str) -> bool,
         inputs: &[&Path],
     ) -> Result<Self, Error> {
+        let is_missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
+        let made = path.ancestors().take_while(is_missing).map(Path::to_owned).collect();
+        let folder = Self { path: path.to_owned(), command, lock: None, is_denoised: false, made };
         output::prepare_folder(path)?;
-        let folder = Self { path: path.to_owned(), command, lock: None };
         let there = manifest::files(path).map_err(|error| folder.unreadable(&error))?;
         let at_risk: Vec<&String> = there.iter().filter(|name| writes(name)).collect();
         let is_input = |name: &&&String| {
@@ -69,6 +84,12 @@ impl ResultFolder {
         folder.refuse(&replaced, "which are inputs of this run; name another folder by --out")?;
         folder.check_foreign(at_risk.into_iter().cloned().collect(), &Manifest::read(path)?)?;
         Ok(folder)
+    }
+
+    /// The same folder, whose manifest says of pictures that are written from now on whether they are denoised.
+    pub(crate) fn denoised(mut self, is_denoised: bool) -> Self {
+        self.is_denoised = is_denoised;
+        self
     }
 
     /// Lets `make` write into a new folder, and then gives the files there their names. Files of
@@ -84,7 +105,9 @@ impl ResultFolder {
         let _until_written = interrupt::writing();
         // Where several processes share the folder, each has it for the time of writing.
         let _shared = if self.lock.is_some() { None } else { wait_for_lock(&self.path) };
-        let staging = atomic::staging(&self.path).map_err(|error| self.unwritable(&error))?;
+        // Another process may have made the folder, and removed it again when it was refused.
+        let staging = fs::create_dir_all(&self.path).and_then(|()| atomic::staging(&self.path));
+        let staging = staging.map_err(|error| self.unwritable(&error))?;
         let made = make(staging.path())?;
         let names = manifest::files(staging.path()).map_err(|error| self.unwritable(&error))?;
         let before = Manifest::read(&self.path)?;
@@ -115,7 +138,9 @@ impl ResultFolder {
         });
         for name in names {
             let sha256 = manifest::hash(&staging.join(name)).map_err(|e| self.unwritable(&e))?;
-            files.insert(name.clone(), Entry { sha256, by: self.command.to_owned() });
+            let is_picture = [".exr", ".png"].iter().any(|extension| name.ends_with(extension));
+            let denoised = self.is_denoised && is_picture;
+            files.insert(name.clone(), Entry { sha256, by: self.command.to_owned(), denoised });
         }
         let mut after = Manifest { files, before: Some(before.known()), ..Manifest::default() };
         after.write(&self.path)?;

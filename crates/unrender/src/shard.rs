@@ -141,9 +141,16 @@ pub(crate) fn read(path: &Path) -> Result<Shard, Error> {
         .map_err(foreign)?;
     let count = head.samples.end.checked_sub(head.samples.start);
     let is_complete = |m: &PixelAccumulator| head.identity.adaptive || Some(m.count) == count;
-    let all_complete = layers.iter().all(|layer| layer.image().pixels().iter().all(is_complete));
+    // A picture that is to be denoised has half of its samples as a second layer.
+    let is_part = |m: &PixelAccumulator| head.identity.adaptive || Some(m.count) <= count;
+    let all = |layer: &Accumulator, of: &dyn Fn(&PixelAccumulator) -> bool| {
+        layer.image().pixels().iter().all(of)
+    };
+    let (picture, others) = (&layers[0], &layers[1..]);
+    let all_complete =
+        all(picture, &is_complete) && others.iter().all(|other| all(other, &is_part));
     if count.is_none() || !all_complete {
-        let problem = "its pixels do not have the samples that it describes";
+        let problem = "its pixels have other numbers of samples than it says";
         return Err(foreign(problem.into()).into());
     }
     Ok(Shard { path: path.to_owned(), head, layers })
@@ -222,7 +229,11 @@ pub(crate) fn join(paths: &[PathBuf], allow_gaps: bool) -> Result<(Shard, Warnin
 /// Adds the samples of `part`, if both are of one rendering.
 fn add(sum: &mut Shard, part: &Shard) -> Result<(), Error> {
     let problem = if part.head.layers != sum.head.layers {
-        format!("does not belong to {}: it has the sums of something else", sum.path.display())
+        format!(
+            "does not belong to {}: one of them was made with --denoise, --layers or --composite and the other \
+             without",
+            sum.path.display()
+        )
     } else if let Some(difference) = part.head.identity.difference(&sum.head.identity) {
         format!("does not belong to {}: it has {difference}", sum.path.display())
     } else if part.head.identity.adaptive {

@@ -163,7 +163,8 @@ impl Canvas {
         }
         notes.extend(coverage::note(transparent, partly > 0));
         let values = Image::new(self.width, self.height, self.values);
-        Ok(Decoded { picture: Picture { invalid, ..Picture::new(values, Depth::Float) }, notes })
+        let picture = Picture { invalid, is_linear: true, ..Picture::new(values, Depth::Float) };
+        Ok(Decoded { picture, notes })
     }
 
     /// Whether the data window has the pixel.

@@ -1,5 +1,6 @@
 //! What the header of an EXR file says of its colours.
 
+use super::denoised;
 use super::profile::{matrix, of_primaries};
 use exr::meta::attribute::AttributeValue;
 use exr::meta::header::Header;
@@ -39,6 +40,13 @@ pub(super) fn profile(header: &Header) -> Option<Profile> {
 /// What the header says of colours that is not looked at, as ends of sentences about the file.
 pub(super) fn notes(header: &Header) -> Vec<String> {
     let mut notes = Vec::new();
+    if header.own_attributes.other.contains_key(denoised::ATTRIBUTE.as_bytes()) {
+        notes.push(
+            "was denoised by unrender, so that its noise says nothing of its errors: recover materials from the \
+             picture without --denoise"
+                .to_owned(),
+        );
+    }
     let has_primaries = header.shared_attributes.chromaticities.is_some();
     for name in SPACES {
         let Some(space) = text_or_number(header, name) else { continue };

@@ -7,6 +7,7 @@ mod budget;
 mod cicp;
 mod codes;
 mod coverage;
+mod denoised;
 mod embed;
 mod exif;
 mod exr_channels;
@@ -30,6 +31,7 @@ mod tiff_says;
 mod write;
 
 pub(crate) use budget::{check as check_budget, exr_block};
+pub use denoised::write_denoised;
 pub use embed::{jpeg_bytes, png_bytes};
 pub use exif::{Exposure, exif_focal_px, exposure_of};
 pub use layers::{LightLayer, read_layers, write_layers};

@@ -145,6 +145,7 @@ fn hdr(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
     let stated =
         header.primaries.map(|corners| profile::of_primaries(profile::matrix(corners), source));
     decoded.picture.profile = stated;
+    decoded.picture.is_linear = true;
     let aspect = Some(1.0 / header.height_of_pixels);
     decoded.notes.extend(pixel_shape::note(aspect, "the line PIXASPECT= of its header"));
     Ok(decoded)

@@ -2,7 +2,7 @@
 //!
 //! A frame counts in a channel of a pixel where it is neither clipped nor beside a clipped pixel, shows what
 //! the others show ([`super::ghosts`]), and is not so dark that its noise is cut off at black. The weights are
-//! inverse variances `(g^2 a + g b L t + rounding) / t^2` at the radiance `L` of the average, not of the
+//! inverse variances `(g^2 a + g b L t + v) / t^2`, `v` that of rounding and compression, at the radiance `L` of the average, not of the
 //! frame's own noisy value, by which dark noise would weigh more than bright noise.
 
 use super::frame::Exposed;
@@ -75,7 +75,8 @@ pub(super) fn combine(
     let count = values.len().max(1) as f64;
     let variance = Image::new(width, height, variances);
     let values = Picture::new(Image::new(width, height, values), Depth::Float);
-    let picture = Picture { invalid, merged: Some(Merged { variance, white_level }), ..values };
+    let merged = Some(Merged { variance, white_level });
+    let picture = Picture { invalid, is_linear: true, merged, ..values };
     Combined { picture, clipped: clipped as f64 / count }
 }
 
@@ -91,8 +92,8 @@ struct Merge<'a> {
 struct Reading<'a> {
     frame: &'a Exposed<'a>,
     radiance: f64,
-    /// The variance of the linear value by rounding.
-    rounding: f64,
+    /// The variance of the linear value by rounding and compression.
+    of_file: f64,
 }
 
 impl Merge<'_> {
@@ -147,7 +148,7 @@ impl Merge<'_> {
         Reading {
             frame,
             radiance: self.scale.linear(channel, code) / frame.exposure,
-            rounding: self.scale.rounding(channel, code),
+            of_file: self.noise.of_file(frame, (index, channel), self.scale),
         }
     }
 
@@ -155,7 +156,7 @@ impl Merge<'_> {
     fn variance(&self, reading: &Reading<'_>, radiance: f64, channel: usize) -> f64 {
         let frame = reading.frame;
         let x = radiance * frame.exposure;
-        let variance = self.noise.variance(channel, frame.gain, x) + reading.rounding;
+        let variance = self.noise.variance(channel, frame.gain, x) + reading.of_file;
         variance / (frame.exposure * frame.exposure)
     }
 

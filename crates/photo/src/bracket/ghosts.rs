@@ -138,8 +138,8 @@ impl Compare<'_> {
         } else {
             self.scale.linear(channel, code)
         };
-        let variance =
-            self.noise.variance(channel, frame.gain, x) + self.scale.rounding(channel, code);
+        let of_file = self.noise.of_file(frame, (index, channel), self.scale);
+        let variance = self.noise.variance(channel, frame.gain, x) + of_file;
         (x / frame.exposure, variance / (frame.exposure * frame.exposure))
     }
 }

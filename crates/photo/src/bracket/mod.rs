@@ -1,7 +1,7 @@
 //! Exposure brackets: photographs of one scene by one camera at several exposures, merged into one picture
 //! of linear values with their variances.
 //!
-//! 1. Shifts between the frames are found and undone (`align`).
+//! 1. The codes must rise with the exposures (`order`); shifts between the frames are found and undone (`align`).
 //! 2. The camera's response is fitted to pixels that several frames show (`debevec_malik`), unless it is
 //!    known; a second method checks it (`mitsunaga_nayar`).
 //! 3. The noise is measured on the differences between frames (`noise`).
@@ -18,6 +18,7 @@ mod frame;
 mod ghosts;
 mod mitsunaga_nayar;
 mod noise;
+mod order;
 mod patches;
 mod scale;
 
@@ -152,6 +153,43 @@ pub enum BracketError {
         /// What differs.
         what: &'static str,
     },
+    /// One picture twice.
+    #[error("{first} and {second} are the same picture; name each photograph of the bracket once")]
+    Twice {
+        /// One of them.
+        first: String,
+        /// The other one.
+        second: String,
+    },
+    /// Exposures that differ of frames that do not.
+    #[error(
+        "{longer} is as bright as {shorter}, but its exposure is stated to be {ratio:.1} times as long; \
+         check the exposure times and give each photograph its own"
+    )]
+    EquallyBright {
+        /// The frame with the shorter exposure.
+        shorter: String,
+        /// The one with the longer exposure.
+        longer: String,
+        /// The ratio of their exposures, above 1.
+        ratio: f64,
+    },
+    /// Exposures in another order than the frames.
+    #[error(
+        "{longer} is darker than {shorter}, but its exposure is stated to be longer. From dark to bright \
+         the photographs are {found}; by their exposures they are {stated}. Give each photograph its own \
+         exposure time, in the order of the photographs"
+    )]
+    Order {
+        /// The frame with the shorter exposure, which is brighter.
+        shorter: String,
+        /// The one with the longer exposure.
+        longer: String,
+        /// All frames, from the darkest to the brightest.
+        found: String,
+        /// All frames, from the shortest exposure to the longest.
+        stated: String,
+    },
     /// No response can be fitted.
     #[error(
         "too little is well exposed in two frames at a time to find the camera's response: {0} place(s), \
@@ -183,7 +221,7 @@ pub enum BracketError {
 ///
 /// # Errors
 /// If there are fewer than two frames, or they differ in size or kind; if an exposure is no positive number,
-/// or all are equal; or if no response can be fitted.
+/// or all are equal; if the frames cannot have these exposures; or if no response can be fitted.
 pub fn merge(frames: &[Frame], settings: &Settings) -> Result<Bracket, BracketError> {
     check(frames)?;
     let reference = reference(frames, settings);
@@ -192,6 +230,7 @@ pub fn merge(frames: &[Frame], settings: &Settings) -> Result<Bracket, BracketEr
     // From the shortest exposure to the longest; equal ones as they were given.
     let mut order: Vec<usize> = (0..frames.len()).collect();
     order.sort_by(|&a, &b| exposed[a].exposure.total_cmp(&exposed[b].exposure));
+    order::check(frames, &exposed, &order, settings.black_level)?;
     let shifts = align::shifts(&exposed, &order, reference);
     for (frame, shift) in exposed.iter_mut().zip(&shifts) {
         frame.shift = *shift;

@@ -1,10 +1,13 @@
 //! The noise of the frames, measured where two of them show the same.
 //!
 //! The variance of a linear value `x` in units of white is `g^2 a + g b x` plus that of the rounding, where `g`
-//! is the gain of the frame: `a` is of the reading, `b` of the photons. The difference of two frames, each
-//! divided by its exposure, has the sum of their variances. It is measured in classes of brightness, robustly:
-//! about the median of the class, whose own difference is no noise but an error of the response, without what
-//! moved and without edges.
+//! is the gain of the frame: `a` is of the reading, `b` of the photons. Compression by JPEG adds a standard
+//! deviation of `c` times the contrast around the pixel, both in codes: it spoils edges and texture most.
+//!
+//! The difference of two frames, each divided by its exposure, has the sum of their variances. `a` and `b` are
+//! measured in classes of brightness, robustly: about the median of the class, whose own difference is no noise
+//! but an error of the response, without what moved and without edges. `c` follows from what is left of the
+//! differences at edges and in texture.
 
 use super::frame::Exposed;
 use super::scale::Scale;
@@ -16,16 +19,31 @@ pub struct NoiseModel {
     pub base: [f64; 3],
     /// The variance per unit of light, `b`, in units of white.
     pub slope: [f64; 3],
+    /// The standard deviation by compression, as a share of the contrast around a pixel: `c`.
+    pub contrast: f64,
 }
 
 /// What is taken where the frames do not show it: the photons of a sensor that holds 10 000 electrons, of which
 /// a thousandth are reading noise. Weights hardly depend on it; the variances are proportional to it.
-pub(super) const USUAL: NoiseModel = NoiseModel { base: [1e-7; 3], slope: [1e-4; 3] };
+pub(super) const USUAL: NoiseModel =
+    NoiseModel { base: [1e-7; 3], slope: [1e-4; 3], contrast: 0.0 };
 
 impl NoiseModel {
     /// The variance of a linear value `x` of a channel in a frame of this gain, without its rounding.
     pub(super) fn variance(&self, channel: usize, gain: f64, x: f64) -> f64 {
         gain * gain * self.base[channel] + gain * self.slope[channel] * x.max(0.0)
+    }
+
+    /// The variance of a linear value of a pixel by what its file did to it: rounding, and compression by JPEG.
+    pub(super) fn of_file(
+        &self,
+        frame: &Exposed<'_>,
+        (index, channel): (usize, usize),
+        scale: &Scale<'_>,
+    ) -> f64 {
+        let code = frame.code(index, channel);
+        let compression = self.contrast * f64::from(frame.contrast(index));
+        scale.rounding(channel, code) + (compression * scale.per_code(channel, code)).powi(2)
     }
 }
 
@@ -37,6 +55,14 @@ const FEWEST: usize = 100;
 /// Pixels further from the median than this many standard deviations are no noise. At 2.5 the variance is 4 %
 /// too small, at 4 edges count.
 const INLIERS: f64 = 3.0;
+/// The contrast above which a pixel is busy, of 1. Below half of it JPEG changes pixels by less than a step.
+const BUSY: f64 = 0.1;
+/// Compression is measured by the quantile of the differences that is so many standard deviations from zero in
+/// normal noise. Its errors have long tails, so that the median says little of edges: by it 1 % of a still JPEG
+/// moves, by this quantile less than 0.1 %. What moved is a few percent of a picture; a higher quantile would take
+/// that for compression.
+const QUANTILE: f64 = 0.95;
+const WITHIN: f64 = 1.96;
 /// A variance below this, in squares of white, is that of rounding alone in any file.
 const LEAST: f64 = 1e-12;
 
@@ -50,6 +76,10 @@ pub(super) struct Pair {
     factors: [f64; 2],
     /// The variance by rounding.
     rounding: f64,
+    /// The variance by compression where `c` is 1.
+    compression: f64,
+    /// Whether there is much contrast around it.
+    is_busy: bool,
 }
 
 /// The pixels of each pair of frames adjacent in exposure, by channel.
@@ -77,6 +107,8 @@ fn overlap(short: &Exposed<'_>, long: &Exposed<'_>, scale: &Scale<'_>) -> [Vec<P
             let [x, y] = codes.map(|code| scale.linear(channel, code));
             let rounding = codes.map(|code| scale.rounding(channel, code));
             let (t, s) = (short.exposure, long.exposure);
+            let contrasts = [short.contrast(a), long.contrast(b)].map(f64::from);
+            let compression = |k: usize| (contrasts[k] * scale.per_code(channel, codes[k])).powi(2);
             // The longer frame has the lesser noise: classes by it are hardly chosen by the noise.
             let radiance = y / s;
             if x <= 0.0 || y <= 0.0 {
@@ -89,6 +121,8 @@ fn overlap(short: &Exposed<'_>, long: &Exposed<'_>, scale: &Scale<'_>) -> [Vec<P
                 difference: x / t - y / s,
                 factors: [base, slope],
                 rounding: rounding[0] / (t * t) + rounding[1] / (s * s),
+                compression: compression(0) / (t * t) + compression(1) / (s * s),
+                is_busy: contrasts[0].max(contrasts[1]) > BUSY,
             });
         }
     }
@@ -97,13 +131,53 @@ fn overlap(short: &Exposed<'_>, long: &Exposed<'_>, scale: &Scale<'_>) -> [Vec<P
 
 /// The noise by all pairs; none where too few pixels are well exposed twice.
 pub(super) fn measure(overlaps: &[[Vec<Pair>; 3]]) -> Option<NoiseModel> {
-    let mut noise = NoiseModel { base: [0.0; 3], slope: [0.0; 3] };
+    let mut noise = NoiseModel { base: [0.0; 3], slope: [0.0; 3], contrast: 0.0 };
     for channel in 0..3 {
         let classes = overlaps.iter().flat_map(|pairs| classes(&pairs[channel]));
         let [base, slope] = fit(&classes.collect::<Vec<Class>>())?;
         (noise.base[channel], noise.slope[channel]) = (base, slope);
     }
+    noise.contrast = compression(overlaps, &noise);
     Some(noise)
+}
+
+/// The standard deviation by compression for each contrast, by what the differences of busy pixels are above the
+/// rest of the `noise`; zero where that explains them.
+fn compression(overlaps: &[[Vec<Pair>; 3]], noise: &NoiseModel) -> f64 {
+    let mut squares = Vec::new();
+    for pairs in overlaps {
+        for (channel, pairs) in pairs.iter().enumerate() {
+            let [base, slope] = [noise.base[channel], noise.slope[channel]];
+            let mut order: Vec<&Pair> = pairs.iter().collect();
+            order.sort_by(|a, b| a.radiance.total_cmp(&b.radiance));
+            let size = order.len().div_ceil(CLASSES).max(FEWEST);
+            for class in order.chunks_exact(size) {
+                let share = share(class);
+                for pair in class.iter().filter(|p| p.is_busy && p.compression > 0.0) {
+                    let known = pair.factors[0] * base + pair.factors[1] * slope + pair.rounding;
+                    let off = pair.difference - share * pair.radiance;
+                    let reach = WITHIN * WITHIN;
+                    squares.push((off * off / reach - known) / pair.compression);
+                }
+            }
+        }
+    }
+    if squares.len() < FEWEST {
+        return 0.0;
+    }
+    let place = (QUANTILE * squares.len() as f64) as usize;
+    let quantile = *squares.select_nth_unstable_by(place, f64::total_cmp).1;
+    quantile.max(0.0).sqrt()
+}
+
+/// The median difference of a class, which is an error of the response, as a share of the radiance.
+fn share(pairs: &[&Pair]) -> f64 {
+    median(pairs.iter().map(|p| p.difference / p.radiance).collect())
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// The variance of the differences of a class.
@@ -123,12 +197,8 @@ fn classes(pairs: &[Pair]) -> Vec<Class> {
 }
 
 fn class(pairs: &[&Pair]) -> Class {
-    let median = |mut values: Vec<f64>| {
-        let middle = values.len() / 2;
-        *values.select_nth_unstable_by(middle, f64::total_cmp).1
-    };
     // Errors of the response grow with the radiance: the difference is taken as a share of it.
-    let share = median(pairs.iter().map(|p| p.difference / p.radiance).collect());
+    let share = share(pairs);
     let off: Vec<f64> = pairs.iter().map(|p| p.difference - share * p.radiance).collect();
     let mean =
         |f: &dyn Fn(&Pair) -> f64| pairs.iter().map(|p| f(p)).sum::<f64>() / pairs.len() as f64;

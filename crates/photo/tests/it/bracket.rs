@@ -336,3 +336,38 @@ fn faults_are_named() {
         [1.0, 2.0].map(|t| GAMMA.take((40, 40), |_, _| [0.0; 3], t, 0)).to_vec();
     assert!(matches!(merge(&black, &Settings::default()), Err(BracketError::Response(0))));
 }
+
+#[test]
+fn exposures_that_the_frames_cannot_have_are_refused() {
+    let problem = |frames: &[Frame]| merge(frames, &Settings::default()).expect_err("a fault");
+    for camera in [&GAMMA, &STYLE, &Camera { curve: linear, depth: Depth::Float, ..GAMMA }] {
+        let frames = bracket(camera);
+        // Every order of the times but the right one.
+        for order in [[1, 0, 2, 3], [0, 2, 1, 3], [3, 1, 2, 0], [1, 2, 3, 0], [3, 2, 1, 0]] {
+            let mut swapped = frames.clone();
+            swapped.iter_mut().zip(order).for_each(|(frame, k)| frame.exposure = TIMES[k]);
+            let BracketError::Order { found, stated, .. } = problem(&swapped) else {
+                panic!("{order:?}: {}", problem(&swapped))
+            };
+            assert_eq!(found, "0.125.jpg, 0.5.jpg, 2.jpg, 8.jpg", "{order:?}");
+            assert_ne!(stated, found);
+        }
+        let mut twice = frames.clone();
+        twice[3].picture = twice[1].picture.clone();
+        assert!(matches!(problem(&twice), BracketError::Twice { .. }), "{}", problem(&twice));
+        // Another photograph with the same exposure.
+        twice[3].picture = camera.take(SIZE, room, TIMES[2], 9).picture;
+        let again = problem(&twice);
+        assert!(matches!(again, BracketError::EquallyBright { ratio: 4.0, .. }), "{again}");
+    }
+    // Two photographs of one exposure, both stated so, are right; so are steps of a third of a stop in the dark.
+    let mut frames = bracket(&GAMMA);
+    frames.push(GAMMA.take(SIZE, room, TIMES[2], 9));
+    assert!(merge(&frames, &Settings::default()).is_ok());
+    let dim = Camera { curve: linear, depth: Depth::Eight, base: 4e-5, slope: 1e-3 };
+    let dark = |x: i64, y: i64| room(x, y).map(|light| 0.02 * light);
+    let frames: Vec<Frame> =
+        (0..).zip([1.0, 1.26, 1.59]).map(|(k, t)| dim.take(SIZE, dark, t, k)).collect();
+    let settings = Settings { response: Some(Response::Linear), ..Settings::default() };
+    assert!(merge(&frames, &settings).is_ok());
+}

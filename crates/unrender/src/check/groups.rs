@@ -107,8 +107,8 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
     let unseen = named(&|g| all(g) == 0);
     if !unseen.is_empty() {
         warnings.push(format!(
-            "no pixel shows {}: what is not seen is only found from the light that it throws on the \
-             rest; if you know its reflectance, state it in [groups.NAME] as known",
+            "no pixel shows {}: what is not seen is recovered only from the light that it sends to other \
+             surfaces; if you know its reflectance, state it as known in [groups.NAME]",
             some(&unseen)
         ));
     }
@@ -121,8 +121,8 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
             ));
         } else if *valid < FEW {
             warnings.push(format!(
-                "group \"{name}\" rests on {valid} pixel(s) that count, of {pixels}; give it the \
-                 material of a larger group that is alike, state it as known, or use a larger photo"
+                "group \"{name}\" has only {valid} valid pixel(s) of {pixels}; give it the material of a larger group \
+                 that is alike, state it as known, or use a larger photo"
             ));
         }
     }
@@ -131,7 +131,7 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
     let dark = named(&|g| light(g).is_some_and(|light| light <= DARK * usual));
     if !dark.is_empty() {
         warnings.push(format!(
-            "next to no light reaches {}: nothing can be told of a surface in the dark; is a lamp \
+            "next to no light reaches {}: the reflectance of a surface in the dark cannot be recovered; is a lamp \
              missing from the scene, or something in its way?",
             some(&dark)
         ));

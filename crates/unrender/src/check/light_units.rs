@@ -39,7 +39,8 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
             for reading in others.iter().filter(|reading| reading.is_plausible(job)) {
                 let units = reading.units;
                 warnings.push(format!(
-                    "as the lights are read, no lamp is one that there is; as \"{units}\" all are: {}. {}",
+                    "as the lights are read, each is too bright or too faint for a real lamp; as \"{units}\" all are plausible: \
+                     {}. {}",
                     reading.lamp(job),
                     sentence(&readings::remedy(units))
                 ));

@@ -258,7 +258,7 @@ fn doubtful_points(
         }
         Err(error) => {
             let mut warnings = doubtful_pairs(pairs, size, None);
-            warnings.push(format!("the points were not held against the scene: {error}"));
+            warnings.push(format!("the points were not compared with the scene: {error}"));
             Ok((warnings, DVec3::ZERO))
         }
     }

@@ -61,6 +61,6 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         global.console.tell(&progressive::in_words(sum.head.samples.end, accumulator));
     }
     let _until_written = interrupt::writing();
-    global.console.warn(&output::write_picture(&args.out, &accumulator.mean(), accumulator)?);
+    global.console.warn(&output::write_picture(&args.out, accumulator, None)?);
     Ok(ExitCode::SUCCESS)
 }

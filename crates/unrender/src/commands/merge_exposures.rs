@@ -63,7 +63,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         white_level: Rgb::splat(args.white_level.unwrap_or(f32::INFINITY)),
     };
     let frames = Frames { files: args.photos.clone(), times: args.times.clone() };
-    let place = Path::new("merge-exposures");
+    let place = bracket::Place::Command;
     let (merged, warnings) = bracket::read_and_merge(&frames, &settings, global.limits(), place)?;
     global.console.warn(&warnings);
     let fit = merged.report.fit.as_ref();

@@ -83,7 +83,7 @@ pub struct Args {
 /// The ladders of hypotheses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Ladder {
-    /// All rungs on one cache of light; the simplest that the noise allows.
+    /// All rungs on the same samples of light; the simplest that the noise allows.
     Default,
     /// The method of Boivin and Gagalowicz (2002) as written.
     Paper,

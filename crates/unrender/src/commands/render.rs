@@ -119,8 +119,8 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         global.console.warn(&output::doubts(accumulator));
         return Ok(ExitCode::SUCCESS);
     }
-    let radiance = denoised.map_or_else(|| accumulator.mean(), |denoised| denoised.radiance);
-    global.console.warn(&output::write_picture(&args.out, &radiance, accumulator)?);
+    let denoised = denoised.as_ref().map(|denoised| &denoised.radiance);
+    global.console.warn(&output::write_picture(&args.out, accumulator, denoised)?);
     Ok(ExitCode::SUCCESS)
 }
 
@@ -181,8 +181,7 @@ pub struct Rendering {
 /// What denoising did to the picture of `accumulator`.
 fn in_words(denoised: &Denoised, accumulator: &Accumulator) -> String {
     format!(
-        "denoised: relative error {:.3} % by its two halves, {:.3} % before; {:.0} % of the picture \
-         left as it was",
+        "denoised: estimated relative error {:.3} %, {:.3} % before; {:.0} % of the picture was left as it was",
         100.0 * denoised.error,
         100.0 * accumulator.noise(),
         100.0 * denoised.untouched

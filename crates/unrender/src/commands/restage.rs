@@ -9,7 +9,7 @@ use crate::progress::Progress;
 use crate::progressive::{self, Job};
 use crate::progressive_render::PictureRender;
 use crate::result_folder::ResultFolder;
-use crate::results::restaged;
+use crate::results::restaged::{self, Synthetic};
 use crate::shard::{self, Identity};
 use serde::Serialize;
 use std::ops::{ControlFlow, Range};
@@ -139,6 +139,7 @@ fn folder(args: &Args, sheets: &[Sheet]) -> Result<ResultFolder, Error> {
     } else {
         ResultFolder::open(&args.out, "restage", &writes, &inputs)
     }
+    .map(|folder| folder.denoised(args.denoise))
 }
 
 fn part_name(samples: &Range<u32>) -> String {
@@ -254,13 +255,15 @@ fn synthetic(
         let number = is_sequence.then_some(frame as usize);
         let denoised = render.denoised(&layers);
         let radiance = denoised.map_or_else(|| layers[0].mean(), |denoised| denoised.radiance);
+        let synthetic = Synthetic { radiance: &radiance, is_denoised: args.denoise };
         let bad = folder.write(true, |place| {
-            Ok(restaged::write_synthetic(&radiance, photograph, place, number)?)
+            Ok(restaged::write_synthetic(&synthetic, photograph, place, number)?)
         })?;
         tell(bad, global);
         written.push(number);
     }
-    folder.write(true, |place| restaged::write_gallery(&args.out, place, &written))?;
+    folder
+        .write(true, |place| restaged::write_gallery(&args.out, place, &written, args.denoise))?;
     Ok(ExitCode::SUCCESS)
 }
 

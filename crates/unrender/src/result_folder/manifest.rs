@@ -32,6 +32,13 @@ pub(super) struct Entry {
     pub(super) sha256: String,
     /// The command that wrote it.
     pub(super) by: String,
+    /// Whether it is a picture from which noise was removed.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub(super) denoised: bool,
+}
+
+fn is_false(is: &bool) -> bool {
+    !is
 }
 
 impl Default for Manifest {
@@ -133,7 +140,8 @@ pub(crate) fn note(folder: &Path, name: &str, by: &str) -> Result<(), Error> {
     }
     let path = folder.join(name);
     let sha256 = hash(&path).map_err(|error| FileError::new(&path, error))?;
-    manifest.files.insert(name.to_owned(), Entry { sha256, by: by.to_owned() });
+    let entry = Entry { sha256, by: by.to_owned(), denoised: false };
+    manifest.files.insert(name.to_owned(), entry);
     Ok(manifest.write(folder)?)
 }
 

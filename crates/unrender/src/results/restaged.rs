@@ -40,7 +40,8 @@ pub(crate) fn write_composite(
     for (name, mask) in [("touched", touched), ("invented", share(|pixel| pixel.uncovered))] {
         picture::write_png_codes(&folder.join(format!("{name}.png")), &mask, Depth::Eight)?;
     }
-    bad += write_synthetic(&pair::after(&composite.paired), Some(photograph), folder, None)?;
+    let after = Synthetic { radiance: &pair::after(&composite.paired), is_denoised: false };
+    bad += write_synthetic(&after, Some(photograph), folder, None)?;
     let before = as_srgb(photograph, &photograph.photo.radiance);
     bad += picture::write_png_srgb(&folder.join("photo.png"), &before)?;
     let pair = [
@@ -73,16 +74,21 @@ pub(crate) fn writes_synthetic(name: &str, frames: Option<&Range<u32>>) -> bool 
 }
 
 /// Writes the gallery of the synthetic pictures with the numbers `numbers`, or of the only one, which
-/// lie in the folder `pictures`.
+/// lie in the folder `pictures`; it says whether they were denoised.
 pub(crate) fn write_gallery(
     pictures: &Path,
     folder: &Path,
     numbers: &[Option<usize>],
+    is_denoised: bool,
 ) -> Result<(), Error> {
+    let caption = match is_denoised {
+        true => "The scene after the edits. Denoised: neighbouring pixels have errors in common.",
+        false => "The scene after the edits.",
+    };
     let step = numbers.len().div_ceil(SHOWN_MAX).max(1);
     let shown = numbers.iter().step_by(step).map(|number| {
         let title = number.map_or("Picture".to_owned(), |n| format!("Picture {n}"));
-        exhibit(&format!("{}.png", synthetic(*number)), &title, "The scene after the edits.")
+        exhibit(&format!("{}.png", name_of(*number)), &title, caption)
     });
     write_page(pictures, folder, None, &shown.collect::<Vec<_>>())
 }
@@ -104,20 +110,32 @@ fn exhibit(file: &str, title: &str, caption: &str) -> Exhibit {
 }
 
 /// The name of a synthetic picture, without its extension.
-fn synthetic(number: Option<usize>) -> String {
+fn name_of(number: Option<usize>) -> String {
     number.map_or("synthetic".to_owned(), |n| format!("synthetic_{n:04}"))
+}
+
+/// A picture of the scene after the edits.
+pub(crate) struct Synthetic<'a> {
+    /// Radiance, W sr^-1 m^-2 per channel.
+    pub(crate) radiance: &'a RgbImage,
+    /// Whether noise was removed from it.
+    pub(crate) is_denoised: bool,
 }
 
 /// Writes a synthetic picture, as radiance and as the photograph's camera would show it, else as
 /// sRGB; returns how many values were not finite. `number` is its place in a sequence.
 pub(crate) fn write_synthetic(
-    radiance: &RgbImage,
+    synthetic: &Synthetic<'_>,
     photograph: Option<&Photograph>,
     folder: &Path,
     number: Option<usize>,
 ) -> Result<usize, FileError> {
-    let name = synthetic(number);
-    let bad = picture::write_exr(&folder.join(format!("{name}.exr")), radiance)?;
+    let name = name_of(number);
+    let (radiance, exr) = (synthetic.radiance, folder.join(format!("{name}.exr")));
+    let bad = match synthetic.is_denoised {
+        true => picture::write_denoised(&exr, radiance)?,
+        false => picture::write_exr(&exr, radiance)?,
+    };
     let png = folder.join(format!("{name}.png"));
     match photograph {
         Some(photograph) if photograph.picture.depth != Depth::Float => {

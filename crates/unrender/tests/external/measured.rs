@@ -2,6 +2,7 @@
 
 use crate::kit::example::{Limits, beside_crates, recovers};
 use crate::kit::folder::Folder;
+use crate::kit::programs::need;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use unrender::formats::{load_scene, materials};
@@ -15,8 +16,16 @@ fn data(file: &str) -> Result<PathBuf, String> {
 }
 
 /// The folder of `file`; none where it is not, since it may not be copied into the repository.
+#[track_caller]
 fn present(file: &str) -> Option<PathBuf> {
-    data(file).map_err(|problem| println!("skipped: {problem}")).ok()
+    need(data(file))
+}
+
+#[test]
+fn what_is_missing_is_a_failure_where_it_is_required() {
+    let missing = std::panic::catch_unwind(|| present("there is no such file"));
+    let is_required = std::env::var("UNRENDER_REQUIRE_TOOLS").is_ok_and(|v| v == "1");
+    assert_eq!(missing.is_err(), is_required);
 }
 
 /// A box with a brushed plate in it.

@@ -2,6 +2,8 @@
 
 use crate::kit::floor_and_lamp;
 use crate::kit::folder::{Folder, is_refused, stderr, succeeds};
+use image::ExtendedColorType;
+use image::codecs::jpeg::JpegEncoder;
 use std::path::Path;
 use std::process::Output;
 use unrender::formats::picture::{self, Depth};
@@ -117,6 +119,7 @@ fn what_is_merged_is_read_back() {
     let white_level = Rgb::new(9.0, 10.0, 11.0);
     let merged = Some(picture::Merged { variance, white_level });
     let mut written = Picture { merged, ..Picture::new(values, Depth::Float) };
+    written.is_linear = true;
     written.invalid = vec![4];
     written.values.pixels_mut()[4] = Rgb::ZERO;
     written.merged.as_mut().unwrap().variance.pixels_mut()[4] = Rgb::ZERO;
@@ -141,7 +144,10 @@ fn faults_are_said_and_nothing_is_written() {
     let out = ["--out", "m.exr"];
     for (words, problem) in [
         (&["a.png", "--times", "1"][..], "there is 1"),
-        (&["a.png", "b.png"], "a.png: states no exposure time"),
+        (
+            &["a.png", "b.png"],
+            "a.png: states no exposure time; give those of all photographs of the bracket by --times",
+        ),
         (&["a.png", "b.png", "--times", "1,1"], "same exposure"),
         (&["a.png", "b.png", "--times", "1,nan"], "is nan; give positive numbers"),
         (&["a.png", "b.png", "--times", "1,0"], "is 0; give positive numbers"),
@@ -149,7 +155,22 @@ fn faults_are_said_and_nothing_is_written() {
         (&["a.png", "b.png", "--times", "1,2,3"], "there are 3 exposure times for 2"),
         (&["a.png", "small.png", "--times", "1,2"], "8 x 8 pixels, but a.png has 96 x 72"),
         (&["a.png", "none.png", "--times", "1,2"], "none.png: cannot be read: it does not exist"),
-        (&["a.png", "black.png", "--times", "1,2"], "too little is well exposed"),
+        (&["a.png", "black.png", "--times", "1,2"], "black.png is darker than a.png"),
+        (&["black.png", "a.png", "--times", "1,2"], "too little is well exposed"),
+        // Times in another order than the photographs, and one photograph twice.
+        (
+            &["a.png", "b.png", "c.png", "--times", "1/2,1/8,2"],
+            "From dark to bright the photographs are a.png, b.png, c.png; by their exposures they are \
+             b.png, a.png, c.png",
+        ),
+        (
+            &["a.png", "b.png", "--times", "1,0.25", "--response", "srgb"],
+            "a.png is darker than b.png, but its exposure is stated to be longer",
+        ),
+        (
+            &["a.png", "b.png", "b.png", "--times", "1/8,1/2,2"],
+            "b.png and b.png are the same picture",
+        ),
         (
             &["a.png", "b.png", "--times", "1,4", "--response", "none.csv"],
             "none.csv: cannot be read",
@@ -209,12 +230,94 @@ fn projects_name_brackets() {
         let error = Project::parse(Path::new("p.toml"), &text(photo)).unwrap_err().to_string();
         assert!(error.contains(problem), "{photo}: {error}");
     }
-    for (times, problem) in [("", "states no exposure time"), (", times = [1, 1]", "same exposure")]
-    {
+    for (times, problem) in [
+        ("", "give those of all photographs of the bracket in the project, as in photo = {"),
+        (", times = [1, 1]", "same exposure"),
+        (", times = [2, 1]", "From dark to bright the photographs are a.png, c.png"),
+    ] {
         let photo = format!("photo = {{ bracket = [\"a.png\", \"c.png\"]{times} }}");
         folder.write("p.toml", &text(&photo));
         let (project, warnings) = Project::read(&folder.path("p.toml")).unwrap();
         let error = Job::load(project, warnings).unwrap_err().to_string();
         assert!(error.contains(problem), "{times}: {error}");
+    }
+}
+
+/// Slanted edges, texture and shading over two decades; with `with_thing`, something dark in the middle.
+fn still_life(x: usize, y: usize, with_thing: bool) -> [f32; 3] {
+    let slanted = x + y / 3;
+    let field = (slanted / 37 * 7919 + y / 41 * 104_729) % 1000;
+    let grain = if field % 3 == 0 { ((x * 31 + y * 17) % 7) as f32 / 12.0 } else { 0.0 };
+    let level = 0.015 * 10f32.powf(2.0 * field as f32 / 1000.0) * (0.8 + grain);
+    let is_thing = with_thing && (110..170).contains(&x) && (80..140).contains(&y);
+    let level = if is_thing { 0.01 } else { level };
+    let hue = field as f32 / 1000.0;
+    [level * (1.0 - 0.5 * hue), 0.9 * level, level * (0.5 + 0.5 * hue)]
+}
+
+/// Writes a photograph of [`still_life`] as a JPEG, with the noise of a camera.
+fn write_jpeg(path: &Path, time: f32, with_thing: bool) {
+    let (width, height) = (320, 240);
+    let mut codes = Vec::new();
+    let mut state = u64::from(time.to_bits());
+    let mut uniform = || {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f32 / (1u64 << 24) as f32
+    };
+    for (x, y) in (0..width * height).map(|i| (i % width, i / width)) {
+        for light in still_life(x, y, with_thing) {
+            let normal = (0..12).map(|_| uniform()).sum::<f32>() - 6.0;
+            let light = time * light;
+            let light = light + (4e-7 + 1e-4 * light).sqrt() * normal;
+            codes.push((255.0 * srgb_from_linear(light.clamp(0.0, 1.0))).round() as u8);
+        }
+    }
+    let mut bytes = Vec::new();
+    JpegEncoder::new_with_quality(&mut bytes, 85)
+        .encode(&codes, width as u32, height as u32, ExtendedColorType::Rgb8)
+        .unwrap();
+    std::fs::write(path, bytes).unwrap();
+}
+
+#[test]
+fn the_errors_of_jpeg_are_no_motion_and_motion_is_seen_beside_them() {
+    let folder = Folder::new();
+    let merge = |moved: bool| {
+        for (name, time) in ["a.jpg", "b.jpg", "c.jpg"].iter().zip([0.5, 2.0, 8.0]) {
+            write_jpeg(&folder.path(name), time, moved && time == 8.0);
+        }
+        let flags = ["--times", "0.5,2,8", "--out", "m.exr"];
+        let output =
+            folder.run(&[&["merge-exposures", "a.jpg", "b.jpg", "c.jpg"][..], &flags].concat());
+        succeeds(&output);
+        stderr(&output)
+    };
+    let still = merge(false);
+    assert!(!still.contains("moved"), "{still}");
+    let moved = merge(true);
+    let (_, share) = moved.split_once("something moved, in ").unwrap_or_else(|| panic!("{moved}"));
+    let share: f64 = share.split_once(' ').unwrap().0.parse().unwrap();
+    // The thing covers 4.7 % of the picture; parts of it are as bright as what is behind, or beside edges.
+    assert!((1.0..7.0).contains(&share), "{moved}");
+}
+
+#[test]
+fn a_file_of_a_linear_format_needs_no_response() {
+    let folder = bracket();
+    folder.write("scene.glb", &gltf::to_glb(&floor_and_lamp::scene()).unwrap());
+    succeeds(&merge(&folder, &["--times", STATED, "--out", "m.exr"]));
+    let image = Image::from_fn(SIZE.0, SIZE.1, |x, y| Rgb::splat(radiance(x, y)));
+    picture::write(&folder.path("r.exr"), &image).unwrap();
+    picture::write(&folder.path("r.hdr"), &image).unwrap();
+    for photo in ["m.exr", "r.exr", "r.hdr"] {
+        folder.write(
+            "p.toml",
+            &format!("scene = \"scene.glb\"\nphoto = \"{photo}\"\nexposure = 1\n"),
+        );
+        let (project, warnings) = Project::read(&folder.path("p.toml")).unwrap();
+        let job = Job::load(project, warnings).unwrap();
+        assert_eq!(job.transfer.response, Response::Linear);
+        assert!(!job.warnings.0.iter().any(|w| w.contains("response")), "{:?}", job.warnings);
     }
 }

@@ -29,7 +29,7 @@ fn light_that_is_a_factor_off_is_refused_with_the_factor() {
         let factor = told(&folder, times);
         println!("{times} {factor}");
         assert!((factor / times - 1.0).abs() < 0.1, "{times}: {factor}");
-        assert!(!folder.path("out/materials.json").exists());
+        assert!(!folder.path("out").exists(), "a refused photograph leaves nothing behind");
     }
 }
 
@@ -45,7 +45,7 @@ fn lights_of_another_lighting_mode_are_refused_with_its_name() {
     folder.write("off.toml", &project);
     let output =
         folder.run(&["recover", "off.toml", "--out", "out", "--effort", "draft", "--quiet"]);
-    fails(&output, "the lights read as \"unitless\" would be so bright");
+    fails(&output, "light read as \"unitless\" would explain it");
     let said = stderr(&output);
     assert!(said.contains("say light_units = \"unitless\" in the project"), "{said}");
 }

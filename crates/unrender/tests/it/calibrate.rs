@@ -300,7 +300,7 @@ fn points_far_from_photo_and_scene_are_reported() {
     let output = folder.calibrate(&["--points", "points.csv", "--out", "a.toml"]);
     succeeds(&output);
     let warnings = stderr(&output);
-    assert!(warnings.contains("were not held against the scene"), "{warnings}");
+    assert!(warnings.contains("were not compared with the scene"), "{warnings}");
 }
 
 #[test]

@@ -151,14 +151,20 @@ fn ctrl_c_keeps_what_there_is() {
 #[test]
 fn a_denoised_picture_goes_on_from_its_checkpoint_to_the_same_bits() {
     let folder = Folder::new();
-    let common = "--height 32 --denoise --adaptive";
-    succeeds(&render(&folder, &format!("{common} --spp 16 --out whole.exr")).output().unwrap());
-    for (spp, threads) in [(9, 1), (16, 2)] {
-        let arguments =
-            format!("{common} --spp {spp} --threads {threads} --checkpoint c.exr --out b.exr");
-        succeeds(&render(&folder, &arguments).output().unwrap());
+    for (kind, checkpoint) in [("", "u.exr"), (" --adaptive", "c.exr")] {
+        let common = format!("--height 32 --denoise{kind}");
+        succeeds(&render(&folder, &format!("{common} --spp 16 --out whole.exr")).output().unwrap());
+        // The third run has nothing left to render, and denoises what is there.
+        for (spp, threads) in [(9, 1), (16, 2), (16, 1)] {
+            let arguments = format!(
+                "{common} --spp {spp} --threads {threads} --checkpoint {checkpoint} --out b.exr"
+            );
+            succeeds(&render(&folder, &arguments).output().unwrap());
+            let (_, warnings) = picture::read(&folder.path("b.exr")).unwrap();
+            assert!(warnings.0.iter().any(|w| w.contains("was denoised")), "{warnings:?}");
+        }
+        assert_eq!(folder.bytes("b.exr"), folder.bytes("whole.exr"), "{common}");
     }
-    assert_eq!(folder.bytes("b.exr"), folder.bytes("whole.exr"));
 
     // What is merged is not denoised, and this is said.
     assert!(told_by_merge(&folder, "m.exr").contains("written as it is"));

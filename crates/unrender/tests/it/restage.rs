@@ -273,6 +273,28 @@ fn the_camera_and_the_exposure_of_the_recovery_count() {
 }
 
 #[test]
+fn denoised_pictures_are_marked() {
+    let folder = Stage::new();
+    for (name, flags) in [("plain", &[][..]), ("denoised", &["--denoise"])] {
+        folder.succeeds(&[&["--scene", "scene.glb", "--spp", "8", "--out", name], flags].concat());
+        let is_denoised = !flags.is_empty();
+        let (_, warnings) = picture::read(&folder.path(&format!("{name}/synthetic.exr"))).unwrap();
+        let is_told = warnings.0.iter().any(|warning| warning.contains("was denoised by unrender"));
+        assert_eq!(is_told, is_denoised, "{warnings:?}");
+        let manifest: serde_json::Value =
+            serde_json::from_str(&folder.text(&format!("{name}/manifest.json"))).unwrap();
+        for (file, expected) in
+            [("synthetic.exr", true), ("synthetic.png", true), ("gallery.html", false)]
+        {
+            let marked = manifest["files"][file]["denoised"].as_bool().unwrap_or(false);
+            assert_eq!(marked, expected && is_denoised, "{name}/{file}");
+        }
+        let gallery = folder.text(&format!("{name}/gallery.html"));
+        assert_eq!(gallery.contains("Denoised: neighbouring pixels"), is_denoised);
+    }
+}
+
+#[test]
 fn grain_goes_into_what_is_synthetic_alone() {
     let folder = Stage::new();
     folder.write("e.toml", &format!("project = \"8.toml\"\n{INSERT}"));

@@ -304,3 +304,17 @@ fn what_faults_leave_is_whole_or_refused() {
     fs::remove_dir_all(room.path("out")).unwrap();
     assert!(room.files(".") == inputs, "inputs were changed");
 }
+
+#[test]
+fn what_is_refused_leaves_no_folder_behind() {
+    let room = Room::new();
+    // A scene that is found to be broken after the folder was made.
+    room.write("scene.glb", "no scene");
+    ends_in_error(&room.recover("deep/er/out"), "scene.glb");
+    assert!(!room.path("deep").exists());
+    // A folder that was there stays, and what is in it.
+    fs::create_dir_all(room.path("there")).unwrap();
+    ends_in_error(&room.recover("there"), "scene.glb");
+    ends_in_error(&room.recover("there/new"), "scene.glb");
+    assert!(room.path("there").exists() && !room.path("there/new").exists());
+}

@@ -295,7 +295,7 @@ fn the_lighting_mode_of_the_export_is_known_by_the_lamps() {
     let read =
         |read: f32, units: &str| by_bulb(35.0, read, &format!("light_units = \"{units}\"{auto}"));
     read(1.0 / 683.0, "blender-standard").warns(
-        "no lamp is one that there is; as \"unitless\" all are",
+        "too bright or too faint for a real lamp; as \"unitless\" all are",
         "light_units = \"unitless\"",
     );
     read(683.0, "unitless").warns("as \"blender-standard\" all are", "would have 35 W");
@@ -403,8 +403,8 @@ fn groups_that_are_unseen_small_or_dark_are_reported() {
         Input::new(&scene, camera(), codes, Response::Linear, "exposure = 1\n")
     };
     block(Vec3::new(0.0, 0.5, -3.0), 0.5)
-        .warns("no pixel shows \"block\"", "state it in [groups.NAME]");
-    block(Vec3::new(0.0, 0.1, 0.0), 0.06).warns("group \"block\" rests on", "state it as known");
+        .warns("no pixel shows \"block\"", "state it as known in [groups.NAME]");
+    block(Vec3::new(0.0, 0.1, 0.0), 0.06).warns("group \"block\" has only", "state it as known");
     // Seen through the open front of a closed box, whose walls keep the lamp out.
     let mut scene = room();
     let dark = cuboid(Vec3::new(-0.9, 0.0, -0.9), Vec3::new(0.9, 1.9, 0.9));
