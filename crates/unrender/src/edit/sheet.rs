@@ -95,19 +95,22 @@ impl Sheet {
     }
 
     /// The same, the reading of whose files may go so far.
-    pub fn within(self, limits: Limits) -> Self {
-        Self { written: Written { limits, ..self.written }, ..self }
+    pub fn within(mut self, limits: Limits) -> Self {
+        self.written.limits = limits;
+        self
     }
 
     /// The same, the lights of whose scene are in these units, if they are stated.
-    pub fn in_light_units(self, light_units: Option<LightUnits>) -> Self {
-        Self { written: Written { light_units, ..self.written }, ..self }
+    pub fn in_light_units(mut self, light_units: Option<LightUnits>) -> Self {
+        self.written.light_units = light_units;
+        self
     }
 
     /// The same, of a caller who has the scene to start from in memory: it takes the place of the file that `scene`
     /// names.
-    pub fn with_scene(self, scene: Option<Arc<Scene>>) -> Self {
-        Self { written: Written { scene, ..self.written }, ..self }
+    pub fn with_scene(mut self, scene: Option<Arc<Scene>>) -> Self {
+        self.written.scene = scene;
+        self
     }
 
     /// The files that it names, and itself.
