@@ -113,7 +113,7 @@ fn a_camera_that_stands_elsewhere_is_found() {
         let at = |camera: &Camera| Vec2::from(camera.project(Vec3::NEG_Z, 288, 240).unwrap());
         at(camera).distance(at(&truth))
     };
-    assert!(off(&given) > 1.0 && off(&found) < 0.2, "{} and {}", off(&given), off(&found));
+    assert!(off(&given) > 1.0 && off(&found) < 0.35, "{} and {}", off(&given), off(&found));
     let warnings = heard.warnings.into_inner().unwrap();
     assert!(warnings.iter().any(|w| w.contains("the camera was moved there")), "{warnings:?}");
     let rerendered = recovered.rerendered();
