@@ -97,22 +97,28 @@ impl Proposal {
         }
     }
 
-    /// The change to a candidate that was not taken when the group was asked.
-    pub(super) fn of_record(state: &State<'_>, group: usize, record: &CandidateRecord) -> Self {
-        Self {
+    /// The change to `hypothesis`, which the group's own pixels did not ask for.
+    pub(super) fn of_shape(
+        state: &State<'_>,
+        group: usize,
+        hypothesis: Hypothesis,
+        material: Material,
+    ) -> Option<Self> {
+        let present = state.groups[group].hypothesis;
+        Some(Self {
             group,
-            hypothesis: record.hypothesis,
-            is_more_complex: record.hypothesis > state.groups[group].hypothesis,
-            adds: added(state.groups[group].hypothesis, record.hypothesis),
-            material: record.material.clone(),
-            residual: record.residual,
+            hypothesis,
+            is_more_complex: hypothesis > present,
+            adds: added(present, hypothesis),
+            material,
+            residual: state.groups[group].residual?,
             likelihood: None,
             outliers: Vec::new(),
             is_other_minimum: false,
             least: None,
             next: None,
             then: None,
-        }
+        })
     }
 
     /// Whether it changes anything of `state`.
@@ -120,6 +126,15 @@ impl Proposal {
         self.is_other_minimum
             || self.hypothesis != state.groups[self.group].hypothesis
             || !self.outliers.is_empty()
+    }
+
+    /// Whether it takes a specular part from its group, which the light of others may speak for.
+    pub(crate) fn takes_specular_part(&self, state: &State<'_>) -> bool {
+        self.hypothesis == Hypothesis::Diffuse
+            && !matches!(
+                state.groups[self.group].hypothesis,
+                Hypothesis::Diffuse | Hypothesis::Textured
+            )
     }
 
     /// Whether the group's own pixels have to bear it out: nothing else speaks for it.
@@ -183,8 +198,6 @@ pub(crate) struct Candidates<'o> {
     asked_at: Vec<Option<Level>>,
     /// Hypotheses that the whole picture spoke against.
     rejected: Vec<Vec<Hypothesis>>,
-    /// A group whose hypothesis is held while the others are asked.
-    held: Option<usize>,
 }
 
 impl<'o> Candidates<'o> {
@@ -195,7 +208,6 @@ impl<'o> Candidates<'o> {
             asked: vec![0; groups],
             asked_at: vec![None; groups],
             rejected: vec![Vec::new(); groups],
-            held: None,
         }
     }
 
@@ -216,11 +228,6 @@ impl<'o> Candidates<'o> {
             self.asked_at[group] = None;
             self.rejected[group].clear();
         }
-    }
-
-    /// Leaves `group` as it is until another one, or none, is held.
-    pub(crate) fn hold(&mut self, group: Option<usize>) {
-        self.held = group;
     }
 
     /// Groups whose hypothesis does not explain the photograph yet.
@@ -251,10 +258,7 @@ impl<'o> Candidates<'o> {
                 let hypothesis = state.groups[*g].hypothesis;
                 !matches!(hypothesis, Hypothesis::Diffuse | Hypothesis::Textured)
             };
-            let asked = |g: &usize| {
-                let is_new = self.asked[*g] < ASKED_MAX && self.asked_at[*g] != Some(level);
-                is_new && self.held != Some(*g)
-            };
+            let asked = |g: &usize| self.asked[*g] < ASKED_MAX && self.asked_at[*g] != Some(level);
             let wanted = state.visible_unknowns().into_iter();
             let wanted: Vec<usize> =
                 wanted.filter(|g| open.contains(g) || climbed(g)).filter(asked).collect();

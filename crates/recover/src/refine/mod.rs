@@ -25,6 +25,7 @@ mod origins;
 mod passes;
 mod relations;
 mod sample;
+pub(crate) mod score_test;
 pub(crate) mod side_by_side;
 mod system;
 mod unknowns;

@@ -177,7 +177,7 @@ fn add_row(
 
 /// For each group: of how many cells one is independent of the others, by the correlation of neighbours'
 /// residuals.
-fn dependence(means: &[Mean], weights: &[Rgb]) -> BTreeMap<usize, f64> {
+pub(super) fn dependence(means: &[Mean], weights: &[Rgb]) -> BTreeMap<usize, f64> {
     let mut cells: BTreeMap<usize, (Vec<Place>, Vec<DVec3>)> = BTreeMap::new();
     for (mean, weight) in means.iter().zip(weights) {
         let (places, residuals) = cells.entry(mean.group).or_default();

@@ -74,6 +74,11 @@ impl Unknowns {
         Self::new(list, state)
     }
 
+    /// No number at all.
+    pub(super) fn none(state: &State<'_>) -> Self {
+        Self::new(Vec::new(), state)
+    }
+
     /// The same with the exposure free, whatever fixes it.
     pub(super) fn with_exposure(state: &State<'_>) -> Self {
         let mut list = Self::of(state).list;
