@@ -91,10 +91,7 @@ fn other_reading(job: &Job, factor: Rgb) -> String {
     let behind = all.iter().find(|reading| reading.explains(job, factor));
     behind.map_or(String::new(), |reading| {
         let (units, remedy) = (reading.units, readings::remedy(reading.units));
-        format!(
-            " (light read as \"{units}\" would explain it: {}; {remedy})",
-            reading.lamp(job)
-        )
+        format!(" (light read as \"{units}\" would explain it: {}; {remedy})", reading.lamp(job))
     })
 }
 
