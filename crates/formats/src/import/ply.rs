@@ -1,5 +1,6 @@
 //! Meshes from PLY files: positions, and where there are any, normals and texture coordinates.
 
+use crate::entry::{Entry, Table, find, passed, read};
 use crate::input::Scope;
 use crate::polygon;
 use glam::{DVec3, Vec2, Vec3};
@@ -9,6 +10,34 @@ use ply_rs_bw::ply::{
     ScalarType,
 };
 use unrender_scene::Mesh;
+
+const NORMAL: &str = "the normal, if all three are there";
+const UV: &str = "texture coordinates, if both are there";
+
+/// The properties of vertices and faces, in the order of the numbers of a vertex.
+const PROPERTIES: [Entry; 13] = [
+    read("x", "the position, in double precision"),
+    read("y", "the position, in double precision"),
+    read("z", "the position, in double precision"),
+    read("nx", NORMAL),
+    read("ny", NORMAL),
+    read("nz", NORMAL),
+    read("u", UV),
+    read("v", UV),
+    read("s", "as u"),
+    read("t", "as v"),
+    read("vertex_indices", "the corners of a face, three or more, convex or not"),
+    read("vertex_index", "the corners of a face, three or more, convex or not"),
+    passed(
+        "others",
+        "as colours of vertices, which only attributes of meshes use, and these are refused",
+    ),
+];
+
+/// What is read of PLY.
+pub(super) fn table() -> Table {
+    Table::new("PLY", "property", &PROPERTIES)
+}
 
 /// A corner of a face in the file becomes a triangle with three vertices of 32 bytes and indices.
 const BYTES_A_CORNER: u64 = 128;
@@ -107,7 +136,8 @@ impl PropertyAccess for Element {
     }
 
     fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        let slot = match name {
+        let known = find(&PROPERTIES, name).map_or("", |row| row.name);
+        let slot = match known {
             "x" => 0,
             "y" => 1,
             "z" => 2,

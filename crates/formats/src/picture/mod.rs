@@ -24,9 +24,11 @@ mod png_chunks;
 mod profile;
 mod raw;
 mod read;
+mod tables;
 mod tiff;
 mod tiff_page;
 mod tiff_says;
+mod tiff_tags;
 mod write;
 
 pub(crate) use budget::{check as check_budget, exr_block};
@@ -38,5 +40,6 @@ pub use orientation::{Orientation, Stored, stored, stored_in};
 pub use panorama::read_environment;
 pub(crate) use read::read_in;
 pub use read::{decode, read};
+pub(crate) use tables::tables;
 pub use unrender_scene::{Depth, Merged, Picture, Profile};
 pub use write::{write, write_exr, write_hdr, write_png_codes, write_png_srgb};

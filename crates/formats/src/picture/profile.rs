@@ -40,7 +40,7 @@ pub(super) fn of(
 ) -> Result<Option<Profile>, String> {
     // The order of precedence in PNG: cICP, iCCP, sRGB, and then gAMA and cHRM.
     if format == ImageFormat::Png
-        && let Some(data) = png_chunks::find(bytes, b"cICP")
+        && let Some(data) = png_chunks::find(bytes, &png_chunks::CICP)
     {
         return cicp::profile(data).map(Some);
     }

@@ -26,3 +26,4 @@ mod pictures;
 mod planes;
 mod radiance;
 mod round_trip;
+mod what_is_read;

@@ -174,8 +174,6 @@ impl Reflectances {
     }
 
     fn bumpy(&mut self, context: &Context, node: Node) -> Result<Reflectance, String> {
-        node.pass(&["scale", "normalmap"]);
-        node.children("texture");
         let mut inside = self.inner(context, node)?;
         inside.doubt(format!("its {} was left out", node.kind()));
         Ok(inside)
@@ -227,7 +225,6 @@ impl Reflectances {
 
 /// Whether the microfacets are those of GGX.
 fn is_ggx(node: Node) -> Result<bool, String> {
-    node.pass(&["sample_visible"]);
     match node.text("distribution")?.unwrap_or("beckmann") {
         "beckmann" => Ok(false),
         "ggx" => Ok(true),
@@ -302,7 +299,6 @@ fn principled(context: &Context, node: Node) -> Result<Reflectance, String> {
             read.doubt(format!("its {name} was left out"));
         }
     }
-    node.pass(&["sheen_tint", "clearcoat_gloss"]);
     read.doubt("principled was taken as a diffuse part and one of GGX, as at normal incidence");
     Ok(read)
 }

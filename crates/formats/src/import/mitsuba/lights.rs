@@ -19,7 +19,6 @@ pub(super) fn read(context: &Context, node: Node) -> Result<Emitter, String> {
     if let Some(light) = &node.note().light {
         return Ok(Emitter::Light(light.clone()));
     }
-    node.pass(&["sampling_weight"]);
     let id = if node.id().is_empty() { "light" } else { node.id() };
     let name = node.note().name.clone().unwrap_or_else(|| id.into());
     let world = || node.motion("to_world");
@@ -91,7 +90,6 @@ fn panorama(context: &Context, node: Node) -> Result<Environment, String> {
         let what = "an envmap that is an sRGB picture lacks whatever was brighter than its white";
         context.warn(node.fail(what));
     }
-    node.pass(&["mis_compensation"]);
     let scale = node.number("scale", 1.0)?;
     let radiance = read.to_linear().map(|rgb| rgb.max(Rgb::ZERO) * scale);
     let world = node.motion("to_world")?.matrix3;

@@ -1,6 +1,6 @@
 //! What surfaces are made of, as groups: a material with all that modifies it, mixtures, and what shines.
 
-use super::kinds::Sort;
+use super::kinds::{NO_MIXTURE, NO_PATTERN, NO_TEXTURE, Sort};
 use super::lamps::{Far, Spot};
 use super::modifiers::{Chain, Definition, Modifiers, Number};
 use super::patterns::{Pattern, Pictures, constant};
@@ -285,9 +285,7 @@ impl<'a> Materials<'a> {
         };
         let (material, is_exact) = mixed(&one.0, &other, share.unwrap_or(0.5));
         if share.is_none() {
-            warnings.push(format!(
-                "{shown} mixes by what is not read; half of each was taken, everywhere"
-            ));
+            warnings.push(format!("{shown} {NO_MIXTURE}"));
         } else if !is_exact {
             warnings.push(format!("{shown} was taken as one material of the mean reflectance"));
         }
@@ -321,7 +319,7 @@ impl<'a> Materials<'a> {
             let shown = definition.shown();
             let placed = format!("{}: {shown}", definition.place);
             if definition.sort() == Some(Sort::Texture) {
-                warnings.push(format!("{placed} is not read; its surfaces are smooth here"));
+                warnings.push(format!("{placed} {NO_TEXTURE}"));
                 continue;
             }
             let made = definition.made.clone();
@@ -340,8 +338,7 @@ impl<'a> Materials<'a> {
                     ));
                 }
                 Pattern::Unread => {
-                    warnings
-                        .push(format!("{placed} is not read; what it changes was left as it is"));
+                    warnings.push(format!("{placed} {NO_PATTERN}"));
                 }
             }
             tint.varying.get_or_insert(shown);
