@@ -160,7 +160,7 @@ impl Reading<'_> {
                 let corners = self.corners(words, given)?;
                 generators::genprism(words, corners, given.place, self.warnings)
             }
-            "gensky" => gensky::gensky(words),
+            "gensky" => gensky::gensky(words, given.place, self.warnings),
             _ => return Err(format!("the program \"{program}\" is not built in; {EXPAND}")),
         };
         let made = made.map_err(|problem| format!("{program} {problem}"))?;
