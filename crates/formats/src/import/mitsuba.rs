@@ -8,6 +8,7 @@
 //! refused, and each property that is not read is told; `plugins.rs` has the table of all.
 //! [Jakob et al., Mitsuba 3 documentation, plugin reference]
 
+mod behind;
 mod bsdf;
 mod colorimetry;
 mod elements;
@@ -23,6 +24,7 @@ mod sensor;
 mod serialized;
 mod shapes;
 mod spectrum;
+mod spot;
 mod tree;
 mod upgrade;
 mod wavefront;
@@ -233,7 +235,10 @@ impl Reader<'_> {
         let surface = match (node.child("bsdf")?, emission) {
             (Some(bsdf), _) => match self.bsdf(bsdf)? {
                 Some(surface) => surface,
-                None if emission.is_none() => return Ok(()),
+                None if emission.is_none() => {
+                    node.pass_all();
+                    return Ok(());
+                }
                 None => self.without_bsdf(Source::Lamp),
             },
             (None, None) => self.without_bsdf(Source::Nobody),
@@ -339,11 +344,21 @@ impl Reader<'_> {
         let wanted: Vec<String> = self.surfaces.iter().map(|s| s.name.clone()).collect();
         let names = unique(&wanted, &mut self.context.warnings.borrow_mut());
         let mut scene = std::mem::take(&mut self.scene);
+        let mut one_sided = Vec::new();
         for (group, (surface, name)) in self.surfaces.drain(..).zip(names).enumerate() {
             let material = surface.reflectance.material;
+            let reflects = (material.rho_d + material.rho_s).max_element() > 0.0;
+            one_sided.push(reflects && !surface.reflectance.is_two_sided);
             scene.groups.push(Group { name, material, emission: surface.emission });
             let objects = surface.objects.into_iter();
             scene.objects.extend(objects.map(|object| Object { group, ..object }));
+        }
+        for (group, camera) in behind::seen(&scene, &one_sided) {
+            self.context.warn(format!(
+                "group \"{}\": camera \"{camera}\" sees some of it from behind, where Mitsuba has it black as its \
+                 BSDF is in no twosided; here it reflects from behind, too",
+                scene.groups[group].name
+            ));
         }
         scene
     }

@@ -18,7 +18,7 @@ pub(super) const LINES: [Entry; 6] = [
 
 /// What the header says.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Header {
+pub(crate) struct Header {
     /// By what the values of each channel were multiplied, of all lines EXPOSURE= and COLORCORR= together.
     pub factor: [f32; 3],
     /// Primaries and white.
@@ -31,7 +31,7 @@ pub(super) struct Header {
 ///
 /// # Errors
 /// If a line is not as it must be, as the end of a sentence about the file.
-pub(super) fn read(bytes: &[u8]) -> Result<Header, String> {
+pub(crate) fn read(bytes: &[u8]) -> Result<Header, String> {
     let mut header = Header { factor: [1.0; 3], primaries: None, height_of_pixels: 1.0 };
     for line in bytes.split(|byte| *byte == b'\n').take_while(|line| !line.is_empty()) {
         let line = String::from_utf8_lossy(line);

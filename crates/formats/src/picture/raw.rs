@@ -24,15 +24,17 @@ const BEGINNINGS: [(usize, &[u8], &str); 14] = [
 ];
 
 /// How other files of pictures begin that people have and that are not read.
-const OTHERS: [(usize, &[u8], &str); 11] = [
+const OTHERS: [(usize, &[u8], &str); 13] = [
     (4, b"ftypheic", "HEIC"),
     (4, b"ftypheix", "HEIC"),
     (4, b"ftypmif1", "HEIF"),
     (4, b"ftypavif", "AVIF"),
     (8, b"WEBP", "WebP"),
     (0, b"GIF8", "GIF"),
-    (0, b"BM", "BMP"),
     (0, b"8BPS", "Photoshop (PSD)"),
+    (0, b"DDS ", "DDS"),
+    (0, b"\xabKTX 11\xbb", "KTX"),
+    (0, b"\xabKTX 20\xbb", "KTX 2"),
     (0, b"\0\0\0\x0cJXL ", "JPEG XL"),
     (0, b"\xff\x0a", "JPEG XL"),
     (0, b"\0\0\0\x0cjP  ", "JPEG 2000"),
@@ -80,7 +82,7 @@ pub(super) fn of_beginning(bytes: &[u8]) -> Option<&'static str> {
 }
 
 /// The name of another kind of file that is not read.
-pub(super) fn other(bytes: &[u8]) -> Option<&'static str> {
+pub(crate) fn other(bytes: &[u8]) -> Option<&'static str> {
     found(&OTHERS, bytes)
 }
 

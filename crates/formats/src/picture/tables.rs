@@ -1,12 +1,13 @@
 //! What is read of pictures, as tables: kinds of files, and what each says beside its pixels.
 
-use super::{exif, exr_says, hdr_header, jpeg, png_chunks, raw, tiff_tags};
+use super::{bmp, exif, exr_says, hdr_header, jpeg, png_chunks, raw, tiff_tags};
 use crate::entry::{Entry, Table, read, refused, told};
 
 /// The files that are read; the content decides, not the name.
-const FILES: [Entry; 5] = [
+const FILES: [Entry; 6] = [
     read("PNG", "8 and 16 bits; grey, palettes, coverage"),
     read("JPEG", "sequential and progressive, of 8 bits"),
+    read("BMP", "whole numbers of all sizes, and palettes"),
     read("TIFF", "whole numbers of 8 and 16 bits, RGB of 32-bit floats; strips and tiles; BigTIFF"),
     read(
         "OpenEXR",
@@ -35,6 +36,7 @@ pub(crate) fn tables() -> Vec<Table> {
         files,
         Table::new("Pictures: PNG", "chunk", &png_chunks::CHUNKS),
         Table::new("Pictures: JPEG", "kind, or segment", jpeg::rows()),
+        Table::new("Pictures: BMP", "kind, or field of the header", &bmp::SAYS),
         tiff,
         exr,
         Table::new("Pictures: Radiance HDR", "line of the header", &hdr_header::LINES),

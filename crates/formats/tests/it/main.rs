@@ -5,6 +5,7 @@ mod support;
 
 mod bad_input;
 mod bad_pictures;
+mod bmp;
 mod camera_files;
 mod declared_colours;
 mod export;

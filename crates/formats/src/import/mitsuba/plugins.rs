@@ -261,7 +261,14 @@ const PLUGINS: &[Plugin] = &[
     plugin(("shape", "merge"), read("merge", "the shapes in it"), &[read("<shape>", "its shapes")]),
     shape(refused("others", "put a mesh in their place"), &[]),
     bsdf(read("diffuse", "exact"), &[read("reflectance", "a colour, a spectrum or a texture")]),
-    bsdf(read("twosided", "its front; a back of its own is left out, which is told"), &[INNER]),
+    bsdf(
+        read(
+            "twosided",
+            "its front; a back of its own is left out, which is told. Without it surfaces reflect on both sides, too, \
+             which is told if a camera sees the back",
+        ),
+        &[INNER],
+    ),
     bsdf(
         read("conductor", "a perfect mirror, unless it has a metal"),
         &[SPECULAR, MATERIAL, ETA, K],
@@ -402,12 +409,19 @@ const PLUGINS: &[Plugin] = &[
         ],
     ),
     emitter(
-        told("spot", "Mitsuba's spots fall off by the angle, ours by its cosine"),
+        told(
+            "spot",
+            "the nearest cone of ours that sends the same light in all; exact only where beam_width is not below \
+             cutoff_angle",
+        ),
         &[
             read("to_world", "where it is and where to it shines"),
             read("intensity", "a colour or a spectrum"),
-            read("cutoff_angle", "the outer angle; 20 degrees by default"),
-            read("beam_width", "the inner angle; three quarters of the outer one by default"),
+            read("cutoff_angle", "where its light ends; 20 degrees by default"),
+            read(
+                "beam_width",
+                "where it begins to fade; three quarters of cutoff_angle by default",
+            ),
             read("texture", "a colour; the mean of a picture, which is told"),
         ],
     ),

@@ -185,6 +185,11 @@ impl<'t> Node<'t> {
         self.plugin().properties.iter().any(|p| p.name == name)
     }
 
+    /// Passes over all that it says of itself, as it is not there.
+    pub(super) fn pass_all(self) {
+        self.plugin().properties.iter().for_each(|property| property.asked.set(true));
+    }
+
     /// That the property `name` is not what is wanted.
     pub(super) fn wrong(self, name: &str, wanted: &str) -> String {
         let property = self.plugin().properties.iter().find(|p| p.name == name);

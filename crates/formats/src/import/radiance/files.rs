@@ -42,7 +42,8 @@ pub(super) const PROGRAMS: [Entry; 6] = [
     ),
     row(
         "gensky",
-        "the sun as a light of one direction, and the sky of its kind as the environment",
+        "the sun as a light of one direction, and the sky of its kind as the environment; that a clear one has no -t \
+         is told",
     ),
     refused(
         "others",
@@ -187,7 +188,7 @@ impl Reading<'_> {
                 let corners = self.corners(words, given)?;
                 generators::genprism(words, corners, given.place, self.warnings)
             }
-            "gensky" => gensky::gensky(words),
+            "gensky" => gensky::gensky(words, given.place, self.warnings),
             _ => return Err(not_built_in(program)),
         };
         let made = made.map_err(|problem| format!("{program} {problem}"))?;

@@ -197,7 +197,8 @@ const KINDS: &[Kind] = &[
         &[],
         read(
             "colorpict",
-            "a square picture over Lu and Lv of a mesh; of others the mean, which is told",
+            "a square picture over Lu and Lv of a mesh, by its numbers whatever its EXPOSURE; of others the mean, which \
+             is told",
         ),
     ),
     worded(Sort::Pattern, &[], told("colortext", NO_PATTERN)),

@@ -196,7 +196,7 @@ impl<'a> Materials<'a> {
             ));
             return self.named(number, 0, depth, warnings);
         }
-        let shine = self.shine(number)?;
+        let shine = self.shine(number, warnings)?;
         let definition = self.modifiers.get(number);
         let found = reflectance(&definition.made, tint.factor, shine)?;
         let emission = Rgb::ZERO;
@@ -293,7 +293,7 @@ impl<'a> Materials<'a> {
     }
 
     /// The colour of a `WGMDfunc`'s specular part.
-    fn shine(&mut self, number: Number) -> Result<Rgb, String> {
+    fn shine(&mut self, number: Number, warnings: &mut Warnings) -> Result<Rgb, String> {
         let definition = self.modifiers.get(number);
         let name = definition.made.strings.first().map_or("void", String::as_str);
         if definition.made.kind != "WGMDfunc" || name == "void" {
@@ -305,7 +305,7 @@ impl<'a> Materials<'a> {
         );
         let found = definition.named.first().copied().flatten().ok_or_else(|| unread.clone())?;
         let made = self.modifiers.get(found).made.clone();
-        match self.pictures.pattern(&made, self.place)? {
+        match self.pictures.pattern(&made, self.place, warnings)? {
             Pattern::Constant(color) => Ok(color),
             _ => Err(unread),
         }
@@ -323,7 +323,7 @@ impl<'a> Materials<'a> {
                 continue;
             }
             let made = definition.made.clone();
-            let pattern = self.pictures.pattern(&made, self.place)?;
+            let pattern = self.pictures.pattern(&made, self.place, warnings)?;
             match pattern {
                 Pattern::Constant(color) => {
                     tint.factor *= color;

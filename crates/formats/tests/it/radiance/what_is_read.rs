@@ -110,7 +110,7 @@ fn every_command_is_taken_as_its_row_says() {
             "genbox" => "!genbox white b 1 1 1 -i -r .1",
             "genprism" => "!genprism white b corners.txt -l 0 0 2 -c",
             "gensky" => {
-                "!gensky 6 21 12 +s\nskyfunc glow g 0 0 4 1 1 1 0\ng source s 0 0 4 0 0 1 180"
+                "!gensky 6 21 12 +s -t 2.45\nskyfunc glow g 0 0 4 1 1 1 0\ng source s 0 0 4 0 0 1 180"
             }
             "others" => "!genrev white b f g 8",
             other => panic!("no example of {other}"),

@@ -146,11 +146,12 @@ fn scene(tag: &str, kind: &str, name: Option<&str>) -> String {
     }
 }
 
-/// What is told of `whole` beyond what is told of `base`.
+/// What is told of `whole` beyond what is told of `base`, in other numbers.
 fn added(base: &str, whole: &str) -> Result<Warnings, String> {
-    let base = read(base)?;
+    let words = |warning: &String| warning.replace(|c: char| c.is_ascii_digit() || c == '.', "");
+    let base: Vec<String> = read(base)?.0.iter().map(words).collect();
     let mut whole = read(whole)?;
-    whole.0.retain(|warning| !base.0.contains(warning));
+    whole.0.retain(|warning| !base.contains(&words(warning)));
     Ok(whole)
 }
 
