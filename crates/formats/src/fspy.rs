@@ -17,6 +17,7 @@
 //! Sources: fSpy's `project_file_format.md`, and what its own importer for Blender makes of it.
 
 use crate::cameras::{Pixels, turn};
+use crate::entry::{Entry, Table, passed, read as row};
 use crate::picture::{Orientation, stored_in};
 use crate::{FileError, input};
 use glam::{Affine3A, DMat3, DVec2, DVec3, Mat3};
@@ -84,6 +85,28 @@ struct Transform {
 struct Settings {
     reference_distance_unit: Option<String>,
     reference_distance_axis: Option<String>,
+}
+
+const SIZE: &str = "the size of the photograph as fSpy shows it";
+
+/// What is read of the project's JSON.
+const ROWS: [Entry; 8] = [
+    row("cameraTransform", "camera to world"),
+    row("horizontalFieldOfView", "radians"),
+    row("principalPoint", "how far the axis is off the middle"),
+    row("imageWidth", SIZE),
+    row("imageHeight", SIZE),
+    row(
+        "referenceDistanceUnit",
+        "the unit of its lengths; that there is none is told, and metres are taken",
+    ),
+    row("referenceDistanceAxis", "that there is none is told, as lengths mean nothing without"),
+    passed("others", "as the vanishing points, of which the camera is made"),
+];
+
+/// What is read of fSpy's projects.
+pub(crate) fn table() -> Table {
+    Table::new("Cameras: fSpy", "property", &ROWS)
 }
 
 /// Reads the fSpy project at `path`. Without `up`, that of fSpy's y and z is taken that is nearer

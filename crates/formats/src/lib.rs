@@ -1,13 +1,14 @@
 //! Files to and from the plain data of `unrender-scene`.
 //!
 //! One file format is one module. To add another: write `read` and/or `write` in a module of its
-//! own that knows nothing of its siblings, name it in [`scene_file`] (by extension), and add its
-//! faults to `tests/bad_input.rs`.
+//! own that knows nothing of its siblings, name it in [`scene_file`] (by extension), add its faults to
+//! `tests/bad_input.rs`, and put what it reads into a table that it looks things up in: [`what_is_read`](mod@what_is_read).
 //!
 //! Writers never leave half a file: see [`atomic`].
 
 pub mod atomic;
 pub mod cameras;
+mod entry;
 pub mod error;
 pub mod export;
 pub mod fspy;
@@ -27,8 +28,10 @@ mod record;
 pub mod response_curve;
 pub mod scene_file;
 mod texels;
+pub mod what_is_read;
 
 pub use error::FileError;
 pub use input::{Input, InputError, Limits};
 pub use light_units::LightUnits;
 pub use scene_file::{assign_materials, load_model, load_scene, place};
+pub use what_is_read::what_is_read;

@@ -5,6 +5,18 @@ use serde_json::{Value, json};
 use unrender_scene::Rgb;
 use unrender_scene::origin::in_digits;
 
+/// Vertices in steps of more than this share of their mesh are told of: half a millimetre on a room of 5 m. Half of
+/// it is told of meshes that nobody could tell from exact ones; double of it would bend edges unseen.
+const COARSE: f64 = 1e-4;
+
+/// The step in which a file of single precision has the vertices of a mesh from `low` to `high`, if that is coarse
+/// for a mesh of this size.
+pub(crate) fn coarse_step(low: Vec3, high: Vec3) -> Option<f64> {
+    let farthest = low.abs().max(high.abs()).max_element();
+    let step = f64::from(farthest.next_up() - farthest);
+    (step > COARSE * f64::from(low.distance(high))).then_some(step)
+}
+
 /// The shortest decimal that rounds to `value`.
 pub(crate) fn number(value: f32) -> f64 {
     let short = value.to_string().parse().unwrap_or(f64::from(value));

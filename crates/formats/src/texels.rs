@@ -1,4 +1,4 @@
-//! Pictures of reflectance: PNG and JPEG to texels, and texels to sRGB PNG.
+//! Pictures of reflectance: PNG, JPEG and BMP to texels, and texels to sRGB PNG.
 
 use crate::input::Scope;
 use crate::picture;
@@ -17,8 +17,9 @@ pub(crate) fn decode(scope: &Scope, bytes: &[u8]) -> Result<Image<Rgb>, String> 
     };
     let mut reader =
         ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| undecodable(&e))?;
-    if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
-        return Err("is neither PNG nor JPEG; convert it".into());
+    if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Bmp)) {
+        let what = picture::other_kind(bytes).map_or(String::new(), |kind| format!(", but {kind}"));
+        return Err(format!("is not a PNG, JPEG or BMP file{what}; convert it"));
     }
     picture::check_budget(scope, bytes, reader.format())?;
     let mut limits = image::Limits::default();

@@ -6,25 +6,52 @@
 //! as COLMAP does.
 
 use super::{Intrinsics, Pose};
+use crate::entry::{Entry, Table, Taken, passed, read as row, refused};
 use crate::{FileError, Input, Limits, input};
 use glam::{DMat3, DQuat, DVec3};
 use std::path::{Path, PathBuf};
 
+const UNDISTORT: &str =
+    "run colmap image_undistorter, and take the pictures and the sparse folder that it writes";
+
 /// COLMAP's models by their numbers, each with the count of its parameters.
-const MODELS: [(&str, usize); 12] = [
-    ("SIMPLE_PINHOLE", 3),
-    ("PINHOLE", 4),
-    ("SIMPLE_RADIAL", 4),
-    ("RADIAL", 5),
-    ("OPENCV", 8),
-    ("OPENCV_FISHEYE", 8),
-    ("FULL_OPENCV", 12),
-    ("FOV", 5),
-    ("SIMPLE_RADIAL_FISHEYE", 4),
-    ("RADIAL_FISHEYE", 5),
-    ("THIN_PRISM_FISHEYE", 12),
-    ("RAD_TAN_THIN_PRISM_FISHEYE", 16),
+const MODELS: [(Entry, usize); 12] = [
+    (row("SIMPLE_PINHOLE", "no distortion"), 3),
+    (row("PINHOLE", "no distortion"), 4),
+    (row("SIMPLE_RADIAL", "k1"), 4),
+    (row("RADIAL", "k1 and k2"), 5),
+    (row("OPENCV", "k1, k2, p1 and p2"), 8),
+    (refused("OPENCV_FISHEYE", UNDISTORT), 8),
+    (
+        row(
+            "FULL_OPENCV",
+            "k1, k2, p1, p2 and k3; with others than zero for k4 to k6 it is refused",
+        ),
+        12,
+    ),
+    (refused("FOV", UNDISTORT), 5),
+    (refused("SIMPLE_RADIAL_FISHEYE", UNDISTORT), 4),
+    (refused("RADIAL_FISHEYE", UNDISTORT), 5),
+    (refused("THIN_PRISM_FISHEYE", UNDISTORT), 12),
+    (refused("RAD_TAN_THIN_PRISM_FISHEYE", UNDISTORT), 16),
 ];
+
+/// The files, and what is read of them.
+const FILES: [Entry; 4] = [
+    row("cameras.bin, images.bin", "the cameras and the poses; taken where they are there"),
+    row("cameras.txt, images.txt", "the same as text"),
+    passed("points3D", "the points of the scene"),
+    passed("points of images", "where the points are seen"),
+];
+
+/// What is read of COLMAP's reconstructions.
+pub(super) fn table() -> Table {
+    Table::new(
+        "Cameras: COLMAP",
+        "file, or camera model",
+        FILES.iter().chain(MODELS.iter().map(|(row, _)| row)),
+    )
+}
 
 /// A camera of the file.
 struct Device {
@@ -102,14 +129,16 @@ fn pose(&[w, x, y, z, tx, ty, tz]: &[f64; 7]) -> Result<Pose, String> {
 fn intrinsics(device: &Device) -> Result<Intrinsics, String> {
     let Device { id, model, size, parameters } = device;
     if let Some((_, count)) =
-        MODELS.iter().find(|(name, count)| name == model && *count != parameters.len())
+        MODELS.iter().find(|(row, count)| row.name == model && *count != parameters.len())
     {
         return Err(format!(
             "has camera {id} of the model {model} with {} numbers after its size; the model has {count}",
             parameters.len()
         ));
     }
-    let (fx, fy, cx, cy, distortion) = match (model.as_str(), parameters.as_slice()) {
+    let known = MODELS.iter().find(|(row, _)| row.name == model && row.taken == Taken::Read);
+    let known = known.map_or("", |(row, _)| row.name);
+    let (fx, fy, cx, cy, distortion) = match (known, parameters.as_slice()) {
         ("SIMPLE_PINHOLE", &[f, cx, cy]) => (f, f, cx, cy, [0.0; 5]),
         ("PINHOLE", &[fx, fy, cx, cy]) => (fx, fy, cx, cy, [0.0; 5]),
         ("SIMPLE_RADIAL", &[f, cx, cy, k]) => (f, f, cx, cy, [k, 0.0, 0.0, 0.0, 0.0]),
@@ -123,8 +152,7 @@ fn intrinsics(device: &Device) -> Result<Intrinsics, String> {
         _ => {
             return Err(format!(
                 "has camera {id} of the model {model}; read are SIMPLE_PINHOLE, PINHOLE, \
-                 SIMPLE_RADIAL, RADIAL, OPENCV, and FULL_OPENCV with k4 to k6 zero: run colmap \
-                 image_undistorter, and take the pictures and the sparse folder that it writes"
+                 SIMPLE_RADIAL, RADIAL, OPENCV, and FULL_OPENCV with k4 to k6 zero: {UNDISTORT}"
             ));
         }
     };
@@ -263,14 +291,14 @@ fn binary_devices(words: &mut Words<'_>) -> Option<Result<Vec<Device>, String>> 
     for _ in 0..words.u64()? {
         let (id, model) = (i64::from(words.i32()?), words.i32()?);
         let size = [words.u64()? as f64, words.u64()? as f64];
-        let Some(&(name, count)) = usize::try_from(model).ok().and_then(|m| MODELS.get(m)) else {
+        let Some(&(known, count)) = usize::try_from(model).ok().and_then(|m| MODELS.get(m)) else {
             return Some(Err(format!(
                 "has camera {id} of the model number {model}, which is none of COLMAP's that are \
                  known; write it as text by colmap model_converter"
             )));
         };
         let parameters = (0..count).map(|_| words.f64()).collect::<Option<_>>()?;
-        devices.push(Device { id, model: name.to_owned(), size, parameters });
+        devices.push(Device { id, model: known.name.to_owned(), size, parameters });
     }
     Some(Ok(devices))
 }
@@ -315,7 +343,7 @@ mod tests {
         let devices = devices(CAMERAS.as_bytes(), false).unwrap();
         let mut cameras = (devices.len() as u64).to_le_bytes().to_vec();
         for device in devices {
-            let model = MODELS.iter().position(|(name, _)| *name == device.model).unwrap();
+            let model = MODELS.iter().position(|(row, _)| row.name == device.model).unwrap();
             cameras.extend((device.id as i32).to_le_bytes());
             cameras.extend((model as i32).to_le_bytes());
             device.size.iter().for_each(|side| cameras.extend((*side as u64).to_le_bytes()));

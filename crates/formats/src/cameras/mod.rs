@@ -20,6 +20,11 @@ use unrender_scene::{Camera, Lens};
 
 pub use turned::{Pixels, turn};
 
+/// What is read of cameras of other programs.
+pub(crate) fn tables() -> [crate::entry::Table; 2] {
+    [colmap::table(), opencv::table()]
+}
+
 /// Rotations are orthonormal up to this: files are written with six digits or more.
 const RIGID: f64 = 1e-3;
 

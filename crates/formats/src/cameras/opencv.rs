@@ -7,6 +7,7 @@
 
 use super::storage::{self, Matrix, Node};
 use super::{Intrinsics, Pose};
+use crate::entry::{Table, read as row, refused};
 use crate::{FileError, Input, input};
 use glam::{DMat3, DVec3};
 
@@ -36,6 +37,28 @@ const VIEW: usize = 6;
 
 /// A skew below this, relatively to the focal length, shifts no pixel of a picture by a hundredth.
 const SKEW: f64 = 1e-6;
+
+/// What is read of calibrations by OpenCV.
+pub(super) fn table() -> Table {
+    let mut table = Table::new("Cameras: OpenCV and ROS", "key, or lens model", []);
+    let mut add = |names: &[&'static str], done: &'static str| {
+        names.iter().for_each(|&name| table.add("", [&row(name, done)]));
+    };
+    add(&MATRICES, "the camera matrix; its pixels count from the centre of the first one");
+    add(&DISTORTIONS, "k1, k2, p1, p2 and k3; with more that is not zero the file is refused");
+    add(&WIDTHS, "the width of the pictures");
+    add(&HEIGHTS, "the height of the pictures");
+    add(&ROTATIONS, "the rotation, as a vector or a matrix");
+    add(&TRANSLATIONS, "the translation");
+    add(&VIEWS, "a row a view: three numbers of a rotation vector, three of a translation");
+    let models = BROWN.map(|name| row(name, "the value of distortion_model: Brown's model"));
+    table.add("distortion_model", &models);
+    let fisheye = ["fisheye", "equidistant"].map(|name| refused(name, "undistort the photo"));
+    table.add("distortion_model", &fisheye);
+    table.add("distortion_model", [&refused("others", "undistort the photo")]);
+    table.add("", [&refused("fisheye_model", "if it is not zero: undistort the photo")]);
+    table
+}
 
 /// What a file says: the intrinsics, and the pose if there is one.
 pub type Calibrated = (Intrinsics, Option<Pose>);

@@ -1,7 +1,7 @@
 //! The file that a scene came from, in which materials and lights are what the scene says.
 
 use super::Problem;
-use super::extensions::UNDERSTOOD;
+use super::extensions::understood;
 use super::names::group_names;
 use super::source::Source;
 use super::ward::{self, object};
@@ -125,18 +125,18 @@ pub(super) fn list_extensions(root: &mut Value) {
     };
     // Meshes and nodes, of which these are, stay as they were.
     let kept = ["KHR_mesh_quantization", "KHR_node_visibility"];
-    let ours = UNDERSTOOD.iter().filter(|name| !kept.contains(name));
+    let ours = understood().filter(|name| !kept.contains(name));
     let dropped = ["KHR_materials_pbrSpecularGlossiness", "KHR_materials_unlit"];
     let mut lists = ["extensionsUsed", "extensionsRequired"].map(|key| {
         let list = root[key].as_array().cloned().unwrap_or_default();
         (key, list.iter().filter_map(|v| v.as_str().map(str::to_owned)).collect::<Vec<_>>())
     });
-    for name in ours.chain(&dropped) {
+    for name in ours.chain(dropped) {
         let used = is_used(root, name);
         if !used {
             lists.iter_mut().for_each(|(_, list)| list.retain(|n| n != name));
         } else if !lists[0].1.iter().any(|n| n == name) {
-            lists[0].1.push((*name).to_owned());
+            lists[0].1.push(name.to_owned());
         }
     }
     for (key, list) in lists {

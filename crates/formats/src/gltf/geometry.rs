@@ -4,16 +4,13 @@ use super::document::{Attributes, Primitive};
 use super::source::Source;
 use super::transform::Layout;
 use super::{Problem, accessor, extensions};
+use crate::numbers::coarse_step;
 use glam::{DAffine3, DMat3, DVec3, Vec3, Vec4};
 use unrender_scene::{Mesh, Warnings};
 
 const TRIANGLES: u32 = 4;
 const STRIP: u32 = 5;
 const FAN: u32 = 6;
-
-/// Vertices in steps of more than this share of their mesh are told of: half a millimetre on a room of 5 m. Half of
-/// it is told of meshes that nobody could tell from exact ones; double of it would bend edges unseen.
-const COARSE: f64 = 1e-4;
 
 /// The mesh of `primitive` in world space; none if it is made of points or lines.
 pub(super) fn world_mesh(
@@ -169,11 +166,7 @@ fn retain<T>(items: &mut Vec<T>, keep: &[bool]) {
 fn coarse(positions: &[Vec3], world_from_node: &DAffine3) -> Option<String> {
     let low = positions.iter().copied().reduce(Vec3::min)?;
     let high = positions.iter().copied().reduce(Vec3::max)?;
-    let farthest = low.abs().max(high.abs()).max_element();
-    let step = f64::from(farthest.next_up() - farthest);
-    if step <= COARSE * f64::from(low.distance(high)) {
-        return None;
-    }
+    let step = coarse_step(low, high)?;
     let scale = world_from_node.matrix3.determinant().abs().cbrt();
     Some(format!(
         "some vertices stand in the file in steps of {} m: they are so far from the zero of their node that \

@@ -6,14 +6,15 @@
 //! - [`to_glb`] writes a scene that has no such file.
 //!
 //! What a Ward material is in glTF's words, both ways, is the business of one file, `ward.rs`.
-//! To understand another extension: name it in `extensions::UNDERSTOOD`, give it a field in
-//! `document`, and use the field where its owner (material, node, camera) is read. What has no field there is
+//! To understand another extension: name it in the table of `extensions`, give it a field in
+//! `document` and rows in `elements`, and use the field where its owner (material, node, camera) is read. What has no field there is
 //! told (`unread`).
 
 mod accessor;
 mod assign;
 mod container;
 mod document;
+mod elements;
 mod extensions;
 mod geometry;
 mod graph;
@@ -36,6 +37,12 @@ pub use place::place;
 pub use read::read;
 pub use units::light_units;
 pub use write::{GlbError, to_glb, to_glb_as};
+
+/// What is read of glTF.
+pub(crate) fn tables() -> Vec<crate::entry::Table> {
+    let [used, required] = extensions::tables();
+    vec![elements::table(), unread::attributes(), used, required]
+}
 
 /// What is wrong with a file and what to do, in one sentence without a full stop.
 type Problem = String;

@@ -1,7 +1,9 @@
 //! What a glTF file says that no field of `document` asks for: collected by every element, and told.
 
 use super::document::{Document, Material, Node, TextureInfo};
-use super::extensions::{self, UNDERSTOOD};
+use super::elements::{self, ANIMATIONS};
+use super::extensions;
+use crate::entry::{Entry, Table, Taken, passed, read, told};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
@@ -18,23 +20,22 @@ pub(super) struct Unread {
     pub(super) properties: BTreeMap<String, IgnoredAny>,
 }
 
-/// Properties without which everything is as it was: names of what has none here, what is for programs that wrote
-/// it, and bounds, hints and kinds that follow from the rest. Of any element, or of those of the kind.
-const SILENT: [(&str, &[&str]); 12] = [
-    ("", &["name", "extras"]),
-    // Skins and the weights of morph targets are told where a node or a mesh has them.
-    ("file", &["skins"]),
-    ("asset", &["copyright", "minVersion"]),
-    ("nodes", &["weights"]),
-    ("meshes", &["weights"]),
-    ("materials", &["alphaCutoff"]),
-    ("accessors", &["min", "max"]),
-    ("bufferViews", &["target"]),
-    ("images", &["mimeType"]),
-    ("samplers", &["minFilter"]),
-    ("cameras", &["type", "orthographic"]),
-    ("perspective cameras", &["znear", "zfar"]),
+/// The attributes of vertices, and how they are taken; `n` is a number, and a `_` may be more.
+const ATTRIBUTES: [Entry; 8] = [
+    read("POSITION", "where it is"),
+    read("NORMAL", "the normal; without them the triangles are flat"),
+    read("TANGENT", "the direction of highlights, and its handedness"),
+    read("TEXCOORD_n", "the set that a texture names"),
+    told("COLOR_n", "a surface has the colour of its material and its texture"),
+    passed("JOINTS_n", "told by the skin of the node"),
+    passed("WEIGHTS_n", "told by the skin of the node"),
+    passed("_", "what a program keeps for itself"),
 ];
+
+/// What is read of attributes.
+pub(super) fn attributes() -> Table {
+    Table::new("glTF: attributes of vertices", "attribute", &ATTRIBUTES)
+}
 
 impl Unread {
     /// Tells what is not read of an element of `kind`.
@@ -45,13 +46,13 @@ impl Unread {
     /// As [`Unread::tell`], where `which` says whose it is.
     fn tell_as(&self, kind: &str, which: &str, warnings: &mut Warnings) {
         self.extensions.keys().for_each(|name| tell_extension(name, warnings));
-        let is_silent = |key: &str| {
-            let of_kind = SILENT.iter().filter(|(of, _)| of.is_empty() || *of == kind);
-            of_kind.into_iter().any(|(_, keys)| keys.contains(&key))
-        };
-        for key in self.properties.keys().filter(|key| !is_silent(key)) {
-            if key == "animations" && kind == "file" {
-                warnings.push("Animations were ignored; everything stands as its node says.");
+        for key in self.properties.keys() {
+            let known = elements::property(kind, key);
+            if known.is_some_and(|row| row.taken == Taken::PassedOver) {
+                continue;
+            }
+            if kind == "file" && key == ANIMATIONS.name {
+                warnings.push(format!("{}.", ANIMATIONS.done));
             } else {
                 warnings.push(format!("{which} the property {key} is not read; it was ignored."));
             }
@@ -67,7 +68,7 @@ impl Unread {
 
 /// Tells that the extension `name` is not read, if it is not.
 pub(super) fn tell_extension(name: &str, warnings: &mut Warnings) {
-    if !UNDERSTOOD.contains(&name) {
+    if !extensions::is_read(name) {
         warnings.push(extensions::ignored(name));
     }
 }
@@ -132,19 +133,21 @@ pub(super) fn tell_node(document: &Document, node: &Node, warnings: &mut Warning
     }
 }
 
-/// Tells that the vertices of meshes of `material` have a `key` that is not read. Sets of texture coordinates
-/// that no texture uses, the words of skins, and what a program keeps for itself (`_KEY`) are no loss.
+/// Tells that the vertices of meshes of `material` have a `key` that is not read.
 fn tell_attribute(key: &str, material: &str, warnings: &mut Warnings) {
-    if key.starts_with("COLOR_") {
-        warnings.push(format!(
-            "material \"{material}\": the vertex colours ({key}) of its meshes were ignored; a surface has the \
-             colour of its material and its texture."
-        ));
-        return;
-    }
-    let is_silent = |of: &str| key.starts_with(of);
-    if !["TEXCOORD_", "JOINTS_", "WEIGHTS_", "_"].into_iter().any(is_silent) {
-        warnings.push(format!("Of the meshes the attribute {key} is not read; it was ignored."));
+    let is_of = |row: &&Entry| match row.name.strip_suffix('n') {
+        Some(numbered) => key.starts_with(numbered),
+        None => key == row.name || row.name == "_" && key.starts_with('_'),
+    };
+    match ATTRIBUTES.iter().find(is_of) {
+        Some(row) if row.taken == Taken::WarnedOf => warnings.push(format!(
+            "material \"{material}\": the vertex colours ({key}) of its meshes were ignored; {}.",
+            row.done
+        )),
+        Some(_) => {}
+        None => {
+            warnings.push(format!("Of the meshes the attribute {key} is not read; it was ignored."))
+        }
     }
 }
 

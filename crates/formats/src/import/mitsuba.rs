@@ -5,28 +5,33 @@
 //! `serialized`, `rectangle`, `cube`, `sphere`, `cylinder`, `disk`, `instance` of a `shapegroup`, `merge`. Emitters:
 //! `area`, `point`, `spot`, `directional`, `constant`, `envmap`. Reflectances: see `bsdf.rs`; colours and textures:
 //! see `paint.rs`. Cameras: `perspective` and `thinlens`, each sensor becomes one. Plugins of other types are
-//! refused, and each property that is not read is told. [Jakob et al., Mitsuba 3 documentation, plugin
-//! reference]
+//! refused, and each property that is not read is told; `plugins.rs` has the table of all.
+//! [Jakob et al., Mitsuba 3 documentation, plugin reference]
 
+mod behind;
 mod bsdf;
 mod colorimetry;
+mod elements;
 mod lights;
 mod mesh_file;
 mod metals;
 mod motion;
 mod paint;
 mod parse;
+mod plugins;
 mod references;
 mod sensor;
 mod serialized;
 mod shapes;
 mod spectrum;
+mod spot;
 mod tree;
 mod upgrade;
 mod wavefront;
 
 use super::shapes::{bytes_of, here_from_mesh, in_mesh, turned_over};
 use crate::FileError;
+use crate::entry::Table;
 use crate::input::{Input, Scope};
 use crate::names::{DEFAULT, unique};
 use bsdf::{Reflectance, Reflectances};
@@ -40,6 +45,11 @@ use unrender_scene::{BrdfModel, Group, Mesh, Object, Rgb, Scene, Warnings};
 
 /// What an instance of a shape takes beside its mesh, bytes.
 const SHAPE_BYTES: u64 = 1024;
+
+/// What is read of Mitsuba's scenes.
+pub(crate) fn tables() -> Vec<Table> {
+    std::iter::once(elements::table()).chain(plugins::tables()).collect()
+}
 
 /// Reads the scene at `path` with the files that it names; it is not yet validated: see
 /// [`load_scene`](crate::load_scene).
@@ -102,12 +112,6 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn scene(&mut self, tree: &Tree) -> Result<(), String> {
         let root = tree.node(0);
-        // What says how to render, and what others refer to.
-        for tag in
-            ["integrator", "sampler", "texture", "medium", "phase", "volume", "film", "rfilter"]
-        {
-            root.children(tag);
-        }
         let shapes = root.children("shape");
         let used = reachable(tree, shapes.iter().map(|shape| shape.index));
         for node in root.children("bsdf") {
@@ -231,7 +235,10 @@ impl Reader<'_> {
         let surface = match (node.child("bsdf")?, emission) {
             (Some(bsdf), _) => match self.bsdf(bsdf)? {
                 Some(surface) => surface,
-                None if emission.is_none() => return Ok(()),
+                None if emission.is_none() => {
+                    node.pass_all();
+                    return Ok(());
+                }
                 None => self.without_bsdf(Source::Lamp),
             },
             (None, None) => self.without_bsdf(Source::Nobody),
@@ -256,12 +263,10 @@ impl Reader<'_> {
         if emitter.kind() != "area" {
             return Err(emitter.refused("emitters of shapes are of type \"area\""));
         }
-        emitter.pass(&["sampling_weight"]);
         color(self.context, emitter, "radiance", Use::Emission, 1.0).map(Some)
     }
 
     fn mesh(&self, node: Node, world: &DAffine3, wants_uvs: bool) -> Result<Mesh, String> {
-        node.pass(&["silhouette_sampling_weight"]);
         let check_round = |world: &DAffine3, axes: [DVec3; 2]| {
             if shapes::stretches(world, axes) {
                 let kind = node.kind();
@@ -283,11 +288,7 @@ impl Reader<'_> {
                 mesh_file::read(self.context, node, (&here, zero), wants_uvs)?
             }
             "rectangle" => shapes::moved(shapes::rectangle(), &here_from_unit),
-            "cube" => {
-                // Its sides are flat in any case.
-                node.pass(&["face_normals"]);
-                shapes::moved(shapes::cube(), &here_from_unit)
-            }
+            "cube" => shapes::moved(shapes::cube(), &here_from_unit),
             "disk" => shapes::moved(shapes::disk(), &here_from_unit),
             "cylinder" => {
                 let (p0, p1) = (point("p0", DVec3::ZERO)?, point("p1", DVec3::Z)?);
@@ -343,11 +344,21 @@ impl Reader<'_> {
         let wanted: Vec<String> = self.surfaces.iter().map(|s| s.name.clone()).collect();
         let names = unique(&wanted, &mut self.context.warnings.borrow_mut());
         let mut scene = std::mem::take(&mut self.scene);
+        let mut one_sided = Vec::new();
         for (group, (surface, name)) in self.surfaces.drain(..).zip(names).enumerate() {
             let material = surface.reflectance.material;
+            let reflects = (material.rho_d + material.rho_s).max_element() > 0.0;
+            one_sided.push(reflects && !surface.reflectance.is_two_sided);
             scene.groups.push(Group { name, material, emission: surface.emission });
             let objects = surface.objects.into_iter();
             scene.objects.extend(objects.map(|object| Object { group, ..object }));
+        }
+        for (group, camera) in behind::seen(&scene, &one_sided) {
+            self.context.warn(format!(
+                "group \"{}\": camera \"{camera}\" sees some of it from behind, where Mitsuba has it black as its \
+                 BSDF is in no twosided; here it reflects from behind, too",
+                scene.groups[group].name
+            ));
         }
         scene
     }

@@ -7,3 +7,8 @@ pub mod mitsuba;
 mod ply;
 pub mod radiance;
 mod shapes;
+
+/// What is read of these formats.
+pub(crate) fn tables() -> Vec<crate::entry::Table> {
+    [vec![ply::table()], mitsuba::tables(), radiance::tables()].concat()
+}

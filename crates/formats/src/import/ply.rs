@@ -1,5 +1,6 @@
 //! Meshes from PLY files: positions, and where there are any, normals and texture coordinates.
 
+use crate::entry::{Entry, Table, find, passed, read};
 use crate::input::Scope;
 use crate::polygon;
 use glam::{DVec3, Vec2, Vec3};
@@ -10,15 +11,45 @@ use ply_rs_bw::ply::{
 };
 use unrender_scene::Mesh;
 
+const PLACE: &str =
+    "the position, in double precision; what floats have lost far from the file's zero is told";
+const NORMAL: &str = "the normal, if all three are there";
+const UV: &str = "texture coordinates, if both are there";
+
+/// The properties of vertices and faces, in the order of the numbers of a vertex.
+const PROPERTIES: [Entry; 13] = [
+    read("x", PLACE),
+    read("y", PLACE),
+    read("z", PLACE),
+    read("nx", NORMAL),
+    read("ny", NORMAL),
+    read("nz", NORMAL),
+    read("u", UV),
+    read("v", UV),
+    read("s", "as u"),
+    read("t", "as v"),
+    read("vertex_indices", "the corners of a face, three or more, convex or not"),
+    read("vertex_index", "the corners of a face, three or more, convex or not"),
+    passed(
+        "others",
+        "as colours of vertices, which only attributes of meshes use, and these are refused",
+    ),
+];
+
+/// What is read of PLY.
+pub(super) fn table() -> Table {
+    Table::new("PLY", "property", &PROPERTIES)
+}
+
 /// A corner of a face in the file becomes a triangle with three vertices of 32 bytes and indices.
 const BYTES_A_CORNER: u64 = 128;
 
-/// The mesh in `bytes`, counted from `origin`; polygons become triangles. If the file has no normals, the mesh has
-/// none.
+/// The mesh in `bytes`, counted from `origin`, and whether the file has its positions in single precision; polygons
+/// become triangles. If the file has no normals, the mesh has none.
 ///
 /// # Errors
 /// If it is not PLY, if a face names a vertex that is not there, or if it takes too much memory.
-pub(super) fn mesh(scope: &Scope, bytes: &[u8], origin: DVec3) -> Result<Mesh, String> {
+pub(super) fn mesh(scope: &Scope, bytes: &[u8], origin: DVec3) -> Result<(Mesh, bool), String> {
     let invalid = |error| format!("is no valid PLY: {error}");
     let mut reader = Reader::new(bytes);
     let parser = Parser::<Element>::new();
@@ -51,7 +82,16 @@ pub(super) fn mesh(scope: &Scope, bytes: &[u8], origin: DVec3) -> Result<Mesh, S
         polygon::split(corners, |&i| positions[i as usize], &mut triangles)?;
     }
     let normals = normals.unwrap_or_default().into_iter().map(Vec3::normalize_or_zero).collect();
-    Ok(Mesh { positions, normals, uvs, tangents: Vec::new(), triangles })
+    let mesh = Mesh { positions, normals, uvs, tangents: Vec::new(), triangles };
+    Ok((mesh, is_single(&header)))
+}
+
+/// Whether positions are stated in single precision.
+fn is_single(header: &Header) -> bool {
+    let single = PropertyType::Scalar(ScalarType::Float);
+    let vertex = header.elements.get("vertex");
+    let axes = vertex.map(|vertex| ["x", "y", "z"].map(|axis| vertex.properties.get(axis)));
+    axes.is_some_and(|axes| axes.into_iter().flatten().any(|axis| axis.data_type == single))
 }
 
 /// Refuses counts that the `length` bytes of the file cannot hold, and what takes too much memory.
@@ -107,7 +147,8 @@ impl PropertyAccess for Element {
     }
 
     fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        let slot = match name {
+        let known = find(&PROPERTIES, name).map_or("", |row| row.name);
+        let slot = match known {
             "x" => 0,
             "y" => 1,
             "z" => 2,

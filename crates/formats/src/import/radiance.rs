@@ -30,6 +30,7 @@ mod xform;
 
 use super::shapes;
 use crate::FileError;
+use crate::entry::{Table, Taken};
 use crate::input::{Input, Scope};
 use crate::names::unique;
 use crate::record::Note;
@@ -43,6 +44,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use surfaces::{brush, polygon, round};
 use unrender_scene::{Group, Mesh, Object, Scene, Warnings};
+
+/// What is read of Radiance's scenes, commands and views.
+pub(crate) fn tables() -> Vec<Table> {
+    vec![
+        Table::new("Radiance: primitives", "kind", kinds::entries().chain(&kinds::CASES)),
+        Table::new("Radiance: commands", "program", &files::PROGRAMS),
+        Table::new("Radiance: view files", "option", &view::OPTIONS),
+    ]
+}
 
 /// Reads the scene at `path` with the files that it names; it is not yet validated: see
 /// [`load_scene`](crate::load_scene).
@@ -120,11 +130,10 @@ impl Reader<'_> {
             }
             "mesh" => self.mesh(primitive, note.as_ref()),
             "source" => self.far(primitive),
-            "instance" => Err(format!(
-                "{} is an octree, which is not read; put the scene that it was made from there instead, by \
-                 !xform",
-                primitive.named()
-            )),
+            kind if kinds::entry(kind).is_some_and(|entry| entry.taken == Taken::Refused) => {
+                let why = kinds::entry(kind).map_or("", |entry| entry.done);
+                Err(format!("{} {why}", primitive.named()))
+            }
             kind if kinds::kind(kind).map(|kind| kind.sort) == Some(Sort::Surface) => {
                 self.surface(primitive, note.as_ref(), round(primitive)?)
             }

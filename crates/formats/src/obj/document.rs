@@ -1,69 +1,83 @@
 //! What an OBJ says, statement by statement: numbers, faces with the indices of each corner, and names.
 
 use super::text::{self, Line};
-use super::unread::{Unread, Use, unknown, use_of};
+use super::unread::{Unread, unknown};
+use crate::entry::{Entry, Taken, find, passed, read as row, told};
 use crate::input::Scope;
 use glam::{DVec3, Vec2, Vec3};
 use std::collections::HashMap;
 use unrender_scene::Warnings;
 
-const CURVES: Use = Use::Told("curves and free-form surfaces were left out; make meshes of them");
-const DISPLAY: Use = Use::Told("what is said of the display of objects was passed over");
-const OTHER_FILES: Use = Use::Told("other files that it calls were not read; join them into one");
+const CURVES: &str = "curves and free-form surfaces were left out; make meshes of them";
+const DISPLAY: &str = "what is said of the display of objects was passed over";
+const OTHER_FILES: &str = "other files that it calls were not read; join them into one";
 const USEMAP: &str = "a usemap was passed over; only map_Kd of the material is read";
-const MAPS: Use = Use::Told(USEMAP);
 
-/// All words of OBJ, and how they are taken.
-pub(super) const WORDS: [(&str, Use); 45] = [
-    ("v", Use::Read),
-    ("vt", Use::Read),
-    ("vn", Use::Read),
-    ("f", Use::Read),
-    ("fo", Use::Read),
-    ("o", Use::Read),
-    ("g", Use::Read),
-    ("s", Use::Read),
-    ("usemtl", Use::Read),
-    ("mtllib", Use::Read),
-    // How groups are blended: of curves alone.
-    ("mg", Use::Nothing),
-    ("p", Use::Told("points (p) were left out; only faces are surfaces")),
-    ("l", Use::Told("lines (l) were left out; only faces are surfaces")),
-    ("vp", CURVES),
-    ("cstype", CURVES),
-    ("deg", CURVES),
-    ("bmat", CURVES),
-    ("step", CURVES),
-    ("curv", CURVES),
-    ("curv2", CURVES),
-    ("surf", CURVES),
-    ("parm", CURVES),
-    ("trim", CURVES),
-    ("hole", CURVES),
-    ("scrv", CURVES),
-    ("sp", CURVES),
-    ("end", CURVES),
-    ("con", CURVES),
-    ("ctech", CURVES),
-    ("stech", CURVES),
-    ("bsp", CURVES),
-    ("bzp", CURVES),
-    ("cdc", CURVES),
-    ("cdp", CURVES),
-    ("res", CURVES),
-    ("call", OTHER_FILES),
-    ("csh", OTHER_FILES),
-    ("maplib", MAPS),
-    ("usemap", MAPS),
-    ("bevel", DISPLAY),
-    ("c_interp", DISPLAY),
-    ("d_interp", DISPLAY),
-    ("lod", DISPLAY),
-    ("shadow_obj", DISPLAY),
-    ("trace_obj", DISPLAY),
+/// All words of OBJ, and how they are taken; of those that are told the sentence that is told.
+pub(super) const WORDS: [Entry; 45] = [
+    row("v", "a position, in double precision; metres are assumed"),
+    row("vt", "texture coordinates, u and v; v counts from the bottom of the picture"),
+    row("vn", "a normal"),
+    row("f", "a face of three corners or more, convex or not; indices from the end count, too"),
+    row("fo", "as f"),
+    row("o", "the name of the object that the next faces belong to"),
+    row(
+        "g",
+        "as o, and before it; where no face names a material, each name of g or o is a group of its own",
+    ),
+    row("s", "the next faces are smooth where they have no normals; 0 and off: flat"),
+    row("usemtl", "the group of the next faces; a name that no material file has is a group, too"),
+    row(
+        "mtllib",
+        "one material file or several, UTF-8 or Latin-1, with blanks in their names or not",
+    ),
+    passed("mg", "how curves are blended"),
+    told("p", "points (p) were left out; only faces are surfaces"),
+    told("l", "lines (l) were left out; only faces are surfaces"),
+    told("vp", CURVES),
+    told("cstype", CURVES),
+    told("deg", CURVES),
+    told("bmat", CURVES),
+    told("step", CURVES),
+    told("curv", CURVES),
+    told("curv2", CURVES),
+    told("surf", CURVES),
+    told("parm", CURVES),
+    told("trim", CURVES),
+    told("hole", CURVES),
+    told("scrv", CURVES),
+    told("sp", CURVES),
+    told("end", CURVES),
+    told("con", CURVES),
+    told("ctech", CURVES),
+    told("stech", CURVES),
+    told("bsp", CURVES),
+    told("bzp", CURVES),
+    told("cdc", CURVES),
+    told("cdp", CURVES),
+    told("res", CURVES),
+    told("call", OTHER_FILES),
+    told("csh", OTHER_FILES),
+    told("maplib", USEMAP),
+    told("usemap", USEMAP),
+    told("bevel", DISPLAY),
+    told("c_interp", DISPLAY),
+    told("d_interp", DISPLAY),
+    told("lod", DISPLAY),
+    told("shadow_obj", DISPLAY),
+    told("trace_obj", DISPLAY),
 ];
 
-const COLOURS: &str = "colours of vertices were not read; only the material colours a surface";
+const COLOURS: Entry =
+    told("v x y z r g b", "colours of vertices were not read; only the material colours a surface");
+const MRGB: Entry = told("#MRGB", COLOURS.done);
+const WEIGHT: Entry = told("v x y z w", "the fourth number of a vertex was passed over");
+const TWO_MORE: Entry =
+    told("v x y z a b", "a fourth and a fifth number of a vertex were passed over");
+const FEW: Entry = told("f 1 2", "faces of fewer than three corners were left out");
+
+/// What is told of words that are read.
+pub(super) const CASES: [Entry; 5] = [COLOURS, MRGB, WEIGHT, TWO_MORE, FEW];
 
 /// A corner of a face: position, texture coordinates and normal, counted from 1; 0 where it has none.
 pub(crate) type Corner = [u32; 3];
@@ -189,10 +203,26 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn statement(&mut self, line: &Line<'_>) -> Result<(), String> {
+        let word = line.word();
+        if word.is_empty() {
+            if line.is_comment(MRGB.name) {
+                self.note(MRGB.done, line);
+            }
+            return Ok(());
+        }
+        match find(&WORDS, word) {
+            Some(Entry { taken: Taken::Read, .. }) => self.read(word, line)?,
+            Some(Entry { taken: Taken::PassedOver, .. }) => {}
+            Some(entry) => self.note(entry.done, line),
+            None => self.note(&unknown(word), line),
+        }
+        Ok(())
+    }
+
+    /// Reads the statement `line` of a `word` that is read.
+    fn read(&mut self, word: &str, line: &Line<'_>) -> Result<(), String> {
         let name = || Some(line.rest()).filter(|rest| !rest.is_empty()).map(str::to_owned);
-        match line.word() {
-            "" if line.is_comment("#MRGB") => self.note(COLOURS, line),
-            "" => {}
+        match word {
             "v" => self.position(line)?,
             "vt" => {
                 let [u, v] = numbers(line, 1)?;
@@ -218,11 +248,7 @@ impl Reader<'_> {
             "mtllib" => {
                 self.found.libraries.index(self.scope, name().as_deref())?;
             }
-            word => match use_of(&WORDS, word) {
-                Some(Use::Told(what)) => self.note(what, line),
-                Some(_) => {}
-                None => self.note(&unknown(word), line),
-            },
+            _ => self.note(&unknown(word), line),
         }
         Ok(())
     }
@@ -244,11 +270,11 @@ impl Reader<'_> {
             4 => {
                 let [_, _, _, weight]: [f64; 4] = numbers(line, 4)?;
                 if weight != 1.0 {
-                    self.note("the fourth number of a vertex was passed over", line);
+                    self.note(WEIGHT.done, line);
                 }
             }
-            5 => self.note("a fourth and a fifth number of a vertex were passed over", line),
-            _ => self.note(COLOURS, line),
+            5 => self.note(TWO_MORE.done, line),
+            _ => self.note(COLOURS.done, line),
         }
         let position = DVec3::from_array(numbers(line, 3)?) - self.origin;
         push(self.scope, &mut self.found.positions, position)
@@ -270,7 +296,7 @@ impl Reader<'_> {
         let count = self.found.corners.len() - first;
         if count < 3 {
             self.found.corners.truncate(first);
-            self.note("faces of fewer than three corners were left out", line);
+            self.note(FEW.done, line);
             return Ok(());
         }
         let Now { object, material, is_smooth, .. } = self.now;
@@ -354,20 +380,6 @@ mod tests {
 
     fn document(text: &str) -> Document {
         read(&Scope::new(Input::from("a.obj")), text.as_bytes(), DVec3::ZERO).unwrap()
-    }
-
-    #[test]
-    fn every_word_is_taken_as_its_table_says() {
-        for (word, taken) in WORDS {
-            let mut warnings = Warnings::default();
-            let document = document(&format!("v 0 0 0\n{word} 1 1 1\n"));
-            document.unread.tell("a.obj", &mut warnings);
-            let told: Vec<&str> = warnings.0.iter().map(|warning| warning.as_str()).collect();
-            match taken {
-                Use::Told(what) => assert_eq!(told, [format!("a.obj: {what} (line 2).")]),
-                _ => assert_eq!(told, [""; 0], "{word}"),
-            }
-        }
     }
 
     #[test]

@@ -19,6 +19,7 @@ mod text;
 mod unread;
 
 use crate::FileError;
+use crate::entry::Table;
 use crate::input::{Input, Scope};
 use crate::names::{DEFAULT, unique};
 use document::Document;
@@ -56,6 +57,14 @@ pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileEr
         return Err(fail(format!("has no triangles. {}", why.trim_end_matches('.'))));
     }
     Ok((scene, warnings))
+}
+
+/// What is read of OBJ and MTL.
+pub(crate) fn tables() -> Vec<Table> {
+    vec![
+        Table::new("OBJ", "word", document::WORDS.iter().chain(&document::CASES)),
+        Table::new("MTL", "word", mtl::WORDS.iter().chain(&mtl::CASES)),
+    ]
 }
 
 /// A mesh, and the name that `usemtl` gives it, if there is one.

@@ -1,78 +1,95 @@
 //! What an MTL file says of materials.
 
 use super::text::{self, Line};
-use super::unread::{Unread, Use, unknown, use_of};
+use super::unread::{Unread, unknown};
+use crate::entry::{Entry as Word, Taken, near, passed, read, refused, told};
 use crate::input::Scope;
 use std::collections::HashMap;
 use std::path::Path;
 use unrender_scene::{Rgb, Warnings};
 
-const OPAQUE: Use =
-    Use::Told("transparency (d, Tr or a map of it) is not read; the surface is taken as opaque");
-const BUMPS: Use = Use::Told(
-    "a map of bumps or normals (bump, disp, norm) is not read; the surface is taken as it is",
-);
-const MIRRORED: Use = Use::Told("a reflected picture (refl) is not read");
-const PBR: Use = Use::Told(
-    "the roughness, metal, sheen and coat of Pr, Pm, Ps and Pc are not read; Kd, Ks and Ns count",
-);
+const OPAQUE: &str =
+    "transparency (d, Tr or a map of it) is not read; the surface is taken as opaque";
+const BUMPS: &str =
+    "a map of bumps or normals (bump, disp, norm) is not read; the surface is taken as it is";
+const MIRRORED: &str = "a reflected picture (refl) is not read";
+const PBR: &str =
+    "the roughness, metal, sheen and coat of Pr, Pm, Ps and Pc are not read; Kd, Ks and Ns count";
+const CLEAR: &str = "how transparent surfaces refract and what goes through them; that they are \
+                     transparent is told where d, Tr or illum say it";
 
-/// All words of MTL in lower case, and how they are taken. Those that are read may still be told of,
-/// where their numbers mean something that is not.
-pub(super) const WORDS: [(&str, Use); 43] = [
-    ("newmtl", Use::Read),
-    ("kd", Use::Read),
-    ("ks", Use::Read),
-    ("ke", Use::Read),
-    ("ns", Use::Read),
-    ("illum", Use::Read),
-    ("map_kd", Use::Read),
-    // What light all around does in a picture without shadows; no part of the reflectance.
-    ("ka", Use::Nothing),
-    ("map_ka", Use::Nothing),
-    // Of transparent surfaces and of pictures that are reflected, which are told themselves.
-    ("ni", Use::Nothing),
-    ("sharpness", Use::Nothing),
-    ("tf", Use::Nothing),
-    ("map_aat", Use::Nothing),
-    ("d", OPAQUE),
-    ("tr", OPAQUE),
-    ("map_d", OPAQUE),
-    ("map_tr", OPAQUE),
-    ("map_opacity", OPAQUE),
-    ("map_ke", Use::Told("map_Ke is not read; the surface emits Ke all over")),
-    ("map_ks", Use::Told("map_Ks is not read; the specular part is Ks all over")),
-    ("map_ns", Use::Told("map_Ns is not read; the roughness is that of Ns all over")),
-    ("bump", BUMPS),
-    ("map_bump", BUMPS),
-    ("map_disp", BUMPS),
-    ("map_kn", BUMPS),
-    ("map_norm", BUMPS),
-    ("disp", BUMPS),
-    ("norm", BUMPS),
-    ("refl", MIRRORED),
-    ("map_refl", MIRRORED),
-    ("decal", Use::Told("a decal is not read")),
-    ("pr", PBR),
-    ("pm", PBR),
-    ("ps", PBR),
-    ("pc", PBR),
-    ("pcr", PBR),
-    ("map_pr", PBR),
-    ("map_pm", PBR),
-    ("map_ps", PBR),
-    ("map_pc", PBR),
-    ("map_pcr", PBR),
-    ("aniso", Use::Told("aniso is not read; the highlight is taken as round")),
-    ("anisor", Use::Told("anisor is not read; the highlight is taken as round")),
+/// All words of MTL, and how they are taken, in small letters or large ones; of those that are told the sentence
+/// that is told. Those that are read may still be told of, where their numbers mean something that is not.
+pub(super) const WORDS: [Word; 43] = [
+    read(
+        "newmtl",
+        "the name of the next material; of several of one name the last one counts, which is told",
+    ),
+    read("Kd", "the diffuse reflectance: three numbers, or one for all"),
+    read("Ks", "the specular reflectance, unless illum is 0 or 1"),
+    read("Ke", "the emitted radiance"),
+    near("Ns", "the width of the lobe: alpha = sqrt(2 / (Ns + 2)), as wide as Blinn and Phong's"),
+    read("illum", "0 and 1: nothing specular; 2, 3, 5, 8 and 10: as without it"),
+    read("map_Kd", "a picture that Kd multiplies, repeated over the texture coordinates"),
+    passed("Ka", "light all around in a picture without shadows; no part of the reflectance"),
+    passed("map_Ka", "light all around in a picture without shadows; no part of the reflectance"),
+    passed("Ni", CLEAR),
+    passed("sharpness", "how sharp reflected pictures are"),
+    passed("Tf", CLEAR),
+    passed("map_aat", "how a program smooths the picture's edges"),
+    told("d", OPAQUE),
+    told("Tr", OPAQUE),
+    told("map_d", OPAQUE),
+    told("map_Tr", OPAQUE),
+    told("map_opacity", OPAQUE),
+    told("map_Ke", "map_Ke is not read; the surface emits Ke all over"),
+    told("map_Ks", "map_Ks is not read; the specular part is Ks all over"),
+    told("map_Ns", "map_Ns is not read; the roughness is that of Ns all over"),
+    told("bump", BUMPS),
+    told("map_bump", BUMPS),
+    told("map_disp", BUMPS),
+    told("map_Kn", BUMPS),
+    told("map_norm", BUMPS),
+    told("disp", BUMPS),
+    told("norm", BUMPS),
+    told("refl", MIRRORED),
+    told("map_refl", MIRRORED),
+    told("decal", "a decal is not read"),
+    told("Pr", PBR),
+    told("Pm", PBR),
+    told("Ps", PBR),
+    told("Pc", PBR),
+    told("Pcr", PBR),
+    told("map_Pr", PBR),
+    told("map_Pm", PBR),
+    told("map_Ps", PBR),
+    told("map_Pc", PBR),
+    told("map_Pcr", PBR),
+    told("aniso", "aniso is not read; the highlight is taken as round"),
+    told("anisor", "anisor is not read; the highlight is taken as round"),
 ];
 
 /// The `illum` of glass and of other refraction.
 const GLASS: [i32; 4] = [4, 6, 7, 9];
-const GLASS_TOLD: &str = "illum 4, 6, 7 and 9 (glass, refraction) are not read; the surface is \
-                          taken as opaque, of Kd and Ks";
+const GLASS_TOLD: Word = told(
+    "illum 4",
+    "illum 4, 6, 7 and 9 (glass, refraction) are not read; the surface is taken as opaque, of Kd and Ks",
+);
+const EXTRA: Word = told("Kd 1 1 1 1", "numbers behind the third one of a colour were passed over");
+const SPECTRAL: Word =
+    refused("Kd spectral", "spectral colours are not read: give it red, green and blue");
+const XYZ: Word = refused("Kd xyz", "xyz colours are not read: give it red, green and blue");
+
+const OPTION: Word = refused(
+    "map_Kd -s 2 2",
+    "an option that changes the picture or its place; apply it to the picture or the texture coordinates and \
+     remove it",
+);
+
+/// What is told, and what is refused, of words that are read.
+pub(super) const CASES: [Word; 5] = [GLASS_TOLD, EXTRA, SPECTRAL, XYZ, OPTION];
+
 const TWICE: &str = "the material is defined several times; the last one counts";
-const EXTRA: &str = "numbers behind the third one of a colour were passed over";
 
 /// Material files beyond so many are refused: an OBJ of a megabyte could name 100 000. Half as many are still ten
 /// times what programs write; double would do no harm.
@@ -229,30 +246,39 @@ impl Materials {
 
 impl Entry {
     fn statement(&mut self, line: &Line<'_>) -> Result<(), String> {
-        let word = line.word().to_ascii_lowercase();
+        let known = WORDS.iter().find(|entry| entry.name.eq_ignore_ascii_case(line.word()));
+        match known {
+            Some(Word { name, taken: Taken::Read | Taken::Approximated, .. }) => {
+                return self.read(name, line);
+            }
+            Some(Word { name, taken: Taken::WarnedOf, done }) if !is_neutral(name, line) => {
+                note(&mut self.unread, done, line);
+            }
+            Some(_) => {}
+            None => note(&mut self.unread, &unknown(line.word()), line),
+        }
+        Ok(())
+    }
+
+    /// Reads the statement `line` of a `word` that is read.
+    fn read(&mut self, word: &str, line: &Line<'_>) -> Result<(), String> {
         let material = &mut self.material;
-        match word.as_str() {
-            "kd" => material.kd = Some(colour(line, &mut self.unread)?),
-            "ks" => material.ks = Some(colour(line, &mut self.unread)?),
-            "ke" => material.ke = Some(colour(line, &mut self.unread)?),
-            "ns" => material.ns = Some(number(line)? as f32),
+        match word {
+            "Kd" => material.kd = Some(colour(line, &mut self.unread)?),
+            "Ks" => material.ks = Some(colour(line, &mut self.unread)?),
+            "Ke" => material.ke = Some(colour(line, &mut self.unread)?),
+            "Ns" => material.ns = Some(number(line)? as f32),
             "illum" => {
                 let illum = number(line)? as i32;
                 material.illum = Some(illum);
                 if GLASS.contains(&illum) {
-                    note(&mut self.unread, GLASS_TOLD, line);
+                    note(&mut self.unread, GLASS_TOLD.done, line);
                 }
             }
-            "map_kd" => {
+            "map_Kd" => {
                 material.map_kd = Some(line.rest().to_owned()).filter(|rest| !rest.is_empty());
             }
-            _ => match use_of(&WORDS, &word) {
-                Some(Use::Told(what)) if !is_neutral(&word, line) => {
-                    note(&mut self.unread, what, line);
-                }
-                Some(_) => {}
-                None => note(&mut self.unread, &unknown(line.word()), line),
-            },
+            _ => note(&mut self.unread, &unknown(word), line),
         }
         Ok(())
     }
@@ -270,7 +296,7 @@ fn is_neutral(word: &str, line: &Line<'_>) -> bool {
     match word {
         _ if line.rest().is_empty() => true,
         "d" => value() == Some(1.0),
-        "tr" | "pm" | "ps" | "pc" | "pcr" | "aniso" | "anisor" => value() == Some(0.0),
+        "Tr" | "Pm" | "Ps" | "Pc" | "Pcr" | "aniso" | "anisor" => value() == Some(0.0),
         _ => false,
     }
 }
@@ -282,13 +308,15 @@ fn colour(line: &Line<'_>, unread: &mut Vec<(String, usize)>) -> Result<Rgb, Str
         Err(format!("says \"{shown}\" in line {number}; {what}"))
     };
     let words: Vec<&str> = line.words().collect();
-    if let Some(&kind @ ("spectral" | "xyz")) = words.first() {
-        return fault(&format!("{kind} colours are not read: give it red, green and blue"));
+    match words.first() {
+        Some(&"spectral") => return fault(SPECTRAL.done),
+        Some(&"xyz") => return fault(XYZ.done),
+        _ => {}
     }
     let numbers: Vec<f32> =
         words.iter().take(3).map_while(|w| text::number(w)).map(|n| n as f32).collect();
     if words.len() > 3 {
-        note(unread, EXTRA, line);
+        note(unread, EXTRA.done, line);
     }
     match (numbers.as_slice(), words.len()) {
         ([grey], 1) => Ok(Rgb::splat(*grey)),
@@ -336,23 +364,6 @@ fn file_names(folder: &Path, names: &str) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_word_is_taken_as_its_table_says() {
-        for (word, taken) in WORDS {
-            let mut materials = Materials::default();
-            let text = format!("newmtl a\n{word} 0.5 0.5 0.5\n");
-            materials.file("a.mtl", text.as_bytes()).unwrap();
-            let mut warnings = Warnings::default();
-            materials.tell(["a"].into_iter(), &mut warnings);
-            match taken {
-                Use::Told(what) => {
-                    assert_eq!(warnings.0, [format!("a.mtl: \"a\": {what} (line 2).")]);
-                }
-                _ => assert_eq!(warnings.0, [""; 0], "{word}"),
-            }
-        }
-    }
 
     #[test]
     fn what_changes_nothing_is_not_told() {

@@ -10,22 +10,6 @@ const MAX_KINDS: usize = 50;
 /// So many names are shown. More are no help, and less hide that there are several.
 const MAX_NAMES: usize = 5;
 
-/// How a reader takes a word.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Use {
-    /// It is read.
-    Read,
-    /// It says nothing about the surface, its reflectance or its emission.
-    Nothing,
-    /// It is not read, which is told by this sentence.
-    Told(&'static str),
-}
-
-/// How `word` is taken; nothing if no table has it.
-pub(super) fn use_of(table: &[(&str, Use)], word: &str) -> Option<Use> {
-    table.iter().find(|(known, _)| *known == word).map(|(_, taken)| *taken)
-}
-
 /// The sentence about a word that no table has.
 pub(super) fn unknown(word: &str) -> String {
     format!("the word \"{}\" is not known and was passed over", shown(word, 40))

@@ -1,5 +1,6 @@
 //! What a picture file claims, asked before its decoder allocates or works for it.
 
+use super::bmp;
 use super::read::{ALWAYS_BELIEVED_BYTES, MAX_UNPACKING};
 use crate::input::Scope;
 use exr::meta::header::Header;
@@ -31,6 +32,7 @@ pub(crate) fn check(
 ) -> Result<(), String> {
     match format {
         Some(ImageFormat::Jpeg) => jpeg(bytes),
+        Some(ImageFormat::Bmp) => bmp::check(bytes),
         Some(ImageFormat::OpenExr) => exr(scope, bytes),
         _ => Ok(()),
     }

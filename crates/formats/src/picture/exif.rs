@@ -1,7 +1,28 @@
 //! What a photograph's EXIF data say of its lens and of its exposure.
 
+use crate::entry::{Entry, passed, read};
 use exif::{Exif, In, Reader, Tag, Value};
 use std::io::Cursor;
+
+const FOCAL: &str = "the focal length, where no calibration says it";
+
+/// The tags that are looked at; others are passed over.
+pub(super) const TAGS: [Entry; 14] = [
+    read("Orientation", "the picture is turned upright, and cameras of the stored pixels with it"),
+    read("InteroperabilityIndex", "R03: the colours are those of Adobe RGB"),
+    read("FocalLengthIn35mmFilm", FOCAL),
+    read("FocalLength", FOCAL),
+    read("FocalPlaneXResolution", FOCAL),
+    read("FocalPlaneResolutionUnit", FOCAL),
+    read("PixelXDimension", "by how much the picture was made smaller since"),
+    read("PixelYDimension", "by how much the picture was made smaller since"),
+    read("ExposureTime", "the exposure time"),
+    read("ShutterSpeedValue", "the exposure time, if there is no ExposureTime"),
+    read("FNumber", "the f-number"),
+    read("ApertureValue", "the f-number, if there is no FNumber"),
+    read("PhotographicSensitivity", "ISO"),
+    passed("others", "as the lens's name"),
+];
 
 /// Diagonal of the 24 x 36 mm frame, to which cameras relate their focal lengths, millimetres.
 const FULL_FRAME_DIAGONAL_MM: f64 = 43.266_615_305_567_87;
@@ -121,6 +142,23 @@ mod tests {
 
     fn rational(num: u32, denom: u32) -> Value {
         Value::Rational(vec![Rational { num, denom }])
+    }
+
+    #[test]
+    fn every_tag_that_is_looked_at_has_a_row() {
+        let code = include_str!("exif.rs").split("#[cfg(test)]").next().unwrap_or_default();
+        let mut used: Vec<&str> = code
+            .split("Tag::")
+            .skip(1)
+            .filter_map(|rest| rest.split(|c: char| !c.is_ascii_alphanumeric()).next())
+            .collect();
+        used.sort_unstable();
+        used.dedup();
+        // The decoder hands out the orientation.
+        let rows = TAGS.iter().filter(|row| !["Orientation", "others"].contains(&row.name));
+        let mut rows: Vec<&str> = rows.map(|row| row.name).collect();
+        rows.sort_unstable();
+        assert_eq!(used, rows);
     }
 
     #[test]

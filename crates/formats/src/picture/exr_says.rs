@@ -2,9 +2,44 @@
 
 use super::denoised;
 use super::profile::{matrix, of_primaries};
+use crate::entry::{Entry, read, refused, told};
 use exr::meta::attribute::AttributeValue;
 use exr::meta::header::Header;
 use unrender_scene::Profile;
+
+/// What is looked at beside the names of colour spaces.
+pub(super) const ROWS: [Entry; 19] = [
+    read("R, G, B", "the picture; red, green and blue, and other capitals, too"),
+    read("Y", "a grey picture, where there is no RY or BY beside it"),
+    read("A", "coverage: where it is zero a photograph has no measurement, which is told"),
+    told(
+        "LAYER.R and so on",
+        "the layer that is called as renderers call their picture, or the only one, is read",
+    ),
+    refused(
+        "several layers",
+        "if none is called as renderers call their picture: save the one to read alone",
+    ),
+    refused("RY, BY", "a luminance-chroma EXR: save it as RGB"),
+    refused("channels of fewer samples", "save it without subsampling"),
+    refused("deep data", "flatten it, and save R, G and B"),
+    refused("DWAA, DWAB and newer compressions", "save it with ZIP or PIZ"),
+    read("displayWindow", "the picture; what the file has outside of it is left out"),
+    read("dataWindow", "pixels outside of it have no measurement"),
+    read("chromaticities", "the colours are turned into those of sRGB"),
+    read("acesImageContainerFlag", "the primaries of ACES 2065-1"),
+    read("pixelAspectRatio", "pixels that are not square are told and taken as square"),
+    told("envmap", "a cube is taken as a flat picture"),
+    told("whiteLuminance", "the exposure says what a value is"),
+    read("expTime", "the exposure time"),
+    read("aperture", "the f-number"),
+    read("isoSpeed", "the sensitivity"),
+];
+
+/// The rows of the names of colour spaces.
+pub(super) fn spaces() -> [Entry; 5] {
+    SPACES.map(|name| told(name, "another one than linear sRGB: the values are taken as linear"))
+}
 
 /// Attributes in which programs name a colour space, in small letters.
 const SPACES: [&str; 5] =

@@ -4,10 +4,21 @@
 //! them, and say nothing of this one.
 
 use super::profile::Corners;
+use crate::entry::{Entry, find, passed, read as read_row};
+
+/// The lines that are looked at.
+pub(super) const LINES: [Entry; 6] = [
+    read_row("EXPOSURE", "the values are divided by it, and by those of all lines before"),
+    read_row("COLORCORR", "the same for each channel"),
+    read_row("PRIMARIES", "the colours are turned into those of sRGB"),
+    read_row("PIXASPECT", "pixels that are not square are told and taken as square"),
+    read_row("FORMAT", "RGBE; CIE XYZ (32-bit_rle_xyze) is refused"),
+    passed("others", "as lines that begin with a blank, which are of pictures before this one"),
+];
 
 /// What the header says.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Header {
+pub(crate) struct Header {
     /// By what the values of each channel were multiplied, of all lines EXPOSURE= and COLORCORR= together.
     pub factor: [f32; 3],
     /// Primaries and white.
@@ -20,12 +31,12 @@ pub(super) struct Header {
 ///
 /// # Errors
 /// If a line is not as it must be, as the end of a sentence about the file.
-pub(super) fn read(bytes: &[u8]) -> Result<Header, String> {
+pub(crate) fn read(bytes: &[u8]) -> Result<Header, String> {
     let mut header = Header { factor: [1.0; 3], primaries: None, height_of_pixels: 1.0 };
     for line in bytes.split(|byte| *byte == b'\n').take_while(|line| !line.is_empty()) {
         let line = String::from_utf8_lossy(line);
         let Some((key, value)) = line.split_once('=') else { continue };
-        match key.trim_end() {
+        match find(&LINES, key.trim_end()).map_or("", |line| line.name) {
             "EXPOSURE" => {
                 let [factor] = positive(key, value)?;
                 header.factor = header.factor.map(|f| f * factor);

@@ -2,6 +2,8 @@
 //!
 //! The decoder fills what is missing with grey and says nothing.
 
+use crate::entry::{Entry, Taken, read, refused, told};
+
 const START_OF_IMAGE: u8 = 0xd8;
 const END_OF_IMAGE: u8 = 0xd9;
 const START_OF_SCAN: u8 = 0xda;
@@ -29,21 +31,41 @@ pub(super) fn has_end(bytes: &[u8]) -> bool {
     false
 }
 
+/// The kinds of coding, by the first and the last marker of each; what is in none has arithmetic coding.
+const FRAMES: [(u8, u8, Entry); 5] = [
+    (0xc0, 0xc2, read("a sequential or progressive JPEG", "of 8 bits, packed by Huffman's method")),
+    (0xc3, 0xc3, refused("a lossless JPEG", SAVE)),
+    (0xc5, 0xc7, refused("a hierarchical JPEG", SAVE)),
+    (JPEG_LS, JPEG_LS, refused("a JPEG-LS", SAVE)),
+    (0xc9, 0xcf, refused("a JPEG with arithmetic coding", SAVE)),
+];
+const SAVE: &str = "save it as PNG or TIFF";
+
+/// What else is looked at.
+const SEGMENTS: [Entry; 6] = [
+    refused("a JPEG of 12 bits", SAVE),
+    told("CMYK", "inks are turned into red, green and blue without regard to what they look like"),
+    read("APP0 (JFIF)", "pixels that are not square are told and taken as square"),
+    read("APP1 (EXIF)", "see EXIF"),
+    read("APP2 (ICC)", "a profile of primaries and curves; one of tables is told"),
+    refused("no end of the image", "it is cut short"),
+];
+
+/// What is read of JPEG.
+pub(super) fn rows() -> impl Iterator<Item = &'static Entry> {
+    FRAMES.iter().map(|(_, _, row)| row).chain(&SEGMENTS)
+}
+
 /// Why a file of this kind is not read, as the end of a sentence about it: the decoder knows the sequential and the
 /// progressive kind, of 8 bits, packed by Huffman's method.
 pub(super) fn unread(bytes: &[u8]) -> Option<String> {
     let (frame, body) = frame(bytes)?;
-    let kind = match frame {
-        0xc0..=0xc2 => None,
-        0xc3 => Some("a lossless JPEG"),
-        0xc5..=0xc7 => Some("a hierarchical JPEG"),
-        JPEG_LS => Some("a JPEG-LS"),
-        _ => Some("a JPEG with arithmetic coding"),
-    };
+    let kind = FRAMES.iter().find(|(first, last, _)| (*first..=*last).contains(&frame));
+    let kind = kind.map(|(_, _, row)| row).filter(|row| row.taken == Taken::Refused);
     let bits = *body.first()?;
     let deep = (bits != 8).then(|| format!("a JPEG of {bits} bits"));
-    let kind = kind.map(str::to_owned).or(deep)?;
-    Some(format!("is {kind}, which is not read; save it as PNG or TIFF"))
+    let kind = kind.map(|row| row.name.to_owned()).or(deep)?;
+    Some(format!("is {kind}, which is not read; {SAVE}"))
 }
 
 /// Whether its colours are those of four inks.

@@ -1,8 +1,9 @@
-//! Pictures: photographs, textures and renderings as PNG, JPEG, TIFF, EXR and HDR files.
+//! Pictures: photographs, textures and renderings as PNG, JPEG, BMP, TIFF, EXR and HDR files.
 //!
 //! [`read`] hands out the code values of the file, not yet radiance: `unrender-photo` knows what
 //! the camera did to them. The writers take linear values.
 
+mod bmp;
 mod budget;
 mod cicp;
 mod codes;
@@ -25,20 +26,25 @@ mod png_chunks;
 mod profile;
 mod raw;
 mod read;
+mod tables;
 mod tiff;
 mod tiff_page;
 mod tiff_says;
+mod tiff_tags;
 mod write;
 
 pub(crate) use budget::{check as check_budget, exr_block};
 pub use denoised::write_denoised;
 pub use embed::{jpeg_bytes, png_bytes};
 pub use exif::{Exposure, exif_focal_px, exposure_of};
+pub(crate) use hdr_header::read as hdr_header_of;
 pub use layers::{LightLayer, read_layers, write_layers};
 pub use merged::write_merged;
 pub use orientation::{Orientation, Stored, stored, stored_in};
 pub use panorama::read_environment;
+pub(crate) use raw::other as other_kind;
 pub(crate) use read::read_in;
 pub use read::{decode, read};
+pub(crate) use tables::tables;
 pub use unrender_scene::{Depth, Merged, Picture, Profile};
 pub use write::{write, write_exr, write_hdr, write_png_codes, write_png_srgb};

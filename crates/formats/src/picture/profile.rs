@@ -1,4 +1,4 @@
-//! What a picture file declares of its colours: an ICC profile (PNG, JPEG, TIFF), the chunks `cICP`, `gAMA` and
+//! What a picture file declares of its colours: an ICC profile (PNG, JPEG, BMP, TIFF), the chunks `cICP`, `gAMA` and
 //! `cHRM` of PNG, the header of Radiance, tags of TIFF, or the EXIF data's word for Adobe RGB.
 //!
 //! Profiles of three primaries and three curves are understood; those made of tables are not. What EXR declares is
@@ -6,7 +6,7 @@
 
 use super::exif::is_adobe_rgb;
 use super::tiff::{Directory, Tiff};
-use super::{cicp, png_chunks, tiff_says};
+use super::{bmp, cicp, png_chunks, tiff_says};
 use glam::{DMat3, DVec3, Mat3};
 use image::ImageFormat;
 use moxcms::{ColorProfile, DataColorSpace, ToneReprCurve};
@@ -40,7 +40,7 @@ pub(super) fn of(
 ) -> Result<Option<Profile>, String> {
     // The order of precedence in PNG: cICP, iCCP, sRGB, and then gAMA and cHRM.
     if format == ImageFormat::Png
-        && let Some(data) = png_chunks::find(bytes, b"cICP")
+        && let Some(data) = png_chunks::find(bytes, &png_chunks::CICP)
     {
         return cicp::profile(data).map(Some);
     }
@@ -50,6 +50,7 @@ pub(super) fn of(
     let stated = tiff.and_then(|(tiff, page)| tiff_says::profile(tiff, page));
     Ok(match format {
         ImageFormat::Png => of_png(bytes),
+        ImageFormat::Bmp => bmp::profile(bytes),
         _ if stated.is_some() => stated,
         ImageFormat::Jpeg | ImageFormat::Tiff if is_adobe_rgb(bytes) => {
             let source = "its EXIF data (Adobe RGB)".to_owned();
@@ -59,7 +60,7 @@ pub(super) fn of(
     })
 }
 
-fn of_icc(icc: &[u8]) -> Profile {
+pub(super) fn of_icc(icc: &[u8]) -> Profile {
     let Ok(profile) = ColorProfile::new_from_slice(icc) else {
         return not_understood("an ICC profile that cannot be read".to_owned());
     };
@@ -74,7 +75,7 @@ fn of_icc(icc: &[u8]) -> Profile {
     of_profile(&profile, format!("its ICC profile \"{}\"", name.trim_matches(['\0', ' '])))
 }
 
-fn not_understood(source: String) -> Profile {
+pub(super) fn not_understood(source: String) -> Profile {
     Profile { source, srgb_from_file: None, curves: None, understood: false }
 }
 

@@ -3,6 +3,8 @@
 //! A raw file holds what the sensor counted, under a filter of one colour a pixel, and beside it previews that the
 //! camera has developed to its taste. Neither is the photograph.
 
+use crate::entry::{Entry, refused};
+
 /// How raw files begin that are no ordinary TIFF: where, with what, and what they are.
 const BEGINNINGS: [(usize, &[u8], &str); 14] = [
     (8, b"CR\x02\0", "a raw file (CR2)"),
@@ -22,15 +24,17 @@ const BEGINNINGS: [(usize, &[u8], &str); 14] = [
 ];
 
 /// How other files of pictures begin that people have and that are not read.
-const OTHERS: [(usize, &[u8], &str); 11] = [
+const OTHERS: [(usize, &[u8], &str); 13] = [
     (4, b"ftypheic", "HEIC"),
     (4, b"ftypheix", "HEIC"),
     (4, b"ftypmif1", "HEIF"),
     (4, b"ftypavif", "AVIF"),
     (8, b"WEBP", "WebP"),
     (0, b"GIF8", "GIF"),
-    (0, b"BM", "BMP"),
     (0, b"8BPS", "Photoshop (PSD)"),
+    (0, b"DDS ", "DDS"),
+    (0, b"\xabKTX 11\xbb", "KTX"),
+    (0, b"\xabKTX 20\xbb", "KTX 2"),
     (0, b"\0\0\0\x0cJXL ", "JPEG XL"),
     (0, b"\xff\x0a", "JPEG XL"),
     (0, b"\0\0\0\x0cjP  ", "JPEG 2000"),
@@ -50,6 +54,26 @@ const MAKERS: [(&str, &str); 10] = [
     ("EPSON", "ERF"),
 ];
 
+/// The rows of all of them, each once.
+pub(super) fn rows() -> Vec<Entry> {
+    const DEVELOP: &str =
+        "it has to be developed first, without a tone curve, to a TIFF of 16 bits or a linear EXR";
+    const SAVE: &str = "save it as one of those that are read";
+    let raw = BEGINNINGS.iter().map(|&(_, _, name)| refused(name, DEVELOP));
+    let makers = MAKERS.iter().map(|&(_, name)| refused(name, DEVELOP));
+    let dng = [refused("a raw file (DNG)", DEVELOP)];
+    let others = OTHERS.iter().map(|&(_, _, name)| refused(name, SAVE));
+    let rest = [refused("others", SAVE)];
+    let mut rows: Vec<Entry> = Vec::new();
+    for row in dng.into_iter().chain(raw).chain(makers).chain(others).chain(rest) {
+        let is_there = |known: &Entry| known.name.contains(row.name);
+        if !rows.iter().any(is_there) {
+            rows.push(row);
+        }
+    }
+    rows
+}
+
 /// What the bytes are, if they are a raw file by how they begin.
 pub(super) fn of_beginning(bytes: &[u8]) -> Option<&'static str> {
     // In JPEG and PNG files, what is there means something else.
@@ -58,7 +82,7 @@ pub(super) fn of_beginning(bytes: &[u8]) -> Option<&'static str> {
 }
 
 /// The name of another kind of file that is not read.
-pub(super) fn other(bytes: &[u8]) -> Option<&'static str> {
+pub(crate) fn other(bytes: &[u8]) -> Option<&'static str> {
     found(&OTHERS, bytes)
 }
 

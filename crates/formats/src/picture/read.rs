@@ -2,7 +2,7 @@
 
 use super::tiff::{Directory, Tiff};
 use super::{
-    Picture, budget, codes, coverage, exr_picture, hdr_header, jpeg, merged, pixel_shape,
+    Picture, bmp, budget, codes, coverage, exr_picture, hdr_header, jpeg, merged, pixel_shape,
     png_chunks, profile, raw, tiff_page, tiff_says,
 };
 use crate::FileError;
@@ -82,9 +82,9 @@ fn decoded(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
     }
     let format = format_of(bytes).ok_or_else(|| match raw::other(bytes) {
         Some(kind) => format!(
-            "is not a PNG, JPEG, TIFF, EXR or HDR file, but {kind}, which is not read; save it as one of these"
+            "is not a PNG, JPEG, BMP, TIFF, EXR or HDR file, but {kind}, which is not read; save it as one of these"
         ),
-        None => "is not a PNG, JPEG, TIFF, EXR or HDR file".to_owned(),
+        None => "is not a PNG, JPEG, BMP, TIFF, EXR or HDR file".to_owned(),
     })?;
     budget::check(scope, bytes, Some(format))?;
     match format {
@@ -96,6 +96,11 @@ fn decoded(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
         ImageFormat::Tiff => tiff(scope, bytes),
         ImageFormat::Jpeg => plain_jpeg(scope, bytes),
         ImageFormat::Hdr => hdr(scope, bytes),
+        ImageFormat::Bmp => {
+            let mut decoded = plain(scope, bytes, format, None)?;
+            decoded.notes.extend(pixel_shape::note(bmp::pixel_aspect(bytes), "its header"));
+            Ok(decoded)
+        }
         _ => {
             let mut decoded = plain(scope, bytes, format, None)?;
             let aspect = png_chunks::pixel_aspect(bytes);
@@ -207,7 +212,13 @@ pub(super) fn format_of(bytes: &[u8]) -> Option<ImageFormat> {
         return Some(ImageFormat::Tiff);
     }
     let format = image::guess_format(bytes).ok()?;
-    let read = [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::OpenExr, ImageFormat::Hdr];
+    let read = [
+        ImageFormat::Png,
+        ImageFormat::Jpeg,
+        ImageFormat::Bmp,
+        ImageFormat::OpenExr,
+        ImageFormat::Hdr,
+    ];
     read.contains(&format).then_some(format)
 }
 

@@ -7,7 +7,7 @@ use serde_json::json;
 use std::collections::BTreeSet;
 use std::path::Path;
 use unrender_formats::export::{self, Shot, Target};
-use unrender_formats::{LightUnits, assign_materials, gltf, load_scene, place};
+use unrender_formats::{LightUnits, assign_materials, gltf, load_model, load_scene, place};
 use unrender_scene::{Camera, Group, Light, LightKind, Material, Mesh, Object, Rgb, Scene};
 
 /// One, twenty and 500 kilometres away, and as land registers count.
@@ -393,6 +393,54 @@ fn what_a_file_has_lost_in_single_precision_is_told() {
     let said = warnings(5_400_000.0);
     assert!(said.iter().any(|w| w.contains("steps of 0.5 m")), "{said:?}");
     assert_eq!(warnings(1_000.0), [""; 0]);
+}
+
+/// A triangle of three metres, `distance` away in a PLY of this type of numbers.
+fn ply(kind: &str, distance: f64) -> Vec<u8> {
+    let header = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty {kind} x\nproperty {kind} y\n\
+         property {kind} z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    );
+    let mut bytes = header.into_bytes();
+    for number in [0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 3.0, 0.0].map(|x: f64| x + distance) {
+        match kind {
+            "float" => bytes.extend((number as f32).to_le_bytes()),
+            _ => bytes.extend(number.to_le_bytes()),
+        }
+    }
+    bytes.push(3);
+    bytes.extend([0i32, 1, 2].iter().flat_map(|corner| corner.to_le_bytes()));
+    bytes
+}
+
+#[test]
+fn what_a_mesh_has_lost_in_single_precision_is_told() {
+    let folder = Folder::new();
+    let warnings = |kind: &str, distance: f64, moved: f64, beside: &str| {
+        folder.file("m.ply", ply(kind, distance));
+        let text = format!(
+            "<scene version=\"3.0.0\"><shape type=\"ply\"><string name=\"filename\" value=\"m.ply\"/>\
+             <transform name=\"to_world\"><translate x=\"{moved}\" y=\"{moved}\" z=\"{moved}\"/></transform>\
+             </shape>{beside}</scene>"
+        );
+        let (scene, warnings) = load_model(&folder.file("a.xml", text)).unwrap();
+        assert_eq!(scene.objects[0].mesh.positions.len(), 3);
+        warnings.0
+    };
+    // As a land register has it, and the same moved to zero.
+    for moved in [0.0, -5.4e6] {
+        let said = warnings("float", 5.4e6, moved, "");
+        assert!(
+            said.iter().any(|w| w.contains("m.ply") && w.contains("steps of 0.5 ")),
+            "{said:?}"
+        );
+        assert_eq!(warnings("double", 5.4e6, moved, ""), [""; 0]);
+    }
+    assert_eq!(warnings("float", 1000.0, 0.0, ""), [""; 0]);
+    // Far away by its transform alone, and small in a large scene.
+    assert_eq!(warnings("float", 0.0, 5.4e6, ""), [""; 0]);
+    let hall = "<shape type=\"cube\"><transform name=\"to_world\"><scale value=\"9000\"/></transform></shape>";
+    assert_eq!(warnings("float", 5000.0, 0.0, hall), [""; 0]);
 }
 
 #[test]

@@ -27,7 +27,7 @@ const PIXEL: &str = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAA
                      Tj2FAAAAABJRU5ErkJggg==";
 
 /// A file with one of every element that is read.
-fn everything() -> Value {
+pub(crate) fn everything() -> Value {
     let mut json = triangle_json();
     json["asset"]["extras"] = json!({ "anything": {} });
     json["nodes"] = json!([

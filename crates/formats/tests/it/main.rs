@@ -5,6 +5,7 @@ mod support;
 
 mod bad_input;
 mod bad_pictures;
+mod bmp;
 mod camera_files;
 mod declared_colours;
 mod export;
@@ -26,3 +27,4 @@ mod pictures;
 mod planes;
 mod radiance;
 mod round_trip;
+mod what_is_read;

@@ -264,6 +264,8 @@ fn what_is_not_read_of_a_plugin_is_told_by_line_and_name() {
         "line 8: \"color\" of the bsdf \"diffuse\"",
         "line 9: \"power\" of the emitter \"point\"",
         "line 10: \"background\" of the scene",
+        // The camera is inside of the sphere.
+        "sees some of it from behind",
     ];
     tells(&warnings, &told);
     assert_eq!(warnings.0.len(), told.len(), "{warnings:?}");
@@ -402,6 +404,73 @@ fn lights_are_where_their_transforms_take_them() {
     assert!((intensity - Rgb::new(12.048, 9.483, 9.089)).length() < 0.01, "{intensity}");
     let LightKind::Directional { direction, .. } = scene.lights[1].kind else { panic!() };
     assert!((direction - Vec3::NEG_Y).length() < 1e-6, "{direction}");
-    let LightKind::Spot { inner_rad, .. } = scene.lights[2].kind else { panic!() };
-    assert!((inner_rad.to_degrees() - 22.5).abs() < 1e-4);
+    assert!(matches!(scene.lights[2].kind, LightKind::Spot { .. }));
+}
+
+#[test]
+fn what_a_camera_sees_from_behind_is_told_unless_it_is_two_sided() {
+    const CAMERA: &str = "<sensor type=\"perspective\" id=\"eye\"><transform name=\"to_world\">\
+        <lookat origin=\"0, 0, 5\" target=\"0, 0, 0\" up=\"0, 1, 0\"/></transform></sensor>";
+    const GREY: &str = "<bsdf type=\"diffuse\" id=\"grey\"/>";
+    const BOTH: &str = "<bsdf type=\"twosided\" id=\"grey\"><bsdf type=\"diffuse\"/></bsdf>";
+    const WALL: &str = "<shape type=\"rectangle\"><transform name=\"to_world\"><translate z=\"1\"/></transform></shape>";
+    let square = |angle: f32, bsdf: &str| {
+        let turn = format!("<rotate y=\"1\" angle=\"{angle}\"/>");
+        format!(
+            "<shape type=\"rectangle\"><transform name=\"to_world\">{turn}</transform>{bsdf}</shape>"
+        )
+    };
+    let shape = |kind: &str| format!("<shape type=\"{kind}\">{GREY}</shape>");
+    for (shapes, is_seen) in [
+        (square(0.0, GREY), false),
+        (square(180.0, GREY), true),
+        (square(180.0, BOTH), false),
+        (square(180.0, GREY) + WALL, false),
+        // Open towards the camera.
+        (shape("cylinder"), true),
+        (shape("sphere"), false),
+        (shape("cube"), false),
+    ] {
+        let (_, warnings) = scene(&format!("{CAMERA}{shapes}"));
+        assert_eq!(warnings.0.len(), usize::from(is_seen), "{shapes}: {warnings:?}");
+        if is_seen {
+            tells(&warnings, &["group \"grey\": camera \"eye\" sees some of it from behind"]);
+        }
+    }
+}
+
+/// What Mitsuba's spot of intensity one sends at an angle, degrees.
+fn fading(angle: f32, beam: f32, cutoff: f32) -> f32 {
+    if angle <= beam { 1.0 } else { ((cutoff - angle) / (cutoff - beam)).max(0.0) }
+}
+
+#[test]
+fn spots_send_what_mitsubas_send() {
+    for (beam, cutoff) in
+        [(15.0, 20.0), (30.0, 40.0), (10.0, 40.0), (0.0, 30.0), (40.0, 70.0), (25.0, 25.0)]
+    {
+        let inside = format!(
+            "<emitter type=\"spot\"><float name=\"cutoff_angle\" value=\"{cutoff}\"/>\
+             <float name=\"beam_width\" value=\"{beam}\"/></emitter><shape type=\"cube\"/>"
+        );
+        let (scene, warnings) = scene(&inside);
+        assert_eq!(warnings.0.len(), usize::from(beam < cutoff), "{warnings:?}");
+        let (mut sent, mut wanted, mut off) = (0.0, 0.0, 0.0f32);
+        for angle in (0..900).map(|k| 0.1 * (k as f32 + 0.5)) {
+            let (sin, cos) = angle.to_radians().sin_cos();
+            // From a distance of one.
+            let ours = scene.lights[0].kind.illuminate(Vec3::new(sin, 0.0, cos)).2.x;
+            let theirs = fading(angle, beam, cutoff);
+            (sent, wanted) = (sent + sin * ours, wanted + sin * theirs);
+            off = off.max((ours - theirs).abs());
+        }
+        assert!((sent / wanted - 1.0).abs() < 0.01, "{beam} to {cutoff}: {sent} for {wanted}");
+        if beam < cutoff {
+            // What is told is so.
+            assert!(off < 0.15, "{beam} to {cutoff}: {off}");
+            let percent = (100.0 * off).ceil() as i32;
+            let is_told = |percent| warnings.0[0].contains(&format!("up to {percent} %"));
+            assert!((percent - 1..=percent + 1).any(is_told), "{percent}: {warnings:?}");
+        }
+    }
 }

@@ -27,6 +27,8 @@ pub(super) struct Reflectance {
     pub(super) is_ggx: bool,
     /// The one model that it is exact with, if it is none of microfacets.
     pub(super) model: Option<BrdfModel>,
+    /// Whether its back reflects as its front does; else it is black in Mitsuba.
+    pub(super) is_two_sided: bool,
     /// Whether light goes through as if nothing was there.
     pub(super) is_nothing: bool,
     doubts: Vec<String>,
@@ -35,7 +37,8 @@ pub(super) struct Reflectance {
 impl Reflectance {
     fn of(material: Material) -> Self {
         let (to_uv, doubts) = (Affine2::IDENTITY, Vec::new());
-        Self { material, to_uv, is_ggx: false, model: None, is_nothing: false, doubts }
+        let (is_two_sided, is_nothing) = (false, false);
+        Self { material, to_uv, is_ggx: false, model: None, is_two_sided, is_nothing, doubts }
     }
 
     pub(super) fn diffuse(rho_d: Rgb) -> Self {
@@ -166,7 +169,7 @@ impl Reflectances {
     }
 
     fn two_sided(&mut self, context: &Context, node: Node) -> Result<Reflectance, String> {
-        let mut front = self.inner(context, node)?;
+        let mut front = Reflectance { is_two_sided: true, ..self.inner(context, node)? };
         if node.children("bsdf").len() > 1 {
             front.doubt("its back has a BSDF of its own, which was left out");
         }
@@ -174,8 +177,6 @@ impl Reflectances {
     }
 
     fn bumpy(&mut self, context: &Context, node: Node) -> Result<Reflectance, String> {
-        node.pass(&["scale", "normalmap"]);
-        node.children("texture");
         let mut inside = self.inner(context, node)?;
         inside.doubt(format!("its {} was left out", node.kind()));
         Ok(inside)
@@ -205,6 +206,7 @@ impl Reflectances {
             return Err(node.refused("one of its parts is nothing"));
         }
         two.doubts.iter().for_each(|doubt| blend.doubt(doubt.clone()));
+        blend.is_two_sided &= two.is_two_sided;
         let to_uv = two.to_uv;
         let (is_ggx, model) = (two.is_ggx, two.model);
         blend.add_diffuse(two.material.clone(), to_uv, context.scope).map_err(placed)?;
@@ -227,7 +229,6 @@ impl Reflectances {
 
 /// Whether the microfacets are those of GGX.
 fn is_ggx(node: Node) -> Result<bool, String> {
-    node.pass(&["sample_visible"]);
     match node.text("distribution")?.unwrap_or("beckmann") {
         "beckmann" => Ok(false),
         "ggx" => Ok(true),
@@ -302,7 +303,6 @@ fn principled(context: &Context, node: Node) -> Result<Reflectance, String> {
             read.doubt(format!("its {name} was left out"));
         }
     }
-    node.pass(&["sheen_tint", "clearcoat_gloss"]);
     read.doubt("principled was taken as a diffuse part and one of GGX, as at normal incidence");
     Ok(read)
 }

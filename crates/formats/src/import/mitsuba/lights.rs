@@ -2,6 +2,7 @@
 
 use super::paint::{Context, color};
 use super::spectrum::Use;
+use super::spot;
 use super::tree::Node;
 use crate::picture;
 use glam::{DAffine3, Mat3, Vec3};
@@ -19,7 +20,6 @@ pub(super) fn read(context: &Context, node: Node) -> Result<Emitter, String> {
     if let Some(light) = &node.note().light {
         return Ok(Emitter::Light(light.clone()));
     }
-    node.pass(&["sampling_weight"]);
     let id = if node.id().is_empty() { "light" } else { node.id() };
     let name = node.note().name.clone().unwrap_or_else(|| id.into());
     let world = || node.motion("to_world");
@@ -43,7 +43,7 @@ pub(super) fn read(context: &Context, node: Node) -> Result<Emitter, String> {
         }
         "spot" => {
             let name = format!("light \"{name}\"");
-            spot(context, node, &name, &world()?)?
+            spot_light(context, node, &name, &world()?)?
         }
         "constant" => {
             let radiance = light(context, node, "radiance")?;
@@ -66,18 +66,35 @@ fn light(context: &Context, node: Node, name: &str) -> Result<Rgb, String> {
     color(context, node, name, Use::Emission, 1.0)
 }
 
-fn spot(context: &Context, node: Node, name: &str, world: &DAffine3) -> Result<LightKind, String> {
+fn spot_light(
+    context: &Context,
+    node: Node,
+    name: &str,
+    world: &DAffine3,
+) -> Result<LightKind, String> {
     let outer = node.positive("cutoff_angle", 20.0)?;
     let inner = node.number("beam_width", 0.75 * outer)?;
-    context.warn(format!("{name}: Mitsuba's spots fall off by the angle, not by its cosine"));
+    let [beam, cutoff] =
+        [inner.clamp(0.0, outer), outer].map(|angle| f64::from(angle).to_radians());
+    let cone = spot::nearest(beam, cutoff);
+    if cone.off > 0.0 {
+        context.warn(format!(
+            "{name}: Mitsuba's spots fade straight with the angle between beam_width and cutoff_angle; the nearest \
+             cone was taken, which fades from {:.1} to {:.1} degrees: it sends the same light in all, and at some \
+             angles up to {:.0} % of the intensity more or less",
+            cone.inner_rad.to_degrees(),
+            cone.outer_rad.to_degrees(),
+            (100.0 * cone.off).ceil()
+        ));
+    }
     let texture = color(context, node, "texture", Use::Index, 1.0)?;
     let direction = world.matrix3.z_axis.as_vec3().try_normalize();
     Ok(LightKind::Spot {
         position: (world.translation - context.scope.origin()).as_vec3(),
         direction: direction.ok_or_else(|| node.fail("its direction is zero"))?,
         intensity: light(context, node, "intensity")? * texture,
-        inner_rad: inner.clamp(0.0, outer).to_radians(),
-        outer_rad: outer.to_radians(),
+        inner_rad: cone.inner_rad,
+        outer_rad: cone.outer_rad,
     })
 }
 
@@ -91,7 +108,6 @@ fn panorama(context: &Context, node: Node) -> Result<Environment, String> {
         let what = "an envmap that is an sRGB picture lacks whatever was brighter than its white";
         context.warn(node.fail(what));
     }
-    node.pass(&["mis_compensation"]);
     let scale = node.number("scale", 1.0)?;
     let radiance = read.to_linear().map(|rgb| rgb.max(Rgb::ZERO) * scale);
     let world = node.motion("to_world")?.matrix3;

@@ -4,11 +4,34 @@ use super::paint::Context;
 use super::tree::Node;
 use super::{serialized, shapes, wavefront};
 use crate::import::ply;
-use glam::{DAffine3, DVec3, Vec2};
+use crate::numbers::coarse_step;
+use glam::{DAffine3, DVec3, Vec2, Vec3};
 use unrender_scene::Mesh;
 
 /// What a corner of a triangle takes that it does not share, bytes.
 const CORNER_BYTES: u64 = 36;
+
+/// What is lost of a mesh that its file has in single precision, if it lies far from the file's zero and the scene
+/// has it nearer to its own; `mesh` counts from `zero` still.
+fn coarse(mesh: &Mesh, (here_from_mesh, zero): (&DAffine3, DVec3)) -> Option<String> {
+    let positions = || mesh.positions.iter().copied();
+    let [low, high] = [positions().reduce(Vec3::min)?, positions().reduce(Vec3::max)?];
+    let in_file = |corner: Vec3| (corner.as_dvec3() + zero).as_vec3();
+    let step = coarse_step(in_file(low), in_file(high))?;
+    let scale = here_from_mesh.matrix3.determinant().abs().cbrt();
+    // A small thing in a room is as far from zero in its file as in the room, where nobody sees the steps.
+    let middle = 0.5 * (low + high);
+    let is_nearer = 2.0 * here_from_mesh.transform_point3(middle.as_dvec3()).length()
+        < scale * in_file(middle).as_dvec3().length();
+    is_nearer.then(|| {
+        format!(
+            "has vertices in steps of {} units of the scene: they are so far from the zero of their file that single \
+             precision has no more digits; write them in double precision, or near zero with a to_world that puts \
+             them where they are",
+            (step * scale) as f32
+        )
+    })
+}
 
 /// The mesh that the shape `node` of the kind `ply`, `obj` or `serialized` names, taken to where the scene counts
 /// from, by what moves it there when it counts from `zero`; with texture coordinates in any case, if it `wants_uvs`.
@@ -26,18 +49,22 @@ pub(super) fn read(
     let mut is_flat = node.flag("face_normals", false)?;
     // Mitsuba counts v from the top of a picture, as we do; OBJ counts from the bottom.
     let flips = node.flag("flip_tex_coords", node.kind() == "obj")?;
-    let mut mesh = match node.kind() {
-        "obj" => wavefront::mesh(context, &bytes, (file, zero), flips),
+    let (mut mesh, is_single) = match node.kind() {
+        // Text has as many digits as were written.
+        "obj" => wavefront::mesh(context, &bytes, (file, zero), flips).map(|mesh| (mesh, false)),
         "serialized" => {
             let read = serialized::mesh(scope, &bytes, node.number("shape_index", 0.0)?, zero);
-            read.map(|(mesh, flat)| {
-                is_flat |= flat;
-                mesh
+            read.map(|stated| {
+                is_flat |= stated.is_flat;
+                (stated.mesh, stated.is_single)
             })
         }
         _ => ply::mesh(scope, &bytes, zero),
     }
     .map_err(within)?;
+    if let Some(coarse) = coarse(&mesh, (here_from_mesh, zero)).filter(|_| is_single) {
+        context.warn(within(coarse));
+    }
     if mesh.triangles.is_empty() {
         return Err(within("has no faces".into()));
     }

@@ -1,5 +1,7 @@
 //! Numbers in attributes, and the steps of a `<transform>`.
 
+use super::elements::STEPS;
+use crate::entry::find;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// A position in double precision.
@@ -61,7 +63,8 @@ pub(super) fn vector(attributes: &Attributes, default: Option<f64>) -> Result<DV
 
 /// One step of a transform.
 pub(super) fn step(tag: &str, attributes: &Attributes) -> Result<DAffine3, String> {
-    let motion = match tag {
+    let known = find(&STEPS, tag).map_or("", |entry| entry.name);
+    let motion = match known {
         "translate" => DAffine3::from_translation(vector(attributes, Some(0.0))?),
         "scale" => DAffine3::from_scale(vector(attributes, Some(1.0))?),
         "rotate" => {
@@ -74,7 +77,7 @@ pub(super) fn step(tag: &str, attributes: &Attributes) -> Result<DAffine3, Strin
         }
         "lookat" => look_at(attributes)?,
         "matrix" => matrix(attribute(attributes, "value").ok_or("a matrix has no value")?)?,
-        other => return Err(format!("there is a transform <{other}>, which is not known")),
+        _ => return Err(format!("there is a transform <{tag}>, which is not known")),
     };
     if motion.is_finite() { Ok(motion) } else { Err(format!("<{tag}> is no transform")) }
 }

@@ -141,10 +141,7 @@ fn plugin(context: &Context, node: Node, usage: Use) -> Result<Paint, String> {
             let usage = if unbounded { Use::Index } else { usage };
             paint(context, node, "color", usage, 1.0)
         }
-        "uniform" => {
-            node.pass(&["wavelength_min", "wavelength_max"]);
-            Ok(Paint::plain(Rgb::splat(node.number("value", 1.0)?.max(0.0))))
-        }
+        "uniform" => Ok(Paint::plain(Rgb::splat(node.number("value", 1.0)?.max(0.0)))),
         "rawconstant" => match node.value("value") {
             Some(Value::Vector(vector)) => Ok(Paint::plain(vector.as_vec3())),
             _ => paint(context, node, "value", Use::Index, 1.0),
@@ -215,7 +212,6 @@ fn bitmap(context: &Context, node: Node) -> Result<Paint, String> {
     let (read, told) =
         picture::read_in(scope, &path).map_err(|error| node.fail(error.to_string()))?;
     context.warnings.borrow_mut().extend(told);
-    node.pass(&["format", "accel"]);
     let image = if node.flag("raw", false)? { read.values.clone() } else { read.to_linear() };
     let image = match node.text("filter_type")?.unwrap_or("bilinear") {
         "bilinear" => image,

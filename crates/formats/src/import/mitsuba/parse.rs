@@ -1,9 +1,11 @@
 //! From XML to a [`Tree`]: elements, parameters, included files and references.
 
+use super::elements::{PLUGINS, PROPERTIES};
 use super::motion::{self, Attributes, attribute, number, vector};
 use super::spectrum::Spectrum;
 use super::tree::{File, Place, Plugin, Property, Tree, Value, find};
-use super::{references, upgrade};
+use super::{plugins, references, upgrade};
+use crate::entry::find as find_entry;
 use crate::input::Scope;
 use crate::record::Note;
 use glam::DAffine3;
@@ -31,22 +33,6 @@ const LONGEST: usize = 1 << 20;
 
 /// What parameters make is copied a few times; this much of it is counted as memory, so that it ends soon.
 const PARAMETER_COST: u64 = 16;
-
-/// Elements with a type.
-const OBJECTS: [&str; 12] = [
-    "bsdf",
-    "emitter",
-    "film",
-    "integrator",
-    "medium",
-    "phase",
-    "rfilter",
-    "sampler",
-    "sensor",
-    "shape",
-    "texture",
-    "volume",
-];
 
 /// The tree of the scene at `path`, references followed.
 ///
@@ -155,9 +141,10 @@ impl Parser<'_> {
     }
 
     fn push(&mut self, tag: &str, kind: &str, id: &str, note: Note, place: Place) -> usize {
+        let known = plugins::find(tag, kind);
         let (tag, kind, id) = (tag.to_owned(), kind.to_owned(), id.to_owned());
         let (properties, seen) = (Vec::new(), Cell::new(false));
-        self.tree.plugins.push(Plugin { tag, kind, id, note, place, properties, seen });
+        self.tree.plugins.push(Plugin { tag, kind, known, id, note, place, properties, seen });
         self.tree.plugins.len() - 1
     }
 
@@ -268,7 +255,7 @@ impl Parser<'_> {
         let attributes = self.attributes(xml, place)?;
         let get = |name: &str| attribute(&attributes, name).unwrap_or_default();
         let is_spectrum_plugin = tag == "spectrum" && attribute(&attributes, "type").is_some();
-        if OBJECTS.contains(&tag) || is_spectrum_plugin {
+        if find_entry(&PLUGINS, tag).is_some() || is_spectrum_plugin {
             self.check(tag, &attributes, (&["type"], &["id", "name", "version"]), place)?;
             let kind = if is_spectrum_plugin { "texture" } else { tag };
             let index = self.push(kind, get("type"), get("id"), note, place);
@@ -326,7 +313,8 @@ impl Parser<'_> {
         text: &Text,
         place: Place,
     ) -> Result<Value, String> {
-        let others: (&[&str], &[&str]) = match tag {
+        let known = find_entry(&PROPERTIES, tag).map_or("", |entry| entry.name);
+        let others: (&[&str], &[&str]) = match known {
             "float" | "integer" | "boolean" | "string" | "rgb" => (&["name", "value"], &[]),
             "point" | "vector" => (&["name"], &["value", "x", "y", "z"]),
             "spectrum" => (&["name"], &["value", "filename"]),

@@ -21,17 +21,6 @@ impl Film {
                 crop_offset: [0.0; 2],
             });
         };
-        film.pass(&[
-            "pixel_format",
-            "component_format",
-            "file_format",
-            "compensate",
-            "sample_border",
-            "compression",
-            "banner",
-            "high_quality_edges",
-        ]);
-        film.children("rfilter");
         let size = [film.positive("width", 768.0)?, film.positive("height", 576.0)?];
         let crop_size =
             [film.positive("crop_width", size[0])?, film.positive("crop_height", size[1])?];
@@ -60,8 +49,6 @@ pub(super) fn read(context: &Context, node: Node) -> Result<Option<Camera>, Stri
             return Ok(None);
         }
     }
-    node.pass(&["near_clip", "far_clip", "focus_distance", "shutter_open", "shutter_close"]);
-    node.children("sampler");
     let Film { size, crop_size, crop_offset } = Film::read(node)?;
     let half_height = half_height(node, size[0] / size[1])?;
     let world = node.motion("to_world")?;

@@ -19,14 +19,18 @@ const MAX_UNPACKING: u64 = 1032;
 /// The name of a mesh has at most so many bytes.
 const MAX_NAME: u64 = 4096;
 
-/// The mesh number `index` of `bytes`, counted from `zero`, without normals if it has none, and whether it is to
-/// be flat.
-pub(super) fn mesh(
-    scope: &Scope,
-    bytes: &[u8],
-    index: f32,
-    zero: DVec3,
-) -> Result<(Mesh, bool), String> {
+/// A mesh, and how the file states it.
+pub(super) struct Stated {
+    /// Without normals if the file has none.
+    pub(super) mesh: Mesh,
+    /// Whether its faces are to be flat, whatever its normals.
+    pub(super) is_flat: bool,
+    /// Whether its numbers are of single precision.
+    pub(super) is_single: bool,
+}
+
+/// The mesh number `index` of `bytes`, counted from `zero`.
+pub(super) fn mesh(scope: &Scope, bytes: &[u8], index: f32, zero: DVec3) -> Result<Stated, String> {
     let header = |at: usize| Some((u16_at(bytes, at)?, u16_at(bytes, at + 2)?));
     let version = match header(0) {
         Some((MAGIC, version @ (3 | 4))) => version,
@@ -71,7 +75,7 @@ fn read(
     mut stream: impl BufRead,
     (version, most): (u16, u64),
     zero: DVec3,
-) -> Result<(Mesh, bool), String> {
+) -> Result<Stated, String> {
     let flags = u32::from_le_bytes(exact(&mut stream)?);
     if version == 4 {
         let mut name = Vec::new();
@@ -109,7 +113,7 @@ fn read(
         tangents: Vec::new(),
         triangles: corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
     };
-    Ok((mesh, flags & IS_FLAT != 0))
+    Ok(Stated { mesh, is_flat: flags & IS_FLAT != 0, is_single: size == 4 })
 }
 
 fn triples(numbers: &[f32]) -> Vec<Vec3> {

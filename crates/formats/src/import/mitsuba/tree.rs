@@ -1,8 +1,10 @@
 //! A scene as a tree of plugins with their properties, which notes what is asked for.
 //!
-//! Whatever the reader does not ask of a plugin is told afterwards: see [`Tree::unread`].
+//! Whatever the reader does not ask of a plugin is told afterwards: see [`Tree::unread`]. It can ask only for what
+//! the table of [`plugins`] has.
 
 use super::motion::Point;
+use super::plugins;
 use super::spectrum::Spectrum;
 use crate::input::Scope;
 use crate::record::Note;
@@ -57,6 +59,8 @@ pub(super) struct Property {
 pub(super) struct Plugin {
     pub(super) tag: String,
     pub(super) kind: String,
+    /// Its row in the table of plugins, if it has one.
+    pub(super) known: Option<&'static plugins::Plugin>,
     pub(super) id: String,
     /// What a comment of ours in front of it says.
     pub(super) note: Note,
@@ -99,6 +103,13 @@ impl Tree {
         let mut told = Vec::new();
         for plugin in self.plugins.iter().filter(|plugin| plugin.seen.get()) {
             for property in plugin.properties.iter().filter(|property| !property.asked.get()) {
+                let tag = match &property.value {
+                    Value::Plugin(index) => Some(self.plugins[*index].tag.as_str()),
+                    _ => None,
+                };
+                if plugin.known.is_some_and(|known| known.passes(&property.name, tag)) {
+                    continue;
+                }
                 let what = match &property.value {
                     Value::Plugin(index) if property.name.is_empty() => {
                         let inner = &self.plugins[*index];
@@ -158,6 +169,7 @@ impl<'t> Node<'t> {
 
     fn property(self, name: &str) -> Option<&'t Property> {
         self.plugin().seen.set(true);
+        self.plugin().known?.property(name)?;
         let found = self.plugin().properties.iter().find(|p| p.name == name)?;
         found.asked.set(true);
         Some(found)
@@ -173,11 +185,9 @@ impl<'t> Node<'t> {
         self.plugin().properties.iter().any(|p| p.name == name)
     }
 
-    /// Passes over properties that change nothing of what is read.
-    pub(super) fn pass(self, names: &[&str]) {
-        for name in names {
-            self.property(name);
-        }
+    /// Passes over all that it says of itself, as it is not there.
+    pub(super) fn pass_all(self) {
+        self.plugin().properties.iter().for_each(|property| property.asked.set(true));
     }
 
     /// That the property `name` is not what is wanted.
@@ -252,6 +262,9 @@ impl<'t> Node<'t> {
     pub(super) fn children(self, tag: &str) -> Vec<Self> {
         self.plugin().seen.set(true);
         let mut found = Vec::new();
+        if self.plugin().known.and_then(|known| known.inner(tag)).is_none() {
+            return found;
+        }
         for property in &self.plugin().properties {
             if let Value::Plugin(index) = property.value
                 && self.tree.plugins[index].tag == tag

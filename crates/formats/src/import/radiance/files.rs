@@ -7,6 +7,7 @@ use super::primitives::{Noted, Place, Primitive};
 use super::shell::{Stage, pipelines};
 use super::words::{Item, Words, decoded};
 use super::{generators, gensky, xform};
+use crate::entry::{Entry, Taken, find, read as row, refused};
 use crate::input::Scope;
 use crate::record::Note;
 use glam::DVec3;
@@ -30,6 +31,26 @@ const TEXT_TO_PRIMITIVES: u64 = 32;
 const EXPAND: &str = "no program is run for a scene, which may come from anyone; let Radiance write \
                       what it prints into one file, by: xform -e SCENE.rad > FLAT.rad";
 
+/// The programs whose output is made here; others are refused.
+pub(super) const PROGRAMS: [Entry; 6] = [
+    row("xform", "all of its options: names, motions, -a, -f and several files"),
+    row("cat", "files, one after the other"),
+    row("genbox", "with its options -i, -b and -r"),
+    row(
+        "genprism",
+        "with its options -l, -c and -e; that -r does not round its edges here is told",
+    ),
+    row(
+        "gensky",
+        "the sun as a light of one direction, and the sky of its kind as the environment; that a clear one has no -t \
+         is told",
+    ),
+    refused(
+        "others",
+        "no program is run for a scene; let Radiance write what it prints into one file",
+    ),
+];
+
 /// All primitives of the file at `path` and of what it includes, each with the comment of ours that it
 /// stands under.
 pub(super) fn read(
@@ -41,6 +62,10 @@ pub(super) fn read(
     let mut reading = Reading { scope, folder, warnings, files: 0 };
     let text = text_of(scope, path)?;
     reading.text(&text, "", folder, DEPTH)
+}
+
+fn not_built_in(program: &str) -> String {
+    format!("the program \"{program}\" is not built in; {EXPAND}")
 }
 
 /// The text of the file at `path`.
@@ -152,7 +177,10 @@ impl Reading<'_> {
         };
         let [program, words @ ..] = stage.words.as_slice() else { return Ok(Vec::new()) };
         let name = program.rsplit(['/', '\\']).next().unwrap_or(program);
-        let made = match name.strip_suffix(".exe").unwrap_or(name) {
+        let name = name.strip_suffix(".exe").unwrap_or(name);
+        let is_built_in = find(&PROGRAMS, name).is_some_and(|entry| entry.taken == Taken::Read);
+        let made = match name {
+            _ if !is_built_in => return Err(not_built_in(program)),
             "xform" => return self.xform(words, piped, given),
             "cat" => return self.cat(words, piped, given),
             "genbox" => generators::genbox(words),
@@ -160,8 +188,8 @@ impl Reading<'_> {
                 let corners = self.corners(words, given)?;
                 generators::genprism(words, corners, given.place, self.warnings)
             }
-            "gensky" => gensky::gensky(words),
-            _ => return Err(format!("the program \"{program}\" is not built in; {EXPAND}")),
+            "gensky" => gensky::gensky(words, given.place, self.warnings),
+            _ => return Err(not_built_in(program)),
         };
         let made = made.map_err(|problem| format!("{program} {problem}"))?;
         let noted = made.into_iter().map(|primitive| {

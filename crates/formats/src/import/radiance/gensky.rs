@@ -4,16 +4,21 @@
 //! (`+i`, `-i`), overcast (`-c`) or uniform (`-u`).
 //! [Radiance, `gensky(1)`; CIE S 003 "Spatial distribution of daylight"]
 
-use super::primitives::Primitive;
+use super::primitives::{Place, Primitive};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use unrender_scene::Warnings;
 
 /// Lumens a watt of skylight and of sunlight, as Radiance has them.
 const SKY_EFFICACY: f64 = 203.0;
 const SUN_EFFICACY: f64 = 208.0;
 /// The sun is not put nearer to the zenith.
 const HIGHEST: f64 = 87.0 * PI / 180.0;
-/// The solid angle of the sun, as Radiance counts it here.
+/// The solid angle of the sun by which Radiance has the ground's brightness.
 const SUN: f64 = 6e-5;
+/// That of half a degree across, by which it has the sun's from an irradiance: pi sin^2 of a quarter of a degree.
+const HALF_A_DEGREE: f64 = 5.981_09e-5;
+/// How hazy clear skies are unless it is stated, by Radiance 6.
+const TURBIDITY: f64 = 2.45;
 
 const USE: &str = "is used as: gensky MONTH DAY HOUR or gensky -ang ALTITUDE AZIMUTH, with options";
 
@@ -38,7 +43,7 @@ struct Options {
     has_sun: bool,
     zenith: Option<Given>,
     sun: Option<Given>,
-    turbidity: f64,
+    turbidity: Option<f64>,
     ground: f64,
     latitude: f64,
     longitude: f64,
@@ -46,7 +51,11 @@ struct Options {
 }
 
 /// The primitives that `gensky` prints.
-pub(super) fn gensky(words: &[String]) -> Result<Vec<Primitive>, String> {
+pub(super) fn gensky(
+    words: &[String],
+    place: &Place,
+    warnings: &mut Warnings,
+) -> Result<Vec<Primitive>, String> {
     let [first, second, third, rest @ ..] = words else { return Err(USE.into()) };
     let options = Options::read(rest)?;
     let (altitude, azimuth) = if first == "-ang" {
@@ -54,7 +63,13 @@ pub(super) fn gensky(words: &[String]) -> Result<Vec<Primitive>, String> {
     } else {
         options.sun_at(first, second, third)?
     };
-    let is_covered = matches!(options.sky, Sky::Overcast | Sky::Uniform);
+    if options.turbidity.is_none() && options.zenith.is_none() && options.is_clear() {
+        warnings.push(format!(
+            "{place}: gensky has no -t; the sky was made with a turbidity of {TURBIDITY}, as Radiance 6 makes it. Earlier \
+             versions take 2.75, by which it is up to a fifth brighter: state -t"
+        ));
+    }
+    let is_covered = !options.is_clear();
     let altitude = if is_covered { altitude } else { altitude.min(HIGHEST) };
     let (sin, cos) = altitude.sin_cos();
     let sun = [-azimuth.sin() * cos, -azimuth.cos() * cos, sin];
@@ -84,9 +99,9 @@ fn primitive(modifier: &str, kind: &str, id: &str, words: &[&str], reals: Vec<f6
     Primitive { modifier, kind, id, strings, reals, ..Primitive::default() }
 }
 
-/// A number with the three digits that `gensky` prints of it.
+/// A number with the four digits that `gensky` prints of it.
 fn printed(value: f64) -> f64 {
-    format!("{value:.2e}").parse().unwrap_or(value)
+    format!("{value:.3e}").parse().unwrap_or(value)
 }
 
 fn number(word: &str) -> Result<f64, String> {
@@ -102,7 +117,7 @@ impl Options {
             has_sun: true,
             zenith: None,
             sun: None,
-            turbidity: 2.75,
+            turbidity: None,
             ground: 0.2,
             latitude: 0.66,
             longitude: 2.13,
@@ -120,7 +135,7 @@ impl Options {
                 "-B" => read.zenith = Some(Given::Irradiance(next()?)),
                 "-r" => read.sun = Some(Given::Radiance(next()?)),
                 "-R" => read.sun = Some(Given::Irradiance(next()?)),
-                "-t" => read.turbidity = next()?,
+                "-t" => read.turbidity = Some(next()?),
                 "-g" => read.ground = next()?,
                 "-a" => read.latitude = next()?.to_radians(),
                 "-o" => read.longitude = next()?.to_radians(),
@@ -184,7 +199,7 @@ impl Options {
 
     fn zenith_radiance(&self, altitude: f64, norm: f64) -> f64 {
         let overcast = 8.6 * altitude.sin() + 0.123;
-        let clear = (1.376 * self.turbidity - 1.81) * altitude.tan() + 0.38;
+        let clear = (1.376 * self.turbidity.unwrap_or(TURBIDITY) - 1.81) * altitude.tan() + 0.38;
         let luminance = match (self.zenith, self.sky) {
             (Some(Given::Radiance(radiance)), _) => return radiance,
             (Some(Given::Irradiance(irradiance)), _) => return irradiance / (norm * PI),
@@ -193,6 +208,10 @@ impl Options {
             (None, Sky::Between) => 0.5 * (clear + overcast),
         };
         luminance.max(0.0) * 1000.0 / SKY_EFFICACY
+    }
+
+    fn is_clear(&self) -> bool {
+        matches!(self.sky, Sky::Clear | Sky::Between)
     }
 
     fn sun_is_there(&self) -> bool {
@@ -205,7 +224,7 @@ impl Options {
     fn sun_radiance(&self, sin: f64) -> f64 {
         match self.sun {
             Some(Given::Radiance(radiance)) => radiance,
-            Some(Given::Irradiance(irradiance)) => irradiance / (SUN * sin),
+            Some(Given::Irradiance(irradiance)) => irradiance / (HALF_A_DEGREE * sin),
             None => {
                 let veiled = if self.sky == Sky::Between { 0.15 } else { 1.0 };
                 veiled * 1.5e9 / SUN_EFFICACY * (1.147 - 0.147 / sin.max(0.16))

@@ -1,6 +1,6 @@
 //! What surfaces are made of, as groups: a material with all that modifies it, mixtures, and what shines.
 
-use super::kinds::Sort;
+use super::kinds::{NO_MIXTURE, NO_PATTERN, NO_TEXTURE, Sort};
 use super::lamps::{Far, Spot};
 use super::modifiers::{Chain, Definition, Modifiers, Number};
 use super::patterns::{Pattern, Pictures, constant};
@@ -196,7 +196,7 @@ impl<'a> Materials<'a> {
             ));
             return self.named(number, 0, depth, warnings);
         }
-        let shine = self.shine(number)?;
+        let shine = self.shine(number, warnings)?;
         let definition = self.modifiers.get(number);
         let found = reflectance(&definition.made, tint.factor, shine)?;
         let emission = Rgb::ZERO;
@@ -285,9 +285,7 @@ impl<'a> Materials<'a> {
         };
         let (material, is_exact) = mixed(&one.0, &other, share.unwrap_or(0.5));
         if share.is_none() {
-            warnings.push(format!(
-                "{shown} mixes by what is not read; half of each was taken, everywhere"
-            ));
+            warnings.push(format!("{shown} {NO_MIXTURE}"));
         } else if !is_exact {
             warnings.push(format!("{shown} was taken as one material of the mean reflectance"));
         }
@@ -295,7 +293,7 @@ impl<'a> Materials<'a> {
     }
 
     /// The colour of a `WGMDfunc`'s specular part.
-    fn shine(&mut self, number: Number) -> Result<Rgb, String> {
+    fn shine(&mut self, number: Number, warnings: &mut Warnings) -> Result<Rgb, String> {
         let definition = self.modifiers.get(number);
         let name = definition.made.strings.first().map_or("void", String::as_str);
         if definition.made.kind != "WGMDfunc" || name == "void" {
@@ -307,7 +305,7 @@ impl<'a> Materials<'a> {
         );
         let found = definition.named.first().copied().flatten().ok_or_else(|| unread.clone())?;
         let made = self.modifiers.get(found).made.clone();
-        match self.pictures.pattern(&made, self.place)? {
+        match self.pictures.pattern(&made, self.place, warnings)? {
             Pattern::Constant(color) => Ok(color),
             _ => Err(unread),
         }
@@ -321,11 +319,11 @@ impl<'a> Materials<'a> {
             let shown = definition.shown();
             let placed = format!("{}: {shown}", definition.place);
             if definition.sort() == Some(Sort::Texture) {
-                warnings.push(format!("{placed} is not read; its surfaces are smooth here"));
+                warnings.push(format!("{placed} {NO_TEXTURE}"));
                 continue;
             }
             let made = definition.made.clone();
-            let pattern = self.pictures.pattern(&made, self.place)?;
+            let pattern = self.pictures.pattern(&made, self.place, warnings)?;
             match pattern {
                 Pattern::Constant(color) => {
                     tint.factor *= color;
@@ -340,8 +338,7 @@ impl<'a> Materials<'a> {
                     ));
                 }
                 Pattern::Unread => {
-                    warnings
-                        .push(format!("{placed} is not read; what it changes was left as it is"));
+                    warnings.push(format!("{placed} {NO_PATTERN}"));
                 }
             }
             tint.varying.get_or_insert(shown);

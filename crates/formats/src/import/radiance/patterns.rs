@@ -7,7 +7,7 @@ use crate::{picture, texels};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
-use unrender_scene::{Image, Rgb, Texture, Wrap};
+use unrender_scene::{Depth, Image, Rgb, Texture, Warnings, Wrap};
 
 /// What a pattern is.
 pub(super) enum Pattern {
@@ -33,6 +33,7 @@ impl Pictures {
         &mut self,
         p: &Primitive,
         (scope, folder): (&Scope, &Path),
+        warnings: &mut Warnings,
     ) -> Result<Pattern, String> {
         let constant = |at: usize| {
             let value = p.strings.get(at).and_then(|word| constant(word, &p.reals));
@@ -47,13 +48,18 @@ impl Pictures {
                 .map(|value| Pattern::Constant(Rgb::splat(value)))
                 .or_else(|| Sky::of(p).map(Pattern::Sky))
                 .unwrap_or(Pattern::Unread),
-            "colorpict" => self.picture(p, scope, folder)?,
+            "colorpict" => self.picture(p, (scope, folder), warnings)?,
             _ => Pattern::Unread,
         };
         Ok(found)
     }
 
-    fn picture(&mut self, p: &Primitive, scope: &Scope, folder: &Path) -> Result<Pattern, String> {
+    fn picture(
+        &mut self,
+        p: &Primitive,
+        (scope, folder): (&Scope, &Path),
+        warnings: &mut Warnings,
+    ) -> Result<Pattern, String> {
         let name = p.strings.get(3).ok_or("a colorpict names no picture")?;
         let [u, v] = [5, 6].map(|at| p.strings.get(at).cloned().unwrap_or_default());
         let is_ours = is_ours(&u) && is_ours(&v);
@@ -62,7 +68,7 @@ impl Pictures {
             Some(texture) => texture.clone(),
             None => {
                 let path = scope.beside(folder, name).map_err(|p| format!("\"{name}\" {p}"))?;
-                let read = Arc::new(texture(scope, &path, is_ours, [&u, &v])?);
+                let read = Arc::new(texture(scope, &path, (is_ours, [&u, &v]), warnings)?);
                 self.0.insert(key, read.clone());
                 read
             }
@@ -97,12 +103,19 @@ fn is_ours(place: &str) -> bool {
 fn texture(
     scope: &Scope,
     path: &Path,
-    is_ours: bool,
-    places: [&str; 2],
+    (is_ours, places): (bool, [&str; 2]),
+    warnings: &mut Warnings,
 ) -> Result<Texture, String> {
-    let (read, _) = picture::read_in(scope, path).map_err(|error| error.to_string())?;
-    let mut image = read.to_linear().map(|texel| middle_of_step(*texel));
-    if is_ours && image.width() > 2 && image.height() > 2 {
+    let (read, told) = picture::read_in(scope, path).map_err(|error| error.to_string())?;
+    warnings.extend(told);
+    // Patterns take the numbers of the file, whatever its header says that they were multiplied by.
+    let bytes = scope.read(path)?;
+    let factor = picture::hdr_header_of(&bytes).map_or(Rgb::ONE, |header| header.factor.into());
+    let numbers = if read.depth == Depth::Float { read.values } else { read.to_linear() };
+    let mut image = numbers.map(|texel| middle_of_step(*texel * factor));
+    if !is_ours {
+        image = with_texels_at_edges(scope, &image)?;
+    } else if image.width() > 2 && image.height() > 2 {
         let framed = image;
         image = Image::from_fn(framed.width() - 2, framed.height() - 2, |x, y| {
             *framed.at(x + 1, y + 1)
@@ -115,6 +128,26 @@ fn texture(
     };
     let [wrap_u, wrap_v] = places.map(wrap);
     Ok(Texture { image, wrap_u, wrap_v })
+}
+
+/// The picture as Radiance interpolates it: the centres of its outermost texels are at its edges, and not half a texel
+/// within; by finer texels.
+fn with_texels_at_edges(scope: &Scope, image: &Image<Rgb>) -> Result<Image<Rgb>, String> {
+    /// Texels of the finer picture along its longer side; where there are more already, half a texel is little.
+    const SIDE: usize = 1024;
+    let (width, height) = (image.width(), image.height());
+    let times = (SIDE / width.max(height).max(1)).clamp(1, 32);
+    scope.charge((times * times * width * height * size_of::<Rgb>()) as u64)?;
+    let place = |at: usize, count: usize| {
+        let place = (at as f32 + 0.5) / (times * count) as f32 * (count - 1) as f32;
+        let first = (place as usize).min(count.saturating_sub(2));
+        (first, (first + 1).min(count - 1), place - first as f32)
+    };
+    Ok(Image::from_fn(times * width, times * height, |x, y| {
+        let ((left, right, u), (top, bottom, v)) = (place(x, width), place(y, height));
+        let row = |y: usize| image.at(left, y).lerp(*image.at(right, y), u);
+        row(top).lerp(row(bottom), v)
+    }))
 }
 
 /// Radiance takes the eight bits of a channel for the middle of their step, readers of pictures for

@@ -5,9 +5,11 @@
 //! roughness is zero, Radiance lets them shine at grazing angles, which is left out. `WGMDfunc` has both
 //! parts apart. Of what lets light through only what it reflects is taken.
 
+use super::kinds::{UNKNOWN, entry};
 use super::motion::Motion;
 use super::patterns::constant;
 use super::primitives::Primitive;
+use crate::entry::Taken;
 use glam::DVec3;
 use unrender_scene::{Material, Rgb};
 
@@ -26,27 +28,22 @@ impl From<Material> for Reflectance {
     }
 }
 
-impl Reflectance {
-    fn doubted(material: Material, doubt: &'static str) -> Self {
-        Self { material, along: None, doubt: Some(doubt) }
-    }
-}
-
 /// Why surfaces of the material `kind` are not there, as the end of a sentence, if they are not.
 pub(super) fn why_hidden(kind: &str) -> Option<&'static str> {
-    match kind {
-        "glass" => Some("is transparent, which is not known here; its surfaces were left out"),
-        "mist" => Some("is a volume of mist, which is not known here; it was left out"),
-        "antimatter" => Some("was left out; what it cuts away is still there"),
-        _ => None,
-    }
+    let is_hidden = matches!(kind, "glass" | "mist" | "antimatter");
+    entry(kind).filter(|_| is_hidden).map(|entry| entry.done)
 }
 
 /// The reflectance of `p`, whose colour patterns change by `tint`; `shine` is the colour of a `WGMDfunc`'s
 /// specular part.
 pub(super) fn reflectance(p: &Primitive, tint: Rgb, shine: Rgb) -> Result<Reflectance, String> {
-    const THROUGH: &str = "lets light through, which is left out";
-    const HIGHLIGHTS: &str = "has highlights that are not read; only its diffuse part was taken";
+    let found = as_read(p, tint, shine)?;
+    // What is told of a whole kind goes before what is told of one material.
+    let of_kind = entry(&p.kind).filter(|entry| entry.taken == Taken::WarnedOf);
+    Ok(Reflectance { doubt: of_kind.map(|entry| entry.done).or(found.doubt), ..found })
+}
+
+fn as_read(p: &Primitive, tint: Rgb, shine: Rgb) -> Result<Reflectance, String> {
     let number = |at: usize| p.reals.get(at).copied().unwrap_or_default() as f32;
     let color_at = |at: usize| Rgb::new(number(at), number(at + 1), number(at + 2));
     let color = color_at(0) * tint;
@@ -58,35 +55,29 @@ pub(super) fn reflectance(p: &Primitive, tint: Rgb, shine: Rgb) -> Result<Reflec
         }
         "trans" => {
             let material = glossy(&p.kind, color, number(3), [number(4); 2]);
-            Reflectance::doubted(reflected(material, number(5)), THROUGH)
+            reflected(material, number(5)).into()
         }
         "trans2" => {
             let material = glossy(&p.kind, color, number(3), [number(4), number(5)]);
-            let found = directed(p, reflected(material, number(6)), 0);
-            Reflectance { doubt: Some(THROUGH), ..found }
+            directed(p, reflected(material, number(6)), 0)
         }
         "ashik2" => {
             let alpha = |at: usize| (2.0 / (number(at).max(0.0) + 2.0)).sqrt();
             let [alpha_x, alpha_y] = [6, 7].map(alpha);
             let material =
                 Material { rho_s: color_at(3), alpha_x, alpha_y, ..Material::diffuse(color) };
-            let doubt =
-                Some("has the lobe of Ashikhmin and Shirley; one of the same width was taken");
-            Reflectance { doubt, ..directed(p, material, 0) }
+            directed(p, material, 0)
         }
         "plasfunc" | "metfunc" | "plasdata" | "metdata" => {
-            Reflectance::doubted(Material::diffuse(color * (1.0 - number(3))), HIGHLIGHTS)
+            Material::diffuse(color * (1.0 - number(3))).into()
         }
         "transfunc" | "transdata" => {
             let kept = (1.0 - number(3)) * (1.0 - number(4));
-            Reflectance::doubted(Material::diffuse(color * kept), HIGHLIGHTS)
+            Material::diffuse(color * kept).into()
         }
-        "BRTDfunc" => Reflectance::doubted(Material::diffuse(color), HIGHLIGHTS),
+        "BRTDfunc" => Material::diffuse(color).into(),
         "WGMDfunc" => wgmd(p, color, shine)?,
-        _ => Reflectance::doubted(
-            Material::diffuse(Rgb::splat(0.5)),
-            "is not known; it was taken as diffuse with rho_d = 0.5",
-        ),
+        _ => Reflectance { doubt: Some(UNKNOWN), ..Material::diffuse(Rgb::splat(0.5)).into() },
     };
     Ok(found)
 }

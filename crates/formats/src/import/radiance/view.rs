@@ -1,9 +1,25 @@
 //! View files: `-vp` where from, `-vd` where to, `-vu` upwards, `-vh` and `-vv` how wide.
 
+use crate::entry::{Entry, Taken, find, read, refused, told};
 use crate::input::Scope;
 use glam::{DVec3, Vec3};
 use std::path::Path;
 use unrender_scene::{Camera, Lens, Warnings};
+
+/// The options of a view, and how they are taken.
+pub(super) const OPTIONS: [Entry; 11] = [
+    read("-vtv", "a perspective; views of other kinds (-vtl, -vth, -vta, ...) are refused"),
+    read("-vp", "where from"),
+    read("-vd", "where to"),
+    read("-vu", "upwards; (0, 0, 1) by default"),
+    read("-vh", "the angle across, degrees; 45 by default"),
+    read("-vv", "the angle upwards, degrees; 45 by default"),
+    read("-vs", "how far the view is shifted to the right, in its widths"),
+    read("-vl", "how far it is shifted upwards, in its heights"),
+    told("-vo", "what it cuts off is seen here, unless it is zero"),
+    told("-va", "what it cuts off is seen here, unless it is zero"),
+    refused("-vtl", "its view is no perspective (-vtv)"),
+];
 
 /// The camera of the view file that belongs to the scene at `path`, if there is one.
 pub(super) fn beside(
@@ -25,7 +41,8 @@ pub(super) fn beside(
         .rfind(|line| line.contains("-v"))
         .map_or(Vec::new(), |line| line.split_whitespace().collect());
     // Our export writes them as zero: nothing is cut off.
-    for option in ["-vo", "-va"] {
+    let cuts = OPTIONS.iter().filter(|option| option.taken == Taken::WarnedOf);
+    for option in cuts.map(|option| option.name) {
         let value = words.iter().skip_while(|word| **word != option).nth(1);
         if value.is_some_and(|value| value.parse::<f32>().is_ok_and(|value| value > 0.0)) {
             warnings.push(format!("{name}: what {option} cuts off is seen here"));
@@ -37,7 +54,8 @@ pub(super) fn beside(
 /// The camera of the view `words`, its position counted from `origin`.
 fn camera(words: &[&str], origin: DVec3) -> Result<Camera, String> {
     let numbers = |option: &str, count: usize| -> Option<Vec<f64>> {
-        let at = words.iter().position(|word| *word == option)?;
+        let known = find(&OPTIONS, option).filter(|known| known.taken == Taken::Read)?;
+        let at = words.iter().position(|word| *word == known.name)?;
         let these = words.get(at + 1..at + 1 + count)?;
         let finite = |v: &f64| (*v as f32).is_finite();
         these.iter().map(|word| word.parse().ok().filter(finite)).collect()
@@ -46,7 +64,8 @@ fn camera(words: &[&str], origin: DVec3) -> Result<Camera, String> {
     let vector = |option: &str| point(option).map(|v| v.as_vec3());
     let number = |option: &str| numbers(option, 1).map(|v| v[0] as f32);
     if words.iter().any(|word| word.starts_with("-vt") && *word != "-vtv") {
-        return Err("its view is no perspective (-vtv)".into());
+        let refused = OPTIONS.iter().find(|option| option.taken == Taken::Refused);
+        return Err(refused.map_or("", |option| option.done).into());
     }
     let missing = |option: &str| format!("its view has no {option}");
     let eye = point("-vp").ok_or_else(|| missing("-vp"))?;

@@ -190,8 +190,33 @@ fn gensky_makes_sun_and_sky() {
         let at = |x: f32| environment.radiance(Vec3::new(x, 0.0, 0.5).normalize()).x;
         assert!(at(-0.8) > 2.0 * at(0.8), "{kind}");
     }
-    assert!(exactly("!gensky -ang 30 90 -s").lights.is_empty());
-    assert!(exactly("!gensky -ang 30 90 +s -R 0").lights.is_empty());
+    assert!(exactly("!gensky -ang 30 90 -s -t 3").lights.is_empty());
+    assert!(exactly("!gensky -ang 30 90 +s -t 3 -R 0").lights.is_empty());
+}
+
+#[test]
+fn gensky_is_that_of_radiance_6() {
+    // The zenith's radiance and the sun's, as that version prints them.
+    for (options, zenith, sun) in [
+        ("+s", 8.325, 6.622e6),
+        ("+s -t 2.75", 10.03, 6.622e6),
+        ("+i", 18.08, 9.934e5),
+        ("+i -t 3", 19.65, 9.934e5),
+        ("+s -b 20 -r 1e6", 20.0, 1e6),
+        ("+s -B 100 -R 500", 18.52, 1.301e7),
+    ] {
+        let (scene, warnings) = read(&format!("!gensky -ang 40 30 {options}\n{GLOWS}"));
+        let found = scene.environment.unwrap().radiance(Vec3::Z).x;
+        assert!((found / zenith - 1.0).abs() < 0.01, "{options}: {found} for {zenith}");
+        let LightKind::Directional { irradiance, .. } = scene.lights[0].kind else { panic!() };
+        let found = irradiance.x / 5.98109e-5;
+        assert!((found / sun - 1.0).abs() < 1e-3, "{options}: {found} for {sun}");
+        let says_how_hazy = options.contains("-t") || options.to_lowercase().contains("-b");
+        assert_eq!(warnings.0.is_empty(), says_how_hazy, "{options}: {warnings:?}");
+        if !says_how_hazy {
+            assert_told(&warnings, "state -t");
+        }
+    }
 }
 
 #[test]
@@ -203,14 +228,14 @@ fn gensky_knows_where_the_sun_is() {
         ("12 21 +12:00 -a 45", 0.37, -0.9),
         ("3 21 12 -a 45 -o 0 -m 0", 0.70, -0.6),
     ] {
-        let scene = exactly(&format!("!gensky {command}"));
+        let scene = exactly(&format!("!gensky {command} -t 3"));
         let LightKind::Directional { direction, .. } = scene.lights[0].kind else { panic!() };
         assert!(
             (-direction.z - z).abs() < 0.02 && -direction.y < y_below,
             "{command}: {direction}"
         );
     }
-    let east = exactly("!gensky 3 21 +9 -a 45");
+    let east = exactly("!gensky 3 21 +9 -a 45 -t 3");
     let LightKind::Directional { direction, .. } = east.lights[0].kind else { panic!() };
     assert!(-direction.x > 0.5, "in the morning it is in the east: {direction}");
     for (command, said) in [
@@ -225,7 +250,7 @@ fn gensky_knows_where_the_sun_is() {
 
 #[test]
 fn skies_are_turned_by_xform_and_perez_is_known() {
-    let sky = format!("!gensky -ang 30 90 +s\n{GLOWS}");
+    let sky = format!("!gensky -ang 30 90 +s -t 3\n{GLOWS}");
     let (scene, _) = read_beside(&[("sky.rad", &sky)], "!xform -rz -90 sky.rad").unwrap();
     let LightKind::Directional { direction, .. } = scene.lights[0].kind else { panic!() };
     assert_near(-direction, [0.0, 0.75f32.sqrt(), 0.5], "from the west to the north");

@@ -131,6 +131,56 @@ fn pictures_are_laid_over_texture_coordinates_or_their_mean_is_taken() {
     }
 }
 
+/// A picture of one grey as `p.hdr`, with a further line in its header, on a ball; its reflectance and what is told.
+fn with_picture(line: &str) -> (f32, Warnings) {
+    let folder = Folder::new();
+    let image = unrender_scene::Image::from_fn(4, 4, |_, _| Rgb::splat(0.25));
+    unrender_formats::picture::write(&folder.path("p.hdr"), &image).unwrap();
+    let bytes = std::fs::read(folder.path("p.hdr")).unwrap();
+    let end = bytes.windows(2).position(|pair| pair == b"\n\n").unwrap();
+    folder.file("p.hdr", [&bytes[..end], line.as_bytes(), &bytes[end..]].concat());
+    let text = format!(
+        "{BASE}void colorpict p 7 red green blue p.hdr . Lu Lv 0 0\np plastic m 0 0 5 .8 .8 .8 0 0\n\
+         m sphere s 0 0 4 0 0 0 1\nm sphere t 0 0 4 3 0 0 1\n"
+    );
+    let (scene, warnings) = load_scene(&folder.file("scene.rad", text)).unwrap();
+    (group(&scene, "s").material.rho_d.x, warnings)
+}
+
+#[test]
+fn what_is_told_of_a_picture_is_told_of_the_scene() {
+    let warnings = with_picture("\nPIXASPECT=2").1;
+    assert!(warnings.0.len() == 1 && warnings.0[0].contains("PIXASPECT"), "{warnings:?}");
+}
+
+#[test]
+fn pictures_are_laid_by_their_numbers_whatever_their_exposure() {
+    for line in ["", "\nEXPOSURE=2.5", "\nCOLORCORR=.5 .5 .5"] {
+        let (found, warnings) = with_picture(line);
+        assert!((found / 0.2 - 1.0).abs() < 0.01, "{line}: {found}");
+        assert!(warnings.0.is_empty(), "{line}: {warnings:?}");
+    }
+}
+
+#[test]
+fn the_outermost_texels_of_a_picture_are_at_its_edges() {
+    let folder = Folder::new();
+    let image = unrender_scene::Image::from_fn(3, 3, |x, _| Rgb::splat([0.125, 0.5, 0.875][x]));
+    unrender_formats::picture::write(&folder.path("p.hdr"), &image).unwrap();
+    let text = format!(
+        "{BASE}void colorpict p 7 red green blue p.hdr . Lu Lv 0 0\np plastic m 0 0 5 1 1 1 0 0\n\
+         m sphere s 0 0 4 0 0 0 1\n"
+    );
+    let (scene, _) = load_scene(&folder.file("scene.rad", text)).unwrap();
+    let texture = group(&scene, "s").material.texture.clone().unwrap();
+    // A line from the first over the second to the third.
+    for u in [0.1f32, 0.25, 0.5, 0.8] {
+        let at = (u * texture.image.width() as f32) as usize;
+        let (found, wanted) = (texture.image.at(at, 0).x, 0.125 + 0.75 * u);
+        assert!((found - wanted).abs() < 0.02, "{u}: {found} for {wanted}");
+    }
+}
+
 #[test]
 fn highlights_keep_their_direction() {
     for (motion, expected) in

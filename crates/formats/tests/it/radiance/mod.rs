@@ -3,6 +3,7 @@
 mod commands;
 mod lamps;
 mod materials;
+mod what_is_read;
 mod words;
 
 use crate::support::Folder;

@@ -15,6 +15,7 @@ mod markdown;
 mod schema;
 mod tables;
 mod validator;
+mod what_is_read;
 
 use markdown::Page;
 use std::collections::{BTreeMap, BTreeSet};
