@@ -7,8 +7,9 @@
 //! again under the refined light. What is returned is the best state that was verified.
 
 use crate::hypothesis::Hypothesis;
-use crate::ladder::branches;
+use crate::ladder::branches::{self, Kind};
 use crate::ladder::candidates::{self, Candidates, Proposal};
+use crate::ladder::lacking;
 use crate::ladder::textures;
 use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Termination};
@@ -21,9 +22,12 @@ use crate::verify::{Score, Verified, Verifier};
 /// How often the hypotheses are asked again after a refinement; each time costs a refinement where
 /// one changes.
 const REVISIONS: usize = 2;
+/// Other kinds of hypothesis that are tried at most for groups which stay unexplained: both of one group, and one of a
+/// second. Each costs about as much as the first choice. Half and double of it were not tried.
+const BRANCHES: usize = 3;
 /// So many of the groups that would gain most by a specular part are tried at a time. Each costs a joint fit and a comparison.
 /// In drafts of four scenes the right one was the first or the second; half and double of it were not tried.
-const BRANCHES: usize = 2;
+const LACKING: usize = 2;
 /// A specular part is kept where the picture is better for it by so many standard deviations. In drafts of five scenes right
 /// ones were by 1.3 to 3.7, wrong ones by 0.8 at most; half and double of it were not tried.
 const BETTER: f64 = 1.0;
@@ -38,6 +42,7 @@ pub(crate) fn drive(
         options,
         verifier: Verifier::new(state, options),
         candidates: Candidates::new(state, options),
+        spoken_for: Vec::new(),
     };
     let mut termination = driver.select_models(state, observer)?;
     if options.refine && !observer.is_cancelled() {
@@ -56,6 +61,8 @@ struct Driver<'o> {
     options: &'o Options,
     verifier: Verifier,
     candidates: Candidates<'o>,
+    /// Groups for whose specular part the whole picture spoke, and not their own pixels.
+    spoken_for: Vec<usize>,
 }
 
 impl Driver<'_> {
@@ -81,6 +88,7 @@ impl Driver<'_> {
         state.schedule.begin(Part::Choice);
         self.choose(state, &mut best, observer)?;
         self.branch(state, &mut best, observer)?;
+        self.add_lacking(state, &mut best, observer)?;
         let open = self.candidates.open(state, level);
         state.note_open(&open);
         Ok(Termination::Settled)
@@ -112,9 +120,8 @@ impl Driver<'_> {
         Ok(())
     }
 
-    /// Groups that light each other may keep each other wrong: where the picture stays unexplained, the diffuse group
-    /// that would explain most of it by a specular part gets one, and keeps it where the picture is better for it; then those
-    /// are asked again whose light that changed.
+    /// Groups that light each other may keep each other wrong: where one stays unexplained, it gets another kind of
+    /// hypothesis, the groups that it lights are asked again beside it, and the better of both ends stays.
     fn branch(
         &mut self,
         state: &mut State<'_>,
@@ -123,9 +130,41 @@ impl Driver<'_> {
     ) -> Result<(), RecoverError> {
         let (level, mut tried) = (Level::Choice, Vec::new());
         let allowed = sample_budget::allowance(level, self.options).floor;
+        while tried.len() < BRANCHES && !observer.is_cancelled() {
+            let Some(other) = branches::next(state, allowed, &tried) else { break };
+            tried.extend(Kind::of(other.hypothesis).map(|kind| (other.group, kind)));
+            let before = self.candidates.clone();
+            other.apply(state);
+            refine::refine(state, self.options, Depth::Rough, observer);
+            let mut found = self.verifier.verify(state);
+            self.candidates.hold(Some(other.group));
+            self.candidates.ask_again(&self.changed(state, &found.score, &best.score, level));
+            self.choose(state, &mut found, observer)?;
+            if self.verifier.compare(&best.score, &found.score).is_worse() {
+                *best = found;
+                self.candidates.hold(None);
+                self.choose(state, best, observer)?;
+            } else {
+                self.candidates = before;
+                state.restore(&best.snapshot);
+            }
+        }
+        Ok(())
+    }
+
+    /// Where the picture stays unexplained, the diffuse group that would explain most of it by a specular part gets one, and
+    /// keeps it where the picture is better for it; then those are asked again whose light that changed.
+    fn add_lacking(
+        &mut self,
+        state: &mut State<'_>,
+        best: &mut Verified,
+        observer: &mut dyn Observer,
+    ) -> Result<(), RecoverError> {
+        let (level, mut tried) = (Level::Choice, Vec::new());
+        let allowed = sample_budget::allowance(level, self.options).floor;
         while !observer.is_cancelled() {
-            let others = branches::all(state, self.options, allowed, &tried);
-            let mut first = others.into_iter().take(BRANCHES);
+            let others = lacking::all(state, self.options, allowed, &tried);
+            let mut first = others.into_iter().take(LACKING);
             let is_found = first.any(|other| {
                 tried.push(other.group);
                 other.apply(state);
@@ -140,6 +179,7 @@ impl Driver<'_> {
             if !is_found {
                 break;
             }
+            self.spoken_for.extend(tried.last());
             let before = std::mem::replace(best, self.verifier.verify(state));
             self.candidates.ask_again(&self.changed(state, &best.score, &before.score, level));
             self.choose(state, best, observer)?;
@@ -165,13 +205,10 @@ impl Driver<'_> {
     ) -> bool {
         let mut accepted = false;
         let (alone, together): (Vec<Proposal>, Vec<Proposal>) =
-            proposals.into_iter().partition(|proposal| proposal.takes_specular_part(state));
+            proposals.into_iter().partition(|one| self.spoken_for.contains(&one.group));
         let mut waiting: Vec<Vec<Proposal>> = alone.into_iter().map(|one| vec![one]).collect();
-        waiting.push(together);
+        waiting.extend((!together.is_empty()).then_some(together));
         while let Some(mut proposals) = waiting.pop() {
-            if proposals.is_empty() {
-                continue;
-            }
             if let Some(found) = self.try_one(state, &proposals, best, depth, observer) {
                 proposals.iter().for_each(|proposal| proposal.record(state, true));
                 (*best, accepted) = (found, true);
@@ -210,13 +247,14 @@ impl Driver<'_> {
         depth: Depth,
         observer: &mut dyn Observer,
     ) -> Option<Verified> {
-        let takes = proposals.iter().find(|proposal| proposal.takes_specular_part(state));
-        let takes = takes.map(|proposal| proposal.group);
         proposals.iter().for_each(|proposal| proposal.apply(state));
-        if let Some(group) = takes {
+        if let [one] = proposals
+            && self.spoken_for.contains(&one.group)
+            && one.hypothesis == Hypothesis::Diffuse
+        {
             refine::refine(state, self.options, depth, observer);
             let now = state.snapshot();
-            if self.is_better(state, group, [&best.snapshot, &now]) {
+            if self.is_better(state, one.group, [&best.snapshot, &now]) {
                 return None;
             }
         }

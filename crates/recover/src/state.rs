@@ -85,6 +85,18 @@ impl GroupState {
         }
     }
 
+    /// What was said of each uniform hypothesis when the group was asked last.
+    pub(crate) fn last_candidates(&self) -> impl Iterator<Item = &CandidateRecord> {
+        let last = self.selection_log.iter().rev().take(hypothesis::UNIFORM.len());
+        let newest = |candidate: &&CandidateRecord| {
+            let newer = self.selection_log.iter().rev();
+            newer
+                .take_while(|other| !std::ptr::eq(*other, *candidate))
+                .all(|other| other.hypothesis != candidate.hypothesis)
+        };
+        last.filter(newest)
+    }
+
     /// Whether the selection log does not hold `hypothesis` yet.
     pub(crate) fn is_new_to(&self, hypothesis: Hypothesis) -> bool {
         self.selection_log.last().is_none_or(|candidate| candidate.hypothesis != hypothesis)

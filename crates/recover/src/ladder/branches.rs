@@ -1,71 +1,70 @@
-//! Branches: a specular part for a group whose own pixels do not ask for one, with a choice of its own.
+//! Branches: other kinds of hypothesis for a group that stays unexplained, each with a choice of its own.
 //!
-//! Groups that light each other are tied: the walls are wrong where the floor has no lobe, and the floor's lobe is no
-//! better than none where the walls are wrong. Asked one after the other, with the rest held, each keeps what it
-//! has. So where the whole picture stays unexplained, a score test ([`crate::refine::score_test`]) says which diffuse group
-//! would explain most of it by a specular part, whatever its own pixels say. The driver gives it one, keeps that where the whole
-//! picture is better for it, and asks those again whose light it changes.
+//! Groups that light each other are tied: a wall's lobe is found where the table that it is seen in is a mirror, and
+//! the table is found to be one where the wall has its lobe. Asked one after the other, with the rest held, each keeps
+//! what it has. So the group that leaves most of the picture unexplained gets another kind of hypothesis, whether
+//! its own evidence speaks for it or not, and those whose light it changes are asked again beside it; the driver keeps
+//! what comes of it where the whole picture is better for it.
 
 use super::candidates::Proposal;
 use crate::hypothesis::Hypothesis;
 use crate::model_error::ModelError;
-use crate::problem::Options;
-use crate::refine::score_test::{self, Gain};
 use crate::state::State;
-use std::collections::BTreeMap;
-use unrender_scene::Rgb;
 
-/// The specular parts that are tried: a mirror's, a sharp lobe's and a broad one's. What a surface sends elsewhere changes
-/// slowly with its roughness: a floor of 0.135 gains 685 by 0.1, 820 by 0.3 and 410 as a mirror, and no other group of its
-/// scene gains 100. With 0.05 and 0.25 alone, drafts of two scenes of four lose what they find with these.
-const SHAPES: [Option<f32>; 3] = [None, Some(0.1), Some(0.3)];
-
-/// For each diffuse group the specular part by which it explains most of the whole picture, those that explain more first; not
-/// of those that were `tried`. None where no group leaves more than the model error that is always `allowed` for leaves of the
-/// whole picture.
-pub(crate) fn all(
-    state: &mut State<'_>,
-    options: &Options,
-    allowed: ModelError,
-    tried: &[usize],
-) -> Vec<Proposal> {
-    if !is_unexplained(state, allowed) {
-        return Vec::new();
-    }
-    let mut most: BTreeMap<usize, (Option<f32>, Gain)> = BTreeMap::new();
-    for alpha in SHAPES {
-        let (hypothesis, _) = score_test::with_specular(Rgb::ZERO, Rgb::ONE, alpha);
-        let may_be = |group: &usize| {
-            state.groups[*group].hypothesis == Hypothesis::Diffuse
-                && state.problem.groups[*group].allows(hypothesis)
-        };
-        let groups: Vec<usize> = state.visible_unknowns().into_iter().filter(may_be).collect();
-        for (group, gain) in groups.iter().zip(score_test::gains(state, options, &groups, alpha)) {
-            let before = most.get(group).map_or(0.0, |(_, before)| before.value);
-            if gain.value > before && !tried.contains(group) {
-                most.insert(*group, (alpha, gain));
-            }
-        }
-    }
-    let mut most: Vec<(usize, (Option<f32>, Gain))> = most.into_iter().collect();
-    most.sort_by(|(_, (_, a)), (_, (_, b))| b.value.total_cmp(&a.value));
-    let proposal = |(group, (alpha, gain)): (usize, (Option<f32>, Gain))| {
-        let rho_d = (state.materials[group].rho_d - gain.rho_s).max(Rgb::ZERO);
-        let (hypothesis, material) = score_test::with_specular(rho_d, gain.rho_s, alpha);
-        Proposal::of_shape(state, group, hypothesis, material)
-    };
-    most.into_iter().filter_map(proposal).collect()
+/// The kinds of uniform hypotheses, by their specular part: none, a mirror, a lobe with a width.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Diffuse,
+    Mirror,
+    Lobe,
 }
 
-/// Whether a group leaves more than the model error that is always `allowed` for leaves of all together.
-fn is_unexplained(state: &State<'_>, allowed: ModelError) -> bool {
-    let left = |group: &usize, error: f64| {
-        error * error * state.observation.pixels_of_group[*group].len() as f64
+impl Kind {
+    /// That of `hypothesis`; a texture is none of a uniform surface.
+    pub(crate) fn of(hypothesis: Hypothesis) -> Option<Self> {
+        match hypothesis {
+            Hypothesis::Diffuse => Some(Self::Diffuse),
+            Hypothesis::Mirror | Hypothesis::PartialMirror | Hypothesis::DiffuseSpecular => {
+                Some(Self::Mirror)
+            }
+            Hypothesis::Isotropic | Hypothesis::Anisotropic => Some(Self::Lobe),
+            _ => None,
+        }
+    }
+}
+
+/// The hypothesis of another kind that came nearest to the present one, for the group that leaves most of the picture
+/// unexplained; not those of `tried`. None where no group leaves more than the model error that is always `allowed` for
+/// leaves of the whole picture.
+pub(crate) fn next(
+    state: &State<'_>,
+    allowed: ModelError,
+    tried: &[(usize, Kind)],
+) -> Option<Proposal> {
+    let left = |group: usize, error: f64| {
+        error * error * state.observation.pixels_of_group[group].len() as f64
     };
-    let groups = state.visible_unknowns();
-    let least: f64 = groups.iter().map(|group| left(group, allowed.share)).sum();
-    groups.iter().any(|group| {
-        let error = state.groups[*group].likelihood.map_or(0.0, |l| l.error.share);
-        state.groups[*group].hypothesis != Hypothesis::Textured && left(group, error) > least
-    })
+    let least: f64 = state.visible_unknowns().iter().map(|group| left(*group, allowed.share)).sum();
+    let unexplained = |group: usize| {
+        Kind::of(state.groups[group].hypothesis)?;
+        let error = state.groups[group].likelihood?.error.share;
+        Some((group, left(group, error))).filter(|(_, left)| *left > least)
+    };
+    let mut groups: Vec<(usize, f64)> =
+        state.visible_unknowns().into_iter().filter_map(unexplained).collect();
+    groups.sort_by(|a, b| b.1.total_cmp(&a.1));
+    groups.into_iter().find_map(|(group, _)| other_kind(state, group, tried))
+}
+
+/// The nearest hypothesis of `group` that is of a kind which is neither its own nor was tried.
+fn other_kind(state: &State<'_>, group: usize, tried: &[(usize, Kind)]) -> Option<Proposal> {
+    let of_group = &state.groups[group];
+    let own = Kind::of(of_group.hypothesis);
+    let is_new = |kind: Kind| Some(kind) != own && !tried.contains(&(group, kind));
+    let is_allowed = |hypothesis| {
+        state.problem.groups[group].allows(hypothesis) && Kind::of(hypothesis).is_some_and(is_new)
+    };
+    let last = of_group.last_candidates().filter(|record| is_allowed(record.hypothesis));
+    let nearest = last.min_by(|a, b| a.criterion.total_cmp(&b.criterion))?;
+    Some(Proposal::of_record(state, group, nearest))
 }

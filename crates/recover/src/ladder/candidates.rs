@@ -97,6 +97,24 @@ impl Proposal {
         }
     }
 
+    /// The change to a candidate that was not taken when the group was asked.
+    pub(super) fn of_record(state: &State<'_>, group: usize, record: &CandidateRecord) -> Self {
+        Self {
+            group,
+            hypothesis: record.hypothesis,
+            is_more_complex: record.hypothesis > state.groups[group].hypothesis,
+            adds: added(state.groups[group].hypothesis, record.hypothesis),
+            material: record.material.clone(),
+            residual: record.residual,
+            likelihood: None,
+            outliers: Vec::new(),
+            is_other_minimum: false,
+            least: None,
+            next: None,
+            then: None,
+        }
+    }
+
     /// The change to `hypothesis`, which the group's own pixels did not ask for.
     pub(super) fn of_shape(
         state: &State<'_>,
@@ -126,15 +144,6 @@ impl Proposal {
         self.is_other_minimum
             || self.hypothesis != state.groups[self.group].hypothesis
             || !self.outliers.is_empty()
-    }
-
-    /// Whether it takes a specular part from its group, which the light of others may speak for.
-    pub(crate) fn takes_specular_part(&self, state: &State<'_>) -> bool {
-        self.hypothesis == Hypothesis::Diffuse
-            && !matches!(
-                state.groups[self.group].hypothesis,
-                Hypothesis::Diffuse | Hypothesis::Textured
-            )
     }
 
     /// Whether the group's own pixels have to bear it out: nothing else speaks for it.
@@ -198,6 +207,8 @@ pub(crate) struct Candidates<'o> {
     asked_at: Vec<Option<Level>>,
     /// Hypotheses that the whole picture spoke against.
     rejected: Vec<Vec<Hypothesis>>,
+    /// A group whose hypothesis is held while the others are asked.
+    held: Option<usize>,
 }
 
 impl<'o> Candidates<'o> {
@@ -208,6 +219,7 @@ impl<'o> Candidates<'o> {
             asked: vec![0; groups],
             asked_at: vec![None; groups],
             rejected: vec![Vec::new(); groups],
+            held: None,
         }
     }
 
@@ -228,6 +240,11 @@ impl<'o> Candidates<'o> {
             self.asked_at[group] = None;
             self.rejected[group].clear();
         }
+    }
+
+    /// Leaves `group` as it is until another one, or none, is held.
+    pub(crate) fn hold(&mut self, group: Option<usize>) {
+        self.held = group;
     }
 
     /// Groups whose hypothesis does not explain the photograph yet.
@@ -258,7 +275,10 @@ impl<'o> Candidates<'o> {
                 let hypothesis = state.groups[*g].hypothesis;
                 !matches!(hypothesis, Hypothesis::Diffuse | Hypothesis::Textured)
             };
-            let asked = |g: &usize| self.asked[*g] < ASKED_MAX && self.asked_at[*g] != Some(level);
+            let asked = |g: &usize| {
+                let is_new = self.asked[*g] < ASKED_MAX && self.asked_at[*g] != Some(level);
+                is_new && self.held != Some(*g)
+            };
             let wanted = state.visible_unknowns().into_iter();
             let wanted: Vec<usize> =
                 wanted.filter(|g| open.contains(g) || climbed(g)).filter(asked).collect();

@@ -8,4 +8,5 @@ pub(crate) mod branches;
 pub(crate) mod candidates;
 mod compared;
 mod evidence_pair;
+pub(crate) mod lacking;
 pub(crate) mod textures;
