@@ -102,21 +102,21 @@ fn an_automatic_response_is_found() {
 #[test]
 fn a_camera_that_stands_elsewhere_is_found() {
     let given = room().cameras[0].clone();
-    let (eye, target) = (Vec3::new(0.1, 0.0, 2.6), Vec3::new(0.012, -0.058, 0.0));
+    let (eye, target) = (Vec3::new(0.1, 0.0, 2.6), Vec3::new(0.024, -0.066, 0.0));
     let truth = Camera::look_at("camera", eye, target, Vec3::Y, 0.9);
-    let mut job = job(&truth, (288, 240), 2.2, "{ gamma = 2.2 }");
+    let mut job = job(&truth, (144, 120), 2.2, "{ gamma = 2.2 }");
     let mut heard = Heard::default();
     let recovered = draft(&mut job, &mut heard);
     let found = recovered.camera(&job);
     // How far the back wall's middle moves in the picture, pixels.
     let off = |camera: &Camera| {
-        let at = |camera: &Camera| Vec2::from(camera.project(Vec3::NEG_Z, 288, 240).unwrap());
+        let at = |camera: &Camera| Vec2::from(camera.project(Vec3::NEG_Z, 144, 120).unwrap());
         at(camera).distance(at(&truth))
     };
-    assert!(off(&given) > 1.0 && off(&found) < 0.35, "{} and {}", off(&given), off(&found));
+    assert!(off(&given) > 1.0 && off(&found) < 0.5, "{} and {}", off(&given), off(&found));
     let warnings = heard.warnings.into_inner().unwrap();
     assert!(warnings.iter().any(|w| w.contains("the camera was moved there")), "{warnings:?}");
     let rerendered = recovered.rerendered();
-    assert_eq!((rerendered.width(), rerendered.height()), (288, 240));
+    assert_eq!((rerendered.width(), rerendered.height()), (144, 120));
     assert!(worst(&recovered) < 0.02, "{}", worst(&recovered));
 }
