@@ -127,7 +127,7 @@ fn panoramas_that_cannot_be_used_are_named() {
     };
     fails(&render(&folder.path("no.hdr"), "1"), "no.hdr: cannot be read");
     let text = folder.write("text.hdr", "no picture");
-    fails(&render(&text, "1"), "text.hdr: is not a PNG, JPEG, TIFF, EXR or HDR file");
+    fails(&render(&text, "1"), "text.hdr: is not a PNG, JPEG, BMP, TIFF, EXR or HDR file");
     let sky = folder.path("sky.exr");
     picture::write(&sky, &Image::from_fn(4, 2, |_, _| Rgb::splat(9.0))).unwrap();
     fails(&render(&sky, "1e38"), "sky.exr: pixel 0 of the panorama is negative or not");
