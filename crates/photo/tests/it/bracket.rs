@@ -333,8 +333,9 @@ fn faults_are_named() {
     let equal: Vec<Frame> = (0..3).map(|k| GAMMA.take((40, 40), room, 0.5, k)).collect();
     assert!(problem(&equal).contains("same exposure"));
     let black: Vec<Frame> =
-        [1.0, 2.0].map(|t| GAMMA.take((40, 40), |_, _| [0.0; 3], t, 0)).to_vec();
-    assert!(matches!(merge(&black, &Settings::default()), Err(BracketError::Response(0))));
+        [1u32, 2].map(|t| GAMMA.take((40, 40), |_, _| [0.0; 3], f64::from(t), t.into())).to_vec();
+    let found = merge(&black, &Settings::default());
+    assert!(matches!(found, Err(BracketError::EquallyBright { .. })), "{:?}", found.err());
 }
 
 #[test]
