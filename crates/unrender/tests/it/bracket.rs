@@ -247,7 +247,7 @@ fn projects_name_brackets() {
 fn still_life(x: usize, y: usize, with_thing: bool) -> [f32; 3] {
     let slanted = x + y / 3;
     let field = (slanted / 37 * 7919 + y / 41 * 104_729) % 1000;
-    let grain = if field % 3 == 0 { ((x * 31 + y * 17) % 7) as f32 / 12.0 } else { 0.0 };
+    let grain = if field.is_multiple_of(3) { ((x * 31 + y * 17) % 7) as f32 / 12.0 } else { 0.0 };
     let level = 0.015 * 10f32.powf(2.0 * field as f32 / 1000.0) * (0.8 + grain);
     let is_thing = with_thing && (110..170).contains(&x) && (80..140).contains(&y);
     let level = if is_thing { 0.01 } else { level };
