@@ -7,6 +7,7 @@
 #[path = "../kit/mod.rs"]
 mod kit;
 
+mod beside;
 mod blender_room;
 mod browser;
 mod farm;

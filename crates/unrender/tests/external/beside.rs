@@ -1,0 +1,95 @@
+//! Small scenes in Mitsuba's words, which use every element that is read: each group is as bright in Mitsuba's own
+//! picture as in ours.
+//!
+//! Beside the words of the elements, a scene says in its comments what is told of it (`told: WORDS`), and which
+//! groups are not held to the limit as that is told of them (`approximated: GROUP`).
+
+use crate::kit::folder::Folder;
+use crate::kit::programs::{Program, Row, compare, need, our_picture};
+use std::path::{Path, PathBuf};
+use unrender::formats::export::Target;
+use unrender::formats::{load_scene, picture};
+use unrender::scene::{Image, Rgb};
+
+const SIZE: (usize, usize) = (96, 72);
+/// What the mean of a group may be off by.
+const LIMIT: f32 = 0.03;
+/// The pixels that a group must have.
+const LEAST: usize = 40;
+
+/// The scene `name` in a folder of its own as `scene.xml`, beside all that it may name.
+fn copied(name: &str) -> (Folder, PathBuf) {
+    let folder = Folder::new();
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/external/scenes/mitsuba");
+    for entry in std::fs::read_dir(&from).unwrap() {
+        let path = entry.unwrap().path();
+        std::fs::copy(&path, folder.path(path.file_name().unwrap())).unwrap();
+    }
+    let path = folder.path("scene.xml");
+    std::fs::copy(from.join(name), &path).unwrap();
+    // Not alike under any reflection.
+    let tiles = Image::from_fn(16, 16, |x, y| {
+        let red = if (x / 4 + y / 4) % 2 == 0 { 0.8 } else { 0.1 };
+        Rgb::new(red, 0.1 + 0.05 * x as f32, 0.1 + 0.05 * y as f32)
+    });
+    let sky = Image::from_fn(32, 16, |x, y| {
+        let sun = if (3..5).contains(&y) && (20..22).contains(&x) { 20.0 } else { 0.0 };
+        Rgb::new(0.2 + x as f32 / 40.0, 0.3, 0.9 - y as f32 / 30.0) + sun
+    });
+    picture::write(&folder.path("tiles.png"), &tiles).unwrap();
+    picture::write(&folder.path("sky.exr"), &sky).unwrap();
+    (folder, path)
+}
+
+/// What stands behind `key` in the comments of `text`.
+fn said<'a>(text: &'a str, key: &str) -> Vec<&'a str> {
+    let behind = |line: &'a str| line.split_once(key).map(|(_, words)| words);
+    text.lines().filter_map(behind).map(|words| words.trim_end_matches("-->").trim()).collect()
+}
+
+fn is_as_bright(name: &str, spp: u32) {
+    let Some(program) = need(Program::installed(Target::Mitsuba)) else { return };
+    let (folder, path) = copied(name);
+    let text = std::fs::read_to_string(&path).unwrap();
+    let (scene, warnings) = load_scene(&path).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let told = said(&text, "told: ");
+    for words in &told {
+        assert!(warnings.0.iter().any(|w| w.contains(words)), "{name}, {words}: {warnings:?}");
+    }
+    assert_eq!(warnings.0.len(), told.len(), "{name}: {warnings:?}");
+    let camera = &scene.cameras[0];
+    let theirs = program.picture(folder.root(), spp).unwrap();
+    let ours = our_picture(&scene, camera, SIZE, spp);
+    let rows = compare(&scene, camera, &ours, &theirs, LEAST);
+    let approximated = said(&text, "approximated: ");
+    for row in &rows {
+        let (group, off) = (&scene.groups[row.group].name, row.difference());
+        println!(
+            "{name}, {group}: {} pixels, {} for {}, {:.2} %",
+            row.pixels,
+            row.ours,
+            row.theirs,
+            100.0 * off
+        );
+    }
+    for (index, group) in scene.groups.iter().enumerate() {
+        let is_used = scene.objects.iter().any(|object| object.group == index);
+        let is_held = is_used && !approximated.contains(&group.name.as_str());
+        let row = rows.iter().find(|row| row.group == index);
+        let off = row.map(Row::difference);
+        assert!(
+            !is_held || group.is_emitter() || off.is_some(),
+            "{name}: {} is hardly seen",
+            group.name
+        );
+        assert!(!is_held || off.is_none_or(|off| off < LIMIT), "{name}: {} is off", group.name);
+    }
+}
+
+#[test]
+#[ignore = "slow: needs Mitsuba 3, which .ci/programs installs"]
+fn every_element_of_mitsuba_is_as_bright_as_mitsuba_has_it() {
+    for name in ["shapes", "emitters", "reflectances", "textures", "names"] {
+        is_as_bright(&format!("{name}.xml"), 1024);
+    }
+}
