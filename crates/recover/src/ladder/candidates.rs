@@ -99,13 +99,25 @@ impl Proposal {
 
     /// The change to a candidate that was not taken when the group was asked.
     pub(super) fn of_record(state: &State<'_>, group: usize, record: &CandidateRecord) -> Self {
+        let to = (record.hypothesis, record.material.clone());
+        Self::unasked(state, group, to, record.residual)
+    }
+
+    /// The change to a hypothesis with its material that the group's own pixels did not ask for, and what these leave.
+    pub(super) fn unasked(
+        state: &State<'_>,
+        group: usize,
+        (hypothesis, material): (Hypothesis, Material),
+        residual: ResidualStats,
+    ) -> Self {
+        let present = state.groups[group].hypothesis;
         Self {
             group,
-            hypothesis: record.hypothesis,
-            is_more_complex: record.hypothesis > state.groups[group].hypothesis,
-            adds: added(state.groups[group].hypothesis, record.hypothesis),
-            material: record.material.clone(),
-            residual: record.residual,
+            hypothesis,
+            is_more_complex: hypothesis > present,
+            adds: added(present, hypothesis),
+            material,
+            residual,
             likelihood: None,
             outliers: Vec::new(),
             is_other_minimum: false,
@@ -113,30 +125,6 @@ impl Proposal {
             next: None,
             then: None,
         }
-    }
-
-    /// The change to `hypothesis`, which the group's own pixels did not ask for.
-    pub(super) fn of_shape(
-        state: &State<'_>,
-        group: usize,
-        hypothesis: Hypothesis,
-        material: Material,
-    ) -> Option<Self> {
-        let present = state.groups[group].hypothesis;
-        Some(Self {
-            group,
-            hypothesis,
-            is_more_complex: hypothesis > present,
-            adds: added(present, hypothesis),
-            material,
-            residual: state.groups[group].residual?,
-            likelihood: None,
-            outliers: Vec::new(),
-            is_other_minimum: false,
-            least: None,
-            next: None,
-            then: None,
-        })
     }
 
     /// Whether it changes anything of `state`.

@@ -50,8 +50,8 @@ pub(crate) fn all(
     most.sort_by(|(_, (_, a)), (_, (_, b))| b.value.total_cmp(&a.value));
     let proposal = |(group, (alpha, gain)): (usize, (Option<f32>, Gain))| {
         let rho_d = (state.materials[group].rho_d - gain.rho_s).max(Rgb::ZERO);
-        let (hypothesis, material) = score_test::with_specular(rho_d, gain.rho_s, alpha);
-        Proposal::of_shape(state, group, hypothesis, material)
+        let to = score_test::with_specular(rho_d, gain.rho_s, alpha);
+        Some(Proposal::unasked(state, group, to, state.groups[group].residual?))
     };
     most.into_iter().filter_map(proposal).collect()
 }
