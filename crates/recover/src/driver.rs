@@ -87,8 +87,10 @@ impl Driver<'_> {
         best = self.verifier.verify(state);
         state.schedule.begin(Part::Choice);
         self.choose(state, &mut best, observer)?;
-        self.branch(state, &mut best, observer)?;
-        self.add_lacking(state, &mut best, observer)?;
+        if self.options.effort.asks_again() {
+            self.branch(state, &mut best, observer)?;
+            self.add_lacking(state, &mut best, observer)?;
+        }
         let open = self.candidates.open(state, level);
         state.note_open(&open);
         Ok(Termination::Settled)
@@ -288,8 +290,10 @@ impl Driver<'_> {
         let mut best = self.verifier.verify(state);
         state.schedule.begin(Part::Refinement);
         self.refine_once(state, &mut best, Depth::Coarse, observer);
-        state.schedule.begin(Part::Revision);
-        self.revise(state, &mut best, observer)?;
+        if self.options.effort.asks_again() {
+            state.schedule.begin(Part::Revision);
+            self.revise(state, &mut best, observer)?;
+        }
         state.schedule.begin(Part::LastRefinement);
         Ok(self.refine_once(state, &mut best, Depth::Fine, observer))
     }
@@ -310,7 +314,7 @@ impl Driver<'_> {
         observer: &mut dyn Observer,
     ) -> Result<(), RecoverError> {
         let mut groups = state.visible_unknowns();
-        for _ in 0..self.options.effort.rounds(REVISIONS) {
+        for _ in 0..REVISIONS {
             refine::settle_nuisances(state, self.options)?;
             let before = best.score.clone();
             let proposals = self.ask(state, &groups, observer);

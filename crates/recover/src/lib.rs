@@ -118,6 +118,7 @@ fn run(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Recovery, RecoverError> {
+    state.schedule = schedule::Schedule::new(options.effort);
     let termination = match options.ladder {
         LadderKind::Default => driver::drive(&mut state, options, observer)?,
         LadderKind::Paper => paper::run(&mut state, options, observer)?,

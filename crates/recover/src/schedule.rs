@@ -1,5 +1,6 @@
 //! The parts of a recovery in their order, the share of its time that each takes, and how far it has come.
 
+use crate::effort::Effort;
 use std::ops::Range;
 
 /// A part of a recovery; parts come in this order, and may come again.
@@ -23,24 +24,22 @@ pub(crate) enum Part {
 
 impl Part {
     /// From which to which share of the time it lasts: about those of two rooms of 9 and 13 groups at 240 x 180
-    /// with the usual effort. A room of metal spends twice as much of its time on the last refinement; before it, half
-    /// of the time that is left is told.
-    fn shares(self) -> Range<f64> {
-        match self {
-            Self::Fits => 0.0..0.03,
-            Self::Choice => 0.03..0.14,
-            Self::Refinement => 0.14..0.18,
-            Self::Revision => 0.18..0.48,
-            Self::LastRefinement => 0.48..0.87,
-            Self::OtherMinima => 0.87..0.92,
-            Self::Picture => 0.92..1.0,
-        }
+    /// with the usual effort, and of one as a draft, which asks no group again. A room of metal spends twice as much of its
+    /// time on the last refinement; before it, half of the time that is left is told.
+    fn shares(self, effort: Effort) -> Range<f64> {
+        let ends = match effort {
+            Effort::Draft => [0.08, 0.42, 0.45, 0.45, 0.83, 0.87, 1.0],
+            Effort::Normal | Effort::High => [0.03, 0.14, 0.18, 0.48, 0.87, 0.92, 1.0],
+        };
+        let part = self as usize;
+        part.checked_sub(1).map_or(0.0, |before| ends[before])..ends[part]
     }
 }
 
 /// How far a recovery has come.
 #[derive(Clone, Debug)]
 pub(crate) struct Schedule {
+    effort: Effort,
     part: Range<f64>,
     reached: f64,
     is_refining: bool,
@@ -48,14 +47,14 @@ pub(crate) struct Schedule {
 
 impl Schedule {
     /// Nothing is done. Parts that are not told apart end where the last picture begins.
-    pub(crate) fn new() -> Self {
-        let part = 0.0..Part::Picture.shares().start;
-        Self { part, reached: 0.0, is_refining: false }
+    pub(crate) fn new(effort: Effort) -> Self {
+        let part = 0.0..Part::Picture.shares(effort).start;
+        Self { effort, part, reached: 0.0, is_refining: false }
     }
 
     /// `part` begins.
     pub(crate) fn begin(&mut self, part: Part) {
-        self.part = part.shares();
+        self.part = part.shares(self.effort);
         self.is_refining = !matches!(part, Part::Fits | Part::Choice);
     }
 
@@ -74,8 +73,8 @@ impl Schedule {
 }
 
 /// The share of the whole that is done where `within` (0 to 1) of the last picture is.
-pub(crate) fn of_picture(within: f64) -> f64 {
-    let Range { start, end } = Part::Picture.shares();
+pub(crate) fn of_picture(effort: Effort, within: f64) -> f64 {
+    let Range { start, end } = Part::Picture.shares(effort);
     start + within * (end - start)
 }
 
@@ -94,18 +93,24 @@ mod tests {
             Part::OtherMinima,
             Part::Picture,
         ];
-        let ends = parts.windows(2).all(|two| two[0].shares().end == two[1].shares().start);
-        assert!(ends && parts[0].shares().start == 0.0 && of_picture(1.0) == 1.0);
-        let mut schedule = Schedule::new();
-        let mut last = 0.0;
-        for part in [Part::Fits, Part::Revision, Part::Refinement, Part::LastRefinement] {
-            schedule.begin(part);
-            for within in [0.5, 0.2, 2.0] {
-                let share = schedule.share(within);
-                assert!(share >= last && share <= of_picture(0.0), "{share} after {last}");
-                last = share;
+        for effort in [Effort::Draft, Effort::Normal, Effort::High] {
+            let share = |part: Part| part.shares(effort);
+            let follow = parts.windows(2).all(|two| share(two[0]).end == share(two[1]).start);
+            assert!(follow && share(parts[0]).start == 0.0 && of_picture(effort, 1.0) == 1.0);
+            let mut schedule = Schedule::new(effort);
+            let mut last = 0.0;
+            for part in [Part::Fits, Part::Revision, Part::Refinement, Part::LastRefinement] {
+                schedule.begin(part);
+                for within in [0.5, 0.2, 2.0] {
+                    let reached = schedule.share(within);
+                    assert!(
+                        reached >= last && reached <= of_picture(effort, 0.0),
+                        "{reached} after {last}"
+                    );
+                    last = reached;
+                }
             }
+            assert_eq!(last, share(Part::LastRefinement).end);
         }
-        assert_eq!(last, Part::LastRefinement.shares().end);
     }
 }

@@ -3,6 +3,7 @@
 
 mod step;
 
+use crate::effort::Effort;
 use crate::evidence::{Evidence, Stage};
 use crate::hypothesis::{self, Fit, Hypothesis};
 use crate::journal::Steps;
@@ -154,7 +155,7 @@ impl<'a> State<'a> {
             light_results: Vec::new(),
             photometric,
             iterations: Vec::new(),
-            schedule: Schedule::new(),
+            schedule: Schedule::new(Effort::Normal),
             seen: None,
             steps: Steps::default(),
         })

@@ -92,7 +92,8 @@ pub enum Ladder {
 /// How much work to spend on a recovery.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Effort {
-    /// A first answer, for an eighth of the samples: faint and small lobes may be missed.
+    /// A first answer, for an eighth of the samples and without second thoughts: faint and small lobes may be missed, and
+    /// things that light each other may keep each other wrong.
     Draft,
     /// The usual one.
     Normal,

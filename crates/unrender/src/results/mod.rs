@@ -59,7 +59,7 @@ pub(crate) fn write(
     let file = textures::write(job, recovered, folder, &mut bad)?;
     bad += picture::write_exr(&folder.join("rerendered.exr"), recovered.rerendered())?;
     let pictures = write_pictures(job, recovered, folder, &mut bad)?;
-    let balls = ball::write(job, recovery, folder)?;
+    let balls = ball::write(job, recovered, folder)?;
     atomic::write(&folder.join("scene.glb"), &scene_file(job, recovered)?)?;
     let mut warnings = job.warnings.clone();
     warnings.extend(recovered.registered.warnings.clone());
