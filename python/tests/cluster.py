@@ -187,7 +187,7 @@ def main() -> None:
     words = parser.parse_args()
     warnings.simplefilter("ignore", unrender.UnrenderWarning)
     project = words.project or room()
-    options = {"spp": words.spp, "no_refine": words.no_refine}
+    options: dict[str, Any] = {"spp": words.spp, "no_refine": words.no_refine}
     if words.effort:
         options["effort"] = words.effort
     if words.only != "overhead":
