@@ -2,10 +2,10 @@
 
     python python/tests/cluster.py [PROJECT.toml] [--runs 50] [--spp 2] [--pairs 3]
 
-takes a room of 32 x 32 pixels where no project is given. It prints SHA-256 of what one process finds, of what one, two and three workers find, and of ``--runs`` runs with
-workers killed at random; then the time of one process and of one worker, ``--pairs`` times in turn, with the
-requests and bytes of a recovery. Workers are processes of this machine with the threads that the one process
-has.
+takes a room of 32 x 32 pixels where no project is given. It prints SHA-256 of what one process finds, of what
+one, two and three workers find, and of ``--runs`` runs with workers killed at random; then the time of one
+process and of one, two and three workers, ``--pairs`` times in turn, with the requests and bytes of a recovery.
+Workers are processes of this machine with the threads that the one process has.
 """
 
 from __future__ import annotations
@@ -145,30 +145,32 @@ def cpu(pids: list[int]) -> float:
     return ticks / os.sysconf("SC_CLK_TCK")
 
 
-def overhead(project: Path | unrender.Project, options: dict[str, Any], pairs: int) -> None:
-    """Of one worker, against one process, in turn."""
-    ratios, shares = [], []
-    with cluster(1) as made, distributed.Client(made) as client:
-        unrender.dask.recover(project, client=client, **options)
-        pids = [os.getpid(), *(worker.pid for worker in made.workers.values())]
-        for _ in range(pairs):
-            begun, spent = time.perf_counter(), cpu(pids)
-            unrender.recover(project, **options)
-            alone, busy = time.perf_counter() - begun, cpu(pids) - spent
-            counted: list[Workers] = []
-            begun, spent = time.perf_counter(), cpu(pids)
-            unrender.dask.recover(project, client=client, counted=counted.append, **options)
-            there, worked = time.perf_counter() - begun, cpu(pids) - spent
-            ratios.append(there / alone - 1.0)
-            shares.append(worked / busy - 1.0)
-            asked = counted[0]
-            print(
-                f"clock: one process {alone:.2f} s, one worker {there:.2f} s, {ratios[-1]:+.1%}; "
-                f"processor: {busy:.2f} s, {worked:.2f} s, {shares[-1]:+.1%}; {asked.requests} requests, "
-                f"{asked.sent / 1e6:.1f} MB there, {asked.received / 1e6:.1f} MB back",
-                flush=True,
-            )
-    print(f"medians: clock {statistics.median(ratios):+.1%}, processor {statistics.median(shares):+.1%}")
+def overhead(project: Path | unrender.Project, options: dict[str, Any], pairs: int, workers: list[int]) -> None:
+    """Of so many workers, against one process, in turn."""
+    for count in workers:
+        ratios, shares = [], []
+        with cluster(count) as made, distributed.Client(made) as client:
+            unrender.dask.recover(project, client=client, **options)
+            pids = [os.getpid(), *(worker.pid for worker in made.workers.values())]
+            for _ in range(pairs):
+                begun, spent = time.perf_counter(), cpu(pids)
+                unrender.recover(project, **options)
+                alone, busy = time.perf_counter() - begun, cpu(pids) - spent
+                counted: list[Workers] = []
+                begun, spent = time.perf_counter(), cpu(pids)
+                unrender.dask.recover(project, client=client, counted=counted.append, **options)
+                there, worked = time.perf_counter() - begun, cpu(pids) - spent
+                ratios.append(there / alone - 1.0)
+                shares.append(worked / busy - 1.0)
+                asked = counted[0]
+                print(
+                    f"clock: one process {alone:.2f} s, {count} worker(s) {there:.2f} s, {ratios[-1]:+.1%}; "
+                    f"processor: {busy:.2f} s, {worked:.2f} s, {shares[-1]:+.1%}; {asked.requests} requests, "
+                    f"{asked.sent / 1e6:.1f} MB there, {asked.received / 1e6:.1f} MB back",
+                    flush=True,
+                )
+        medians = f"clock {statistics.median(ratios):+.1%}, processor {statistics.median(shares):+.1%}"
+        print(f"{count} worker(s), medians: {medians}", flush=True)
 
 
 def main() -> None:
@@ -179,16 +181,19 @@ def main() -> None:
     parser.add_argument("--spp", type=int, default=2)
     parser.add_argument("--pause", type=float, default=1.0, help="seconds between two kills, on the mean")
     parser.add_argument("--pairs", type=int, default=3)
+    parser.add_argument("--effort", help="how much work a recovery takes, as of unrender recover")
     parser.add_argument("--no-refine", action="store_true")
     parser.add_argument("--only", choices=["bits", "overhead"])
     words = parser.parse_args()
     warnings.simplefilter("ignore", unrender.UnrenderWarning)
     project = words.project or room()
-    options = {"spp": words.spp, "no_refine": words.no_refine}
+    options: dict[str, Any] = {"spp": words.spp, "no_refine": words.no_refine}
+    if words.effort:
+        options["effort"] = words.effort
     if words.only != "overhead":
         same_bits(project, options, words.runs, words.pause, words.workers)
     if words.only != "bits":
-        overhead(project, options, words.pairs)
+        overhead(project, options, words.pairs, words.workers)
 
 
 if __name__ == "__main__":

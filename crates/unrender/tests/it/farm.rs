@@ -15,7 +15,8 @@ fn job(folder: &Folder, to: &str, flags: &[&str]) -> Output {
     folder.run(&[&words[..], &rest, flags].concat())
 }
 
-/// A stand-in for Slurm: it runs what is submitted at once, task by task, and prints a number.
+/// A stand-in for Slurm that gives each task two processors: it runs what is submitted at once, task by task, and
+/// prints a number.
 const SBATCH: &str = r#"#!/bin/bash
 echo "$*" >> sbatch.log
 first=0 last=-1
@@ -24,8 +25,16 @@ while [[ $1 == --* ]]; do
     shift
 done
 if [ "$last" -lt 0 ]; then "$@" 1>&2; fi
-for ((k = first; k <= last; k++)); do SLURM_ARRAY_TASK_ID=$k bash "$@" 1>&2 || exit 1; done
+for ((k = first; k <= last; k++)); do
+    SLURM_CPUS_ON_NODE=2 SLURM_ARRAY_TASK_ID=$k bash "$@" 1>&2 || exit 1
+done
 echo 17
+"#;
+
+/// The command, which keeps with how many threads it was started.
+const COUNTED: &str = r#"#!/bin/bash
+echo "$1 ${RAYON_NUM_THREADS:-all}" >> threads.log
+exec "$COMMAND" "$@"
 "#;
 
 #[test]
@@ -38,19 +47,24 @@ fn slurm_makes_the_picture_of_one_run() {
     succeeds(&Command::new("bash").arg("-n").arg(&script).output().unwrap());
     let bin = folder.path("bin");
     std::fs::create_dir(&bin).unwrap();
-    std::fs::write(bin.join("sbatch"), SBATCH).unwrap();
     let executable = std::fs::Permissions::from_mode(0o755);
-    std::fs::set_permissions(bin.join("sbatch"), executable.clone()).unwrap();
+    for (name, text) in [("sbatch", SBATCH), ("counted", COUNTED)] {
+        std::fs::write(bin.join(name), text).unwrap();
+        std::fs::set_permissions(bin.join(name), executable.clone()).unwrap();
+    }
     std::fs::set_permissions(&script, executable).unwrap();
     let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap());
     let mut submit = Command::new("bash");
     submit.current_dir(folder.root()).arg(&script).arg("--cpus-per-task=2");
-    submit.env("PATH", path).env("UNRENDER", env!("CARGO_BIN_EXE_unrender"));
+    submit.env("PATH", path).env("UNRENDER", bin.join("counted"));
+    submit.env("COMMAND", env!("CARGO_BIN_EXE_unrender")).env_remove("RAYON_NUM_THREADS");
     succeeds(&submit.output().unwrap());
     let log = folder.text("sbatch.log");
     let [array, merge] = log.lines().collect::<Vec<_>>()[..] else { panic!("{log}") };
     assert!(array.contains("--array=0-2") && array.contains("--cpus-per-task=2"), "{array}");
     assert!(merge.contains("--dependency=afterok:17"), "{merge}");
+    let threads = folder.text("threads.log");
+    assert_eq!(threads, "render 2\nrender 2\nrender 2\nmerge all\n");
     is_the_picture_of_one_run(&folder);
 }
 

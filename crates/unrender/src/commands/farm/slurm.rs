@@ -60,6 +60,8 @@ samples=(§SAMPLES§)
 case "${1:-}" in
 --render)
     range=${samples[$SLURM_ARRAY_TASK_ID]}
+    # Not every Slurm binds a task to its processors.
+    export RAYON_NUM_THREADS=${SLURM_CPUS_ON_NODE:-0}
     exec "$unrender" render §WORDS§ --quiet \
         --samples "$range" --checkpoint "$folder/§CHECKPOINT§" --out "$folder/§PART§"
     ;;
