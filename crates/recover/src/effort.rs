@@ -2,7 +2,7 @@
 
 /// How many pixels, light samples and paths are spent on every question.
 ///
-/// A draft asks each group once, in the light of the first common fit ([`Effort::asks_again`]). The others ask the same
+/// A draft asks each group once, in the light of the first common fit. The others ask the same
 /// questions, with more samples: then more differences are significant. The standard deviations of a
 /// draft are larger, and somewhat too small for its errors (`docs/guides/results.md`). The paper's ladder has its own
 /// sample counts, and heeds this only in the choice of the camera, the exposure by an anchor, and the last picture.
