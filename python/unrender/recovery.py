@@ -281,6 +281,7 @@ def recover(
     *,
     out: StrPath | None = None,
     ladder: str = "default",
+    paper_direction: str = "rerender",
     effort: str = "normal",
     seed: int = 0,
     spp: int | None = None,
@@ -308,7 +309,9 @@ def recover(
         project: A project, or the path of its file.
         out: A folder for the results, as the command writes them; by default they are not written.
         ladder: The ladder of hypotheses: "default", or "paper" for the method of Boivin and
-            Gagalowicz (2002) as written.
+            Gagalowicz (2002).
+        paper_direction: How the paper's ladder finds the anisotropy direction: "rerender" for the one of 64
+            whose re-rendering differs least, or "text" for the mirror difference of the paper's text.
         effort: How much work to spend: "draft" for a first answer with an eighth of the samples, "normal",
             or "high" for four times as many.
         seed: Chooses the noise of the renderings.
@@ -342,6 +345,7 @@ def recover(
     flags = {
         "out": "(in memory)",
         "ladder": ladder,
+        "paper_direction": paper_direction,
         "effort": effort,
         "seed": seed,
         "spp": spp,

@@ -54,7 +54,8 @@ pub use journal::Journal;
 pub use observation::{Observation, Picture, PixelStatus};
 pub use photometric::{PhotometricEstimate, PhotometricParameter};
 pub use problem::{
-    ExposureRule, GroupSpec, LadderKind, Options, Problem, RecoverError, Role, Thresholds,
+    ExposureRule, GroupSpec, LadderKind, Options, PaperDirection, Problem, RecoverError, Role,
+    Thresholds,
 };
 pub use record::{
     Alternative, Covariance, Deviations, GroupIteration, GroupResult, IterationRecord, LightResult,

@@ -163,11 +163,23 @@ pub enum LadderKind {
     Paper,
 }
 
+/// How the paper's ladder finds the anisotropy direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum PaperDirection {
+    /// Of 64 sampled directions the one whose re-rendering differs least from the photograph.
+    #[default]
+    Rerender,
+    /// As the text says: read off the difference of the photograph and a mirror.
+    Text,
+}
+
 /// The user's settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Which way to climb.
     pub ladder: LadderKind,
+    /// How the paper's ladder finds the anisotropy direction.
+    pub paper_direction: PaperDirection,
     /// How much work to spend.
     pub effort: Effort,
     /// When to climb.
@@ -193,6 +205,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             ladder: LadderKind::Default,
+            paper_direction: PaperDirection::default(),
             effort: Effort::default(),
             thresholds: Thresholds::default(),
             seed: 0,

@@ -1,6 +1,7 @@
 //! A floor, its photographs, and what it mirrors.
 
 use crate::cornell_box::{FLOOR, camera};
+use crate::streaks;
 use glam::{Vec2, Vec3};
 use unrender_recover::paper::brushed;
 use unrender_render::{Probe, ProbeSettings, Probes, Settings, Tracer};
@@ -58,18 +59,47 @@ impl<'s> Floor<'s> {
         }
     }
 
-    fn picture(&self, floor: Material) -> RgbImage {
-        let settings = Settings { spp: SPP, ..Settings::default() };
+    fn picture(&self, floor: Material, seed: u64) -> RgbImage {
+        let settings = Settings { spp: SPP, seed, ..Settings::default() };
         let materials = self.materials(floor);
         self.tracer.render(&materials, &self.camera, (SIDE, SIDE), &settings, &|_| {}).mean
     }
 
     pub(crate) fn photograph(&self, brushed: Brushed) -> RgbImage {
-        self.picture(self.brushed(brushed))
+        self.picture(self.brushed(brushed), 0)
+    }
+
+    /// The same floor rendered again, with another noise.
+    pub(crate) fn rerendered(&self, brushed: Brushed) -> RgbImage {
+        self.picture(self.brushed(brushed), 1)
+    }
+
+    /// The floor without its lobe.
+    pub(crate) fn matt(&self) -> RgbImage {
+        let rho_d = self.scene.groups[FLOOR].material.rho_d;
+        self.picture(Material::diffuse(rho_d), 0)
+    }
+
+    /// `photograph` of a floor brushed along `degrees` with streaks of this `amplitude` in its lobe; `matt` is the floor
+    /// without it.
+    pub(crate) fn streaked(
+        &self,
+        photograph: &RgbImage,
+        matt: &RgbImage,
+        (degrees, amplitude): (f32, f32),
+    ) -> RgbImage {
+        let mut streaked = photograph.clone();
+        for probe in &self.probes {
+            let at = probe.pixel as usize;
+            let lobe = photograph.pixels()[at] - matt.pixels()[at];
+            let change = streaks::strength(on_floor(probe), degrees, amplitude) - 1.0;
+            streaked.pixels_mut()[at] += change * lobe;
+        }
+        streaked
     }
 
     pub(crate) fn as_mirror(&self) -> RgbImage {
-        self.picture(Material::mirror(Rgb::ONE))
+        self.picture(Material::mirror(Rgb::ONE), 0)
     }
 
     /// Photograph minus mirror, at every pixel of the floor.

@@ -9,6 +9,7 @@
 mod cornell_box;
 mod floor;
 mod plots;
+mod streaks;
 
 use floor::{Brushed, Floor};
 use std::error::Error;
@@ -28,6 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         photographs.iter().map(|photograph| floor.difference(photograph, &mirror)).collect();
     let reference = floor.reference().ok_or("the floor mirrors nothing")?;
     print_readings(&floor, &differences, reference);
+    print_streaks(&floor, &photographs, &mirror, reference);
     let steps = floor.steps(&photographs[1], &mirror, &differences[1], reference);
     steps.save(Path::new(&out).join("paper-steps.png"))?;
 
@@ -62,6 +64,42 @@ fn print_readings(floor: &Floor<'_>, differences: &[Vec<f32>], reference: u32) {
             };
             let row: Vec<String> = differences.iter().map(read).collect();
             println!("| {name} | {pixels} | {lines} | {} |", row.join(" | "));
+        }
+    }
+}
+
+/// The amplitudes of the streaks.
+const AMPLITUDES: [f32; 5] = [0.0, 0.03, 0.1, 0.3, 0.9];
+
+/// One row an amplitude and a picture that is subtracted: the direction that is read off each brushed floor with such
+/// streaks, in the window around the `reference`.
+fn print_streaks(
+    floor: &Floor<'_>,
+    photographs: &[unrender_scene::RgbImage],
+    mirror: &unrender_scene::RgbImage,
+    reference: u32,
+) {
+    println!("\n| streaks | photograph minus | 0 | 30 | 60 | 90 |");
+    println!("|---|---|---|---|---|---|");
+    let (matt, round) = (floor.matt(), floor.rerendered(None));
+    let own: Vec<_> = FLOORS.iter().map(|brushed| floor.rerendered(*brushed)).collect();
+    let around = floor.around(reference);
+    for amplitude in AMPLITUDES {
+        for (name, of_all) in [
+            ("a mirror", Some(mirror)),
+            ("the best round lobe", Some(&round)),
+            ("its own lobe", None),
+        ] {
+            let read = |(i, brushed): (usize, &Brushed)| {
+                let streaks = (brushed.as_ref().copied()?, amplitude);
+                let streaked = floor.streaked(&photographs[i], &matt, streaks);
+                let values = floor.difference(&streaked, of_all.unwrap_or(&own[i]));
+                let points = floor.on_plane(&around, &values);
+                let least = brushed::least(&brushed::deviations(&points))?;
+                Some(format!("{:.0}", least.to_degrees()))
+            };
+            let row: Vec<String> = FLOORS.iter().enumerate().filter_map(read).collect();
+            println!("| {:.0} % | {name} | {} |", 100.0 * amplitude, row.join(" | "));
         }
     }
 }

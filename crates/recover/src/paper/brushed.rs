@@ -9,7 +9,8 @@
 //!
 //! On a plane that mirrors a room this says where the mirrored edges lie: it comes out the same for all
 //! anisotropy directions, and for none (`docs/method/paper.md`, made by the example `paper_direction`). It
-//! is one of the starts of the default ladder's search, and nothing more.
+//! is one of the starts of the default ladder's search, and what `--paper-direction text` keeps; else the paper's
+//! ladder finds the direction by re-rendering ([`super::lobe`]).
 
 use crate::evidence::Evidence;
 use glam::{Vec2, Vec3};
@@ -106,7 +107,8 @@ pub fn least(deviations: &[f32]) -> Option<f32> {
     finite.min_by(|a, b| a.1.total_cmp(b.1)).map(|(i, _)| angle(i))
 }
 
-fn angle(index: usize) -> f32 {
+/// The direction number `index`, radians from the tangent.
+pub(super) fn angle(index: usize) -> f32 {
     PI * index as f32 / DIRECTIONS as f32
 }
 

@@ -1,54 +1,68 @@
-//! The paper's method as written (section 4 and its Figure 1): the baseline that ours is measured
-//! against.
+//! The paper's method (section 4 and its Figure 1): the baseline that ours is measured against.
 //!
 //! In every iteration the whole scene is rendered again, each group's error is read off the difference,
 //! and its reflectance is corrected under its present hypothesis: by the ratio of eqs. 1 to 3 for
-//! diffuse surfaces and mirrors, by the 2x2 system, by downhill simplex over re-renderings, or by
+//! diffuse surfaces and mirrors, by the 2x2 system, by downhill simplex over re-renderings ([`lobe`]), or by
 //! the radiosity texture. A group whose rung has had its iterations and still shows an error above its
 //! threshold goes one rung up.
 //!
-//! One thing is not as written: the ratio is damped (`RELAXATION`), since without it the diffuse
-//! iterations do not settle. Where the paper is silent: the difference is measured as the product of two renderings'
-//! residuals, for else our noise would count as error and every search would shun shine; the simplex runs channel by channel on a
-//! sample of the group's pixels, and the roughness is the mean over the channels.
-//!
-//! The direction of an anisotropic surface is read off the photograph first ([`brushed`]).
+//! Not as written are three things (`docs/method/paper.md` says why): the anisotropy direction is that of 64 whose
+//! re-rendering differs least, and read off the mirror difference ([`brushed`]) only if the options say so; the
+//! corrections of all groups are combined with those before (`mixing`); and a surface that is taken for smooth is
+//! taken for rough where that leaves half of the squared error. Where the paper is silent: the difference is measured as
+//! the product of two renderings' residuals, for else our noise would count as error and every search would shun shine;
+//! groups that shine are rendered from light that is gathered once in an iteration, which every step of a search uses
+//! again.
 
 pub mod brushed;
+pub mod lobe;
+mod mixing;
 
 use crate::blocks::spread;
 use crate::evidence::{Evidence, SampleBudget, observe};
-use crate::fit::simplex;
 use crate::hypothesis::{self, Hypothesis, textured};
-use crate::problem::{Options, RecoverError};
+use crate::problem::{Options, PaperDirection, RecoverError};
 use crate::record::{CandidateRecord, Observer, Termination};
-use crate::residual::{ResidualStats, residual_stats};
+use crate::rerender::round_lobes;
+use crate::residual::{ResidualStats, deviation_of_sum, residual_stats};
 use crate::sample_budget;
 use crate::state::{State, distance};
+use lobe::Lobes;
+use mixing::Mixing;
 use serde::{Deserialize, Serialize};
-use unrender_render::{Appearance, ProbeSettings, Settings};
+use unrender_render::{Appearance, ProbeSettings, ProposalLobe, Settings};
 use unrender_scene::{Material, Rgb};
 
-/// Iterations on a rung that is corrected by ratios: at least these (the paper finds four sufficient) ...
+/// The rungs without a roughness, which shine.
+const SMOOTH: [Hypothesis; 3] =
+    [Hypothesis::Mirror, Hypothesis::PartialMirror, Hypothesis::DiffuseSpecular];
+/// Iterations of a diffuse group at least (the paper finds four sufficient) ...
 const RATIO_ITERATIONS: usize = 4;
-/// ... and at most these, while the reflectances still move.
-const RATIO_ITERATIONS_MAX: usize = 12;
-/// The ratio's exponent. With one, as eq. 3 has it, all groups overshoot together on Figure 8 and
-/// swing between two states for ever (change 0.257 in every iteration from the third to the twelfth).
-const RELAXATION: f32 = 0.5;
-/// Ratios have come to rest when no reflectance of the group moves by more than this.
+/// ... and of any rung that waits for reflectances to rest at most.
+const ITERATIONS_MAX: usize = 12;
+/// Reflectances have come to rest when none of the group moves by more than this.
 const AT_REST: f64 = 0.02;
 /// Only groups with at least this share of the worst error climb: the others may be in error
 /// because of the light that the worst one sends them.
 const WORST: f64 = 0.75;
-/// Pixels of a group that an iteration looks at, and that a simplex step renders again.
-const ITERATION_PIXELS: usize = 4000;
-const SIMPLEX_PIXELS: usize = 600;
-/// Paths a pixel of both.
+/// Pixels of a group that an iteration looks at.
+const ITERATION_PIXELS: usize = 8000;
+/// Paths a pixel of a diffuse group.
 const SPP: u32 = 16;
-/// The method ends when no reflectance moves by more than this.
-const SETTLED: f64 = 0.02;
-const SIMPLEX_TURNS: u64 = 80;
+/// A shiny group's pixels are looked at in so many points each, ...
+const POINTS: u32 = 4;
+/// ... with so many directions by the cosine, and as many light samples, in each, ...
+const COSINE: u32 = 4;
+/// ... and so many for each lobe that is looked for.
+const PER_LOBE: u32 = 16;
+/// Lobes of every roughness, for a group whose roughness is not known.
+const ANY_ALPHA: [f32; 4] = [0.02, 0.06, 0.16, 0.4];
+/// Lobes about the present one: so many times as wide.
+const WIDER: [f32; 3] = [0.5, 1.0, 2.0];
+/// A difference is sure that is so many times its standard deviation.
+const SURELY: f64 = 3.0;
+/// The method ends when no reflectance moves by more than this: as a step takes half of a correction, so much is left then.
+const SETTLED: f64 = 0.002;
 
 /// Climbs one rung at a time.
 pub(crate) fn run(
@@ -57,27 +71,30 @@ pub(crate) fn run(
     observer: &mut dyn Observer,
 ) -> Result<Termination, RecoverError> {
     let mut rungs = vec![Rung::default(); state.materials.len()];
+    let mut mixing = Mixing::default();
     for iteration in 1..=options.max_iterations {
         state.update_exposure(options)?;
         let climber = PaperIteration { options, iteration };
         let views = state.step("paper's iteration", |state| climber.look(state));
-        let all_at_rest = views.iter().all(|view| {
-            rungs[view.group].has_had_its_iterations(state.groups[view.group].hypothesis)
-        });
-        // While reflectances still move anywhere, errors say little.
-        let leaving = if all_at_rest { climber.leaving(state, &views) } else { Vec::new() };
+        let leaving = climber.leaving(state, &views, &rungs);
+        // Else nothing that has to leave its rung may have left.
+        let was_at_rest = climber.are_at_rest(state, &views, &rungs);
         let mut next = state.materials.clone();
         for view in &views {
             let group = view.group;
             let leaves = leaving.contains(&group);
             next[group] = climber.correct(state, view, leaves, &mut rungs[group]);
+        }
+        if leaving.is_empty() {
+            next = mixing.step(&state.materials, &next);
+        } else {
+            mixing.forget();
+        }
+        for group in views.iter().map(|view| view.group) {
+            next[group] = state.problem.groups[group].expected.bounds.nearest(&next[group]);
             rungs[group].change = distance(&state.materials[group], &next[group]);
         }
         state.materials = next;
-        if !leaving.is_empty() {
-            // A group on a new rung changes the light of all: their ratios get their iterations again.
-            rungs.iter_mut().for_each(|rung| rung.iterations = 0);
-        }
         let change = rungs.iter().map(|r| r.change).fold(0.0, f64::max);
         let done = iteration as f64 / (iteration as f64 + 8.0);
         let open: Vec<usize> = climber.in_error(state, &views);
@@ -85,7 +102,7 @@ pub(crate) fn run(
         if observer.is_cancelled() {
             return Ok(Termination::Interrupted);
         }
-        if leaving.is_empty() && all_at_rest && change < SETTLED {
+        if leaving.is_empty() && was_at_rest && change < SETTLED {
             return Ok(Termination::Settled);
         }
     }
@@ -102,12 +119,12 @@ struct Rung {
 impl Rung {
     /// Whether the rung has had its iterations under `hypothesis`.
     fn has_had_its_iterations(self, hypothesis: Hypothesis) -> bool {
+        let is_at_rest = self.change < AT_REST || self.iterations >= ITERATIONS_MAX;
         match hypothesis {
-            Hypothesis::Diffuse | Hypothesis::PartialMirror => {
-                self.iterations >= RATIO_ITERATIONS_MAX
-                    || (self.iterations >= RATIO_ITERATIONS && self.change < AT_REST)
-            }
-            _ => self.iterations >= 1,
+            Hypothesis::Diffuse => self.iterations >= RATIO_ITERATIONS && is_at_rest,
+            // There is nothing to correct, or it was solved for at once.
+            Hypothesis::Mirror | Hypothesis::DiffuseSpecular => true,
+            _ => self.iterations >= 1 && is_at_rest,
         }
     }
 }
@@ -119,6 +136,11 @@ struct Rerendered {
     pixels: Vec<u32>,
     rerendered: Vec<Rgb>,
     error: ResidualStats,
+    /// Whether it stands on the smooth rung of section 4.2.3, and the photograph says that it is not smooth.
+    is_rough: bool,
+    /// Of a shiny group, what it was re-rendered from; none where a journal brought the rest back.
+    #[serde(skip)]
+    evidence: Option<Evidence>,
 }
 
 struct PaperIteration<'o> {
@@ -131,42 +153,84 @@ impl PaperIteration<'_> {
     fn look(&self, state: &mut State<'_>) -> Vec<Rerendered> {
         let mut views = Vec::new();
         for group in state.visible_unknowns() {
-            let valid = &state.observation.pixels_of_group[group];
-            let whole = state.groups[group].hypothesis == Hypothesis::Textured;
-            let count = if whole { usize::MAX } else { ITERATION_PIXELS };
-            let pixels = spread(valid, count, self.options.seed);
-            let halves = [0u64, 1].map(|half| {
-                let seed = self.options.seed.wrapping_mul(2).wrapping_add(half);
-                self.rerender(state, &state.materials, &pixels, seed)
-            });
+            let material = &state.materials[group];
+            let shines = material.rho_s != Rgb::ZERO;
+            let evidence = shines.then(|| self.gather(state, group));
+            let (pixels, halves) = match &evidence {
+                Some(evidence) => {
+                    let pixels = evidence.pixels.iter().map(|p| p.pixel).collect();
+                    (pixels, evidence.radiance(material))
+                }
+                None => self.rerender_sample(state, group),
+            };
             let observed = observe(&state.observation, state.exposure, group, &pixels);
             let error = residual_stats(&observed, &halves);
             state.groups[group].residual = Some(error);
             let rerendered =
                 halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (*a + *b)).collect();
-            views.push(Rerendered { group, pixels, rerendered, error });
+            let hypothesis = state.groups[group].hypothesis;
+            let is_rough = hypothesis == Hypothesis::DiffuseSpecular
+                && evidence.as_ref().is_some_and(|evidence| is_rough(evidence, material));
+            views.push(Rerendered { group, pixels, rerendered, error, is_rough, evidence });
         }
         views
     }
 
-    /// The groups that leave their rungs: those in error above its threshold, and among the worst.
-    fn leaving(&self, state: &State<'_>, views: &[Rerendered]) -> Vec<usize> {
-        let hypothesis = |v: &Rerendered| state.groups[v.group].hypothesis;
-        let in_error = |v: &&Rerendered| {
-            hypothesis(v) != Hypothesis::Textured
-                && v.error.total() > self.options.thresholds.paper[hypothesis(v) as usize]
-        };
-        let worst = views.iter().filter(in_error).map(|v| v.error.total()).fold(0.0, f64::max);
-        let among_worst = |v: &&Rerendered| v.error.total() >= WORST * worst;
-        views.iter().filter(in_error).filter(among_worst).map(|v| v.group).collect()
+    /// Pixels of a group without a specular part, re-rendered twice.
+    fn rerender_sample(&self, state: &State<'_>, group: usize) -> (Vec<u32>, [Vec<Rgb>; 2]) {
+        let valid = &state.observation.pixels_of_group[group];
+        let whole = state.groups[group].hypothesis == Hypothesis::Textured;
+        let count = if whole { usize::MAX } else { ITERATION_PIXELS };
+        let pixels = spread(valid, count, self.options.seed);
+        let halves = [0u64, 1].map(|half| {
+            let seed = self.options.seed.wrapping_mul(2).wrapping_add(half);
+            self.rerender(state, &state.materials, &pixels, seed)
+        });
+        (pixels, halves)
     }
 
-    /// The groups in error above the threshold of their rungs.
+    /// Whether all rungs have had their iterations, and no reflectance moved in the last one.
+    fn are_at_rest(&self, state: &State<'_>, views: &[Rerendered], rungs: &[Rung]) -> bool {
+        views.iter().map(|view| view.group).all(|group| {
+            let (rung, hypothesis) = (rungs[group], state.groups[group].hypothesis);
+            rung.has_had_its_iterations(hypothesis) && rung.change < AT_REST
+        })
+    }
+
+    /// The groups that leave their rungs: those in error above its threshold, and among the worst, once the rung has
+    /// had its iterations. Smooth rungs are passed through; the error of any other says little while the reflectances of
+    /// other groups move, and that of a diffuse group little while a shiny one climbs.
+    fn leaving(&self, state: &State<'_>, views: &[Rerendered], rungs: &[Rung]) -> Vec<usize> {
+        let hypothesis = |group: usize| state.groups[group].hypothesis;
+        let in_error = self.in_error(state, views);
+        let errors = views.iter().filter(|view| in_error.contains(&view.group));
+        let worst = errors.clone().map(|v| v.error.total()).fold(0.0, f64::max);
+        let since_last = views.iter().map(|v| rungs[v.group].iterations).min().unwrap_or(0);
+        let others_rest = |group: usize| {
+            let mut others = views.iter().map(|v| v.group).filter(|other| *other != group);
+            since_last >= ITERATIONS_MAX || others.all(|other| rungs[other].change < AT_REST)
+        };
+        let is_ready = |group: usize| {
+            let is_smooth = SMOOTH.contains(&hypothesis(group));
+            rungs[group].has_had_its_iterations(hypothesis(group))
+                && (is_smooth || others_rest(group))
+        };
+        let among_worst = errors.filter(|v| v.error.total() >= WORST * worst);
+        let mut leaving: Vec<usize> =
+            among_worst.map(|v| v.group).filter(|group| is_ready(*group)).collect();
+        let is_shiny = |group: &usize| hypothesis(*group) != Hypothesis::Diffuse;
+        if leaving.iter().any(is_shiny) {
+            leaving.retain(is_shiny);
+        }
+        leaving
+    }
+
+    /// The groups in error above the threshold of their rungs, and those that are taken for smooth and are not.
     fn in_error(&self, state: &State<'_>, views: &[Rerendered]) -> Vec<usize> {
         let hypothesis = |v: &Rerendered| state.groups[v.group].hypothesis;
         let in_error = |v: &&Rerendered| {
-            hypothesis(v) != Hypothesis::Textured
-                && v.error.total() > self.options.thresholds.paper[hypothesis(v) as usize]
+            let threshold = || self.options.thresholds.paper[hypothesis(v) as usize];
+            hypothesis(v) != Hypothesis::Textured && (v.is_rough || v.error.total() > threshold())
         };
         views.iter().filter(in_error).map(|v| v.group).collect()
     }
@@ -179,7 +243,7 @@ impl PaperIteration<'_> {
         leaves: bool,
         rung: &mut Rung,
     ) -> Material {
-        let Rerendered { group, pixels, rerendered, error } = seen;
+        let Rerendered { group, error, .. } = seen;
         let hypothesis = state.groups[*group].hypothesis;
         if leaves || (rung.iterations == 1 && state.groups[*group].is_new_to(hypothesis)) {
             let material = state.materials[*group].clone();
@@ -195,13 +259,12 @@ impl PaperIteration<'_> {
             state.groups[*group].selection_log.push(candidate);
         }
         let next = if leaves { next_rung(hypothesis) } else { hypothesis };
-        let parameters = || self.parameters(state, *group, next, pixels, rerendered);
+        let parameters = || self.parameters(state, next, seen);
         let material = state.steps.value("paper's parameters", parameters);
         // A group without texture coordinates stays where it is.
         rung.iterations = if leaves && material.is_some() { 0 } else { rung.iterations + 1 };
         state.groups[*group].hypothesis = if material.is_some() { next } else { hypothesis };
-        let material = material.unwrap_or_else(|| state.materials[*group].clone());
-        state.problem.groups[*group].expected.bounds.nearest(&material)
+        material.unwrap_or_else(|| state.materials[*group].clone())
     }
 
     fn rerender(&self, s: &State<'_>, materials: &[Material], px: &[u32], seed: u64) -> Vec<Rgb> {
@@ -217,18 +280,19 @@ impl PaperIteration<'_> {
         s.problem.renderer.rerender(appearance, px, &settings)
     }
 
-    /// The group's parameters on `rung`, from the picture `rerendered` of its `pixels`.
+    /// The group's parameters on `rung`, from its present re-rendering.
     fn parameters(
         &self,
         state: &State<'_>,
-        group: usize,
         rung: Hypothesis,
-        pixels: &[u32],
-        rerendered: &Vec<Rgb>,
+        seen: &Rerendered,
     ) -> Option<Material> {
-        let now = &state.materials[group];
-        let stays = rung == state.groups[group].hypothesis;
-        let ratio = || self.ratio(state, pixels, rerendered).powf(RELAXATION);
+        let Rerendered { group, pixels, rerendered, .. } = seen;
+        let now = &state.materials[*group];
+        let stays = rung == state.groups[*group].hypothesis;
+        let ratio = || self.ratio(state, pixels, rerendered);
+        let evidence = || seen.evidence.clone().unwrap_or_else(|| self.gather(state, *group));
+        let lobes = || Lobes::new(evidence());
         Some(match rung {
             Hypothesis::Diffuse => {
                 Material::diffuse((now.rho_d * ratio()).clamp(Rgb::ZERO, Rgb::ONE))
@@ -238,15 +302,8 @@ impl PaperIteration<'_> {
                 Material::mirror((now.rho_s * ratio()).clamp(Rgb::ZERO, Rgb::ONE))
             }
             Hypothesis::PartialMirror => Material::mirror(ratio().clamp(Rgb::ZERO, Rgb::ONE)),
-            // Found once: searching again in every iteration only walks with the noise of the search.
-            Hypothesis::Isotropic | Hypothesis::Anisotropic if stays => now.clone(),
-            Hypothesis::Isotropic => self.simplex(state, group, now, false),
-            Hypothesis::Anisotropic => {
-                let geometry = state.problem.renderer.geometry();
-                let evidence = self.gather(state, group);
-                let theta_rad = brushed::direction(&evidence, geometry).unwrap_or(0.0);
-                self.simplex(state, group, &Material { theta_rad, ..now.clone() }, true)
-            }
+            Hypothesis::Isotropic => lobes().isotropic(now).material,
+            Hypothesis::Anisotropic => self.brushed(state, now, stays, evidence()),
             Hypothesis::Textured => {
                 let before = if stays { now.texture.as_deref() } else { None };
                 let ones = vec![Rgb::ONE; pixels.len()];
@@ -255,8 +312,24 @@ impl PaperIteration<'_> {
                 let rho_d = textured::mean(&found);
                 Material { texture: Some(found.texture), ..Material::diffuse(rho_d) }
             }
-            _ => hypothesis::fit(rung, &self.gather(state, group), now, SEARCH).material,
+            _ => hypothesis::fit(rung, &evidence(), now, SEARCH).material,
         })
+    }
+
+    /// Section 4.2.5, with the direction found as the options say.
+    fn brushed(
+        &self,
+        state: &State<'_>,
+        now: &Material,
+        stays: bool,
+        evidence: Evidence,
+    ) -> Material {
+        if self.options.paper_direction == PaperDirection::Rerender {
+            return Lobes::new(evidence).anisotropic(now).material;
+        }
+        let read = || brushed::direction(&evidence, state.problem.renderer.geometry());
+        let theta_rad = if stays { now.theta_rad } else { read().unwrap_or(0.0) };
+        Lobes::new(evidence).along(&Material { theta_rad, ..now.clone() }).material
     }
 
     /// Eqs. 1 to 3: the mean over the group's objects of mean photograph over mean re-rendering,
@@ -281,10 +354,15 @@ impl PaperIteration<'_> {
         }))
     }
 
+    /// The light that arrives at a sample of the group's pixels, for any material on it.
     fn gather(&self, state: &State<'_>, group: usize) -> Evidence {
         let probe = ProbeSettings {
-            cosine: SPP,
+            probes_per_pixel: POINTS,
+            cosine: COSINE,
+            per_lobe: PER_LOBE,
+            lobes: proposals(&state.materials[group]),
             mirror: true,
+            keep_incident: true,
             seed: self.options.seed,
             max_bounces: self.options.max_bounces,
             ..ProbeSettings::default()
@@ -294,46 +372,33 @@ impl PaperIteration<'_> {
         let budget =
             SampleBudget { pixels: ITERATION_PIXELS, pixels_seed: probe.seed, allowance, probe };
         Evidence::gather(&state.stage(), state.appearance(), group, pixels, &budget)
+            .expecting(state.problem.groups[group].expected)
     }
+}
 
-    /// Sections 4.2.4 and 4.2.5: downhill simplex over `rho_d`, `rho_s` and the roughness, every
-    /// step a re-rendering of the group; the case `rho_s = 1` apart from the others.
-    fn simplex(
-        &self,
-        state: &State<'_>,
-        group: usize,
-        start: &Material,
-        brushed: bool,
-    ) -> Material {
-        let valid = &state.observation.pixels_of_group[group];
-        let pixels = spread(valid, SIMPLEX_PIXELS, self.options.seed);
-        let observed = observe(&state.observation, state.exposure, group, &pixels);
-        let mut materials = state.materials.clone();
-        let mut sums = (Rgb::ZERO, Rgb::ZERO, [0.0f32; 2]);
-        let alphas = if start.is_glossy() { [start.alpha_x, start.alpha_y] } else { [0.1; 2] };
-        for c in 0..3 {
-            let mut error = |p: &[f64; 4]| {
-                materials[group] = grey(p, start.theta_rad);
-                let [a, b] = [0u64, 1].map(|half| {
-                    let seed = self.options.seed.wrapping_mul(2).wrapping_add(half);
-                    self.rerender(state, &materials, &pixels, seed)
-                });
-                let product = |i: usize| {
-                    let photo = observed[i].radiance[c];
-                    f64::from((photo - a[i][c]) * (photo - b[i][c]))
-                };
-                (0..pixels.len()).map(product).sum::<f64>()
-            };
-            let first = [start.rho_d[c], start.rho_s[c], alphas[0], alphas[1]].map(f64::from);
-            let best = search(&mut error, first, brushed);
-            sums.0[c] = best[0] as f32;
-            sums.1[c] = best[1] as f32;
-            sums.2[0] += best[2] as f32 / 3.0;
-            sums.2[1] += best[3] as f32 / 3.0;
-        }
-        let (rho_d, rho_s, [alpha_x, alpha_y]) = sums;
-        Material { rho_s, alpha_x, alpha_y, theta_rad: start.theta_rad, ..Material::diffuse(rho_d) }
+/// Whether a lobe leaves at most half of the squared error that the smooth `material` leaves, and surely less than it: a
+/// mirror that shows blurred what it shows may be within its rung's threshold, and still be no mirror.
+fn is_rough(evidence: &Evidence, material: &Material) -> bool {
+    let mut lobes = Lobes::new(evidence.clone());
+    let lobe = lobes.isotropic(material).material;
+    let [smooth, rough] = [material, &lobe].map(|material| lobes.squares(material));
+    let gained: Vec<f64> = smooth.iter().zip(&rough).map(|(a, b)| a - b).collect();
+    let [left, gain] = [&rough, &gained].map(|terms| terms.iter().sum::<f64>());
+    gain > left && gain > SURELY * deviation_of_sum(&gained)
+}
+
+/// Lobes to draw directions from: about the material's own, or of every roughness where it has none.
+fn proposals(material: &Material) -> Vec<ProposalLobe> {
+    let Material { alpha_x, alpha_y, theta_rad, .. } = *material;
+    if !material.is_glossy() {
+        return round_lobes(&ANY_ALPHA);
     }
+    let wider = |by: f32| ProposalLobe {
+        alpha_x: (by * alpha_x).min(1.0),
+        alpha_y: (by * alpha_y).min(1.0),
+        theta_rad,
+    };
+    WIDER.map(wider).to_vec()
 }
 
 /// The diffuse-specular rung has nothing to search for.
@@ -342,42 +407,6 @@ const SEARCH: crate::hypothesis::Search = crate::hypothesis::Search::Local;
 fn next_rung(hypothesis: Hypothesis) -> Hypothesis {
     let up = hypothesis::UNIFORM.iter().position(|h| *h == hypothesis).map(|i| i + 1);
     up.and_then(|i| hypothesis::UNIFORM.get(i).copied()).unwrap_or(Hypothesis::Textured)
-}
-
-/// A material with the same reflectances `[rho_d, rho_s, alpha_x, alpha_y]` in all channels: light
-/// of one channel never reaches another.
-fn grey(p: &[f64; 4], theta_rad: f32) -> Material {
-    let [rho_d, rho_s, alpha_x, alpha_y] = p.map(|v| v as f32);
-    Material {
-        rho_s: Rgb::splat(rho_s.clamp(0.0, 1.0)),
-        alpha_x: alpha_x.clamp(0.005, 1.0),
-        alpha_y: alpha_y.clamp(0.005, 1.0),
-        theta_rad,
-        ..Material::diffuse(Rgb::splat(rho_d.clamp(0.0, 1.0)))
-    }
-}
-
-/// The better of the simplex with `rho_s` free and with `rho_s = 1`; with one roughness, or two.
-fn search(error: &mut dyn FnMut(&[f64; 4]) -> f64, first: [f64; 4], brushed: bool) -> [f64; 4] {
-    let error = std::cell::RefCell::new(error);
-    let full = |rho_d: f64, rho_s: f64, alphas: &[f64]| {
-        let last = alphas[alphas.len() - 1].exp();
-        [rho_d.clamp(0.0, 1.0), rho_s.clamp(0.0, 1.0), alphas[0].exp(), last]
-    };
-    let logs: Vec<f64> =
-        if brushed { vec![first[2].ln(), first[3].ln() + 0.2] } else { vec![first[2].ln()] };
-    let mut steps = vec![0.2, 0.2];
-    steps.extend(logs.iter().map(|_| 0.4));
-    let start: Vec<f64> = [first[0], first[1]].into_iter().chain(logs.clone()).collect();
-    let free = |p: &[f64]| full(p[0], p[1], &p[2..]);
-    let fixed = |p: &[f64]| full(p[0], 1.0, &p[1..]);
-    let cost_free = |p: &[f64]| (error.borrow_mut())(&free(p));
-    let (p_free, e_free) = simplex::minimise(cost_free, &start, &steps, 1e-12, SIMPLEX_TURNS);
-    let cost_fixed = |p: &[f64]| (error.borrow_mut())(&fixed(p));
-    let start: Vec<f64> = std::iter::once(0.0).chain(logs).collect();
-    let (p_fixed, e_fixed) =
-        simplex::minimise(cost_fixed, &start, &steps[1..], 1e-12, SIMPLEX_TURNS);
-    if e_fixed < e_free { fixed(&p_fixed) } else { free(&p_free) }
 }
 
 /// Eq. 3 for one channel: `sum f m eps / sum f m`, with f = 0 for ratios further than

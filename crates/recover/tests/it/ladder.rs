@@ -258,3 +258,26 @@ fn the_papers_ladder_finds_the_rungs_that_it_can_tell_apart() {
         assert!(close(result.material.rho_s, renderer.truth[group].rho_s, 0.01));
     }
 }
+
+#[test]
+fn the_papers_ladder_finds_a_lobe_and_the_brushed_direction_by_re_rendering() {
+    let renderer = Stripes::new(one_of_each()[..6].to_vec());
+    let mut options = Options { ladder: LadderKind::Paper, ..Options::default() };
+    options.thresholds.paper = [0.01; 6];
+    let recovery = recovered(&renderer, ExposureRule::Fixed(Rgb::ONE), 1.0, &options);
+    for group in 0..6 {
+        let (result, truth) = (&recovery.groups[group], &renderer.truth[group]);
+        let found = &result.material;
+        assert_eq!(result.hypothesis, Hypothesis::ALL[group], "{:#?}", result.selection_log);
+        // The brushed stripe's direction lies between two of the 64, and the rest makes up for it.
+        let within = if group == 5 { 0.02 } else { 0.005 };
+        assert!(close(found.rho_d, truth.rho_d, within), "{found:?}");
+        assert!(close(found.rho_s, truth.rho_s, within), "{found:?}");
+        let off = |found: f32, truth: f32| (found - truth).abs() / truth.max(f32::MIN_POSITIVE);
+        assert!(off(found.alpha_x, truth.alpha_x) < 0.02, "{found:?}");
+        assert!(off(found.alpha_y, truth.alpha_y) < 0.02, "{found:?}");
+    }
+    let (found, truth) = (&recovery.groups[5].material, &renderer.truth[5]);
+    assert!((found.theta_rad - truth.theta_rad).to_degrees().abs() < 3.0, "{found:?}");
+    assert!(recovery.iterations.len() <= 24, "{} iterations", recovery.iterations.len());
+}

@@ -37,6 +37,9 @@ pub struct Args {
     /// The ladder of hypotheses to climb.
     #[arg(long, value_enum, default_value_t = Ladder::Default)]
     pub ladder: Ladder,
+    /// How the paper's ladder finds the anisotropy direction.
+    #[arg(long, value_enum, default_value_t = PaperDirection::Rerender)]
+    pub paper_direction: PaperDirection,
     /// How much work to spend.
     #[arg(long, value_enum, default_value_t = Effort::Normal)]
     pub effort: Effort,
@@ -85,8 +88,17 @@ pub struct Args {
 pub enum Ladder {
     /// All rungs on the same samples of light; the simplest that the noise allows.
     Default,
-    /// The method of Boivin and Gagalowicz (2002) as written.
+    /// The method of Boivin and Gagalowicz (2002).
     Paper,
+}
+
+/// How the paper's ladder finds the anisotropy direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PaperDirection {
+    /// Of 64 directions the one whose re-rendering differs least from the photograph.
+    Rerender,
+    /// As the paper's text has it, off the difference of the photograph and a mirror.
+    Text,
 }
 
 /// How much work to spend on a recovery.
@@ -148,11 +160,12 @@ impl Args {
     /// What the results depend on, by name: where it differs, so may they.
     fn choices(&self, limits: Limits) -> BTreeMap<String, String> {
         let Self { ladder, effort, seed, spp, bounces, no_refine, max_rung, .. } = self;
-        let Self { refine_camera, keep_camera, no_filter, force, .. } = self;
+        let Self { refine_camera, keep_camera, no_filter, force, paper_direction, .. } = self;
         let word = |value: &dyn std::fmt::Debug| format!("{value:?}").to_lowercase();
         let number = |value: Option<u32>| value.map_or_else(|| "default".into(), |n| n.to_string());
         let stated = [
             ("ladder", word(ladder)),
+            ("paper-direction", word(paper_direction)),
             ("effort", word(effort)),
             ("seed", seed.to_string()),
             ("spp", number(*spp)),
@@ -275,6 +288,10 @@ fn options(args: &Args, project: &Project, pixels: usize) -> Options {
         Ladder::Default => LadderKind::Default,
         Ladder::Paper => LadderKind::Paper,
     };
+    let paper_direction = match args.paper_direction {
+        PaperDirection::Rerender => unrender_recover::PaperDirection::Rerender,
+        PaperDirection::Text => unrender_recover::PaperDirection::Text,
+    };
     let effort = match args.effort {
         Effort::Draft => effort::Effort::Draft,
         Effort::Normal => effort::Effort::Normal,
@@ -282,6 +299,7 @@ fn options(args: &Args, project: &Project, pixels: usize) -> Options {
     };
     Options {
         ladder,
+        paper_direction,
         effort,
         seed: args.seed,
         spp: args.spp.unwrap_or(effort.last_spp(pixels)),
