@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import unrender
+from numpy.typing import NDArray
 
 pytestmark = pytest.mark.filterwarnings("ignore::unrender.UnrenderWarning")
 
@@ -48,6 +50,22 @@ def test_a_scene_of_arrays_is_there_and_back() -> None:
     camera = scene.cameras[0]
     np.testing.assert_allclose(np.asarray(camera.eye), (0, 1.4, 3), atol=1e-6)
     assert camera.fov_y_deg == pytest.approx(34)
+
+
+def unaligned(values: list[list[float]], dtype: Any) -> NDArray[Any]:
+    """An array that begins at an odd byte, as one that came over a network may."""
+    array = np.asarray(values, dtype=dtype)
+    apart = np.frombuffer(b"-" + array.tobytes(), dtype=dtype, offset=1).reshape(array.shape)
+    assert not apart.flags.aligned
+    return apart
+
+
+def test_arrays_may_begin_at_any_byte() -> None:
+    corners = unaligned([[-1, 0, 1], [1, 0, 1], [1, 0, -1], [-1, 0, -1]], np.float32)
+    faces = unaligned([[0, 1, 2], [0, 2, 3]], np.uint32)
+    groups = {"floor": unrender.Group(rho_d=(0.5, 0.5, 0.5))}
+    scene = unrender.Scene([unrender.Mesh("floor", corners, faces)], groups=groups)
+    np.testing.assert_array_equal(np.asarray(scene.mesh(0).vertices)[0], corners[0])
 
 
 def test_a_scene_of_arrays_equals_its_file(tmp_path: Path) -> None:

@@ -75,5 +75,6 @@ def png_file(codes: NDArray[Any]) -> bytes:
 
 
 def plain(values: ArrayLike) -> NDArray[np.float32]:
-    """``values`` as a contiguous float32 array; without a copy if they are one."""
-    return np.ascontiguousarray(values, dtype=np.float32).view(np.ndarray)
+    """``values`` as a contiguous, aligned float32 array; without a copy if they are one. What came over a network may
+    begin at any byte."""
+    return np.require(values, np.float32, ["C", "A"]).view(np.ndarray)

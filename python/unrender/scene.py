@@ -200,7 +200,7 @@ class _Arrays:
     def __init__(self, mesh: Mesh, origin: NDArray[np.float64]) -> None:
         far = origin.any() and np.ndim(mesh.vertices) == 2
         self.positions = plain(np.asarray(mesh.vertices, dtype=float) - origin if far else mesh.vertices)
-        self.triangles = np.ascontiguousarray(mesh.faces, dtype=np.uint32)
+        self.triangles = np.require(mesh.faces, np.uint32, ["C", "A"])
         self.normals = None if mesh.normals is None else plain(mesh.normals)
         self.uvs = None if mesh.uvs is None else plain(mesh.uvs)
 
