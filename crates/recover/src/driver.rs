@@ -8,8 +8,9 @@
 
 use crate::hypothesis::Hypothesis;
 use crate::ladder::branches::{self, Kind};
-use crate::ladder::candidates::{self, Candidates, Proposal};
+use crate::ladder::candidates::{self, Candidates};
 use crate::ladder::lacking;
+use crate::ladder::proposal::Proposal;
 use crate::ladder::textures;
 use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Termination};

@@ -1,6 +1,6 @@
 //! The end: the photograph's view rendered with what was found, and each group's error in it.
 
-use crate::hypothesis::Fit;
+use crate::hypothesis::{Fit, Hypothesis};
 use crate::problem::{Options, Role};
 use crate::record::{Alternative, GroupResult, Observer, Recovery, Status, Termination};
 use crate::rerender::Renderer;
@@ -74,7 +74,13 @@ fn render_twice(
 fn group_result(state: &State<'_>, group: usize, squares: &Squares, whole: f64) -> GroupResult {
     let spec = &state.problem.groups[group];
     let of_group = &state.groups[group];
-    let doubt = if of_group.status == Status::Recovered { squares.doubt() } else { None };
+    let is_recovered = of_group.status == Status::Recovered;
+    let doubts = [
+        squares.doubt(),
+        of_group.untextured.clone(),
+        undecided(of_group.hypothesis, &of_group.undecided),
+    ];
+    let doubt = doubts.into_iter().flatten().reduce(joined).filter(|_| is_recovered);
     let observation = &state.observation;
     let valid = &observation.pixels_of_group[group];
     let note = of_group.note.clone().or_else(|| match of_group.status {
@@ -83,8 +89,8 @@ fn group_result(state: &State<'_>, group: usize, squares: &Squares, whole: f64) 
         }
         _ => None,
     });
-    let notes = [doubt.clone(), of_group.untextured.clone(), note, on_bounds(state, group)];
-    let note = notes.into_iter().flatten().reduce(|a, b| format!("{a}; {b}"));
+    let notes = [doubt.clone(), note, on_bounds(state, group)];
+    let note = notes.into_iter().flatten().reduce(joined);
     GroupResult {
         name: spec.name.clone(),
         status: if doubt.is_some() { Status::Doubtful } else { of_group.status },
@@ -101,6 +107,18 @@ fn group_result(state: &State<'_>, group: usize, squares: &Squares, whole: f64) 
         selection_log: of_group.selection_log.clone(),
         note,
     }
+}
+
+fn joined(before: String, after: String) -> String {
+    format!("{before}; {after}")
+}
+
+/// Which of the hypotheses `open` a group may be that is taken as the `present` one, if any. A texture tells by its pixels.
+fn undecided(present: Hypothesis, open: &[Hypothesis]) -> Option<String> {
+    let is_other = |other: &&Hypothesis| **other != present && present != Hypothesis::Textured;
+    let others: Vec<&str> = open.iter().filter(is_other).map(|open| open.name()).collect();
+    let others = others.join(" or ");
+    (!others.is_empty()).then(|| format!("it may be {others}: noise of light leaves that open"))
 }
 
 /// Which of an unknown group's numbers lie on bounds of the project, if any do.
@@ -234,7 +252,20 @@ fn direction(state: &State<'_>, group: usize) -> Option<Vec3> {
 
 #[cfg(test)]
 mod tests {
-    use super::Squares;
+    use super::{Squares, undecided};
+    use crate::hypothesis::Hypothesis::{Anisotropic, Diffuse, Isotropic, Textured};
+
+    #[test]
+    fn what_stayed_open_is_said_unless_it_was_taken() {
+        let said = undecided(Diffuse, &[Isotropic, Anisotropic]);
+        assert_eq!(
+            said.as_deref(),
+            Some("it may be isotropic or anisotropic: noise of light leaves that open")
+        );
+        assert_eq!(undecided(Isotropic, &[Isotropic]), None);
+        assert_eq!(undecided(Textured, &[Anisotropic]), None);
+        assert_eq!(undecided(Diffuse, &[]), None);
+    }
 
     #[test]
     fn what_noise_leaves_open_is_no_reason_to_doubt() {

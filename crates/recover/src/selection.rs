@@ -8,6 +8,9 @@
 //! ([`crate::contrast`]); `N` is the number of blocks and `N_eff` the number of independent ones among
 //! them, from the correlation `r` of neighbouring blocks' residuals under the best hypothesis:
 //! `N_eff = N ((1 - r) / (1 + r))^2`.
+//!
+//! What noise leaves open is no reason for more: of two that noise does not tell apart the simpler one is chosen, and a more
+//! complex one never where a simpler one is expected to be better.
 
 use crate::contrast::{Contrast, Side, independent_share};
 use crate::evidence::Evidence;
@@ -106,8 +109,9 @@ impl<'a> Comparison<'a> {
 }
 
 /// Chooses among hypotheses, which go from simple to complex and have these `errors`, by the `excess` of the first of two
-/// over the second: the simplest one that no other certainly beats. With `simpler`, one is preferred whose error is at most
-/// so many times the least. Returns it, and the more complex ones that less noise may show to be better.
+/// over the second: the simplest one that no other certainly beats, of those that are expected to be better than all simpler
+/// ones. With `simpler`, one is preferred whose error is at most so many times the least. Returns it, and the more complex
+/// ones that less noise may show to be better.
 pub(crate) fn choose(
     errors: &[f64],
     simpler: Option<f64>,
@@ -117,6 +121,9 @@ pub(crate) fn choose(
     let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
     let (mut chosen, mut lowest) = (0, f64::INFINITY);
     for (i, error) in errors.iter().enumerate() {
+        if (0..i).any(|j| excess(i, j).value > 0.0) {
+            continue;
+        }
         let behind = (0..n).map(|j| excess(i, j).least()).fold(0.0, f64::max);
         if behind < lowest {
             (chosen, lowest) = (i, behind);
@@ -169,4 +176,28 @@ pub fn explains_alike(fit: &Fit, best: &Fit, evidence: &Evidence) -> bool {
 fn independent_blocks(fit: &Fit, evidence: &Evidence) -> f64 {
     let residuals = Covariance::of(&fit.residuals, &evidence.field, &fit.likelihood).standardised();
     evidence.blocks.len() as f64 * independent_share(&evidence.blocks, &residuals)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Excess, choose};
+
+    /// Chooses among hypotheses with these criteria, where comparisons with the one number `noisy` have a deviation of 30
+    /// and others one of 2.
+    fn chosen(criteria: &[f64], noisy: usize) -> (usize, Vec<usize>) {
+        let excess = |i: usize, j: usize| Excess {
+            value: criteria[i] - criteria[j],
+            deviation: if i == noisy || j == noisy { 30.0 } else { 2.0 },
+        };
+        choose(&vec![1.0; criteria.len()], None, excess)
+    }
+
+    #[test]
+    fn noise_is_no_reason_for_more() {
+        // Nothing certainly beats the second one, which is expected to be worse than the first; the third beats that.
+        assert_eq!(chosen(&[25.0, 42.0, 0.0], 1), (2, vec![]));
+        // The second one is expected to be better, and noise leaves that open.
+        assert_eq!(chosen(&[25.0, 0.0], 1), (0, vec![1]));
+        assert_eq!(chosen(&[25.0, 0.0], 2), (1, vec![]));
+    }
 }

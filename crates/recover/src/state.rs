@@ -59,6 +59,8 @@ pub(crate) struct GroupState {
     pub(crate) note: Option<String>,
     /// Why it has no texture, though nothing uniform explained it when it was asked last.
     pub(crate) untextured: Option<String>,
+    /// What it may be as well, as far as the light told when it was asked last.
+    pub(crate) undecided: Vec<Hypothesis>,
     pub(crate) std: Option<Deviations>,
     /// Other fits that explain the photograph alike.
     pub(crate) alternatives: Vec<Fit>,
@@ -132,6 +134,7 @@ impl<'a> State<'a> {
             seen_texels: None,
             note: None,
             untextured: None,
+            undecided: Vec::new(),
             std: None,
             alternatives: Vec::new(),
         };

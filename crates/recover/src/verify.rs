@@ -13,7 +13,7 @@ use crate::block_residuals::{BlockResiduals, pooled};
 use crate::blocks::{Blocks, Grid};
 use crate::contrast::{Contrast, Side};
 use crate::hypothesis::Hypothesis;
-use crate::ladder::candidates::Proposal;
+use crate::ladder::proposal::Proposal;
 use crate::likelihood::Likelihood;
 use crate::model_error::{Allowance, LightError, LightField, ModelError, level2};
 use crate::observation::{PixelStatus, Reading};

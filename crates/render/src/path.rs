@@ -25,7 +25,7 @@ pub use direct::VisibleLight;
 use crate::accel::{self, Ray};
 use crate::appearance::{Appearance, LightSource, SourceLayout};
 use crate::bsdf::{Bsdf, BsdfSample, Specular};
-use crate::guiding::{self, GlossyPair, VmfMixture};
+use crate::guiding::{self, FourPairs, VmfMixture};
 use crate::radiance_cache::{CacheLookup, Cached};
 use crate::sampler::Sampler;
 use crate::surface::{Frame, Surface};
@@ -193,7 +193,7 @@ pub struct Transport<'a> {
     max_bounces: u32,
     cache: Option<CacheLookup<'a>>,
     /// The pairs of a glossy plane and a lamp that guide sampling.
-    glossy_pairs: Vec<GlossyPair>,
+    glossy_pairs: Vec<FourPairs>,
     /// The lamps in planar mirrors.
     pub(crate) virtual_lamps: VirtualLamps,
 }
@@ -204,7 +204,7 @@ impl<'a> Transport<'a> {
     /// # Panics
     /// Later, if the appearance has fewer materials than the scene has groups.
     pub fn new(tracer: &'a Tracer, appearance: Appearance<'a>, max_bounces: u32) -> Self {
-        let glossy_pairs = tracer.guide.pairs(&appearance);
+        let glossy_pairs = FourPairs::all(&tracer.guide.pairs(&appearance));
         let virtual_lamps = tracer.virtual_lamps(&appearance);
         let groups = appearance.materials.iter().map(|m| GroupBsdf::new(m, tracer.model)).collect();
         Self { tracer, appearance, groups, max_bounces, cache: None, glossy_pairs, virtual_lamps }

@@ -6,7 +6,7 @@
 //! its own evidence speaks for it or not, and those whose light it changes are asked again beside it; the driver keeps
 //! what comes of it where the whole picture is better for it.
 
-use super::candidates::Proposal;
+use super::proposal::Proposal;
 use crate::hypothesis::Hypothesis;
 use crate::model_error::ModelError;
 use crate::state::State;

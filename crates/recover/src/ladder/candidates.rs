@@ -8,19 +8,15 @@
 
 use super::compared::{Asking, Compared, Fitted, decide, is_explained};
 use super::evidence_pair::{EvidencePair, Fits, Gathering};
+use super::proposal::{Proposal, added};
 use super::textures;
 use crate::hypothesis::{Fit, Hypothesis};
-use crate::likelihood::Likelihood;
 use crate::others::{MIDDLE, error_of_others, light_of_others};
 use crate::outliers;
 use crate::problem::Options;
 use crate::record::{CandidateRecord, Observer, Status};
-use crate::residual::ResidualStats;
 use crate::sample_budget::{self, Level};
-use crate::selection::parameters;
 use crate::state::State;
-use serde::{Deserialize, Serialize};
-use unrender_scene::Material;
 
 /// Of the groups in error, those with at least this share of the worst model error are asked: at
 /// half of it more groups change at once under light that is wrong, at double only the worst does.
@@ -44,146 +40,6 @@ const BETTER: f64 = 0.25;
 const TYPICAL_MIN: f64 = 0.01;
 /// Outliers are looked for so often, each time without those before.
 const OUTLIER_ROUNDS: usize = 3;
-
-/// Another hypothesis for one group.
-#[derive(Clone, Serialize, Deserialize)]
-pub(crate) struct Proposal {
-    pub(crate) group: usize,
-    pub(crate) hypothesis: Hypothesis,
-    /// Whether it has more to choose than the present one.
-    pub(crate) is_more_complex: bool,
-    /// Free parameters that it has more than the present one.
-    pub(crate) adds: f64,
-    material: Material,
-    residual: ResidualStats,
-    /// None where it was not asked for in the present light.
-    likelihood: Option<Likelihood>,
-    /// Pixels that show something that is not in the model.
-    outliers: Vec<u32>,
-    /// Whether it is the present hypothesis in another minimum, which explains the group better than the one
-    /// that the present numbers lead to.
-    pub(crate) is_other_minimum: bool,
-    /// The share of model error below which what it gains does not count, if not that of all changes.
-    pub(crate) least: Option<f64>,
-    /// What is to be tried where the picture speaks against it.
-    next: Option<Box<Proposal>>,
-    /// What is tried next, whether this one was accepted or not: the group without outliers, or a texture. These
-    /// explain more than any uniform hypothesis does, and have to be compared with the best of them.
-    then: Option<Box<Proposal>>,
-}
-
-impl Proposal {
-    /// The change to what `fit` says.
-    fn uniform(
-        state: &State<'_>,
-        group: usize,
-        fit: &Fit,
-        outliers: &[u32],
-        next: Option<Box<Self>>,
-    ) -> Self {
-        Self {
-            group,
-            hypothesis: fit.hypothesis,
-            is_more_complex: fit.hypothesis > state.groups[group].hypothesis,
-            adds: added(state.groups[group].hypothesis, fit.hypothesis),
-            material: fit.material.clone(),
-            residual: fit.residual,
-            likelihood: Some(fit.likelihood),
-            outliers: outliers.to_vec(),
-            is_other_minimum: false,
-            least: None,
-            next,
-            then: None,
-        }
-    }
-
-    /// The change to a candidate that was not taken when the group was asked.
-    pub(super) fn of_record(state: &State<'_>, group: usize, record: &CandidateRecord) -> Self {
-        let to = (record.hypothesis, record.material.clone());
-        Self::unasked(state, group, to, record.residual)
-    }
-
-    /// The change to a hypothesis with its material that the group's own pixels did not ask for, and what these leave.
-    pub(super) fn unasked(
-        state: &State<'_>,
-        group: usize,
-        (hypothesis, material): (Hypothesis, Material),
-        residual: ResidualStats,
-    ) -> Self {
-        let present = state.groups[group].hypothesis;
-        Self {
-            group,
-            hypothesis,
-            is_more_complex: hypothesis > present,
-            adds: added(present, hypothesis),
-            material,
-            residual,
-            likelihood: None,
-            outliers: Vec::new(),
-            is_other_minimum: false,
-            least: None,
-            next: None,
-            then: None,
-        }
-    }
-
-    /// Whether it changes anything of `state`.
-    fn moves(&self, state: &State<'_>) -> bool {
-        self.is_other_minimum
-            || self.hypothesis != state.groups[self.group].hypothesis
-            || !self.outliers.is_empty()
-    }
-
-    /// Whether the group's own pixels have to bear it out: nothing else speaks for it.
-    pub(crate) fn is_to_be_borne_out(&self) -> bool {
-        self.is_more_complex || self.is_other_minimum
-    }
-
-    /// What is to be tried where the picture speaks against this, if it changes anything of `state`.
-    pub(crate) fn otherwise(self, state: &State<'_>) -> Option<Self> {
-        let next = self.next.map(|next| *next).filter(|next| next.moves(state));
-        match next {
-            Some(next) => Some(Self { then: self.then, ..next }),
-            None => self.then.map(|then| *then),
-        }
-    }
-
-    /// What is to be tried after this was accepted, which is what `state` has now.
-    pub(crate) fn afterwards(self, state: &State<'_>) -> Option<Self> {
-        let then = *self.then?;
-        let present = state.groups[then.group].hypothesis;
-        let is_more_complex = then.hypothesis > present;
-        Some(Self { is_more_complex, adds: added(present, then.hypothesis), ..then })
-    }
-
-    /// Writes into the group's selection log whether the picture bore the change out.
-    pub(crate) fn record(&self, state: &mut State<'_>, accepted: bool) {
-        state.groups[self.group].set_accepted(self.hypothesis, accepted);
-    }
-
-    /// Makes the change.
-    pub(crate) fn apply(&self, state: &mut State<'_>) {
-        if self.hypothesis == Hypothesis::Textured {
-            state.observation.forget_outliers(self.group);
-        }
-        state.observation.mark_outliers(self.group, &self.outliers);
-        let outliers = state.observation.outlier_share(self.group);
-        let of_group = &mut state.groups[self.group];
-        of_group.hypothesis = self.hypothesis;
-        of_group.residual = Some(self.residual);
-        of_group.likelihood = self.likelihood;
-        of_group.note = (outliers > 0.0).then(|| {
-            format!(
-                "{:.0} % of its pixels show something that is not in the model and do not count",
-                100.0 * outliers
-            )
-        });
-        if self.hypothesis != Hypothesis::Textured {
-            of_group.seen_texels = None;
-        }
-        state.materials[self.group] = self.material.clone();
-    }
-}
 
 /// Asks groups for other hypotheses, and remembers which were asked.
 #[derive(Clone)]
@@ -338,10 +194,13 @@ impl<'o> Candidates<'o> {
                 &state.problem.unknown_lights,
             ),
         };
-        let Compared { evidence, fitted, is_other_minimum } = asking.compare(state)?;
+        let Compared { evidence, fitted, is_other_minimum, is_borne_out } =
+            asking.compare(state)?;
         log(state, group, &fitted);
+        state.groups[group].undecided = fitted.undecided();
         let chosen = fitted.chosen().clone();
-        let uniform = Proposal { is_other_minimum, ..chain(state, group, &fitted)? };
+        let chain = chain(state, group, &fitted)?;
+        let uniform = Proposal { is_other_minimum, is_borne_out, ..chain };
         if !state.problem.groups[group].allows(chosen.hypothesis) {
             return self.texture(state, group, &chosen).filter(|texture| texture.moves(state));
         }
@@ -468,11 +327,6 @@ fn chain(state: &State<'_>, group: usize, fitted: &Fitted) -> Option<Proposal> {
     chosen.fold(None, |next, fit| {
         Some(Proposal::uniform(state, group, fit, outliers, next.map(Box::new)))
     })
-}
-
-/// Free parameters that `next` has more than `present`.
-fn added(present: Hypothesis, next: Hypothesis) -> f64 {
-    parameters(next) - parameters(present)
 }
 
 /// Tells that `group` is asked, where `done` of the present part is done.

@@ -34,6 +34,11 @@ impl Fitted {
     pub(super) fn chosen(&self) -> &Fit {
         &self.fits[self.decisions[0].chosen]
     }
+
+    /// The hypotheses that it may be as well.
+    pub(super) fn undecided(&self) -> Vec<Hypothesis> {
+        self.decisions[0].open.iter().map(|i| self.fits[*i].hypothesis).collect()
+    }
 }
 
 /// One group's candidates, and the evidence that they were compared by.
@@ -43,6 +48,8 @@ pub(super) struct Compared {
     /// Whether the present hypothesis was chosen in another minimum, which explains the group better than the one
     /// that the present numbers lead to.
     pub(super) is_other_minimum: bool,
+    /// Whether it was chosen on paths that nothing was fitted on.
+    pub(super) is_borne_out: bool,
 }
 
 /// How one group is asked.
@@ -104,9 +111,11 @@ impl Asking<'_> {
             allowance: self.by.budget.allowance,
             most: self.by.most,
         };
-        let Choice { chosen, rungs, excess } =
+        let Choice { chosen, rungs, excess, open: still } =
             side_by_side::compare(state, &by, self.by.group, rungs);
+        let still = still.into_iter().map(|i| open[i]).collect();
         if chosen == 0 {
+            first.open = still;
             return;
         }
         let evidence = &compared.evidence.judging;
@@ -117,7 +126,8 @@ impl Asking<'_> {
         all.iter_mut().for_each(|value| *value -= behind);
         open.iter().zip(excess).for_each(|(i, excess)| all[*i] = excess);
         decisions.retain(|decision| decision.chosen != open[chosen]);
-        decisions.insert(0, Decision { chosen: open[chosen], excess: all, open: Vec::new() });
+        decisions.insert(0, Decision { chosen: open[chosen], excess: all, open: still });
+        compared.is_borne_out = true;
     }
 
     /// What was `searched`, compared by the `evidence`.
@@ -138,7 +148,7 @@ impl Asking<'_> {
             chosen.hypothesis == present.hypothesis
                 && !explains_alike(&present, chosen, &evidence.judging)
         });
-        Some(Compared { evidence, fitted, is_other_minimum })
+        Some(Compared { evidence, fitted, is_other_minimum, is_borne_out: false })
     }
 
     /// Whether the group stands by what it is, without doubt.

@@ -5,7 +5,7 @@
 //! ([`crate::refine::score_test`]) says which diffuse group would explain most of it by a specular part, whatever its own
 //! pixels say. The driver gives it one and keeps that where the whole picture is better for it.
 
-use super::candidates::Proposal;
+use super::proposal::Proposal;
 use crate::hypothesis::Hypothesis;
 use crate::model_error::ModelError;
 use crate::problem::Options;

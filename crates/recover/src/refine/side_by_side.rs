@@ -30,6 +30,8 @@ pub(crate) struct Choice {
     pub(crate) rungs: Vec<Rung>,
     /// The information criterion of each less that of the one that was chosen when they were compared last.
     pub(crate) excess: Vec<f64>,
+    /// The more complex ones that all paths together leave open.
+    pub(crate) open: Vec<usize>,
 }
 
 /// How a group's rungs are compared.
@@ -72,7 +74,7 @@ pub(crate) fn compare(
         Rung { hypothesis: of_group.hypothesis, material: state.materials[group].clone() };
     let starts = rungs.clone();
     let mut competing: Vec<usize> = (0..rungs.len()).collect();
-    let mut choice = Choice { chosen: 0, excess: vec![0.0; rungs.len()], rungs };
+    let mut choice = Choice { chosen: 0, excess: vec![0.0; rungs.len()], open: Vec::new(), rungs };
     if state.observation.informative_of_group[group].is_empty() {
         return choice;
     }
@@ -92,24 +94,20 @@ pub(crate) fn compare(
             choice.rungs[*i] = contender.rung.clone();
         }
         let found = Contenders { all: &found, sample: &sample, floor: by.allowance.floor };
-        competing = choice.choose(&competing, &found, by.options.thresholds.simpler);
-        if competing.len() == 1 {
+        choice.choose(&competing, &found, by.options.thresholds.simpler);
+        if choice.open.is_empty() {
             break;
         }
+        competing = std::iter::once(choice.chosen).chain(choice.open.iter().copied()).collect();
     }
     present.put(state, group);
     choice
 }
 
 impl Choice {
-    /// Chooses among those that are `competing`, which were `found` so, and returns it with those that may still be better.
-    /// With `simpler`, one is preferred whose error is at most so many times the least.
-    fn choose(
-        &mut self,
-        competing: &[usize],
-        found: &Contenders<'_>,
-        simpler: Option<f64>,
-    ) -> Vec<usize> {
+    /// Chooses among those that are `competing`, which were `found` so. With `simpler`, one is preferred whose error is at
+    /// most so many times the least.
+    fn choose(&mut self, competing: &[usize], found: &Contenders<'_>, simpler: Option<f64>) {
         let errors: Vec<f64> = (0..competing.len()).map(|i| found.error(i)).collect();
         let pairs = found.pairs();
         let (chosen, open) = selection::choose(&errors, simpler, |i, j| pairs[i][j]);
@@ -117,8 +115,7 @@ impl Choice {
             self.excess[*place] = pairs[i][chosen].value;
         }
         self.chosen = competing[chosen];
-        let open = open.into_iter().map(|i| competing[i]);
-        std::iter::once(self.chosen).chain(open).collect()
+        self.open = open.into_iter().map(|i| competing[i]).collect();
     }
 }
 
@@ -245,7 +242,7 @@ mod tests {
         Contender { rung, drawn, radiance: Vec::new(), residuals, loss: 0.0 }
     }
 
-    /// What is chosen of `left`, and those that it may be.
+    /// What is chosen of `left`, and the others that it may be.
     fn chosen(left: &[Contender]) -> (usize, Vec<usize>) {
         let pixels: Vec<u32> = (0..(SIDE * SIDE) as u32).collect();
         let blocks = Blocks::of(&pixels, &Grid::even(SIDE, 1));
@@ -254,10 +251,10 @@ mod tests {
         let found = Contenders { all: left, sample: &sample, floor: ModelError { share: 0.003 } };
         let rungs: Vec<Rung> = left.iter().map(|left| left.rung.clone()).collect();
         let excess = vec![0.0; rungs.len()];
-        let mut choice = Choice { chosen: 0, rungs, excess };
+        let mut choice = Choice { chosen: 0, rungs, excess, open: Vec::new() };
         let competing: Vec<usize> = (0..left.len()).collect();
-        let next = choice.choose(&competing, &found, None);
-        (choice.chosen, next)
+        choice.choose(&competing, &found, None);
+        (choice.chosen, choice.open)
     }
 
     #[test]
@@ -266,11 +263,11 @@ mod tests {
         // The simple one is wrong by half of the noise, and that is certain where both have the same.
         let simple = left(Hypothesis::Diffuse, 0, [Some(residuals(wrong, 1))]);
         let complex = left(Hypothesis::Isotropic, 0, [Some(residuals(0.0, 1))]);
-        assert_eq!(chosen(&[simple, complex]), (1, vec![1]));
+        assert_eq!(chosen(&[simple, complex]), (1, vec![]));
         // It is not where each has its own, and the simple one stands until there are more paths.
         let simple = left(Hypothesis::PartialMirror, 0, [Some(residuals(wrong, 1)), None]);
         let complex = left(Hypothesis::Isotropic, 1, [None, Some(residuals(0.0, 2))]);
-        assert_eq!(chosen(&[simple, complex]), (0, vec![0, 1]));
+        assert_eq!(chosen(&[simple, complex]), (0, vec![1]));
     }
 
     #[test]
@@ -280,13 +277,13 @@ mod tests {
         let diffuse = left(Hypothesis::Diffuse, 1, of_diffuse);
         let mirror = left(Hypothesis::PartialMirror, 0, [Some(residuals(0.025, 1)), None]);
         let lobe = left(Hypothesis::Isotropic, 1, [None, Some(residuals(0.0, 2))]);
-        assert_eq!(chosen(&[diffuse, mirror, lobe]), (2, vec![2]));
+        assert_eq!(chosen(&[diffuse, mirror, lobe]), (2, vec![]));
     }
 
     #[test]
     fn what_is_no_better_is_not_taken_for_being_more() {
         let simple = left(Hypothesis::Diffuse, 0, [Some(residuals(0.0, 1))]);
         let complex = left(Hypothesis::Anisotropic, 0, [Some(residuals(0.0, 1))]);
-        assert_eq!(chosen(&[simple, complex]), (0, vec![0]));
+        assert_eq!(chosen(&[simple, complex]), (0, vec![]));
     }
 }

@@ -91,6 +91,7 @@ fn step_down(
     state.materials[group] = state.problem.groups[group].expected.bounds.nearest(&material);
     let of_group = &mut state.groups[group];
     of_group.hypothesis = hypothesis;
+    of_group.undecided.clear();
     of_group.add_note(format!("{note}: taken as {hypothesis}"));
     true
 }

@@ -14,10 +14,12 @@
 //! Ward's slopes have the standard deviation `alpha / sqrt 2`, so the caustic has
 //! `sqrt 2 alpha / (1 + a/b)`; the angular radius of the lamp is added in quadrature.
 //!
-//! Cost: each diffuse vertex of a path tests up to `PAIRS_MAX` pairs of a plane and a lamp.
+//! Cost: each diffuse vertex of a path tests up to `PAIRS_MAX` pairs of a plane and a lamp, four at a time.
 
+mod four_pairs;
 mod vmf;
 
+pub(crate) use four_pairs::FourPairs;
 pub use vmf::VmfMixture;
 pub(crate) use vmf::VmfMixture4;
 
@@ -25,7 +27,7 @@ use crate::appearance::{Appearance, LightSource, SourceLayout};
 use crate::emitters;
 use crate::surface::{Frame, Surface};
 use glam::Vec3;
-use std::f32::consts::{PI, SQRT_2};
+use std::f32::consts::PI;
 use unrender_scene::color::luminance;
 use unrender_scene::{LightKind, Mesh, Rgb, Scene};
 
@@ -127,7 +129,7 @@ impl SpecularGuide {
     }
 
     /// The strongest pairs of a glossy plane and a lamp under `appearance`, by the product of the
-    /// lamp's power, the plane's area and its specular reflectance.
+    /// lamp's power, the plane's area and its specular reflectance; the strongest first.
     pub(crate) fn pairs(&self, appearance: &Appearance<'_>) -> Vec<GlossyPair> {
         let glossy = |plane: &Plane| {
             let material = appearance.materials.get(plane.group as usize)?;
@@ -223,13 +225,6 @@ impl Lamp {
         Some(Self { source, centre, radius: 0.0, power: emitters::power(kind, 0.0), cone })
     }
 
-    /// Whether its centre emits towards `point`.
-    fn emits_towards(&self, point: Vec3) -> bool {
-        let Cone { axis, cos } = self.cone;
-        let to_point = point - self.centre;
-        to_point.dot(axis) >= cos * to_point.length()
-    }
-
     /// Whether it lies off `plane` and emits towards its bounding box.
     fn lights(&self, plane: &Plane) -> bool {
         let height = (self.centre - plane.point).dot(plane.normal);
@@ -248,46 +243,6 @@ fn bounds(points: impl Iterator<Item = Vec3>) -> [Vec3; 2] {
     points.fold(nothing, |[low, high], p| [low.min(p), high.max(p)])
 }
 
-impl GlossyPair {
-    /// The lobe at `surface`; none if no light of the lamp can arrive there by way of the plane.
-    fn lobe(&self, surface: &Surface) -> Option<ImageLobe> {
-        let Plane { object, point, normal, bounds, .. } = self.plane;
-        let here = (surface.point - point).dot(normal);
-        let there = (self.lamp.centre - point).dot(normal);
-        // Surface and lamp must lie on one side, and neither in the plane.
-        if surface.object == object || here * there <= 0.0 || here.abs() < 1e-4 * there.abs() {
-            return None;
-        }
-        let to_image = self.lamp.centre - 2.0 * there * normal - surface.point;
-        let distance = to_image.length();
-        let direction = to_image / distance;
-        if !surface.is_above(direction) {
-            return None;
-        }
-        let share = here / (here + there);
-        let of_gloss = SQRT_2 * self.alpha * (1.0 - share);
-        let of_lamp = 0.5 * self.lamp.radius / distance;
-        let deviation = of_gloss.hypot(of_lamp);
-        if !(DEVIATION_MIN..DEVIATION_MAX).contains(&deviation) {
-            return None;
-        }
-        let hit = surface.point + share * to_image;
-        let outside = hit - hit.clamp(bounds[0], bounds[1]);
-        let reach = REACH * deviation * share * distance;
-        let useful = outside.length() <= reach && self.lamp.emits_towards(hit);
-        useful.then_some(ImageLobe { direction, deviation })
-    }
-}
-
-/// A lobe about the direction to the mirror image of a lamp.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct ImageLobe {
-    /// Unit vector in world space.
-    direction: Vec3,
-    /// Standard deviation, radians.
-    deviation: f32,
-}
-
 /// The share of directions drawn from the lobes at the bounce number `bounce`.
 fn share(bounce: u32) -> f32 {
     match bounce {
@@ -302,11 +257,11 @@ fn share(bounce: u32) -> f32 {
 pub(crate) fn mixture(
     surface: &Surface,
     frame: &Frame,
-    pairs: &[GlossyPair],
+    pairs: &[FourPairs],
     bounce: u32,
 ) -> VmfMixture {
     let mut mixture = VmfMixture::with_share(share(bounce));
-    for lobe in pairs.iter().filter_map(|pair| pair.lobe(surface)) {
+    for lobe in pairs.iter().flat_map(|four| four.lobes(surface)) {
         if !mixture.push(frame.local_from_world(lobe.direction), lobe.deviation) {
             break;
         }

@@ -1,5 +1,6 @@
 //! Planes, lamps, pairs of them, and the lobes towards mirror images.
 
+use super::four_pairs::ImageLobe;
 use super::*;
 use crate::test_meshes::{cuboid, merged, quad};
 use unrender_scene::{Group, Light, Material, Object};
@@ -154,7 +155,8 @@ fn wall(point: Vec3) -> Surface {
 fn lobes_point_to_the_mirror_image_of_the_lamp() {
     let lamp = (quad(Vec3::Y, [0.1 * Vec3::X, 0.1 * Vec3::Z]), 0.0, 5.0);
     let found = pairs(&scene(vec![(quad(Vec3::ZERO, UP), 0.5, 0.0), lamp]));
-    let at = |point: Vec3| found[0].lobe(&wall(point));
+    let four = FourPairs::all(&found);
+    let at = |point: Vec3| four[0].lobes(&wall(point)).next();
     let lobe = at(Vec3::new(0.0, 1.0, -0.9)).expect("the floor reflects the lamp");
     let ImageLobe { direction, deviation } = lobe;
     assert!((direction - Vec3::new(0.0, -2.0, 0.9).normalize()).length() < 1e-6);
@@ -180,4 +182,60 @@ fn the_weights_of_all_bounces_together_are_bounded() {
     // What a path may weigh whose directions are all drawn by the cosine, longer than any path is.
     let weight: f32 = (0..1000).map(|bounce| 1.0 / (1.0 - share(bounce))).product();
     assert!((1.9..3.1).contains(&weight), "{weight}");
+}
+
+/// The lobe of one pair at `surface`, as the module's description has it.
+fn lobe(pair: &GlossyPair, surface: &Surface) -> Option<ImageLobe> {
+    let GlossyPair { plane, alpha, lamp } = pair;
+    let height = |point: Vec3| (point - plane.point).dot(plane.normal);
+    let (here, there) = (height(surface.point), height(lamp.centre));
+    if surface.object == plane.object || here * there <= 0.0 {
+        return None;
+    }
+    let to_image = lamp.centre - 2.0 * there * plane.normal - surface.point;
+    let (distance, direction) = (to_image.length(), to_image.normalize());
+    let (to_plane, to_lamp) = (distance * here / (here + there), distance * there / (here + there));
+    let hit = surface.point + to_plane * direction;
+    let of_gloss = std::f32::consts::SQRT_2 * alpha / (1.0 + to_plane / to_lamp);
+    let deviation = of_gloss.hypot(0.5 * lamp.radius / distance);
+    let outside = hit.distance(hit.clamp(plane.bounds[0], plane.bounds[1]));
+    let is_there = surface.is_above(direction)
+        && (DEVIATION_MIN..DEVIATION_MAX).contains(&deviation)
+        && outside <= REACH * deviation * to_plane
+        && (hit - lamp.centre).dot(lamp.cone.axis) >= lamp.cone.cos * hit.distance(lamp.centre);
+    is_there.then_some(ImageLobe { direction, deviation })
+}
+
+#[test]
+fn four_pairs_at_once_have_the_lobes_of_each() {
+    let parts = [0.0, 2.5, 5.0].into_iter().flat_map(|aside| {
+        let (aside, half) = (aside * Vec3::X, [0.3 * Vec3::X, 0.3 * Vec3::Z]);
+        [(quad(aside, UP), 0.5, 0.0), (quad(aside + 1.5 * Vec3::Y, half), 0.0, 5.0)]
+    });
+    let mut scene = scene(parts.collect());
+    let (intensity, direction) = (Rgb::ONE, Vec3::new(0.3, -1.0, 0.0).normalize());
+    for position in [Vec3::new(1.0, 2.0, 0.5), Vec3::new(4.0, 1.0, -0.5)] {
+        let kind =
+            LightKind::Spot { position, direction, intensity, inner_rad: 0.1, outer_rad: 0.6 };
+        scene.lights.push(Light { name: String::new(), kind });
+    }
+    let found = pairs(&scene);
+    assert!(found.len() % 4 != 0, "all lanes are full: {}", found.len());
+    let four = FourPairs::all(&found);
+    let mut count = 0;
+    for k in 0..2000 {
+        let [x, y, z, object] = sobol_burley::sample_4d(k, 0, 5);
+        let point = Vec3::new(8.0 * x - 2.0, 3.0 * y - 0.5, 4.0 * z - 2.0);
+        let surface = Surface { object: (6.0 * object) as u32, ..wall(point) };
+        let expected: Vec<ImageLobe> =
+            found.iter().filter_map(|pair| lobe(pair, &surface)).collect();
+        let lobes: Vec<ImageLobe> = four.iter().flat_map(|four| four.lobes(&surface)).collect();
+        assert_eq!(lobes.len(), expected.len(), "at {point}");
+        for (a, b) in lobes.iter().zip(&expected) {
+            assert!((a.direction - b.direction).length() < 1e-5, "{a:?} {b:?}");
+            assert!((a.deviation - b.deviation).abs() < 1e-5, "{a:?} {b:?}");
+        }
+        count += lobes.len();
+    }
+    assert!(count > 1000, "{count}");
 }

@@ -80,7 +80,7 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
     ));
     if !doubtful.is_empty() {
         text.push_str(&format!(
-            "{} of {asked} groups are not explained: {}\n",
+            "{} of {asked} groups are doubtful: {}\n",
             doubtful.len(),
             doubtful.join(", ")
         ));

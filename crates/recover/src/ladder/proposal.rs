@@ -1,0 +1,159 @@
+//! Proposals: another hypothesis for one group, with its numbers and what is tried after it.
+
+use crate::hypothesis::{Fit, Hypothesis};
+use crate::likelihood::Likelihood;
+use crate::record::CandidateRecord;
+use crate::residual::ResidualStats;
+use crate::selection::parameters;
+use crate::state::State;
+use serde::{Deserialize, Serialize};
+use unrender_scene::Material;
+
+/// Another hypothesis for one group.
+#[derive(Clone, Serialize, Deserialize)]
+pub(crate) struct Proposal {
+    pub(crate) group: usize,
+    pub(crate) hypothesis: Hypothesis,
+    /// Whether it has more to choose than the present one.
+    pub(crate) is_more_complex: bool,
+    /// Free parameters that it has more than the present one.
+    pub(crate) adds: f64,
+    pub(super) material: Material,
+    pub(super) residual: ResidualStats,
+    /// None where it was not asked for in the present light.
+    pub(super) likelihood: Option<Likelihood>,
+    /// Pixels that show something that is not in the model.
+    pub(super) outliers: Vec<u32>,
+    /// Whether it is the present hypothesis in another minimum, which explains the group better than the one
+    /// that the present numbers lead to.
+    pub(crate) is_other_minimum: bool,
+    /// Whether the group's own pixels bore it out, on paths that nothing was fitted on.
+    pub(super) is_borne_out: bool,
+    /// The share of model error below which what it gains does not count, if not that of all changes.
+    pub(crate) least: Option<f64>,
+    /// What is to be tried where the picture speaks against it.
+    pub(super) next: Option<Box<Proposal>>,
+    /// What is tried next, whether this one was accepted or not: the group without outliers, or a texture. These
+    /// explain more than any uniform hypothesis does, and have to be compared with the best of them.
+    pub(super) then: Option<Box<Proposal>>,
+}
+
+impl Proposal {
+    /// The change to what `fit` says.
+    pub(super) fn uniform(
+        state: &State<'_>,
+        group: usize,
+        fit: &Fit,
+        outliers: &[u32],
+        next: Option<Box<Self>>,
+    ) -> Self {
+        Self {
+            group,
+            hypothesis: fit.hypothesis,
+            is_more_complex: fit.hypothesis > state.groups[group].hypothesis,
+            adds: added(state.groups[group].hypothesis, fit.hypothesis),
+            material: fit.material.clone(),
+            residual: fit.residual,
+            likelihood: Some(fit.likelihood),
+            outliers: outliers.to_vec(),
+            is_other_minimum: false,
+            is_borne_out: false,
+            least: None,
+            next,
+            then: None,
+        }
+    }
+
+    /// The change to a candidate that was not taken when the group was asked.
+    pub(super) fn of_record(state: &State<'_>, group: usize, record: &CandidateRecord) -> Self {
+        let to = (record.hypothesis, record.material.clone());
+        Self::unasked(state, group, to, record.residual)
+    }
+
+    /// The change to a hypothesis with its material that the group's own pixels did not ask for, and what these leave.
+    pub(super) fn unasked(
+        state: &State<'_>,
+        group: usize,
+        (hypothesis, material): (Hypothesis, Material),
+        residual: ResidualStats,
+    ) -> Self {
+        let present = state.groups[group].hypothesis;
+        Self {
+            group,
+            hypothesis,
+            is_more_complex: hypothesis > present,
+            adds: added(present, hypothesis),
+            material,
+            residual,
+            likelihood: None,
+            outliers: Vec::new(),
+            is_other_minimum: false,
+            is_borne_out: false,
+            least: None,
+            next: None,
+            then: None,
+        }
+    }
+
+    /// Whether it changes anything of `state`.
+    pub(super) fn moves(&self, state: &State<'_>) -> bool {
+        self.is_other_minimum
+            || self.hypothesis != state.groups[self.group].hypothesis
+            || !self.outliers.is_empty()
+    }
+
+    /// Whether the group's own pixels have to bear it out still: nothing else speaks for it.
+    pub(crate) fn is_to_be_borne_out(&self) -> bool {
+        (self.is_more_complex || self.is_other_minimum) && !self.is_borne_out
+    }
+
+    /// What is to be tried where the picture speaks against this, if it changes anything of `state`.
+    pub(crate) fn otherwise(self, state: &State<'_>) -> Option<Self> {
+        let next = self.next.map(|next| *next).filter(|next| next.moves(state));
+        match next {
+            Some(next) => Some(Self { then: self.then, ..next }),
+            None => self.then.map(|then| *then),
+        }
+    }
+
+    /// What is to be tried after this was accepted, which is what `state` has now.
+    pub(crate) fn afterwards(self, state: &State<'_>) -> Option<Self> {
+        let then = *self.then?;
+        let present = state.groups[then.group].hypothesis;
+        let is_more_complex = then.hypothesis > present;
+        Some(Self { is_more_complex, adds: added(present, then.hypothesis), ..then })
+    }
+
+    /// Writes into the group's selection log whether the picture bore the change out.
+    pub(crate) fn record(&self, state: &mut State<'_>, accepted: bool) {
+        state.groups[self.group].set_accepted(self.hypothesis, accepted);
+    }
+
+    /// Makes the change.
+    pub(crate) fn apply(&self, state: &mut State<'_>) {
+        if self.hypothesis == Hypothesis::Textured {
+            state.observation.forget_outliers(self.group);
+        }
+        state.observation.mark_outliers(self.group, &self.outliers);
+        let outliers = state.observation.outlier_share(self.group);
+        let of_group = &mut state.groups[self.group];
+        of_group.hypothesis = self.hypothesis;
+        of_group.residual = Some(self.residual);
+        of_group.likelihood = self.likelihood;
+        of_group.note = (outliers > 0.0).then(|| {
+            format!(
+                "{:.0} % of its pixels show something that is not in the model and do not count",
+                100.0 * outliers
+            )
+        });
+        if self.hypothesis != Hypothesis::Textured {
+            of_group.seen_texels = None;
+        }
+        state.materials[self.group] = self.material.clone();
+    }
+}
+
+/// Free parameters that `next` has more than `present`.
+pub(super) fn added(present: Hypothesis, next: Hypothesis) -> f64 {
+    parameters(next) - parameters(present)
+}
