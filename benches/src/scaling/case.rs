@@ -2,8 +2,8 @@
 
 use crate::command::Unrender;
 use crate::{Failure, peers};
-use unrender::formats::{atomic, gltf};
-use unrender::scene::Scene;
+use unrender::formats::{atomic, gltf, picture};
+use unrender::scene::{RgbImage, Scene};
 
 /// A point on an axis.
 pub(crate) struct Case {
@@ -18,8 +18,10 @@ pub(crate) struct Case {
     pub(crate) bounces: Option<usize>,
     /// Paths a pixel of the photograph.
     pub(crate) spp: u32,
-    /// Whether it is recovered without refinement, too.
-    pub(crate) ladder: bool,
+    /// Each pixel that is rendered stands so many times along each side of the photograph.
+    pub(crate) repeat: usize,
+    /// Whether a draft of it is recovered, too.
+    pub(crate) draft: bool,
 }
 
 /// What a recovery took.
@@ -35,8 +37,8 @@ pub(crate) struct Recovery {
 pub(crate) struct Cost {
     /// Seconds to make the photograph.
     pub(crate) rendering: f64,
-    /// Recovered with `--no-refine`.
-    pub(crate) ladder: Option<Recovery>,
+    /// Recovered with `--effort draft`.
+    pub(crate) draft: Option<Recovery>,
     /// As by default.
     pub(crate) full: Recovery,
 }
@@ -57,15 +59,20 @@ impl Case {
         let limit: Vec<&str> =
             bounces.iter().flat_map(|bounces| ["--bounces", bounces.as_str()]).collect();
         let flags = [&["--independent"], limit.as_slice()].concat();
-        let rendering = command.render(&scene, self.size, self.spp, &photo, &flags)?;
+        let size = (self.size.0 / self.repeat, self.size.1 / self.repeat);
+        let rendering = command.render(&scene, size, self.spp, &photo, &flags)?;
+        if self.repeat > 1 {
+            let (photograph, _) = picture::read(&photo)?;
+            picture::write_exr(&photo, &repeated(&photograph.values, self.repeat))?;
+        }
         let recover = |more: &[&str]| -> Result<Recovery, Failure> {
             let flags: Vec<&str> = limit.iter().chain(more).copied().collect();
             let (seconds, run) = command.recover(&project, &folder.join("out"), &flags)?;
             let mebibytes = run.peak_memory_bytes.map(|b| b as f64 / f64::from(1 << 20));
             Ok(Recovery { seconds, mebibytes })
         };
-        let ladder = self.ladder.then(|| recover(&["--no-refine"])).transpose()?;
-        Ok(Cost { rendering, ladder, full: recover(&[])? })
+        let draft = self.draft.then(|| recover(&["--effort", "draft"])).transpose()?;
+        Ok(Cost { rendering, draft, full: recover(&[])? })
     }
 
     fn project(&self) -> String {
@@ -77,4 +84,11 @@ impl Case {
             self.known, self.scene.brdf
         )
     }
+}
+
+/// The picture with each of its pixels `times` by `times` times.
+fn repeated(picture: &RgbImage, times: usize) -> RgbImage {
+    let (width, height) = (times * picture.width(), times * picture.height());
+    let at = |i: usize| picture.pixels()[i / width / times * picture.width() + i % width / times];
+    RgbImage::new(width, height, (0..width * height).map(at).collect())
 }

@@ -17,7 +17,7 @@ use unrender::scene::{Scene, WardModel};
 const MEMORY_GOAL: f64 = 2.0;
 
 /// Paths a pixel of the photographs.
-const SPP: u32 = 256;
+const SPP: u32 = 64;
 
 /// What grows.
 struct Axis {
@@ -76,6 +76,7 @@ fn matters_to_memory(name: &str) -> bool {
 
 fn axes(effort: Effort) -> Result<Vec<Axis>, Failure> {
     let fig8 = Scene { brdf: WardModel::WardGmd.into(), ..scenes::figure8()? };
+    let rendered = effort.pick(32, 512);
     let box_case = |value: usize, side: usize, bounces: Option<usize>| Case {
         value,
         scene: fig8.clone(),
@@ -83,7 +84,8 @@ fn axes(effort: Effort) -> Result<Vec<Axis>, Failure> {
         size: (side, side),
         bounces,
         spp: SPP,
-        ladder: true,
+        repeat: (side / rendered).max(1),
+        draft: true,
     };
     let (width, height) = effort.pick((32, 24), (256, 192));
     let room_case = |value: usize, triangles: usize, panels: usize| Case {
@@ -93,11 +95,12 @@ fn axes(effort: Effort) -> Result<Vec<Axis>, Failure> {
         size: (width, height),
         bounces: None,
         spp: SPP,
-        ladder: true,
+        repeat: 1,
+        draft: true,
     };
-    let sides: &[usize] = effort.pick(&[16, 32], &[64, 128, 256, 512]);
+    let sides: &[usize] = effort.pick(&[16, 32, 64], &[200, 512, 1024, 3584]);
     let triangles: &[usize] = effort.pick(&[500, 1000], &[1000, 10_000, 100_000, 1_000_000]);
-    let panels: &[usize] = effort.pick(&[1, 2], &[1, 4, 16]);
+    let panels: &[usize] = effort.pick(&[1, 2], &[1, 10, 25, 55]);
     let bounces: &[usize] = effort.pick(&[1, 4], &[1, 2, 4, 8]);
     let side = effort.pick(16, 256);
     Ok(vec![
@@ -134,7 +137,8 @@ fn large(effort: Effort) -> Case {
         bounces: None,
         // Many pixels say enough with a little noise in each.
         spp: 64,
-        ladder: false,
+        repeat: 1,
+        draft: false,
     }
 }
 
@@ -146,8 +150,8 @@ fn draw_time(measured: &Measured) -> Result<String, Failure> {
         "seconds",
         [
             ("recovery", |cost| Some(cost.full.seconds)),
-            ("recovery, --no-refine", |cost| Some(cost.ladder.as_ref()?.seconds)),
-            ("rendering, 256 spp", |cost| Some(cost.rendering)),
+            ("recovery, --effort draft", |cost| Some(cost.draft.as_ref()?.seconds)),
+            ("rendering, 64 spp", |cost| Some(cost.rendering)),
         ],
     )
 }
@@ -160,7 +164,7 @@ fn draw_memory(measured: &Measured) -> Result<String, Failure> {
         "MiB at most",
         [
             ("recovery", |cost| cost.full.mebibytes),
-            ("recovery, --no-refine", |cost| cost.ladder.as_ref()?.mebibytes),
+            ("recovery, --effort draft", |cost| cost.draft.as_ref()?.mebibytes),
         ],
     )
 }
@@ -198,19 +202,19 @@ fn text(measured: &[Measured], large: &Case, cost: Option<&Cost>) -> String {
         "",
         "rendering, s",
         "recovery, s",
-        "--no-refine, s",
+        "--effort draft, s",
         "recovery, MiB",
-        "--no-refine, MiB",
+        "--effort draft, MiB",
     ]);
     let mut row = |what: String, value: String, cost: &Cost| {
         let number = |n: Option<f64>| n.map_or("-".to_owned(), |n| format!("{n:.1}"));
-        let ladder = cost.ladder.as_ref();
+        let draft = cost.draft.as_ref();
         let numbers = [
             Some(cost.rendering),
             Some(cost.full.seconds),
-            ladder.map(|ladder| ladder.seconds),
+            draft.map(|draft| draft.seconds),
             cost.full.mebibytes,
-            ladder.and_then(|ladder| ladder.mebibytes),
+            draft.and_then(|draft| draft.mebibytes),
         ];
         rows.push([what, value].into_iter().chain(numbers.map(number)));
     };
@@ -240,6 +244,7 @@ fn text(measured: &[Measured], large: &Case, cost: Option<&Cost>) -> String {
 }
 
 const EXPLANATION: &str = "`recovery` is `unrender recover` as a process, `rendering` is `unrender \
-render --independent --spp 256` of the same view, which made the photograph. Memory is the most that the recovery \
-held at a time. Groups are those that are asked for. Figure 8 is read as ward-gmd here.
+render --independent --spp 64` of the same view, which made the photograph; of more than 512 x 512 pixels of Figure 8 each of \
+these stands several times along both sides. Memory is the most that the recovery held at a time. Groups are those that are \
+asked for. Figure 8 is read as ward-gmd here.
 ";

@@ -296,7 +296,9 @@ impl Driver<'_> {
             self.revise(state, &mut best, observer)?;
         }
         state.schedule.begin(Part::LastRefinement);
-        Ok(self.refine_once(state, &mut best, Depth::Fine, observer))
+        let termination = self.refine_once(state, &mut best, Depth::Fine, observer);
+        self.candidates.forget_explained(state);
+        Ok(termination)
     }
 
     /// The groups whose light differs between two scores: by more than the error of it that is always allowed for, as a

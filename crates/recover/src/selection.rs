@@ -23,7 +23,7 @@ use std::ops::Neg;
 /// Two sets of numbers of one hypothesis explain the evidence alike up to this difference of their squared residuals:
 /// beyond it the evidence for the better one is strong [Kass and Raftery 1995]. Half of it is called positive, double
 /// of it decisive.
-const STRONG: f64 = 6.0;
+pub(crate) const STRONG: f64 = 6.0;
 
 /// What one hypothesis gains beside another counts less so many standard deviations of the light's noise. At none, a
 /// plain ceiling of a real room becomes a lobe under one seed of six, for its noise; half and double of it were not

@@ -146,6 +146,18 @@ impl<'o> Candidates<'o> {
         }
     }
 
+    /// Forgets why groups have no texture that the refined numbers explain after all.
+    pub(crate) fn forget_explained(&self, state: &mut State<'_>) {
+        for group in state.visible_unknowns() {
+            let typical = error_of_others(state, group, BETTER).max(TYPICAL_MIN);
+            let limit = self.options.thresholds.textured.unwrap_or(TEXTURED * typical);
+            let of_group = &mut state.groups[group];
+            if of_group.likelihood.is_some_and(|left| left.error.share <= limit) {
+                of_group.untextured = None;
+            }
+        }
+    }
+
     /// Gives groups whose hypothesis is not among those that they may have the best one that is: nothing
     /// that the picture says speaks for the other.
     pub(crate) fn enforce(&mut self, state: &mut State<'_>, level: Level) {

@@ -14,7 +14,7 @@ use crate::problem::Options;
 use crate::refine::contenders::Rung;
 use crate::refine::side_by_side::{self, Choice, Criteria};
 use crate::sample_budget::Level;
-use crate::selection::{Comparison, Decision, explains_alike};
+use crate::selection::{Comparison, Decision, STRONG, explains_alike};
 use crate::state::State;
 
 /// So many other candidates are kept for where the picture speaks against what was chosen. At none, a
@@ -35,9 +35,11 @@ impl Fitted {
         &self.fits[self.decisions[0].chosen]
     }
 
-    /// The hypotheses that it may be as well.
+    /// The hypotheses that it may be as well: noise leaves them open, and there is no strong evidence against them.
     pub(super) fn undecided(&self) -> Vec<Hypothesis> {
-        self.decisions[0].open.iter().map(|i| self.fits[*i].hypothesis).collect()
+        let Decision { excess, open, .. } = &self.decisions[0];
+        let rivals = open.iter().filter(|i| excess[**i] <= STRONG);
+        rivals.map(|i| self.fits[*i].hypothesis).collect()
     }
 }
 

@@ -220,7 +220,7 @@ fn four_pairs_at_once_have_the_lobes_of_each() {
         scene.lights.push(Light { name: String::new(), kind });
     }
     let found = pairs(&scene);
-    assert!(found.len() % 4 != 0, "all lanes are full: {}", found.len());
+    assert!(!found.len().is_multiple_of(4), "all lanes are full: {}", found.len());
     let four = FourPairs::all(&found);
     let mut count = 0;
     for k in 0..2000 {
