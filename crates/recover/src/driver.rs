@@ -78,16 +78,17 @@ impl Driver<'_> {
         let mut best = self.verifier.verify(state);
         let first = state.snapshot();
         self.refine_once(state, &mut best, Depth::Rough, observer);
-        if !self.options.force
-            && let Some(off) = brightness::find(state, self.options, &first)
-        {
-            return Err(off.into());
-        }
+        let is_suspect =
+            !self.options.force && brightness::find(state, self.options, &first).is_some();
         let level = Level::Choice;
         self.candidates.enforce(state, level);
         best = self.verifier.verify(state);
         state.schedule.begin(Part::Choice);
         self.choose(state, &mut best, observer)?;
+        // While all is diffuse, what shines may pass for other light.
+        if is_suspect && let Some(off) = brightness::find(state, self.options, &first) {
+            return Err(off.into());
+        }
         if self.options.effort.asks_again() {
             self.branch(state, &mut best, observer)?;
             self.add_lacking(state, &mut best, observer)?;

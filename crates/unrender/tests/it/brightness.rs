@@ -1,4 +1,4 @@
-//! A scene whose light is a factor off is refused, with the factor, before any work is spent on it.
+//! A scene whose light is a factor off is refused, with the factor, once hypotheses were chosen and nothing refined.
 
 use crate::kit::example::beside_crates;
 use crate::kit::folder::{Folder, fails, stderr};
