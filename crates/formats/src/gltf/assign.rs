@@ -1,12 +1,11 @@
 //! The file that a scene came from, in which materials and lights are what the scene says.
 
 use super::Problem;
-use super::extensions::understood;
+use super::glb::Glb;
 use super::names::group_names;
 use super::source::Source;
 use super::ward::{self, object};
-use super::write::Glb;
-use super::{lights, material, transform};
+use super::{lights, material};
 use crate::{FileError, Input};
 use serde_json::{Value, json};
 use unrender_scene::{Rgb, Scene, Warnings};
@@ -54,55 +53,6 @@ fn with_materials(source: &Source, scene: &Scene) -> Result<Vec<u8>, Problem> {
     glb.finish()
 }
 
-impl Glb {
-    /// Everything that is in `source`, buffers and pictures inside.
-    pub(super) fn embedding(source: &Source) -> Self {
-        let mut glb = Self { root: source.json.clone(), bin: Vec::new() };
-        embed_buffers(&mut glb, source);
-        embed_images(&mut glb, source);
-        glb
-    }
-}
-
-/// Joins all buffers into one.
-fn embed_buffers(glb: &mut Glb, source: &Source) {
-    let mut starts = Vec::new();
-    for buffer in &source.buffers {
-        // Some accessors have elements of 16 bytes; readers like these aligned.
-        glb.bin.resize(glb.bin.len().next_multiple_of(16), 0);
-        starts.push(glb.bin.len());
-        glb.bin.extend_from_slice(buffer);
-    }
-    for (index, view) in source.document.buffer_views.iter().enumerate() {
-        let Some(&start) = starts.get(view.buffer) else { continue };
-        let json = object(&mut glb.root["bufferViews"][index]);
-        json.insert("buffer".into(), json!(0));
-        if start + view.byte_offset > 0 {
-            json.insert("byteOffset".into(), json!(start.saturating_add(view.byte_offset)));
-        }
-    }
-}
-
-/// Embeds the pictures that can be read; what is missing stays missing.
-fn embed_images(glb: &mut Glb, source: &Source) {
-    for (index, image) in source.document.images.iter().enumerate() {
-        if image.uri.is_none() || image.buffer_view.is_some() {
-            continue;
-        }
-        let Ok(bytes) = source.image(index) else { continue };
-        let view = glb.push_view(&bytes, None);
-        let is_jpeg = bytes.starts_with(&[0xFF, 0xD8]);
-        let is_png = bytes.starts_with(b"\x89PNG");
-        let json = object(&mut glb.root["images"][index]);
-        json.remove("uri");
-        json.insert("bufferView".into(), json!(view));
-        if is_png || is_jpeg || !json.contains_key("mimeType") {
-            let kind = if is_jpeg { "image/jpeg" } else { "image/png" };
-            json.insert("mimeType".into(), json!(kind));
-        }
-    }
-}
-
 /// Gives primitives without a material one called `name`.
 fn name_the_nameless(glb: &mut Glb, name: &str) {
     let index = glb.push("materials", json!({ "name": name }));
@@ -111,39 +61,6 @@ fn name_the_nameless(glb: &mut Glb, name: &str) {
         let primitives = mesh.get_mut("primitives").and_then(Value::as_array_mut);
         for primitive in primitives.into_iter().flatten() {
             object(primitive).entry("material").or_insert_with(|| json!(index));
-        }
-    }
-}
-
-/// Brings `extensionsUsed` and `extensionsRequired` up to what the materials and lights use.
-pub(super) fn list_extensions(root: &mut Value) {
-    let is_used = |root: &Value, name: &str| {
-        let materials = root["materials"].as_array();
-        root["extensions"].get(name).is_some()
-            || materials.is_some_and(|all| all.iter().any(|m| m["extensions"].get(name).is_some()))
-            || name == transform::EXTENSION && transform::is_used_in(&root["materials"])
-    };
-    // Meshes and nodes, of which these are, stay as they were.
-    let kept = ["KHR_mesh_quantization", "KHR_node_visibility"];
-    let ours = understood().filter(|name| !kept.contains(name));
-    let dropped = ["KHR_materials_pbrSpecularGlossiness", "KHR_materials_unlit"];
-    let mut lists = ["extensionsUsed", "extensionsRequired"].map(|key| {
-        let list = root[key].as_array().cloned().unwrap_or_default();
-        (key, list.iter().filter_map(|v| v.as_str().map(str::to_owned)).collect::<Vec<_>>())
-    });
-    for name in ours.chain(dropped) {
-        let used = is_used(root, name);
-        if !used {
-            lists.iter_mut().for_each(|(_, list)| list.retain(|n| n != name));
-        } else if !lists[0].1.iter().any(|n| n == name) {
-            lists[0].1.push(name.to_owned());
-        }
-    }
-    for (key, list) in lists {
-        if list.is_empty() {
-            object(root).remove(key);
-        } else {
-            root[key] = json!(list);
         }
     }
 }

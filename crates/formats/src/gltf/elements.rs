@@ -1,7 +1,7 @@
-//! The properties of glTF's elements that are known, and how they are taken.
+//! The properties of glTF's elements and the attributes of its vertices that are known, and how they are taken.
 //!
-//! What is read has a field in `document.rs`, which a test compares with this table. What has none is told, unless
-//! it is passed over here.
+//! What is read has a field in `document.rs`, which a test compares with the table of properties. What has none is
+//! told, unless it is passed over here.
 
 use crate::entry::{Entry, Table, Taken, near, passed, read, told};
 
@@ -29,6 +29,20 @@ pub(super) fn table() -> Table {
     let mut table = Table::new("glTF: properties", "element: property", []);
     ELEMENTS.iter().for_each(|element| table.add(element.name, element.properties));
     table
+}
+
+/// How the attribute `key` of vertices is taken, if it is known.
+pub(super) fn attribute(key: &str) -> Option<&'static Entry> {
+    let is_of = |row: &&Entry| match row.name.strip_suffix('n') {
+        Some(numbered) => key.starts_with(numbered),
+        None => key == row.name || row.name == "_" && key.starts_with('_'),
+    };
+    ATTRIBUTES.iter().find(is_of)
+}
+
+/// What is read of attributes.
+pub(super) fn attributes() -> Table {
+    Table::new("glTF: attributes of vertices", "attribute", ATTRIBUTES)
 }
 
 const fn element(kind: &'static str, name: &'static str, properties: &'static [Entry]) -> Element {
@@ -325,6 +339,18 @@ const ELEMENTS: &[Element] = &[
             told("anisotropyTexture", "it is left out"),
         ],
     ),
+];
+
+/// The attributes of vertices, and how they are taken; `n` is a number, and a `_` may be more.
+const ATTRIBUTES: &[Entry] = &[
+    read("POSITION", "where it is"),
+    read("NORMAL", "the normal; without them the triangles are flat"),
+    read("TANGENT", "the direction of highlights, and its handedness"),
+    read("TEXCOORD_n", "the set that a texture names"),
+    told("COLOR_n", "a surface has the colour of its material and its texture"),
+    passed("JOINTS_n", "told by the skin of the node"),
+    passed("WEIGHTS_n", "told by the skin of the node"),
+    passed("_", "what a program keeps for itself"),
 ];
 
 #[cfg(test)]

@@ -1,7 +1,9 @@
 //! The extensions of glTF: which are read, and what is said about the others.
 
-use super::transform;
 use crate::entry::{Entry, Table, Taken, find, read, refused as refusing, told};
+
+/// The name of the extension that moves, turns and scales textures.
+pub(super) const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 
 const TRANSPARENT: &str = "transparent surfaces are not modelled; they were taken as opaque";
 const OTHER_PICTURE: &str = "of each texture the PNG or JPEG picture was taken, where it has one";
@@ -16,7 +18,7 @@ const EXTENSIONS: &[Entry] = &[
     read("KHR_materials_anisotropy", "see its properties"),
     read("KHR_mesh_quantization", "positions, normals and texture coordinates as whole numbers"),
     read("KHR_node_visibility", "see its properties"),
-    read(transform::EXTENSION, "see its properties"),
+    read(TEXTURE_TRANSFORM, "see its properties"),
     told("KHR_materials_transmission", TRANSPARENT),
     told("KHR_materials_volume", TRANSPARENT),
     told("KHR_materials_dispersion", TRANSPARENT),

@@ -2,11 +2,11 @@
 
 use super::document::{Camera as CameraJson, Light as LightJson, Node};
 use super::geometry::unit;
+use super::glb::Glb;
 use super::graph::{Placed, placed_nodes};
 use super::names::{given, holder};
 use super::source::{Source, get};
 use super::ward::object;
-use super::write::Glb;
 use super::{Problem, units};
 use crate::LightUnits;
 use crate::numbers::color_and_factor;

@@ -3,7 +3,7 @@
 use super::Problem;
 use super::document::{Material as MaterialJson, TextureInfo};
 use super::source::Source;
-use super::{texture, unread, ward};
+use super::{tell, texture, ward};
 use crate::numbers::color_and_factor;
 use crate::texels;
 use glam::DVec3;
@@ -75,7 +75,7 @@ pub(super) fn set_emission(json: &mut Value, emission: Rgb) {
 }
 
 fn warn_of_the_unread(json: &MaterialJson, name: &str, warnings: &mut Warnings) {
-    unread::tell_material(json, name, warnings);
+    tell::material(json, name, warnings);
     if json.emissive_texture.is_some() {
         warnings.push(format!(
             "material \"{name}\": its emissiveTexture was ignored; it emits emissiveFactor all over."

@@ -8,7 +8,7 @@
 //! What a Ward material is in glTF's words, both ways, is the business of one file, `ward.rs`.
 //! To understand another extension: name it in the table of `extensions`, give it a field in
 //! `document` and rows in `elements`, and use the field where its owner (material, node, camera) is read. What has no field there is
-//! told (`unread`).
+//! told (`tell`).
 
 mod accessor;
 mod assign;
@@ -17,6 +17,7 @@ mod document;
 mod elements;
 mod extensions;
 mod geometry;
+mod glb;
 mod graph;
 mod lights;
 mod material;
@@ -24,6 +25,7 @@ mod names;
 mod place;
 mod read;
 mod source;
+mod tell;
 mod texture;
 mod transform;
 mod two_sided;
@@ -41,7 +43,7 @@ pub use write::{GlbError, to_glb, to_glb_as};
 /// What is read of glTF.
 pub(crate) fn tables() -> Vec<crate::entry::Table> {
     let [used, required] = extensions::tables();
-    vec![elements::table(), unread::attributes(), used, required]
+    vec![elements::table(), elements::attributes(), used, required]
 }
 
 /// What is wrong with a file and what to do, in one sentence without a full stop.

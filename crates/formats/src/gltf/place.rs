@@ -1,12 +1,13 @@
 //! The file that a scene came from, with one camera more.
 
 use super::Problem;
+use super::glb::Glb;
 use super::graph::{Placed, placed_nodes};
 use super::lights::camera_name;
 use super::names::holder;
 use super::source::Source;
 use super::ward::object;
-use super::write::Glb;
+use super::write::camera_node;
 use crate::{FileError, Input};
 use glam::DVec3;
 use serde_json::json;
@@ -40,7 +41,7 @@ fn placed(source: &Source, camera: &Camera, origin: DVec3) -> Result<Vec<u8>, Pr
         }
     }
     let mut glb = Glb::embedding(source);
-    let node = glb.camera_node(camera, origin);
+    let node = camera_node(&mut glb, camera, origin);
     let scene = glb.root["scene"].as_u64().unwrap_or(0) as usize;
     if glb.root["scenes"].get(scene).is_none() {
         return Err("has no scene to place a camera in; export it again".into());

@@ -3,7 +3,7 @@
 use super::graph::{Placed, placed_nodes};
 use super::names::{given, group_names, holder};
 use super::source::{Source, get};
-use super::{Problem, geometry, lights, material, two_sided, units, unread};
+use super::{Problem, geometry, lights, material, tell, two_sided, units};
 use crate::{FileError, Input};
 use std::collections::BTreeMap;
 use unrender_scene::{BrdfModel, Object, Scene, Warnings};
@@ -31,7 +31,7 @@ pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileEr
 fn scene(source: &Source) -> Result<(Scene, Warnings), Problem> {
     let document = &source.document;
     let mut warnings = Warnings::default();
-    unread::tell_document(document, &mut warnings);
+    tell::document(document, &mut warnings);
     let names = group_names(document, &mut warnings);
     let mut scene = Scene::default();
     for mut placed in placed_nodes(document)? {
@@ -52,7 +52,7 @@ fn read_node(
     let document = &source.document;
     let node = get(&document.nodes, placed.node, "node")?;
     let name = holder(document, placed);
-    unread::tell_node(document, node, warnings);
+    tell::node(document, node, warnings);
     if node.skin.is_some() {
         warnings.push("Skins were ignored; their meshes stand as they were modelled.");
     }

@@ -14,12 +14,10 @@
 
 use super::Problem;
 use super::document::{Document, TextureInfo};
+use super::extensions::TEXTURE_TRANSFORM;
 use glam::{DAffine2, DMat2, DVec2, Vec3, Vec4};
 use serde_json::{Value, json};
 use unrender_scene::Mesh;
-
-/// The name of the extension.
-pub(super) const EXTENSION: &str = "KHR_texture_transform";
 
 /// Which texture coordinates a material goes by, and how they are transformed.
 pub(super) struct Layout {
@@ -47,7 +45,7 @@ impl Layout {
         let transform = DAffine2::from_mat2_translation(matrix, DVec2::from_array(json.offset));
         if !transform.to_cols_array().iter().all(|number| (*number as f32).is_finite()) {
             return Err(format!(
-                "the {EXTENSION} of its material is not finite; export the scene again"
+                "the {TEXTURE_TRANSFORM} of its material is not finite; export the scene again"
             ));
         }
         let transform = (transform != DAffine2::IDENTITY).then_some(transform);
@@ -99,8 +97,8 @@ pub(super) fn texture_info(index: usize, former: Option<&Value>) -> Value {
     if let Some(set) = former["texCoord"].as_u64().filter(|set| *set != 0) {
         info["texCoord"] = json!(set);
     }
-    if let Some(transform) = former["extensions"].get(EXTENSION) {
-        info["extensions"] = json!({ EXTENSION: transform });
+    if let Some(transform) = former["extensions"].get(TEXTURE_TRANSFORM) {
+        info["extensions"] = json!({ TEXTURE_TRANSFORM: transform });
     }
     info
 }
@@ -108,7 +106,9 @@ pub(super) fn texture_info(index: usize, former: Option<&Value>) -> Value {
 /// Whether `json`, or something in it, has the extension.
 pub(super) fn is_used_in(json: &Value) -> bool {
     match json {
-        Value::Object(map) => map.iter().any(|(key, value)| key == EXTENSION || is_used_in(value)),
+        Value::Object(map) => {
+            map.iter().any(|(key, value)| key == TEXTURE_TRANSFORM || is_used_in(value))
+        }
         Value::Array(items) => items.iter().any(is_used_in),
         _ => false,
     }

@@ -3,14 +3,14 @@
 //! The vertices of a scene far from zero stay near it, and its nodes say where they are: those are numbers of
 //! JSON, in double precision.
 
-use super::{Problem, container, lights, material, texture, units, ward};
+use super::glb::Glb;
+use super::{Problem, lights, material, units, ward};
 use crate::LightUnits;
 use crate::numbers::{number, triple};
-use crate::texels;
 use glam::{Affine3A, DVec3, Mat3, Vec3};
 use serde_json::{Value, json};
 use unrender_scene::origin::in_digits;
-use unrender_scene::{Camera, Group, Light, LightKind, Material, Mesh, Object, Scene, Texture};
+use unrender_scene::{Camera, Group, Light, LightKind, Material, Mesh, Object, Scene};
 
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
@@ -48,7 +48,7 @@ pub fn to_glb_as(
 }
 
 fn build(scene: &Scene, shown: &[Material], units: LightUnits) -> Result<Vec<u8>, Problem> {
-    let mut glb = Glb { root: json!({}), bin: Vec::new() };
+    let mut glb = Glb::empty();
     glb.root["asset"] = json!({ "version": "2.0", "generator": "unrender" });
     if units != LightUnits::Radiometric {
         units::note(&mut glb.root, units);
@@ -65,7 +65,7 @@ fn build(scene: &Scene, shown: &[Material], units: LightUnits) -> Result<Vec<u8>
             nodes.push(glb.object_node(object, scene.origin)?);
         }
     }
-    nodes.extend(scene.cameras.iter().map(|camera| glb.camera_node(camera, scene.origin)));
+    nodes.extend(scene.cameras.iter().map(|camera| camera_node(&mut glb, camera, scene.origin)));
     nodes.extend(scene.lights.iter().map(|light| glb.light_node(light, scene.origin, units)));
     let indices: Vec<usize> = nodes.into_iter().map(|node| glb.push("nodes", node)).collect();
     // glTF forbids empty lists, this one as well.
@@ -74,64 +74,7 @@ fn build(scene: &Scene, shown: &[Material], units: LightUnits) -> Result<Vec<u8>
     glb.finish()
 }
 
-/// A glTF file in the making.
-pub(super) struct Glb {
-    /// The JSON.
-    pub(super) root: Value,
-    /// The one buffer.
-    pub(super) bin: Vec<u8>,
-}
-
 impl Glb {
-    /// Appends `item` to the list `key` of the JSON and returns its index.
-    pub(super) fn push(&mut self, key: &str, item: Value) -> usize {
-        let list = ward::object(&mut self.root).entry(key).or_insert_with(|| json!([]));
-        if !list.is_array() {
-            *list = json!([]);
-        }
-        list.as_array_mut().map_or(0, |items| {
-            items.push(item);
-            items.len() - 1
-        })
-    }
-
-    /// Appends `bytes` to the buffer and returns the index of their view.
-    pub(super) fn push_view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
-        self.bin.resize(self.bin.len().next_multiple_of(4), 0);
-        let mut view =
-            json!({ "buffer": 0, "byteOffset": self.bin.len(), "byteLength": bytes.len() });
-        if let Some(target) = target {
-            view["target"] = json!(target);
-        }
-        self.bin.extend_from_slice(bytes);
-        self.push("bufferViews", view)
-    }
-
-    /// Embeds `texture` as a PNG and returns the index of the glTF texture.
-    pub(super) fn push_texture(&mut self, texture: &Texture) -> Result<usize, Problem> {
-        let view = self.push_view(&texels::png(&texture.image)?, None);
-        let image = self.push("images", json!({ "bufferView": view, "mimeType": "image/png" }));
-        let sampler = self.push(
-            "samplers",
-            json!({
-                "wrapS": texture::wrap_code(texture.wrap_u),
-                "wrapT": texture::wrap_code(texture.wrap_v),
-            }),
-        );
-        Ok(self.push("textures", json!({ "sampler": sampler, "source": image })))
-    }
-
-    /// Lists the extensions of the materials, writes down the buffer, and packs both.
-    pub(super) fn finish(mut self) -> Result<Vec<u8>, Problem> {
-        super::assign::list_extensions(&mut self.root);
-        if !self.bin.is_empty() {
-            self.bin.resize(self.bin.len().next_multiple_of(4), 0);
-            self.root["buffers"] = json!([{ "byteLength": self.bin.len() }]);
-        }
-        let text = serde_json::to_vec(&self.root).map_err(|error| error.to_string())?;
-        container::join(&text, &self.bin)
-    }
-
     fn material(
         &mut self,
         group: &Group,
@@ -220,20 +163,6 @@ impl Glb {
         self.push("accessors", accessor)
     }
 
-    /// Lists `camera` and returns a node that places it, its position counted from `origin`.
-    pub(super) fn camera_node(&mut self, camera: &Camera, origin: DVec3) -> Value {
-        let mut perspective = json!({ "yfov": number(camera.fov_y_rad), "znear": 0.01 });
-        if let Some(aspect) = camera.aspect {
-            perspective["aspectRatio"] = json!(number(aspect));
-        }
-        let index = self.push(
-            "cameras",
-            json!({ "name": camera.name, "type": "perspective", "perspective": perspective }),
-        );
-        let matrix = matrix(&camera.world_from_camera, origin);
-        json!({ "name": camera.name, "camera": index, "matrix": matrix })
-    }
-
     fn light_node(&mut self, light: &Light, origin: DVec3, units: LightUnits) -> Value {
         let (json, place) = light_json(&light.kind, units);
         let mut json = json;
@@ -252,6 +181,20 @@ impl Glb {
             "extensions": { "KHR_lights_punctual": { "light": index } },
         })
     }
+}
+
+/// Lists `camera` in `glb` and returns a node that places it, its position counted from `origin`.
+pub(super) fn camera_node(glb: &mut Glb, camera: &Camera, origin: DVec3) -> Value {
+    let mut perspective = json!({ "yfov": number(camera.fov_y_rad), "znear": 0.01 });
+    if let Some(aspect) = camera.aspect {
+        perspective["aspectRatio"] = json!(number(aspect));
+    }
+    let index = glb.push(
+        "cameras",
+        json!({ "name": camera.name, "type": "perspective", "perspective": perspective }),
+    );
+    let matrix = matrix(&camera.world_from_camera, origin);
+    json!({ "name": camera.name, "camera": index, "matrix": matrix })
 }
 
 fn light_json(kind: &LightKind, units: LightUnits) -> (Value, Affine3A) {

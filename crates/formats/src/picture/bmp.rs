@@ -1,8 +1,9 @@
 //! What a BMP file says in its header that its decoder does not look at: its size in bytes, its colours, and the
 //! shape of its pixels.
 
-use super::budget::unbelievable;
-use super::profile;
+use super::claims::unbelievable;
+use super::icc;
+use super::primaries::of_primaries;
 use crate::entry::{Entry, read, refused};
 use unrender_scene::Profile;
 
@@ -68,12 +69,12 @@ pub(super) fn profile(bytes: &[u8]) -> Option<Profile> {
         b"DEBM" if length >= V5 => {
             let at = (u32_at(bytes, HEADER + 112)? as usize).checked_add(HEADER)?;
             let end = at.checked_add(u32_at(bytes, HEADER + 116)? as usize)?;
-            Some(profile::of_icc(bytes.get(at..end)?))
+            Some(icc::profile(bytes.get(at..end)?))
         }
-        b"KNIL" => Some(profile::not_understood("an ICC profile in another file".into())),
+        b"KNIL" => Some(icc::not_understood("an ICC profile in another file".into())),
         // Many programs say that there are primaries of its own, and then state none.
         [0, 0, 0, 0] if bytes.get(HEADER + 60..HEADER + 96)?.iter().any(|byte| *byte != 0) => {
-            Some(profile::not_understood("primaries of its own in its header".into()))
+            Some(of_primaries(None, "primaries of its own in its header"))
         }
         _ => None,
     }

@@ -1,7 +1,7 @@
 //! What a picture file claims, asked before its decoder allocates or works for it.
 
 use super::bmp;
-use super::read::{ALWAYS_BELIEVED_BYTES, MAX_UNPACKING};
+use super::claims::{plausible, unbelievable};
 use crate::input::Scope;
 use exr::meta::header::Header;
 use exr::meta::{BlockDescription, MetaData};
@@ -36,10 +36,6 @@ pub(crate) fn check(
         Some(ImageFormat::OpenExr) => exr(scope, bytes),
         _ => Ok(()),
     }
-}
-
-pub(super) fn unbelievable(width: u64, height: u64, file_bytes: u64) -> String {
-    format!("claims {width} x {height} pixels, which its {file_bytes} bytes cannot hold")
 }
 
 fn jpeg(bytes: &[u8]) -> Result<(), String> {
@@ -98,9 +94,4 @@ fn bytes_of(header: &Header, width: u64, height: u64) -> Option<u64> {
     let samples = header.channels.list.iter().map(|c| c.sample_type.bytes_per_sample() as u64);
     let each: u64 = samples.sum();
     width.checked_mul(height).and_then(|pixels| pixels.checked_mul(each.max(1)))
-}
-
-/// How many unpacked bytes a file of so many bytes may claim.
-pub(super) fn plausible(file_bytes: u64) -> u64 {
-    ALWAYS_BELIEVED_BYTES.max(file_bytes.saturating_mul(MAX_UNPACKING))
 }

@@ -1,7 +1,8 @@
 //! Colours that are declared by code points (PNG's chunk cICP): primaries, and the curve from light to codes
 //! [ITU-T H.273].
 
-use super::profile::{Corners, SAMPLES, matrix, of_primaries};
+use super::curves::sampled;
+use super::primaries::{Corners, matrix, of_primaries};
 use unrender_scene::Profile;
 use unrender_scene::color::linear_from_srgb;
 
@@ -36,8 +37,7 @@ pub(super) fn profile(data: &[u8]) -> Result<Profile, String> {
     if matrix_code != 0 {
         return Ok(not_understood(source));
     }
-    let code = |k| f32::from(k) / f32::from(SAMPLES - 1);
-    let curve: Vec<f32> = (0..SAMPLES).map(|k| curve(code(k))).collect();
+    let curve = sampled(curve);
     let curves = Some([curve.clone(), curve.clone(), curve]);
     Ok(Profile { curves, ..of_primaries(matrix(corners), &source) })
 }

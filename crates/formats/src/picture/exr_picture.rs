@@ -4,8 +4,7 @@
 //! window has no value, which is not the same as black, and what lies outside of the display window is left out.
 
 use super::exr_channels::{Chosen, choose};
-use super::read::{Decoded, MAX_PIXELS};
-use super::{Depth, Picture, budget, coverage, exr_refused, exr_says, pixel_shape};
+use super::{Decoded, Depth, Picture, claims, coverage, exr_refused, exr_says, pixel_shape};
 use crate::input::Scope;
 use exr::block::UncompressedBlock;
 use exr::block::lines::LineRef;
@@ -85,8 +84,9 @@ impl Canvas {
         if pixels == 0 {
             return Err("has no pixels".into());
         }
-        if pixels > MAX_PIXELS || pixels.saturating_mul(12) > budget::plausible(file_bytes) {
-            return Err(budget::unbelievable(width as u64, height as u64, file_bytes));
+        if pixels > claims::MAX_PIXELS || pixels.saturating_mul(12) > claims::plausible(file_bytes)
+        {
+            return Err(claims::unbelievable(width as u64, height as u64, file_bytes));
         }
         scope.charge(pixels.saturating_mul(EACH)).map_err(|problem| {
             format!("has {width} x {height} pixels and {problem}; or make the picture smaller")

@@ -1,7 +1,7 @@
 //! What the header of an EXR file says of its colours.
 
 use super::denoised;
-use super::profile::{matrix, of_primaries};
+use super::primaries::{matrix, of_primaries};
 use crate::entry::{Entry, read, refused, told};
 use exr::meta::attribute::AttributeValue;
 use exr::meta::header::Header;

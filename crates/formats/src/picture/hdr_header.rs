@@ -3,7 +3,7 @@
 //! Lines that begin with a blank are of the pictures that this one was made from, as Radiance's programs write
 //! them, and say nothing of this one.
 
-use super::profile::Corners;
+use super::primaries::Corners;
 use crate::entry::{Entry, find, passed, read as read_row};
 
 /// The lines that are looked at.

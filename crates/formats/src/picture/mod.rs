@@ -6,8 +6,10 @@
 mod bmp;
 mod budget;
 mod cicp;
+mod claims;
 mod codes;
 mod coverage;
+mod curves;
 mod denoised;
 mod embed;
 mod exif;
@@ -16,6 +18,7 @@ mod exr_picture;
 mod exr_refused;
 mod exr_says;
 mod hdr_header;
+mod icc;
 mod jpeg;
 mod layers;
 mod merged;
@@ -23,6 +26,7 @@ mod orientation;
 mod panorama;
 mod pixel_shape;
 mod png_chunks;
+mod primaries;
 mod profile;
 mod raw;
 mod read;
@@ -48,3 +52,9 @@ pub use read::{decode, read};
 pub(crate) use tables::tables;
 pub use unrender_scene::{Depth, Merged, Picture, Profile};
 pub use write::{write, write_exr, write_hdr, write_png_codes, write_png_srgb};
+
+/// A picture, and what the user should know of it, as ends of sentences about its file.
+struct Decoded {
+    picture: Picture,
+    notes: Vec<String>,
+}

@@ -2,8 +2,8 @@
 
 use super::tiff::{Directory, Tiff};
 use super::{
-    Picture, bmp, budget, codes, coverage, exr_picture, hdr_header, jpeg, merged, pixel_shape,
-    png_chunks, profile, raw, tiff_page, tiff_says,
+    Decoded, Picture, bmp, budget, claims, codes, coverage, exr_picture, hdr_header, jpeg, merged,
+    pixel_shape, png_chunks, primaries, profile, raw, tiff_page, tiff_says,
 };
 use crate::FileError;
 use crate::input::{Input, Scope};
@@ -12,15 +12,6 @@ use std::borrow::Cow;
 use std::io::Cursor;
 use std::path::Path;
 use unrender_scene::{Image, Rgb, Warnings};
-
-/// More pixels than any camera has today; beyond it a header is taken to be corrupt.
-pub(super) const MAX_PIXELS: u64 = 1 << 28;
-
-/// No decoder here unpacks a byte of a file to more bytes than this.
-pub(super) const MAX_UNPACKING: u64 = 4096;
-
-/// Files that claim less than this are plausible whatever their size.
-pub(super) const ALWAYS_BELIEVED_BYTES: u64 = 64 << 20;
 
 /// What is said of colours for a printer.
 const INKS: &str = "holds inks (CMYK), which were turned into red, green and blue without regard to what they \
@@ -49,12 +40,6 @@ pub(crate) fn read_in(scope: &Scope, path: &Path) -> Result<(Picture, Warnings),
 /// If the bytes are cut short, corrupt, or of a kind that is not read.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<(Picture, Warnings), FileError> {
     decode_in(&Scope::new(Input::from(path)), bytes, path)
-}
-
-/// A picture, and what the user should know of it, as ends of sentences about its file.
-pub(super) struct Decoded {
-    pub picture: Picture,
-    pub notes: Vec<String>,
 }
 
 fn decode_in(scope: &Scope, bytes: &[u8], path: &Path) -> Result<(Picture, Warnings), FileError> {
@@ -148,7 +133,7 @@ fn hdr(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
     }
     let source = "the line PRIMARIES= of its header";
     let stated =
-        header.primaries.map(|corners| profile::of_primaries(profile::matrix(corners), source));
+        header.primaries.map(|corners| primaries::of_primaries(primaries::matrix(corners), source));
     decoded.picture.profile = stated;
     decoded.picture.is_linear = true;
     let aspect = Some(1.0 / header.height_of_pixels);
@@ -274,8 +259,8 @@ fn check_size(decoder: &impl ImageDecoder, file_bytes: u64) -> Result<(), String
         return Err("has no pixels".into());
     }
     let unpacked = pixels.saturating_mul(u64::from(decoder.color_type().bytes_per_pixel()));
-    if pixels > MAX_PIXELS || unpacked > budget::plausible(file_bytes) {
-        return Err(budget::unbelievable(width.into(), height.into(), file_bytes));
+    if pixels > claims::MAX_PIXELS || unpacked > claims::plausible(file_bytes) {
+        return Err(claims::unbelievable(width.into(), height.into(), file_bytes));
     }
     Ok(())
 }

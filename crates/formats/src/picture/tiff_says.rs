@@ -1,6 +1,7 @@
 //! What a TIFF page says of its numbers: kind, coverage, missing values, colours.
 
-use super::profile::{Corners, SAMPLES, matrix, of_primaries};
+use super::curves::SAMPLES;
+use super::primaries::{Corners, matrix, of_primaries};
 use super::tiff::{Directory, Tiff, tag};
 use unrender_scene::Profile;
 

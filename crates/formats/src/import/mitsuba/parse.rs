@@ -3,7 +3,7 @@
 use super::elements::{PLUGINS, PROPERTIES};
 use super::motion::{self, Attributes, attribute, number, vector};
 use super::spectrum::Spectrum;
-use super::tree::{File, Place, Plugin, Property, Tree, Value, find};
+use super::tree::{DEPTH, File, Place, Plugin, Property, Tree, Value, find};
 use super::{plugins, references, upgrade};
 use crate::entry::find as find_entry;
 use crate::input::Scope;
@@ -17,10 +17,6 @@ use std::path::{Path, PathBuf};
 /// The tree of an XML text takes at most so many times its memory: `<a/>` becomes a node of 80 bytes,
 /// and `<rgb>` a property.
 const TEXT_TO_TREE: u64 = 64;
-
-/// Elements lie in one another, through includes and references too, at most so deep. Scenes have up
-/// to ten; each level takes a kilobyte or two of the stack, which has 2 MiB in threads.
-pub(super) const DEPTH: usize = 100;
 
 /// Files may include files so deep, as in Mitsuba.
 const INCLUDES: usize = 15;

@@ -1,7 +1,6 @@
 //! References of a tree: followed once all of it is read, so that what they name may stand anywhere.
 
-use super::parse::DEPTH;
-use super::tree::{Tree, Value};
+use super::tree::{DEPTH, Tree, Value};
 
 /// Replaces references by what they refer to; there may be no circles, and no long chains.
 pub(super) fn resolve(tree: &mut Tree) -> Result<(), String> {

@@ -13,6 +13,10 @@ use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+/// Elements lie in one another, through includes and references too, at most so deep. Scenes have up
+/// to ten; each level takes a kilobyte or two of the stack, which has 2 MiB in threads.
+pub(super) const DEPTH: usize = 100;
+
 /// Where something stands: a file of [`Tree::files`] and a line in it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {

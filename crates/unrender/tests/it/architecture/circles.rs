@@ -186,10 +186,6 @@ fn circle(families: &BTreeMap<String, BTreeMap<String, String>>) -> Option<Vec<S
     Some(ties.map(|(_, tie)| tie).collect())
 }
 
-/// Folders whose modules still import each other in circles.
-const OPEN: [&str; 3] =
-    ["crates/formats/src/gltf", "crates/formats/src/import/mitsuba", "crates/formats/src/picture"];
-
 #[test]
 fn modules_import_each_other_without_circles() {
     let crates = super::crates().into_iter().map(|name| format!("crates/{name}/src"));
@@ -205,14 +201,7 @@ fn modules_import_each_other_without_circles() {
             }
             let place = [std::slice::from_ref(&src), folder.as_slice()].concat().join("/");
             let circle = circle(&families);
-            if OPEN.contains(&place.as_str()) {
-                assert!(
-                    circle.is_some(),
-                    "{place} has no circle any more: it need not be named here"
-                );
-            } else {
-                assert!(circle.is_none(), "{place}: these imports are a circle: {circle:#?}");
-            }
+            assert!(circle.is_none(), "{place}: these imports are a circle: {circle:#?}");
         }
     }
 }

@@ -1,0 +1,114 @@
+//! Tells what a glTF file says and is not read: of the document, of each node with what it holds, of each material.
+
+use super::document::{Document, Material, Node, TextureInfo};
+use super::elements;
+use super::unread::{Unread, tell_extension};
+use crate::entry::Taken;
+use unrender_scene::Warnings;
+
+/// Tells what is not read of what all scenes of the file share.
+pub(super) fn document(document: &Document, warnings: &mut Warnings) {
+    let mut tell = |unread: &Unread, kind: &str| unread.tell(kind, warnings);
+    tell(&document.unread, "file");
+    tell(&document.asset.unread, "asset");
+    tell(&document.extensions.punctual.unread, "lights");
+    document.textures.iter().for_each(|texture| tell(&texture.unread, "textures"));
+    document.images.iter().for_each(|image| tell(&image.unread, "images"));
+    document.samplers.iter().for_each(|sampler| tell(&sampler.unread, "samplers"));
+    document.buffers.iter().for_each(|buffer| tell(&buffer.unread, "buffers"));
+    document.buffer_views.iter().for_each(|view| tell(&view.unread, "bufferViews"));
+    for accessor in &document.accessors {
+        tell(&accessor.unread, "accessors");
+        if let Some(sparse) = &accessor.sparse {
+            tell(&sparse.unread, "sparse accessors");
+            tell(&sparse.indices.unread, "sparse accessors");
+            tell(&sparse.values.unread, "sparse accessors");
+        }
+    }
+    if let Some(scene) = document.scenes.get(document.scene.unwrap_or(0)) {
+        tell(&scene.unread, "scenes");
+    }
+    if document.scenes.len() > 1 {
+        let count = document.scenes.len();
+        warnings.push(format!("Of the {count} scenes of the file only the default one was read."));
+    }
+    document.extensions.unread.tell_extensions(warnings);
+    document.extensions_used.iter().for_each(|name| tell_extension(name, warnings));
+}
+
+/// Tells what is not read of a node and of what it holds.
+pub(super) fn node(document: &Document, node: &Node, warnings: &mut Warnings) {
+    node.unread.tell("nodes", warnings);
+    node.extensions.unread.tell_extensions(warnings);
+    if let Some(visibility) = &node.extensions.visibility {
+        visibility.unread.tell("nodes", warnings);
+    }
+    if let Some(punctual) = &node.extensions.punctual {
+        punctual.unread.tell("nodes", warnings);
+        if let Some(light) = document.extensions.punctual.lights.get(punctual.light) {
+            light.unread.tell("lights", warnings);
+            light.spot.unread.tell("lights", warnings);
+        }
+    }
+    if let Some(camera) = node.camera.and_then(|index| document.cameras.get(index)) {
+        camera.unread.tell("cameras", warnings);
+        if let Some(perspective) = &camera.perspective {
+            perspective.unread.tell("perspective cameras", warnings);
+        }
+    }
+    let Some(mesh) = node.mesh.and_then(|index| document.meshes.get(index)) else { return };
+    mesh.unread.tell("meshes", warnings);
+    for primitive in &mesh.primitives {
+        primitive.unread.tell("meshes", warnings);
+        let material = primitive.material.and_then(|index| document.materials.get(index));
+        let material = material.and_then(|material| material.name.as_deref()).unwrap_or("");
+        primitive.attributes.others.keys().for_each(|key| tell_attribute(key, material, warnings));
+    }
+}
+
+/// Tells that the vertices of meshes of `material` have a `key` that is not read.
+fn tell_attribute(key: &str, material: &str, warnings: &mut Warnings) {
+    match elements::attribute(key) {
+        Some(row) if row.taken == Taken::WarnedOf => warnings.push(format!(
+            "material \"{material}\": the vertex colours ({key}) of its meshes were ignored; {}.",
+            row.done
+        )),
+        Some(_) => {}
+        None => {
+            warnings.push(format!("Of the meshes the attribute {key} is not read; it was ignored."))
+        }
+    }
+}
+
+/// Tells what is not read of the material called `name`.
+pub(super) fn material(json: &Material, name: &str, warnings: &mut Warnings) {
+    let mut tell = |unread: &Unread, of: &str| {
+        unread.tell_as("materials", &format!("Of material \"{name}\"{of}"), warnings);
+    };
+    tell(&json.unread, "");
+    let extensions = &json.extensions;
+    let of_extensions = [
+        ("emissive_strength", extensions.emissive_strength.as_ref().map(|e| &e.unread)),
+        ("ior", extensions.ior.as_ref().map(|e| &e.unread)),
+        ("specular", extensions.specular.as_ref().map(|e| &e.unread)),
+        ("anisotropy", extensions.anisotropy.as_ref().map(|e| &e.unread)),
+    ];
+    for (extension, unread) in of_extensions {
+        if let Some(unread) = unread {
+            tell(unread, &format!("'s KHR_materials_{extension}"));
+        }
+    }
+    let mut lists = vec![&extensions.unread];
+    if let Some(pbr) = &json.pbr_metallic_roughness {
+        tell(&pbr.unread, "");
+        let infos = [&pbr.base_color_texture, &pbr.metallic_roughness_texture];
+        for TextureInfo { extensions, unread, .. } in infos.into_iter().flatten() {
+            tell(unread, "'s texture");
+            if let Some(transform) = &extensions.transform {
+                tell(&transform.unread, "'s texture");
+            }
+            lists.push(&extensions.unread);
+        }
+    }
+    lists.into_iter().for_each(|list| list.tell_extensions(warnings));
+}

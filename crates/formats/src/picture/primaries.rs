@@ -1,0 +1,71 @@
+//! Primaries of linear values: their matrix to linear sRGB, and the profile of what has them.
+
+use glam::{DMat3, DVec3, Mat3};
+use unrender_scene::Profile;
+
+/// Primaries are the same if no linear value changes by more than this share of white.
+const SAME_PRIMARIES: f32 = 4e-3;
+/// Red, green, blue and white of sRGB [IEC 61966-2-1].
+const SRGB: Corners = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06], [0.3127, 0.3290]];
+/// The responses of the eye's cones to CIE XYZ by Bradford, by columns: what is white stays white by them.
+const BRADFORD: [[f64; 3]; 3] =
+    [[0.8951, -0.7502, 0.0389], [0.2664, 1.7135, -0.0685], [-0.1614, 0.0367, 1.0296]];
+
+/// Red, green, blue and white, each as CIE x and y.
+pub(super) type Corners = [[f32; 2]; 4];
+
+/// The profile of linear values with the primaries whose matrix to linear sRGB is `matrix`, if they have one.
+pub(super) fn of_primaries(matrix: Option<Mat3>, source: &str) -> Profile {
+    let understood = matrix.is_some();
+    Profile {
+        source: source.into(),
+        srgb_from_file: matrix.and_then(other),
+        curves: None,
+        understood,
+    }
+}
+
+/// Linear sRGB from linear values of these primaries, white to white; none if they span no colours.
+pub(super) fn matrix(corners: Corners) -> Option<Mat3> {
+    let [xyz, srgb] = [xyz_from(corners)?, xyz_from(SRGB)?];
+    let cones = DMat3::from_cols_array_2d(&BRADFORD);
+    let [from, to] = [cones * (xyz * DVec3::ONE), cones * (srgb * DVec3::ONE)];
+    let adapted = cones.inverse() * DMat3::from_diagonal(to / from) * cones;
+    let matrix = (srgb.inverse() * adapted * xyz).as_mat3();
+    (matrix.is_finite() && matrix.determinant().abs() > 1e-3).then_some(matrix)
+}
+
+/// CIE XYZ from linear values of these primaries; white has a luminance of one.
+fn xyz_from(corners: Corners) -> Option<DMat3> {
+    let [red, green, blue, white] = corners.map(|[x, y]| {
+        let [x, y] = [f64::from(x), f64::from(y)];
+        DVec3::new(x, y, 1.0 - x - y)
+    });
+    let directions = DMat3::from_cols(red, green, blue);
+    let lengths = directions.inverse() * (white / white.y);
+    let usable = directions.determinant().abs() > 1e-6 && lengths.is_finite() && white.y > 0.0;
+    usable.then(|| directions * DMat3::from_diagonal(lengths))
+}
+
+/// The matrix, if it changes anything.
+pub(super) fn other(matrix: Mat3) -> Option<Mat3> {
+    let same = (matrix - Mat3::IDENTITY).to_cols_array().iter().all(|m| m.abs() < SAME_PRIMARIES);
+    (!same).then_some(matrix)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn white_stays_white_and_srgb_has_nothing_to_convert() {
+        assert!(matrix(SRGB).and_then(other).is_none());
+        // CIE XYZ and the primaries of ACES are none that a screen has.
+        let xyz = matrix([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0], [1.0 / 3.0, 1.0 / 3.0]]).unwrap();
+        assert!((xyz * Vec3::ONE).abs_diff_eq(Vec3::ONE, 1e-4), "{xyz}");
+        let aces = matrix([[0.7347, 0.2653], [0.0, 1.0], [0.0001, -0.077], [0.32168, 0.33767]]);
+        assert!((aces.unwrap().x_axis.x - 2.5217).abs() < 5e-3, "{aces:?}");
+        assert!(matrix([[0.3, 0.3]; 4]).is_none() && matrix([[f32::NAN; 2]; 4]).is_none());
+    }
+}
