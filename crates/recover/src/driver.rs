@@ -85,8 +85,11 @@ impl Driver<'_> {
         best = self.verifier.verify(state);
         state.schedule.begin(Part::Choice);
         self.choose(state, &mut best, observer)?;
-        // While all is diffuse, what shines may pass for other light.
-        if is_suspect && let Some(off) = brightness::find(state, self.options, &first) {
+        // While all is diffuse, what shines may pass for other light. What an interrupted choice has found is kept.
+        if is_suspect
+            && !observer.is_cancelled()
+            && let Some(off) = brightness::find(state, self.options, &first)
+        {
             return Err(off.into());
         }
         if self.options.effort.asks_again() {

@@ -149,13 +149,17 @@ impl<'o> Candidates<'o> {
     /// Forgets why groups have no texture that the refined numbers explain after all.
     pub(crate) fn forget_explained(&self, state: &mut State<'_>) {
         for group in state.visible_unknowns() {
-            let typical = error_of_others(state, group, BETTER).max(TYPICAL_MIN);
-            let limit = self.options.thresholds.textured.unwrap_or(TEXTURED * typical);
+            let limit = self.textured_above(typical(state, group));
             let of_group = &mut state.groups[group];
             if of_group.likelihood.is_some_and(|left| left.error.share <= limit) {
                 of_group.untextured = None;
             }
         }
+    }
+
+    /// The model error above which a texture is tried, if the better ones of the other groups have the model error `typical`.
+    fn textured_above(&self, typical: f64) -> f64 {
+        self.options.thresholds.textured.unwrap_or(TEXTURED * typical)
     }
 
     /// Gives groups whose hypothesis is not among those that they may have the best one that is: nothing
@@ -192,14 +196,14 @@ impl<'o> Candidates<'o> {
         // What the model of the other groups gets wrong, it may get wrong here.
         let floor = &mut budget.allowance.floor;
         floor.share = floor.share.max(error_of_others(state, group, MIDDLE));
-        let typical = error_of_others(state, group, BETTER).max(TYPICAL_MIN);
+        let typical = typical(state, group);
         let most = light_of_others(state, group);
         let by = Gathering { options: self.options, group, most, budget };
         let asking = Asking {
             by,
             level,
             rejected: &self.rejected[group],
-            explained: self.options.thresholds.textured.unwrap_or(TEXTURED * typical),
+            explained: self.textured_above(typical),
             stands: sample_budget::is_light_to_spare(
                 level,
                 self.options,
@@ -235,7 +239,7 @@ impl<'o> Candidates<'o> {
         (chosen, typical): (Fit, f64),
     ) -> Option<Proposal> {
         let asked = self.options.thresholds.textured;
-        let (limit, textured_above) = (UNEXPLAINED * typical, asked.unwrap_or(TEXTURED * typical));
+        let (limit, textured_above) = (UNEXPLAINED * typical, self.textured_above(typical));
         let floor = evidence.judging.allowance.floor;
         let texture = if is_explained(&chosen, textured_above, floor) {
             None
@@ -329,6 +333,11 @@ impl<'o> Candidates<'o> {
         }
         None
     }
+}
+
+/// The model error of the better ones of the groups beside `group`.
+fn typical(state: &State<'_>, group: usize) -> f64 {
+    error_of_others(state, group, BETTER).max(TYPICAL_MIN)
 }
 
 /// The changes to what was chosen of `fitted`, each to be tried where the picture speaks against the one

@@ -27,7 +27,7 @@ pub(crate) struct Proposal {
     /// Whether it is the present hypothesis in another minimum, which explains the group better than the one
     /// that the present numbers lead to.
     pub(crate) is_other_minimum: bool,
-    /// Whether the group's own pixels bore it out, on paths that nothing was fitted on.
+    /// Whether it was chosen on paths that nothing was fitted on: the group's own pixels bear it out.
     pub(super) is_borne_out: bool,
     /// The share of model error below which what it gains does not count, if not that of all changes.
     pub(crate) least: Option<f64>,
@@ -47,20 +47,12 @@ impl Proposal {
         outliers: &[u32],
         next: Option<Box<Self>>,
     ) -> Self {
+        let to = (fit.hypothesis, fit.material.clone());
         Self {
-            group,
-            hypothesis: fit.hypothesis,
-            is_more_complex: fit.hypothesis > state.groups[group].hypothesis,
-            adds: added(state.groups[group].hypothesis, fit.hypothesis),
-            material: fit.material.clone(),
-            residual: fit.residual,
             likelihood: Some(fit.likelihood),
             outliers: outliers.to_vec(),
-            is_other_minimum: false,
-            is_borne_out: false,
-            least: None,
             next,
-            then: None,
+            ..Self::unasked(state, group, to, fit.residual)
         }
     }
 

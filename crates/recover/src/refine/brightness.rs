@@ -1,8 +1,9 @@
 //! Whether all light is a factor off: a lamp read in another unit, or an exposure that is not the photograph's. Then no
 //! reflectances explain the photograph, and the search for them is long and in vain.
 //!
-//! The reflectances of the present hypotheses are fitted twice on the same few paths, with the photograph's brightness as
-//! it is given and with a factor on it, one a channel. What is textured counts as uniform: textures explain any light.
+//! Reflectances are fitted twice on the same few paths: those of the present hypotheses with the photograph's brightness as
+//! it is given, and those of the first ones with a factor on it, one a channel. What is textured counts as uniform:
+//! textures explain any light.
 
 use super::passes::Passes;
 use super::unknowns::Unknowns;
@@ -38,8 +39,8 @@ const EXPLAINS: f64 = 0.4;
 /// explain nothing are up to 2.1.
 const NEAR: f32 = 1.5;
 
-/// The factor by which all light is off, if one explains far more than the present hypotheses do without; it is looked
-/// for from `first`, where all began. `state` stays as it is.
+/// The factor by which all light is off, if one with the hypotheses of `first`, where all began, explains far more than the
+/// present ones do without. `state` stays as it is.
 pub(crate) fn find(
     state: &mut State<'_>,
     options: &Options,

@@ -34,7 +34,7 @@ pub(crate) struct FourPairs {
     half_radius: Vec4,
     axis: Vec3x4,
     cos: Vec4,
-    /// The standard deviation of the half vector's slope twice, radians.
+    /// Twice the standard deviation of the half vector's slope, radians.
     of_gloss: Vec4,
 }
 
@@ -87,6 +87,7 @@ impl FourPairs {
         let is_beside =
             (here * self.height).cmpgt(Vec4::ZERO) & here.abs().cmpge(1e-4 * self.height.abs());
         let to_image = minus(self.image, point);
+        // As `Surface::is_above`, of four directions.
         let faces = |normal: Vec3| dot_one(to_image, normal).cmpgt(Vec4::ZERO);
         let is_above = faces(surface.geometric_normal) & faces(surface.frame.normal);
         let may_be = is_beside & is_above & self.are_not(surface.object);
