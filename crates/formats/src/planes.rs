@@ -79,10 +79,9 @@ pub fn read<'a>(input: impl Into<Input<'a>>) -> std::result::Result<Planes, File
     let input = input.into();
     let path = input.path;
     let fault = |problem: String| FileError::new(path, problem);
-    let corrupt =
-        |error: Error| fault(format!("is no EXR file, or cut short or corrupt ({error})"));
     let scope = Scope::new(input);
     let bytes = scope.read(path).map_err(fault)?;
+    let corrupt = |error: Error| fault(picture::exr_fault(&bytes, &error));
     let meta = MetaData::read_from_buffered(Cursor::new(&bytes), true).map_err(corrupt)?;
     let foreign = || fault("is an EXR file without the sums that unrender writes".into());
     let header = meta.headers.first().ok_or_else(foreign)?;

@@ -12,6 +12,7 @@ pub(crate) const MIDDLE: f64 = 0.5;
 /// of the other groups: it comes from the same lamps and walls. At half of it the group beside a wrong
 /// one gets a lobe, at double broad faint lobes pass for errors of the light.
 const LIKE_OTHERS: f64 = 2.0;
+
 /// The model error of the groups other than `group` below which a `share` of them lies; zero without
 /// others.
 pub(crate) fn error_of_others(state: &State<'_>, group: usize, share: f64) -> f64 {
@@ -25,7 +26,8 @@ fn of_others(
     share: f64,
     of: impl Fn(&Likelihood) -> f64,
 ) -> Option<f64> {
-    let others = state.visible_unknowns().into_iter().filter(|g| *g != group);
+    // Of groups that are known there is no doubt at all, and of those with a texture nothing is noted.
+    let others = (0..state.groups.len()).filter(|g| *g != group);
     let mut values: Vec<f64> =
         others.filter_map(|g| state.groups[g].likelihood.as_ref().map(&of)).collect();
     values.sort_by(f64::total_cmp);

@@ -158,18 +158,15 @@ impl Verifier {
 
     /// Notes in `state` how well its groups are explained.
     fn judge(&self, state: &mut State<'_>, score: &Score) {
-        let asked = state.visible_unknowns();
+        let unknown = state.visible_unknowns();
         for (sample, of_group) in self.groups.iter().zip(&score.groups) {
-            if !asked.contains(&sample.group) {
-                continue;
-            }
             let at = &mut state.groups[sample.group];
             if at.hypothesis == Hypothesis::Textured {
                 (at.residual, at.likelihood) = (None, None);
                 continue;
             }
             let field = LightField { least: self.allowance.light, ..sample.field.clone() };
-            at.residual = Some(of_group.residual);
+            at.residual = unknown.contains(&sample.group).then_some(of_group.residual);
             at.likelihood = Some(Likelihood::of(&of_group.residuals, &field, self.allowance.floor));
         }
     }
@@ -267,7 +264,8 @@ impl Verifier {
         let variance =
             |i: usize| photograph[i] + model_error * sample.level2[blocks.of_pixel[i] as usize];
         let of_halves = of_halves.each_ref().map(Vec::as_slice);
-        let within = Within::of(blocks, (of_halves, &light), variance, counts);
+        let of_light = model.each_ref().map(Vec::as_slice);
+        let within = Within::of(blocks, (of_halves, of_light), variance, counts);
         let squares = |i: usize| -> [f64; 3] {
             let weight = variance(i).recip();
             let of = |rgb: Rgb| f64::from((weight * rgb).element_sum());

@@ -6,74 +6,89 @@ use serde::{Deserialize, Serialize};
 use unrender_scene::Rgb;
 
 /// The squared differences of residuals from the means of their blocks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Within {
-    /// Their sum over pixels and channels, in units of their variance, as products of two renderings: free
-    /// of the renderings' noise.
-    pub(crate) squares: f64,
+    /// Their sum over a block's pixels and channels, in units of their variance, as products of two renderings: what
+    /// these add by their noise is as often less as it is more. One number a block.
+    squares: Vec<f64>,
     /// How many of them are independent.
     pub(crate) count: f64,
 }
 
 impl Within {
-    /// For the residuals of two renderings of the mean `light`, pixel by pixel of `blocks`, where a pixel `counts`.
+    /// For the `residuals` and the `light` of two renderings, pixel by pixel of `blocks`, where a pixel `counts`.
     /// What of a block's residuals goes with the light's own change over the block is left out: a lobe that is
-    /// a little too sharp or turned leaves that on the slope of a highlight, and a pattern does not.
+    /// a little too sharp or turned leaves that on the slope of a highlight, and a pattern does not. Each rendering's
+    /// residuals are held against the other's light: its own has the same noise, and goes with that.
     pub(crate) fn of(
         blocks: &Blocks,
-        ([a, b], light): ([&[Rgb]; 2], &[Rgb]),
+        (residuals, light): ([&[Rgb]; 2], [&[Rgb]; 2]),
         variance: impl Fn(usize) -> Rgb,
         counts: impl Fn(usize) -> bool + Copy,
     ) -> Self {
-        let [a, b, light] = [a, b, light]
-            .map(|values| from_means(values, &blocks.mean_where(values, counts), blocks));
-        let products = |values: &[Rgb]| -> Vec<Rgb> {
-            values.iter().zip(&light).map(|(value, light)| *value * *light).collect()
+        let from_means = |values: &[Rgb]| -> Vec<Rgb> {
+            let means = blocks.mean_where(values, counts);
+            let both = values.iter().zip(&blocks.of_pixel);
+            both.map(|(value, block)| *value - means[*block as usize]).collect()
         };
-        let power = blocks.mean_where(&products(&light), counts);
-        let slopes = [&a, &b].map(|residuals| {
-            let together = blocks.mean_where(&products(residuals), counts);
-            let slope = |(together, power): (&Rgb, &Rgb)| {
-                Rgb::select(power.cmpgt(Rgb::ZERO), *together / *power, Rgb::ZERO)
-            };
-            together.iter().zip(&power).map(slope).collect::<Vec<Rgb>>()
+        let [a, b] = [0, 1].map(|half| {
+            let (residuals, light) = (from_means(residuals[half]), from_means(light[1 - half]));
+            without_slope(blocks, &residuals, &light, counts)
         });
-        let mut within = Self::default();
+        let mut within = Self { squares: vec![0.0; blocks.len()], count: 0.0 };
         let mut counted = vec![0; blocks.len()];
         for (i, &block) in blocks.of_pixel.iter().enumerate().filter(|(i, _)| counts(*i)) {
-            let at = block as usize;
-            let product = (a[i] - slopes[0][at] * light[i]) * (b[i] - slopes[1][at] * light[i]);
-            let squares = product / variance(i).max(Rgb::splat(f32::MIN_POSITIVE));
-            within.squares += f64::from(squares.element_sum());
+            let squares = a[i] * b[i] / variance(i).max(Rgb::splat(f32::MIN_POSITIVE));
+            within.squares[block as usize] += f64::from(squares.element_sum());
             // The mean takes one of a block's, the slope another.
-            within.count += if counted[at] >= 2 { 3.0 } else { 0.0 };
-            counted[at] += 1;
+            let counted = &mut counted[block as usize];
+            within.count += if *counted >= 2 { 3.0 } else { 0.0 };
+            *counted += 1;
         }
         within
     }
 
     /// The squares over the variance that they were thought to have; one if nothing was counted.
     pub(crate) fn over_variance(&self) -> f64 {
-        if self.count > 0.0 { self.squares / self.count } else { 1.0 }
+        if self.count > 0.0 { self.squares.iter().sum::<f64>() / self.count } else { 1.0 }
     }
 
-    /// Whether this leaves so much less than `other` that `parameters` that fit chance do not, at so many
-    /// standard deviations.
+    /// Whether this leaves so much less than `other` that `parameters` that fit chance do not, at so many standard
+    /// deviations of what it gains: as far as it differs from block to block, by chance and by the renderings' noise.
     pub(crate) fn gains(&self, other: &Self, parameters: f64, deviations: f64) -> bool {
-        other.squares - self.squares > parameters + deviations * (2.0 * parameters).sqrt()
+        let gained = || other.squares.iter().zip(&self.squares).map(|(other, mine)| other - mine);
+        let sum: f64 = gained().sum();
+        let mean = sum / self.squares.len().max(1) as f64;
+        let variance: f64 = gained().map(|gain| (gain - mean).powi(2)).sum();
+        sum > parameters + deviations * variance.sqrt()
     }
 }
 
-/// `values`, pixel by pixel of `blocks`, less the `means` of their blocks.
-fn from_means(values: &[Rgb], means: &[Rgb], blocks: &Blocks) -> Vec<Rgb> {
-    let both = values.iter().zip(&blocks.of_pixel);
-    both.map(|(value, block)| *value - means[*block as usize]).collect()
+/// `residuals` without what goes with `light` over each block, both less the means of their blocks.
+fn without_slope(
+    blocks: &Blocks,
+    residuals: &[Rgb],
+    light: &[Rgb],
+    counts: impl Fn(usize) -> bool + Copy,
+) -> Vec<Rgb> {
+    let with_light = |values: &[Rgb]| {
+        let products: Vec<Rgb> = values.iter().zip(light).map(|(v, l)| *v * *l).collect();
+        blocks.mean_where(&products, counts)
+    };
+    let slope = |(together, power): (Rgb, Rgb)| {
+        Rgb::select(power.cmpgt(Rgb::ZERO), together / power, Rgb::ZERO)
+    };
+    let slopes: Vec<Rgb> =
+        with_light(residuals).into_iter().zip(with_light(light)).map(slope).collect();
+    let both = residuals.iter().zip(light).zip(&blocks.of_pixel);
+    both.map(|((residual, light), block)| *residual - slopes[*block as usize] * *light).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::blocks::Grid;
+    use unrender_render::sampler::mix;
 
     const SIDE: usize = 12;
 
@@ -85,7 +100,7 @@ mod tests {
         let residuals: Vec<Rgb> =
             (0..SIDE * SIDE).map(|i| Rgb::splat(share * deviation * sign(i))).collect();
         let light = vec![Rgb::ONE; SIDE * SIDE];
-        Within::of(&blocks, ([&residuals, &residuals], &light), |_| Rgb::ONE, |_| true)
+        Within::of(&blocks, ([&residuals; 2], [&light; 2]), |_| Rgb::ONE, |_| true)
     }
 
     #[test]
@@ -96,9 +111,28 @@ mod tests {
         let light: Vec<Rgb> =
             (0..SIDE * SIDE).map(|i| Rgb::splat(10.0 * (i % SIDE) as f32)).collect();
         let residuals: Vec<Rgb> = light.iter().map(|light| 0.2 * *light).collect();
-        let within =
-            Within::of(&blocks, ([&residuals, &residuals], &light), |_| Rgb::ONE, |_| true);
-        assert!(within.squares.abs() < 1e-3, "{}", within.squares);
+        let within = Within::of(&blocks, ([&residuals; 2], [&light; 2]), |_| Rgb::ONE, |_| true);
+        assert!(within.over_variance().abs() < 1e-4, "{}", within.over_variance());
+    }
+
+    #[test]
+    fn noise_of_the_renderings_leaves_nothing() {
+        const SIDE: usize = 60;
+        let pixels: Vec<u32> = (0..(SIDE * SIDE) as u32).collect();
+        let blocks = Blocks::of(&pixels, &Grid::even(SIDE, 30));
+        // Even numbers in (-1, 1), of deviation 0.577: others in each half.
+        let noise = |half: u64| -> Vec<Rgb> {
+            let at = |i: u64| (mix(2 * i + half) >> 40) as f32 / (1u64 << 23) as f32 - 1.0;
+            pixels.iter().map(|i| Rgb::splat(at(u64::from(*i)))).collect()
+        };
+        let light = [0, 1].map(noise);
+        let residuals = light.each_ref().map(|l| l.iter().map(|v| -*v).collect::<Vec<Rgb>>());
+        let both = [&residuals, &light].map(|of| of.each_ref().map(Vec::as_slice));
+        let within = Within::of(&blocks, (both[0], both[1]), |_| Rgb::splat(1.0 / 3.0), |_| true);
+        // A product of two such numbers has the deviation of one in units of this variance.
+        let chance = (3.0 * f64::from((SIDE * SIDE) as u32)).sqrt() * 3f64.sqrt();
+        let sum: f64 = within.squares.iter().sum();
+        assert!(sum.abs() < 3.0 * chance, "{sum} of {chance}");
     }
 
     #[test]

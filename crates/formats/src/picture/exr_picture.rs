@@ -4,7 +4,8 @@
 //! window has no value, which is not the same as black, and what lies outside of the display window is left out.
 
 use super::exr_channels::{Chosen, choose};
-use super::{Decoded, Depth, Picture, claims, coverage, exr_refused, exr_says, pixel_shape};
+use super::exr_refused::fault;
+use super::{Decoded, Depth, Picture, claims, coverage, exr_says, pixel_shape};
 use crate::input::Scope;
 use exr::block::UncompressedBlock;
 use exr::block::lines::LineRef;
@@ -26,7 +27,7 @@ const EACH: u64 = 12 + 1 + 4 + 8;
 /// If the file is cut short, corrupt, too large, or has no picture that is read, as the end of a sentence about it.
 pub(super) fn read(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
     let reader =
-        exr::block::read(Cursor::new(bytes), false).map_err(|error| fault(bytes, error))?;
+        exr::block::read(Cursor::new(bytes), false).map_err(|error| fault(bytes, &error))?;
     let chosen = choose(reader.headers())?;
     let header = reader.headers()[chosen.part].clone();
     let mut canvas = Canvas::new(scope, &header, bytes.len() as u64)?;
@@ -35,10 +36,10 @@ pub(super) fn read(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
     };
     let blocks = reader
         .filter_chunks(false, wanted)
-        .map_err(|error| fault(bytes, error))?
+        .map_err(|error| fault(bytes, &error))?
         .sequential_decompressor(false);
     for block in blocks {
-        let block = block.map_err(|error| fault(bytes, error))?;
+        let block = block.map_err(|error| fault(bytes, &error))?;
         canvas.put(&header, &chosen, &block);
     }
     let mut decoded = canvas.finish(&header)?;
@@ -51,17 +52,6 @@ pub(super) fn read(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
     decoded.notes.extend(exr_says::notes(&header));
     decoded.picture.profile = exr_says::profile(&header);
     Ok(decoded)
-}
-
-fn fault(bytes: &[u8], error: exr::error::Error) -> String {
-    let unsupported = match &error {
-        exr::error::Error::NotSupported(what) => Some(format!(
-            "is a kind of EXR file that is not read ({what}); save R, G and B with ZIP"
-        )),
-        _ => None,
-    };
-    let kind = exr_refused::kind(bytes).or(unsupported);
-    kind.unwrap_or_else(|| format!("is cut short or corrupt ({error})"))
 }
 
 /// The display window while it fills.

@@ -21,9 +21,25 @@ struct Said {
     compression: u8,
 }
 
+/// What is wrong with the EXR in `bytes`, which the decoder refused with `error`, as the end of a sentence about it.
+pub(crate) fn fault(bytes: &[u8], error: &exr::error::Error) -> String {
+    let magic = exr::meta::magic_number::BYTES;
+    if !bytes.starts_with(&magic[..magic.len().min(bytes.len())]) {
+        return "is no EXR file".into();
+    }
+    let unsupported = match error {
+        exr::error::Error::NotSupported(what) => Some(format!(
+            "is a kind of EXR file that is not read ({what}); save R, G and B with ZIP"
+        )),
+        _ => None,
+    };
+    let kind = kind(bytes).or(unsupported);
+    kind.unwrap_or_else(|| "is cut short or corrupt; copy it or save it once more".into())
+}
+
 /// What kind of file the EXR in `bytes` is, as the end of a sentence about it, where its headers are whole and say
 /// something that the decoder does not know.
-pub(super) fn kind(bytes: &[u8]) -> Option<String> {
+fn kind(bytes: &[u8]) -> Option<String> {
     let said = headers(bytes)?;
     let channels = listed(&said.channels);
     if said.is_deep {

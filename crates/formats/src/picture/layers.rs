@@ -6,6 +6,7 @@
 //! `unrenderLayers` has the names as they are, a JSON array of pairs of channel prefix and name.
 
 use super::budget;
+use super::exr_refused::fault;
 use crate::input::{Input, Scope};
 use crate::{FileError, atomic};
 use exr::meta::MetaData;
@@ -100,8 +101,7 @@ pub fn read_layers<'a>(input: impl Into<Input<'a>>) -> Result<Vec<LightLayer>, F
 }
 
 fn layers_of(scope: &Scope, bytes: &[u8]) -> Result<Vec<LightLayer>, String> {
-    let corrupt =
-        |error: exr::error::Error| format!("is no EXR file, or cut short or corrupt ({error})");
+    let corrupt = |error: exr::error::Error| fault(bytes, &error);
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), true).map_err(corrupt)?;
     let foreign =
         || "has no light layers; `unrender render --layers` writes a file that has".to_owned();

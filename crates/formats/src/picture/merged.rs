@@ -6,6 +6,7 @@
 //! is none of ours, whatever its channels are called. The frames' primaries become the standard attribute
 //! `chromaticities`.
 
+use super::exr_refused::fault;
 use crate::{FileError, atomic};
 use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, Chromaticities};
@@ -78,7 +79,7 @@ fn chromaticities(srgb_from_file: Mat3) -> Chromaticities {
 /// What [`write_merged`] wrote beside the values of the EXR in `bytes`: variances and white level, and which
 /// pixels have no value. None if it is another file, an error if it lacks them.
 pub(super) fn read_merged(bytes: &[u8]) -> Result<Option<(Merged, Vec<usize>)>, String> {
-    let corrupt = |error: exr::error::Error| format!("is cut short or corrupt ({error})");
+    let corrupt = |error: exr::error::Error| fault(bytes, &error);
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(corrupt)?;
     let Some(header) = meta.headers.first() else { return Ok(None) };
     let white_level = match header.own_attributes.other.get(WHITE_LEVEL.as_bytes()) {

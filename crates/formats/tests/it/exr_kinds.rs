@@ -106,6 +106,15 @@ fn kinds_that_are_not_read_say_which_channels_they_have() {
 }
 
 #[test]
+fn what_was_cut_short_is_to_be_copied_again() {
+    let bytes = exr(&[part("", &[("R", 1.0), ("G", 2.0), ("B", 3.0)])]);
+    for left in [9, bytes.len() / 2, bytes.len() - 1] {
+        let said = refusal(&bytes[..left]);
+        assert!(said.ends_with("is cut short or corrupt; copy it or save it once more"), "{said}");
+    }
+}
+
+#[test]
 fn damaged_headers_never_panic() {
     let deep = exr_head(&[("R", 1), ("G", 1), ("B", 1)], 3, "deepscanline");
     let colours = [("R", 1.0), ("G", 2.0), ("B", 3.0), ("A", 0.0)];

@@ -7,6 +7,7 @@
 //! what comes of it where the whole picture is better for it.
 
 use super::proposal::Proposal;
+use super::unexplained;
 use crate::hypothesis::Hypothesis;
 use crate::model_error::ModelError;
 use crate::state::State;
@@ -34,26 +35,16 @@ impl Kind {
 }
 
 /// The hypothesis of another kind that came nearest to the present one, for the group that leaves most of the picture
-/// unexplained; not those of `tried`. None where no group leaves more than the model error that is always `allowed` for
-/// leaves of the whole picture.
+/// unexplained beyond what is `allowed` for ([`unexplained`]); not those of `tried`.
 pub(crate) fn next(
     state: &State<'_>,
     allowed: ModelError,
     tried: &[(usize, Kind)],
 ) -> Option<Proposal> {
-    let left = |group: usize, error: f64| {
-        error * error * state.observation.pixels_of_group[group].len() as f64
-    };
-    let least: f64 = state.visible_unknowns().iter().map(|group| left(*group, allowed.share)).sum();
-    let unexplained = |group: usize| {
-        Kind::of(state.groups[group].hypothesis)?;
-        let error = state.groups[group].likelihood?.error.share;
-        Some((group, left(group, error))).filter(|(_, left)| *left > least)
-    };
-    let mut groups: Vec<(usize, f64)> =
-        state.visible_unknowns().into_iter().filter_map(unexplained).collect();
-    groups.sort_by(|a, b| b.1.total_cmp(&a.1));
-    groups.into_iter().find_map(|(group, _)| other_kind(state, group, tried))
+    let unexplained = unexplained::groups(state, allowed).into_iter();
+    let mut groups =
+        unexplained.filter(|group| Kind::of(state.groups[*group].hypothesis).is_some());
+    groups.find_map(|group| other_kind(state, group, tried))
 }
 
 /// The nearest hypothesis of `group` that is of a kind which is neither its own nor was tried.

@@ -3,9 +3,10 @@
 //! A lobe of the floor is seen on the walls, and the floor's own pixels may hardly tell it from none: asked by themselves, the
 //! floor stays diffuse and the walls wrong. So where the whole picture stays unexplained, a score test
 //! ([`crate::refine::score_test`]) says which diffuse group would explain most of it by a specular part, whatever its own
-//! pixels say. The driver gives it one and keeps that where the whole picture is better for it.
+//! pixels say. The driver gives it one and keeps that where the other groups' pixels are explained better for it.
 
 use super::proposal::Proposal;
+use super::unexplained;
 use crate::hypothesis::Hypothesis;
 use crate::model_error::ModelError;
 use crate::problem::Options;
@@ -20,15 +21,14 @@ use unrender_scene::Rgb;
 const SHAPES: [Option<f32>; 3] = [None, Some(0.1), Some(0.3)];
 
 /// For each diffuse group the specular part by which it explains most of the whole picture, those that explain more first; not
-/// of those that were `tried`. None where no group leaves more than the model error that is always `allowed` for leaves of the
-/// whole picture.
+/// of those that were `tried`. None where no group stays unexplained beyond what is `allowed` for ([`unexplained`]).
 pub(crate) fn all(
     state: &mut State<'_>,
     options: &Options,
     allowed: ModelError,
     tried: &[usize],
 ) -> Vec<Proposal> {
-    if !is_unexplained(state, allowed) {
+    if unexplained::groups(state, allowed).is_empty() {
         return Vec::new();
     }
     let mut most: BTreeMap<usize, (Option<f32>, Gain)> = BTreeMap::new();
@@ -54,17 +54,4 @@ pub(crate) fn all(
         Some(Proposal::unasked(state, group, to, state.groups[group].residual?))
     };
     most.into_iter().filter_map(proposal).collect()
-}
-
-/// Whether a group leaves more than the model error that is always `allowed` for leaves of all together.
-fn is_unexplained(state: &State<'_>, allowed: ModelError) -> bool {
-    let left = |group: &usize, error: f64| {
-        error * error * state.observation.pixels_of_group[*group].len() as f64
-    };
-    let groups = state.visible_unknowns();
-    let least: f64 = groups.iter().map(|group| left(group, allowed.share)).sum();
-    groups.iter().any(|group| {
-        let error = state.groups[*group].likelihood.map_or(0.0, |l| l.error.share);
-        state.groups[*group].hypothesis != Hypothesis::Textured && left(group, error) > least
-    })
 }

@@ -11,3 +11,4 @@ mod evidence_pair;
 pub(crate) mod lacking;
 pub(crate) mod proposal;
 pub(crate) mod textures;
+mod unexplained;

@@ -12,9 +12,10 @@ use super::system::System;
 use super::unknowns::Unknowns;
 use crate::effort::Effort;
 use crate::fit::quadratic::{Bounds, minimise};
-use crate::hypothesis::Hypothesis;
+use crate::hypothesis::{self, Hypothesis};
 use crate::problem::Options;
 use crate::sample_budget::TOGETHER;
+use crate::selection::parameters;
 use crate::state::{Snapshot, State};
 use crate::unknown::{Quantity, Unknown};
 use nalgebra::DVector;
@@ -64,9 +65,11 @@ pub(crate) fn with_specular(rho_d: Rgb, rho_s: Rgb, alpha: Option<f32>) -> (Hypo
     }
 }
 
-/// How much better `specular` explains the photograph than `diffuse`, which differ by what `group` is beside numbers of
-/// others, in standard deviations: the mean gain of a cell over its spread [Vuong 1989], on paths that both have in common and
-/// that none was fitted on. `state` is afterwards what it was.
+/// How much better the pixels of the groups other than `group` are explained where it is what it is in the state `specular`
+/// than where it is diffuse, in standard deviations: the mean gain of a cell, less what the parameters that it has more cost
+/// [Schwarz 1978], over its spread [Vuong 1989], on paths that both have in common and that none was fitted on. Its own
+/// pixels do not count: they were asked by themselves, where what changes slowly over them may be an error of the light, and
+/// that is what a lobe without need explains. `state` is afterwards what it was.
 pub(crate) fn certainty(
     state: &mut State<'_>,
     options: &Options,
@@ -88,15 +91,19 @@ pub(crate) fn certainty(
     state.look_at_photograph();
     let normal = Normal::of(&mine, &unknowns, state.materials.len());
     let dependence = dependence(&mine, &normal.weights);
-    let (mut gain, mut variance) = (0.0, 0.0);
-    for ((mine, other), weight) in mine.iter().zip(&other).zip(&normal.weights) {
+    let (mut gain, mut variance, mut independent) = (0.0, 0.0, 0.0);
+    let cells = mine.iter().zip(&other).zip(&normal.weights);
+    for ((mine, other), weight) in cells.filter(|((mine, _), _)| mine.group != group) {
         let square = |[a, b]: [Rgb; 2]| *weight * a * b;
         let more = square(other.residuals) - square(mine.residuals);
-        let more = f64::from(more.element_sum());
-        gain += more;
-        variance += dependence[&mine.group] * more * more;
+        let (more, share) = (f64::from(more.element_sum()), dependence[&mine.group].recip());
+        gain += share * more;
+        variance += share * more * more;
+        independent += share;
     }
-    gain / variance.sqrt().max(f64::MIN_POSITIVE)
+    let free = |snapshot: &Snapshot| parameters(hypothesis::of(snapshot.material(group)));
+    let cost = (free(specular) - free(diffuse)) * f64::max(independent, 1.0).ln();
+    (gain - cost) / variance.sqrt().max(f64::MIN_POSITIVE)
 }
 
 /// A draft's paths, drawn from the materials of `state`; they do not end on what these say is not diffuse.

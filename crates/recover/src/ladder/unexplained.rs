@@ -1,0 +1,21 @@
+//! Which groups stay unexplained, beside the whole picture.
+
+use crate::model_error::ModelError;
+use crate::state::State;
+
+/// The unknown groups of which each leaves more of the picture than all of them would leave by the model error that is
+/// always `allowed` for: those that leave most first.
+pub(super) fn groups(state: &State<'_>, allowed: ModelError) -> Vec<usize> {
+    let unknown = state.visible_unknowns();
+    let left = |group: usize, error: f64| {
+        error * error * state.observation.pixels_of_group[group].len() as f64
+    };
+    let least: f64 = unknown.iter().map(|group| left(*group, allowed.share)).sum();
+    let leaves = |group: usize| {
+        let error = state.groups[group].likelihood?.error.share;
+        Some((group, left(group, error))).filter(|(_, left)| *left > least)
+    };
+    let mut groups: Vec<(usize, f64)> = unknown.iter().filter_map(|group| leaves(*group)).collect();
+    groups.sort_by(|a, b| b.1.total_cmp(&a.1));
+    groups.into_iter().map(|(group, _)| group).collect()
+}
