@@ -4,6 +4,8 @@
 use crate::kit::folder::{Folder, succeeds};
 use crate::kit::meshes::{add, cuboid, quad};
 use glam::{DVec3, Vec3};
+use serde_json::Value;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use unrender::formats::{gltf, picture};
 use unrender::photo::Exposure;
@@ -107,6 +109,49 @@ fn a_room_far_away_has_the_picture_of_one_near_zero() {
             assert!((share - 1.0).abs() < 2e-3, "{share} at {at} by {camera}");
         }
     }
+}
+
+/// What is recovered from `photograph` of the room there: each group's rho_d.
+fn recovered(at: DVec3, photograph: &RgbImage) -> BTreeMap<String, [f64; 3]> {
+    let folder = folder(at);
+    picture::write_exr(&folder.path("p.exr"), photograph).unwrap();
+    let text = format!(
+        "scene = \"s.glb\"\nphoto = \"p.exr\"\nresponse = \"linear\"\nexposure = 1\n{}",
+        cameras(at)[0]
+    );
+    folder.write("a.toml", &text);
+    let flags = ["--effort", "draft", "--quiet", "--spp", "2"];
+    succeeds(&folder.run(&[&["recover", "a.toml", "--out", "out"], &flags[..]].concat()));
+    let materials = std::fs::read_to_string(folder.path("out/materials.json")).unwrap();
+    let materials: Value = serde_json::from_str(&materials).unwrap();
+    let groups = materials["groups"].as_object().unwrap().iter();
+    let asked = groups.filter(|(_, group)| group["status"] != "known");
+    let rho_d = |group: &Value| [0, 1, 2].map(|channel| group["rho_d"][channel].as_f64().unwrap());
+    asked.map(|(name, group)| (name.clone(), rho_d(group))).collect()
+}
+
+#[test]
+fn what_is_recovered_far_away_is_what_is_recovered_near_zero() {
+    let scene = room(DVec3::ZERO);
+    let near = job(&folder(DVec3::ZERO), &cameras(DVec3::ZERO)[0]);
+    let photograph = picture_of(&near.scene, &near.camera);
+    let wanted = recovered(DVec3::ZERO, &photograph);
+    assert_eq!(wanted.len(), 6);
+    for group in scene.groups.iter().filter(|group| wanted.contains_key(&group.name)) {
+        let off = distance(group.material.rho_d.to_array().map(f64::from), wanted[&group.name]);
+        assert!(off < 0.005, "{off} of {}", group.name);
+    }
+    for at in [PLACES[1], PLACES[3]] {
+        for (name, rho_d) in recovered(at, &photograph) {
+            let off = distance(rho_d, wanted[&name]);
+            assert!(off < 0.0003, "{name} at {at}: {rho_d:?}, {:?}", wanted[&name]);
+        }
+    }
+}
+
+/// The largest difference of a channel.
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 #[test]
