@@ -24,7 +24,10 @@ pub(super) fn frustum(ends: [Vec3; 2], radii: [f32; 2]) -> Mesh {
     let mut mesh = Mesh::default();
     for (end, j) in (0..2).flat_map(|end| (0..=AROUND).map(move |j| (end, j))) {
         let u = j as f32 / AROUND as f32;
-        let (sin, cos) = (TAU * u).sin_cos();
+        // At a point the triangle between two corners of the other circle faces the middle between these.
+        let half = [0.5, -0.5][end] / AROUND as f32;
+        let facing = if radii[end] > 0.0 { u } else { u + half };
+        let (sin, cos) = (TAU * facing).sin_cos();
         let outwards = cos * x + sin * y;
         // It leans towards the narrower end.
         let lean = (radii[0] - radii[1]) * axis;
@@ -122,4 +125,27 @@ pub(super) fn joined(meshes: impl Iterator<Item = Mesh>) -> Mesh {
         all.uvs.resize(all.positions.len(), Vec2::ZERO);
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::frustum;
+    use glam::Vec3;
+
+    #[test]
+    fn a_cone_faces_where_its_triangles_face() {
+        let ends = [Vec3::ZERO, Vec3::new(0.0, 0.0, 1.7)];
+        for radii in [[0.4, 0.0], [0.0, 0.4], [0.4, 0.15], [0.3, 0.3]] {
+            let mesh = frustum(ends, radii);
+            for triangle in &mesh.triangles {
+                let [a, b, c] = triangle.map(|i| mesh.positions[i as usize]);
+                let flat = (b - a).cross(c - a).normalize();
+                let smooth: Vec3 = triangle.map(|i| mesh.normals[i as usize]).iter().sum();
+                // A corner at a side's end is half a segment, 2.8 degrees, from its middle.
+                let sideways = if radii[0] * radii[1] > 0.0 { 0.018 } else { 1e-5 };
+                assert!(flat.dot(smooth.normalize()) > 0.9995, "{radii:?}");
+                assert!(flat.cross(smooth.normalize()).z.abs() < sideways, "{radii:?}");
+            }
+        }
+    }
 }

@@ -1,5 +1,5 @@
-//! Small scenes in Mitsuba's words, which use every element that is read: each group is as bright in Mitsuba's own
-//! picture as in ours.
+//! Small scenes in the words of Mitsuba and of Radiance, which use every element that is read: each group is as bright
+//! in the other program's own picture as in ours.
 //!
 //! Beside the words of the elements, a scene says in its comments what is told of it (`told: WORDS`), and which
 //! groups are not held to the limit as that is told of them (`approximated: GROUP`).
@@ -13,20 +13,23 @@ use unrender::scene::{Image, Rgb};
 
 const SIZE: (usize, usize) = (96, 72);
 /// What the mean of a group may be off by.
-const LIMIT: f32 = 0.03;
+const LIMIT: f32 = 0.02;
 /// The pixels that a group must have.
 const LEAST: usize = 40;
 
-/// The scene `name` in a folder of its own as `scene.xml`, beside all that it may name.
-fn copied(name: &str) -> (Folder, PathBuf) {
+/// The scene `name` of a program in a folder of its own as `scene`, beside all that it may name.
+fn copied(program: &str, name: &str) -> (Folder, PathBuf) {
     let folder = Folder::new();
-    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/external/scenes/mitsuba");
-    for entry in std::fs::read_dir(&from).unwrap() {
-        let path = entry.unwrap().path();
-        std::fs::copy(&path, folder.path(path.file_name().unwrap())).unwrap();
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/external/scenes");
+    for from in [from.join("mitsuba"), from.join(program)] {
+        for entry in std::fs::read_dir(&from).unwrap() {
+            let path = entry.unwrap().path();
+            std::fs::copy(&path, folder.path(path.file_name().unwrap())).unwrap();
+        }
     }
-    let path = folder.path("scene.xml");
-    std::fs::copy(from.join(name), &path).unwrap();
+    let from = folder.path(name);
+    let path = folder.path("scene").with_extension(from.extension().unwrap());
+    std::fs::copy(from, &path).unwrap();
     // Not alike under any reflection.
     let tiles = Image::from_fn(16, 16, |x, y| {
         let red = if (x / 4 + y / 4) % 2 == 0 { 0.8 } else { 0.1 };
@@ -37,6 +40,7 @@ fn copied(name: &str) -> (Folder, PathBuf) {
         Rgb::new(0.2 + x as f32 / 40.0, 0.3, 0.9 - y as f32 / 30.0) + sun
     });
     picture::write(&folder.path("tiles.png"), &tiles).unwrap();
+    picture::write(&folder.path("tiles.hdr"), &tiles).unwrap();
     picture::write(&folder.path("sky.exr"), &sky).unwrap();
     (folder, path)
 }
@@ -47,9 +51,8 @@ fn said<'a>(text: &'a str, key: &str) -> Vec<&'a str> {
     text.lines().filter_map(behind).map(|words| words.trim_end_matches("-->").trim()).collect()
 }
 
-fn is_as_bright(name: &str, spp: u32) {
-    let Some(program) = need(Program::installed(Target::Mitsuba)) else { return };
-    let (folder, path) = copied(name);
+fn is_as_bright(program: &Program, (from, name): (&str, &str), spp: u32) {
+    let (folder, path) = copied(from, name);
     let text = std::fs::read_to_string(&path).unwrap();
     let (scene, warnings) = load_scene(&path).unwrap_or_else(|error| panic!("{name}: {error}"));
     let told = said(&text, "told: ");
@@ -58,6 +61,7 @@ fn is_as_bright(name: &str, spp: u32) {
     }
     assert_eq!(warnings.0.len(), told.len(), "{name}: {warnings:?}");
     let camera = &scene.cameras[0];
+    folder.write("render.sh", RENDER);
     let theirs = program.picture(folder.root(), spp).unwrap();
     let ours = our_picture(&scene, camera, SIZE, spp);
     let rows = compare(&scene, camera, &ours, &theirs, LEAST);
@@ -89,7 +93,31 @@ fn is_as_bright(name: &str, spp: u32) {
 #[test]
 #[ignore = "slow: needs Mitsuba 3, which .ci/programs installs"]
 fn every_element_of_mitsuba_is_as_bright_as_mitsuba_has_it() {
+    let Some(program) = need(Program::installed(Target::Mitsuba)) else { return };
     for name in ["shapes", "emitters", "reflectances", "textures", "names"] {
-        is_as_bright(&format!("{name}.xml"), 1024);
+        is_as_bright(&program, ("mitsuba", &format!("{name}.xml")), 1024);
+    }
+}
+
+/// How Radiance makes its picture: 16 finer pixels for each, light reflected up to 24 times, nothing kept from one
+/// pixel for the next, all lamps in small pieces.
+const RENDER: &str = "set -e
+cd \"$(dirname \"$0\")\"
+export RAYPATH=.:$RAYPATH
+picture=$1
+shift
+[ -e plate.rtm ] || obj2mesh plate.obj plate.rtm
+oconv scene.rad > scene.oct
+rpict -vf view.vf -x 384 -y 288 -pa 0 -ps 1 -pj 1 -ab 24 -aa 0 -as 0 -ss 2 -st 0 -lr -30 -lw 0.02 -dj 1 \
+    -ds 0.03 -dt 0 -dc 1 -dr 2 -u+ -bv+ \"$@\" scene.oct > fine.hdr
+pfilt -1 -e 1 -b -x /4 -y /4 fine.hdr > \"$picture\"
+";
+
+#[test]
+#[ignore = "slow: needs Radiance, which .ci/programs installs"]
+fn every_element_of_radiance_is_as_bright_as_radiance_has_it() {
+    let Some(program) = need(Program::installed(Target::Radiance)) else { return };
+    for name in ["surfaces", "lamps", "materials", "patterns", "sky", "commands"] {
+        is_as_bright(&program, ("radiance", &format!("{name}.rad")), 512);
     }
 }
