@@ -7,12 +7,14 @@
 //! one cannot be had, its rows say so. To add a claim, write a module with a `measure` beside
 //! [`traversal`] and name it in [`Claim`].
 //!
-//! Five requests are no claims of speed: [`real`] and [`corpus`] recover from photographs that the program did
+//! Six requests are no claims of speed: [`real`] and [`corpus`] recover from photographs that the program did
 //! not make, [`one_unknown`] is an experiment in seconds on one group at a time, [`noise`] says how noisy our
-//! light is, before a change of the renderer and after it, and [`stored_paths`] what paths cost that are kept.
+//! light is, before a change of the renderer and after it, [`stored_paths`] what paths cost that are kept, and
+//! [`halves`] what half and double of a constant do.
 
 mod command;
 mod corpus;
+mod halves;
 mod machine;
 mod noise;
 mod one_unknown;
@@ -64,6 +66,8 @@ enum Other {
     Corpus(corpus::CorpusRequest),
     /// Recovers one group at a time while all others have their true materials.
     OneUnknown(one_unknown::OneUnknownRequest),
+    /// Recovers tiny scenes with half and double of the recovery's constants.
+    Halves(halves::HalvesRequest),
     /// Measures how noisy our light is, scene by scene and group by group.
     Noise(noise::NoiseRequest),
     /// Measures stored paths: what recording and replaying them cost, beside tracing them.
@@ -128,6 +132,7 @@ fn run(request: &Request) -> Result<(), Failure> {
         Some(Other::Real(real)) => return real::run(real),
         Some(Other::Corpus(corpus)) => return corpus::run(corpus),
         Some(Other::OneUnknown(one_unknown)) => return one_unknown::run(one_unknown),
+        Some(Other::Halves(halves)) => return halves::run(halves),
         Some(Other::Noise(noise)) => return noise::run(noise),
         Some(Other::Stored(stored)) => return stored_paths::run(stored),
         None => {}
