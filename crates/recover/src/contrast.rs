@@ -39,6 +39,9 @@ pub struct Contrast {
     pub noise: f64,
     /// The share of the blocks that are independent of each other.
     pub independent: f64,
+    /// What a model that fits everything takes away of residuals that are chance: the squares of all of them but for the
+    /// renderings' noise, which products of two do not hold.
+    pub chance: f64,
 }
 
 /// A model is wrong if what it gains is less by so many standard deviations than what a right one does. At
@@ -85,8 +88,20 @@ impl Contrast {
         });
         let independent = independent_share(blocks, &covariance.standardised());
         let noise = noise(&covariance, [mine, other].map(|side| side.residuals));
-        Self { difference, separation: square(&apart), noise, independent }
+        let chance = chance(residuals, likelihood.error);
+        Self { difference, separation: square(&apart), noise, independent, chance }
     }
+}
+
+/// How many squares of `residuals` are not the renderings' noise, in units of their variance.
+fn chance(residuals: &BlockResiduals, error: ModelError) -> f64 {
+    let of_block = |k: usize| {
+        let model = (error.share * error.share) as f32 * residuals.level2[k];
+        let variance = (residuals.noise[k] + model).max(Rgb::splat(f32::MIN_POSITIVE));
+        let rendering = residuals.rendering[k].min(residuals.noise[k]);
+        f64::from((Rgb::ONE - rendering / variance).element_sum())
+    };
+    (0..residuals.noise.len()).map(of_block).sum()
 }
 
 /// The variance of the difference of the squared residuals of two models by the renderings' noise.
@@ -199,6 +214,22 @@ mod tests {
         assert!(gain(Contrast::of_pattern, slow) < 10.0);
         // Three channels of 400 blocks, seven deviations each.
         assert!(gain(Contrast::of_pattern, stripes) > 20_000.0);
+    }
+
+    #[test]
+    fn noise_of_the_renderings_is_nothing_to_be_fitted() {
+        let error = ModelError { share: 0.02 };
+        let mut side = residuals(|_, _| 0.0);
+        let all = 3.0 * (SIDE * SIDE) as f64;
+        assert!((chance(&side, error) / all - 1.0).abs() < 1e-5);
+        // As much as the model error, and a hundred times as much.
+        for times in [1.0, 100.0] {
+            let levels = side.level2.clone();
+            side.rendering = levels.iter().map(|level| times * 0.02 * 0.02 * *level).collect();
+            side.noise.clone_from(&side.rendering);
+            let share = f64::from(1.0 / (1.0 + times));
+            assert!((chance(&side, error) / (share * all) - 1.0).abs() < 1e-3);
+        }
     }
 
     #[test]

@@ -27,7 +27,7 @@ use unrender_render::GeometryBuffers;
 use unrender_scene::Rgb;
 
 /// How much model error is allowed for before anything else is called wrong.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Allowance {
     /// That of the incident light, slow over a surface.
     pub light: LightError,

@@ -1,8 +1,7 @@
 //! What the other groups say of one: how wrong the model and the incident light usually are in this scene.
 
-use crate::likelihood::Likelihood;
 use crate::model_error::LightError;
-use crate::state::State;
+use crate::state::{GroupState, State};
 
 /// Candidates are distinguished down to the model error of the middle one of the other groups. At the lower
 /// quartile, the errors of lamps that are only roughly modelled pass for lobes in real scenes; at the upper one,
@@ -16,7 +15,14 @@ const LIKE_OTHERS: f64 = 2.0;
 /// The model error of the groups other than `group` below which a `share` of them lies; zero without
 /// others.
 pub(crate) fn error_of_others(state: &State<'_>, group: usize, share: f64) -> f64 {
-    of_others(state, group, share, |likelihood| likelihood.error.share).unwrap_or(0.0)
+    of_others(state, group, share, |of| Some(of.likelihood?.error.share)).unwrap_or(0.0)
+}
+
+/// What the groups other than `group` leave of their pixels, relatively and without noise, below which a `share` of them
+/// lies; zero without others. Noise that is larger than what is left takes it below zero as often as above.
+pub(crate) fn left_by_others(state: &State<'_>, group: usize, share: f64) -> f64 {
+    let left = |of_group: &GroupState| of_group.residual.map(|residual| residual.squared);
+    of_others(state, group, share, left).unwrap_or(0.0).max(0.0).sqrt()
 }
 
 /// The quantile at `share` of what `of` says of the other groups; none without others.
@@ -24,12 +30,11 @@ fn of_others(
     state: &State<'_>,
     group: usize,
     share: f64,
-    of: impl Fn(&Likelihood) -> f64,
+    of: impl Fn(&GroupState) -> Option<f64>,
 ) -> Option<f64> {
     // Of groups that are known there is no doubt at all, and of those with a texture nothing is noted.
     let others = (0..state.groups.len()).filter(|g| *g != group);
-    let mut values: Vec<f64> =
-        others.filter_map(|g| state.groups[g].likelihood.as_ref().map(&of)).collect();
+    let mut values: Vec<f64> = others.filter_map(|g| of(&state.groups[g])).collect();
     values.sort_by(f64::total_cmp);
     values.get((share * values.len() as f64) as usize).copied()
 }
@@ -37,6 +42,6 @@ fn of_others(
 /// The largest error of the incident light that fits of `group` may call upon; no limit without
 /// others.
 pub(crate) fn light_of_others(state: &State<'_>, group: usize) -> LightError {
-    let others = of_others(state, group, MIDDLE, |likelihood| likelihood.light.share);
+    let others = of_others(state, group, MIDDLE, |of| Some(of.likelihood?.light.share));
     LightError { share: others.map_or(f64::INFINITY, |share| LIKE_OTHERS * share) }
 }

@@ -300,14 +300,17 @@ impl<'a> State<'a> {
         open: &[usize],
         done: f64,
     ) -> &IterationRecord {
-        let error = |s: &GroupState| s.residual.map_or(0.0, |r| r.relative());
+        let is_asked = |group: usize| self.problem.groups[group].role == Role::Unknown;
+        let error = |group: usize| {
+            self.groups[group].residual.filter(|_| is_asked(group)).map(|r| r.relative())
+        };
         let record = IterationRecord {
             refining: false,
             iteration: self.iterations.len() + 1,
             change,
-            worst_error: self.groups.iter().map(error).fold(0.0, f64::max),
+            worst_error: (0..self.groups.len()).filter_map(error).fold(0.0, f64::max),
             open_groups: self.names(open),
-            groups: self.group_iterations(|g| self.groups[g].residual.map(|r| r.relative())),
+            groups: self.group_iterations(error),
             done: self.schedule.share(done),
         };
         self.iterations.push(record);

@@ -92,12 +92,17 @@ struct GroupScore {
     residuals: BlockResiduals,
     /// Whether most of a block's pixels are outliers: its residuals are zero then.
     outlier: Vec<bool>,
-    /// The share of model error below which nothing counts.
-    floor: f64,
+    /// The model error below which nothing counts.
+    least: Allowance,
     /// What is left within blocks, beyond a model error of [`FLOOR`].
     within: Within,
     /// How far its pixels are from the photograph.
     residual: ResidualStats,
+}
+
+/// The model error of which a `share` is allowed from block to block.
+fn allowance(share: f64) -> Allowance {
+    Allowance { light: LightError { share: LIGHT * share }, floor: ModelError { share } }
 }
 
 /// A state that was verified, with its score.
@@ -158,7 +163,6 @@ impl Verifier {
 
     /// Notes in `state` how well its groups are explained.
     fn judge(&self, state: &mut State<'_>, score: &Score) {
-        let unknown = state.visible_unknowns();
         for (sample, of_group) in self.groups.iter().zip(&score.groups) {
             let at = &mut state.groups[sample.group];
             if at.hypothesis == Hypothesis::Textured {
@@ -166,7 +170,7 @@ impl Verifier {
                 continue;
             }
             let field = LightField { least: self.allowance.light, ..sample.field.clone() };
-            at.residual = unknown.contains(&sample.group).then_some(of_group.residual);
+            at.residual = Some(of_group.residual);
             at.likelihood = Some(Likelihood::of(&of_group.residuals, &field, self.allowance.floor));
         }
     }
@@ -201,7 +205,7 @@ impl Verifier {
             let halves = halves.each_ref().map(|half| &half[range.clone()]);
             let is_textured = state.groups[sample.group].hypothesis == Hypothesis::Textured;
             let floor = if is_textured { TEXTURED_FLOOR.max(self.floor) } else { self.floor };
-            self.group(state, (&state.observation.status, floor), sample, halves)
+            self.group(state, (&state.observation.status, allowance(floor)), sample, halves)
         };
         Score { groups: self.groups.iter().map(of_group).collect() }
     }
@@ -222,11 +226,11 @@ impl Verifier {
     }
 
     /// The score of one group's sample, of which the pixels count that `status` says, if nothing counts below
-    /// the share `floor`.
+    /// the `least` model error.
     fn group(
         &self,
         state: &State<'_>,
-        (status, floor): (&Image<PixelStatus>, f64),
+        (status, least): (&Image<PixelStatus>, Allowance),
         sample: &Sample,
         halves: [&[Rgb]; 2],
     ) -> GroupScore {
@@ -285,7 +289,7 @@ impl Verifier {
         let missing = vec![Rgb::ZERO; blocks.len()];
         let light = smooth;
         let residuals = BlockResiduals { residual, noise, rendering, half, missing, level2, light };
-        GroupScore { residuals, outlier, floor, within, residual: residual_stats }
+        GroupScore { residuals, outlier, least, within, residual: residual_stats }
     }
 
     /// The groups whose light differs between the scores `mine` and `other` by more than the `share` of
@@ -334,8 +338,8 @@ impl Verifier {
                 let appearance = Appearance { materials: &materials, lights: &state.lights };
                 let settings = Settings { spp: self.own_spp, ..self.settings };
                 let halves = self.render(appearance, state, &sample.pixels, &settings);
-                let floor = least.unwrap_or(OWN_FLOOR);
-                self.group(state, (status, floor), sample, halves.each_ref().map(Vec::as_slice))
+                let least = least.unwrap_or_else(|| allowance(OWN_FLOOR));
+                self.group(state, (status, least), sample, halves.each_ref().map(Vec::as_slice))
             })
         };
         let [mine, other] = &state.steps.value("own verification", rendered);
@@ -346,8 +350,10 @@ impl Verifier {
         let contrast = sample.contrast(mine, other, contrast);
         let independent = contrast.independent * sample.blocks.len() as f64;
         let asks = if is_textured {
-            // The squares of as many residuals as it can take away, and chance.
-            3.0 * independent + WORSE * (2.0 * 3.0 * independent).sqrt()
+            // The squares that it takes away of residuals that are chance, and as much as these and noise may be more.
+            let chance = contrast.independent * contrast.chance;
+            let noise = contrast.independent.powi(2) * contrast.noise;
+            chance + WORSE * (2.0 * chance + noise).sqrt()
         } else {
             adds * independent.max(1.0).ln()
         };
@@ -384,14 +390,13 @@ impl Sample {
         other: &GroupScore,
         of: impl Fn(&Blocks, [&Side<'_>; 2]) -> Contrast,
     ) -> Contrast {
-        let field = |score: &GroupScore| {
-            let least = LightError { share: LIGHT * score.floor };
-            LightField { least, ..self.field.clone() }
-        };
+        let field =
+            |score: &GroupScore| LightField { least: score.least.light, ..self.field.clone() };
         let fields = [field(mine), field(other)];
-        let sides = [(mine, &fields[0]), (other, &fields[1])].map(|(score, field)| {
-            let floor = ModelError { share: score.floor };
-            Side { residuals: &score.residuals, field, floor }
+        let sides = [(mine, &fields[0]), (other, &fields[1])].map(|(score, field)| Side {
+            residuals: &score.residuals,
+            field,
+            floor: score.least.floor,
         });
         let contrast = of(&self.blocks, sides.each_ref());
         let outliers = |score: &GroupScore| score.outlier.iter().filter(|o| **o).count() as f64;

@@ -11,7 +11,8 @@ use super::evidence_pair::{EvidencePair, Fits, Gathering};
 use super::proposal::{Proposal, added};
 use super::textures;
 use crate::hypothesis::{Fit, Hypothesis};
-use crate::others::{MIDDLE, error_of_others, light_of_others};
+use crate::model_error::{Allowance, ModelError};
+use crate::others::{MIDDLE, error_of_others, left_by_others, light_of_others};
 use crate::outliers;
 use crate::problem::Options;
 use crate::record::{CandidateRecord, Observer, Status};
@@ -25,18 +26,18 @@ const WORST: f64 = 0.5;
 const ASKED_MAX: usize = 6;
 /// A diffuse group is open if its model error is this many times what is always allowed for.
 const CLEARLY: f64 = 1.5;
-/// What a uniform hypothesis leaves of a group may be outliers if its model error is this many times that of
-/// the scene's better groups: at half of it shadows of things that the model lacks are left out, at double
+/// What a uniform hypothesis leaves of a group may be outliers if that is this many times what the scene's better groups
+/// leave: at half of it shadows of things that the model lacks are left out, at double
 /// small outliers count.
 const UNEXPLAINED: f64 = 6.0;
-/// A texture is tried where the model error is this many times that of the better groups, and has to gain more
+/// A texture is tried where what is left is this many times what the better groups leave, and has to gain more
 /// than from residuals of that size ([`crate::verify`]). At half of it time goes to textures that are not borne
 /// out, and shadows become textures; at double faint textures become noise.
 const TEXTURED: f64 = 2.0;
-/// The scene's better groups: those below this quantile of the model errors. A group that no hypothesis
+/// The scene's better groups: those below this quantile of what is left. A group that no hypothesis
 /// explains yet does not make the others' textures explained.
 const BETTER: f64 = 0.25;
-/// The model error of the better groups is taken as at least this: a real scene is not known better.
+/// What the better groups leave is taken as at least this: a real scene is not known better.
 const TYPICAL_MIN: f64 = 0.01;
 /// Outliers are looked for so often, each time without those before.
 const OUTLIER_ROUNDS: usize = 3;
@@ -157,7 +158,7 @@ impl<'o> Candidates<'o> {
         }
     }
 
-    /// The model error above which a texture is tried, if the better ones of the other groups have the model error `typical`.
+    /// What has to be left of a group for a texture to be tried, if the better ones of the others leave `typical`.
     fn textured_above(&self, typical: f64) -> f64 {
         self.options.thresholds.textured.unwrap_or(TEXTURED * typical)
     }
@@ -230,7 +231,7 @@ impl<'o> Candidates<'o> {
 
     /// What may explain a group that no uniform hypothesis explains: one of these without outliers, and a
     /// texture, which is compared with it: an outlier costs as much as some texels. The better ones of the
-    /// other groups have the model error `typical`.
+    /// other groups leave `typical`.
     fn beyond_uniform(
         &self,
         state: &mut State<'_>,
@@ -244,8 +245,13 @@ impl<'o> Candidates<'o> {
         let texture = if is_explained(&chosen, textured_above, floor) {
             None
         } else {
-            let gain = asked.is_none().then_some(TEXTURED * typical);
-            self.texture(state, group, &chosen).map(|texture| Proposal { least: gain, ..texture })
+            // Light that is wrong by as much as that of others is no texture.
+            let most = evidence.judging.field.most;
+            let light =
+                if most.share.is_finite() { most } else { evidence.judging.allowance.light };
+            let least = Allowance { light, floor: ModelError { share: TEXTURED * typical } };
+            let least = asked.is_none().then_some(least);
+            self.texture(state, group, &chosen).map(|texture| Proposal { least, ..texture })
         };
         if !self.options.outliers || is_explained(&chosen, limit, floor) {
             return texture;
@@ -335,9 +341,9 @@ impl<'o> Candidates<'o> {
     }
 }
 
-/// The model error of the better ones of the groups beside `group`.
+/// What the better ones of the groups beside `group` leave of their pixels.
 fn typical(state: &State<'_>, group: usize) -> f64 {
-    error_of_others(state, group, BETTER).max(TYPICAL_MIN)
+    left_by_others(state, group, BETTER).max(TYPICAL_MIN)
 }
 
 /// The changes to what was chosen of `fitted`, each to be tried where the picture speaks against the one

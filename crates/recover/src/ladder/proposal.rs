@@ -2,6 +2,7 @@
 
 use crate::hypothesis::{Fit, Hypothesis};
 use crate::likelihood::Likelihood;
+use crate::model_error::Allowance;
 use crate::record::CandidateRecord;
 use crate::residual::ResidualStats;
 use crate::selection::parameters;
@@ -29,8 +30,8 @@ pub(crate) struct Proposal {
     pub(crate) is_other_minimum: bool,
     /// Whether it was chosen on paths that nothing was fitted on: the group's own pixels bear it out.
     pub(super) is_borne_out: bool,
-    /// The share of model error below which what it gains does not count, if not that of all changes.
-    pub(crate) least: Option<f64>,
+    /// The model error below which what it gains does not count, if not that of all changes.
+    pub(crate) least: Option<Allowance>,
     /// What is to be tried where the picture speaks against it.
     pub(super) next: Option<Box<Proposal>>,
     /// What is tried next, whether this one was accepted or not: the group without outliers, or a texture. These
