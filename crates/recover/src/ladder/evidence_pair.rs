@@ -204,6 +204,7 @@ fn search_all(evidence: &mut Evidence, state: &State<'_>, group: usize) -> Searc
         }
         fits.push(hypothesis::fit(rung, evidence, &start, Search::Global));
     }
+    round_as_brushed(&mut fits, evidence);
     let best = fits.iter().min_by(|a, b| deviance(a).total_cmp(&deviance(b)));
     let (material, error) = best.map_or((diffuse.material, ModelError::START), |b| {
         (b.material.clone(), b.likelihood.error)
@@ -223,6 +224,26 @@ fn search_all(evidence: &mut Evidence, state: &State<'_>, group: usize) -> Searc
     });
     let broad = fits.par_iter().flat_map(|fit| broader(fit, evidence)).collect();
     Searched { fits, broad, material, error }
+}
+
+/// A round lobe is a brushed one of two equal roughnesses: it is looked for where the brushed one was found, too. Else the
+/// brushed one may be better for having been found elsewhere.
+fn round_as_brushed(fits: &mut [Fit], evidence: &Evidence) {
+    let of = |hypothesis| fits.iter().position(|fit| fit.hypothesis == hypothesis);
+    let both = (of(Hypothesis::Isotropic), of(Hypothesis::Anisotropic));
+    let (Some(round), Some(brushed)) = both else { return };
+    let Material { alpha_x, alpha_y, .. } = fits[brushed].material;
+    let alpha = (alpha_x * alpha_y).sqrt();
+    let start = Material {
+        alpha_x: alpha,
+        alpha_y: alpha,
+        theta_rad: 0.0,
+        ..fits[brushed].material.clone()
+    };
+    let found = hypothesis::fit(Hypothesis::Isotropic, evidence, &start, Search::Local);
+    if deviance(&found) < deviance(&fits[round]) {
+        fits[round] = found;
+    }
 }
 
 /// A lobe is sharp below this mean roughness. At half of it lobes that fit noise pass for broad ones, at double
