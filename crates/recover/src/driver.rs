@@ -315,7 +315,8 @@ impl Driver<'_> {
         state.visible_unknowns().into_iter().filter(|group| changed.contains(group)).collect()
     }
 
-    /// Asks all groups again, and then those whose light has changed.
+    /// Asks all groups again, and then those whose light has changed, or whose texture was refused beside what the other
+    /// groups left before.
     fn revise(
         &mut self,
         state: &mut State<'_>,
@@ -337,6 +338,9 @@ impl Driver<'_> {
             self.refine_once(state, best, Depth::Coarse, observer);
             groups = self.changed(state, &best.score, &before, Level::Refined);
             groups.retain(|group| !proposed.contains(group));
+            groups.extend(self.candidates.take_refused_textures());
+            groups.sort_unstable();
+            groups.dedup();
         }
         Ok(())
     }

@@ -78,6 +78,19 @@ impl<'o> Candidates<'o> {
         self.rejected.iter_mut().for_each(Vec::clear);
     }
 
+    /// The groups whose texture was refused, which may be proposed again: what the others left of their pixels spoke
+    /// against it.
+    pub(crate) fn take_refused_textures(&mut self) -> Vec<usize> {
+        let mut groups = Vec::new();
+        for (group, rejected) in self.rejected.iter_mut().enumerate() {
+            if rejected.contains(&Hypothesis::Textured) {
+                rejected.retain(|hypothesis| *hypothesis != Hypothesis::Textured);
+                groups.push(group);
+            }
+        }
+        groups
+    }
+
     /// Lets `groups` be asked again at the present level, whatever spoke against some hypotheses: their light is
     /// another one now.
     pub(crate) fn ask_again(&mut self, groups: &[usize]) {
