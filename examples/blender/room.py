@@ -4,7 +4,7 @@ python3 room.py FOLDER [--size WIDTH] [--spp N], with `pip install "bpy==4.5.*"`
 blender --background --python room.py -- FOLDER
 
 Writes room.glb by Blender's exporter with its defaults (and cameras and lights, which it leaves out else),
-room.exr, and light_NAME.exr, which has that light alone.
+room.exr, light_NAME.exr, which has that light alone, and other.exr, from the place of room_other.toml.
 """
 
 import argparse
@@ -45,6 +45,9 @@ METAL = {"frame": (0.80, 0.64, 0.35)}
 PANEL_RADIANCE = 6.0
 BULB_WATTS, SPOT_WATTS, SUN = 35.0, 60.0, 4.0
 LAMPS = ("panel", "bulb", "spot", "sun")
+
+# Another place of the camera, metres, and its turns, radians.
+OTHER = ((1.0, 0.3, 1.5), (math.radians(80), 0, math.radians(-25)))
 
 
 def material(name, color, **inputs):
@@ -213,6 +216,9 @@ def main():
     bpy.ops.export_scene.gltf(filepath=str(folder / "room.glb"), export_cameras=True,
                               export_lights=True)
     photographs(folder, wanted.spp)
+    eye = bpy.context.scene.camera
+    eye.location, eye.rotation_euler = OTHER
+    photograph(folder / "other.exr", wanted.spp)
 
 
 if __name__ == "__main__":

@@ -392,6 +392,21 @@ fn light_from_everywhere_comes_from_where_mitsuba_has_it() {
 }
 
 #[test]
+fn the_rows_of_a_panorama_reach_from_pole_to_pole() {
+    let folder = Folder::new();
+    // As bright as the share of the way down, at Mitsuba's places of the rows.
+    let image = unrender_scene::Image::from_fn(8, 5, |_, y| Rgb::splat(y as f32 / 4.0));
+    unrender_formats::picture::write_exr(&folder.path("sky.exr"), &image).unwrap();
+    let inside = "<emitter type=\"envmap\"><string name=\"filename\" value=\"sky.exr\"/></emitter><shape type=\"cube\"/>";
+    let sky = read(&folder.file("scene.xml", document(inside))).0.environment.unwrap();
+    for way in [0.1f32, 0.3, 0.5, 0.8, 0.9] {
+        let polar = way * std::f32::consts::PI;
+        let found = sky.radiance(Vec3::new(polar.sin(), polar.cos(), 0.0));
+        assert!((found - Rgb::splat(way)).length() < 1e-3, "{found} at {way}");
+    }
+}
+
+#[test]
 fn lights_are_where_their_transforms_take_them() {
     let inside = "<emitter type=\"point\" id=\"p\"><transform name=\"to_world\"><translate x=\"1\" y=\"2\" z=\"3\"/></transform>
           <spectrum name=\"intensity\" value=\"10\"/></emitter>

@@ -98,6 +98,18 @@ fn spot_light(
     })
 }
 
+/// A panorama of which the first and the last row lie at the poles, as Mitsuba has it, with ours, which lie half a row
+/// off them. Of 16 rows a sun halfway up is 3 degrees off without it, and a floor 3 % too dark.
+fn between_poles(theirs: &RgbImage) -> RgbImage {
+    let (width, height) = (theirs.width(), theirs.height());
+    RgbImage::from_fn(width, height, |column, row| {
+        let place = (row as f32 + 0.5) * (height - 1) as f32 / height as f32;
+        let above = place as usize;
+        let below = (above + 1).min(height - 1);
+        theirs.at(column, above).lerp(*theirs.at(column, below), place - above as f32)
+    })
+}
+
 /// The panorama of an `envmap`, whose middle lies along +z, up along +y, before `to_world`.
 fn panorama(context: &Context, node: Node) -> Result<Environment, String> {
     let path = node.file(context.scope, "filename")?;
@@ -109,7 +121,7 @@ fn panorama(context: &Context, node: Node) -> Result<Environment, String> {
         context.warn(node.fail(what));
     }
     let scale = node.number("scale", 1.0)?;
-    let radiance = read.to_linear().map(|rgb| rgb.max(Rgb::ZERO) * scale);
+    let radiance = between_poles(&read.to_linear()).map(|rgb| rgb.max(Rgb::ZERO) * scale);
     let world = node.motion("to_world")?.matrix3;
     let axes = [world.x_axis, world.y_axis, world.z_axis];
     let [x, y, z] = axes.map(|axis| axis.normalize_or_zero().as_vec3());
