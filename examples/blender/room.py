@@ -1,10 +1,11 @@
 """A furnished room in Blender: its model for unrender, and photographs of it by Cycles.
 
-python3 room.py FOLDER [--size WIDTH] [--spp N], with `pip install "bpy==4.5.*"` (Python 3.11), or
+python3 room.py FOLDER [--size WIDTH] [--spp N] [--other], with `pip install "bpy==4.5.*"` (Python 3.11), or
 blender --background --python room.py -- FOLDER
 
 Writes room.glb by Blender's exporter with its defaults (and cameras and lights, which it leaves out else),
-room.exr, light_NAME.exr, which has that light alone, and other.exr, from the place of room_other.toml.
+room.exr, and light_NAME.exr, which has that light alone; with --other also other.exr, from the place of
+room_other.toml.
 """
 
 import argparse
@@ -204,6 +205,7 @@ def main():
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--size", type=int, default=320)
     parser.add_argument("--spp", type=int, default=256)
+    parser.add_argument("--other", action="store_true")
     wanted = parser.parse_args(own)
     folder = wanted.folder.resolve()
     folder.mkdir(parents=True, exist_ok=True)
@@ -216,9 +218,10 @@ def main():
     bpy.ops.export_scene.gltf(filepath=str(folder / "room.glb"), export_cameras=True,
                               export_lights=True)
     photographs(folder, wanted.spp)
-    eye = bpy.context.scene.camera
-    eye.location, eye.rotation_euler = OTHER
-    photograph(folder / "other.exr", wanted.spp)
+    if wanted.other:
+        eye = bpy.context.scene.camera
+        eye.location, eye.rotation_euler = OTHER
+        photograph(folder / "other.exr", wanted.spp)
 
 
 if __name__ == "__main__":

@@ -121,7 +121,7 @@ fn panorama(context: &Context, node: Node) -> Result<Environment, String> {
         context.warn(node.fail(what));
     }
     let scale = node.number("scale", 1.0)?;
-    let radiance = between_poles(&read.to_linear()).map(|rgb| rgb.max(Rgb::ZERO) * scale);
+    let radiance = between_poles(&read.to_linear().map(|rgb| rgb.max(Rgb::ZERO) * scale));
     let world = node.motion("to_world")?.matrix3;
     let axes = [world.x_axis, world.y_axis, world.z_axis];
     let [x, y, z] = axes.map(|axis| axis.normalize_or_zero().as_vec3());
