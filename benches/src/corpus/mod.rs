@@ -4,7 +4,7 @@
 //! [`generate`] makes the scene of a seed, [`photograph`] has another renderer photograph it, [`spoil`]
 //! makes the errors of the model, [`make`] writes all files, and [`verify`] compares each photograph
 //! with our own rendering. [`recover`] runs the command under test, [`score`] compares what comes out
-//! with the truth, [`relight`] asks for other light and another viewpoint, [`summary`] and [`page`]
+//! with the truth, [`relight`] asks for other light and another viewpoint, [`several`] photographs it again from other places, [`summary`] and [`page`]
 //! say what came of it all.
 
 mod dice;
@@ -18,6 +18,7 @@ mod relight;
 mod request;
 mod result;
 pub(crate) mod score;
+mod several;
 mod spoil;
 mod store;
 mod summary;
@@ -55,6 +56,15 @@ pub(crate) fn run(request: &CorpusRequest) -> Result<(), Failure> {
     let limit = Duration::from_secs(request.limit);
     let words: Vec<String> = request.recover_args.split_whitespace().map(str::to_owned).collect();
     let subject = Subject::new(&command, &words, limit)?;
+    if request.several {
+        let mut rows = Vec::new();
+        each(request, |plan, folder, meta| {
+            rows.extend(several::run(plan, folder, meta, &subject)?);
+            Ok(())
+        })?;
+        println!("{}", several::table(&rows));
+        return Ok(());
+    }
     let relight = request.relight || request.family == family::Family::Foreign;
     let plain = if !relight {
         None

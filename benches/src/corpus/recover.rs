@@ -99,25 +99,39 @@ pub(crate) fn recover(
     again: bool,
 ) -> Result<(PathBuf, Outcome), Failure> {
     let folder = folder(scene, subject, format, dial);
+    let outcome = recover_at(&scene.project(format, dial), &folder, subject, again)?;
+    Ok((folder, outcome))
+}
+
+/// Recovers `project` into `folder`, or reads what came of it before, unless it is to be done `again`.
+///
+/// # Errors
+/// As those of [`recover`].
+pub(crate) fn recover_at(
+    project: &Path,
+    folder: &Path,
+    subject: &Subject,
+    again: bool,
+) -> Result<Outcome, Failure> {
     let record = folder.join("outcome.json");
     if !again && let Ok(text) = std::fs::read_to_string(&record) {
-        return Ok((folder, serde_json::from_str(&text)?));
+        return Ok(serde_json::from_str(&text)?);
     }
     if folder.exists() {
-        std::fs::remove_dir_all(&folder)?;
+        std::fs::remove_dir_all(folder)?;
     }
-    std::fs::create_dir_all(&folder)?;
+    std::fs::create_dir_all(folder)?;
     let mut command = Command::new(&subject.command);
-    command.arg("recover").arg(scene.project(format, dial)).arg("--out").arg(&folder);
+    command.arg("recover").arg(project).arg("--out").arg(folder);
     command.arg("--quiet").args(&subject.arguments);
     let (seconds, failure) = timed(&mut command, subject.limit)?;
     let mut outcome =
         Outcome { seconds, failure, arguments: subject.arguments.clone(), ..Outcome::default() };
     if outcome.failure.is_none() {
-        read_run(&folder, &mut outcome);
+        read_run(folder, &mut outcome);
     }
     atomic::write(&record, serde_json::to_string_pretty(&outcome)?.as_bytes())?;
-    Ok((folder, outcome))
+    Ok(outcome)
 }
 
 /// Runs `command`; its seconds, and what was wrong with it if anything was.

@@ -47,6 +47,9 @@ pub(crate) struct CorpusRequest {
     /// Compare the photographs with our own renderings of the truth, and recover nothing.
     #[arg(long)]
     pub(super) verify: bool,
+    /// Photograph each scene again from two and four places, and with a lamp off, and recover from all of them.
+    #[arg(long)]
+    pub(super) several: bool,
     /// The unrender command under test [default: built from this tree].
     #[arg(long, value_name = "PATH")]
     pub(super) command: Option<PathBuf>,

@@ -1,4 +1,4 @@
-//! One photograph and a scene to materials [Boivin and Gagalowicz 2002].
+//! A photograph, or several, and a scene to materials [Boivin and Gagalowicz 2002].
 //! Sources are cited by the keys of `docs/bibliography.md`; "the paper" is this one, and a section or
 //! figure without a source is its.
 //!
@@ -40,10 +40,12 @@ pub mod residual;
 pub mod sample_budget;
 mod schedule;
 pub mod selection;
+pub mod sheet;
 pub mod sketch;
 mod state;
 mod unknown;
 mod verify;
+pub mod views;
 mod within;
 
 pub use effort::Effort;
@@ -51,7 +53,7 @@ pub use expected::{Expected, Like, ParameterBounds, StartValues};
 pub use hypothesis::Hypothesis;
 pub use hypothesis::textured::Detail;
 pub use journal::Journal;
-pub use observation::{Observation, Picture, PixelStatus};
+pub use observation::{Observation, PhotographNoise, Picture, PixelStatus};
 pub use photometric::{PhotometricEstimate, PhotometricParameter};
 pub use problem::{
     ExposureRule, GroupSpec, LadderKind, Options, PaperDirection, Problem, RecoverError, Role,
@@ -62,7 +64,9 @@ pub use record::{
     Observer, Recovery, Status, Termination,
 };
 pub use rerender::{Renderer, Stored, View};
+pub use sheet::Sheet;
 pub use unknown::{Quantity, Unknown};
+pub use views::Views;
 
 use journal::Steps;
 use state::State;

@@ -48,11 +48,11 @@ const LIKE_OTHERS: f32 = 2.0;
 
 /// The noise of a photograph beyond quantisation.
 #[derive(Clone, Debug, PartialEq, Default)]
-pub(crate) struct PhotographNoise {
-    /// Read noise: variance, per channel.
-    pub(crate) read: Rgb,
+pub struct PhotographNoise {
+    /// Read noise: variance, squared value, per channel.
+    pub read: Rgb,
     /// For each group its shot noise: variance per unit of value, per channel.
-    pub(crate) shot_of_group: Vec<Rgb>,
+    pub shot_of_group: Vec<Rgb>,
 }
 
 impl PhotographNoise {

@@ -6,8 +6,8 @@
 //! group that would be left with next to nothing gets a narrower margin.
 //! [`crate::noise`] says how noisy they are.
 
-pub use crate::noise::Noise;
-use crate::noise::PhotographNoise;
+pub use crate::noise::{Noise, PhotographNoise};
+use crate::sheet::Sheet;
 use glam::Vec3;
 use unrender_register::margin::{self, near_edges};
 use unrender_register::offset::EdgePicture;
@@ -26,6 +26,30 @@ pub struct Picture {
     pub saturated: Image<bool>,
     /// What one step of the file's code value means at this pixel; zero for float files.
     pub quantisation_step: RgbImage,
+}
+
+impl Picture {
+    /// Several photographs on their `sheet`; between them nothing is valid.
+    fn on_sheet(sheet: &Sheet, each: &[&Self]) -> Self {
+        fn stack<T: Clone>(
+            sheet: &Sheet,
+            each: impl Iterator<Item = Image<T>>,
+            empty: T,
+        ) -> Image<T> {
+            let each: Vec<Image<T>> = each.collect();
+            sheet.stack(&each.iter().collect::<Vec<_>>(), &empty)
+        }
+        Self {
+            values: stack(sheet, each.iter().map(|one| one.values.clone()), Rgb::ZERO),
+            valid: stack(sheet, each.iter().map(|one| one.valid.clone()), false),
+            saturated: stack(sheet, each.iter().map(|one| one.saturated.clone()), false),
+            quantisation_step: stack(
+                sheet,
+                each.iter().map(|one| one.quantisation_step.clone()),
+                Rgb::ZERO,
+            ),
+        }
+    }
 }
 
 /// What the value of a pixel says.
@@ -69,10 +93,10 @@ pub struct Observation {
     pub all_pixels_of_group: Vec<Vec<u32>>,
     /// The local mean of the valid pixels of the same object, 5 x 5.
     pub smooth: RgbImage,
-    /// The variance of read noise, squared value, per channel.
-    pub read: Rgb,
-    /// For each group: variance of the noise per unit of value, per channel.
-    pub shot_of_group: Vec<Rgb>,
+    /// Where each photograph stands in the picture.
+    pub sheet: Sheet,
+    /// The noise of each photograph.
+    pub noise_of_photograph: Vec<PhotographNoise>,
 }
 
 /// Below this many valid pixels a group falls back on all its unclipped ones.
@@ -147,17 +171,55 @@ impl Observation {
             all_pixels_of_group.iter().map(|a| a.iter().filter(informs).copied().collect());
         let informative_of_group = informative_of_group.collect();
         let smooth = smooth(&picture.values, geometry, &pixels_of_group);
-        let PhotographNoise { read, shot_of_group } =
+        let noise =
             PhotographNoise::of((&picture.values, &picture.quantisation_step), &pixels_of_group);
         Self {
+            sheet: Sheet::of(&[(picture.values.width(), picture.values.height())]),
             picture,
             status,
             pixels_of_group,
             informative_of_group,
             all_pixels_of_group,
             smooth,
-            read,
-            shot_of_group,
+            noise_of_photograph: vec![noise],
+        }
+    }
+
+    /// Several photographs on their `sheet`, each sorted by the same groups.
+    ///
+    /// # Panics
+    /// If they are not as many and not of the sizes that the sheet says, or there are none.
+    pub fn on_sheet(sheet: &Sheet, mut each: Vec<Self>) -> Self {
+        assert_eq!(each.len(), sheet.photographs(), "a sheet has a place for each photograph");
+        if each.len() == 1 {
+            return each.remove(0);
+        }
+        let groups = each[0].pixels_of_group.len();
+        let pixels = |of: &dyn Fn(&Self) -> &Vec<Vec<u32>>| {
+            let of_group = |group: usize| {
+                let all = each.iter().enumerate().flat_map(|(photograph, one)| {
+                    of(one)[group].iter().map(move |pixel| sheet.pixel(photograph, *pixel))
+                });
+                all.collect()
+            };
+            (0..groups).map(of_group).collect::<Vec<Vec<u32>>>()
+        };
+        Self {
+            sheet: sheet.clone(),
+            status: sheet.stack(
+                &each.iter().map(|one| &one.status).collect::<Vec<_>>(),
+                &PixelStatus::Nothing,
+            ),
+            pixels_of_group: pixels(&|one| &one.pixels_of_group),
+            informative_of_group: pixels(&|one| &one.informative_of_group),
+            all_pixels_of_group: pixels(&|one| &one.all_pixels_of_group),
+            smooth: sheet
+                .stack(&each.iter().map(|one| &one.smooth).collect::<Vec<_>>(), &Rgb::ZERO),
+            picture: Picture::on_sheet(
+                sheet,
+                &each.iter().map(|one| &one.picture).collect::<Vec<_>>(),
+            ),
+            noise_of_photograph: each.into_iter().flat_map(|one| one.noise_of_photograph).collect(),
         }
     }
 
@@ -179,8 +241,10 @@ impl Observation {
     /// `exposure`.
     pub fn noise(&self, group: usize, pixel: u32, exposure: Rgb) -> Noise {
         let step = exposure * self.picture.quantisation_step.pixels()[pixel as usize];
-        let read = exposure * exposure * self.read;
-        Noise { base: step * step / 12.0 + read, slope: exposure * self.shot_of_group[group] }
+        let of_photograph = &self.noise_of_photograph[self.sheet.photograph_of(pixel)];
+        let read = exposure * exposure * of_photograph.read;
+        let slope = exposure * of_photograph.shot_of_group[group];
+        Noise { base: step * step / 12.0 + read, slope }
     }
 
     /// Marks `pixels` of `group` as outliers: they show something else.

@@ -78,11 +78,11 @@ pub fn find(
     flags.iter().any(|flag| *flag).then_some(flags)
 }
 
-/// The side of a cell, pixels: a share of the picture, and enough for some sampled pixels, of which
-/// there are `sampled` among the `pixels` of the group.
-pub fn cell_side(geometry: &GeometryBuffers, pixels: usize, sampled: usize) -> usize {
+/// The side of a cell, pixels: a share of the `height` of a photograph, and enough for some sampled pixels, of
+/// which there are `sampled` among the `pixels` of the group.
+pub fn cell_side(height: usize, pixels: usize, sampled: usize) -> usize {
     let least = (SAMPLES * pixels / sampled.max(1)).isqrt();
-    (geometry.height() / CELLS).max(least).max(2)
+    (height / CELLS).max(least).max(2)
 }
 
 /// The cell of a pixel.

@@ -5,13 +5,16 @@
 //! `c` with which it was developed, `B(c + s) = B(c) + sum_k s_k dB/dc_k`, and `s` joins the unknowns
 //! of the refinement. Whoever asks develops the photograph anew with `c + s`, until `s` is small.
 
+use crate::observation::Observation;
 use serde::{Deserialize, Serialize};
 use unrender_scene::{Rgb, RgbImage};
 
 /// One number of the camera that is asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhotometricParameter {
-    /// How the photograph's values change with it, before the exposure is applied.
+    /// The photograph that it is of, in the order of their sheet.
+    pub photograph: usize,
+    /// How that photograph's values change with it, before the exposure is applied.
     pub derivative: RgbImage,
     /// Its prior mean, counted from where it is now.
     pub prior_mean: f64,
@@ -32,9 +35,20 @@ pub struct PhotometricEstimate {
 }
 
 impl PhotometricParameter {
-    /// The relative change of the whole photograph by it.
-    pub(crate) fn relative(&self, values: &RgbImage) -> Rgb {
+    /// The relative change of its whole photograph by it.
+    pub(crate) fn relative(&self, observation: &Observation) -> Rgb {
+        let values = observation.sheet.cut(&observation.picture.values, self.photograph);
         let sum = |image: &RgbImage| image.pixels().iter().copied().sum::<Rgb>();
-        sum(&self.derivative) / sum(values).max(Rgb::splat(f32::MIN_POSITIVE))
+        sum(&self.derivative) / sum(&values).max(Rgb::splat(f32::MIN_POSITIVE))
+    }
+
+    /// How a pixel's value changes with it.
+    pub(crate) fn change(&self, observation: &Observation, pixel: u32) -> Rgb {
+        let sheet = &observation.sheet;
+        if sheet.photograph_of(pixel) != self.photograph {
+            return Rgb::ZERO;
+        }
+        let here = sheet.in_photograph(pixel).map(|here| self.derivative.pixels()[here as usize]);
+        here.unwrap_or(Rgb::ZERO)
     }
 }

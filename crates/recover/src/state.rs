@@ -9,7 +9,7 @@ use crate::hypothesis::{self, Fit, Hypothesis};
 use crate::journal::Steps;
 use crate::likelihood::Likelihood;
 use crate::observation::{Observation, PixelStatus, ValidPixels};
-use crate::photometric::PhotometricEstimate;
+use crate::photometric::{PhotometricEstimate, PhotometricParameter};
 use crate::problem::{ExposureRule, Options, Problem, RecoverError, Role};
 use crate::record::{
     CandidateRecord, Covariance, Deviations, GroupIteration, IterationRecord, LightResult, Status,
@@ -173,7 +173,8 @@ impl<'a> State<'a> {
     pub(crate) fn photometric_change(&self, pixel: usize) -> Rgb {
         let photometric_parameters =
             self.problem.photometric_parameters.iter().zip(&self.photometric.steps);
-        photometric_parameters.map(|(c, step)| c.derivative.pixels()[pixel] * *step as f32).sum()
+        let change = |c: &PhotometricParameter| c.change(&self.observation, pixel as u32);
+        photometric_parameters.map(|(c, step)| change(c) * *step as f32).sum()
     }
 
     /// What the scene looks like under the present hypotheses.

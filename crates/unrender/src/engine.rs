@@ -102,12 +102,14 @@ fn recover_as_read(
 ) -> Result<Recovered, Error> {
     let options = &asked.options;
     let started = Instant::now();
-    let registered = registration::register(job, &Tracer::new(&job.scene), asked.alignment);
-    registered.warnings.0.iter().for_each(|warning| follower.warning(warning));
+    let registered = register(job, asked.alignment)?;
+    let warnings = registered.iter().flat_map(|registered| &registered.warnings.0);
+    warnings.for_each(|warning| follower.warning(warning));
     let until_registered = started.elapsed().as_secs_f64();
     let numbers = photometric::asked(&job.project);
     let mut begun = 0.0;
-    if !numbers.is_empty() && options.refine && options.ladder == LadderKind::Default {
+    if !photometric::are_linear(&numbers) && options.refine && options.ladder == LadderKind::Default
+    {
         // A texture explains whatever a wrong gamma does to a group.
         let thresholds = Thresholds { textured: Some(f64::INFINITY), ..options.thresholds };
         let rough = Options { thresholds, spp: 1, ..options.clone() };
@@ -133,20 +135,45 @@ fn recover_as_read(
         recovery.exposure = exposure;
     }
     same_as::share(&job.project, &mut recovery.groups);
-    let photograph =
-        (!numbers.is_empty()).then(|| photometric::found(job, &numbers, &recovery.photometric));
+    let photographs = photometric::found(job, &numbers, &recovery);
     let all = started.elapsed().as_secs_f64();
     let times = Times { registered: until_registered, developed, iterations, all };
     Ok(Recovered {
         recovery,
         options: options.clone(),
-        photograph,
+        photographs,
         registered,
         group_map,
         object_map,
-        full: None,
+        full: Vec::new(),
         times,
     })
+}
+
+/// The model of `job` as it lies on each of its photographs. Exposures that are found beside that of the first
+/// photograph begin where both are about as bright.
+fn register(job: &mut Job, alignment: Alignment) -> Result<Vec<RegisteredModel>, Error> {
+    let tracer = Tracer::new(&job.scene);
+    let all = |job: &Job, alignment: Alignment| -> Vec<RegisteredModel> {
+        let one = |k: usize| {
+            registration::register(&job.alone(k), &tracer, alignment).named(&job.called(k))
+        };
+        (0..job.photographs()).map(one).collect()
+    };
+    if job.photographs() > 1 {
+        let as_given = all(job, Alignment::Ignore);
+        let starts = with_problem(job, &tracer, &as_given, (&[], None), |problem| {
+            Ok(photometric::relative_exposures(job, problem))
+        })?;
+        for (photograph, start) in starts.into_iter().enumerate() {
+            if let Some(start) = start {
+                let mut transfer = job.transfer_of(photograph).clone();
+                transfer.exposure *= start;
+                job.develop_again(photograph, transfer);
+            }
+        }
+    }
+    Ok(all(job, alignment))
 }
 
 /// What came out once.
@@ -161,7 +188,7 @@ struct Once {
 /// A recovery, after which the photograph is developed anew with `numbers` as they came out.
 fn recover_once(
     job: &mut Job,
-    registered: &RegisteredModel,
+    registered: &[RegisteredModel],
     numbers: &[Number],
     asked: &Asked<'_>,
     stage: &mut Stage<'_>,

@@ -1,7 +1,8 @@
 //! Everything a recovery starts from, read and checked.
 
 use crate::lighting::EnvironmentChoice;
-use crate::project::{CameraChoice, Found, Photographed, Project};
+use crate::project::{CameraChoice, Found, Photographed, Project, Taken};
+use crate::shot::Shot;
 use crate::{Error, mask, photograph, same_as};
 use glam::DVec3;
 use std::path::Path;
@@ -35,6 +36,10 @@ pub struct Job {
     pub transfer: Transfer,
     /// What the project file says, its exposure settled by [`Project::settle_scale`].
     pub project: Project,
+    /// The sources of light that were off when the photograph was taken, ascending, as in `unknown_lights`.
+    pub off: Vec<u32>,
+    /// The further photographs, where the project has several: all above is of the first.
+    pub further: Vec<Shot>,
     /// The sources whose brightness is asked for, ascending: a group's index for area lights, and
     /// for the others the number of groups plus the index among the scene's lights.
     pub unknown_lights: Vec<usize>,
@@ -76,7 +81,7 @@ impl Job {
         given: InMemory,
     ) -> Result<Self, Error> {
         let is_file = given.photo.is_none();
-        let mut picture = photo(&mut project, given.photo, &mut warnings)?;
+        let picture = photo(&mut project, given.photo, &mut warnings)?;
         let mut scene = model(&project, given.scene, &mut warnings)?;
         warnings.extend(project.light(&mut scene)?);
         project.check_against(&scene)?;
@@ -89,36 +94,15 @@ impl Job {
         }
         warnings.extend(validate(&mut scene, &project.scene)?);
         let own_groups = same_as::merge(&project, &mut scene);
-        let Found { camera, is_mirrored, warnings: noted } =
-            choose_camera(&project, &scene, &picture, is_file)?;
-        warnings.extend(noted);
-        if is_mirrored {
-            picture = picture.mirrored();
-        }
-        let (transfer, noted) = photograph::transfer(&project, &picture, &camera)?;
-        warnings.extend(noted);
-        let photo = develop(&picture, &transfer);
-        if photo.dark > 0 {
-            warnings.push(format!(
-                "{} pixel(s) of the photo lie in the noise of black and were left out",
-                photo.dark
-            ));
-        }
+        let first = taken(&mut project, &scene, (picture, given.mask), is_file, &mut warnings)?;
         if matches!(project.environment, Some(EnvironmentChoice::Unknown { .. })) {
-            start_environment(&mut scene, &photo);
+            start_environment(&mut scene, &first.photo);
         }
-        let mask = match given.mask {
-            Some(mask) => {
-                let counts = mask::counts(&mask, &picture.values);
-                Some(counts.map_err(|problem| FileError::new(&project.path, problem))?)
-            }
-            None => mask::read(&project, &picture)?,
-        };
-        let mask = if is_mirrored { mask.map(|mask| mask.mirrored()) } else { mask };
-        let (width, height) = (photo.radiance.width(), photo.radiance.height());
-        warnings.extend(doubtful_aspect(&camera, width, height));
-        warnings.extend(folded_lens(&camera, width, height));
+        let further =
+            project.further.iter().map(|taken| further(&project, taken, &scene, &mut warnings));
+        let further = further.collect::<Result<Vec<Shot>, Error>>()?;
         let unknown_lights = project.unknown_sources(&scene);
+        let Shot { camera, picture, photo, mask, transfer, off, .. } = first;
         Ok(Self {
             scene,
             camera,
@@ -128,6 +112,8 @@ impl Job {
             mask,
             transfer,
             project,
+            off,
+            further,
             unknown_lights,
             own_groups,
             warnings,
@@ -145,6 +131,61 @@ impl Job {
         let pixels = geometry.pixels().iter().enumerate();
         pixels.map(|(index, pixel)| !masked(index) && !is_ignored(pixel.group)).collect()
     }
+}
+
+/// The photograph of `project` alone, of which `picture` and `mask` are there already where they were handed over, by
+/// its camera in `scene`.
+fn taken(
+    project: &mut Project,
+    scene: &Scene,
+    (mut picture, mask): (Picture, Option<Picture>),
+    is_file: bool,
+    warnings: &mut Warnings,
+) -> Result<Shot, Error> {
+    let Found { camera, is_mirrored, warnings: noted } =
+        choose_camera(project, scene, &picture, is_file)?;
+    warnings.extend(noted);
+    if is_mirrored {
+        picture = picture.mirrored();
+    }
+    let (transfer, noted) = photograph::transfer(project, &picture, &camera)?;
+    warnings.extend(noted);
+    let photo = develop(&picture, &transfer);
+    if photo.dark > 0 {
+        warnings.push(format!(
+            "{} pixel(s) of the photo lie in the noise of black and were left out",
+            photo.dark
+        ));
+    }
+    let mask = match mask {
+        Some(mask) => {
+            let counts = mask::counts(&mask, &picture.values);
+            Some(counts.map_err(|problem| FileError::new(&project.path, problem))?)
+        }
+        None => mask::read(project, &picture)?,
+    };
+    let mask = if is_mirrored { mask.map(|mask| mask.mirrored()) } else { mask };
+    let (width, height) = (photo.radiance.width(), photo.radiance.height());
+    warnings.extend(doubtful_aspect(&camera, width, height));
+    warnings.extend(folded_lens(&camera, width, height));
+    let off = project.switched.off(scene);
+    Ok(Shot { project: project.clone(), camera, picture, photo, mask, transfer, off })
+}
+
+/// A further photograph of `project`, as it was `taken`.
+fn further(
+    project: &Project,
+    how: &Taken,
+    scene: &Scene,
+    warnings: &mut Warnings,
+) -> Result<Shot, Error> {
+    let mut alone = project.of_further(how);
+    let mut noted = Warnings::default();
+    let picture = photo(&mut alone, None, &mut noted)?;
+    let shot = taken(&mut alone, scene, (picture, None), true, &mut noted)?;
+    let name = how.photo.file_name().unwrap_or(how.photo.as_os_str()).to_string_lossy();
+    noted.0.iter().for_each(|warning| warnings.push(format!("{name}: {warning}")));
+    Ok(shot)
 }
 
 /// Begins the search for an unknown radiance from everywhere at what the photograph shows on the mean: what lights

@@ -167,6 +167,7 @@ mod same_as;
 pub mod score;
 #[cfg(feature = "cli")]
 mod shard;
+mod shot;
 mod text_table;
 mod toml_values;
 mod working_size;
@@ -174,6 +175,7 @@ mod working_size;
 pub use error::Error;
 pub use job::Job;
 pub use project::Project;
+pub use shot::Shot;
 pub use unrender_formats as formats;
 pub use unrender_photo as photo;
 pub use unrender_recover as recover;

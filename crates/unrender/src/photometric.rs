@@ -1,5 +1,5 @@
-//! The numbers of the camera that a project asks for, `response = "auto"` and `vignetting = "auto"`:
-//! where they start, what they do to the photograph, and what came out.
+//! The numbers of the camera that a project asks for, `response = "auto"`, `vignetting = "auto"`, and the exposures
+//! of further photographs: where they start, what they do to the photograph, and what came out.
 //!
 //! `crates/recover` finds how far they are from the values that the photograph was developed with;
 //! here it is developed anew.
@@ -8,20 +8,32 @@ use crate::Job;
 use crate::project::{Project, ResponseChoice, VignettingChoice};
 use unrender_formats::materials::{PhotographEntry, PhotographStd};
 use unrender_photo::vignetting::{DARKEST, Law};
-use unrender_photo::{Response, Transfer};
-use unrender_recover::{PhotometricEstimate, PhotometricParameter};
-use unrender_scene::{Rgb, RgbImage};
+use unrender_photo::{Exposure, Response, Transfer};
+use unrender_recover::{
+    GroupSpec, PhotometricEstimate, PhotometricParameter, Problem, Recovery, Role,
+};
+use unrender_render::Settings;
+use unrender_scene::{Material, Rgb, RgbImage};
 
 /// What there is to say where nothing was refined.
 const NOT_ASKED: &str = "without the joint refinement, what is \"auto\" stays where it begins";
 
-/// One number.
+/// One number of a photograph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Number {
+pub(crate) struct Number {
+    photograph: usize,
+    kind: Kind,
+}
+
+/// What a number is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
     /// The gamma of all channels.
     Gamma,
     /// The coefficient of r^2, r^4 or r^6 of vignetting.
     Vignetting(usize),
+    /// The exposure of a channel, as a multiple of where it stands.
+    Exposure(usize),
 }
 
 /// The gamma to begin with, and its prior mean: most pictures are made for screens.
@@ -35,13 +47,15 @@ const STEP: f32 = 0.01;
 /// No gamma is beyond these.
 const GAMMAS: [f32; 2] = [0.5, 5.0];
 
-impl Number {
+impl Kind {
     /// Its prior mean, with its standard deviation, and how far its
     /// derivative holds.
     fn prior(self) -> (f32, f64, f64) {
         match self {
             Self::Gamma => (GAMMA, 0.5, 0.5),
             Self::Vignetting(_) => (0.0, 1.0, 0.5),
+            // The photograph is proportional to it: it may not reach zero.
+            Self::Exposure(_) => (1.0, 1.0, 0.9),
         }
     }
 
@@ -66,38 +80,58 @@ impl Number {
                     coefficients[k] += step;
                 }
             }
+            (Self::Exposure(channel), ..) => transfer.exposure[channel] *= 1.0 + step,
             _ => {}
         }
     }
 }
 
-/// The numbers that the project asks for.
+/// The numbers that the project asks for, photograph by photograph.
 pub(crate) fn asked(project: &Project) -> Vec<Number> {
     let mut asked = Vec::new();
-    if project.response == Some(ResponseChoice::Auto) {
-        asked.push(Number::Gamma);
-    }
-    if project.vignetting == Some(VignettingChoice::Auto) {
-        asked.extend((0..3).map(Number::Vignetting));
+    for (photograph, taken) in project.photographs().enumerate() {
+        let mut ask = |kind| asked.push(Number { photograph, kind });
+        if taken.response == Some(ResponseChoice::Auto) {
+            ask(Kind::Gamma);
+        }
+        if taken.vignetting == Some(VignettingChoice::Auto) {
+            (0..3).for_each(|k| ask(Kind::Vignetting(k)));
+        }
+        if is_relative(photograph, taken.exposure) {
+            (0..3).for_each(|channel| ask(Kind::Exposure(channel)));
+        }
     }
     asked
 }
 
-/// What each of `numbers` does to the photograph of `job` as it is developed now.
+/// Whether the exposure of a photograph is found beside that of the first: that of the first is no number of the camera,
+/// but belongs to the scene's scale.
+fn is_relative(photograph: usize, exposure: Exposure) -> bool {
+    photograph > 0 && exposure == Exposure::Auto
+}
+
+/// Whether the photograph is linear in all of `numbers`, so that it need not be developed again while they are found.
+pub(crate) fn are_linear(numbers: &[Number]) -> bool {
+    numbers.iter().all(|number| matches!(number.kind, Kind::Exposure(_)))
+}
+
+/// What each of `numbers` does to its photograph of `job` as it is developed now.
 pub(crate) fn photometric_parameters(job: &Job, numbers: &[Number]) -> Vec<PhotometricParameter> {
     let one = |number: &Number| {
-        let (middle, deviation, reach) = number.prior();
+        let (middle, deviation, reach) = number.kind.prior();
+        let (alone, transfer) = (job.alone(number.photograph), job.transfer_of(number.photograph));
         let moved = |step: f32| {
-            let mut transfer = job.transfer.clone();
-            number.add(&mut transfer, step);
-            job.developed(&transfer).radiance
+            let mut moved = transfer.clone();
+            number.kind.add(&mut moved, step);
+            alone.developed(&moved).radiance
         };
         let [above, below] = [moved(STEP), moved(-STEP)];
         let difference = above.pixels().iter().zip(below.pixels());
         let derivative = difference.map(|(a, b)| (*a - *b) / (2.0 * STEP)).collect();
         PhotometricParameter {
+            photograph: number.photograph,
             derivative: RgbImage::new(above.width(), above.height(), derivative),
-            prior_mean: f64::from(middle - number.of(&job.transfer)),
+            prior_mean: f64::from(middle - number.kind.of(transfer)),
             deviation,
             reach,
         }
@@ -105,19 +139,35 @@ pub(crate) fn photometric_parameters(job: &Job, numbers: &[Number]) -> Vec<Photo
     numbers.iter().map(one).collect()
 }
 
-/// Develops the photograph of `job` anew with `numbers` moved by `steps`. Returns by what share that
-/// changed it.
+/// Develops the photographs of `job` anew with `numbers` moved by `steps`. Returns by what share that
+/// changed the one that it changed most.
 pub(crate) fn apply(job: &mut Job, numbers: &[Number], steps: &[f64]) -> f64 {
+    let mut most = 0.0f64;
+    for photograph in 0..job.photographs() {
+        let all = numbers.iter().zip(steps);
+        let (numbers, steps): (Vec<Kind>, Vec<f64>) = all
+            .filter(|(number, _)| number.photograph == photograph)
+            .map(|(number, step)| (number.kind, *step))
+            .unzip();
+        if !numbers.is_empty() {
+            most = most.max(apply_to(job, photograph, &numbers, &steps));
+        }
+    }
+    most
+}
+
+/// Develops one photograph of `job` anew with its `numbers` moved by `steps`. Returns by what share that changed it.
+fn apply_to(job: &mut Job, photograph: usize, numbers: &[Kind], steps: &[f64]) -> f64 {
     // A fit that has broken down says nothing. Halving a step that is not a number, as below, would never end.
     if steps.iter().any(|step| !(*step as f32).is_finite()) {
         return 0.0;
     }
-    let before = job.photo.radiance.clone();
+    let before = job.photo_of(photograph).radiance.clone();
     let mut share = 1.0;
     // A step too far would put a part of the picture into the dark: half of it is one in the same
     // direction. After 150 halves the step is zero in single precision.
     let transfer = loop {
-        let mut moved = job.transfer.clone();
+        let mut moved = job.transfer_of(photograph).clone();
         for (number, step) in numbers.iter().zip(steps) {
             number.add(&mut moved, share * *step as f32);
         }
@@ -129,48 +179,134 @@ pub(crate) fn apply(job: &mut Job, numbers: &[Number], steps: &[f64]) -> f64 {
         }
         share *= 0.5;
     };
-    job.photo = job.developed(&transfer);
-    job.transfer = transfer;
+    job.develop_again(photograph, transfer);
+    let after = &job.photo_of(photograph).radiance;
     let sum = |f: &dyn Fn(Rgb, Rgb) -> Rgb| {
-        let pixels = before.pixels().iter().zip(job.photo.radiance.pixels());
+        let pixels = before.pixels().iter().zip(after.pixels());
         pixels.map(|(a, b)| f64::from(f(*a, *b).element_sum())).sum::<f64>()
     };
     sum(&|a, b| (a - b).abs()) / sum(&|a, _| a).max(f64::MIN_POSITIVE)
 }
 
-/// What came out: the numbers of `job` as it is developed now, and how well they are known.
+/// What came out: the numbers of each photograph of `job` as it is developed now, and how well they are known; none of
+/// photographs of which nothing was asked.
 pub(crate) fn found(
     job: &Job,
     numbers: &[Number],
+    recovery: &Recovery,
+) -> Vec<Option<PhotographEntry>> {
+    let of = |photograph: usize| {
+        let is_asked = numbers.iter().any(|number| number.photograph == photograph);
+        is_asked.then(|| {
+            let mut transfer = job.transfer_of(photograph).clone();
+            if job.project.exposure == Exposure::Auto {
+                transfer.exposure *= recovery.exposure;
+            }
+            found_of(&transfer, (photograph, numbers), &recovery.photometric)
+        })
+    };
+    (0..job.photographs()).map(of).collect()
+}
+
+fn found_of(
+    transfer: &Transfer,
+    (photograph, numbers): (usize, &[Number]),
     photometric: &PhotometricEstimate,
 ) -> PhotographEntry {
     let covariance = &photometric.covariance;
-    let place = |number| numbers.iter().position(|n| *n == number);
+    let place = |kind| numbers.iter().position(|n| *n == Number { photograph, kind });
     let refined = covariance.len() == numbers.len();
     let std = |k: usize| refined.then(|| covariance[k][k].max(0.0).sqrt());
-    let coefficients: Option<Vec<usize>> = (0..3).map(|k| place(Number::Vignetting(k))).collect();
+    let coefficients: Option<Vec<usize>> = (0..3).map(|k| place(Kind::Vignetting(k))).collect();
     let vignetting = coefficients
         .as_ref()
-        .map(|_| [0, 1, 2].map(|k| f64::from(Number::Vignetting(k).of(&job.transfer))));
+        .map(|_| [0, 1, 2].map(|k| f64::from(Kind::Vignetting(k).of(transfer))));
     let of_corner = coefficients.as_ref().filter(|_| refined).map(|list| {
         let pairs = list.iter().flat_map(|i| list.iter().map(move |j| (*i, *j)));
         pairs.map(|(i, j)| covariance[i][j]).sum::<f64>().max(0.0).sqrt()
     });
-    let gamma = place(Number::Gamma);
+    let gamma = place(Kind::Gamma);
+    let exposures: Option<Vec<usize>> = (0..3).map(|c| place(Kind::Exposure(c))).collect();
+    let exposure = exposures.as_ref().map(|_| transfer.exposure.to_array());
+    let of_exposure = |list: Vec<usize>| {
+        [0, 1, 2].map(|c| std(list[c]).unwrap_or(0.0) as f32 * transfer.exposure[c])
+    };
     let std = PhotographStd {
         gamma: gamma.and_then(std),
         vignetting: coefficients
             .filter(|_| refined)
             .map(|list| [0, 1, 2].map(|k| std(list[k]).unwrap_or(0.0))),
         corner: of_corner,
+        exposure: exposures.filter(|_| refined).map(of_exposure),
     };
     PhotographEntry {
-        gamma: gamma.map(|_| f64::from(Number::Gamma.of(&job.transfer))),
+        gamma: gamma.map(|_| f64::from(Kind::Gamma.of(transfer))),
         corner: vignetting.map(|a| 1.0 + a.iter().sum::<f64>()),
         vignetting,
+        exposure,
         note: if refined { doubt(&std) } else { Some(NOT_ASKED.to_owned()) },
         std: refined.then_some(std),
     }
+}
+
+/// Begins with exposures of further photographs by which a scene of half grey would be as bright in them as in the first,
+/// where `problem` is that of `job`: groups that both show tell.
+pub(crate) fn relative_exposures(job: &Job, problem: &Problem<'_>) -> Vec<Option<Rgb>> {
+    let brightness = brightness(problem);
+    let of = |photograph: usize| {
+        let exposure = project_exposure(job, photograph);
+        is_relative(photograph, exposure).then(|| {
+            let ratio = |channel: usize| {
+                let groups = brightness[0].iter().zip(&brightness[photograph]);
+                let ratios = groups.filter_map(|(first, other)| {
+                    let ratio = (*first)?[channel] / (*other)?[channel];
+                    (ratio.is_finite() && ratio > 0.0).then_some(ratio)
+                });
+                let mut ratios: Vec<f32> = ratios.collect();
+                ratios.sort_by(f32::total_cmp);
+                ratios.get(ratios.len() / 2).copied().unwrap_or(1.0)
+            };
+            Rgb::from_array([0, 1, 2].map(ratio))
+        })
+    };
+    (0..job.photographs()).map(of).collect()
+}
+
+fn project_exposure(job: &Job, photograph: usize) -> Exposure {
+    let further = photograph.checked_sub(1).map(|k| &job.further[k].project);
+    further.unwrap_or(&job.project).exposure
+}
+
+/// For each photograph and group: the photograph over what a scene of half grey would show; none where too few pixels
+/// show the group.
+fn brightness(problem: &Problem<'_>) -> Vec<Vec<Option<Rgb>>> {
+    /// Pixels of a group that are looked at, and fewer than which tell nothing. A quarter of them is rendered in the time
+    /// that the geometry takes; the start is a tenth off, as what is not grey is, with any number.
+    const PIXELS: usize = 200;
+    const FEW: usize = 20;
+    let material = |spec: &GroupSpec| match spec.role {
+        Role::Unknown => Material::diffuse(Rgb::splat(0.5)),
+        Role::Known | Role::Emitter => spec.material.clone(),
+    };
+    let materials: Vec<Material> = problem.groups.iter().map(material).collect();
+    let observation = problem.observation;
+    let settings = Settings { spp: 16, ..Settings::default() };
+    let of = |photograph: usize, group: usize| {
+        let all = observation.pixels_of_group[group].iter();
+        let here = all.filter(|pixel| observation.sheet.photograph_of(**pixel) == photograph);
+        let pixels: Vec<u32> = here.copied().collect();
+        if pixels.len() < FEW || problem.groups[group].role == Role::Emitter {
+            return None;
+        }
+        let step = pixels.len().div_ceil(PIXELS);
+        let pixels: Vec<u32> = pixels.into_iter().step_by(step).collect();
+        let shown = problem.renderer.rerender((&materials).into(), &pixels, &settings);
+        let values = &observation.picture.values;
+        let seen: Rgb = pixels.iter().map(|pixel| values.pixels()[*pixel as usize]).sum();
+        Some(seen / shown.into_iter().sum::<Rgb>())
+    };
+    let of_photograph = |k: usize| (0..problem.groups.len()).map(|group| of(k, group)).collect();
+    (0..observation.sheet.photographs()).map(of_photograph).collect()
 }
 
 /// What the photograph hardly determines.
@@ -203,7 +339,7 @@ mod tests {
         let law = Law::Radial([0.0; 3]);
         job.transfer.vignetting = Some(Vignetting { law, camera: job.camera.clone(), size });
         let before = job.photo.radiance.clone();
-        let numbers = [0, 1, 2].map(Number::Vignetting);
+        let numbers = [0, 1, 2].map(|k| Number { photograph: 0, kind: Kind::Vignetting(k) });
         for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY, f64::MAX] {
             // Halving such a step never makes it finite, so that the search must end by itself.
             assert_eq!(apply(&mut job, &numbers, &[0.01, bad, 0.0]), 0.0);

@@ -2,33 +2,45 @@
 
 use crate::Job;
 use crate::registered::RegisteredModel;
-use crate::working_size::WholePhotograph;
+use crate::working_size::WholePhotographs;
 use unrender_photo::Exposure;
+use unrender_recover::views::Shot;
 use unrender_recover::{
-    Detail, Expected, ExposureRule, GroupSpec, Like, PhotometricParameter, Problem, RecoverError,
-    Renderer, Role, View,
+    Detail, Expected, ExposureRule, GroupSpec, Like, Observation, PhotometricParameter, Problem,
+    RecoverError, Renderer, Role, View, Views,
 };
 use unrender_remote::{Remote, Workers};
 use unrender_render::Tracer;
 use unrender_scene::{Environment, Material, Rgb, Scene};
 
-/// What `solve` makes of the problem that `job` poses, its model registered as `registered` says; `workers` may render for
-/// it.
+/// What `solve` makes of the problem that `job` poses, its model registered with each photograph as `registered` says;
+/// `workers` may render for it.
 pub(crate) fn with_problem<T>(
     job: &Job,
     tracer: &Tracer,
-    registered: &RegisteredModel,
+    registered: &[RegisteredModel],
     (photometric_parameters, workers): (&[PhotometricParameter], Option<&dyn Workers>),
     solve: impl FnOnce(&Problem<'_>) -> Result<T, RecoverError>,
 ) -> Result<T, RecoverError> {
-    let size = (job.photo.radiance.width(), job.photo.radiance.height());
-    let view = View::new(tracer, &registered.camera, size, job.scene.brdf);
-    let observation = registered.observe(job, unrender_recover::Renderer::geometry(&view));
-    let renderer: Box<dyn Renderer + '_> = match workers {
-        Some(workers) => Box::new(Remote::new(view, &job.scene, workers)),
-        None => Box::new(view),
-    };
-    let whole = WholePhotograph { job, tracer, camera: &registered.camera };
+    let sheet = job.sheet();
+    let mut observations = Vec::with_capacity(registered.len());
+    let mut shots = Vec::with_capacity(registered.len());
+    for (k, registered) in registered.iter().enumerate() {
+        let alone = job.alone(k);
+        let [_, _, width, height] = sheet.place(k);
+        let view = View::new(tracer, &registered.camera, (width, height), job.scene.brdf);
+        observations.push(registered.observe(&alone, view.geometry()));
+        let renderer: Box<dyn Renderer + '_> = match workers {
+            Some(workers) => Box::new(Remote::new(view, &job.scene, workers)),
+            None => Box::new(view),
+        };
+        shots.push(Shot { renderer, off: alone.off.clone() });
+    }
+    let observation = Observation::on_sheet(&sheet, observations);
+    let is_one = shots.len() == 1 && shots[0].off.is_empty();
+    let renderer = if is_one { shots.remove(0).renderer } else { Box::new(Views::new(shots)) };
+    let cameras = registered.iter().map(|registered| &registered.camera).collect();
+    let whole = WholePhotographs { job, tracer, cameras };
     solve(&Problem {
         observation: &observation,
         renderer: &*renderer,

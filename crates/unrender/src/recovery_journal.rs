@@ -48,14 +48,19 @@ impl Head {
     /// Of the recovery of `job`; `options` is what the command line asks for.
     pub(crate) fn of(job: &Job, options: BTreeMap<String, String>) -> Self {
         let program = std::env::current_exe().and_then(|path| hash(&path)).unwrap_or_default();
-        let photo = &job.photo;
-        let masks = (&photo.valid, &photo.saturated, &job.mask);
-        let photograph = (&photo.radiance, &photo.quantisation_step, masks, &job.camera);
+        let photograph = |k: usize| {
+            let alone = job.alone(k);
+            let photo = &alone.photo;
+            let masks = (&photo.valid, &photo.saturated, &alone.mask);
+            let seen = (&photo.radiance, &photo.quantisation_step, masks);
+            fingerprint(&(seen, &alone.camera, &alone.off))
+        };
+        let photographs: Vec<String> = (0..job.photographs()).map(photograph).collect();
         Self {
             program: format!("{} {program}", env!("CARGO_PKG_VERSION")),
             project: hash(&job.project.path).unwrap_or_default(),
             scene: fingerprint(&job.scene),
-            photograph: fingerprint(&photograph),
+            photograph: fingerprint(&photographs),
             options,
         }
     }

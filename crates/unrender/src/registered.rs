@@ -7,6 +7,7 @@ use unrender_render::GeometryBuffers;
 use unrender_scene::{Camera, Image, Warnings};
 
 /// How the model lies, and with what camera the recovery goes on.
+#[derive(Clone)]
 pub(crate) struct RegisteredModel {
     /// That camera.
     pub(crate) camera: Camera,
@@ -19,6 +20,12 @@ pub(crate) struct RegisteredModel {
 }
 
 impl RegisteredModel {
+    /// The same, whose warnings begin with what the photograph is `called`.
+    pub(crate) fn named(mut self, called: &str) -> Self {
+        self.warnings.0.iter_mut().for_each(|warning| warning.insert_str(0, called));
+        self
+    }
+
     /// The photograph of `job` sorted by the groups of `geometry`, which is what the camera sees.
     pub(crate) fn observe(&self, job: &Job, geometry: &GeometryBuffers) -> Observation {
         let mut picture = Picture {

@@ -106,7 +106,7 @@ fn preference(job: &Job, tracer: &Tracer, found: &Registration) -> Result<f64, R
     let pixels = sketch::edge_pixels(geometries.each_ref());
     let differences = |verdict: Verdict| {
         let registered = registered(job, tracer, Some(found.clone()), verdict);
-        with_problem(job, tracer, &registered, (&[], None), |problem| {
+        with_problem(job, tracer, std::slice::from_ref(&registered), (&[], None), |problem| {
             sketch::differences(problem, &Options::default(), &pixels)
         })
     };

@@ -46,6 +46,9 @@ pub struct MaterialsFile {
     /// The numbers of the camera, where they were asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub photograph: Option<PhotographEntry>,
+    /// Of several photographs: how each was taken, in the order of the project.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub photographs: Vec<PhotographEntry>,
     /// How long the recovery took.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,

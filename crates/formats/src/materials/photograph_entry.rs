@@ -12,6 +12,9 @@ pub struct PhotographEntry {
     pub vignetting: Option<[f64; 3]>,
     /// That share at r = 1.
     pub corner: Option<f64>,
+    /// Scene radiance per unit of linear pixel value, by channel; of several photographs each has its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exposure: Option<[f32; 3]>,
     /// Standard deviations; null if nothing was refined.
     pub std: Option<PhotographStd>,
     /// What the photograph hardly determines.
@@ -29,4 +32,7 @@ pub struct PhotographStd {
     pub vignetting: Option<[f64; 3]>,
     /// Of the share of light at r = 1.
     pub corner: Option<f64>,
+    /// Of the exposure, where it was found beside that of the first photograph.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exposure: Option<[f32; 3]>,
 }

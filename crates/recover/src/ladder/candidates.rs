@@ -328,7 +328,8 @@ impl<'o> Candidates<'o> {
         let geometry = state.problem.renderer.geometry();
         let mut found = Vec::new();
         let valid = &state.observation.pixels_of_group[group];
-        let side = outliers::cell_side(geometry, valid.len(), evidence.judging.pixels.len());
+        let height = state.observation.sheet.highest();
+        let side = outliers::cell_side(height, valid.len(), evidence.judging.pixels.len());
         for _ in 0..OUTLIER_ROUNDS {
             let dispersion = self.options.thresholds.dispersion;
             let flags = outliers::find(&evidence.judging, &fit, geometry, dispersion, side)?;

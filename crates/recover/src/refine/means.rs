@@ -260,9 +260,11 @@ fn mean(
         sums
     });
     let change = |c: &PhotometricParameter| {
-        over(&|p| state.exposure * c.derivative.pixels()[p.pixel as usize])
+        over(&|p| state.exposure * c.change(&state.observation, p.pixel))
     };
     let changes: Vec<Rgb> = state.problem.photometric_parameters.iter().map(change).collect();
+    // No cell is in two photographs.
+    let taken = state.observation.sheet.photograph_of(cell.pixels[0].pixel);
     let mut residuals = radiance.map(|radiance| photograph - radiance);
     let light = 0.5 * (radiance[0] + radiance[1]);
     // A lower bound that the model meets asks for nothing.
@@ -285,7 +287,7 @@ fn mean(
                 return Vec::new();
             }
             let radiance = radiance.map(|radiance| f64::from(radiance[channel]));
-            unknowns.row(state, (&derivatives, &changes), channel, radiance)
+            unknowns.row(state, (&derivatives, &changes, taken), channel, radiance)
         }),
     }
 }

@@ -141,11 +141,11 @@ impl Unknowns {
 
     /// The row of the Jacobian in `channel`: which unknowns it hangs on and how strongly, from the
     /// derivatives of two renderings by [`Unknowns::parameters`] and their `radiance`. `changes` are
-    /// those of the photograph by the numbers of the camera.
+    /// those of the `photograph` of that number by the numbers of the camera.
     pub(crate) fn row(
         &self,
         state: &State<'_>,
-        (derivatives, changes): (&[Vec<Rgb>; 2], &[Rgb]),
+        (derivatives, changes, photograph): (&[Vec<Rgb>; 2], &[Rgb], usize),
         channel: usize,
         radiance: [f64; 2],
     ) -> Vec<(usize, f64, f64)> {
@@ -157,7 +157,7 @@ impl Unknowns {
                 let [one, two] = column.parameters;
                 let sum = if one == two { rendered(one) } else { rendered(one) + rendered(two) };
                 let radiance = radiance[half];
-                let linear = Linear { derivative: sum, radiance, changes, channel };
+                let linear = Linear { derivative: sum, radiance, changes, photograph, channel };
                 blocks::of(unknown.quantity).derivative(at, unknown, &linear)
             });
             (a != 0.0 || b != 0.0).then_some((column.unknown, a, b))

@@ -1,11 +1,12 @@
 //! `unrender check`: what of a project would spoil its recovery.
 
-use crate::check::{check, edge_picture, json, table};
+use crate::check::{Checkup, check, edge_picture, json, table};
 use crate::global::Global;
 use crate::{Error, Job, Project, interrupt, output};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use unrender_formats::picture;
+use unrender_scene::{RgbImage, Warnings};
 
 /// Looks at a project before it is recovered, and says what to mend.
 ///
@@ -13,6 +14,8 @@ use unrender_formats::picture;
 /// of it that gets light straight from a lamp, whether a highlight or a mirror image is there to tell
 /// its roughness by, and whether it could have a texture. Then what looks wrong, with what to do:
 /// the photo's response and exposure, the camera, units, lights, normals, edges that do not fit.
+///
+/// Of several photographs each is looked at by itself, and has a picture: NAME.png, NAME_2.png and so on.
 ///
 /// The picture shows the model's edges over the photo: green where the photo has them too, red where
 /// it has them elsewhere and yellow there, blue where it shows none.
@@ -44,18 +47,52 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     output::check_file(&args.out, &["png"], "end the name of the picture in .png")?;
     let mut job = Job::load(project, warnings)?;
     job.reduce();
-    let checkup = check(&job);
-    let drawn = edge_picture(&job.photo.radiance, &checkup.edges.points);
+    let mut checked = Vec::with_capacity(job.photographs());
+    for k in 0..job.photographs() {
+        let mut alone = job.alone(k);
+        if k > 0 {
+            // What is said of the whole project is said once.
+            alone.to_mut().warnings = Warnings::default();
+        }
+        let checkup = check(&alone);
+        let drawn = edge_picture(&alone.photo.radiance, &checkup.edges.points);
+        checked.push((numbered(&args.out, k), checkup, drawn));
+    }
     let until_written = interrupt::writing();
-    picture::write(&args.out, &drawn)?;
+    for (path, _, drawn) in &checked {
+        picture::write(path, drawn)?;
+    }
     drop(until_written);
-    let text = if args.json {
-        json(&checkup, &args.out)
-            .map_err(|error| Error::Request(format!("the check cannot be written: {error}")))?
-            + "\n"
-    } else {
-        table(&checkup, &args.out)
-    };
-    global.console.print(&text);
+    global.console.print(&text(args, &job, &checked)?);
     Ok(ExitCode::SUCCESS)
+}
+
+/// The name of the picture of photograph number `k`: as asked for the first, with its number for the others.
+fn numbered(path: &Path, k: usize) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    if k == 0 { path.to_owned() } else { path.with_file_name(format!("{stem}_{}.png", k + 1)) }
+}
+
+/// What is printed of all that was checked.
+fn text(args: &Args, job: &Job, checked: &[(PathBuf, Checkup, RgbImage)]) -> Result<String, Error> {
+    if !args.json {
+        let one = |(k, (path, checkup, _)): (usize, &(PathBuf, Checkup, RgbImage))| {
+            let name = job.called(k);
+            let heading = if name.is_empty() {
+                name
+            } else {
+                format!("{}{name}\n", if k > 0 { "\n" } else { "" })
+            };
+            format!("{heading}{}", table(checkup, path))
+        };
+        return Ok(checked.iter().enumerate().map(one).collect());
+    }
+    let each = checked.iter().map(|(path, checkup, _)| json(checkup, path));
+    let each = each.collect::<Result<Vec<_>, _>>();
+    let each =
+        each.map_err(|error| Error::Request(format!("the check cannot be written: {error}")))?;
+    Ok(match &each[..] {
+        [one] => format!("{one}\n"),
+        several => format!("[\n{}\n]\n", several.join(",\n")),
+    })
 }

@@ -218,7 +218,7 @@ fn recovered_with(
     // The number of its pixels then says how many samples the last picture has.
     job.reduce();
     global.console.warn(&job.warnings);
-    let pixels = job.photo.radiance.pixels().len();
+    let pixels = (0..job.photographs()).map(|k| job.photo_of(k).radiance.pixels().len()).sum();
     let asked = Asked {
         options: options(args, &job.project, pixels),
         alignment: alignment(args),

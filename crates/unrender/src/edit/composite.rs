@@ -3,7 +3,7 @@
 use super::Restaging;
 use super::developed::Photograph;
 use unrender_photo::clipping;
-use unrender_recover::{Observation, Picture};
+use unrender_recover::{Observation, PhotographNoise, Picture};
 use unrender_render::{GeometryBuffers, Tracer};
 use unrender_restage::composite::{self, Gain};
 use unrender_restage::pair::Paired;
@@ -75,11 +75,11 @@ fn noise(photograph: &Photograph, geometry: &GeometryBuffers, groups: usize) -> 
         quantisation_step: photo.quantisation_step.clone(),
     };
     let observation = Observation::new(picture, geometry, groups);
-    let shots = &observation.shot_of_group;
+    let PhotographNoise { read, shot_of_group: shots } = &observation.noise_of_photograph[0];
     let median = |channel: usize| {
         let mut values: Vec<f32> = shots.iter().map(|s| s[channel]).filter(|s| *s > 0.0).collect();
         values.sort_by(f32::total_cmp);
         values.get(values.len() / 2).copied().unwrap_or(0.0)
     };
-    [observation.read, Rgb::new(median(0), median(1), median(2))]
+    [*read, Rgb::new(median(0), median(1), median(2))]
 }

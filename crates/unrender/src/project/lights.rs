@@ -154,6 +154,13 @@ pub(super) fn check(project: &Project, scene: &Scene) -> Result<(), String> {
     for name in project.known_lights.iter().chain(&project.unknown_lights) {
         find(name, scene)?;
     }
+    for taken in project.photographs() {
+        let (key, names) = taken.switched.stated();
+        for name in names {
+            let fault = |problem: String| format!("{key}, in {}: {problem}", taken.photo.display());
+            find(name, scene).map_err(fault)?;
+        }
+    }
     Ok(())
 }
 

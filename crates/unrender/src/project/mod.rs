@@ -13,6 +13,7 @@ mod parse;
 mod photograph;
 mod raw;
 mod rungs;
+mod taken;
 mod values;
 
 pub(crate) use calibrated::{Found, Photographed};
@@ -23,6 +24,7 @@ pub use like::LikeGroup;
 pub(crate) use photograph::seconds;
 pub use photograph::{Frames, ResponseChoice, VignettingChoice};
 pub(crate) use rungs::up_to;
+pub use taken::{Switched, Taken};
 
 use crate::lighting::EnvironmentChoice;
 use std::collections::{BTreeMap, BTreeSet};
@@ -90,6 +92,10 @@ pub struct Project {
     pub same_as: BTreeMap<String, String>,
     /// The camera of the photograph.
     pub camera: CameraChoice,
+    /// The lights that were off when the photograph was taken; all are on where there is one photograph alone.
+    pub switched: Switched,
+    /// The further photographs, where there are several: the first is the one above.
+    pub further: Vec<Taken>,
     /// The units of the scene's lights, where the project says so.
     pub light_units: Option<LightUnits>,
     /// How far the reading of the files that it names may go; no key of the file.
@@ -185,20 +191,23 @@ impl Project {
 
     /// The files that it names, each with its key.
     fn files(&self) -> Vec<(&'static str, &Path)> {
-        let response = match &self.response {
-            Some(ResponseChoice::Measured(file)) => Some(("response", file.as_path())),
-            _ => None,
-        };
         let panorama = self.environment.as_ref().and_then(EnvironmentChoice::file);
-        let mask = self.mask.as_deref().map(|file| ("mask", file));
-        let photos = match &self.bracket {
-            Some(frames) => frames.files.iter().map(|f| ("photo.bracket", f.as_path())).collect(),
-            None => vec![("photo", self.photo.as_path())],
-        };
         let panorama = panorama.map(|file| ("environment.panorama", file));
-        let of_camera = self.camera.files();
-        let always = std::iter::once(("scene", self.scene.as_path())).chain(photos);
-        always.chain(mask).chain(response).chain(panorama).chain(of_camera).collect()
+        let of = |photo| (photo, &self.bracket, &self.mask);
+        let first = files_of(of(self.photo.as_path()), &self.response, &self.camera);
+        let further = self.further.iter().flat_map(|taken| {
+            let of = (taken.photo.as_path(), &taken.bracket, &taken.mask);
+            files_of(of, &taken.response, &taken.camera)
+        });
+        let always = std::iter::once(("scene", self.scene.as_path()));
+        let mut files: Vec<_> = always.chain(first).chain(panorama).collect();
+        for file in further {
+            // What is said of several is one file.
+            if !files.contains(&file) {
+                files.push(file);
+            }
+        }
+        files
     }
 
     /// Checks that the names in the project are names in `scene`.
@@ -253,14 +262,35 @@ impl Project {
             ));
         }
         lights::check(self, scene).or_else(fault)?;
-        if let CameraChoice::Named(name) = &self.camera
-            && !scene.cameras.iter().any(|c| c.name == *name)
-        {
-            let there = some_names(scene.cameras.iter().map(|c| c.name.as_str()));
-            return fault(format!("camera: the scene has no \"{name}\"; it has {there}"));
+        let cameras = std::iter::once(&self.camera);
+        for camera in cameras.chain(self.further.iter().map(|taken| &taken.camera)) {
+            if let CameraChoice::Named(name) = camera
+                && !scene.cameras.iter().any(|c| c.name == *name)
+            {
+                let there = some_names(scene.cameras.iter().map(|c| c.name.as_str()));
+                return fault(format!("camera: the scene has no \"{name}\"; it has {there}"));
+            }
         }
         Ok(())
     }
+}
+
+/// The files that are named for one photograph, each with its key.
+fn files_of<'a>(
+    (photo, bracket, mask): (&'a Path, &'a Option<Frames>, &'a Option<PathBuf>),
+    response: &'a Option<ResponseChoice>,
+    camera: &'a CameraChoice,
+) -> impl Iterator<Item = (&'static str, &'a Path)> {
+    let response = match response {
+        Some(ResponseChoice::Measured(file)) => Some(("response", file.as_path())),
+        _ => None,
+    };
+    let mask = mask.as_deref().map(|file| ("mask", file));
+    let photos = match bracket {
+        Some(frames) => frames.files.iter().map(|f| ("photo.bracket", f.as_path())).collect(),
+        None => vec![("photo", photo)],
+    };
+    photos.into_iter().chain(mask).chain(response).chain(camera.files())
 }
 
 /// Up to a dozen names for a message.

@@ -1,10 +1,8 @@
 //! From the raw project to one whose values are understood; every fault names its key.
 
 use super::raw::{RawAnchor, RawGroup, RawKnown, RawProject};
-use super::values::{reflectance, triple};
-use super::{
-    Anchor, CameraChoice, Known, Project, camera_choice, expected, lights, like, photograph, rungs,
-};
+use super::values::reflectance;
+use super::{Anchor, Known, Project, expected, lights, like, rungs, taken};
 use crate::lighting::RawLight;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -20,11 +18,12 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut warnings = Warnings::default();
     let anchor = raw.anchor.as_ref().map(anchor).transpose()?;
-    let exposure = exposure(raw.exposure.as_ref(), anchor.is_some(), &mut warnings)?;
+    let mut taken = taken::all(&raw, folder, anchor.is_some(), &mut warnings)?;
+    let first = taken.remove(0);
     let is_around_unknown = raw.environment.as_ref().is_some_and(|table| table.is_unknown());
     let any_light_unknown =
         is_around_unknown || raw.lights.unknown.iter().any(|(_, unknown)| *unknown);
-    if anchor.is_some() && exposure != Exposure::Auto && !any_light_unknown {
+    if anchor.is_some() && first.exposure != Exposure::Auto && !any_light_unknown {
         warnings.push("[anchor] was not used, as the exposure is stated and no light is unknown");
     }
     let group_rungs = group_rungs(&raw.groups)?;
@@ -40,10 +39,6 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     };
     let environment = raw.environment.as_ref();
     let environment = environment.map(|table| table.choice(&|file| folder.join(file)));
-    let black_level = raw.black_level.as_ref();
-    let black_level = black_level.map_or(Ok(Rgb::ZERO), photograph::black_level)?;
-    let white_level = raw.white_level.as_ref();
-    let white_level = white_level.map(|value| photograph::white_level(value, black_level));
     let brdf = raw.recover.brdf.as_deref().map(str::parse::<BrdfModel>).transpose();
     let brdf = brdf.map_err(|problem| format!("recover.brdf: {problem}"))?.unwrap_or_default();
     let rungs_of = |name: &String| {
@@ -54,18 +49,20 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     let expected = expected::all(&raw.groups, &rungs_of, anchored, brdf)?;
     let like = like::all(&raw.groups, anchored)?;
     let light_units = raw.light_units.as_deref().map(str::parse::<LightUnits>).transpose();
-    let (photo, bracket) = photograph::photo(&raw.photo, folder)?;
     let project = Project {
         path: path.to_owned(),
         scene: folder.join(&raw.scene),
-        photo: photo.clone(),
-        bracket,
-        mask: raw.mask.as_ref().map(|file| folder.join(file)),
-        response: raw.response.as_ref().map(|r| photograph::response(r, folder)).transpose()?,
-        black_level,
-        white_level: white_level.transpose()?,
-        vignetting: raw.vignetting.as_ref().map(photograph::vignetting).transpose()?,
-        exposure,
+        photo: first.photo,
+        bracket: first.bracket,
+        mask: first.mask,
+        response: first.response,
+        black_level: first.black_level,
+        white_level: first.white_level,
+        vignetting: first.vignetting,
+        exposure: first.exposure,
+        camera: first.camera,
+        switched: first.switched,
+        further: taken,
         anchor,
         known: all_known(&raw.groups)?,
         ignored,
@@ -83,10 +80,6 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         same_as,
         light_units: light_units.map_err(|problem| format!("light_units: {problem}"))?,
         limits: Limits::default(),
-        camera: match raw.camera {
-            Some(value) => camera_choice::parse(value, folder, &photo)?,
-            None => CameraChoice::First,
-        },
     };
     Ok((project, warnings))
 }
@@ -219,36 +212,6 @@ fn light_edits(list: &[RawLight]) -> Result<Vec<LightEdit>, String> {
         edits.push(raw.edit().map_err(|problem| fault(&problem))?);
     }
     Ok(edits)
-}
-
-fn exposure(
-    value: Option<&Value>,
-    anchored: bool,
-    warnings: &mut Warnings,
-) -> Result<Exposure, String> {
-    let Some(value) = value else {
-        if anchored {
-            return Ok(Exposure::Auto);
-        }
-        warnings.push("the project states no exposure; 1.0 was taken");
-        return Ok(Exposure::Fixed(Rgb::ONE));
-    };
-    match value.as_str() {
-        Some("auto") if anchored => Ok(Exposure::Auto),
-        Some("auto") => {
-            Err("exposure: \"auto\" needs a table [anchor] with a group and its rho_d, \
-                             else nothing fixes the scale"
-                .into())
-        }
-        Some(other) => Err(format!("exposure: there is no \"{other}\"; give a number or \"auto\"")),
-        None => {
-            let rgb = triple("exposure", value)?;
-            if !rgb.is_finite() || rgb.min_element() <= 0.0 {
-                return Err(format!("exposure is {value}; it must be positive"));
-            }
-            Ok(Exposure::Fixed(rgb))
-        }
-    }
 }
 
 fn anchor(raw: &RawAnchor) -> Result<Anchor, String> {

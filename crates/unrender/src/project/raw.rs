@@ -13,13 +13,16 @@ use toml::Value;
 #[serde(deny_unknown_fields)]
 pub(super) struct RawProject {
     pub(super) scene: PathBuf,
-    pub(super) photo: RawPhoto,
-    pub(super) mask: Option<PathBuf>,
-    pub(super) response: Option<Value>,
-    pub(super) black_level: Option<Value>,
-    pub(super) white_level: Option<Value>,
-    pub(super) exposure: Option<Value>,
-    pub(super) vignetting: Option<Value>,
+    photo: Option<RawPhoto>,
+    mask: Option<PathBuf>,
+    response: Option<Value>,
+    black_level: Option<Value>,
+    white_level: Option<Value>,
+    exposure: Option<Value>,
+    vignetting: Option<Value>,
+    camera: Option<Value>,
+    #[serde(default)]
+    pub(super) photos: Vec<RawShot>,
     pub(super) anchor: Option<RawAnchor>,
     #[serde(default)]
     pub(super) groups: BTreeMap<String, RawGroup>,
@@ -28,19 +31,70 @@ pub(super) struct RawProject {
     pub(super) environment: Option<RawEnvironment>,
     #[serde(default)]
     pub(super) recover: RawRecover,
-    pub(super) camera: Option<Value>,
     pub(super) light_units: Option<String>,
 }
 
+/// What is said of a photograph: at the top of a project, or in an entry of `[[photos]]`.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawShot {
+    pub(super) photo: Option<RawPhoto>,
+    pub(super) mask: Option<PathBuf>,
+    pub(super) response: Option<Value>,
+    pub(super) black_level: Option<Value>,
+    pub(super) white_level: Option<Value>,
+    pub(super) exposure: Option<Value>,
+    pub(super) vignetting: Option<Value>,
+    pub(super) camera: Option<Value>,
+    pub(super) lights_off: Option<Vec<String>>,
+    pub(super) lights_on: Option<Vec<String>>,
+}
+
+impl RawShot {
+    /// The same, and what `top` says where it says nothing itself.
+    pub(super) fn or(self, top: &Self) -> Self {
+        Self {
+            photo: self.photo.or_else(|| top.photo.clone()),
+            mask: self.mask.or_else(|| top.mask.clone()),
+            response: self.response.or_else(|| top.response.clone()),
+            black_level: self.black_level.or_else(|| top.black_level.clone()),
+            white_level: self.white_level.or_else(|| top.white_level.clone()),
+            exposure: self.exposure.or_else(|| top.exposure.clone()),
+            vignetting: self.vignetting.or_else(|| top.vignetting.clone()),
+            camera: self.camera.or_else(|| top.camera.clone()),
+            lights_off: self.lights_off,
+            lights_on: self.lights_on,
+        }
+    }
+}
+
+impl RawProject {
+    /// What its top says of photographs.
+    pub(super) fn top(&self) -> RawShot {
+        RawShot {
+            photo: self.photo.clone(),
+            mask: self.mask.clone(),
+            response: self.response.clone(),
+            black_level: self.black_level.clone(),
+            white_level: self.white_level.clone(),
+            exposure: self.exposure.clone(),
+            vignetting: self.vignetting.clone(),
+            camera: self.camera.clone(),
+            lights_off: None,
+            lights_on: None,
+        }
+    }
+}
+
 /// The photograph: the name of a file, or a table.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) enum RawPhoto {
     File(PathBuf),
     Bracket(RawBracket),
 }
 
 /// Its table.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawBracket {
     pub(super) bracket: Vec<PathBuf>,

@@ -5,7 +5,8 @@ use crate::Job;
 use glam::Vec3;
 use indexmap::IndexMap;
 use unrender_formats::materials::{
-    AlternativeEntry, GroupEntry, LightEntry, MaterialsFile, StatusEntry, StdEntry, VERSION,
+    AlternativeEntry, GroupEntry, LightEntry, MaterialsFile, PhotographEntry, StatusEntry,
+    StdEntry, VERSION,
 };
 use unrender_recover::{Alternative, Deviations, GroupResult};
 use unrender_scene::{Hypothesis, Material, Source};
@@ -23,7 +24,8 @@ fn build(job: &Job, recovered: &Recovered) -> MaterialsFile {
         version: Some(VERSION),
         brdf: Some(job.scene.brdf.name().to_owned()),
         exposure: Some(recovery.exposure.to_array()),
-        photograph: recovered.photograph.clone(),
+        photograph: recovered.photographs[0].clone(),
+        photographs: if job.photographs() > 1 { photographs(job, recovered) } else { Vec::new() },
         seconds: Some((recovered.times.all * 100.0).round() / 100.0),
         termination: Some(recovery.termination.message(recovery.iterations.len())),
         ..MaterialsFile::default()
@@ -33,6 +35,15 @@ fn build(job: &Job, recovered: &Recovered) -> MaterialsFile {
         file.groups.insert(group.name.clone(), entry(job, group));
     }
     file
+}
+
+/// How each of several photographs was taken.
+fn photographs(job: &Job, recovered: &Recovered) -> Vec<PhotographEntry> {
+    let one = |(k, found): (usize, &Option<PhotographEntry>)| {
+        let exposure = recovered.exposure_of(job, k);
+        PhotographEntry { exposure: Some(exposure.to_array()), ..found.clone().unwrap_or_default() }
+    };
+    recovered.photographs.iter().enumerate().map(one).collect()
 }
 
 /// The lights that were asked for, by name.

@@ -5,14 +5,19 @@ use crate::Job;
 use std::time::Instant;
 use unrender_recover::{Renderer, View};
 use unrender_render::{Appearance, Integrator, Settings, Tracer};
-use unrender_scene::{Material, RgbImage};
+use unrender_scene::{Material, Rgb, RgbImage};
 
 impl Recovered {
-    /// Renders what the photograph's camera sees in all pixels of the photograph of `job`, for [`Recovered::full`].
+    /// Renders what each photograph's camera sees in all pixels of the photograph of `job`, for [`Recovered::full`].
     /// `tell` hears the share done.
     pub fn render_full(&mut self, job: &Job, tell: &(dyn Fn(f64) + Sync)) {
         let started = Instant::now();
-        self.full = Some(render(job, self, tell));
+        let count = job.photographs();
+        let picture = |k: usize| {
+            let tell = |done: f64| tell((k as f64 + done) / count as f64);
+            render(&job.alone(k), &self.alone(job, k), &tell)
+        };
+        self.full = (0..count).map(picture).collect();
         self.times.all += started.elapsed().as_secs_f64();
     }
 }
@@ -33,6 +38,8 @@ fn render(job: &Job, recovered: &Recovered, tell: &(dyn Fn(f64) + Sync)) -> RgbI
         max_bounces: options.max_bounces,
         integrator: Integrator::PathReuse,
     };
-    let appearance = Appearance { materials: &materials, lights: &[] };
+    let mut lights = vec![Rgb::ONE; scene.environment_parts().end];
+    job.off.iter().for_each(|source| lights[*source as usize] = Rgb::ZERO);
+    let appearance = Appearance { materials: &materials, lights: &lights };
     RgbImage::new(width, height, view.picture(appearance, &settings, tell))
 }

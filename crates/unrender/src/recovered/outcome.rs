@@ -2,32 +2,35 @@
 
 use crate::Job;
 use crate::registered::RegisteredModel;
+use std::borrow::Cow;
 use unrender_formats::materials::PhotographEntry;
-use unrender_photo::develop;
+use unrender_photo::{Exposure, develop};
 use unrender_recover::{Options, Recovery};
-use unrender_scene::{Camera, Image, RgbImage, Scene};
+use unrender_scene::{Camera, Image, Rgb, RgbImage, Scene};
 
 /// A recovery, how it was asked for and how long it took.
+#[derive(Clone)]
 pub struct Recovered {
     /// What came out.
     pub recovery: Recovery,
     /// How it was asked for.
     pub options: Options,
-    /// The numbers of the camera, where they were asked for.
-    pub photograph: Option<PhotographEntry>,
-    /// How the model was found to lie on the photograph.
-    pub(crate) registered: RegisteredModel,
+    /// For each photograph the numbers of the camera, where they were asked for.
+    pub photographs: Vec<Option<PhotographEntry>>,
+    /// How the model was found to lie on each photograph.
+    pub(crate) registered: Vec<RegisteredModel>,
     /// The group of every pixel, or [`unrender_render::NOTHING`].
     pub group_map: Image<u32>,
     /// The object of every pixel, likewise.
     pub object_map: Image<u32>,
-    /// The re-rendering in all pixels of the photograph, radiance, where it was asked for and `recovery` has fewer.
-    pub full: Option<RgbImage>,
+    /// The re-rendering in all pixels of each photograph, radiance, where it was asked for and `recovery` has fewer.
+    pub full: Vec<RgbImage>,
     /// When each part of the work was done.
     pub times: Times,
 }
 
 /// Seconds since the beginning.
+#[derive(Clone)]
 pub struct Times {
     /// Until the model lay on the photograph.
     pub registered: f64,
@@ -40,9 +43,40 @@ pub struct Times {
 }
 
 impl Recovered {
-    /// The camera of the photograph of `job` that the recovery went on with.
+    /// The camera of the photograph of `job`, of several the first, that the recovery went on with.
     pub fn camera(&self, job: &Job) -> Camera {
-        job.camera_of_photograph(&self.registered.camera)
+        job.camera_of_photograph(&self.registered[0].camera)
+    }
+
+    /// The same with one of the photographs of `job` alone.
+    pub fn alone(&self, job: &Job, photograph: usize) -> Cow<'_, Self> {
+        if job.photographs() == 1 {
+            return Cow::Borrowed(self);
+        }
+        let sheet = job.sheet();
+        let mut recovery = self.recovery.clone();
+        recovery.rerendered = sheet.cut(&recovery.rerendered, photograph);
+        recovery.noise = sheet.cut(&recovery.noise, photograph);
+        recovery.status = sheet.cut(&recovery.status, photograph);
+        Cow::Owned(Self {
+            recovery,
+            options: self.options.clone(),
+            photographs: vec![self.photographs[photograph].clone()],
+            registered: vec![self.registered[photograph].clone()],
+            group_map: sheet.cut(&self.group_map, photograph),
+            object_map: sheet.cut(&self.object_map, photograph),
+            full: self.full.get(photograph).cloned().into_iter().collect(),
+            times: self.times.clone(),
+        })
+    }
+
+    /// Scene radiance per unit of linear value of a photograph of `job`, by channel.
+    pub(crate) fn exposure_of(&self, job: &Job, photograph: usize) -> Rgb {
+        match job.project.exposure {
+            // The photographs were developed with what was stated, or found beside that.
+            Exposure::Fixed(_) => job.transfer_of(photograph).exposure,
+            Exposure::Auto => job.transfer_of(photograph).exposure * self.recovery.exposure,
+        }
     }
 
     /// The scene of `job` with the recovered materials and lights.
@@ -61,16 +95,16 @@ impl Recovered {
     }
 
     /// The re-rendering, radiance: in all pixels of the photograph where that was asked for, else at the size at which it
-    /// was worked on.
+    /// was worked on. Of several photographs those of [`Recovered::alone`] have one.
     pub fn rerendered(&self) -> &RgbImage {
-        self.full.as_ref().unwrap_or(&self.recovery.rerendered)
+        self.full.first().unwrap_or(&self.recovery.rerendered)
     }
 
     /// The photograph of `job`, developed, at the same size.
     pub fn photo(&self, job: &Job) -> RgbImage {
-        match &self.full {
-            Some(_) => develop(&job.picture, &job.transfer).radiance,
-            None => job.photo.radiance.clone(),
+        match &self.full[..] {
+            [_, ..] => develop(&job.picture, &job.transfer).radiance,
+            [] => job.photo.radiance.clone(),
         }
     }
 }

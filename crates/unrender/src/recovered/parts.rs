@@ -105,7 +105,7 @@ fn agree(a: &ObjectFit, b: &ObjectFit) -> bool {
 /// What the photograph shows of `object`; none if that is too little.
 fn look(job: &Job, recovered: &Recovered, object: usize) -> Option<ObjectFit> {
     let recovery = &recovered.recovery;
-    let radiance = &job.photo.radiance;
+    let radiance = &job.radiance_on_sheet();
     let (width, height) = (radiance.width(), radiance.height());
     let side = ((SQUARE * height as f32) as usize).max(1);
     // In each square: the photograph, the re-rendering, and the pixels.

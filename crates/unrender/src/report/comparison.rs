@@ -2,14 +2,26 @@
 //! two.
 
 use super::exhibit::Exhibit;
-use super::{RunFolder, embed, under};
+use super::{PhotographOf, RunFolder, embed, under};
 use crate::Error;
 use maud::{Markup, html};
 use std::path::Path;
 
-/// The section: photograph and re-rendering.
+/// The section: each photograph and its re-rendering.
 pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
-    let pictures = &source.run.pictures;
+    let each = source.photographs();
+    let figures = each.iter().map(|of| pair(source, of)).collect::<Result<Vec<_>, _>>()?;
+    let content = html! {
+        @for (of, figure) in each.iter().zip(&figures) {
+            @if let Some(heading) = &of.heading { h3 { (heading) } }
+            (figure)
+        }
+    };
+    Ok(under("comparison", &content))
+}
+
+fn pair(source: &RunFolder<'_>, of: &PhotographOf<'_>) -> Result<Markup, Error> {
+    let pictures = of.pictures;
     let photo = Exhibit {
         file: pictures.photo.clone(),
         title: "photograph".to_owned(),
@@ -20,7 +32,7 @@ pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
         title: "re-rendering".to_owned(),
         caption: "The scene rendered with the recovered materials".to_owned(),
     };
-    Ok(under("comparison", &figure(source.folder, &[photo, rerendered])?))
+    figure(source.folder, &[photo, rerendered])
 }
 
 /// The first of two pictures in `folder` left of the divider, the second right of it.

@@ -2,29 +2,43 @@
 //! colour bar.
 
 use super::number::{Shown, count, number};
-use super::{Key, RunFolder, embed, under};
+use super::{Key, PhotographOf, RunFolder, embed, under};
 use crate::Error;
 use crate::run::{ErrorPicture, Unit};
 use maud::{Markup, html};
 
 /// The section: one picture is seen at a time, chosen by radio buttons.
 pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
-    let errors = &source.run.pictures.errors;
-    let key = source.key.at("pictures").at("errors");
+    let each = source.photographs();
+    let one = |(k, of): (usize, &PhotographOf<'_>)| pictures(source, k, of);
+    let figures = each.iter().enumerate().map(one).collect::<Result<Vec<_>, _>>()?;
+    let content = html! {
+        @for (of, figure) in each.iter().zip(&figures) {
+            @if let Some(heading) = &of.heading { h3 { (heading) } }
+            (figure)
+        }
+    };
+    Ok(under("errors", &content))
+}
+
+/// The pictures of the photograph `of`, which is number `k`.
+fn pictures(source: &RunFolder<'_>, k: usize, of: &PhotographOf<'_>) -> Result<Markup, Error> {
+    let errors = &of.pictures.errors;
+    let key = of.key.at("pictures").at("errors");
+    let group = if k == 0 { "error".to_owned() } else { format!("error-{}", k + 1) };
     let figures = errors.iter().enumerate().map(|(index, error)| {
         figure(source, &key.at(index), error).map(|figure| (index, error, figure))
     });
     let figures = figures.collect::<Result<Vec<_>, _>>()?;
-    let content = html! {
+    Ok(html! {
         div class="choice" {
             @for (index, error, _) in &figures {
-                input type="radio" name="error" id={ "error-" (index) } checked[*index == 0];
-                label for={ "error-" (index) } { (name(error)) }
+                input type="radio" name=(group) id={ (group) "-" (index) } checked[*index == 0];
+                label for={ (group) "-" (index) } { (name(error)) }
             }
             @for (_, _, figure) in &figures { (figure) }
         }
-    };
-    Ok(under("errors", &content))
+    })
 }
 
 fn name(error: &ErrorPicture) -> &'static str {

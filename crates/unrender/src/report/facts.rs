@@ -19,8 +19,19 @@ pub(super) fn section(source: &RunFolder<'_>) -> Markup {
             div { h3 { "Input" } (input(source)) }
             div { h3 { "Settings" } (settings(source)) }
         }
-        @if let Some(photograph) = &run.photograph {
+        @if run.photographs.is_empty() && let Some(photograph) = &run.photograph {
             h3 { "Camera" } (camera(&source.key.at("photograph"), photograph))
+        }
+        @for (k, of) in run.photographs.iter().enumerate() {
+            @let key = source.key.at("photographs").at(k);
+            h3 { "Camera of photograph " (k + 1) }
+            table { tbody { (row("exposure", &html! {
+                (numbers(&key.at("exposure"), &of.exposure, Shown::Significant(4)))
+                @if let Some(std) = of.photograph.as_ref().and_then(|found| found.std.as_ref()?.exposure.as_ref()) {
+                    " ± " (numbers(&key.at("photograph").at("std").at("exposure"), std, Shown::Significant(2)))
+                }
+            })) } }
+            @if let Some(photograph) = &of.photograph { (camera(&key.at("photograph"), photograph)) }
         }
         @if !run.lights.is_empty() { h3 { "Lights" } (lights(source)) }
     };
@@ -77,7 +88,10 @@ fn input(source: &RunFolder<'_>) -> Markup {
         table { tbody {
             (row("project", &html! { (run.input.project.display()) }))
             (row("scene", &html! { (run.input.scene.display()) }))
-            @if run.input.bracket.is_empty() {
+            @for of in &run.photographs {
+                (row("one of the photographs", &html! { (of.photo.display()) }))
+            }
+            @if run.input.bracket.is_empty() && run.photographs.is_empty() {
                 (row("photograph", &html! { (run.input.photo.display()) }))
             }
             @for photo in &run.input.bracket {

@@ -1,13 +1,26 @@
 //! The group map: a pixel under the pointer, or a row of the groups' table, says which group it is.
 
-use super::{RunFolder, embed, under};
+use super::{PhotographOf, RunFolder, embed, under};
 use crate::Error;
 use maud::{Markup, html};
 
 /// The section. The script fills in what is under the pointer from the groups' table.
 pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
-    let map = embed::exact(source.folder, &source.run.pictures.groups)?;
+    let each = source.photographs();
+    let one = |of: &PhotographOf<'_>| map(source, of);
+    let figures = each.iter().map(one).collect::<Result<Vec<_>, _>>()?;
     let content = html! {
+        @for (of, figure) in each.iter().zip(&figures) {
+            @if let Some(heading) = &of.heading { h3 { (heading) } }
+            (figure)
+        }
+    };
+    Ok(under("map", &content))
+}
+
+fn map(source: &RunFolder<'_>, of: &PhotographOf<'_>) -> Result<Markup, Error> {
+    let map = embed::exact(source.folder, &of.pictures.groups)?;
+    Ok(html! {
         figure class="map" {
             div class="frame" {
                 img class="groups" src=(map.src) width=(map.width) height=(map.height)
@@ -20,6 +33,5 @@ pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
             figcaption { "Every pixel in the colour of its group, black where the model shows \
                 nothing. Choosing a group in the table shows where it is." }
         }
-    };
-    Ok(under("map", &content))
+    })
 }

@@ -29,7 +29,7 @@ pub use exhibit::Exhibit;
 pub use gallery::gallery;
 
 use crate::Error;
-use crate::run::Run;
+use crate::run::{LeftOut, PhotographRun, Pictures, Run};
 use maud::{Markup, html};
 use number::{Key, Shown, number};
 use std::path::{Path, PathBuf};
@@ -44,6 +44,41 @@ struct RunFolder<'a> {
     folder: &'a Path,
     /// Where the run's numbers are.
     key: Key,
+}
+
+/// One photograph of a run.
+struct PhotographOf<'a> {
+    /// Its number and its file, where there are several.
+    heading: Option<String>,
+    pictures: &'a Pictures,
+    pixels: &'a LeftOut,
+    /// Where its numbers are.
+    key: Key,
+}
+
+impl<'a> RunFolder<'a> {
+    /// The photographs of the run.
+    fn photographs(&self) -> Vec<PhotographOf<'a>> {
+        let (run, key) = (self.run, &self.key);
+        if run.photographs.is_empty() {
+            let (pictures, pixels) = (&run.pictures, &run.pixels);
+            return vec![PhotographOf { heading: None, pictures, pixels, key: key.clone() }];
+        }
+        let one = |(k, of): (usize, &'a PhotographRun)| {
+            let name = of.photo.file_name().unwrap_or(of.photo.as_os_str()).to_string_lossy();
+            let mut heading = format!("Photograph {}: {name}", k + 1);
+            if !of.lights_off.is_empty() {
+                heading.push_str(&format!(" (off: {})", of.lights_off.join(", ")));
+            }
+            PhotographOf {
+                heading: Some(heading),
+                pictures: &of.pictures,
+                pixels: &of.pixels,
+                key: key.at("photographs").at(k),
+            }
+        };
+        run.photographs.iter().enumerate().map(one).collect()
+    }
 }
 
 /// Writes the page of the recovery in `folder` beside its other files.

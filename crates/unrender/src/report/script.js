@@ -28,13 +28,13 @@ for (const figure of document.querySelectorAll(".compare")) {
   });
 }
 
-function setUpMap(figure) {
+function setUpMap(figure, number) {
   const image = figure.querySelector(".groups");
   const overlay = figure.querySelector("canvas");
   const readout = figure.querySelector(".readout");
   const rows = new Map();
   for (const row of document.querySelectorAll("tr[data-color]")) rows.set(row.dataset.color, row);
-  const photo = document.querySelector(".compare .over");
+  const photo = document.querySelectorAll(".compare .over")[number];
   if (photo) {
     const under = photo.cloneNode();
     under.className = "under";
@@ -105,12 +105,12 @@ function setUpMap(figure) {
     row.querySelector(".pick").addEventListener("focus", () => light(row));
     row.querySelector(".pick").addEventListener("click", () => {
       light(row);
-      figure.scrollIntoView({ block: "nearest" });
+      if (number === 0) figure.scrollIntoView({ block: "nearest" });
     });
   }
 }
 
-for (const figure of document.querySelectorAll(".map")) {
+document.querySelectorAll(".map").forEach((figure, number) => {
   const image = figure.querySelector(".groups");
-  image.decode().then(() => setUpMap(figure));
-}
+  image.decode().then(() => setUpMap(figure, number));
+});

@@ -1,15 +1,27 @@
 //! The valid mask: which pixels counted, and why the others did not.
 
 use super::number::count;
-use super::{RunFolder, embed, under};
+use super::{PhotographOf, RunFolder, embed, under};
 use crate::Error;
 use crate::run::LeftOut;
 use maud::{Markup, html};
 
 /// The section, with the colours of trust.png as the legend.
 pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
-    let picture = embed::photograph(source.folder, &source.run.pictures.trust)?;
+    let each = source.photographs();
+    let figures = each.iter().map(|of| mask(source, of)).collect::<Result<Vec<_>, _>>()?;
     let content = html! {
+        @for (of, figure) in each.iter().zip(&figures) {
+            @if let Some(heading) = &of.heading { h3 { (heading) } }
+            (figure)
+        }
+    };
+    Ok(under("valid", &content))
+}
+
+fn mask(source: &RunFolder<'_>, of: &PhotographOf<'_>) -> Result<Markup, Error> {
+    let picture = embed::photograph(source.folder, &of.pictures.trust)?;
+    Ok(html! {
         div class="beside" {
             figure {
                 img src=(picture.src) width=(picture.width) height=(picture.height)
@@ -20,17 +32,16 @@ pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
                 caption { "Pixels, by the reason why they did not count." }
                 thead { tr { th scope="col" { "colour" } th scope="col" { "why" }
                     th scope="col" class="n" { "pixels" } } }
-                tbody { @for (field, color, why, pixels) in reasons(&source.run.pixels) {
+                tbody { @for (field, color, why, pixels) in reasons(of.pixels) {
                     tr {
                         td { span class="swatch" style={ "background:" (color) } {} }
                         td { (why) }
-                        td class="n" { (count(&source.key.at("pixels").at(field), pixels)) }
+                        td class="n" { (count(&of.key.at("pixels").at(field), pixels)) }
                     }
                 } }
             }
         }
-    };
-    Ok(under("valid", &content))
+    })
 }
 
 /// Field of run.json, colour in trust.png, words, number.

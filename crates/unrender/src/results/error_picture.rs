@@ -28,12 +28,12 @@ const LEFT_OUT: f32 = 0.1;
 /// Stops of a colour bar.
 const STOPS: usize = 9;
 
-/// Writes the error pictures of a recovery into its folder; returns those without a bar of their
-/// own.
+/// Writes the error pictures of a recovery into its folder, with the photograph's `number` in their names; returns
+/// those without a bar of their own.
 pub(super) fn write(
     job: &Job,
     recovery: &Recovery,
-    folder: &Path,
+    (folder, number): (&Path, &str),
 ) -> Result<Vec<ErrorPicture>, Error> {
     let difference = Difference::of(job, recovery);
     let full = (difference.photo_mean * FULL_SCALE).max(f32::MIN_POSITIVE);
@@ -45,7 +45,7 @@ pub(super) fn write(
         }
         painted(*difference.radiance.at(x, y), full, diverging)
     });
-    picture::write_png_srgb(&folder.join("error.png"), &with_bar)?;
+    picture::write_png_srgb(&folder.join(format!("error{number}.png")), &with_bar)?;
     let mut pictures = Vec::new();
     for unit in [Unit::Radiance, Unit::Noise] {
         let (name, values, full) = match unit {
@@ -55,7 +55,7 @@ pub(super) fn write(
         for signed in [true, false] {
             let color = if signed { diverging } else { rising };
             let kind = if signed { "signed" } else { "absolute" };
-            let file = report_folder(&format!("error_{name}_{kind}.png"));
+            let file = report_folder(&format!("error{number}_{name}_{kind}.png"));
             let picture = values.map(|value| painted(*value, full, color));
             picture::write_png_srgb(&folder.join(&file), &picture)?;
             let bar = bar_of(signed, full, color);

@@ -17,9 +17,13 @@ const LIGHTNESS: [f32; 3] = [0.85, 0.6, 0.72];
 /// Paleness too, each for a round of the lightness.
 const PALENESS: [f32; 4] = [0.25, 0.1, 0.35, 0.18];
 
-/// Writes the group map of a recovery into its folder; returns its name there.
-pub(super) fn write(recovered: &Recovered, folder: &Path) -> Result<String, Error> {
-    let file = report_folder("groups.png");
+/// Writes the group map of a recovery into its folder, with the photograph's `number` in its name; returns its name
+/// there.
+pub(super) fn write(
+    recovered: &Recovered,
+    (folder, number): (&Path, &str),
+) -> Result<String, Error> {
+    let file = report_folder(&format!("groups{number}.png"));
     let picture = recovered.group_map.map(|&group| match group {
         NOTHING => Rgb::ZERO,
         group => color(group as usize),

@@ -40,10 +40,19 @@ const REPORT_FOLDER: &str = "report";
 pub(crate) fn writes(name: &str) -> bool {
     let numbered = |rest: &str| rest.starts_with(|c: char| c.is_ascii_digit());
     ["materials.json", "run.json", "report.html", "scene.glb", "manifest.json"].contains(&name)
-        || ["photo.png", "rerendered.png", "rerendered.exr", "trust.png"].contains(&name)
+        || is_picture(name)
         || ["error", "group"].iter().any(|stem| name.starts_with(stem) && name.ends_with(".png"))
         || name.strip_prefix("texture_").is_some_and(numbered)
         || name.starts_with("report/")
+}
+
+/// Whether it is a picture of a photograph, of several with its number.
+fn is_picture(name: &str) -> bool {
+    let Some((stem, extension)) = name.rsplit_once('.') else { return false };
+    let (kind, number) = stem.split_once('_').unwrap_or((stem, "1"));
+    let is_number = number.bytes().all(|byte| byte.is_ascii_digit());
+    let is_kind = ["photo", "rerendered", "trust"].contains(&kind);
+    is_number && is_kind && (extension == "png" || (kind, extension) == ("rerendered", "exr"))
 }
 
 /// Writes all files of a recovery into `folder`, which exists, and returns what it said of itself.
@@ -57,12 +66,16 @@ pub(crate) fn write(
     let recovery = &recovered.recovery;
     let mut bad = 0;
     let file = textures::write(job, recovered, folder, &mut bad)?;
-    bad += picture::write_exr(&folder.join("rerendered.exr"), recovered.rerendered())?;
-    let pictures = write_pictures(job, recovered, folder, &mut bad)?;
+    let mut pictures = Vec::new();
+    for k in 0..job.photographs() {
+        let number = if job.photographs() > 1 { format!("_{}", k + 1) } else { String::new() };
+        let (alone, recovered) = (job.alone(k), recovered.alone(job, k));
+        pictures.push(write_pictures(&alone, &recovered, (folder, &number), &mut bad)?);
+    }
     let balls = ball::write(job, recovered, folder)?;
     atomic::write(&folder.join("scene.glb"), &scene_file(job, recovered)?)?;
     let mut warnings = job.warnings.clone();
-    warnings.extend(recovered.registered.warnings.clone());
+    recovered.registered.iter().for_each(|of| warnings.extend(of.warnings.clone()));
     let mut doubts = Warnings::default();
     for (index, group) in recovery.groups.iter().enumerate() {
         if group.material.texture.is_some() {
@@ -86,28 +99,32 @@ pub(crate) fn write(
     Ok(run)
 }
 
-/// Writes the pictures of a recovery that stand beside its report; counts bad values in `bad`.
+/// Writes the pictures of a recovery from one photograph that stand beside its report, their names with its
+/// `number`; counts bad values in `bad`.
 fn write_pictures(
     job: &Job,
     recovered: &Recovered,
-    folder: &Path,
+    (folder, number): (&Path, &str),
     bad: &mut usize,
 ) -> Result<Pictures, Error> {
     let recovery = &recovered.recovery;
-    let exposure = recovery.exposure;
-    let as_photo = recovered.rerendered().map(|radiance| *radiance / exposure);
-    *bad += picture::write_png_srgb(&folder.join("rerendered.png"), &as_photo)?;
-    let fixed = matches!(job.project.exposure, unrender_photo::Exposure::Fixed(_));
-    let developed = if fixed { exposure } else { Rgb::ONE };
-    let photo = recovered.photo(job).map(|radiance| *radiance / developed);
-    *bad += picture::write_png_srgb(&folder.join("photo.png"), &photo)?;
-    status_picture::write(job, recovery, &folder.join("trust.png"))?;
+    let named = |stem: &str| format!("{stem}{number}.png");
+    let (photo, rerendered, trust) = (named("photo"), named("rerendered"), named("trust"));
+    let radiance = recovered.rerendered();
+    *bad += picture::write_exr(&folder.join(format!("rerendered{number}.exr")), radiance)?;
+    let exposure = recovered.exposure_of(job, 0);
+    let as_photo = radiance.map(|radiance| *radiance / exposure);
+    *bad += picture::write_png_srgb(&folder.join(&rerendered), &as_photo)?;
+    let developed = job.transfer.exposure;
+    let as_linear = recovered.photo(job).map(|radiance| *radiance / developed);
+    *bad += picture::write_png_srgb(&folder.join(&photo), &as_linear)?;
+    status_picture::write(job, recovery, &folder.join(&trust))?;
     Ok(Pictures {
-        photo: "photo.png".to_owned(),
-        rerendered: "rerendered.png".to_owned(),
-        trust: "trust.png".to_owned(),
-        groups: group_picture::write(recovered, folder)?,
-        errors: error_picture::write(job, recovery, folder)?,
+        photo,
+        rerendered,
+        trust,
+        groups: group_picture::write(recovered, (folder, number))?,
+        errors: error_picture::write(job, recovery, (folder, number))?,
     })
 }
 

@@ -7,8 +7,8 @@ use crate::lighting::EnvironmentChoice;
 use crate::project::CameraTable;
 use crate::recovered::parts;
 use crate::run::{
-    CandidateEntry, GroupIterationEntry, Input, IterationEntry, LeftOut, Pictures, Program,
-    RegistrationEntry, Run, RunGroup, SettingsEntry, Stages, VERSION,
+    CandidateEntry, GroupIterationEntry, Input, IterationEntry, LeftOut, PhotographRun, Pictures,
+    Program, RegistrationEntry, Run, RunGroup, SettingsEntry, Stages, VERSION,
 };
 use indexmap::IndexMap;
 use serde_json::json;
@@ -22,7 +22,7 @@ pub(super) fn build(
     job: &Job,
     recovered: &Recovered,
     materials: &MaterialsFile,
-    (pictures, balls): (Pictures, Vec<Option<String>>),
+    (mut pictures, balls): (Vec<Pictures>, Vec<Option<String>>),
     warnings: Warnings,
 ) -> Run {
     let recovery = &recovered.recovery;
@@ -64,17 +64,44 @@ pub(super) fn build(
         termination: recovery.termination.message(recovery.iterations.len()),
         warnings: warnings.0,
         exposure: recovery.exposure.to_array(),
-        photograph: recovered.photograph.clone(),
+        photograph: recovered.photographs[0].clone(),
+        photographs: photographs(job, recovered, &pictures),
         exposure_std: recovery.exposure_std.map(|std| std.to_array()),
         registration: registration(job, recovered),
         pixels: LeftOut::count(recovery.status.pixels()),
-        pictures,
+        pictures: pictures.swap_remove(0),
         iterations: iterations
             .map(|(record, seconds)| iteration(record, *seconds, &recovery.groups))
             .collect(),
         groups: groups.collect(),
         lights: materials.lights.clone(),
     }
+}
+
+/// Each of several photographs, with its `pictures`; none of one alone.
+fn photographs(job: &Job, recovered: &Recovered, pictures: &[Pictures]) -> Vec<PhotographRun> {
+    let one = |(k, pictures): (usize, &Pictures)| {
+        let (alone, of_it) = (job.alone(k), recovered.alone(job, k));
+        PhotographRun {
+            photo: alone.project.photo.clone(),
+            width: alone.photograph_size().0,
+            height: alone.photograph_size().1,
+            exposure: recovered.exposure_of(job, k).to_array(),
+            photograph: of_it.photographs[0].clone(),
+            lights_off: off(&alone),
+            registration: registration(&alone, &of_it),
+            pixels: LeftOut::count(of_it.recovery.status.pixels()),
+            pictures: pictures.clone(),
+        }
+    };
+    if pictures.len() == 1 { Vec::new() } else { pictures.iter().enumerate().map(one).collect() }
+}
+
+/// The names of the lights that were off.
+fn off(job: &Job) -> Vec<String> {
+    let sources = job.scene.sources();
+    let off = sources.filter(|source| job.off.contains(&(source.index as u32)));
+    off.map(|source| source.name.to_owned()).collect()
 }
 
 fn input(job: &Job) -> Input {
@@ -138,7 +165,7 @@ fn stages(recovered: &Recovered) -> Stages {
 
 /// How the model was registered with the photograph, and the camera that was used.
 fn registration(job: &Job, recovered: &Recovered) -> RegistrationEntry {
-    let registered = &recovered.registered;
+    let registered = &recovered.registered[0];
     let table = CameraTable::of(&recovered.camera(job), 1.0, job.scene.origin);
     let lens = table.lens;
     let camera = json!({

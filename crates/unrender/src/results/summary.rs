@@ -31,7 +31,12 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
         let what = if light.panorama.is_some() { "mean radiance" } else { "intensity" };
         text.push_str(&format!("{name}: {what} {found}, std {std}\n"));
     }
-    text.push_str(&recovered.photograph.as_ref().map_or(String::new(), photograph));
+    for (k, found) in recovered.photographs.iter().enumerate() {
+        let lines = found.as_ref().map_or(String::new(), photograph);
+        for line in lines.lines() {
+            text.push_str(&format!("{}{line}\n", job.called(k)));
+        }
+    }
     for group in &recovery.groups {
         if let Some(note) = &group.note {
             text.push_str(&format!("{}: {note}\n", group.name));
@@ -95,6 +100,11 @@ fn photograph(found: &PhotographEntry) -> String {
     let mut text = String::new();
     if let Some(gamma) = found.gamma {
         text.push_str(&format!("response: gamma {gamma:.4}{}\n", with_std(std.gamma)));
+    }
+    if let Some([r, g, b]) = found.exposure {
+        let std =
+            std.exposure.map_or(String::new(), |[r, g, b]| format!(", std {r:.4} {g:.4} {b:.4}"));
+        text.push_str(&format!("exposure: {r:.4} {g:.4} {b:.4}{std}\n"));
     }
     if let (Some([a1, a2, a3]), Some(corner)) = (found.vignetting, found.corner) {
         text.push_str(&format!(

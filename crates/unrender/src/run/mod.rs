@@ -11,7 +11,7 @@ mod pictures;
 pub(crate) use camera::{recovered_camera, recovered_environment, recovered_size};
 pub use group::{CandidateEntry, LeftOut, RunGroup};
 pub use iteration::{GroupIterationEntry, IterationEntry};
-pub use pictures::{ErrorPicture, Pictures, Stop, Unit};
+pub use pictures::{ErrorPicture, PhotographRun, Pictures, Stop, Unit};
 
 use crate::Error;
 use indexmap::IndexMap;
@@ -52,9 +52,13 @@ pub struct Run {
     pub exposure_std: Option<[f32; 3]>,
     /// The camera's numbers, where they were asked for, as in `materials.json`.
     pub photograph: Option<PhotographEntry>,
+    /// Each of several photographs, in the order of the project; left out where there is one alone. What else is said
+    /// here of one photograph is of the first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub photographs: Vec<PhotographRun>,
     /// How the model was registered with the photograph.
     pub registration: RegistrationEntry,
-    /// How many pixels of the photograph counted, and how many did not, by reason.
+    /// How many pixels of all photographs counted, and how many did not, by reason.
     pub pixels: LeftOut,
     /// The pictures beside the file.
     pub pictures: Pictures,

@@ -1,6 +1,34 @@
 //! The pictures of a run, and what the colours of the false ones mean.
 
+use super::{LeftOut, RegistrationEntry, as_text};
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use unrender_formats::materials::PhotographEntry;
+
+/// One of several photographs of a run.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct PhotographRun {
+    /// Its file.
+    #[serde(serialize_with = "as_text")]
+    pub photo: PathBuf,
+    /// Its width, pixels.
+    pub width: usize,
+    /// Its height, pixels.
+    pub height: usize,
+    /// Scene radiance per unit of linear pixel value, by channel.
+    pub exposure: [f32; 3],
+    /// The camera's numbers, where they were asked for.
+    pub photograph: Option<PhotographEntry>,
+    /// The lights that were off.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lights_off: Vec<String>,
+    /// How the model was registered with it.
+    pub registration: RegistrationEntry,
+    /// How many of its pixels counted, and how many did not, by reason.
+    pub pixels: LeftOut,
+    /// Its pictures.
+    pub pictures: Pictures,
+}
 
 /// The pictures of a run, as paths relative to `run.json`.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]

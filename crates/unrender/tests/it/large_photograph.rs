@@ -1,10 +1,11 @@
 //! A photograph of more than a megapixel: worked on in squares of its pixels, its textures of the pixels themselves.
 
-use crate::kit::example::shrunk;
+use crate::kit::example::{beside_crates, shrunk};
 use crate::kit::folder::{Folder, succeeds};
 use crate::kit::meshes::{add, quad, square};
 use glam::{Vec2, Vec3};
 use serde_json::Value;
+use std::process::Command;
 use std::sync::Arc;
 use unrender::formats::picture::{self, Depth};
 use unrender::formats::{Input, Limits, gltf};
@@ -113,4 +114,23 @@ fn it_is_worked_on_in_squares_and_its_textures_keep_its_pixels() {
     assert_eq!(size(read(&folder, "out/rerendered.exr")), SIZE);
     assert_eq!(size(read(&folder, "out/photo.png")), SIZE);
     assert_eq!(size(read(&folder, "out/trust.png")), (SIZE.0 / 2, SIZE.1 / 2));
+}
+
+#[test]
+fn the_memory_of_whoever_starts_a_recovery_is_not_counted_as_its_own() {
+    const HELD: usize = 400 << 20;
+    // Written to, so that it is there.
+    let held = vec![1u8; HELD];
+    let out = Folder::new();
+    let project = beside_crates("examples/corpus/isotropic/project.toml");
+    let mut recover = Command::new(env!("CARGO_BIN_EXE_unrender"));
+    recover.arg("recover").arg(project).arg("--out").arg(out.path("out"));
+    recover.args(["--effort", "draft", "--no-refine", "--spp", "1"]);
+    succeeds(&recover.output().unwrap());
+    assert!(held.iter().all(|byte| *byte == 1));
+    let run: Value =
+        serde_json::from_slice(&std::fs::read(out.path("out").join("run.json")).unwrap()).unwrap();
+    let peak = run["peak_memory_bytes"].as_u64();
+    // It holds some tens of megabytes; a system that does not tell says nothing.
+    assert!(peak.is_none_or(|peak| peak < HELD as u64 / 2), "{peak:?}");
 }

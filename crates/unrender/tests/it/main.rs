@@ -32,4 +32,5 @@ mod resume;
 mod room_recovery;
 mod safe;
 mod score;
+mod several;
 mod split;

@@ -201,11 +201,13 @@ fn photograph() -> PhotographEntry {
         gamma: Some(0.0123),
         vignetting: Some([0.01, 0.02, 0.03]),
         corner: Some(0.0045),
+        exposure: Some([0.01, 0.02, 0.03]),
     };
     PhotographEntry {
         gamma: Some(2.234_567),
         vignetting: Some([-0.123_456, 0.034_567, -0.001_234]),
         corner: Some(0.912_345),
+        exposure: Some([1.5, 1.25, 1.125]),
         std: Some(std),
         note: Some("gamma and exposure are tied together".into()),
     }

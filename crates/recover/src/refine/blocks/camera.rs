@@ -50,6 +50,9 @@ impl ParameterBlock for Camera {
     }
 
     fn derivative(&self, at: At<'_>, u: &Unknown, linear: &Linear<'_>) -> f64 {
+        if at.state.problem.photometric_parameters[u.of].photograph != linear.photograph {
+            return 0.0;
+        }
         let by_cache = linear.derivative * f64::from(at.start.relative[u.of][linear.channel]);
         by_cache - f64::from(linear.changes[u.of][linear.channel])
     }

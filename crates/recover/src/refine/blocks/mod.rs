@@ -14,6 +14,7 @@ mod light;
 mod reflectance;
 mod roughness;
 
+use crate::photometric::PhotometricParameter;
 use crate::state::State;
 use crate::unknown::{Quantity, Unknown};
 use unrender_render::Parameter;
@@ -44,6 +45,8 @@ pub(super) struct Linear<'a> {
     pub(super) radiance: f64,
     /// By how much each number of the camera changes the photograph there.
     pub(super) changes: &'a [Rgb],
+    /// The photograph that they are of.
+    pub(super) photograph: usize,
     pub(super) channel: usize,
 }
 
@@ -58,15 +61,14 @@ pub(super) struct At<'a> {
 pub(super) struct Start {
     /// The exposure, of which the unknown one is a multiple.
     pub(super) exposure: Rgb,
-    /// By what share each number of the camera changes the whole photograph.
+    /// By what share each number of the camera changes its whole photograph.
     pub(super) relative: Vec<Rgb>,
 }
 
 impl Start {
     pub(super) fn of(state: &State<'_>) -> Self {
-        let values = &state.observation.picture.values;
-        let relative =
-            state.problem.photometric_parameters.iter().map(|c| c.relative(values)).collect();
+        let relative = |c: &PhotometricParameter| c.relative(&state.observation);
+        let relative = state.problem.photometric_parameters.iter().map(relative).collect();
         Self { exposure: state.exposure, relative }
     }
 }

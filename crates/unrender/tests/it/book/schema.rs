@@ -10,7 +10,7 @@ use std::fs;
 use std::path::Path;
 use unrender::Project;
 use unrender::edit::{Restaging, Sheet};
-use unrender::run::Run;
+use unrender::run::{PhotographRun, Run};
 
 /// The schemas by their names.
 pub(crate) const NAMES: [&str; 5] = ["project", "edit", "lighting", "materials", "run"];
@@ -284,6 +284,15 @@ fn filled_run() -> Run {
         "eye": [0.0, 1.6, 4.0], "target": [0.0, 1.2, 0.0], "up": [0.0, 1.0, 0.0],
         "fov_y_deg": 40.0, "principal_point": [0.0, 0.0], "k1": 0.0, "k2": 0.0,
     });
+    run.photographs = vec![PhotographRun {
+        photo: "a.jpg".into(),
+        photograph: run.photograph.clone(),
+        lights_off: vec!["lamp".into()],
+        registration: run.registration.clone(),
+        pixels: run.pixels,
+        pictures: run.pictures.clone(),
+        ..PhotographRun::default()
+    }];
     run
 }
 
@@ -304,6 +313,7 @@ fn what_is_written_is_as_the_schemas_say() {
             .collect(),
         lights: run.lights.clone(),
         photograph: run.photograph.clone(),
+        photographs: vec![run.photograph.clone().unwrap()],
         seconds: Some(1.0),
         termination: Some("ended".into()),
     };

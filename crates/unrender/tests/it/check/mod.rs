@@ -60,6 +60,8 @@ impl Input {
             mask,
             transfer,
             project,
+            off: Vec::new(),
+            further: Vec::new(),
             unknown_lights,
             own_groups,
             warnings,

@@ -1,0 +1,209 @@
+//! Several photographs of one room: from two places, under switched lamps, at exposures that nobody wrote down.
+
+use crate::kit::coloured_room::{EXPOSURE, RHO, room};
+use crate::kit::folder::Folder;
+use crate::kit::meshes::{add, square};
+use glam::Vec3;
+use std::path::Path;
+use std::process::Command;
+use unrender::Project;
+use unrender::formats::materials::MaterialsFile;
+use unrender::formats::{gltf, materials, picture};
+use unrender::render::{Integrator, Settings, Tracer};
+use unrender::run::Run;
+use unrender::scene::{Camera, Material, Rgb, Scene};
+
+const SIZE: (usize, usize) = (108, 90);
+/// The photograph from the other place has other pixels.
+const OTHER_SIZE: (usize, usize) = (120, 128);
+
+/// The room of five colours with a second lamp and a second camera.
+fn scene() -> Scene {
+    let mut scene = room();
+    add(&mut scene, "spare", Rgb::ZERO, square(Vec3::new(-0.97, 0.2, 0.3), Vec3::X, 0.25));
+    scene.groups[6].emission = Rgb::new(5.0, 8.0, 12.0);
+    let (eye, target) = (Vec3::new(-0.6, 0.3, 2.2), Vec3::new(0.3, -0.2, 0.0));
+    scene.cameras.push(Camera::look_at("aside", eye, target, Vec3::Y, 0.95));
+    scene.validate().unwrap();
+    scene
+}
+
+/// The radiance that a camera sees while the lamps in `off` are off.
+fn photograph(folder: &Folder, file: &str, (camera, size): (usize, (usize, usize)), off: &[&str]) {
+    let mut scene = scene();
+    let is_off = |name: &String| off.contains(&name.as_str());
+    scene.groups.iter_mut().filter(|g| is_off(&g.name)).for_each(|g| g.emission = Rgb::ZERO);
+    let integrator = Integrator::PathReuse;
+    let settings =
+        Settings { spp: 64, seed: 77 + camera as u64, integrator, ..Settings::default() };
+    let (materials, camera) = (scene.materials(), &scene.cameras[camera]);
+    let radiance = Tracer::new(&scene).render(&materials, camera, size, &settings, &|_| {}).mean;
+    picture::write_exr(&folder.path(file), &radiance.map(|v| *v / EXPOSURE)).unwrap();
+}
+
+/// A folder with the room in grey, three photographs of it, and a project of the text.
+fn folder(text: &str) -> Folder {
+    let folder = Folder::new();
+    for (file, of, off) in [
+        ("front.exr", (0, SIZE), &[][..]),
+        ("aside.exr", (1, OTHER_SIZE), &[]),
+        ("evening.exr", (0, SIZE), &["lamp"]),
+    ] {
+        if text.contains(file) {
+            photograph(&folder, file, of, off);
+        }
+    }
+    let mut grey = scene();
+    for group in grey.groups.iter_mut().filter(|group| !group.is_emitter()) {
+        group.material = Material::diffuse(Rgb::splat(0.5));
+    }
+    folder.write("scene.glb", &gltf::to_glb(&grey).unwrap());
+    folder.write("project.toml", text);
+    folder
+}
+
+fn recover(folder: &Folder, out: &str, arguments: &[&str]) -> MaterialsFile {
+    let out = folder.path(out);
+    let mut recover = Command::new(env!("CARGO_BIN_EXE_unrender"));
+    recover.arg("recover").arg(folder.path("project.toml")).arg("--out").arg(&out);
+    recover.args(["--effort", "draft", "--spp", "8", "--max-rung", "diffuse"]).args(arguments);
+    let output = recover.output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    println!("{}{}", text(&output.stderr), text(&output.stdout));
+    materials::read(&out.join("materials.json")).unwrap()
+}
+
+/// The largest error of a reflectance.
+fn worst(found: &MaterialsFile) -> f32 {
+    let error = |(name, rho): (&str, [f32; 3])| {
+        let rho_d = Rgb::from_array(found.groups[name].rho_d.unwrap());
+        (rho_d - Rgb::from_array(rho)).abs().max_element()
+    };
+    RHO.into_iter().map(error).fold(0.0, f32::max)
+}
+
+const FROM_TWO_PLACES: &str = "scene = \"scene.glb\"\nresponse = \"linear\"\n\
+    [[photos]]\nphoto = \"front.exr\"\ncamera = \"camera\"\nexposure = 2.4\n\
+    [[photos]]\nphoto = \"aside.exr\"\ncamera = \"aside\"\nexposure = \"auto\"\n";
+
+#[test]
+fn two_photographs_give_one_set_of_materials_and_each_its_pictures() {
+    let folder = folder(FROM_TWO_PLACES);
+    let found = recover(&folder, "out", &[]);
+    assert!(worst(&found) < 0.004, "{}", worst(&found));
+    let [first, second] = &found.photographs[..] else { panic!("two photographs") };
+    assert_eq!(first.exposure, Some([EXPOSURE; 3]));
+    let std = second.std.as_ref().unwrap().exposure.unwrap();
+    for (found, std) in second.exposure.unwrap().into_iter().zip(std) {
+        assert!(std > 0.0 && std < 0.01 * EXPOSURE, "{std}");
+        assert!((found - EXPOSURE).abs() < 3.0 * std + 1e-3 * EXPOSURE, "{found}, std {std}");
+    }
+    let out = folder.path("out");
+    let run = Run::read(&out).unwrap();
+    assert_eq!(run.photographs.len(), 2);
+    for (k, (of, size)) in run.photographs.iter().zip([SIZE, OTHER_SIZE]).enumerate() {
+        let number = k + 1;
+        assert_eq!((of.width, of.height), size);
+        assert_eq!(of.pictures.rerendered, format!("rerendered_{number}.png"));
+        for file in [&of.pictures.photo, &of.pictures.trust, &format!("rerendered_{number}.exr")] {
+            let shown = picture::read(&out.join(file)).unwrap().0.values;
+            assert_eq!((shown.width(), shown.height()), size, "{file}");
+        }
+        assert!(out.join(format!("error_{number}.png")).is_file());
+    }
+    assert!(!out.join("photo.png").exists());
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    for heading in ["Photograph 1: front.exr", "Photograph 2: aside.exr"] {
+        assert!(page.contains(heading), "{heading}");
+    }
+}
+
+#[test]
+fn the_bits_are_the_same_with_one_thread_and_with_three() {
+    let folder = folder(FROM_TWO_PLACES);
+    let read = |out: &str| {
+        let mut found: serde_json::Value = serde_json::from_slice(
+            &std::fs::read(folder.path(out).join("materials.json")).unwrap(),
+        )
+        .unwrap();
+        found["seconds"] = 0.into();
+        found
+    };
+    recover(&folder, "one", &["--threads", "1"]);
+    recover(&folder, "three", &["--threads", "3"]);
+    assert_eq!(read("one"), read("three"));
+    let bytes = |out: &str| std::fs::read(folder.path(out).join("rerendered_2.exr")).unwrap();
+    assert!(bytes("one") == bytes("three"));
+}
+
+#[test]
+fn a_list_of_one_photograph_is_that_photograph_to_the_bit() {
+    let alone = "scene = \"scene.glb\"\nphoto = \"front.exr\"\nresponse = \"linear\"\nexposure = 2.4\n\
+                 camera = \"camera\"\n";
+    let listed = "scene = \"scene.glb\"\nresponse = \"linear\"\n[[photos]]\nphoto = \"front.exr\"\nexposure = 2.4\n\
+                  camera = \"camera\"\n";
+    let found = [alone, listed].map(|text| recover(&folder(text), "out", &[]));
+    assert_eq!(found[0].groups, found[1].groups);
+    assert!(found[1].photographs.is_empty());
+}
+
+#[test]
+fn switched_lamps_tell_what_each_of_them_brings() {
+    let text = "scene = \"scene.glb\"\nresponse = \"linear\"\nexposure = 2.4\ncamera = \"camera\"\n\
+                [[photos]]\nphoto = \"front.exr\"\n\
+                [[photos]]\nphoto = \"evening.exr\"\nlights_on = [\"spare\"]\n\
+                [lights.spare]\nunknown = true\n";
+    let found = recover(&folder(text), "out", &[]);
+    assert!(worst(&found) < 0.005, "{}", worst(&found));
+    let light = &found.lights["spare"];
+    let [found, std] = [light.intensity, light.std].map(Option::unwrap);
+    for (c, truth) in [5.0, 8.0, 12.0].into_iter().enumerate() {
+        assert!((found[c] - truth).abs() < 3.0 * std[c] + 0.002 * truth, "{found:?}, {std:?}");
+    }
+}
+
+#[test]
+fn each_photograph_is_checked() {
+    let folder = folder(FROM_TWO_PLACES);
+    let mut check = Command::new(env!("CARGO_BIN_EXE_unrender"));
+    check.arg("check").arg(folder.path("project.toml")).arg("--out").arg(folder.path("c.png"));
+    let output = check.output().unwrap();
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{text}");
+    assert!(text.contains("front.exr: \n") && text.contains("aside.exr: \n"), "{text}");
+    assert!(folder.path("c.png").is_file() && folder.path("c_2.png").is_file());
+}
+
+#[test]
+fn what_cannot_be_meant_is_refused() {
+    let refused = |text: &str, problem: &str| {
+        let text = format!("scene = \"s.glb\"\n{text}");
+        let error = Project::parse(Path::new("folder/a.toml"), &text).expect_err(&text).to_string();
+        assert!(error.starts_with("folder/a.toml: ") && error.contains(problem), "{text}: {error}");
+    };
+    refused("", "give photo = \"FILE\", or several in a list [[photos]]");
+    refused("[[photos]]\ncamera = \"a\"", "photos, number 1: give it a photo");
+    refused("[[photos]]\nphoto = \"a.png\"\nscene = \"b\"", "line 4: unknown field `scene`");
+    refused(
+        "[[photos]]\nphoto = \"a.png\"\nlights_on = []\nlights_off = []",
+        "photos, number 1: give lights_off or lights_on, not both",
+    );
+    refused(
+        "[anchor]\ngroup = \"w\"\nrho_d = 0.5\n[[photos]]\nphoto = \"a.png\"\n\
+         [[photos]]\nphoto = \"b.png\"\nexposure = 2",
+        "number 2 states its exposure and number 1 does not",
+    );
+    refused("[[photos]]\nphoto = \"a.png\"\nexposure = \"auto\"", "needs a table [anchor]");
+    let text = "scene = \"s.glb\"\nlights_off = [\"lamp\"]\nphoto = \"a.png\"";
+    let error = Project::parse(Path::new("a.toml"), text).unwrap_err().to_string();
+    assert!(error.contains("line 2: unknown field `lights_off`"), "{error}");
+    let text = format!("{FROM_TWO_PLACES}lights_off = [\"lmap\"]\n");
+    let mut recover = Command::new(env!("CARGO_BIN_EXE_unrender"));
+    let folder = folder(&text);
+    let output = recover.arg("recover").arg(folder.path("project.toml")).arg("--out");
+    let output = output.arg(folder.path("out")).output().unwrap();
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success());
+    assert!(text.contains("lights_off, in ") && text.contains("no light \"lmap\""), "{text}");
+    assert!(!folder.path("out").exists());
+}
