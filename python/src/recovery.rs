@@ -178,6 +178,20 @@ impl Recovered {
     fn recovery(&self) -> &Recovery {
         &self.recovered.recovery
     }
+
+    /// What `look` makes of one photograph alone, and of what was recovered as that shows it.
+    fn of<T>(
+        &self,
+        photograph: usize,
+        look: impl FnOnce(&Job, &unrender::engine::Recovered) -> T,
+    ) -> PyResult<T> {
+        let count = self.job.photographs();
+        if photograph >= count {
+            return Err(request(format!("there is no photograph {photograph}; there are {count}")));
+        }
+        let recovered = self.recovered.alone(&self.job, photograph);
+        Ok(look(&self.job.alone(photograph), &recovered))
+    }
 }
 
 #[pymethods]
@@ -199,7 +213,7 @@ impl Recovered {
             "exposure_std": recovery.exposure_std.map(|std| std.to_array()),
             "iterations": iterations.collect::<Vec<_>>(),
             "valid_pixels": valid.collect::<serde_json::Map<_, _>>(),
-            "camera": camera_out(&self.recovered.camera(&self.job), &self.job.scene),
+            "photographs": self.job.photographs(),
             "warnings": self.job.warnings.0,
             "summary": self.recovered.summary(&self.job),
             "brdf": self.job.scene.brdf.name(),
@@ -207,29 +221,52 @@ impl Recovered {
         .to_string())
     }
 
-    /// One of the pictures `rerendered`, `photo` (both radiance).
-    fn picture<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    /// The camera of a photograph, as JSON.
+    fn camera(&self, photograph: usize) -> PyResult<String> {
+        self.of(photograph, |job, of| camera_out(&of.camera(job), &job.scene).to_string())
+    }
+
+    /// One of the pictures `rerendered`, `photo` (both radiance) of a photograph.
+    fn picture<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        photograph: usize,
+    ) -> PyResult<Bound<'py, PyArray3<f32>>> {
         let image = match name {
-            "rerendered" => self.recovered.rerendered().clone(),
-            "photo" => self.recovered.photo(&self.job),
+            "rerendered" => self.of(photograph, |_, of| of.rerendered().clone())?,
+            "photo" => self.of(photograph, |job, of| of.photo(job))?,
             _ => return Err(request(format!("there is no picture \"{name}\""))),
         };
         picture(py, image)
     }
 
     /// The standard deviation of the noise (H, W).
-    fn noise<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        raster(py, self.recovery().noise.clone())
+    fn noise<'py>(
+        &self,
+        py: Python<'py>,
+        photograph: usize,
+    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        raster(py, self.of(photograph, |_, of| of.recovery.noise.clone())?)
     }
 
     /// The group of every pixel (H, W), -1 for none.
-    fn group_map<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i32>>> {
-        raster(py, self.recovered.group_map.map(|group| i32::try_from(*group).unwrap_or(-1)))
+    fn group_map<'py>(
+        &self,
+        py: Python<'py>,
+        photograph: usize,
+    ) -> PyResult<Bound<'py, PyArray2<i32>>> {
+        let number = |group: &u32| i32::try_from(*group).unwrap_or(-1);
+        raster(py, self.of(photograph, |_, of| of.group_map.map(number))?)
     }
 
     /// Which pixels counted (H, W): 0 for those that did, else why not.
-    fn status_map<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u8>>> {
-        raster(py, self.recovery().status.map(|status| *status as u8))
+    fn status_map<'py>(
+        &self,
+        py: Python<'py>,
+        photograph: usize,
+    ) -> PyResult<Bound<'py, PyArray2<u8>>> {
+        raster(py, self.of(photograph, |_, of| of.recovery.status.map(|status| *status as u8))?)
     }
 
     /// The texture of a group (H, W, 3) and which of its texels were seen (H, W), if it has one.

@@ -122,6 +122,35 @@ def test_a_project_in_memory_finds_its_materials(tmp_path: Path) -> None:
     assert checked.edges.shape == (96, 96, 3)
 
 
+def test_several_photographs_have_one_set_of_materials(tmp_path: Path) -> None:
+    scene = room()
+    photos = []
+    for number, camera in enumerate(scene.cameras[:2]):
+        picture = unrender.render(scene, camera=camera, width=24, height=20 + number, spp=256, independent=True)
+        unrender.Picture(picture).save(tmp_path / f"{number}.exr")
+        photos.append({"photo": tmp_path / f"{number}.exr", "camera": camera.name})
+    project = unrender.Project(
+        room(wall=(0.1, 0.1, 0.1)), photos=photos, response="linear", exposure=1.0
+    )
+    recovery = unrender.recover(project, spp=8, effort="draft", out=tmp_path / "out")
+    np.testing.assert_allclose(recovery.materials["wall"]["rho_d"], (0.7, 0.7, 0.7), atol=0.03)
+    assert recovery.photographs == 2
+    read = unrender.Recovery.read(tmp_path / "out")
+    assert read.photographs == 2
+    for number in range(2):
+        of = recovery.of(number)
+        assert of.rerendered.shape == of.photo.shape == (20 + number, 24, 3)
+        assert of.group_map.shape == of.status_map.shape == of.noise.shape == (20 + number, 24)
+        assert of.camera is not None
+        np.testing.assert_array_equal(read.of(number).rerendered, of.rerendered)
+    np.testing.assert_array_equal(recovery.rerendered, recovery.of(0).rerendered)
+    with pytest.raises(unrender.RequestError, match="no photograph 2"):
+        recovery.of(2)
+    # The files of a project that is saved elsewhere are found from there.
+    saved = project.save(tmp_path / "elsewhere" / "room.toml")
+    assert len(unrender.check(saved).document["further"]) == 1
+
+
 def test_integer_codes_and_masks_are_taken(corpus: Path) -> None:
     scene = room()
     picture = unrender.render(scene, width=24, height=24, spp=64, independent=True)

@@ -7,7 +7,7 @@ import json
 import os
 import tempfile
 import tomllib
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -56,8 +56,9 @@ class Project:
     def __init__(
         self,
         scene: Scene | StrPath,
-        photo: ArrayLike | StrPath,
+        photo: ArrayLike | StrPath | None = None,
         *,
+        photos: Sequence[Mapping[str, Any]] | None = None,
         response: str | Mapping[str, float] | None = None,
         exposure: float | ArrayLike | str | None = None,
         anchor: Mapping[str, Any] | None = None,
@@ -74,8 +75,11 @@ class Project:
 
         Args:
             scene: A scene, or the path of its file.
-            photo: The path of the photograph; or an array (H, W, 3) of its codes: float32 (by
+            photo: The path of the photograph, if it is one; or an array (H, W, 3) of its codes: float32 (by
                 default taken as linear), or uint8 or uint16 (by default taken as sRGB).
+            photos: Several photographs instead of one: for each a mapping with the keys of ``[[photos]]`` in
+                a project file: ``photo`` (a path), ``camera``, ``exposure``, ``lights_off`` and so on. What an
+                entry leaves out is what is said here for all.
             response: How codes follow from linear values: "srgb", "linear", {"gamma": 2.2}, the path
                 of a curve, or "auto".
             exposure: Scene radiance of a linear pixel value of one: a number, three, or "auto".
@@ -92,16 +96,18 @@ class Project:
         self.folder = Path(folder).absolute()
         self._read: tuple[Path, dict[str, Any]] | None = None
         self._scene = scene if isinstance(scene, Scene) else None
-        self._photo = None if isinstance(photo, (str, os.PathLike)) else np.asarray(photo)
+        is_file = photo is None or isinstance(photo, (str, os.PathLike))
+        self._photo = None if is_file else np.asarray(photo)
         is_mask = mask is not None and not isinstance(mask, (str, os.PathLike))
         self._mask = np.asarray(mask) if is_mask else None
         document = {
             "scene": IN_MEMORY if isinstance(scene, Scene) else os.fspath(scene),
-            "photo": os.fspath(photo) if isinstance(photo, (str, os.PathLike)) else IN_MEMORY,
+            "photo": photo_name(photo),
             "mask": os.fspath(mask) if isinstance(mask, (str, os.PathLike)) else None,
             "response": response,
             "exposure": exposure,
             "camera": camera.table() if isinstance(camera, Camera) else camera,
+            "photos": None if photos is None else [photo_table(taken) for taken in photos],
             **keys,
             "anchor": anchor,
             "groups": groups,
@@ -181,12 +187,13 @@ class Project:
                 return value
             return value if Path(value).is_absolute() else os.path.relpath(self.folder / value, folder)
 
-        for *tables, key in PATHS:
-            table: Any = document
-            for name in tables:
-                table = table.get(name) if isinstance(table, dict) else None
-            if isinstance(table, dict) and key in table:
-                table[key] = moved(table[key])
+        for of in [document, *document.get("photos", [])]:
+            for *tables, key in PATHS:
+                table: Any = of
+                for name in tables:
+                    table = table.get(name) if isinstance(table, dict) else None
+                if isinstance(table, dict) and key in table:
+                    table[key] = moved(table[key])
 
     def _save_scene(self, document: dict[str, Any], file: Path) -> None:
         scene = self.scene()._inner
@@ -250,10 +257,30 @@ class ProjectParts:
             self.photo, self.bits = codes(project._photo)
         self.mask = None if project._mask is None else mask_picture(project._mask)
         for key, held in (("scene", self.scene), ("photo", self.photo)):
-            name = project.document[key]
+            name = project.document.get(key)
             if held is None and isinstance(name, str) and not (project.folder / name).is_file():
                 file = project.folder / name
                 raise FileError(f"{self.path}: {key}: there is no file {file}", self.path)
+
+
+def photo_name(photo: Any) -> str | None:
+    """What a project's document says of its one photograph."""
+    if photo is None:
+        return None
+    return os.fspath(photo) if isinstance(photo, (str, os.PathLike)) else IN_MEMORY
+
+
+def photo_table(taken: Mapping[str, Any]) -> dict[str, Any]:
+    """An entry of the list of several photographs."""
+    table = dict(taken)
+    photo, camera = table.get("photo"), table.get("camera")
+    if photo is not None and not isinstance(photo, (str, os.PathLike, Mapping)):
+        raise RequestError("each of several photographs is a file: save it first, and give its path")
+    if isinstance(photo, os.PathLike):
+        table["photo"] = os.fspath(photo)
+    if isinstance(camera, Camera):
+        table["camera"] = camera.table()
+    return table
 
 
 def codes(photo: Any) -> tuple[NDArray[np.float32], int]:

@@ -63,7 +63,7 @@ class Covariance:
 
 
 class Recovery:
-    """What came out of a photograph.
+    """What came out of a photograph, or of several.
 
     Attributes:
         materials: The parameters of every group with their standard deviations: what materials.json
@@ -88,6 +88,7 @@ class Recovery:
         """As :func:`recover` and :meth:`read` make it."""
         self.materials, self.interrupted, self.folder = materials, interrupted, folder
         self._document, self._inner = document or {}, inner
+        self._photograph = 0
 
     @classmethod
     def _of(cls, inner: _unrender.Recovered, folder: Path | None) -> Recovery:
@@ -115,6 +116,28 @@ class Recovery:
             run = json.loads((place / "run.json").read_text(encoding="utf-8"))
         interrupted = "interrupted" in str(materials.document.get("termination", ""))
         return cls(materials, document=run, interrupted=interrupted, folder=place)
+
+    @property
+    def photographs(self) -> int:
+        """The number of photographs that it was recovered from."""
+        count = self._document.get("photographs", 1)
+        # A file has a list of them where there are several.
+        return (len(count) or 1) if isinstance(count, list) else int(count)
+
+    def of(self, photograph: int) -> Recovery:
+        """The same as one of several photographs shows it, counted from 0: ``photo``, ``rerendered``, ``camera``,
+        ``noise``, ``group_map``, ``valid`` and ``status_map`` are that one's. Without it, those of the first."""
+        if not 0 <= photograph < self.photographs:
+            raise RequestError(f"there is no photograph {photograph}; there are {self.photographs}")
+        shown = Recovery(
+            self.materials,
+            document=self._document,
+            inner=self._inner,
+            interrupted=self.interrupted,
+            folder=self.folder,
+        )
+        shown._photograph = photograph
+        return shown
 
     @property
     def exposure(self) -> NDArray[np.float32]:
@@ -165,9 +188,9 @@ class Recovery:
     @property
     def camera(self) -> Camera | None:
         """The camera that it went on with, which may have been moved onto the photograph."""
-        entry = dict(self._document.get("camera") or {})
-        if not entry:
+        if self._inner is None:
             return None
+        entry = json.loads(self._inner.camera(self._photograph))
         entry["world_from_camera"] = tuple(entry["world_from_camera"])
         return Camera(**entry)
 
@@ -175,24 +198,25 @@ class Recovery:
     def rerendered(self) -> Picture:
         """The photograph's view with the recovered materials: radiance, (H, W, 3)."""
         if self._inner is None and self.folder is not None:
-            return read_picture(self.folder / "rerendered.exr")
-        return Picture(self._whole().picture("rerendered"))
+            number = f"_{self._photograph + 1}" if self.photographs > 1 else ""
+            return read_picture(self.folder / f"rerendered{number}.exr")
+        return Picture(self._whole().picture("rerendered", self._photograph))
 
     @cached_property
     def photo(self) -> Picture:
         """The photograph as radiance, (H, W, 3); with exposure "auto", for an exposure of one."""
-        return Picture(self._whole().picture("photo"))
+        return Picture(self._whole().picture("photo", self._photograph))
 
     @cached_property
     def noise(self) -> NDArray[np.float32]:
         """The standard deviation that noise gives the luminance of photograph minus re-rendering,
         radiance, (H, W)."""
-        return self._whole().noise()
+        return self._whole().noise(self._photograph)
 
     @cached_property
     def group_map(self) -> NDArray[np.int32]:
         """The number of every pixel's group in the order of ``materials``, -1 for none, (H, W)."""
-        return self._whole().group_map()
+        return self._whole().group_map(self._photograph)
 
     @cached_property
     def valid(self) -> NDArray[np.bool_]:
@@ -203,7 +227,7 @@ class Recovery:
     def status_map(self) -> NDArray[np.uint8]:
         """Why a pixel did not count, (H, W): 0 it did, 1 no model there, 2 clipped or left out, 3 too
         close to an edge, 4 a single bright pixel, 5 what the model lacks."""
-        return self._whole().status_map()
+        return self._whole().status_map(self._photograph)
 
     def texture(self, group: str) -> NDArray[np.float32] | None:
         """The texture of a group's rho_d, linear (H, W, 3); None if it has none."""

@@ -164,7 +164,8 @@ class Checkup:
     """What of a project would spoil its recovery.
 
     Attributes:
-        document: What ``unrender check --json`` prints.
+        document: What ``unrender check --json`` prints; of several photographs it is the first one's, with those
+            of the others in a list ``further``.
         edges: The model's edges over the photo: green where it has them too, red where it has them
             elsewhere and yellow there, blue where it shows none.
     """

@@ -56,14 +56,21 @@ impl Circle {
         Self { x: self.x - left as f32, y: self.y - top as f32, ..self }
     }
 
-    /// The scene whose picture of `side` x `side` pixels shows the sphere in this circle.
+    /// The scene whose picture of `side` x `side` pixels shows the sphere in this circle, under one `lamp`.
     pub(crate) fn scene(&self, side: usize, lamp: Lamp) -> Scene {
+        self.scene_under(side, &[("lamp".to_owned(), lamp)])
+    }
+
+    /// The same under several lamps, by their names.
+    pub(crate) fn scene_under(&self, side: usize, lamps: &[(String, Lamp)]) -> Scene {
         let mut scene = Scene::default();
         let material = Material::diffuse(Rgb::splat(0.5));
         scene.groups.push(Group { name: GROUP.to_owned(), material, emission: Rgb::ZERO });
         scene.objects.push(Object { name: GROUP.to_owned(), group: 0, mesh: unit_sphere(CELLS) });
-        let kind = LightKind::Directional { direction: -lamp.towards, irradiance: lamp.irradiance };
-        scene.lights.push(Light { name: "lamp".to_owned(), kind });
+        for (name, Lamp { towards, irradiance }) in lamps {
+            let kind = LightKind::Directional { direction: -*towards, irradiance: *irradiance };
+            scene.lights.push(Light { name: name.clone(), kind });
+        }
         let middle = 0.5 * side as f32;
         let (right, up) = ((middle - self.x) / self.radius, (self.y - middle) / self.radius);
         let eye = Vec3::new(right, up, DISTANCE);

@@ -91,6 +91,24 @@ pub fn refine_from(
     Ok(picture::finish(state, &last_picture(options, termination), termination, observer))
 }
 
+/// How well the numbers of each group of `problem` are known where `materials`, one for each group, are right, after a
+/// refinement that begins at them as [`refine_from`] does; no picture is rendered.
+///
+/// # Errors
+/// As those of [`refine_from`].
+pub fn deviations_at(
+    problem: &Problem<'_>,
+    materials: &[Material],
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Result<Vec<Option<Deviations>>, RecoverError> {
+    let mut state = State::new(problem)?;
+    state.assign_materials(materials);
+    refine::settle_nuisances(&mut state, options)?;
+    refine::refine(&mut state, options, refine::Depth::Fine, observer);
+    Ok(state.groups.into_iter().map(|of_group| of_group.std).collect())
+}
+
 /// Recovers the material of every group of `problem`.
 ///
 /// # Errors

@@ -1,8 +1,8 @@
 //! The command line: global flags, the subcommands, and what becomes of errors.
 
 use crate::commands::{
-    calibrate, check, completions, export, farm, man, merge, merge_exposures, recover, relight,
-    render, report, restage, score, split,
+    calibrate, check, completions, export, farm, man, merge, merge_exposures, plan, recover,
+    relight, render, report, restage, score, split,
 };
 pub use crate::global::Global;
 use crate::listener::{Console, Listener};
@@ -39,6 +39,7 @@ enum Command {
     Relight(relight::Args),
     MergeExposures(merge_exposures::Args),
     Farm(farm::Args),
+    Plan(plan::Args),
     Restage(restage::Args),
     Score(score::Args),
     Split(split::Args),
@@ -158,6 +159,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Recover(args) => recover::run(args, &cli.global),
         Command::Calibrate(args) => calibrate::run(args, &cli.global),
         Command::Check(args) => check::run(args, &cli.global),
+        Command::Plan(args) => plan::run(args, &cli.global),
         Command::Render(args) => render::run(args, &cli.global),
         Command::Merge(args) => merge::run(args, &cli.global),
         Command::Relight(args) => relight::run(args, &cli.global),

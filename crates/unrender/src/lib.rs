@@ -140,6 +140,7 @@ mod mask;
 mod output;
 mod photograph;
 mod photometric;
+pub mod plan;
 mod problem;
 #[cfg(feature = "cli")]
 mod progress;

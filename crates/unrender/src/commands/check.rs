@@ -3,6 +3,7 @@
 use crate::check::{Checkup, check, edge_picture, json, table};
 use crate::global::Global;
 use crate::{Error, Job, Project, interrupt, output};
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use unrender_formats::picture;
@@ -87,12 +88,21 @@ fn text(args: &Args, job: &Job, checked: &[(PathBuf, Checkup, RgbImage)]) -> Res
         };
         return Ok(checked.iter().enumerate().map(one).collect());
     }
-    let each = checked.iter().map(|(path, checkup, _)| json(checkup, path));
-    let each = each.collect::<Result<Vec<_>, _>>();
-    let each =
-        each.map_err(|error| Error::Request(format!("the check cannot be written: {error}")))?;
-    Ok(match &each[..] {
-        [one] => format!("{one}\n"),
-        several => format!("[\n{}\n]\n", several.join(",\n")),
-    })
+    as_json(checked)
+        .map(|text| text + "\n")
+        .map_err(|error| Error::Request(format!("the check cannot be written: {error}")))
+}
+
+/// The first photograph's check; those of further ones stand in it as `further`.
+fn as_json(checked: &[(PathBuf, Checkup, RgbImage)]) -> Result<String, serde_json::Error> {
+    let mut each = checked.iter().map(|(path, checkup, _)| json(checkup, path));
+    let first = each.next().transpose()?.unwrap_or_default();
+    let further =
+        each.map(|text| serde_json::from_str(&text?)).collect::<Result<Vec<Value>, _>>()?;
+    if further.is_empty() {
+        return Ok(first);
+    }
+    let mut all: Value = serde_json::from_str(&first)?;
+    all["further"] = further.into();
+    serde_json::to_string_pretty(&all)
 }

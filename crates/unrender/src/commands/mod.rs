@@ -9,6 +9,7 @@ pub mod farm;
 pub mod man;
 pub mod merge;
 pub mod merge_exposures;
+pub mod plan;
 pub mod recover;
 pub mod relight;
 pub mod render;

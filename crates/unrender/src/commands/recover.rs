@@ -113,6 +113,17 @@ pub enum Effort {
     High,
 }
 
+impl Effort {
+    /// The same for the library.
+    pub(crate) fn of_recovery(self) -> effort::Effort {
+        match self {
+            Self::Draft => effort::Effort::Draft,
+            Self::Normal => effort::Effort::Normal,
+            Self::High => effort::Effort::High,
+        }
+    }
+}
+
 /// The size of the last picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum PictureSize {
@@ -292,11 +303,7 @@ fn options(args: &Args, project: &Project, pixels: usize) -> Options {
         PaperDirection::Rerender => unrender_recover::PaperDirection::Rerender,
         PaperDirection::Text => unrender_recover::PaperDirection::Text,
     };
-    let effort = match args.effort {
-        Effort::Draft => effort::Effort::Draft,
-        Effort::Normal => effort::Effort::Normal,
-        Effort::High => effort::Effort::High,
-    };
+    let effort = args.effort.of_recovery();
     Options {
         ladder,
         paper_direction,

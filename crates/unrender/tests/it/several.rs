@@ -28,12 +28,22 @@ fn scene() -> Scene {
     scene
 }
 
-/// The radiance that a camera sees while the lamps in `off` are off.
-fn photograph(folder: &Folder, file: &str, (camera, size): (usize, (usize, usize)), off: &[&str]) {
+/// The photograph of a camera while the lamps in `off` are off, of the noise that paths have which pixels share.
+fn photograph(folder: &Folder, file: &str, of: (usize, (usize, usize)), off: &[&str]) {
+    photograph_by(Integrator::PathReuse, folder, file, of, off);
+}
+
+/// The same of the noise of an `integrator`.
+fn photograph_by(
+    integrator: Integrator,
+    folder: &Folder,
+    file: &str,
+    (camera, size): (usize, (usize, usize)),
+    off: &[&str],
+) {
     let mut scene = scene();
     let is_off = |name: &String| off.contains(&name.as_str());
     scene.groups.iter_mut().filter(|g| is_off(&g.name)).for_each(|g| g.emission = Rgb::ZERO);
-    let integrator = Integrator::PathReuse;
     let settings =
         Settings { spp: 64, seed: 77 + camera as u64, integrator, ..Settings::default() };
     let (materials, camera) = (scene.materials(), &scene.cameras[camera]);
@@ -206,4 +216,32 @@ fn what_cannot_be_meant_is_refused() {
     assert!(!output.status.success());
     assert!(text.contains("lights_off, in ") && text.contains("no light \"lmap\""), "{text}");
     assert!(!folder.path("out").exists());
+}
+
+#[test]
+fn a_plan_ranks_what_could_be_photographed_next() {
+    let front = "scene = \"scene.glb\"\nphoto = \"front.exr\"\nresponse = \"linear\"\nexposure = 2.4\n\
+                 camera = \"camera\"\n";
+    let folder = folder(front);
+    // Noise of its own in each pixel, as a camera's is: without any, the renderings' alone limits what is known.
+    photograph_by(Integrator::Path, &folder, "front.exr", (0, SIZE), &[]);
+    recover(&folder, "out", &[]);
+    let mut plan = Command::new(env!("CARGO_BIN_EXE_unrender"));
+    plan.arg("plan").arg(folder.path("project.toml")).arg("--recovered").arg(folder.path("out"));
+    let output = plan.args(["--json", "--quiet"]).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let plan: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let candidates = plan["candidates"].as_array().unwrap();
+    let ratios: Vec<f64> = candidates.iter().map(|one| one["ratio"].as_f64().unwrap()).collect();
+    assert!(ratios.is_sorted(), "{ratios:?}");
+    // A second photograph of the same surfaces tells about as much as the first: 1 / sqrt(2).
+    assert!(ratios[0] > 0.3 && ratios[0] < 0.9, "{ratios:?}");
+    let named = |name: &str| candidates.iter().find(|one| one["name"] == name);
+    let aside = named("camera \"aside\"").unwrap();
+    assert_eq!(aside["lights_off"].as_array().unwrap().len(), 0);
+    assert!(aside["groups"]["floor"]["ratio"].as_f64().unwrap() < 1.0);
+    let dark = named("from the same place, without \"lamp\"").unwrap();
+    assert_eq!(dark["lights_off"], serde_json::json!(["lamp"]));
+    // The camera that took the photograph is none.
+    assert!(named("camera \"camera\"").is_none());
 }
