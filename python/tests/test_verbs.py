@@ -21,6 +21,7 @@ VERBS: dict[str, Callable[..., object]] = {
     "export": unrender.export,
     "merge": unrender.merge,
     "merge-exposures": unrender.merge_exposures,
+    "plan": unrender.plan,
     "recover": unrender.recover,
     "relight": unrender.relight,
     "render": unrender.render,
@@ -75,6 +76,14 @@ def test_check_says_what_to_mend(corpus: Path) -> None:
     assert checkup.document["groups"]
     assert checkup.edges.ndim == 3
     assert checkup._repr_png_() is not None
+
+
+def test_a_plan_ranks_further_photographs(recovery: unrender.Recovery, corpus: Path) -> None:
+    planned = unrender.plan(corpus / "plastic" / "project.toml", recovered=recovery)
+    ratios = [candidate["ratio"] for candidate in planned.candidates]
+    assert ratios
+    assert ratios == sorted(ratios)
+    assert {"eye", "target"} <= set(planned.candidates[0]["camera"])
 
 
 def test_score_compares_with_the_truth(recovery: unrender.Recovery, corpus: Path) -> None:

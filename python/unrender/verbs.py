@@ -34,11 +34,13 @@ from .scene import Camera, Scene
 __all__ = [
     "Calibration",
     "Checkup",
+    "Plan",
     "Restaging",
     "Score",
     "calibrate",
     "check",
     "export",
+    "plan",
     "report",
     "restage",
     "score",
@@ -206,6 +208,52 @@ def check(
         line = words("check", [str(path)], {"out": picture, "json": True}, allow_outside, input_memory)
         document = json.loads(_called(line, None, None, threads))
         return Checkup(document, read_picture(picture))
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What further photographs would add to those that there are.
+
+    Attributes:
+        candidates: The best first; each with its ``name``, the ``ratio`` of all standard deviations to those of now,
+            its ``camera`` (a table ``[camera]`` of a project), ``lights_off``, and for each of the ``groups`` its own
+            ``ratio`` and whether it ``is_new``: that no photograph shows it so far.
+    """
+
+    candidates: list[dict[str, Any]]
+
+
+def plan(
+    project: Project | StrPath,
+    *,
+    recovered: Recovery | StrPath,
+    effort: str = "draft",
+    seed: int = 0,
+    progress: Progress = None,
+    cancel: CancelToken | None = None,
+    threads: int | None = None,
+    allow_outside: bool = False,
+    input_memory: float | None = None,
+) -> Plan:
+    """Says which photograph to take next, after a recovery.
+
+    Args:
+        project: The project, or the path of its file.
+        recovered: What was recovered from it, or the folder of the results.
+        effort: How much work to spend on each candidate: "draft", "normal" or "high".
+        seed: Chooses the noise of the renderings.
+        progress: A callback ``f(done, message)``; or True for a bar of tqdm.
+        cancel: A token; when it is cancelled, :class:`Cancelled` is raised.
+        threads: How many threads to use; by default one a core.
+        allow_outside: Whether scenes may name files outside their folder.
+        input_memory: The memory that a scene or a picture may take while it is read, GiB.
+    """
+    with ExitStack() as stack:
+        path = stack.enter_context(project_file(project))
+        folder = stack.enter_context(results_folder(recovered))
+        flags = {"recovered": folder, "effort": effort, "seed": seed, "json": True}
+        line = words("plan", [str(path)], flags, allow_outside, input_memory)
+        return Plan(json.loads(_called(line, progress, cancel, threads))["candidates"])
 
 
 @dataclass(frozen=True)

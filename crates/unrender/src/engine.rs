@@ -138,7 +138,7 @@ fn recover_as_read(
     let photographs = photometric::found(job, &numbers, &recovery);
     let all = started.elapsed().as_secs_f64();
     let times = Times { registered: until_registered, developed, iterations, all };
-    Ok(Recovered {
+    let mut recovered = Recovered {
         recovery,
         options: options.clone(),
         photographs,
@@ -147,7 +147,12 @@ fn recover_as_read(
         object_map,
         full: Vec::new(),
         times,
-    })
+    };
+    for (k, odd) in recovered.odd_photographs(job).into_iter().enumerate() {
+        odd.0.iter().for_each(|warning| follower.warning(warning));
+        recovered.registered[k].warnings.extend(odd);
+    }
+    Ok(recovered)
 }
 
 /// The model of `job` as it lies on each of its photographs. Exposures that are found beside that of the first

@@ -5,6 +5,7 @@ mod alike;
 mod around;
 pub(crate) mod entries;
 mod full_picture;
+mod odd_photograph;
 mod outcome;
 pub(crate) mod parts;
 

@@ -245,3 +245,15 @@ fn a_plan_ranks_what_could_be_photographed_next() {
     // The camera that took the photograph is none.
     assert!(named("camera \"camera\"").is_none());
 }
+
+#[test]
+fn the_photograph_with_a_wrong_camera_is_named() {
+    let wrong = FROM_TWO_PLACES
+        .replace("camera = \"aside\"\nexposure = \"auto\"", "camera = \"camera\"\nexposure = 2.4");
+    let folder = folder(&wrong);
+    recover(&folder, "out", &["--keep-camera"]);
+    let run = Run::read(&folder.path("out")).unwrap();
+    let odd: Vec<&String> =
+        run.warnings.iter().filter(|warning| warning.contains("re-rendering is off by")).collect();
+    assert!(odd.len() == 1 && odd[0].starts_with("aside.exr: "), "{:?}", run.warnings);
+}
