@@ -11,35 +11,26 @@ use unrender_render::{
 };
 use unrender_scene::{BrdfModel, Rgb};
 
-/// One photograph's renderer, and its light.
-pub struct Shot<'a> {
-    /// What its camera sees.
-    pub renderer: Box<dyn Renderer + 'a>,
-    /// The sources of light that were off, numbered as in [`Appearance::lights`].
-    pub off: Vec<u32>,
-}
-
 /// The renderers of all photographs of a [`Sheet`].
 pub struct Views<'a> {
     sheet: Sheet,
-    shots: Vec<Shot<'a>>,
+    each: Vec<Box<dyn Renderer + 'a>>,
     geometry: GeometryBuffers,
 }
 
 impl<'a> Views<'a> {
-    /// The views of `shots`, in the order of the sheet. All see one scene.
+    /// What each of several photographs sees, in the order of the sheet. All see one scene; lamps may be off in some.
     ///
     /// # Panics
     /// If there are none.
-    pub fn new(shots: Vec<Shot<'a>>) -> Self {
-        assert!(!shots.is_empty(), "a view needs a photograph");
-        let seen: Vec<&GeometryBuffers> =
-            shots.iter().map(|shot| shot.renderer.geometry()).collect();
+    pub fn new(each: Vec<Box<dyn Renderer + 'a>>) -> Self {
+        assert!(!each.is_empty(), "a view needs a photograph");
+        let seen: Vec<&GeometryBuffers> = each.iter().map(|of| of.geometry()).collect();
         let sizes: Vec<(usize, usize)> =
             seen.iter().map(|picture| (picture.width(), picture.height())).collect();
         let sheet = Sheet::of(&sizes);
         let geometry = sheet.stack(&seen, &PixelGeometry::EMPTY);
-        Self { sheet, shots, geometry }
+        Self { sheet, each, geometry }
     }
 
     /// Where each photograph stands.
@@ -76,30 +67,6 @@ impl<'a> Views<'a> {
             valid: self.sheet.cut(&seen.valid, photograph),
         })
     }
-
-    /// The brightness of all sources in the light of `photograph`.
-    fn lights(&self, appearance: Appearance<'_>, photograph: usize) -> Vec<Rgb> {
-        let mut lights = appearance.lights.to_vec();
-        for &source in &self.shots[photograph].off {
-            if lights.len() <= source as usize {
-                lights.resize(source as usize + 1, Rgb::ONE);
-            }
-            lights[source as usize] = Rgb::ZERO;
-        }
-        lights
-    }
-
-    /// In `photograph`, what is off changes nothing, however bright it is when it is on.
-    fn switch_off(&self, photograph: usize, parameters: &[Parameter], jacobian: &mut Jacobian) {
-        for row in jacobian.derivatives.chunks_mut(parameters.len().max(1)) {
-            for (derivative, parameter) in row.iter_mut().zip(parameters) {
-                if matches!(parameter, Parameter::Light(source) if self.shots[photograph].off.contains(source))
-                {
-                    *derivative = Rgb::ZERO;
-                }
-            }
-        }
-    }
 }
 
 /// Each photograph has random numbers of its own; those of the first are those that it would have alone.
@@ -127,11 +94,8 @@ impl Stored for PathsOf<'_, '_> {
     ) -> Jacobian {
         let mut all = Jacobian::default();
         for (photograph, paths) in &self.runs {
-            let lights = self.views.lights(appearance, *photograph);
-            let appearance = Appearance { lights: &lights, ..appearance };
             let seen = self.views.cut(seen, *photograph);
-            let mut part = paths.replay(appearance, parameters, seen.as_ref());
-            self.views.switch_off(*photograph, parameters, &mut part);
+            let part = paths.replay(appearance, parameters, seen.as_ref());
             append(&mut all, part);
         }
         all
@@ -144,7 +108,7 @@ impl Renderer for Views<'_> {
     }
 
     fn model(&self) -> BrdfModel {
-        self.shots[0].renderer.model()
+        self.each[0].model()
     }
 
     fn probe(
@@ -156,12 +120,10 @@ impl Renderer for Views<'_> {
     ) -> Probes {
         let mut all = Probes::default();
         for (photograph, run) in self.runs(pixels, |pixel| *pixel) {
-            let lights = self.lights(appearance, photograph);
-            let appearance = Appearance { lights: &lights, ..appearance };
             let settings =
                 ProbeSettings { seed: seed(settings.seed, photograph), ..settings.clone() };
             let (pixels, seen) = (self.in_photograph(&pixels[run]), self.cut(seen, photograph));
-            let renderer = &self.shots[photograph].renderer;
+            let renderer = &self.each[photograph];
             let mut part = renderer.probe(appearance, &pixels, &settings, seen.as_ref());
             for probe in &mut part.probes {
                 probe.pixel = self.sheet.pixel(photograph, probe.pixel);
@@ -181,16 +143,12 @@ impl Renderer for Views<'_> {
     ) -> Jacobian {
         let mut all = Jacobian::default();
         for (photograph, run) in self.runs(pixels, |(pixel, _)| *pixel) {
-            let lights = self.lights(appearance, photograph);
-            let appearance = Appearance { lights: &lights, ..appearance };
             let settings = Settings { seed: seed(settings.seed, photograph), ..*settings };
             let pixels = pixels[run].iter();
             let pixels: Vec<(u32, Range<u32>)> =
                 pixels.map(|(pixel, paths)| (self.local(*pixel), paths.clone())).collect();
-            let (seen, renderer) = (self.cut(seen, photograph), &self.shots[photograph].renderer);
-            let mut part =
-                renderer.jacobian(appearance, &pixels, parameters, &settings, seen.as_ref());
-            self.switch_off(photograph, parameters, &mut part);
+            let (seen, renderer) = (self.cut(seen, photograph), &self.each[photograph]);
+            let part = renderer.jacobian(appearance, &pixels, parameters, &settings, seen.as_ref());
             append(&mut all, part);
         }
         all
@@ -205,11 +163,9 @@ impl Renderer for Views<'_> {
         seen: Option<&RadianceCache>,
     ) -> Box<dyn Stored + 's> {
         let store = |(photograph, run): (usize, Range<usize>)| {
-            let lights = self.lights(appearance, photograph);
-            let appearance = Appearance { lights: &lights, ..appearance };
             let settings = Settings { seed: seed(settings.seed, photograph), ..*settings };
             let (pixels, seen) = (self.in_photograph(&pixels[run]), self.cut(seen, photograph));
-            let renderer = &self.shots[photograph].renderer;
+            let renderer = &self.each[photograph];
             (photograph, renderer.store(appearance, &pixels, parameters, &settings, seen.as_ref()))
         };
         let runs = self.runs(pixels, |pixel| *pixel).into_iter().map(store).collect();
@@ -224,11 +180,9 @@ impl Renderer for Views<'_> {
     ) -> Vec<Rgb> {
         let mut all = Vec::with_capacity(pixels.len());
         for (photograph, run) in self.runs(pixels, |pixel| *pixel) {
-            let lights = self.lights(appearance, photograph);
-            let appearance = Appearance { lights: &lights, ..appearance };
             let settings = Settings { seed: seed(settings.seed, photograph), ..*settings };
             let pixels = self.in_photograph(&pixels[run]);
-            all.extend(self.shots[photograph].renderer.rerender(appearance, &pixels, &settings));
+            all.extend(self.each[photograph].rerender(appearance, &pixels, &settings));
         }
         all
     }
@@ -239,17 +193,15 @@ impl Renderer for Views<'_> {
         settings: &Settings,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Vec<Rgb> {
-        let count = self.shots.len() as f64;
-        let picture = |(photograph, shot): (usize, &Shot<'_>)| {
-            let lights = self.lights(appearance, photograph);
-            let appearance = Appearance { lights: &lights, ..appearance };
+        let count = self.each.len() as f64;
+        let picture = |(photograph, renderer): (usize, &Box<dyn Renderer + '_>)| {
             let settings = Settings { seed: seed(settings.seed, photograph), ..*settings };
             let progress = |done: f64| progress((photograph as f64 + done) / count);
             let [_, _, width, height] = self.sheet.place(photograph);
-            let pixels = shot.renderer.picture(appearance, &settings, &progress);
+            let pixels = renderer.picture(appearance, &settings, &progress);
             unrender_scene::RgbImage::new(width, height, pixels)
         };
-        let pictures: Vec<_> = self.shots.iter().enumerate().map(picture).collect();
+        let pictures: Vec<_> = self.each.iter().enumerate().map(picture).collect();
         let pictures: Vec<_> = pictures.iter().collect();
         self.sheet.stack(&pictures, &Rgb::ZERO).into_pixels()
     }

@@ -3,8 +3,8 @@
 use crate::Job;
 use crate::registered::RegisteredModel;
 use crate::working_size::WholePhotographs;
+use std::borrow::Cow;
 use unrender_photo::Exposure;
-use unrender_recover::views::Shot;
 use unrender_recover::{
     Detail, Expected, ExposureRule, GroupSpec, Like, Observation, PhotometricParameter, Problem,
     RecoverError, Renderer, Role, View, Views,
@@ -23,22 +23,26 @@ pub(crate) fn with_problem<T>(
     solve: impl FnOnce(&Problem<'_>) -> Result<T, RecoverError>,
 ) -> Result<T, RecoverError> {
     let sheet = job.sheet();
+    let scenes: Vec<Cow<'_, Scene>> = (0..registered.len()).map(|k| job.lit_in(k)).collect();
+    let dark = scenes.iter().map(|scene| match scene {
+        Cow::Borrowed(_) => None,
+        Cow::Owned(scene) => Some(Tracer::new(scene)),
+    });
+    let dark: Vec<Option<Tracer>> = dark.collect();
     let mut observations = Vec::with_capacity(registered.len());
-    let mut shots = Vec::with_capacity(registered.len());
+    let mut each: Vec<Box<dyn Renderer + '_>> = Vec::with_capacity(registered.len());
     for (k, registered) in registered.iter().enumerate() {
-        let alone = job.alone(k);
         let [_, _, width, height] = sheet.place(k);
+        let tracer = dark[k].as_ref().unwrap_or(tracer);
         let view = View::new(tracer, &registered.camera, (width, height), job.scene.brdf);
-        observations.push(registered.observe(&alone, view.geometry()));
-        let renderer: Box<dyn Renderer + '_> = match workers {
-            Some(workers) => Box::new(Remote::new(view, &job.scene, workers)),
+        observations.push(registered.observe(&job.alone(k), view.geometry()));
+        each.push(match workers {
+            Some(workers) => Box::new(Remote::new(view, &scenes[k], workers)),
             None => Box::new(view),
-        };
-        shots.push(Shot { renderer, off: alone.off.clone() });
+        });
     }
     let observation = Observation::on_sheet(&sheet, observations);
-    let is_one = shots.len() == 1 && shots[0].off.is_empty();
-    let renderer = if is_one { shots.remove(0).renderer } else { Box::new(Views::new(shots)) };
+    let renderer = if each.len() == 1 { each.remove(0) } else { Box::new(Views::new(each)) };
     let cameras = registered.iter().map(|registered| &registered.camera).collect();
     let whole = WholePhotographs { job, tracer, cameras };
     solve(&Problem {

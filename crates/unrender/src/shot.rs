@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use unrender_formats::picture::Picture;
 use unrender_photo::{Photo, Transfer};
 use unrender_recover::Sheet;
-use unrender_scene::{Camera, Image, Rgb, RgbImage};
+use unrender_scene::{Camera, Image, Rgb, RgbImage, Scene};
 
 /// A further photograph of a job: what [`Job`] has of its first.
 #[derive(Clone, Debug)]
@@ -58,6 +58,22 @@ impl Job {
             own_groups: self.own_groups.clone(),
             warnings: self.warnings.clone(),
         })
+    }
+
+    /// The scene in the light of `photograph`: lamps that were off send nothing.
+    pub(crate) fn lit_in(&self, photograph: usize) -> Cow<'_, Scene> {
+        let off = photograph.checked_sub(1).map_or(&self.off, |further| &self.further[further].off);
+        self.lit_without(off)
+    }
+
+    /// The scene with the lamps `off` sending nothing.
+    pub(crate) fn lit_without(&self, off: &[u32]) -> Cow<'_, Scene> {
+        if off.is_empty() {
+            return Cow::Borrowed(&self.scene);
+        }
+        let mut scene = self.scene.clone();
+        off.iter().for_each(|source| scene.scale_source(*source as usize, Rgb::ZERO));
+        Cow::Owned(scene)
     }
 
     fn first(&self) -> Shot {

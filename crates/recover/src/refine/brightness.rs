@@ -52,7 +52,8 @@ pub(crate) fn find(
         && problem.photometric_parameters.is_empty();
     // Bounds of the project may be what is wrong, and are said to be touched.
     let is_bounded = problem.groups.iter().any(|g| g.expected.bounds != ParameterBounds::default());
-    if !is_given || is_bounded || unexplained(state) < WORTH_ASKING {
+    let is_asked = Unknowns::of(state).len() > 0;
+    if !is_given || is_bounded || !is_asked || unexplained(state) < WORTH_ASKING {
         return None;
     }
     let (before, iterations) = (state.snapshot(), state.iterations.len());

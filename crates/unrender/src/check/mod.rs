@@ -55,7 +55,7 @@ const PIXELS_OF_GROUP: [usize; 2] = [40, 400];
 
 /// Looks at all of `job`.
 pub fn check(job: &Job) -> Checkup {
-    let tracer = Tracer::new(&job.scene);
+    let tracer = Tracer::new(&job.lit_in(0));
     let registered = registration::register(job, &tracer, Alignment::Auto);
     let size = (job.photo.radiance.width(), job.photo.radiance.height());
     let view = View::new(&tracer, &registered.camera, size, job.scene.brdf);

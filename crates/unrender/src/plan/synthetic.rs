@@ -10,7 +10,7 @@ use unrender_photo::{Response, Transfer, develop};
 use unrender_recover::{Observation, View};
 use unrender_register::margin;
 use unrender_render::sampler::mix;
-use unrender_render::{Appearance, Film, Integrator, Settings};
+use unrender_render::{Appearance, Film, Integrator, Settings, Tracer};
 use unrender_scene::color::luminance;
 use unrender_scene::{Rgb, RgbImage, Warnings};
 
@@ -29,10 +29,9 @@ pub(super) fn photograph(
 ) -> (Shot, RegisteredModel) {
     let job = &of.job;
     let size = (job.photo.radiance.width(), job.photo.radiance.height());
-    let view = View::new(&of.tracer, &candidate.camera, size, job.scene.brdf);
-    let mut lights = vec![Rgb::ONE; job.scene.environment_parts().end];
-    candidate.off.iter().for_each(|source| lights[*source as usize] = Rgb::ZERO);
-    let appearance = Appearance { materials: &of.materials, lights: &lights };
+    let tracer = Tracer::new(&job.lit_without(&candidate.off));
+    let view = View::new(&tracer, &candidate.camera, size, job.scene.brdf);
+    let appearance = Appearance { materials: &of.materials, lights: &[] };
     let geometry = of.tracer.geometry(&candidate.camera, size.0, size.1);
     let noise = &observed.noise_of_photograph[0];
     let camera = |film: &Film, index: usize| {

@@ -23,7 +23,8 @@ impl Recovered {
 }
 
 fn render(job: &Job, recovered: &Recovered, tell: &(dyn Fn(f64) + Sync)) -> RgbImage {
-    let scene = recovered.scene(job);
+    let mut scene = recovered.scene(job);
+    job.off.iter().for_each(|source| scene.scale_source(*source as usize, Rgb::ZERO));
     let (width, height) = job.photograph_size();
     let (tracer, camera) = (Tracer::new(&scene), recovered.camera(job));
     let view = View::new(&tracer, &camera, (width, height), scene.brdf);
@@ -38,8 +39,6 @@ fn render(job: &Job, recovered: &Recovered, tell: &(dyn Fn(f64) + Sync)) -> RgbI
         max_bounces: options.max_bounces,
         integrator: Integrator::PathReuse,
     };
-    let mut lights = vec![Rgb::ONE; scene.environment_parts().end];
-    job.off.iter().for_each(|source| lights[*source as usize] = Rgb::ZERO);
-    let appearance = Appearance { materials: &materials, lights: &lights };
+    let appearance = Appearance { materials: &materials, lights: &[] };
     RgbImage::new(width, height, view.picture(appearance, &settings, tell))
 }

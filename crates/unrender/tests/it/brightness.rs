@@ -49,3 +49,25 @@ fn lights_of_another_lighting_mode_are_refused_with_its_name() {
     let said = stderr(&output);
     assert!(said.contains("say light_units = \"unitless\" in the project"), "{said}");
 }
+
+#[test]
+fn where_all_reflectances_are_known_none_is_asked_to_explain_the_photograph() {
+    let folder = Folder::new();
+    let example = beside_crates("examples/corpus/isotropic");
+    for name in ["scene.glb", "photo.png"] {
+        fs::copy(example.join(name), folder.path(name)).unwrap();
+    }
+    let truth = fs::read(example.join("truth.json")).unwrap();
+    let truth: serde_json::Value = serde_json::from_slice(&truth).unwrap();
+    let mut project =
+        "scene = \"scene.glb\"\nphoto = \"photo.png\"\nresponse = \"srgb\"\nexposure = 9\n\
+                       camera = \"camera\"\n"
+            .to_owned();
+    for name in truth["groups"].as_object().unwrap().keys() {
+        project += &format!("[groups.{name}]\nknown = {{ rho_d = 0.5 }}\n");
+    }
+    folder.write("known.toml", &project);
+    let output =
+        folder.run(&["recover", "known.toml", "--out", "out", "--effort", "draft", "--quiet"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+}
