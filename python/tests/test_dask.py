@@ -97,6 +97,22 @@ def test_a_recovery_has_the_bits_of_one_process(client: Any, corpus: Path) -> No
     assert counted[0].sent < 100 * (corpus / "isotropic" / "scene.glb").stat().st_size
 
 
+def test_several_photographs_have_the_bits_of_one_process(client: Any, corpus: Path) -> None:
+    folder = corpus / "isotropic"
+    document = unrender.Project.read(folder / "project.toml").document
+    photos = [
+        {"photo": folder / "photo.png", "exposure": document["exposure"]},
+        {"photo": folder / "photo.png", "exposure": "auto"},
+    ]
+    project = unrender.Project(
+        folder / "scene.glb", photos=photos, camera="camera", response="srgb", recover=document["recover"]
+    )
+    here = unrender.recover(project, **OPTIONS)
+    there = unrender.dask.recover(project, client=client, **OPTIONS)
+    assert sha256(there) == sha256(here)
+    np.testing.assert_array_equal(there.of(1).rerendered, here.of(1).rerendered)
+
+
 def test_a_recovery_outlives_its_workers(
     cluster: Any, client: Any, project: unrender.Project, alone: str
 ) -> None:

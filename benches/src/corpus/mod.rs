@@ -62,8 +62,10 @@ pub(crate) fn run(request: &CorpusRequest) -> Result<(), Failure> {
             rows.extend(several::run(plan, folder, meta, &subject)?);
             Ok(())
         })?;
-        println!("{}", several::table(&rows));
-        return Ok(());
+        return match &request.page {
+            Some(path) => several::write(path, &rows),
+            None => Ok(()),
+        };
     }
     let relight = request.relight || request.family == family::Family::Foreign;
     let plain = if !relight {

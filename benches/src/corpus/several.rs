@@ -13,6 +13,7 @@ use super::store::{Folder, Format, Meta};
 use super::{make, photograph::Photograph, summary};
 use crate::Failure;
 use crate::table::Table;
+use crate::{machine, page};
 use serde_json::Value;
 use std::fmt::Write;
 use std::path::Path;
@@ -94,8 +95,47 @@ impl Row {
     }
 }
 
+const HEAD: &str = "# Several photographs
+
+Rooms of [the corpus](corpus.md), photographed again by Mitsuba: from two and four places, and twice from one place with
+a lamp off the second time. Each set is a project with `[[photos]]`. How many groups of a room are right, and how far off,
+is said of the groups that its first photograph shows, so that the rows compare. `deviations` are the median over the
+numbers of right groups of their standard deviation over that with one photograph. The noise of each photograph, and how
+it is scored, are those of the corpus.
+
+```console
+cargo run --release -p unrender-benches -- corpus --several --seeds 881002..881006 \\
+    --renderer mitsuba --out several --page docs/validation/several.md
+```
+";
+
+/// Writes the page at `path`.
+///
+/// # Errors
+/// If it cannot be written.
+pub(crate) fn write(path: &Path, rows: &[Row]) -> Result<(), Failure> {
+    let mut rooms = Table::new(["room", "photographs", "groups right", "deviations", "seconds"]);
+    for row in rows {
+        let (right, all) = summary::right(row.groups.iter());
+        rooms.push([
+            row.seed.to_string(),
+            row.set.to_owned(),
+            row.failure.clone().unwrap_or_else(|| format!("{right} of {all}")),
+            row.shrunk.map_or("-".to_owned(), |ratio| format!("{ratio:.2}")),
+            format!("{:.0}", row.seconds),
+        ]);
+    }
+    let text = format!("{}\n\n{}\n{}", machine::origin(), table(rows), rooms.text());
+    let name = "several";
+    let before = std::fs::read_to_string(path).unwrap_or_default();
+    // What stands below the section is written by hand.
+    let below = before.split_once("<!-- end of several -->\n").map_or("", |(_, below)| below);
+    let page = page::replace(HEAD, &before, &[name.to_owned()], name, &text);
+    Ok(atomic::write(path, format!("{page}{below}").as_bytes())?)
+}
+
 /// What came out of all rooms, a line a set.
-pub(crate) fn table(rows: &[Row]) -> String {
+fn table(rows: &[Row]) -> String {
     let mut table = Table::new([
         "photographs",
         "rooms",
