@@ -104,7 +104,7 @@ numbers of right groups of their standard deviation over that with one photograp
 it is scored, are those of the corpus.
 
 ```console
-cargo run --release -p unrender-benches -- corpus --several --seeds 881002..881006 \\
+cargo run --release -p unrender-benches -- corpus --several --seeds 881003..881006 \\
     --renderer mitsuba --out several --page docs/validation/several.md
 ```
 ";

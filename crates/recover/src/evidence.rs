@@ -110,8 +110,9 @@ impl Evidence {
         budget: &SampleBudget,
     ) -> Self {
         let Stage { observation, exposure, renderer, seen: known } = *stage;
-        let grid = Grid::of(observation, group, pixels, budget.pixels);
-        let wanted = grid.sample(pixels, budget.pixels, budget.pixels_seed ^ group as u64);
+        let count = observation.sheet.of_all(budget.pixels);
+        let grid = Grid::of(observation, group, pixels, count);
+        let wanted = grid.sample(pixels, count, budget.pixels_seed ^ group as u64);
         let sets = [0u64, 1].map(|half| {
             let seed = mix(budget.probe.seed).wrapping_add(half);
             let settings = ProbeSettings { seed, ..budget.probe.clone() };

@@ -56,6 +56,12 @@ impl Sheet {
         self.shots.len()
     }
 
+    /// The pixels to look at in all photographs where `count` are enough of one: a highlight that one of them shows is
+    /// seen by as many as if it were alone.
+    pub(crate) fn of_all(&self, count: usize) -> usize {
+        count.saturating_mul(self.shots.len())
+    }
+
     /// The rows of the highest photograph.
     pub fn highest(&self) -> usize {
         self.shots.iter().map(|shot| shot.height).max().unwrap_or(0)

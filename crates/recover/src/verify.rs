@@ -116,7 +116,7 @@ impl Verifier {
     pub(crate) fn new(state: &State<'_>, options: &Options) -> Self {
         let judged = |g: &usize| state.problem.groups[*g].role != Role::Emitter;
         let observation = &state.observation;
-        let wanted = options.effort.pixels(PIXELS);
+        let wanted = observation.sheet.of_all(options.effort.pixels(PIXELS));
         let sample = |group: usize| {
             let valid = &observation.pixels_of_group[group];
             let grid = Grid::of(observation, group, valid, wanted);

@@ -82,7 +82,8 @@ fn cells(
     for group in groups {
         let valid = &stage.observation.informative_of_group[group];
         let grid = Grid::even(width, side).dividing_uneven(stage.observation, group, valid);
-        let wanted = grid.sample(valid, per_group, seed ^ group as u64);
+        let count = stage.observation.sheet.of_all(per_group);
+        let wanted = grid.sample(valid, count, seed ^ group as u64);
         for seen in observe(stage.observation, stage.exposure, group, &wanted) {
             let bound = seen.reading == Reading::AtLeast;
             cells.entry((group, grid.place(seen.pixel), bound)).or_default().push(seen);

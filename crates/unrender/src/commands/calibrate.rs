@@ -123,6 +123,11 @@ fn target(args: &Args, global: &Global) -> Result<Target, Error> {
     }
     let text = input::text(&args.out).map_err(|error| FileError::because(&args.out, "", error))?;
     let (project, _) = Project::parse(&args.out, &text)?;
+    if !project.further.is_empty() {
+        let problem = "is a project of several photographs; calibrate each in a project of its own, and give its entry \
+                       of [[photos]] the camera that is found";
+        return Err(FileError::new(&args.out, problem).into());
+    }
     let mut warnings = Warnings::default();
     for (given, stated, key) in
         [(&mut target.photo, project.photo, "photo"), (&mut target.scene, project.scene, "scene")]

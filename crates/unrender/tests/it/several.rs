@@ -216,6 +216,12 @@ fn what_cannot_be_meant_is_refused() {
     assert!(!output.status.success());
     assert!(text.contains("lights_off, in ") && text.contains("no light \"lmap\""), "{text}");
     assert!(!folder.path("out").exists());
+    folder.write("points.csv", "");
+    let mut calibrate = Command::new(env!("CARGO_BIN_EXE_unrender"));
+    calibrate.arg("calibrate").arg("--points").arg(folder.path("points.csv"));
+    let output = calibrate.arg("--out").arg(folder.path("project.toml")).output().unwrap();
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && text.contains("project of several photographs"), "{text}");
 }
 
 #[test]
