@@ -194,14 +194,14 @@ impl Renderer for Views<'_> {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Vec<Rgb> {
         let count = self.each.len() as f64;
-        let picture = |(photograph, renderer): (usize, &Box<dyn Renderer + '_>)| {
+        let picture = |photograph: usize| {
             let settings = Settings { seed: seed(settings.seed, photograph), ..*settings };
             let progress = |done: f64| progress((photograph as f64 + done) / count);
             let [_, _, width, height] = self.sheet.place(photograph);
-            let pixels = renderer.picture(appearance, &settings, &progress);
+            let pixels = self.each[photograph].picture(appearance, &settings, &progress);
             unrender_scene::RgbImage::new(width, height, pixels)
         };
-        let pictures: Vec<_> = self.each.iter().enumerate().map(picture).collect();
+        let pictures: Vec<_> = (0..self.each.len()).map(picture).collect();
         let pictures: Vec<_> = pictures.iter().collect();
         self.sheet.stack(&pictures, &Rgb::ZERO).into_pixels()
     }
