@@ -118,6 +118,10 @@ impl Project {
     }
 }
 
+/// Photographs of a project at most: so many of 12 megapixels take 20 GB before they are worked on as squares. Half and
+/// double of it change nothing for those who have fewer.
+const PHOTOGRAPHS_MAX: usize = 64;
+
 /// How each photograph of a project was taken, in its order; there is one at least. `is_anchored`: whether a group
 /// fixes the scale.
 pub(super) fn all(
@@ -128,6 +132,12 @@ pub(super) fn all(
 ) -> Result<Vec<Taken>, String> {
     let top = raw.top();
     let is_list = !raw.photos.is_empty();
+    if raw.photos.len() > PHOTOGRAPHS_MAX {
+        return Err(format!(
+            "photos: there are {} of them; at most {PHOTOGRAPHS_MAX} are held in memory together",
+            raw.photos.len()
+        ));
+    }
     if !is_list && top.photo.is_none() {
         let problem = "there is no photo; give photo = \"FILE\", or several in a list [[photos]]";
         return Err(problem.to_owned());

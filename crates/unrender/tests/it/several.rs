@@ -193,6 +193,10 @@ fn what_cannot_be_meant_is_refused() {
     };
     refused("", "give photo = \"FILE\", or several in a list [[photos]]");
     refused("[[photos]]\ncamera = \"a\"", "photos, number 1: give it a photo");
+    refused(
+        &"[[photos]]\nphoto = \"a.png\"\n".repeat(65),
+        "photos: there are 65 of them; at most 64",
+    );
     refused("[[photos]]\nphoto = \"a.png\"\nscene = \"b\"", "line 4: unknown field `scene`");
     refused(
         "[[photos]]\nphoto = \"a.png\"\nlights_on = []\nlights_off = []",
