@@ -84,10 +84,7 @@ pub fn refine_from(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Recovery, RecoverError> {
-    let mut state = State::new(problem)?;
-    state.assign_materials(materials);
-    refine::settle_nuisances(&mut state, options)?;
-    let termination = refine::refine(&mut state, options, refine::Depth::Fine, observer);
+    let (state, termination) = refined(problem, materials, options, observer)?;
     Ok(picture::finish(state, &last_picture(options, termination), termination, observer))
 }
 
@@ -102,11 +99,21 @@ pub fn deviations_at(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Vec<Option<Deviations>>, RecoverError> {
+    let (state, _) = refined(problem, materials, options, observer)?;
+    Ok(state.groups.into_iter().map(|of_group| of_group.std).collect())
+}
+
+fn refined<'a>(
+    problem: &'a Problem<'a>,
+    materials: &[Material],
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Result<(State<'a>, Termination), RecoverError> {
     let mut state = State::new(problem)?;
     state.assign_materials(materials);
     refine::settle_nuisances(&mut state, options)?;
-    refine::refine(&mut state, options, refine::Depth::Fine, observer);
-    Ok(state.groups.into_iter().map(|of_group| of_group.std).collect())
+    let termination = refine::refine(&mut state, options, refine::Depth::Fine, observer);
+    Ok((state, termination))
 }
 
 /// Recovers the material of every group of `problem`.

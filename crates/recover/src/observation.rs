@@ -30,24 +30,14 @@ pub struct Picture {
 
 impl Picture {
     /// Several photographs on their `sheet`; between them nothing is valid.
-    fn on_sheet(sheet: &Sheet, each: &[&Self]) -> Self {
-        fn stack<T: Clone>(
-            sheet: &Sheet,
-            each: impl Iterator<Item = Image<T>>,
-            empty: T,
-        ) -> Image<T> {
-            let each: Vec<Image<T>> = each.collect();
-            sheet.stack(&each.iter().collect::<Vec<_>>(), &empty)
-        }
+    fn on_sheet(sheet: &Sheet, each: &[Observation]) -> Self {
+        let pictures = || each.iter().map(|one| &one.picture);
         Self {
-            values: stack(sheet, each.iter().map(|one| one.values.clone()), Rgb::ZERO),
-            valid: stack(sheet, each.iter().map(|one| one.valid.clone()), false),
-            saturated: stack(sheet, each.iter().map(|one| one.saturated.clone()), false),
-            quantisation_step: stack(
-                sheet,
-                each.iter().map(|one| one.quantisation_step.clone()),
-                Rgb::ZERO,
-            ),
+            values: sheet.stack(pictures().map(|one| &one.values), &Rgb::ZERO),
+            valid: sheet.stack(pictures().map(|one| &one.valid), &false),
+            saturated: sheet.stack(pictures().map(|one| &one.saturated), &false),
+            quantisation_step: sheet
+                .stack(pictures().map(|one| &one.quantisation_step), &Rgb::ZERO),
         }
     }
 }
@@ -206,19 +196,12 @@ impl Observation {
         };
         Self {
             sheet: sheet.clone(),
-            status: sheet.stack(
-                &each.iter().map(|one| &one.status).collect::<Vec<_>>(),
-                &PixelStatus::Nothing,
-            ),
+            status: sheet.stack(each.iter().map(|one| &one.status), &PixelStatus::Nothing),
             pixels_of_group: pixels(&|one| &one.pixels_of_group),
             informative_of_group: pixels(&|one| &one.informative_of_group),
             all_pixels_of_group: pixels(&|one| &one.all_pixels_of_group),
-            smooth: sheet
-                .stack(&each.iter().map(|one| &one.smooth).collect::<Vec<_>>(), &Rgb::ZERO),
-            picture: Picture::on_sheet(
-                sheet,
-                &each.iter().map(|one| &one.picture).collect::<Vec<_>>(),
-            ),
+            smooth: sheet.stack(each.iter().map(|one| &one.smooth), &Rgb::ZERO),
+            picture: Picture::on_sheet(sheet, &each),
             noise_of_photograph: each.into_iter().flat_map(|one| one.noise_of_photograph).collect(),
         }
     }

@@ -37,9 +37,12 @@ pub struct PhotometricEstimate {
 impl PhotometricParameter {
     /// The relative change of its whole photograph by it.
     pub(crate) fn relative(&self, observation: &Observation) -> Rgb {
-        let values = observation.sheet.cut(&observation.picture.values, self.photograph);
-        let sum = |image: &RgbImage| image.pixels().iter().copied().sum::<Rgb>();
-        sum(&self.derivative) / sum(&values).max(Rgb::splat(f32::MIN_POSITIVE))
+        let values = observation.picture.values.pixels();
+        let value =
+            |local: usize| values[observation.sheet.pixel(self.photograph, local as u32) as usize];
+        let derivatives = self.derivative.pixels();
+        let whole: Rgb = (0..derivatives.len()).map(value).sum();
+        derivatives.iter().copied().sum::<Rgb>() / whole.max(Rgb::splat(f32::MIN_POSITIVE))
     }
 
     /// How a pixel's value changes with it.

@@ -9,8 +9,8 @@
 use unrender_scene::Image;
 
 /// The empty rows between two photographs are one in so many of the highest one: a block of a group that fills a
-/// photograph has a tenth of its height in a draft. At half of it blocks may hold pixels of two photographs, at
-/// double the empty rows are a quarter of the memory.
+/// photograph has a tenth of its height in a draft. At double of this number blocks may hold pixels of two
+/// photographs, at half of it the empty rows are a fifth of the memory.
 const GAP: usize = 8;
 /// And so many at least: more than the side of a block of the refinement, eight.
 const GAP_MIN: usize = 16;
@@ -98,12 +98,13 @@ impl Sheet {
     ///
     /// # Panics
     /// If one is not of its photograph's size.
-    pub fn stack<T: Clone>(&self, pictures: &[&Image<T>], empty: &T) -> Image<T> {
-        if let ([picture], [_]) = (pictures, &self.shots[..]) {
-            return (*picture).clone();
-        }
+    pub fn stack<'a, T: Clone + 'a>(
+        &self,
+        pictures: impl IntoIterator<Item = &'a Image<T>>,
+        empty: &T,
+    ) -> Image<T> {
         let mut pixels = vec![empty.clone(); self.width * self.height];
-        for (picture, shot) in pictures.iter().zip(&self.shots) {
+        for (picture, shot) in pictures.into_iter().zip(&self.shots) {
             assert_eq!((picture.width(), picture.height()), (shot.width, shot.height));
             let rows = picture.pixels().chunks(shot.width.max(1));
             for (row, from) in (shot.first_row..).zip(rows) {
@@ -148,7 +149,7 @@ mod tests {
         let pictures = [(3, 2, 10), (2, 5, 20), (4, 1, 40)].map(|(width, height, first)| {
             Image::from_fn(width, height, |x, y| first + y * width + x)
         });
-        let stacked = sheet.stack(&pictures.each_ref(), &0);
+        let stacked = sheet.stack(&pictures, &0);
         for (k, picture) in pictures.iter().enumerate() {
             assert_eq!(&sheet.cut(&stacked, k), picture);
             for (local, value) in picture.pixels().iter().enumerate() {
@@ -169,7 +170,7 @@ mod tests {
         let sheet = Sheet::of(&[(5, 4)]);
         let picture = Image::from_fn(5, 4, |x, y| y * 5 + x);
         assert_eq!(sheet.size(), (5, 4));
-        assert_eq!(sheet.stack(&[&picture], &0), picture);
+        assert_eq!(sheet.stack([&picture], &0), picture);
         assert_eq!(
             (sheet.pixel(0, 7), sheet.in_photograph(7), sheet.photograph_of(7)),
             (7, Some(7), 0)

@@ -25,11 +25,11 @@ impl<'a> Views<'a> {
     /// If there are none.
     pub fn new(each: Vec<Box<dyn Renderer + 'a>>) -> Self {
         assert!(!each.is_empty(), "a view needs a photograph");
-        let seen: Vec<&GeometryBuffers> = each.iter().map(|of| of.geometry()).collect();
+        let seen = || each.iter().map(|of| of.geometry());
         let sizes: Vec<(usize, usize)> =
-            seen.iter().map(|picture| (picture.width(), picture.height())).collect();
+            seen().map(|picture| (picture.width(), picture.height())).collect();
         let sheet = Sheet::of(&sizes);
-        let geometry = sheet.stack(&seen, &PixelGeometry::EMPTY);
+        let geometry = sheet.stack(seen(), &PixelGeometry::EMPTY);
         Self { sheet, each, geometry }
     }
 
@@ -202,7 +202,6 @@ impl Renderer for Views<'_> {
             unrender_scene::RgbImage::new(width, height, pixels)
         };
         let pictures: Vec<_> = (0..self.each.len()).map(picture).collect();
-        let pictures: Vec<_> = pictures.iter().collect();
         self.sheet.stack(&pictures, &Rgb::ZERO).into_pixels()
     }
 }

@@ -120,14 +120,15 @@ impl Job {
         })
     }
 
-    /// For every pixel of `geometry`, which is what a camera sees of the scene, whether the project
+    /// For every pixel of `geometry`, which is what the camera of `photograph` sees of the scene, whether the project
     /// counts it: the mask does not leave it out, nor is its group ignored.
-    pub(crate) fn counts(&self, geometry: &GeometryBuffers) -> Vec<bool> {
+    pub(crate) fn counts(&self, photograph: usize, geometry: &GeometryBuffers) -> Vec<bool> {
         let groups = self.scene.groups.iter();
         let ignored: Vec<bool> =
             groups.map(|group| self.project.ignored.contains(&group.name)).collect();
         let is_ignored = |group: u32| ignored.get(group as usize).copied().unwrap_or(false);
-        let masked = |index: usize| self.mask.as_ref().is_some_and(|mask| !mask.pixels()[index]);
+        let mask = self.mask_of(photograph);
+        let masked = |index: usize| mask.is_some_and(|mask| !mask.pixels()[index]);
         let pixels = geometry.pixels().iter().enumerate();
         pixels.map(|(index, pixel)| !masked(index) && !is_ignored(pixel.group)).collect()
     }

@@ -35,7 +35,7 @@ pub(crate) fn with_problem<T>(
         let [_, _, width, height] = sheet.place(k);
         let tracer = dark[k].as_ref().unwrap_or(tracer);
         let view = View::new(tracer, &registered.camera, (width, height), job.scene.brdf);
-        observations.push(registered.observe(&job.alone(k), view.geometry()));
+        observations.push(registered.observe((job, k), view.geometry()));
         each.push(match workers {
             Some(workers) => Box::new(Remote::new(view, &scenes[k], workers)),
             None => Box::new(view),

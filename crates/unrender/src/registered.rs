@@ -26,15 +26,20 @@ impl RegisteredModel {
         self
     }
 
-    /// The photograph of `job` sorted by the groups of `geometry`, which is what the camera sees.
-    pub(crate) fn observe(&self, job: &Job, geometry: &GeometryBuffers) -> Observation {
+    /// The `photograph` of `job` sorted by the groups of `geometry`, which is what its camera sees.
+    pub(crate) fn observe(
+        &self,
+        (job, photograph): (&Job, usize),
+        geometry: &GeometryBuffers,
+    ) -> Observation {
+        let photo = job.photo_of(photograph);
         let mut picture = Picture {
-            values: job.photo.radiance.clone(),
-            valid: job.photo.valid.clone(),
-            saturated: job.photo.saturated.clone(),
-            quantisation_step: job.photo.quantisation_step.clone(),
+            values: photo.radiance.clone(),
+            valid: photo.valid.clone(),
+            saturated: photo.saturated.clone(),
+            quantisation_step: photo.quantisation_step.clone(),
         };
-        for (index, counts) in job.counts(geometry).into_iter().enumerate() {
+        for (index, counts) in job.counts(photograph, geometry).into_iter().enumerate() {
             // What does not count is no lower bound either.
             picture.valid.pixels_mut()[index] &= counts;
             picture.saturated.pixels_mut()[index] &= counts;

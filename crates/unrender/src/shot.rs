@@ -91,7 +91,7 @@ impl Job {
     /// Gives the job's `photograph` the transfer function and the radiance that it says, and everything else of it
     /// stays.
     pub(crate) fn develop_again(&mut self, photograph: usize, transfer: Transfer) {
-        let photo = self.alone(photograph).developed(&transfer);
+        let photo = self.developed(photograph, &transfer);
         match photograph.checked_sub(1) {
             Some(further) => {
                 let shot = &mut self.further[further];
@@ -111,6 +111,17 @@ impl Job {
         photograph.checked_sub(1).map_or(&self.photo, |further| &self.further[further].photo)
     }
 
+    /// The file of `photograph`.
+    pub(crate) fn picture_of(&self, photograph: usize) -> &Picture {
+        photograph.checked_sub(1).map_or(&self.picture, |further| &self.further[further].picture)
+    }
+
+    /// The mask of `photograph`.
+    pub(crate) fn mask_of(&self, photograph: usize) -> Option<&Image<bool>> {
+        let further = photograph.checked_sub(1).map(|further| &self.further[further]);
+        further.map_or(&self.mask, |shot| &shot.mask).as_ref()
+    }
+
     /// Where its photographs stand in the pictures of a recovery, at the size at which they are worked on.
     pub fn sheet(&self) -> Sheet {
         let size = |k: usize| {
@@ -122,9 +133,8 @@ impl Job {
 
     /// The radiance of all photographs on their sheet.
     pub(crate) fn radiance_on_sheet(&self) -> RgbImage {
-        let each: Vec<&RgbImage> =
-            (0..self.photographs()).map(|k| &self.photo_of(k).radiance).collect();
-        self.sheet().stack(&each, &Rgb::ZERO)
+        let each = (0..self.photographs()).map(|k| &self.photo_of(k).radiance);
+        self.sheet().stack(each, &Rgb::ZERO)
     }
 
     /// What `photograph` is called in messages, before what is said of it; nothing where there is one alone.

@@ -5,6 +5,7 @@
 //! to the next as that of a camera's pixels is not. Only textures go back to the pixels of the photograph.
 
 use crate::Job;
+use unrender_formats::picture::Picture;
 use unrender_photo::{Photo, Transfer, develop, squares};
 use unrender_recover::Detail;
 use unrender_render::{GeometryBuffers, PixelGeometry, Tracer};
@@ -22,45 +23,53 @@ fn side(sizes: &[(usize, usize)]) -> usize {
     sizes.iter().fold(side, |side, (width, height)| side.min(*width).min(*height)).max(1)
 }
 
+/// Width and height of a photograph's file, pixels.
+fn size_of(picture: &Picture) -> (usize, usize) {
+    (picture.values.width(), picture.values.height())
+}
+
 impl Job {
     /// Works on the photographs at a size that no question needs more of.
     pub fn reduce(&mut self) {
-        let size = |k: usize| self.alone_size(k);
+        let size = |k: usize| size_of(self.picture_of(k));
         let side = side(&(0..self.photographs()).map(size).collect::<Vec<_>>());
         if self.side != 1 || side == 1 {
             return;
         }
-        let of_squares = |job: &Self, mask: Option<&Image<bool>>| {
-            let photo = job.developed(&job.transfer);
-            let mask = mask.map(|mask| squares(mask, side, |counts| !counts.contains(&false)));
-            let camera = job.camera.part(job.photograph_size(), (0, 0), job.whole_squares());
-            (photo, mask, camera)
-        };
         self.side = side;
         for k in 0..self.further.len() {
-            let alone = self.alone(k + 1);
-            let (photo, mask, camera) = of_squares(&alone, alone.mask.as_ref());
+            let (photo, mask, camera) = self.in_squares(k + 1, &self.further[k].camera);
             let shot = &mut self.further[k];
             (shot.photo, shot.mask, shot.camera) = (photo, mask, camera);
         }
-        (self.photo, self.mask, self.camera) = of_squares(self, self.mask.as_ref());
+        (self.photo, self.mask, self.camera) = self.in_squares(0, &self.camera);
     }
 
-    /// Width and height of the file of `photograph`, pixels.
-    fn alone_size(&self, photograph: usize) -> (usize, usize) {
-        let further = photograph.checked_sub(1).map(|further| &self.further[further].picture);
-        let picture = further.unwrap_or(&self.picture);
-        (picture.values.width(), picture.values.height())
+    /// The `photograph`, its mask, and `camera`, which took it, in squares.
+    fn in_squares(
+        &self,
+        photograph: usize,
+        camera: &Camera,
+    ) -> (Photo, Option<Image<bool>>, Camera) {
+        let photo = self.developed(photograph, self.transfer_of(photograph));
+        let mask = self.mask_of(photograph);
+        let mask = mask.map(|mask| squares(mask, self.side, |counts| !counts.contains(&false)));
+        let size = size_of(self.picture_of(photograph));
+        (photo, mask, camera.part(size, (0, 0), self.in_whole_squares(size)))
     }
 
     /// Width and height of the photograph's file, pixels.
     pub fn photograph_size(&self) -> (usize, usize) {
-        (self.picture.values.width(), self.picture.values.height())
+        size_of(&self.picture)
     }
 
     /// Width and height of what of the photograph is in whole squares, pixels.
     fn whole_squares(&self) -> (usize, usize) {
-        let (width, height) = self.photograph_size();
+        self.in_whole_squares(self.photograph_size())
+    }
+
+    /// The same of a photograph of this size.
+    fn in_whole_squares(&self, (width, height): (usize, usize)) -> (usize, usize) {
         (width / self.side * self.side, height / self.side * self.side)
     }
 
@@ -69,9 +78,9 @@ impl Job {
         camera.part(self.whole_squares(), (0, 0), self.photograph_size())
     }
 
-    /// The photograph as `transfer` develops it, in squares.
-    pub(crate) fn developed(&self, transfer: &Transfer) -> Photo {
-        develop(&self.picture, transfer).binned(self.side)
+    /// The `photograph` as `transfer` develops it, in squares.
+    pub(crate) fn developed(&self, photograph: usize, transfer: &Transfer) -> Photo {
+        develop(self.picture_of(photograph), transfer).binned(self.side)
     }
 }
 
@@ -88,18 +97,17 @@ impl Detail for WholePhotographs<'_> {
     }
 
     fn values(&self) -> RgbImage {
-        if self.job.photographs() == 1 {
-            return develop(&self.job.picture, &self.job.transfer).radiance;
+        let job = self.job;
+        if job.photographs() == 1 {
+            return develop(&job.picture, &job.transfer).radiance;
         }
         let whole = |k: usize| {
-            let alone = self.job.alone(k);
-            let radiance = develop(&alone.picture, &alone.transfer).radiance;
-            let (width, height) = alone.whole_squares();
+            let radiance = develop(job.picture_of(k), job.transfer_of(k)).radiance;
+            let (width, height) = job.in_whole_squares(size_of(job.picture_of(k)));
             RgbImage::from_fn(width, height, |x, y| *radiance.at(x, y))
         };
-        let each: Vec<RgbImage> = (0..self.job.photographs()).map(whole).collect();
-        let each: Vec<&RgbImage> = each.iter().collect();
-        self.job.sheet().finer(self.job.side).stack(&each, &Rgb::ZERO)
+        let each: Vec<RgbImage> = (0..job.photographs()).map(whole).collect();
+        job.sheet().finer(job.side).stack(&each, &Rgb::ZERO)
     }
 
     fn geometry(&self, first: usize, rows: usize) -> GeometryBuffers {

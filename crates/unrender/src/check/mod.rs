@@ -60,7 +60,7 @@ pub fn check(job: &Job) -> Checkup {
     let size = (job.photo.radiance.width(), job.photo.radiance.height());
     let view = View::new(&tracer, &registered.camera, size, job.scene.brdf);
     let geometry = unrender_recover::Renderer::geometry(&view);
-    let observation = registered.observe(job, geometry);
+    let observation = registered.observe((job, 0), geometry);
     let specs: Vec<GroupSpec> =
         (0..job.scene.groups.len()).map(|group| problem::spec(job, group)).collect();
     let identifiabilities = identifiabilities(&view, &observation, &specs);

@@ -17,12 +17,11 @@ pub struct Candidate {
 }
 
 /// Where a ring of cameras stands about what the first one looks at: degrees to the right, and upwards. Half of the
-/// steps are near the photograph that there is; at double they often stand behind a wall.
+/// steps are nearer to the photograph that there is, double of them stand behind what it shows; neither was tried.
 const RING: [(f32, f32); 6] =
     [(-60.0, 0.0), (-30.0, 0.0), (30.0, 0.0), (60.0, 0.0), (0.0, 25.0), (0.0, -15.0)];
 /// Of the pixels of a camera on the ring so many have to show something, and so few may show what is nearer than a
-/// quarter of its distance: else it stands in a wall or behind a thing. Half and double of both change nothing in
-/// the corpus' rooms but for one camera in twenty.
+/// quarter of its distance: else it stands in a wall or behind a thing. Half and double of them were not tried.
 const SEEN_MIN: f32 = 0.8;
 const NEAR_MAX: f32 = 0.2;
 const NEAR: f32 = 0.25;

@@ -106,7 +106,7 @@ impl Recovered {
         let photo = &self.job.photo.radiance;
         let (width, height) = (photo.width(), photo.height());
         let first = &self.registered[0];
-        first.observe(&self.job.alone(0), &self.tracer.geometry(&first.camera, width, height))
+        first.observe((&self.job, 0), &self.tracer.geometry(&first.camera, width, height))
     }
 
     fn refined(

@@ -7,12 +7,11 @@ use unrender_recover::PixelStatus;
 use unrender_scene::Warnings;
 use unrender_scene::color::luminance;
 
-/// A photograph is odd if its re-rendering is off by this share of it at least: in 15 sets of two and four photographs
-/// of the corpus' rooms none is off by more than 0.03. At half of it a model that is a little off in one view is
-/// called odd, at double cameras pass that are a hand's breadth off.
+/// A photograph is odd if its re-rendering is off by this share of it at least. None of the photographs of eight sets of
+/// the corpus' rooms is, and one that is taken for that of another camera is; half and double of it were not tried.
 const OFF: f64 = 0.1;
-/// And by so many times what the best explained photograph is. At half, photographs of which one shows a thing that
-/// the model lacks are odd, at double a wrong camera that spoils the materials for the others passes.
+/// And by so many times what the best explained photograph is: a model that is off is off in all of them. Half and
+/// double of it were not tried.
 const TIMES: f64 = 3.0;
 
 impl Recovered {

@@ -2,22 +2,14 @@
 //! two.
 
 use super::exhibit::Exhibit;
-use super::{PhotographOf, RunFolder, embed, under};
+use super::{PhotographOf, RunFolder, embed, of_each};
 use crate::Error;
 use maud::{Markup, html};
 use std::path::Path;
 
 /// The section: each photograph and its re-rendering.
 pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
-    let each = source.photographs();
-    let figures = each.iter().map(|of| pair(source, of)).collect::<Result<Vec<_>, _>>()?;
-    let content = html! {
-        @for (of, figure) in each.iter().zip(&figures) {
-            @if let Some(heading) = &of.heading { h3 { (heading) } }
-            (figure)
-        }
-    };
-    Ok(under("comparison", &content))
+    of_each("comparison", source, |_, of| pair(source, of))
 }
 
 fn pair(source: &RunFolder<'_>, of: &PhotographOf<'_>) -> Result<Markup, Error> {

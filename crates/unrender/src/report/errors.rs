@@ -2,23 +2,14 @@
 //! colour bar.
 
 use super::number::{Shown, count, number};
-use super::{Key, PhotographOf, RunFolder, embed, under};
+use super::{Key, PhotographOf, RunFolder, embed, of_each};
 use crate::Error;
 use crate::run::{ErrorPicture, Unit};
 use maud::{Markup, html};
 
 /// The section: one picture is seen at a time, chosen by radio buttons.
 pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
-    let each = source.photographs();
-    let one = |(k, of): (usize, &PhotographOf<'_>)| pictures(source, k, of);
-    let figures = each.iter().enumerate().map(one).collect::<Result<Vec<_>, _>>()?;
-    let content = html! {
-        @for (of, figure) in each.iter().zip(&figures) {
-            @if let Some(heading) = &of.heading { h3 { (heading) } }
-            (figure)
-        }
-    };
-    Ok(under("errors", &content))
+    of_each("errors", source, |k, of| pictures(source, k, of))
 }
 
 /// The pictures of the photograph `of`, which is number `k`.

@@ -1,21 +1,12 @@
 //! The group map: a pixel under the pointer, or a row of the groups' table, says which group it is.
 
-use super::{PhotographOf, RunFolder, embed, under};
+use super::{PhotographOf, RunFolder, embed, of_each};
 use crate::Error;
 use maud::{Markup, html};
 
 /// The section. The script fills in what is under the pointer from the groups' table.
 pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
-    let each = source.photographs();
-    let one = |of: &PhotographOf<'_>| map(source, of);
-    let figures = each.iter().map(one).collect::<Result<Vec<_>, _>>()?;
-    let content = html! {
-        @for (of, figure) in each.iter().zip(&figures) {
-            @if let Some(heading) = &of.heading { h3 { (heading) } }
-            (figure)
-        }
-    };
-    Ok(under("map", &content))
+    of_each("map", source, |_, of| map(source, of))
 }
 
 fn map(source: &RunFolder<'_>, of: &PhotographOf<'_>) -> Result<Markup, Error> {

@@ -81,6 +81,25 @@ impl<'a> RunFolder<'a> {
     }
 }
 
+/// The section `id` with what `figure` makes of each photograph and its number, below the photograph's heading where
+/// there are several.
+fn of_each(
+    id: &str,
+    source: &RunFolder<'_>,
+    figure: impl Fn(usize, &PhotographOf<'_>) -> Result<Markup, Error>,
+) -> Result<Markup, Error> {
+    let each = source.photographs();
+    let figures = each.iter().enumerate().map(|(k, of)| figure(k, of));
+    let figures = figures.collect::<Result<Vec<_>, _>>()?;
+    let content = html! {
+        @for (of, figure) in each.iter().zip(&figures) {
+            @if let Some(heading) = &of.heading { h3 { (heading) } }
+            (figure)
+        }
+    };
+    Ok(under(id, &content))
+}
+
 /// Writes the page of the recovery in `folder` beside its other files.
 ///
 /// # Errors

@@ -1,22 +1,14 @@
 //! The valid mask: which pixels counted, and why the others did not.
 
 use super::number::count;
-use super::{PhotographOf, RunFolder, embed, under};
+use super::{PhotographOf, RunFolder, embed, of_each};
 use crate::Error;
 use crate::run::LeftOut;
 use maud::{Markup, html};
 
 /// The section, with the colours of trust.png as the legend.
 pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
-    let each = source.photographs();
-    let figures = each.iter().map(|of| mask(source, of)).collect::<Result<Vec<_>, _>>()?;
-    let content = html! {
-        @for (of, figure) in each.iter().zip(&figures) {
-            @if let Some(heading) = &of.heading { h3 { (heading) } }
-            (figure)
-        }
-    };
-    Ok(under("valid", &content))
+    of_each("valid", source, |_, of| mask(source, of))
 }
 
 fn mask(source: &RunFolder<'_>, of: &PhotographOf<'_>) -> Result<Markup, Error> {

@@ -1,7 +1,7 @@
 //! Gamma and vignetting from the photograph itself: a room photographed by a camera of known
 //! response and lens must give both back, and the reflectances with them.
 
-use crate::kit::coloured_room::{EXPOSURE, RHO, codes, room};
+use crate::kit::coloured_room::{self, EXPOSURE, codes, room};
 use crate::kit::folder::Folder;
 use glam::Vec3;
 use std::process::Command;
@@ -50,11 +50,7 @@ impl Shot {
 
 /// The largest error of a reflectance.
 fn worst(found: &MaterialsFile) -> f32 {
-    let error = |(name, rho): (&str, [f32; 3])| {
-        let rho_d = Rgb::from_array(found.groups[name].rho_d.unwrap());
-        (rho_d - Rgb::from_array(rho)).abs().max_element()
-    };
-    RHO.into_iter().map(error).fold(0.0, f32::max)
+    coloured_room::worst(|name| Rgb::from_array(found.groups[name].rho_d.unwrap()))
 }
 
 const BOTH: &str = "response = \"auto\"\nvignetting = \"auto\"";

@@ -1,6 +1,6 @@
 //! Several photographs of one room: from two places, under switched lamps, at exposures that nobody wrote down.
 
-use crate::kit::coloured_room::{EXPOSURE, RHO, room};
+use crate::kit::coloured_room::{self, EXPOSURE, room};
 use crate::kit::folder::Folder;
 use crate::kit::meshes::{add, square};
 use glam::Vec3;
@@ -85,11 +85,7 @@ fn recover(folder: &Folder, out: &str, arguments: &[&str]) -> MaterialsFile {
 
 /// The largest error of a reflectance.
 fn worst(found: &MaterialsFile) -> f32 {
-    let error = |(name, rho): (&str, [f32; 3])| {
-        let rho_d = Rgb::from_array(found.groups[name].rho_d.unwrap());
-        (rho_d - Rgb::from_array(rho)).abs().max_element()
-    };
-    RHO.into_iter().map(error).fold(0.0, f32::max)
+    coloured_room::worst(|name| Rgb::from_array(found.groups[name].rho_d.unwrap()))
 }
 
 const FROM_TWO_PLACES: &str = "scene = \"scene.glb\"\nresponse = \"linear\"\n\

@@ -54,3 +54,10 @@ pub(crate) fn codes(
     let plain = Transfer::plain(Response::Gamma(gamma), Rgb::splat(EXPOSURE));
     Transfer { vignetting, ..plain }.codes(&radiance)
 }
+
+/// The largest error of a reflectance of the room, which was `found` of the group of each name.
+pub(crate) fn worst(found: impl Fn(&str) -> Rgb) -> f32 {
+    let error =
+        |(name, rho): (&str, [f32; 3])| (found(name) - Rgb::from_array(rho)).abs().max_element();
+    RHO.into_iter().map(error).fold(0.0, f32::max)
+}

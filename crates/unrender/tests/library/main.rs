@@ -8,7 +8,7 @@ mod coloured_room;
 #[path = "../kit/meshes.rs"]
 mod meshes;
 
-use coloured_room::{EXPOSURE, RHO, codes, room};
+use coloured_room::{EXPOSURE, codes, room};
 use glam::{Vec2, Vec3};
 use std::path::Path;
 use std::sync::Mutex;
@@ -48,11 +48,9 @@ fn draft(job: &mut Job, follower: &mut dyn Follower) -> Recovered {
 
 /// The largest error of a reflectance.
 fn worst(recovered: &Recovered) -> f32 {
-    let errors = RHO.into_iter().zip(&recovered.recovery.groups).map(|((name, rho), group)| {
-        assert_eq!(name, group.name);
-        (group.material.rho_d - Rgb::from_array(rho)).abs().max_element()
-    });
-    errors.fold(0.0, f32::max)
+    let groups = &recovered.recovery.groups;
+    let found = |name: &str| groups.iter().find(|group| group.name == name).unwrap();
+    coloured_room::worst(|name| found(name).material.rho_d)
 }
 
 /// Keeps what it hears.
