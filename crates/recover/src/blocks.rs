@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use unrender_render::sampler::mix;
 use unrender_scene::Rgb;
 
-/// Blocks of a group at most, about, before uneven ones are divided. Half as many tell small
+/// Blocks of a group at most in one photograph, about, before uneven ones are divided. Half as many tell small
 /// highlights less well from their surroundings, twice as many are correlated.
 const BLOCKS: usize = 256;
 /// Sampled pixels of a block, about: with those around it and the rest of the group they tell the
@@ -32,9 +32,9 @@ const PARTS: usize = 4;
 /// the smallest highlights are a dozen pixels; at double the rest of the group has none.
 const UNEVEN_SHARE: f32 = 0.4;
 
-/// The side of a block, pixels, of a group of `pixels` of which `sampled` are looked at.
-fn side(pixels: usize, sampled: usize) -> usize {
-    let blocks = (sampled.min(pixels) / SAMPLES).clamp(1, BLOCKS);
+/// The side of a block, pixels, of a group of `pixels` of which `sampled` are looked at, in at most `most` blocks.
+fn side(pixels: usize, sampled: usize, most: usize) -> usize {
+    let blocks = (sampled.min(pixels) / SAMPLES).clamp(1, most);
     (pixels / blocks).isqrt().max(1)
 }
 
@@ -82,7 +82,7 @@ impl Grid {
 
     /// For `pixels` of `group`, of which at most `count` are looked at.
     pub fn of(observation: &Observation, group: usize, pixels: &[u32], count: usize) -> Self {
-        let side = side(pixels.len(), count.min(pixels.len()));
+        let side = side(pixels.len(), count, observation.sheet.of_all(BLOCKS));
         let even = Self::even(observation.picture.values.width(), side);
         even.dividing_uneven(observation, group, pixels)
     }

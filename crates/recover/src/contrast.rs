@@ -162,7 +162,7 @@ fn correlation(pairs: &[(usize, usize)], values: &[DVec3]) -> f64 {
 mod tests {
     use super::*;
     use crate::blocks::Grid;
-    use crate::model_error::{FUNCTIONS, LightError};
+    use crate::model_error::{FUNCTIONS, FieldOfPhotograph, LightError};
     use unrender_render::sampler::mix;
 
     const SIDE: usize = 20;
@@ -190,9 +190,10 @@ mod tests {
             row[1] = 3f64.sqrt() * (2.0 * (k % SIDE) as f64 / (SIDE - 1) as f64 - 1.0);
             row
         };
-        let rows = (0..SIDE * SIDE).map(row).collect();
-        let [least, most] = [0.03, f64::INFINITY].map(|share| LightError { share });
-        LightField { rows, count: 2, least, most }
+        let blocks: Vec<usize> = (0..SIDE * SIDE).collect();
+        let rows = blocks.iter().map(|k| row(*k)).collect();
+        let field = FieldOfPhotograph { blocks, rows, count: 2 };
+        LightField::uniting(vec![field], LightError { share: 0.03 })
     }
 
     /// What a model without residuals gains beside one with those of `f`, by the comparison `of`.

@@ -124,7 +124,12 @@ impl Evidence {
         let blocks = Blocks::of(&seen, &grid);
         let pixels = observe(observation, exposure, group, &seen);
         let allowance = budget.allowance;
-        let field = LightField::of(&blocks, &seen, renderer.geometry(), allowance.light);
+        let field = LightField::of(
+            &blocks,
+            &seen,
+            (&observation.sheet, renderer.geometry()),
+            allowance.light,
+        );
         Self {
             model,
             pixels,

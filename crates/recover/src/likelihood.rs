@@ -8,7 +8,7 @@
 //! it: a model is not more likely for being rendered with less noise than its rival.
 
 use crate::block_residuals::BlockResiduals;
-use crate::model_error::{FUNCTIONS, LightError, LightField, ModelError};
+use crate::model_error::{FUNCTIONS, FieldOfPhotograph, LightError, LightField, ModelError};
 use glam::DVec3;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::{Deserialize, Serialize};
@@ -81,11 +81,14 @@ impl Likelihood {
         lights: &[LightError],
         error: ModelError,
     ) -> Self {
-        let channels = [0, 1, 2].map(|channel| Channel::of(residuals, field, error, channel));
+        let of_field = |field: &FieldOfPhotograph| {
+            [0, 1, 2].map(|channel| Sums::of(residuals, field, error, channel))
+        };
+        let sums: Vec<Sums> = field.photographs.iter().flat_map(of_field).collect();
         let blocks = residuals.residual.len();
         let under = |light: &LightError| {
-            let of_channel = |c: &Channel| c.deviance(*light).unwrap_or(f64::INFINITY);
-            Self { deviance: channels.iter().map(of_channel).sum(), error, light: *light, blocks }
+            let of_sums = |sums: &Sums| sums.deviance(*light).unwrap_or(f64::INFINITY);
+            Self { deviance: sums.iter().map(of_sums).sum(), error, light: *light, blocks }
         };
         let first = under(&lights[0]);
         lights[1..].iter().fold(first, |best, light| best.or(under(light)))
@@ -105,9 +108,9 @@ fn lights(field: &LightField) -> Vec<LightError> {
         .collect()
 }
 
-/// One channel's residuals under a share of model error: sums over the blocks, weighted by the inverse
-/// of each block's variance without the light's error.
-struct Channel {
+/// One channel's residuals in one photograph under a share of model error: sums over the blocks, weighted by the
+/// inverse of each block's variance without the light's error.
+struct Sums {
     functions: usize,
     /// Of the squared residuals, less the logarithms of the weights.
     squares: f64,
@@ -124,10 +127,10 @@ fn weight(residuals: &BlockResiduals, error: ModelError, k: usize, channel: usiz
     (at(&residuals.noise) + model).max(f64::MIN_POSITIVE).recip()
 }
 
-impl Channel {
+impl Sums {
     fn of(
         residuals: &BlockResiduals,
-        field: &LightField,
+        field: &FieldOfPhotograph,
         error: ModelError,
         channel: usize,
     ) -> Self {
@@ -137,7 +140,7 @@ impl Channel {
             projected: [0.0; FUNCTIONS],
             products: [[0.0; FUNCTIONS]; FUNCTIONS],
         };
-        for (k, row) in field.rows.iter().enumerate() {
+        for (k, row) in field.blocks() {
             let weight = weight(residuals, error, k, channel);
             let residual = f64::from(residuals.residual[k][channel]);
             let light = f64::from(residuals.light[k][channel]);
@@ -185,8 +188,8 @@ pub struct Covariance<'a> {
     residuals: &'a BlockResiduals,
     field: &'a LightField,
     error: ModelError,
-    /// For each channel the standard deviation of the light's functions, and `1 + U^T W U`.
-    channels: [(f64, Option<Cholesky<f64, Dyn>>); 3],
+    /// For each photograph and channel the standard deviation of the light's functions, and `1 + U^T W U`.
+    factors: Vec<[(f64, Option<Cholesky<f64, Dyn>>); 3]>,
 }
 
 impl<'a> Covariance<'a> {
@@ -197,32 +200,48 @@ impl<'a> Covariance<'a> {
         likelihood: &Likelihood,
     ) -> Self {
         let Likelihood { error, light, .. } = *likelihood;
-        let channels = [0, 1, 2].map(|channel| {
-            let sums = Channel::of(residuals, field, error, channel);
-            (sums.scale(light), sums.factors(light))
-        });
-        Self { residuals, field, error, channels }
+        let of_field = |field: &FieldOfPhotograph| {
+            [0, 1, 2].map(|channel| {
+                let sums = Sums::of(residuals, field, error, channel);
+                (sums.scale(light), sums.factors(light))
+            })
+        };
+        let factors = field.photographs.iter().map(of_field).collect();
+        Self { residuals, field, error, factors }
     }
 
     /// `C^-1 values`, block by block.
     pub fn inverse(&self, values: &[Rgb]) -> Vec<DVec3> {
         let mut all = vec![DVec3::ZERO; values.len()];
-        for (c, (scale, factors)) in self.channels.iter().enumerate() {
-            let Some(factors) = factors else { continue };
-            let weight = |k: usize| weight(self.residuals, self.error, k, c);
-            let light = |k: usize| f64::from(self.residuals.light[k][c]);
-            let mut projected = DVector::zeros(factors.l_dirty().nrows());
-            for (k, row) in self.field.rows.iter().enumerate() {
-                let once = scale * weight(k) * light(k) * f64::from(values[k][c]);
-                projected.iter_mut().zip(row).for_each(|(sum, f)| *sum += once * f);
-            }
-            let amplitudes = *scale * factors.solve(&projected);
-            for (k, row) in self.field.rows.iter().enumerate() {
-                let wrong: f64 = row.iter().zip(amplitudes.iter()).map(|(f, a)| f * a).sum();
-                all[k][c] = weight(k) * (f64::from(values[k][c]) - light(k) * wrong);
+        for (field, factors) in self.field.photographs.iter().zip(&self.factors) {
+            for (channel, (scale, factors)) in factors.iter().enumerate() {
+                let Some(factors) = factors else { continue };
+                self.inverse_of(values, (field, channel), (*scale, factors), &mut all);
             }
         }
         all
+    }
+
+    /// The same in one channel of one photograph, into `all`.
+    fn inverse_of(
+        &self,
+        values: &[Rgb],
+        (field, c): (&FieldOfPhotograph, usize),
+        (scale, factors): (f64, &Cholesky<f64, Dyn>),
+        all: &mut [DVec3],
+    ) {
+        let weight = |k: usize| weight(self.residuals, self.error, k, c);
+        let light = |k: usize| f64::from(self.residuals.light[k][c]);
+        let mut projected = DVector::zeros(factors.l_dirty().nrows());
+        for (k, row) in field.blocks() {
+            let once = scale * weight(k) * light(k) * f64::from(values[k][c]);
+            projected.iter_mut().zip(row).for_each(|(sum, f)| *sum += once * f);
+        }
+        let amplitudes = scale * factors.solve(&projected);
+        for (k, row) in field.blocks() {
+            let wrong: f64 = row.iter().zip(amplitudes.iter()).map(|(f, a)| f * a).sum();
+            all[k][c] = weight(k) * (f64::from(values[k][c]) - light(k) * wrong);
+        }
     }
 
     /// `a C^-1 b`, all channels: how far two differences of the light of all blocks go together.

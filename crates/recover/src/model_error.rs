@@ -21,8 +21,10 @@
 //! decided by physics, after the hypotheses have competed ([`crate::outliers`]).
 
 use crate::blocks::Blocks;
+use crate::sheet::Sheet;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use unrender_render::GeometryBuffers;
 use unrender_scene::Rgb;
 
@@ -92,47 +94,68 @@ pub struct LightError {
 /// Functions of a [`LightField`] at most: a constant, the place and its squares, the normal.
 pub(crate) const FUNCTIONS: usize = 13;
 
-/// How the incident light of a group may be wrong: functions of place and orientation, one row a
-/// block, each of unit mean square over the blocks.
+/// How the incident light of a group may be wrong: in each photograph, which may be under other lamps, by an amount of
+/// its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightField {
-    /// For every block the values of the functions; zero beyond their number.
-    pub(crate) rows: Vec<[f64; FUNCTIONS]>,
-    /// The number of functions.
-    pub(crate) count: usize,
-    /// The least standard deviation of the whole field, and the largest.
+    /// One for each photograph that has blocks.
+    pub(crate) photographs: Vec<FieldOfPhotograph>,
+    /// The least standard deviation of each field, and the largest.
     pub(crate) least: LightError,
     pub(crate) most: LightError,
 }
 
+/// How the light in one photograph may be wrong: functions of place and orientation, one row a block, each of unit mean
+/// square over the blocks.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct FieldOfPhotograph {
+    /// Its blocks, by their numbers among all.
+    pub(crate) blocks: Vec<usize>,
+    /// For each of them the values of the functions; zero beyond their number.
+    pub(crate) rows: Vec<[f64; FUNCTIONS]>,
+    /// The number of functions.
+    pub(crate) count: usize,
+}
+
 impl LightField {
-    /// The field of `blocks` of `pixels`: a constant, the place and its squares, the normal.
+    /// The field of `blocks` of `pixels`: in each photograph a constant, the place and its squares, the normal.
     pub fn of(
         blocks: &Blocks,
         pixels: &[u32],
-        geometry: &GeometryBuffers,
+        (sheet, geometry): (&Sheet, &GeometryBuffers),
         least: LightError,
     ) -> Self {
-        let point = |&pixel: &u32| place_of(pixel, geometry);
+        let point = |&pixel: &u32| place_of(pixel, sheet, geometry);
         let normal = |&pixel: &u32| geometry.pixels()[pixel as usize].normal;
         let points: Vec<Vec3> = pixels.iter().map(point).collect();
         let normals: Vec<Vec3> = pixels.iter().map(normal).collect();
-        let point = centred(&blocks.mean_where(&points, |_| true));
-        let normal = centred(&blocks.mean_where(&normals, |_| true));
-        let mut columns: Vec<Vec<f64>> = vec![vec![1.0; blocks.len()]];
-        for axis in 0..3 {
-            columns.push(point.iter().map(|p| f64::from(p[axis])).collect());
-            columns.push(normal.iter().map(|n| f64::from(n[axis])).collect());
+        let points = blocks.mean_where(&points, |_| true);
+        let normals = blocks.mean_where(&normals, |_| true);
+        let mut of_photograph: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        let mut seen = vec![false; blocks.len()];
+        for (pixel, &block) in pixels.iter().zip(&blocks.of_pixel) {
+            if !std::mem::replace(&mut seen[block as usize], true) {
+                let photograph = sheet.photograph_of(*pixel);
+                of_photograph.entry(photograph).or_default().push(block as usize);
+            }
         }
-        for (a, b) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
-            columns.push(point.iter().map(|p| f64::from(p[a] * p[b])).collect());
-        }
-        Self::from_columns(columns, least)
+        let field = |mut own: Vec<usize>| {
+            own.sort_unstable();
+            let of_own = |values: &[Vec3]| own.iter().map(|k| values[*k]).collect::<Vec<Vec3>>();
+            let (points, normals) = (of_own(&points), of_own(&normals));
+            FieldOfPhotograph::of(own, &points, &normals)
+        };
+        Self::uniting(of_photograph.into_values().map(field).collect(), least)
     }
 
     /// A field without any function but a constant, for blocks of which nothing else is known.
     pub fn constant(blocks: usize, least: LightError) -> Self {
-        Self::from_columns(vec![vec![1.0; blocks]], least)
+        let constant = FieldOfPhotograph::from_columns((0..blocks).collect(), vec![vec![1.0; blocks]]);
+        Self::uniting(vec![constant], least)
+    }
+
+    pub(crate) fn uniting(photographs: Vec<FieldOfPhotograph>, least: LightError) -> Self {
+        Self { photographs, least, most: LightError { share: f64::INFINITY } }
     }
 
     /// The field of the blocks that are left without the pixels that are flagged.
@@ -141,33 +164,68 @@ impl LightField {
         let mut left = vec![false; blocks.len()];
         let kept = blocks.of_pixel.iter().zip(flags).filter(|(_, flag)| !**flag);
         kept.for_each(|(block, _)| left[*block as usize] = true);
-        let rows = self.rows.iter().zip(left).filter(|(_, left)| *left).map(|(row, _)| *row);
-        Self { rows: rows.collect(), ..*self }
+        let mut next = 0;
+        let number = |left: &bool| {
+            next += usize::from(*left);
+            left.then(|| next - 1)
+        };
+        let numbers: Vec<Option<usize>> = left.iter().map(number).collect();
+        let photographs = self.photographs.iter().map(|field| field.renumbered(&numbers));
+        Self { photographs: photographs.collect(), ..*self }
+    }
+}
+
+impl FieldOfPhotograph {
+    /// The field of the blocks `own` at these places with these normals.
+    fn of(own: Vec<usize>, points: &[Vec3], normals: &[Vec3]) -> Self {
+        let (point, normal) = (centred(points), centred(normals));
+        let mut columns: Vec<Vec<f64>> = vec![vec![1.0; own.len()]];
+        for axis in 0..3 {
+            columns.push(point.iter().map(|p| f64::from(p[axis])).collect());
+            columns.push(normal.iter().map(|n| f64::from(n[axis])).collect());
+        }
+        for (a, b) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
+            columns.push(point.iter().map(|p| f64::from(p[a] * p[b])).collect());
+        }
+        Self::from_columns(own, columns)
     }
 
-    fn from_columns(columns: Vec<Vec<f64>>, least: LightError) -> Self {
-        let mut rows = vec![[0.0; FUNCTIONS]; columns.first().map_or(0, Vec::len)];
-        let mut count = 0;
+    fn from_columns(blocks: Vec<usize>, columns: Vec<Vec<f64>>) -> Self {
+        let mut field = Self { rows: vec![[0.0; FUNCTIONS]; blocks.len()], blocks, count: 0 };
         for column in columns {
             let squares: f64 = column.iter().map(|v| v * v).sum();
             let size = (squares / column.len().max(1) as f64).sqrt();
             if size > 1e-6 {
-                rows.iter_mut().zip(column).for_each(|(row, v)| row[count] = v / size);
-                count += 1;
+                let Self { rows, count, .. } = &mut field;
+                rows.iter_mut().zip(column).for_each(|(row, v)| row[*count] = v / size);
+                *count += 1;
             }
         }
-        Self { rows, count, least, most: LightError { share: f64::INFINITY } }
+        field
+    }
+
+    /// Its blocks with their values.
+    pub(crate) fn blocks(&self) -> impl Iterator<Item = (usize, &[f64; FUNCTIONS])> {
+        self.blocks.iter().copied().zip(&self.rows)
+    }
+
+    /// The field of those blocks that have new `numbers`.
+    fn renumbered(&self, numbers: &[Option<usize>]) -> Self {
+        let left = self.blocks().filter_map(|(k, row)| Some((numbers[k]?, *row)));
+        let (blocks, rows) = left.unzip();
+        Self { blocks, rows, count: self.count }
     }
 }
 
 /// Where the surface behind a pixel is, in units that only hang on the camera; the origin without one.
-fn place_of(pixel: u32, geometry: &GeometryBuffers) -> Vec3 {
-    let (width, height) = (geometry.width() as f32, geometry.height() as f32);
+fn place_of(pixel: u32, sheet: &Sheet, geometry: &GeometryBuffers) -> Vec3 {
+    let [_, first_row, width, height] = sheet.place(sheet.photograph_of(pixel));
     let depth = geometry.pixels()[pixel as usize].depth;
     if !depth.is_finite() {
         return Vec3::ZERO;
     }
-    let (x, y) = (pixel as usize % geometry.width(), pixel as usize / geometry.width());
+    let (x, y) = (pixel as usize % geometry.width(), pixel as usize / geometry.width() - first_row);
+    let (width, height) = (width as f32, height as f32);
     let (x, y) = ((x as f32 - 0.5 * width) / width, (y as f32 - 0.5 * height) / width);
     depth * Vec3::new(x, y, 1.0)
 }

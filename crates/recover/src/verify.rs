@@ -127,7 +127,8 @@ impl Verifier {
             let mean = values.iter().sum::<Rgb>() / values.len().max(1) as f32;
             let level2 = blocks.smooth(&values).iter().map(|local| level2(mean, *local)).collect();
             let none = LightError { share: 0.0 };
-            let field = LightField::of(&blocks, &pixels, state.problem.renderer.geometry(), none);
+            let geometry = (&observation.sheet, state.problem.renderer.geometry());
+            let field = LightField::of(&blocks, &pixels, geometry, none);
             Sample { group, pixels, blocks, level2, field }
         };
         let groups = (0..state.materials.len()).filter(judged).map(sample);

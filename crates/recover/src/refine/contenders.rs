@@ -97,11 +97,12 @@ impl PixelSample {
         settings: &Settings,
     ) -> Self {
         let valid = &state.observation.informative_of_group[group];
-        let count = ((settings.spp / SPP[0]) as usize).min(PIXELS);
+        let pixels_max = state.observation.sheet.of_all(PIXELS);
+        let count = ((settings.spp / SPP[0]) as usize).min(pixels_max);
         let grid = Grid::of(&state.observation, group, valid, count);
         let pixels = grid.sample(valid, count, settings.seed ^ group as u64);
         let blocks = Blocks::of(&pixels, &grid);
-        let geometry = state.problem.renderer.geometry();
+        let geometry = (&state.observation.sheet, state.problem.renderer.geometry());
         let field = LightField::of(&blocks, &pixels, geometry, allowance.light);
         let pixels = observe(&state.observation, state.exposure, group, &pixels);
         Self { blocks, field: LightField { most, ..field }, pixels }

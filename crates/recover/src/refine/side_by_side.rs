@@ -82,7 +82,7 @@ pub(crate) fn compare(
         let settings = Settings {
             first: 0,
             together: TOGETHER,
-            spp: by.effort.samples(paths),
+            spp: state.observation.sheet.of_all(by.effort.samples(paths) as usize) as u32,
             seed: mix(by.options.seed ^ 0xBE51DE ^ ((level as u64) << 32)),
             max_bounces: by.options.max_bounces,
             integrator: Integrator::Path,
