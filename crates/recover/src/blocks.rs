@@ -10,6 +10,10 @@
 //! into fine ones, and more of its pixels are looked at ([`Grid`]).
 
 use crate::observation::Observation;
+use crate::rerender::Renderer;
+use crate::same_place;
+use crate::sheet::Sheet;
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use unrender_render::sampler::mix;
@@ -38,9 +42,11 @@ fn side(pixels: usize, sampled: usize, most: usize) -> usize {
     (pixels / blocks).isqrt().max(1)
 }
 
-/// Where a block lies: column and row, in units of the side of blocks like it.
+/// Where a block lies: column and row in its photograph, in units of the side of blocks like it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Place {
+    /// The photograph.
+    pub photograph: usize,
     /// Whether it is a part of an uneven block.
     pub fine: bool,
     /// Column.
@@ -66,24 +72,24 @@ impl Place {
 }
 
 /// How the pixels of one group are sorted into blocks.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
-    width: usize,
+    sheet: Sheet,
     side: usize,
-    /// Whether each block is uneven, row by row, as far as the last one that is.
+    /// Whether each block is uneven, photograph by photograph, row by row, as far as the last one that is.
     uneven: Vec<bool>,
 }
 
 impl Grid {
-    /// Blocks of one `side`, pixels, in a picture of `width` columns.
-    pub fn even(width: usize, side: usize) -> Self {
-        Self { width, side, uneven: Vec::new() }
+    /// Blocks of one `side`, pixels, in the photographs of `sheet`.
+    pub fn even(sheet: &Sheet, side: usize) -> Self {
+        Self { sheet: sheet.clone(), side, uneven: Vec::new() }
     }
 
     /// For `pixels` of `group`, of which at most `count` are looked at.
     pub fn of(observation: &Observation, group: usize, pixels: &[u32], count: usize) -> Self {
         let side = side(pixels.len(), count, observation.sheet.of_all(BLOCKS));
-        let even = Self::even(observation.picture.values.width(), side);
+        let even = Self::even(&observation.sheet, side);
         even.dividing_uneven(observation, group, pixels)
     }
 
@@ -109,16 +115,21 @@ impl Grid {
         self
     }
 
-    /// Column and row of a pixel's undivided block.
-    fn block_of(&self, pixel: u32) -> (usize, usize) {
-        let (x, y) = (pixel as usize % self.width, pixel as usize / self.width);
-        (x / self.side, y / self.side)
+    /// The place of a pixel's block of this `side`.
+    fn place_by(&self, pixel: u32, side: usize, fine: bool) -> Place {
+        let (width, _) = self.sheet.size();
+        let photograph = self.sheet.photograph_of(pixel);
+        let [_, first_row, ..] = self.sheet.place(photograph);
+        let (x, y) = (pixel as usize % width, pixel as usize / width - first_row);
+        Place { photograph, fine, column: x / side, row: y / side }
     }
 
-    /// The number of a pixel's undivided block, row by row.
+    /// The number of a pixel's undivided block, photograph by photograph, row by row.
     fn number_of(&self, pixel: u32) -> usize {
-        let (column, row) = self.block_of(pixel);
-        row * self.width.div_ceil(self.side) + column
+        let Place { photograph, column, row, .. } = self.place_by(pixel, self.side, false);
+        let (width, height) = (self.sheet.size().0, self.sheet.highest());
+        let [columns, rows] = [width, height].map(|length| length.div_ceil(self.side));
+        (photograph * rows + row) * columns + column
     }
 
     /// Whether a pixel's block is uneven.
@@ -129,12 +140,9 @@ impl Grid {
     /// The place of a pixel's block.
     pub fn place(&self, pixel: u32) -> Place {
         if self.is_uneven(pixel) {
-            let side = (self.side / PARTS).max(1);
-            let (x, y) = (pixel as usize % self.width, pixel as usize / self.width);
-            return Place { fine: true, column: x / side, row: y / side };
+            return self.place_by(pixel, (self.side / PARTS).max(1), true);
         }
-        let (column, row) = self.block_of(pixel);
-        Place { fine: false, column, row }
+        self.place_by(pixel, self.side, false)
     }
 
     /// At most `count` of `pixels`, spread evenly but for the uneven blocks, of which more are taken;
@@ -199,6 +207,8 @@ pub struct Blocks {
     pub places: Vec<Place>,
     /// The number of pixels of every block.
     pub sizes: Vec<u32>,
+    /// All pairs that show the same place of the surface in two photographs.
+    pub same: Vec<(usize, usize)>,
 }
 
 impl Blocks {
@@ -210,7 +220,25 @@ impl Blocks {
         let places: Vec<Place> = number.keys().copied().collect();
         number.values_mut().enumerate().for_each(|(i, n)| *n = i as u32);
         let of_pixel = pixels.iter().map(|&p| number[&grid.place(p)]).collect();
-        Self { of_pixel, places, sizes }
+        Self { of_pixel, places, sizes, same: Vec::new() }
+    }
+
+    /// The same blocks of `pixels`, which knows what of them `renderer` sees in the same place.
+    #[must_use]
+    pub fn seen_by(self, renderer: &dyn Renderer, pixels: &[u32]) -> Self {
+        if self.places.iter().all(|place| place.photograph == self.places[0].photograph) {
+            return self;
+        }
+        let mut sums = vec![(Vec3::ZERO, 0.0f32); self.len()];
+        for (pixel, block) in pixels.iter().zip(&self.of_pixel) {
+            let Some(point) = renderer.point(*pixel) else { continue };
+            let (sum, count) = &mut sums[*block as usize];
+            (*sum, *count) = (*sum + point, *count + 1.0);
+        }
+        let seen = self.places.iter().zip(sums);
+        let point = |sum: Vec3, count: f32| (count > 0.0).then(|| sum / count);
+        let seen: Vec<_> = seen.map(|(place, (sum, count))| (*place, point(sum, count))).collect();
+        Self { same: same_place::pairs(&seen), ..self }
     }
 
     /// The number of blocks.
@@ -238,9 +266,12 @@ impl Blocks {
             })
             .collect();
         let stays = |block: &usize| sizes[*block] > 0;
+        let both_stay = |(a, b): &&(usize, usize)| stays(a) && stays(b);
+        let renumbered = |(a, b): &(usize, usize)| (number[*a] as usize, number[*b] as usize);
         Self {
             of_pixel: kept().map(|block| number[block as usize]).collect(),
             places: (0..self.len()).filter(stays).map(|block| self.places[block]).collect(),
+            same: self.same.iter().filter(both_stay).map(renumbered).collect(),
             sizes: sizes.iter().copied().filter(|size| *size > 0).collect(),
         }
     }
@@ -319,7 +350,7 @@ mod tests {
 
     /// A square of 8 x 8 pixels in blocks of 2 x 2.
     fn square() -> Blocks {
-        Blocks::of(&(0..64).collect::<Vec<u32>>(), &Grid::even(8, 2))
+        Blocks::of(&(0..64).collect::<Vec<u32>>(), &Grid::even(&Sheet::of(&[(8, 8)]), 2))
     }
 
     #[test]

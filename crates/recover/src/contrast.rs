@@ -137,14 +137,18 @@ impl<'a> Reference<'a> {
 
 /// The share of the blocks that are independent of each other, from their standardised `residuals`.
 pub fn independent_share(blocks: &Blocks, residuals: &[DVec3]) -> f64 {
-    share_by(&blocks.neighbours(), residuals)
+    share_by([&blocks.neighbours(), &blocks.same], residuals)
 }
 
-/// The share of standardised `residuals` that are independent of each other, from the correlation `r` of
-/// neighbours, which are the `pairs`: `((1 - r) / (1 + r))^2`, once for each direction of the picture.
-pub(crate) fn share_by(pairs: &[(usize, usize)], residuals: &[DVec3]) -> f64 {
-    let correlation = correlation(pairs, residuals);
-    ((1.0 - correlation) / (1.0 + correlation)).powi(2).max(LEAST_INDEPENDENT)
+/// The share of standardised `residuals` that are independent of each other.
+///
+/// From the correlation `r` of `neighbours`, `((1 - r) / (1 + r))^2`, once for each direction of the picture. Of `n` that
+/// show the `same` place in as many photographs, whose correlation is `s`, there are as many as `n / (1 + (n - 1) s)`.
+pub(crate) fn share_by([neighbours, same]: [&[(usize, usize)]; 2], residuals: &[DVec3]) -> f64 {
+    let beside = correlation(neighbours, residuals);
+    let share = ((1.0 - beside) / (1.0 + beside)).powi(2).max(LEAST_INDEPENDENT);
+    let others = 2.0 * same.len() as f64 / residuals.len().max(1) as f64;
+    share / (1.0 + others * correlation(same, residuals))
 }
 
 /// The correlation of the values of the `pairs`, 0 to 1.
@@ -163,6 +167,7 @@ mod tests {
     use super::*;
     use crate::blocks::Grid;
     use crate::model_error::{FUNCTIONS, FieldOfPhotograph, LightError};
+    use crate::sheet::Sheet;
     use unrender_render::sampler::mix;
 
     const SIDE: usize = 20;
@@ -199,7 +204,7 @@ mod tests {
     /// What a model without residuals gains beside one with those of `f`, by the comparison `of`.
     fn gain(of: impl Fn(&Blocks, [&Side<'_>; 2]) -> Contrast, f: impl Fn(f32, f32) -> f32) -> f64 {
         let pixels: Vec<u32> = (0..(SIDE * SIDE) as u32).collect();
-        let blocks = Blocks::of(&pixels, &Grid::even(SIDE, 1));
+        let blocks = Blocks::of(&pixels, &Grid::even(&Sheet::of(&[(SIDE, SIDE)]), 1));
         let (field, floor) = (field(), ModelError { share: 0.02 });
         let all = [residuals(|_, _| 0.0), residuals(f)];
         let sides = all.each_ref().map(|residuals| Side { residuals, field: &field, floor });
@@ -236,7 +241,10 @@ mod tests {
     #[test]
     fn the_variance_by_the_noise_of_renderings_is_that_of_many() {
         let n = SIDE * SIDE;
-        let blocks = Blocks::of(&(0..n as u32).collect::<Vec<_>>(), &Grid::even(SIDE, 1));
+        let blocks = Blocks::of(
+            &(0..n as u32).collect::<Vec<_>>(),
+            &Grid::even(&Sheet::of(&[(SIDE, SIDE)]), 1),
+        );
         let (field, floor) = (field(), ModelError { share: 0.02 });
         let mut drawn = 0u64;
         let mut uniform = || {
@@ -271,6 +279,21 @@ mod tests {
             // The variance of 400 is known to 7 %.
             assert!((stated / variance - 1.0).abs() < 0.2, "{stated} of {variance}");
         }
+    }
+
+    #[test]
+    fn what_is_the_same_in_two_photographs_counts_once() {
+        let scatter =
+            |k: usize| DVec3::splat((mix(k as u64) >> 40) as f64 / (1u64 << 23) as f64 - 1.0);
+        let n = 500;
+        let same: Vec<(usize, usize)> = (0..n).map(|k| (k, n + k)).collect();
+        let share = |of: &dyn Fn(usize) -> DVec3| {
+            share_by([&[], &same], &(0..2 * n).map(of).collect::<Vec<DVec3>>())
+        };
+        assert!((share(&|k| scatter(k % n)) - 0.5).abs() < 1e-9);
+        // The correlation of 500 that are independent is known to a twentieth.
+        assert!(share(&scatter) > 0.9);
+        assert!((share_by([&[], &[]], &[DVec3::ONE; 4]) - 1.0).abs() < 1e-9);
     }
 
     #[test]

@@ -121,7 +121,7 @@ impl Evidence {
         let seen = pixels_of_both(&sets, group as u32);
         let model = renderer.model();
         let sets = sets.map(|probes| Gathered::of(model, probes, &seen, group as u32));
-        let blocks = Blocks::of(&seen, &grid);
+        let blocks = Blocks::of(&seen, &grid).seen_by(renderer, &seen);
         let pixels = observe(observation, exposure, group, &seen);
         let allowance = budget.allowance;
         let field = LightField::of(

@@ -132,15 +132,10 @@ impl LightField {
         let points = blocks.mean_where(&points, |_| true);
         let normals = blocks.mean_where(&normals, |_| true);
         let mut of_photograph: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-        let mut seen = vec![false; blocks.len()];
-        for (pixel, &block) in pixels.iter().zip(&blocks.of_pixel) {
-            if !std::mem::replace(&mut seen[block as usize], true) {
-                let photograph = sheet.photograph_of(*pixel);
-                of_photograph.entry(photograph).or_default().push(block as usize);
-            }
+        for (block, place) in blocks.places.iter().enumerate() {
+            of_photograph.entry(place.photograph).or_default().push(block);
         }
-        let field = |mut own: Vec<usize>| {
-            own.sort_unstable();
+        let field = |own: Vec<usize>| {
             let of_own = |values: &[Vec3]| own.iter().map(|k| values[*k]).collect::<Vec<Vec3>>();
             let (points, normals) = (of_own(&points), of_own(&normals));
             FieldOfPhotograph::of(own, &points, &normals)
@@ -150,7 +145,8 @@ impl LightField {
 
     /// A field without any function but a constant, for blocks of which nothing else is known.
     pub fn constant(blocks: usize, least: LightError) -> Self {
-        let constant = FieldOfPhotograph::from_columns((0..blocks).collect(), vec![vec![1.0; blocks]]);
+        let constant =
+            FieldOfPhotograph::from_columns((0..blocks).collect(), vec![vec![1.0; blocks]]);
         Self::uniting(vec![constant], least)
     }
 

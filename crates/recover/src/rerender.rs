@@ -1,6 +1,7 @@
 //! What recovery asks of a renderer: one small trait, so that the ladder can be tested against
 //! closed-form renderers in milliseconds.
 
+use glam::Vec3;
 use std::ops::{Deref, Range};
 use unrender_render::adaptive::SampleAllocation;
 use unrender_render::{
@@ -13,6 +14,9 @@ use unrender_scene::{BrdfModel, Camera, Rgb, Scene, SceneError};
 pub trait Renderer: Sync {
     /// What stands in each pixel.
     fn geometry(&self) -> &GeometryBuffers;
+    /// The point of the surface behind the centre of `pixel`, metres in world space; none without a surface, or where the
+    /// renderer cannot tell.
+    fn point(&self, pixel: u32) -> Option<Vec3>;
     /// Which lobe the materials mean.
     fn model(&self) -> BrdfModel;
     /// The light that arrives behind `pixels`; paths end where `seen` knows the radiance.
@@ -215,6 +219,14 @@ impl Stored for PathsOf<'_, '_> {
 impl Renderer for View<'_> {
     fn geometry(&self) -> &GeometryBuffers {
         &self.geometry
+    }
+
+    fn point(&self, pixel: u32) -> Option<Vec3> {
+        let (width, height) = self.size;
+        let depth = self.geometry.pixels()[pixel as usize].depth;
+        let (x, y) = ((pixel as usize % width) as f32 + 0.5, (pixel as usize / width) as f32 + 0.5);
+        let towards = self.camera.direction(x, y, width, height);
+        depth.is_finite().then(|| self.camera.origin() + depth * towards)
     }
 
     fn model(&self) -> BrdfModel {

@@ -121,7 +121,7 @@ impl Verifier {
             let valid = &observation.pixels_of_group[group];
             let grid = Grid::of(observation, group, valid, wanted);
             let pixels = grid.sample(valid, wanted, mix(options.seed ^ 0x7E57) ^ group as u64);
-            let blocks = Blocks::of(&pixels, &grid);
+            let blocks = Blocks::of(&pixels, &grid).seen_by(state.problem.renderer, &pixels);
             let values: Vec<Rgb> =
                 pixels.iter().map(|&p| observation.picture.values.pixels()[p as usize]).collect();
             let mean = values.iter().sum::<Rgb>() / values.len().max(1) as f32;

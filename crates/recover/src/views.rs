@@ -3,6 +3,7 @@
 
 use crate::rerender::{Renderer, Stored};
 use crate::sheet::Sheet;
+use glam::Vec3;
 use std::ops::Range;
 use unrender_render::sampler::mix;
 use unrender_render::{
@@ -105,6 +106,10 @@ impl Stored for PathsOf<'_, '_> {
 impl Renderer for Views<'_> {
     fn geometry(&self) -> &GeometryBuffers {
         &self.geometry
+    }
+
+    fn point(&self, pixel: u32) -> Option<Vec3> {
+        self.each[self.sheet.photograph_of(pixel)].point(self.local(pixel))
     }
 
     fn model(&self) -> BrdfModel {

@@ -88,6 +88,7 @@ fn without_slope(
 mod tests {
     use super::*;
     use crate::blocks::Grid;
+    use crate::sheet::Sheet;
     use unrender_render::sampler::mix;
 
     const SIDE: usize = 12;
@@ -95,7 +96,7 @@ mod tests {
     /// What a model leaves that fits the share `left` of a noise of `deviation`, where the noise is taken as one.
     fn left(share: f32, deviation: f32) -> Within {
         let pixels: Vec<u32> = (0..(SIDE * SIDE) as u32).collect();
-        let blocks = Blocks::of(&pixels, &Grid::even(SIDE, 3));
+        let blocks = Blocks::of(&pixels, &Grid::even(&Sheet::of(&[(SIDE, SIDE)]), 3));
         let sign = |i: usize| if (i * 7919) % 13 < 6 { 1.0 } else { -1.0 };
         let residuals: Vec<Rgb> =
             (0..SIDE * SIDE).map(|i| Rgb::splat(share * deviation * sign(i))).collect();
@@ -106,7 +107,7 @@ mod tests {
     #[test]
     fn the_slope_of_a_highlight_is_no_pattern() {
         let pixels: Vec<u32> = (0..(SIDE * SIDE) as u32).collect();
-        let blocks = Blocks::of(&pixels, &Grid::even(SIDE, 3));
+        let blocks = Blocks::of(&pixels, &Grid::even(&Sheet::of(&[(SIDE, SIDE)]), 3));
         // Steps of 10 from column to column, which the model has too small by a fifth.
         let light: Vec<Rgb> =
             (0..SIDE * SIDE).map(|i| Rgb::splat(10.0 * (i % SIDE) as f32)).collect();
@@ -119,7 +120,7 @@ mod tests {
     fn noise_of_the_renderings_leaves_nothing() {
         const SIDE: usize = 60;
         let pixels: Vec<u32> = (0..(SIDE * SIDE) as u32).collect();
-        let blocks = Blocks::of(&pixels, &Grid::even(SIDE, 30));
+        let blocks = Blocks::of(&pixels, &Grid::even(&Sheet::of(&[(SIDE, SIDE)]), 30));
         // Even numbers in (-1, 1), of deviation 0.577: others in each half.
         let noise = |half: u64| -> Vec<Rgb> {
             let at = |i: u64| (mix(2 * i + half) >> 40) as f32 / (1u64 << 23) as f32 - 1.0;

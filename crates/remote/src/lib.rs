@@ -31,6 +31,7 @@ mod worker;
 
 pub use worker::{Fault, Worker};
 
+use glam::Vec3;
 use std::hash::{DefaultHasher, Hasher};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -208,6 +209,10 @@ impl<'a> Remote<'a> {
 impl Renderer for Remote<'_> {
     fn geometry(&self) -> &GeometryBuffers {
         self.view.geometry()
+    }
+
+    fn point(&self, pixel: u32) -> Option<Vec3> {
+        self.view.point(pixel)
     }
 
     fn model(&self) -> BrdfModel {

@@ -123,6 +123,7 @@ mod tests {
     use crate::expected::{ParameterBounds, StartValues};
     use crate::model_error::{Allowance, LightError, LightField, ModelError};
     use crate::observation::{Noise, Reading};
+    use crate::sheet::Sheet;
     use glam::Vec3;
     use std::f32::consts::FRAC_1_PI;
     use unrender_render::probe::Incident;
@@ -169,7 +170,7 @@ mod tests {
             weight: Rgb::ONE,
         };
         let pixels: Vec<u32> = all.clone().map(|i| i as u32).collect();
-        let blocks = Blocks::of(&pixels, &Grid::even(SIDE, 3));
+        let blocks = Blocks::of(&pixels, &Grid::even(&Sheet::of(&[(SIDE, SIDE)]), 3));
         let error = LightError { share: 0.01 };
         let mut evidence = Evidence {
             model: BrdfModel::default(),

@@ -139,6 +139,7 @@ mod tests {
     use crate::evidence::{Gathered, Observed};
     use crate::model_error::{Allowance, LightError, LightField, ModelError};
     use crate::observation::{Noise, Reading};
+    use crate::sheet::Sheet;
     use unrender_render::Probes;
     use unrender_render::geometry::PixelGeometry;
     use unrender_render::probe::Mirrored;
@@ -176,7 +177,7 @@ mod tests {
         let probes = all.clone().map(probe).collect();
         let set = Gathered::new(BrdfModel::default(), Probes { probes, incident: Vec::new() });
         let pixels: Vec<u32> = all.clone().map(|i| i as u32).collect();
-        let blocks = Blocks::of(&pixels, &Grid::even(SIDE, 3));
+        let blocks = Blocks::of(&pixels, &Grid::even(&Sheet::of(&[(SIDE, SIDE)]), 3));
         let light = LightError { share: 0.01 };
         let evidence = Evidence {
             model: BrdfModel::default(),

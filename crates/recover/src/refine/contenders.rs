@@ -101,8 +101,9 @@ impl PixelSample {
         let count = ((settings.spp / SPP[0]) as usize).min(pixels_max);
         let grid = Grid::of(&state.observation, group, valid, count);
         let pixels = grid.sample(valid, count, settings.seed ^ group as u64);
-        let blocks = Blocks::of(&pixels, &grid);
-        let geometry = (&state.observation.sheet, state.problem.renderer.geometry());
+        let renderer = state.problem.renderer;
+        let blocks = Blocks::of(&pixels, &grid).seen_by(renderer, &pixels);
+        let geometry = (&state.observation.sheet, renderer.geometry());
         let field = LightField::of(&blocks, &pixels, geometry, allowance.light);
         let pixels = observe(&state.observation, state.exposure, group, &pixels);
         Self { blocks, field: LightField { most, ..field }, pixels }

@@ -15,6 +15,7 @@ use crate::model_error::{followed, level2};
 use crate::observation::Noise;
 use crate::photometric::PhotometricParameter;
 use crate::state::State;
+use glam::Vec3;
 use nalgebra::DVector;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -29,6 +30,8 @@ use unrender_scene::Rgb;
 pub(crate) struct Mean {
     pub(crate) group: usize,
     pub(crate) place: Place,
+    /// The mean of the points of the surface that its pixels show, metres in world space, as far as they are known.
+    pub(crate) point: Option<Vec3>,
     /// Whether the photograph is only known to be at least so bright there.
     pub(crate) bound: bool,
     /// Pixels in the mean.
@@ -263,8 +266,8 @@ fn mean(
         over(&|p| state.exposure * c.change(&state.observation, p.pixel))
     };
     let changes: Vec<Rgb> = state.problem.photometric_parameters.iter().map(change).collect();
-    // No cell is in two photographs.
-    let taken = state.observation.sheet.photograph_of(cell.pixels[0].pixel);
+    let points: Vec<Vec3> =
+        cell.pixels.iter().filter_map(|p| state.problem.renderer.point(p.pixel)).collect();
     let mut residuals = radiance.map(|radiance| photograph - radiance);
     let light = 0.5 * (radiance[0] + radiance[1]);
     // A lower bound that the model meets asks for nothing.
@@ -274,6 +277,7 @@ fn mean(
     Mean {
         group: cell.group,
         place: cell.place,
+        point: (!points.is_empty()).then(|| points.iter().sum::<Vec3>() / points.len() as f32),
         bound: cell.bound,
         pixels: f64::from(n),
         paths,
@@ -287,7 +291,7 @@ fn mean(
                 return Vec::new();
             }
             let radiance = radiance.map(|radiance| f64::from(radiance[channel]));
-            unknowns.row(state, (&derivatives, &changes, taken), channel, radiance)
+            unknowns.row(state, (&derivatives, &changes, cell.place.photograph), channel, radiance)
         }),
     }
 }

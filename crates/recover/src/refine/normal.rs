@@ -17,7 +17,8 @@ use super::means::Mean;
 use super::unknowns::Unknowns;
 use crate::blocks::{Place, neighbours};
 use crate::contrast::share_by;
-use glam::DVec3;
+use crate::same_place;
+use glam::{DVec3, Vec3};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 use unrender_scene::Rgb;
@@ -176,20 +177,23 @@ fn add_row(
 }
 
 /// For each group: of how many cells one is independent of the others, by the correlation of neighbours'
-/// residuals.
+/// residuals, and of those of the same place in several photographs.
 pub(super) fn dependence(means: &[Mean], weights: &[Rgb]) -> BTreeMap<usize, f64> {
-    let mut cells: BTreeMap<usize, (Vec<Place>, Vec<DVec3>)> = BTreeMap::new();
+    let mut cells: BTreeMap<usize, (Vec<(Place, Option<Vec3>)>, Vec<DVec3>)> = BTreeMap::new();
     for (mean, weight) in means.iter().zip(weights) {
-        let (places, residuals) = cells.entry(mean.group).or_default();
+        let (seen, residuals) = cells.entry(mean.group).or_default();
         if !mean.bound {
             let [a, b] = mean.residuals;
-            places.push(mean.place);
+            seen.push((mean.place, mean.point));
             residuals.push((0.5 * (a + b) * weight.map(f32::sqrt)).as_dvec3());
         }
     }
-    let of_group = |(group, (places, residuals)): (usize, (Vec<Place>, Vec<DVec3>))| {
-        (group, share_by(&neighbours(&places), &residuals).recip())
-    };
+    let of_group =
+        |(group, (seen, residuals)): (usize, (Vec<(Place, Option<Vec3>)>, Vec<DVec3>))| {
+            let places: Vec<Place> = seen.iter().map(|(place, _)| *place).collect();
+            let pairs = [neighbours(&places), same_place::pairs(&seen)];
+            (group, share_by(pairs.each_ref().map(Vec::as_slice), &residuals).recip())
+        };
     cells.into_iter().map(of_group).collect()
 }
 

@@ -81,7 +81,11 @@ fn cells(
     let mut cells: BTreeMap<(usize, Place, bool), Vec<Observed>> = BTreeMap::new();
     for group in groups {
         let valid = &stage.observation.informative_of_group[group];
-        let grid = Grid::even(width, side).dividing_uneven(stage.observation, group, valid);
+        let grid = Grid::even(&stage.observation.sheet, side).dividing_uneven(
+            stage.observation,
+            group,
+            valid,
+        );
         let count = stage.observation.sheet.of_all(per_group);
         let wanted = grid.sample(valid, count, seed ^ group as u64);
         for seen in observe(stage.observation, stage.exposure, group, &wanted) {

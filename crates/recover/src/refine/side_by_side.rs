@@ -203,6 +203,7 @@ mod tests {
     use crate::blocks::{Blocks, Grid};
     use crate::hypothesis::Hypothesis;
     use crate::model_error::LightField;
+    use crate::sheet::Sheet;
     use unrender_scene::{Material, Rgb};
 
     const SIDE: usize = 16;
@@ -245,7 +246,7 @@ mod tests {
     /// What is chosen of `left`, and the others that it may be.
     fn chosen(left: &[Contender]) -> (usize, Vec<usize>) {
         let pixels: Vec<u32> = (0..(SIDE * SIDE) as u32).collect();
-        let blocks = Blocks::of(&pixels, &Grid::even(SIDE, 1));
+        let blocks = Blocks::of(&pixels, &Grid::even(&Sheet::of(&[(SIDE, SIDE)]), 1));
         let field = LightField::constant(blocks.len(), LightError { share: 0.001 });
         let sample = PixelSample::new(blocks, field);
         let found = Contenders { all: left, sample: &sample, floor: ModelError { share: 0.003 } };

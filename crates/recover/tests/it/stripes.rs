@@ -171,6 +171,10 @@ impl Renderer for Stripes {
         &self.geometry
     }
 
+    fn point(&self, pixel: u32) -> Option<Vec3> {
+        Some(self.geometry.pixels()[pixel as usize].uv.extend(0.0))
+    }
+
     fn model(&self) -> BrdfModel {
         self.model
     }

@@ -1,0 +1,75 @@
+//! Which blocks of several photographs show the same place of a surface.
+//!
+//! What a model gets wrong at a place (a stain, a bump, light that the model has wrong there) it may get wrong in every
+//! photograph that shows it. Such residuals are then no more independent than those of neighbours are; how alike they
+//! are is measured ([`crate::contrast`]).
+
+use crate::blocks::{Place, neighbours};
+use glam::Vec3;
+use std::collections::BTreeMap;
+
+/// All pairs of blocks of different photographs, by their indices, that show the same place. Each is given with the mean
+/// of the points that it shows, metres. Of every other photograph a block is the nearest one's pair, if that is no further than
+/// the block's own neighbours.
+pub(crate) fn pairs(seen: &[(Place, Option<Vec3>)]) -> Vec<(usize, usize)> {
+    let places: Vec<Place> = seen.iter().map(|(place, _)| *place).collect();
+    let mut reach = vec![f32::INFINITY; seen.len()];
+    for (i, j) in neighbours(&places) {
+        let (Some(a), Some(b)) = (seen[i].1, seen[j].1) else { continue };
+        let apart = a.distance(b);
+        (reach[i], reach[j]) = (reach[i].min(apart), reach[j].min(apart));
+    }
+    let mut along: Vec<(usize, Vec3)> =
+        seen.iter().enumerate().filter_map(|(i, (_, point))| Some((i, (*point)?))).collect();
+    along.sort_by(|a, b| a.1.x.total_cmp(&b.1.x));
+    let mut pairs = Vec::new();
+    for &(i, point) in along.iter().filter(|(i, _)| reach[*i].is_finite()) {
+        let first = along.partition_point(|(_, other)| other.x < point.x - reach[i]);
+        let near = along[first..].iter().take_while(|(_, other)| other.x <= point.x + reach[i]);
+        let mut nearest: BTreeMap<usize, (f32, usize)> = BTreeMap::new();
+        for &(j, other) in near {
+            let (own, place) = (places[i], places[j]);
+            let apart = point.distance(other);
+            if place.photograph > own.photograph && place.fine == own.fine && apart <= reach[i] {
+                let best = nearest.entry(place.photograph).or_insert((f32::INFINITY, j));
+                *best = if apart < best.0 { (apart, j) } else { *best };
+            }
+        }
+        pairs.extend(nearest.into_values().map(|(_, j)| (i, j)));
+    }
+    pairs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The blocks of a wall of 10 x 10 in `photograph`, which is seen moved by `offset` metres; blocks are a metre.
+    fn wall(photograph: usize, offset: f32) -> Vec<(Place, Option<Vec3>)> {
+        let at = |k: usize| {
+            let (column, row) = (k % 10, k / 10);
+            let point = Vec3::new(column as f32 + offset, row as f32, 0.0);
+            (Place { photograph, fine: false, column, row }, Some(point))
+        };
+        (0..100).map(at).collect()
+    }
+
+    #[test]
+    fn blocks_of_the_same_place_are_pairs() {
+        let both = [wall(0, 0.0), wall(1, 0.0)].concat();
+        let expected: Vec<(usize, usize)> = (0..100).map(|k| (k, 100 + k)).collect();
+        let mut found = pairs(&both);
+        found.sort_unstable();
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn what_only_one_photograph_shows_has_no_pair() {
+        // The second photograph shows two columns that the first lacks, and lacks two.
+        let both = [wall(0, 0.0), wall(1, 2.3)].concat();
+        let found = pairs(&both);
+        assert_eq!(found.len(), 80);
+        assert!(found.iter().all(|(i, j)| i % 10 == (j - 100) % 10 + 2), "{found:?}");
+        assert!(pairs(&wall(0, 0.0)).is_empty());
+    }
+}
