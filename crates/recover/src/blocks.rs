@@ -11,7 +11,7 @@
 
 use crate::observation::Observation;
 use crate::rerender::Renderer;
-use crate::same_place;
+use crate::same_place::{self, Seen};
 use crate::sheet::Sheet;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -237,7 +237,9 @@ impl Blocks {
         }
         let seen = self.places.iter().zip(sums);
         let point = |sum: Vec3, count: f32| (count > 0.0).then(|| sum / count);
-        let seen: Vec<_> = seen.map(|(place, (sum, count))| (*place, point(sum, count))).collect();
+        let seen =
+            seen.map(|(place, (sum, count))| Seen { place: *place, point: point(sum, count) });
+        let seen: Vec<Seen> = seen.collect();
         Self { same: same_place::pairs(&seen), ..self }
     }
 

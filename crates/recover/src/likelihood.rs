@@ -188,9 +188,12 @@ pub struct Covariance<'a> {
     residuals: &'a BlockResiduals,
     field: &'a LightField,
     error: ModelError,
-    /// For each photograph and channel the standard deviation of the light's functions, and `1 + U^T W U`.
-    factors: Vec<[(f64, Option<Cholesky<f64, Dyn>>); 3]>,
+    /// For each photograph and channel.
+    factors: Vec<[Factors; 3]>,
 }
+
+/// The standard deviation of the light's functions, and `1 + U^T W U` if that is finite.
+type Factors = (f64, Option<Cholesky<f64, Dyn>>);
 
 impl<'a> Covariance<'a> {
     /// That of `residuals` under the errors of `likelihood`.

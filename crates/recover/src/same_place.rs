@@ -8,19 +8,26 @@ use crate::blocks::{Place, neighbours};
 use glam::Vec3;
 use std::collections::BTreeMap;
 
-/// All pairs of blocks of different photographs, by their indices, that show the same place. Each is given with the mean
-/// of the points that it shows, metres. Of every other photograph a block is the nearest one's pair, if that is no further than
+/// Where a block lies, and what it shows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen {
+    pub(crate) place: Place,
+    /// The mean of the points of the surface, metres in world space, as far as they are known.
+    pub(crate) point: Option<Vec3>,
+}
+
+/// All pairs of blocks of different photographs, by their indices, that show the same place. Of every other photograph a block is the nearest one's pair, if that is no further than
 /// the block's own neighbours.
-pub(crate) fn pairs(seen: &[(Place, Option<Vec3>)]) -> Vec<(usize, usize)> {
-    let places: Vec<Place> = seen.iter().map(|(place, _)| *place).collect();
+pub(crate) fn pairs(seen: &[Seen]) -> Vec<(usize, usize)> {
+    let places: Vec<Place> = seen.iter().map(|seen| seen.place).collect();
     let mut reach = vec![f32::INFINITY; seen.len()];
     for (i, j) in neighbours(&places) {
-        let (Some(a), Some(b)) = (seen[i].1, seen[j].1) else { continue };
+        let (Some(a), Some(b)) = (seen[i].point, seen[j].point) else { continue };
         let apart = a.distance(b);
         (reach[i], reach[j]) = (reach[i].min(apart), reach[j].min(apart));
     }
     let mut along: Vec<(usize, Vec3)> =
-        seen.iter().enumerate().filter_map(|(i, (_, point))| Some((i, (*point)?))).collect();
+        seen.iter().enumerate().filter_map(|(i, seen)| Some((i, seen.point?))).collect();
     along.sort_by(|a, b| a.1.x.total_cmp(&b.1.x));
     let mut pairs = Vec::new();
     for &(i, point) in along.iter().filter(|(i, _)| reach[*i].is_finite()) {
@@ -45,11 +52,11 @@ mod tests {
     use super::*;
 
     /// The blocks of a wall of 10 x 10 in `photograph`, which is seen moved by `offset` metres; blocks are a metre.
-    fn wall(photograph: usize, offset: f32) -> Vec<(Place, Option<Vec3>)> {
+    fn wall(photograph: usize, offset: f32) -> Vec<Seen> {
         let at = |k: usize| {
             let (column, row) = (k % 10, k / 10);
             let point = Vec3::new(column as f32 + offset, row as f32, 0.0);
-            (Place { photograph, fine: false, column, row }, Some(point))
+            Seen { place: Place { photograph, fine: false, column, row }, point: Some(point) }
         };
         (0..100).map(at).collect()
     }

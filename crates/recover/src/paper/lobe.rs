@@ -13,6 +13,7 @@ use crate::fit::simplex;
 use crate::hypothesis::anisotropic::canonical;
 use crate::observation::Reading;
 use rayon::prelude::*;
+use std::f32::consts::{FRAC_PI_2, PI};
 use unrender_scene::{Material, Rgb};
 
 /// Where the search for a round lobe starts if nothing is known of it.
@@ -28,6 +29,9 @@ const ALIKE: f64 = 1e-9;
 const TURNS: u64 = 80;
 /// Direction and roughness follow each other at most so often; on Figure 8 the direction stays from the second time on.
 const ROUNDS: usize = 6;
+/// And until the direction turns by less than this, radians: a hundredth of the step between those that are sampled. Half and
+/// double of it were not tried.
+const SETTLED: f32 = 5e-4;
 
 /// A material and the error of its re-rendering.
 #[derive(Clone, Debug)]
@@ -114,7 +118,9 @@ impl Lobes {
         };
         for _ in 0..ROUNDS {
             let theta_rad = self.direction([found.material.alpha_x, found.material.alpha_y]);
-            if found.error.is_finite() && theta_rad == found.material.theta_rad {
+            let turned =
+                (theta_rad - found.material.theta_rad + FRAC_PI_2).rem_euclid(PI) - FRAC_PI_2;
+            if found.error.is_finite() && turned.abs() < SETTLED {
                 break;
             }
             found = self.along(&Material { theta_rad, ..found.material });
@@ -122,11 +128,11 @@ impl Lobes {
         found
     }
 
-    /// Of the sampled directions the one along which a lobe of these roughnesses, with the reflectances that fit best,
-    /// differs least from the photograph; radians from the tangent, in [0, pi).
+    /// The direction along which a lobe of these roughnesses, with the reflectances that fit best, differs least from the
+    /// photograph: of those that are sampled, and between these the lowest point of the parabola through the least error and
+    /// both beside it. Radians from the tangent, in [0, pi).
     pub fn direction(&self, alphas: [f32; 2]) -> f32 {
-        let errors = self.errors(alphas).into_iter().enumerate();
-        errors.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0.0, |(i, _)| angle(i))
+        lowest(&self.errors(alphas))
     }
 
     /// The errors of all sampled directions.
@@ -158,6 +164,17 @@ impl Lobes {
     }
 }
 
+/// The direction of the lowest point of the errors of all sampled directions, radians in [0, pi).
+fn lowest(errors: &[f64]) -> f32 {
+    let n = errors.len();
+    let least = errors.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+    let Some((i, least)) = least else { return 0.0 };
+    let (before, after) = (errors[(i + n - 1) % n], errors[(i + 1) % n]);
+    let curvature = before - 2.0 * least + after;
+    let beside = if curvature > 0.0 { 0.5 * (before - after) / curvature } else { 0.0 };
+    (angle(i) + beside as f32 * angle(1)).rem_euclid(PI)
+}
+
 /// The shape of `start`, longer than wide.
 fn elongated(start: &Material) -> [f32; 3] {
     let Material { alpha_x, alpha_y, theta_rad, .. } = *start;
@@ -167,5 +184,22 @@ fn elongated(start: &Material) -> [f32; 3] {
         [alpha_x / ELONGATION, alpha_y * ELONGATION, theta_rad]
     } else {
         [alpha_x, alpha_y, theta_rad]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lowest_point_is_found_between_the_directions() {
+        for degrees in [0.3f32, 35.0, 89.0, 179.5] {
+            let theta = degrees.to_radians();
+            let error = |i: usize| 0.01 - 0.004 * f64::from((2.0 * (angle(i) - theta)).cos());
+            let found = lowest(&(0..DIRECTIONS).map(error).collect::<Vec<f64>>()).to_degrees();
+            let off = (found - degrees + 90.0).rem_euclid(180.0) - 90.0;
+            assert!(off.abs() < 0.01, "{degrees} came out as {found}");
+        }
+        assert_eq!(lowest(&[1.0; DIRECTIONS]), 0.0);
     }
 }

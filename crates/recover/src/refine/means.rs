@@ -263,7 +263,8 @@ fn mean(
         sums
     });
     let change = |c: &PhotometricParameter| {
-        over(&|p| state.exposure * c.change(&state.observation, p.pixel))
+        let change = over(&|p| state.exposure * c.change(&state.observation, p.pixel));
+        Rgb::select(photograph.cmpgt(Rgb::ZERO), change / photograph, Rgb::ZERO)
     };
     let changes: Vec<Rgb> = state.problem.photometric_parameters.iter().map(change).collect();
     let points: Vec<Vec3> =

@@ -17,8 +17,8 @@ use super::means::Mean;
 use super::unknowns::Unknowns;
 use crate::blocks::{Place, neighbours};
 use crate::contrast::share_by;
-use crate::same_place;
-use glam::{DVec3, Vec3};
+use crate::same_place::{self, Seen};
+use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 use unrender_scene::Rgb;
@@ -179,21 +179,21 @@ fn add_row(
 /// For each group: of how many cells one is independent of the others, by the correlation of neighbours'
 /// residuals, and of those of the same place in several photographs.
 pub(super) fn dependence(means: &[Mean], weights: &[Rgb]) -> BTreeMap<usize, f64> {
-    let mut cells: BTreeMap<usize, (Vec<(Place, Option<Vec3>)>, Vec<DVec3>)> = BTreeMap::new();
+    let mut cells: BTreeMap<usize, Vec<(Seen, DVec3)>> = BTreeMap::new();
     for (mean, weight) in means.iter().zip(weights) {
-        let (seen, residuals) = cells.entry(mean.group).or_default();
+        let of_group = cells.entry(mean.group).or_default();
         if !mean.bound {
             let [a, b] = mean.residuals;
-            seen.push((mean.place, mean.point));
-            residuals.push((0.5 * (a + b) * weight.map(f32::sqrt)).as_dvec3());
+            let residual = (0.5 * (a + b) * weight.map(f32::sqrt)).as_dvec3();
+            of_group.push((Seen { place: mean.place, point: mean.point }, residual));
         }
     }
-    let of_group =
-        |(group, (seen, residuals)): (usize, (Vec<(Place, Option<Vec3>)>, Vec<DVec3>))| {
-            let places: Vec<Place> = seen.iter().map(|(place, _)| *place).collect();
-            let pairs = [neighbours(&places), same_place::pairs(&seen)];
-            (group, share_by(pairs.each_ref().map(Vec::as_slice), &residuals).recip())
-        };
+    let of_group = |(group, cells): (usize, Vec<(Seen, DVec3)>)| {
+        let (seen, residuals): (Vec<Seen>, Vec<DVec3>) = cells.into_iter().unzip();
+        let places: Vec<Place> = seen.iter().map(|seen| seen.place).collect();
+        let pairs = [neighbours(&places), same_place::pairs(&seen)];
+        (group, share_by(pairs.each_ref().map(Vec::as_slice), &residuals).recip())
+    };
     cells.into_iter().map(of_group).collect()
 }
 

@@ -49,11 +49,12 @@ impl ParameterBlock for Camera {
         [Parameter::Cache; 2]
     }
 
+    /// The rendered radiance stands in for the photograph's, whose noise is that of the residuals too.
     fn derivative(&self, at: At<'_>, u: &Unknown, linear: &Linear<'_>) -> f64 {
         if at.state.problem.photometric_parameters[u.of].photograph != linear.photograph {
             return 0.0;
         }
         let by_cache = linear.derivative * f64::from(at.start.relative[u.of][linear.channel]);
-        by_cache - f64::from(linear.changes[u.of][linear.channel])
+        by_cache - f64::from(linear.changes[u.of][linear.channel]) * linear.radiance
     }
 }

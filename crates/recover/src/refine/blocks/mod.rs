@@ -43,7 +43,7 @@ pub(super) struct Linear<'a> {
     pub(super) derivative: f64,
     /// The radiance itself.
     pub(super) radiance: f64,
-    /// By how much each number of the camera changes the photograph there.
+    /// By what share each number of the camera changes the photograph there.
     pub(super) changes: &'a [Rgb],
     /// The photograph that they are of.
     pub(super) photograph: usize,
