@@ -24,9 +24,10 @@ const ITERATIONS: usize = 5;
 /// than 0.001; double takes twice the time.
 const ROUGHNESSES: i32 = 40;
 
-/// A point of a surface, with the measured radiance.
+/// A point of a surface, with the measured radiance under a lamp.
 pub(crate) struct Sample {
     pub(crate) normal: Vec3,
+    pub(crate) lamp: Lamp,
     pub(crate) value: [f64; 3],
 }
 
@@ -57,24 +58,24 @@ impl Fitted {
 }
 
 /// Fits Lambert, with one lobe if `lobe`.
-pub(crate) fn fit(samples: &[Sample], lamp: Lamp, lobe: bool) -> Fitted {
+pub(crate) fn fit(samples: &[Sample], lobe: bool) -> Fitted {
     let step = 50.0_f64.ln() / f64::from(ROUGHNESSES - 1);
     let roughness = |index: i32| Some((0.02 * (step * f64::from(index)).exp()) as f32);
     let alphas: Vec<Option<f32>> =
         if lobe { (0..ROUGHNESSES).map(roughness).collect() } else { vec![None] };
-    let candidates = alphas.into_iter().map(|alpha| fit_with(samples, lamp, alpha));
+    let candidates = alphas.into_iter().map(|alpha| fit_with(samples, alpha));
     let best = candidates.min_by(|a, b| a.0.total_cmp(&b.0));
     best.map_or(Fitted { rho_d: [0.0; 3], rho_s: [0.0; 3], alpha: None }, |(_, fitted)| fitted)
 }
 
 /// The negative log likelihood and the reflectances for one roughness.
-fn fit_with(samples: &[Sample], lamp: Lamp, alpha: Option<f32>) -> (f64, Fitted) {
-    let basis: Vec<[f64; 2]> = samples.iter().map(|s| terms(s.normal, lamp, alpha)).collect();
+fn fit_with(samples: &[Sample], alpha: Option<f32>) -> (f64, Fitted) {
+    let basis: Vec<[f64; 2]> = samples.iter().map(|s| terms(s.normal, s.lamp, alpha)).collect();
     let mut fitted = Fitted { rho_d: [0.0; 3], rho_s: [0.0; 3], alpha };
     let mut cost = 0.0;
     for channel in 0..3 {
-        let irradiance = f64::from(lamp.irradiance.to_array()[channel]);
-        let values: Vec<f64> = samples.iter().map(|s| s.value[channel] / irradiance).collect();
+        let irradiance = |s: &Sample| f64::from(s.lamp.irradiance.to_array()[channel]);
+        let values: Vec<f64> = samples.iter().map(|s| s.value[channel] / irradiance(s)).collect();
         let (found, c) = weighted(&basis, &values);
         (fitted.rho_d[channel], fitted.rho_s[channel]) = (found[0], found[1]);
         cost += c;
@@ -154,9 +155,9 @@ mod tests {
         let points = (0..60 * 60).map(|i| ((i % 60) as f32 + 0.5, (i / 60) as f32 + 0.5));
         let samples: Vec<Sample> = points
             .filter_map(|(x, y)| circle.normal(x, y))
-            .map(|normal| Sample { normal, value: truth.predict(normal, lamp) })
+            .map(|normal| Sample { normal, lamp, value: truth.predict(normal, lamp) })
             .collect();
-        let found = fit(&samples, lamp, true);
+        let found = fit(&samples, true);
         assert_eq!(found.alpha, truth.alpha);
         for channel in 0..3 {
             assert!((found.rho_d[channel] - truth.rho_d[channel]).abs() < 1e-6, "{found:?}");

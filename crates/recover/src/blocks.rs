@@ -10,10 +10,7 @@
 //! into fine ones, and more of its pixels are looked at ([`Grid`]).
 
 use crate::observation::Observation;
-use crate::rerender::Renderer;
-use crate::same_place::{self, Seen};
 use crate::sheet::Sheet;
-use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use unrender_render::sampler::mix;
@@ -207,7 +204,8 @@ pub struct Blocks {
     pub places: Vec<Place>,
     /// The number of pixels of every block.
     pub sizes: Vec<u32>,
-    /// All pairs that show the same place of the surface in two photographs.
+    /// All pairs that show the same place of the surface in two photographs, once they are known
+    /// ([`crate::same_place`]).
     pub same: Vec<(usize, usize)>,
 }
 
@@ -221,26 +219,6 @@ impl Blocks {
         number.values_mut().enumerate().for_each(|(i, n)| *n = i as u32);
         let of_pixel = pixels.iter().map(|&p| number[&grid.place(p)]).collect();
         Self { of_pixel, places, sizes, same: Vec::new() }
-    }
-
-    /// The same blocks of `pixels`, which knows what of them `renderer` sees in the same place.
-    #[must_use]
-    pub fn seen_by(self, renderer: &dyn Renderer, pixels: &[u32]) -> Self {
-        if self.places.iter().all(|place| place.photograph == self.places[0].photograph) {
-            return self;
-        }
-        let mut sums = vec![(Vec3::ZERO, 0.0f32); self.len()];
-        for (pixel, block) in pixels.iter().zip(&self.of_pixel) {
-            let Some(point) = renderer.point(*pixel) else { continue };
-            let (sum, count) = &mut sums[*block as usize];
-            (*sum, *count) = (*sum + point, *count + 1.0);
-        }
-        let seen = self.places.iter().zip(sums);
-        let point = |sum: Vec3, count: f32| (count > 0.0).then(|| sum / count);
-        let seen =
-            seen.map(|(place, (sum, count))| Seen { place: *place, point: point(sum, count) });
-        let seen: Vec<Seen> = seen.collect();
-        Self { same: same_place::pairs(&seen), ..self }
     }
 
     /// The number of blocks.

@@ -16,6 +16,7 @@ use crate::expected::Expected;
 use crate::model_error::{Allowance, LightField, ModelError, followed, level2};
 use crate::observation::{Noise, Observation, Reading};
 use crate::rerender::Renderer;
+use crate::same_place;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use unrender_render::sampler::mix;
@@ -121,7 +122,7 @@ impl Evidence {
         let seen = pixels_of_both(&sets, group as u32);
         let model = renderer.model();
         let sets = sets.map(|probes| Gathered::of(model, probes, &seen, group as u32));
-        let blocks = Blocks::of(&seen, &grid).seen_by(renderer, &seen);
+        let blocks = same_place::paired(Blocks::of(&seen, &grid), renderer, &seen);
         let pixels = observe(observation, exposure, group, &seen);
         let allowance = budget.allowance;
         let field = LightField::of(

@@ -4,7 +4,8 @@
 //! photograph that shows it. Such residuals are then no more independent than those of neighbours are; how alike they
 //! are is measured ([`crate::contrast`]).
 
-use crate::blocks::{Place, neighbours};
+use crate::blocks::{Blocks, Place, neighbours};
+use crate::rerender::Renderer;
 use glam::Vec3;
 use std::collections::BTreeMap;
 
@@ -14,6 +15,26 @@ pub(crate) struct Seen {
     pub(crate) place: Place,
     /// The mean of the points of the surface, metres in world space, as far as they are known.
     pub(crate) point: Option<Vec3>,
+}
+
+/// The `blocks` of `pixels`, with the pairs of them that show the same place as `renderer` sees it.
+pub(crate) fn paired(blocks: Blocks, renderer: &dyn Renderer, pixels: &[u32]) -> Blocks {
+    let Some(first) = blocks.places.first() else { return blocks };
+    if blocks.places.iter().all(|place| place.photograph == first.photograph) {
+        return blocks;
+    }
+    let mut sums = vec![(Vec3::ZERO, 0.0f32); blocks.len()];
+    for (pixel, block) in pixels.iter().zip(&blocks.of_pixel) {
+        let Some(point) = renderer.point(*pixel) else { continue };
+        let (sum, count) = &mut sums[*block as usize];
+        (*sum, *count) = (*sum + point, *count + 1.0);
+    }
+    let seen = |(place, (sum, count)): (&Place, (Vec3, f32))| Seen {
+        place: *place,
+        point: (count > 0.0).then(|| sum / count),
+    };
+    let seen: Vec<Seen> = blocks.places.iter().zip(sums).map(seen).collect();
+    Blocks { same: pairs(&seen), ..blocks }
 }
 
 /// All pairs of blocks of different photographs, by their indices, that show the same place. Of every other photograph a block is the nearest one's pair, if that is no further than

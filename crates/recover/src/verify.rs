@@ -19,6 +19,7 @@ use crate::model_error::{Allowance, LightError, LightField, ModelError, level2};
 use crate::observation::{PixelStatus, Reading};
 use crate::problem::{Options, Role};
 use crate::residual::ResidualStats;
+use crate::same_place;
 use crate::sample_budget::{self, Level};
 use crate::state::{Snapshot, State};
 use crate::within::Within;
@@ -121,13 +122,14 @@ impl Verifier {
             let valid = &observation.pixels_of_group[group];
             let grid = Grid::of(observation, group, valid, wanted);
             let pixels = grid.sample(valid, wanted, mix(options.seed ^ 0x7E57) ^ group as u64);
-            let blocks = Blocks::of(&pixels, &grid).seen_by(state.problem.renderer, &pixels);
+            let renderer = state.problem.renderer;
+            let blocks = same_place::paired(Blocks::of(&pixels, &grid), renderer, &pixels);
             let values: Vec<Rgb> =
                 pixels.iter().map(|&p| observation.picture.values.pixels()[p as usize]).collect();
             let mean = values.iter().sum::<Rgb>() / values.len().max(1) as f32;
             let level2 = blocks.smooth(&values).iter().map(|local| level2(mean, *local)).collect();
             let none = LightError { share: 0.0 };
-            let geometry = (&observation.sheet, state.problem.renderer.geometry());
+            let geometry = (&observation.sheet, renderer.geometry());
             let field = LightField::of(&blocks, &pixels, geometry, none);
             Sample { group, pixels, blocks, level2, field }
         };

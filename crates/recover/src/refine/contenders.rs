@@ -11,6 +11,7 @@ use crate::hypothesis::Hypothesis;
 use crate::model_error::{Allowance, LightError, LightField, ModelError};
 use crate::observation::Reading;
 use crate::rerender::Stored;
+use crate::same_place;
 use crate::sample_budget::TOGETHER;
 use crate::state::State;
 use glam::BVec3;
@@ -102,7 +103,7 @@ impl PixelSample {
         let grid = Grid::of(&state.observation, group, valid, count);
         let pixels = grid.sample(valid, count, settings.seed ^ group as u64);
         let renderer = state.problem.renderer;
-        let blocks = Blocks::of(&pixels, &grid).seen_by(renderer, &pixels);
+        let blocks = same_place::paired(Blocks::of(&pixels, &grid), renderer, &pixels);
         let geometry = (&state.observation.sheet, renderer.geometry());
         let field = LightField::of(&blocks, &pixels, geometry, allowance.light);
         let pixels = observe(&state.observation, state.exposure, group, &pixels);
