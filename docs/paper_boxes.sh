@@ -72,9 +72,11 @@ row() {
     row 'brushed along 35 degrees' turned
     row 'Figure 8, `photo.exr`, `--paper-direction text`' text
     echo
-    echo 'The first, group by group:'
+    echo 'The first, and how far each of its numbers is off:'
     echo
     echo '```text'
+    cat "$out/exr.table"
+    echo
     cat "$out/exr.score"
     echo '```'
 } > "$out/page"

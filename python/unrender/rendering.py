@@ -27,6 +27,7 @@ def render(
     scene: Scene | StrPath | None = None,
     *,
     project: Project | StrPath | None = None,
+    photo: int | None = None,
     materials: Materials | Recovery | Mapping[str, Any] | StrPath | None = None,
     light_units: str | None = None,
     environment: ArrayLike | StrPath | None = None,
@@ -62,6 +63,8 @@ def render(
         scene: A scene, or the path of its file.
         project: Instead of a scene: a project's scene with its lights and its environment, by its
             camera, as large as its photograph.
+        photo: Which one of a project's photographs, from 1: its camera and size, and the lamps that were on;
+            by default the first.
         materials: Materials to put onto the scene's groups: the path of a materials.json or of a
             folder of results, a dict like it or like its groups, Materials, or a Recovery.
         light_units: The units of a glTF file's lights: "blender-standard", "unitless",
@@ -106,6 +109,7 @@ def render(
     if (scene is None) == (project is None):
         raise RequestError("give either a scene or a project")
     flags: dict[str, object] = {
+        "photo": photo,
         "light_units": light_units,
         "width": width,
         "height": height,

@@ -7,14 +7,12 @@
 
 use super::budget;
 use super::exr_refused::fault;
+use super::one_layer;
+use crate::FileError;
 use crate::input::{Input, Scope};
-use crate::{FileError, atomic};
 use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
-use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, ReadChannels,
-    ReadLayers, SmallVec, Vec2, WritableImage,
-};
+use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, Vec2};
 use std::io::Cursor;
 use std::path::Path;
 use unrender_scene::{Rgb, RgbImage};
@@ -45,33 +43,15 @@ pub fn write_layers(
     picture: &RgbImage,
     layers: &[LightLayer],
 ) -> Result<usize, FileError> {
-    let fault = |problem: String| FileError::new(path, problem);
-    let mut channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = SmallVec::new();
-    let mut add = |prefix: &str, image: &RgbImage| {
-        for (c, colour) in ["R", "G", "B"].iter().enumerate() {
-            let finite = |v: &Rgb| if v[c].is_finite() { v[c] } else { 0.0 };
-            let samples = FlatSamples::F32(image.pixels().iter().map(finite).collect());
-            channels.push(AnyChannel::new(format!("{prefix}{colour}").as_str(), samples));
-        }
-    };
-    add("", picture);
     let prefixes = prefixes(layers);
-    prefixes.iter().zip(layers).for_each(|(p, layer)| add(&format!("{p}."), &layer.radiance));
-    let names: Vec<(&str, &str)> =
-        prefixes.iter().zip(layers).map(|(p, layer)| (p.as_str(), layer.name.as_str())).collect();
+    let named = || prefixes.iter().zip(layers);
+    let names: Vec<(&str, &str)> = named().map(|(p, layer)| (p.as_str(), &*layer.name)).collect();
     let text = serde_json::to_string(&names)
-        .map_err(|error| fault(format!("cannot be written: {error}")))?;
-    let mut attributes = LayerAttributes::default();
-    attributes.other.insert(ATTRIBUTE.into(), AttributeValue::Text(text.as_str().into()));
-    let size = (picture.width(), picture.height());
-    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
-    let mut bytes = Cursor::new(Vec::new());
-    Image::from_layer(layer)
-        .write()
-        .to_buffered(&mut bytes)
-        .map_err(|error| fault(format!("cannot be encoded: {error}")))?;
-    atomic::write(path, bytes.get_ref())?;
-    Ok(picture.pixels().iter().flat_map(|v| v.to_array()).filter(|v| !v.is_finite()).count())
+        .map_err(|error| FileError::new(path, format!("cannot be written: {error}")))?;
+    let of_lights = named().map(|(prefix, layer)| (format!("{prefix}."), &layer.radiance));
+    let pictures: Vec<(String, &RgbImage)> =
+        std::iter::once((String::new(), picture)).chain(of_lights).collect();
+    one_layer::write(path, &pictures, (ATTRIBUTE, AttributeValue::Text(text.as_str().into())))
 }
 
 /// What the channels of each layer begin with.

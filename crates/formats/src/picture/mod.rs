@@ -22,6 +22,7 @@ mod icc;
 mod jpeg;
 mod layers;
 mod merged;
+mod one_layer;
 mod orientation;
 mod panorama;
 mod pixel_shape;

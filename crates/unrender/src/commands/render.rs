@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use unrender_formats::{Input, LightUnits, Limits, materials, picture};
 use unrender_render::Accumulator;
 use unrender_render::denoise::Denoised;
-use unrender_scene::{Camera, RgbImage, Scene, Warnings};
+use unrender_scene::{Camera, Rgb, RgbImage, Scene, Warnings};
 
 const DEFAULT_HEIGHT: usize = 512;
 const MAX_SIDE: usize = 65_536;
@@ -38,6 +38,11 @@ pub struct Args {
     /// of the groups, by its camera, as large as its photo.
     #[arg(long, value_name = "FILE.toml", conflicts_with = "scene")]
     pub project: Option<PathBuf>,
+    /// Which one of a project's photographs: its camera and size, and the lamps that were on [default: the
+    /// first].
+    #[arg(long, value_name = "N", requires = "project")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..))]
+    pub photo: Option<u32>,
     /// Materials to put onto the scene's groups.
     #[arg(long, value_name = "FILE.json")]
     pub materials: Option<PathBuf>,
@@ -284,7 +289,11 @@ fn load(args: &Args, given: InMemory<'_>, limits: Limits) -> Result<Loaded, Erro
             let warnings = scene.validate_meshes().map_err(invalid)?;
             (scene, None, path, warnings)
         }
-        (None, Some(project)) => of_project(args, project, limits)?,
+        (None, Some(project)) => {
+            let (scene, own, warnings) = of_project(args, project, limits)?;
+            let path = own.path.clone();
+            (scene, Some(own), path, warnings)
+        }
         (None, None) => {
             let path = args.scene.clone().unwrap_or_default();
             // Its light may be the environment that is asked for.
@@ -300,6 +309,8 @@ fn load(args: &Args, given: InMemory<'_>, limits: Limits) -> Result<Loaded, Erro
     if let Some(put) = given.materials {
         warnings.extend(put(&mut scene)?);
     }
+    let off = own.as_ref().map(|own| &own.off[..]).unwrap_or_default();
+    off.iter().for_each(|source| scene.scale_source(*source as usize, Rgb::ZERO));
     if let Some(path) = &args.environment {
         let rotation_rad = args.environment_rotation.to_radians();
         let path = Input::new(path, limits);
@@ -309,7 +320,7 @@ fn load(args: &Args, given: InMemory<'_>, limits: Limits) -> Result<Loaded, Erro
         warnings.extend(noted);
     }
     warnings.extend(job::validate(&mut scene, &path)?);
-    let (own, photo) = own.unzip();
+    let (own, photo) = own.map(|own| (own.camera, own.size)).unzip();
     let camera = match (own, &args.camera) {
         (Some(camera), None) => camera,
         (_, name) => {
@@ -321,10 +332,20 @@ fn load(args: &Args, given: InMemory<'_>, limits: Limits) -> Result<Loaded, Erro
     Ok((scene, camera, photo, warnings))
 }
 
-/// A project's scene, its camera with the size of its photograph, and the scene's file.
-type OfProject = (Scene, Option<(Camera, (usize, usize))>, PathBuf, Warnings);
+/// What a project's photograph has beside the scene: its camera, its size, and the scene's file.
+struct OfProject {
+    camera: Camera,
+    size: (usize, usize),
+    path: PathBuf,
+    /// The lamps that were off, as the scene numbers its sources.
+    off: Vec<u32>,
+}
 
-fn of_project(args: &Args, path: &Path, limits: Limits) -> Result<OfProject, Error> {
+fn of_project(
+    args: &Args,
+    path: &Path,
+    limits: Limits,
+) -> Result<(Scene, OfProject, Warnings), Error> {
     let (mut project, warnings) = Project::read(path)?;
     project.limits = limits;
     project.light_units = args.light_units.or(project.light_units);
@@ -332,8 +353,17 @@ fn of_project(args: &Args, path: &Path, limits: Limits) -> Result<OfProject, Err
         output::check_inputs(out, project.inputs())?;
     }
     let job = crate::Job::load(project, warnings)?;
+    let (photograph, count) = (args.photo.unwrap_or(1) as usize, job.photographs());
+    if photograph > count {
+        let of = path.display();
+        return Err(Error::Request(format!(
+            "--photo {photograph}: {of} has {count} photograph(s)"
+        )));
+    }
+    let job = job.alone(photograph - 1).into_owned();
     let size = (job.photo.radiance.width(), job.photo.radiance.height());
-    Ok((job.scene, Some((job.camera, size)), job.project.scene, job.warnings))
+    let own = OfProject { camera: job.camera, size, path: job.project.scene, off: job.off };
+    Ok((job.scene, own, job.warnings))
 }
 
 fn factor(text: &str) -> Result<f32, String> {

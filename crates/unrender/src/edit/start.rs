@@ -123,6 +123,7 @@ impl Start {
             mut photo,
             mut transfer,
             project,
+            off,
             mut warnings,
             ..
         } = Job::load(project, warnings)?;
@@ -132,6 +133,7 @@ impl Start {
             warnings.extend(materials::apply_from(input, &mut scene)?);
             found = materials::read(input)?.exposure.map(Rgb::from_array);
         }
+        off.iter().for_each(|source| scene.scale_source(*source as usize, Rgb::ZERO));
         if project.exposure == Exposure::Auto {
             let found = found.ok_or_else(|| {
                 FileError::new(path, "exposure is \"auto\"; name the recovery that found it")

@@ -1,0 +1,43 @@
+//! An EXR of one layer: channels by their names, and an attribute of ours.
+
+use crate::{FileError, atomic};
+use exr::meta::attribute::AttributeValue;
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec,
+    WritableImage,
+};
+use std::io::Cursor;
+use std::path::Path;
+use unrender_scene::{Rgb, RgbImage};
+
+/// Writes `pictures` of one size as channels of 32-bit floats: each as R, G and B behind its prefix. Values that are not
+/// finite become zero. Returns how many of the first picture's were not.
+///
+/// # Errors
+/// If the file cannot be written.
+pub(super) fn write(
+    path: &Path,
+    pictures: &[(String, &RgbImage)],
+    (name, attribute): (&str, AttributeValue),
+) -> Result<usize, FileError> {
+    let Some((_, first)) = pictures.first() else { return Ok(0) };
+    let mut channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = SmallVec::new();
+    for (prefix, picture) in pictures {
+        for (c, colour) in ["R", "G", "B"].iter().enumerate() {
+            let finite = |v: &Rgb| if v[c].is_finite() { v[c] } else { 0.0 };
+            let samples = FlatSamples::F32(picture.pixels().iter().map(finite).collect());
+            channels.push(AnyChannel::new(format!("{prefix}{colour}").as_str(), samples));
+        }
+    }
+    let mut attributes = LayerAttributes::default();
+    attributes.other.insert(name.into(), attribute);
+    let size = (first.width(), first.height());
+    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_layer(layer)
+        .write()
+        .to_buffered(&mut bytes)
+        .map_err(|error| FileError::new(path, format!("cannot be encoded: {error}")))?;
+    atomic::write(path, bytes.get_ref())?;
+    Ok(first.pixels().iter().flat_map(|v| v.to_array()).filter(|v| !v.is_finite()).count())
+}
