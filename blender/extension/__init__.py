@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Recovers the materials of a modelled scene from one photograph of it, in five steps.
+"""Recovers the materials of a modelled scene from one photograph of it, or several, in five steps.
 
 The panel is in the sidebar of the 3D view. What computes is the Python package ``unrender``, which the
 extension carries as a wheel; the modules here bring Blender's scene to it, and its results back.
 """
 
-from . import apply, composite, match, panel, pick, prepare, properties, recover
+from . import apply, composite, match, panel, pick, prepare, properties, recover, shots
 
-MODULES = (properties, match, pick, prepare, recover, apply, composite, panel)
+MODULES = (properties, match, pick, shots, prepare, recover, apply, composite, panel)
 
 
 def register():

@@ -40,6 +40,25 @@ def photo_of(scene):
     return path, (int(settings.size[0]), int(settings.size[1]))
 
 
+def photographs(context):
+    """All photographs: for each its path, its response and its camera; that of step 1 is the last."""
+    scene, settings = context.scene, context.scene.unrender
+    taken = [(shot.photo, tuple(shot.size), shot.response, shot.camera) for shot in settings.shots]
+    if settings.photo or not taken:
+        photo, size = photo_of(scene)
+        taken.append((photo, size, settings.response, scene.camera))
+    found = []
+    for photo, size, response, camera in taken:
+        path = os.path.abspath(bpy.path.abspath(photo))
+        if not os.path.isfile(path):
+            raise Missing(f"{path}: there is no such file")
+        if camera is None or camera.data.type != "PERSP":
+            name = "the scene" if len(taken) == 1 else bpy.path.basename(path)
+            raise Missing(f"Match the camera first: {name} has no perspective camera")
+        found.append((path, response, frames.camera_of(camera, context.evaluated_depsgraph_get(), size)))
+    return found
+
+
 def groups_of(materials, doubts):
     """The groups of materials by name."""
     return {name: shaders.group_of(material, doubts) for name, material in materials.items()}
@@ -78,9 +97,7 @@ def scene_of(context, wanted=geometry.is_modelled, ignored=frozenset(), with_lig
 def project_of(context):
     """The project in the folder of the scene: (path, materials, doubts). Its files are written."""
     scene, settings = context.scene, context.scene.unrender
-    photo, size = photo_of(scene)
-    if scene.camera is None or scene.camera.data.type != "PERSP":
-        raise Missing("Match the camera first: the scene has no perspective camera")
+    taken = photographs(context)
     folder = folder_of(scene)
     ignored = frozenset(geometry.group_name(g.material) for g in settings.groups if g.ignored)
     model, materials, groups, doubts = scene_of(context, ignored=ignored)
@@ -89,21 +106,24 @@ def project_of(context):
         name = geometry.group_name(item.material)
         if item.known and name in groups and shaders.brightness(groups[name].emission) == 0.0:
             known[name] = {"known": shaders.known(groups[name])}
-    camera = frames.camera_of(scene.camera, context.evaluated_depsgraph_get(), size)
     surroundings = world.environment(scene.world, os.path.join(folder, "world.exr"))
     recover = {"brdf": BRDF}
     if settings.max_rung != "all":
         recover["max_rung"] = settings.max_rung
+    exposure = "auto" if settings.is_anchored else settings.exposure
+    photo, response, camera = taken[0]
+    several = [
+        {"photo": photo, "response": response, "camera": camera, "exposure": "auto" if number else exposure}
+        for number, (photo, response, camera) in enumerate(taken)
+    ]
+    of_one = {"photo": photo, "response": response, "exposure": exposure, "camera": camera}
     project = unrender.Project(
         model,
-        photo,
-        response=settings.response,
-        exposure="auto" if settings.is_anchored else settings.exposure,
         anchor=anchor(settings, groups) if settings.is_anchored else None,
         groups=known or None,
         environment=surroundings,
-        camera=camera,
         recover=recover,
+        **(of_one if len(taken) == 1 else {"photos": several}),
     )
     return project.save(os.path.join(folder, "project.toml")), materials, doubts
 

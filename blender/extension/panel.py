@@ -33,6 +33,15 @@ class UNRENDER_UL_pairs(bpy.types.UIList):
         row.label(text="wrong" if item.rejected else "", icon="ERROR" if item.rejected else "NONE")
 
 
+class UNRENDER_UL_shots(bpy.types.UIList):
+    """Photographs that are kept, with their cameras."""
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property):
+        row = layout.row(align=True)
+        row.label(text=item.name, icon="IMAGE_DATA")
+        row.label(text=item.camera.name if item.camera is not None else "no camera")
+
+
 class UNRENDER_UL_groups(bpy.types.UIList):
     """Materials, with ticks."""
 
@@ -70,6 +79,12 @@ class UNRENDER_PT_match(Step, bpy.types.Panel):
 
     def draw(self, context):
         layout, settings = self.layout, context.scene.unrender
+        if settings.shots:
+            row = layout.row()
+            row.template_list("UNRENDER_UL_shots", "", settings, "shots", settings, "shot", rows=2)
+            column = row.column(align=True)
+            column.operator("unrender.use_photo", text="", icon="OUTLINER_OB_CAMERA")
+            column.operator("unrender.forget_photo", text="", icon="REMOVE")
         layout.operator("unrender.load_photo", icon="IMAGE_DATA")
         if not settings.photo:
             return
@@ -88,6 +103,7 @@ class UNRENDER_PT_match(Step, bpy.types.Panel):
             layout.label(text=f"{missing} more pairs, better twice as many", icon="INFO")
         layout.operator("unrender.match_camera", icon="CAMERA_DATA").keep = False
         lines(layout, settings.focal)
+        layout.operator("unrender.keep_photo", icon="ADD")
 
 
 class UNRENDER_PT_prepare(Step, bpy.types.Panel):
@@ -170,6 +186,7 @@ class UNRENDER_PT_composite(Step, bpy.types.Panel):
 
 CLASSES = (
     UNRENDER_UL_pairs,
+    UNRENDER_UL_shots,
     UNRENDER_UL_groups,
     UNRENDER_UL_results,
     UNRENDER_PT_match,

@@ -2,6 +2,7 @@
 """Step 2, prepare: materials as groups, and what of the input would spoil a recovery."""
 
 import os
+from collections import Counter
 
 import bpy
 import unrender
@@ -48,7 +49,8 @@ class UNRENDER_OT_check(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return bool(context.scene.unrender.photo) and not job.is_running()
+        settings = context.scene.unrender
+        return bool(settings.photo or settings.shots) and not job.is_running()
 
     def execute(self, context):
         refresh(context)
@@ -70,10 +72,17 @@ def show(ended, picture, doubts):
     """The result of a check in the panel and over the view through the camera."""
     scene = bpy.data.scenes[ended.scene]
     settings, document = scene.unrender, ended.result.document
-    pixels = {group["name"]: group.get("pixels", 0) for group in document["groups"]}
+    further = document.get("further", [])
+    pixels = Counter()
+    for of_photo in (document, *further):
+        pixels.update({group["name"]: group.get("pixels", 0) for group in of_photo["groups"]})
     for item in settings.groups:
-        item.pixels = pixels.get(item.name, 0)
-    told = [*doubts, *document.get("warnings", [])]
+        item.pixels = pixels[item.name]
+    told = [*doubts, *(w for of_photo in (document, *further) for w in of_photo.get("warnings", []))]
+    if further:
+        # Of several the last, which is that of step 1.
+        stem, kind = os.path.splitext(picture)
+        picture = f"{stem}_{1 + len(further)}{kind}"
     settings.messages = "\n".join(dict.fromkeys(told))
     settings.message = f"Check: {len(told)} things to look at" if told else "Check: nothing to mend"
     image = pictures.load(picture, CHECK)

@@ -24,7 +24,10 @@ class Preview:
         self._project, self._offer = os.fspath(project), offer
         self._path = os.path.join(os.path.dirname(self._project), "preview.png")
         self._spp, self._next = 1, 0.0
-        exposure = unrender.Project.read(project).document.get("exposure", 1.0)
+        document = unrender.Project.read(project).document
+        # Of several the last, which is that of step 1.
+        self._photo = len(document.get("photos", [])) or None
+        exposure = document.get("exposure", "auto" if self._photo else 1.0)
         self._exposure = None if isinstance(exposure, str) else np.asarray(exposure, np.float32)
 
     def __call__(self, materials):
@@ -45,7 +48,7 @@ class Preview:
         with warnings.catch_warnings():
             # The recovery has told them already.
             warnings.simplefilter("ignore")
-            seen = unrender.render(project=self._project, materials=materials, spp=self._spp)
+            seen = unrender.render(project=self._project, photo=self._photo, materials=materials, spp=self._spp)
         light = np.asarray(seen)
         # An exposure that is asked for is not known yet: as bright as a photograph usually is.
         exposure = self._exposure if self._exposure is not None else max(float(np.quantile(light, 0.98)), 1e-9)

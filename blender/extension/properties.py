@@ -35,6 +35,15 @@ class UnrenderGroup(bpy.types.PropertyGroup):
     pixels: IntProperty(name="Pixels", description="Pixels of the photograph that show it")
 
 
+class UnrenderShot(bpy.types.PropertyGroup):
+    """A photograph that is kept beside the one of step 1."""
+
+    photo: StringProperty(name="Photograph", subtype="FILE_PATH")
+    size: bpy.props.IntVectorProperty(name="Size", size=2)
+    response: StringProperty()
+    camera: PointerProperty(type=bpy.types.Object)
+
+
 class UnrenderResult(bpy.types.PropertyGroup):
     """What came out for a material."""
 
@@ -51,6 +60,8 @@ class UnrenderSettings(bpy.types.PropertyGroup):
 
     photo: StringProperty(name="Photograph", subtype="FILE_PATH")
     size: bpy.props.IntVectorProperty(name="Size", size=2)
+    shots: CollectionProperty(type=UnrenderShot)
+    shot: IntProperty(name="Photograph")
     folder: StringProperty(
         name="Folder",
         subtype="DIR_PATH",
@@ -102,7 +113,7 @@ class UnrenderSettings(bpy.types.PropertyGroup):
     grain: BoolProperty(name="Grain", description="Give what is put in the photograph's noise")
 
 
-CLASSES = (UnrenderPair, UnrenderGroup, UnrenderResult, UnrenderSettings)
+CLASSES = (UnrenderPair, UnrenderGroup, UnrenderShot, UnrenderResult, UnrenderSettings)
 
 
 @bpy.app.handlers.persistent

@@ -23,7 +23,8 @@ class UNRENDER_OT_recover(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return bool(context.scene.unrender.photo) and not job.is_running()
+        settings = context.scene.unrender
+        return bool(settings.photo or settings.shots) and not job.is_running()
 
     def execute(self, context):
         if not context.scene.unrender.groups:
@@ -82,7 +83,10 @@ def show(ended, doubts):
         item.note, item.numbers = entry.get("note") or "", "\n".join(numbers(entry))
     settings.messages = "\n".join(dict.fromkeys([*doubts, *ended.doubts, *recovery.warnings]))
     settings.message = recovery.termination
-    picture = recovery.folder / "rerendered.png" if recovery.folder else None
+    # Of several the last, which is that of step 1.
+    count = recovery.photographs
+    name = "rerendered.png" if count < 2 else f"rerendered_{count}.png"
+    picture = recovery.folder / name if recovery.folder else None
     if picture is not None and picture.is_file():
         pictures.show(pictures.load(str(picture), RERENDERED))
 

@@ -367,6 +367,46 @@ def test_5_composite(desk):
     assert "new" in materials
 
 
+def test_6_several_photographs_give_one_set_of_materials(desk):
+    import unrender
+
+    scene, settings, folder = desk["scene"], desk["scene"].unrender, desk["folder"]
+    first = scene.camera
+    aside = bpy.data.objects.new("aside", bpy.data.cameras.new("aside"))
+    aside.location, aside.rotation_euler = (0.7, -1.4, 0.9), (np.radians(66), 0.0, np.radians(26))
+    aside.data.angle = np.radians(50)
+    scene.collection.objects.link(aside)
+    scene.camera = aside
+    bpy.context.view_layer.update()
+    studio.render(scene, folder / "aside.exr", SAMPLES)
+    bpy.ops.unrender.revert()
+    scene.camera = first
+    assert bpy.ops.unrender.keep_photo() == {"FINISHED"}
+    assert (settings.photo, len(settings.shots), len(settings.pairs), scene.camera) == ("", 1, 0, None)
+    scene.camera = aside
+    assert bpy.ops.unrender.load_photo(filepath=str(folder / "aside.exr")) == {"FINISHED"}
+    assert [e.image.name for e in first.data.background_images][0] == "unrender photo.exr"
+    path, *_ = module("model").project_of(bpy.context)
+    photos = unrender.Project.read(path).document["photos"]
+    assert [pathlib.Path(entry["photo"]).name for entry in photos] == ["photo.exr", "aside.exr"]
+    assert [entry["exposure"] for entry in photos] == [1.0, "auto"]
+    assert bpy.ops.unrender.check(wait=True) == {"FINISHED"}
+    settings.max_rung, settings.spp = "isotropic", 16
+    assert bpy.ops.unrender.recover(wait=True) == {"FINISHED"}, settings.message
+    recovery = unrender.Recovery.read(folder / "work" / "result")
+    assert recovery.photographs == 2
+    for name, (rho_d, _, _) in studio.TRUTH.items():
+        assert np.allclose(recovery.materials[name]["rho_d"], rho_d, atol=0.02), name
+    assert recovery.of(1).exposure == pytest.approx([1.0] * 3, rel=0.02)
+    # Back to the first, and without the other.
+    settings.shot = 0
+    assert bpy.ops.unrender.use_photo() == {"FINISHED"}
+    assert pathlib.Path(settings.photo).name == "photo.exr" and scene.camera == first
+    assert [shot.name for shot in settings.shots] == ["aside.exr"]
+    assert bpy.ops.unrender.forget_photo() == {"FINISHED"}
+    assert not settings.shots and not bpy.ops.unrender.forget_photo.poll()
+
+
 def test_work_does_not_end_in_another_file(desk):
     job, settings = module("job"), desk["scene"].unrender
     ended = []
@@ -405,7 +445,7 @@ def test_the_panel_draws_in_every_state(desk):
             if issubclass(made, bpy.types.Panel):
                 made.draw(Panel(), bpy.context)
             else:
-                items = {"pairs": settings.pairs, "groups": settings.groups, "results": settings.results}
+                items = {"pairs": settings.pairs, "groups": settings.groups, "results": settings.results, "shots": settings.shots}
                 for item in items[made.__name__.split("_")[-1]]:
                     made.draw_item(Panel(), bpy.context, Layout(), None, item, 0, None, "")
     settings.running = ""

@@ -130,6 +130,7 @@ def test_several_photographs_have_one_set_of_materials(tmp_path: Path) -> None:
         picture = unrender.render(scene, camera=camera, width=24, height=20 + number, spp=256, independent=True)
         unrender.Picture(picture).save(tmp_path / f"{number}.exr")
         photos.append({"photo": tmp_path / f"{number}.exr", "camera": camera})
+    photos[1]["exposure"] = "auto"
     project = unrender.Project(
         room(wall=(0.1, 0.1, 0.1)), photos=photos, response="linear", exposure=1.0
     )
@@ -145,6 +146,10 @@ def test_several_photographs_have_one_set_of_materials(tmp_path: Path) -> None:
         assert of.camera is not None
         np.testing.assert_array_equal(read.of(number).rerendered, of.rerendered)
     np.testing.assert_array_equal(recovery.rerendered, recovery.of(0).rerendered)
+    np.testing.assert_array_equal(recovery.exposure, 1.0)
+    np.testing.assert_allclose(recovery.of(1).exposure, 1.0, rtol=0.02)
+    assert recovery.of(0).exposure_std is None and 0.0 < recovery.of(1).exposure_std[0] < 0.02
+    assert unrender.render(project=project, photo=2, spp=2).shape == (21, 24, 3)
     with pytest.raises(unrender.RequestError, match="no photograph 2"):
         recovery.of(2)
     # The files of a project that is saved elsewhere are found from there.

@@ -126,7 +126,7 @@ class Recovery:
 
     def of(self, photograph: int) -> Recovery:
         """The same as one of several photographs shows it, counted from 0: ``photo``, ``rerendered``, ``camera``,
-        ``noise``, ``group_map``, ``valid`` and ``status_map`` are that one's. Without it, those of the first."""
+        ``exposure``, ``exposure_std``, ``photograph``, ``noise``, ``group_map``, ``valid`` and ``status_map`` are that one's. Without it, those of the first."""
         if not 0 <= photograph < self.photographs:
             raise RequestError(f"there is no photograph {photograph}; there are {self.photographs}")
         shown = Recovery(
@@ -142,12 +142,14 @@ class Recovery:
     @property
     def exposure(self) -> NDArray[np.float32]:
         """Scene radiance per unit of linear pixel value, by channel, (3,)."""
-        return np.array(self.materials.document.get("exposure", [np.nan] * 3), dtype=np.float32)
+        entry = self._taken or self.materials.document
+        return np.array(entry.get("exposure") or [np.nan] * 3, dtype=np.float32)
 
     @property
     def exposure_std(self) -> NDArray[np.float32] | None:
         """Its standard deviation, where the exposure was asked for, (3,)."""
-        std = self._document.get("exposure_std")
+        taken = self._taken
+        std = self._document.get("exposure_std") if taken is None else (taken.get("std") or {}).get("exposure")
         return None if std is None else np.array(std, dtype=np.float32)
 
     @property
@@ -158,7 +160,13 @@ class Recovery:
     @property
     def photograph(self) -> dict[str, Any] | None:
         """The numbers of the camera that were asked for: ``gamma``, ``vignetting``, ``corner``."""
-        return self.materials.document.get("photograph")
+        return self._taken or self.materials.document.get("photograph")
+
+    @property
+    def _taken(self) -> dict[str, Any] | None:
+        """What came out for this one of several photographs."""
+        several = self.materials.document.get("photographs") or []
+        return dict(several[self._photograph]) if several else None
 
     @property
     def seconds(self) -> float:

@@ -6,8 +6,8 @@
 
 use crate::blocks::{Blocks, Place, neighbours};
 use crate::rerender::Renderer;
-use glam::Vec3;
-use std::collections::BTreeMap;
+use glam::{IVec3, Vec3};
+use std::collections::{BTreeMap, HashMap};
 
 /// Where a block lies, and what it shows.
 #[derive(Clone, Copy, Debug)]
@@ -47,17 +47,14 @@ pub(crate) fn pairs(seen: &[Seen]) -> Vec<(usize, usize)> {
         let apart = a.distance(b);
         (reach[i], reach[j]) = (reach[i].min(apart), reach[j].min(apart));
     }
-    let mut along: Vec<(usize, Vec3)> =
-        seen.iter().enumerate().filter_map(|(i, seen)| Some((i, seen.point?))).collect();
-    along.sort_by(|a, b| a.1.x.total_cmp(&b.1.x));
+    let cells = Cells::of(seen, &reach);
     let mut pairs = Vec::new();
-    for &(i, point) in along.iter().filter(|(i, _)| reach[*i].is_finite()) {
-        let first = along.partition_point(|(_, other)| other.x < point.x - reach[i]);
-        let near = along[first..].iter().take_while(|(_, other)| other.x <= point.x + reach[i]);
+    for (i, of) in seen.iter().enumerate().filter(|(i, _)| reach[*i].is_finite()) {
+        let Some(point) = of.point else { continue };
         let mut nearest: BTreeMap<usize, (f32, usize)> = BTreeMap::new();
-        for &(j, other) in near {
-            let (own, place) = (places[i], places[j]);
-            let apart = point.distance(other);
+        for j in cells.near(point, reach[i]) {
+            let (own, place, other) = (places[i], places[j], seen[j].point);
+            let apart = other.map_or(f32::INFINITY, |other| point.distance(other));
             if place.photograph > own.photograph && place.fine == own.fine && apart <= reach[i] {
                 let best = nearest.entry(place.photograph).or_insert((f32::INFINITY, j));
                 *best = if apart < best.0 { (apart, j) } else { *best };
@@ -66,6 +63,46 @@ pub(crate) fn pairs(seen: &[Seen]) -> Vec<(usize, usize)> {
         pairs.extend(nearest.into_values().map(|(_, j)| (i, j)));
     }
     pairs
+}
+
+/// Blocks by cubes of space, of which those near a point are few.
+struct Cells {
+    side: f32,
+    blocks: HashMap<IVec3, Vec<usize>>,
+}
+
+/// Nothing further away than so many sides of a cube is looked at. Blocks beside an edge, whose only neighbours are far away, reach
+/// further than others; with double of it many a cube is looked at for them.
+const CUBES: f32 = 3.0;
+
+impl Cells {
+    /// Those of `seen`, with sides as long as the middle block reaches.
+    fn of(seen: &[Seen], reach: &[f32]) -> Self {
+        let mut finite: Vec<f32> =
+            reach.iter().copied().filter(|reach| reach.is_finite()).collect();
+        finite.sort_by(f32::total_cmp);
+        let side = finite.get(finite.len() / 2).copied().unwrap_or(1.0).max(f32::MIN_POSITIVE);
+        let mut cells = Self { side, blocks: HashMap::new() };
+        for (i, point) in seen.iter().enumerate().filter_map(|(i, seen)| Some((i, seen.point?))) {
+            cells.blocks.entry(cells.at(point)).or_default().push(i);
+        }
+        cells
+    }
+
+    fn at(&self, point: Vec3) -> IVec3 {
+        (point / self.side).floor().as_ivec3()
+    }
+
+    /// Those within `reach` of `point`, and some more.
+    fn near(&self, point: Vec3, reach: f32) -> impl Iterator<Item = usize> {
+        let reach = Vec3::splat(reach.min(CUBES * self.side));
+        let (low, high) = (self.at(point - reach), self.at(point + reach));
+        let along = move |axis: usize| low[axis]..=high[axis];
+        let cubes = along(0).flat_map(move |x| {
+            along(1).flat_map(move |y| along(2).map(move |z| IVec3::new(x, y, z)))
+        });
+        cubes.filter_map(|cube| self.blocks.get(&cube)).flatten().copied()
+    }
 }
 
 #[cfg(test)]

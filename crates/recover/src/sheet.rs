@@ -2,15 +2,14 @@
 //!
 //! All that looks at the photograph knows pixels by their place in one picture. On a sheet it needs to know
 //! nothing of how many photographs there are: evidence, fits and comparisons add over the pixels of all of them.
-//! What looks at neighbours (blocks, edges, textures) never sees two photographs at a time, as the rows between
-//! them are more than a block. Only the renderer ([`crate::views`]) and what a camera has of its own
+//! What looks at neighbours (edges, noise, outliers, textures) never sees two photographs at a time, as there are empty rows
+//! between them. Only blocks ([`crate::blocks`]), the renderer ([`crate::views`]) and what a camera has of its own
 //! ([`crate::Observation::noise`], [`crate::PhotometricParameter`]) ask which photograph a pixel is of.
 
 use unrender_scene::Image;
 
-/// The empty rows between two photographs are one in so many of the highest one: a block of a group that fills a
-/// photograph has a tenth of its height in a draft. At double of this number blocks may hold pixels of two
-/// photographs, at half of it the empty rows are a fifth of the memory.
+/// The empty rows between two photographs are one in so many of the highest one, more than anything looks around. At half of
+/// this number the empty rows are a fifth of the memory; double was not tried.
 const GAP: usize = 8;
 /// And so many at least: more than the side of a block of the refinement, eight.
 const GAP_MIN: usize = 16;

@@ -14,7 +14,6 @@ mod figures;
 mod markdown;
 mod schema;
 mod tables;
-mod validator;
 mod what_is_read;
 
 use markdown::Page;

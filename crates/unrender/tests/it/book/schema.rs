@@ -1,11 +1,12 @@
 //! The schemas of `docs/reference/schema`: they hold for all files of the repository and for what
 //! the program writes, and have the keys that its readers have.
 
-use super::validator::Validator;
 use super::{files, root};
 use crate::kit::synthetic;
+use jsonschema::{Retrieve, Uri, ValidationError};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
+use std::error::Error;
 use std::fs;
 use std::path::Path;
 use unrender::Project;
@@ -21,8 +22,20 @@ pub(crate) fn schema(name: &str) -> Value {
         .unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
+/// Reads the schemas that others refer to.
+struct Schemas;
+
+impl Retrieve for Schemas {
+    fn retrieve(&self, uri: &Uri<String>) -> Result<Value, Box<dyn Error + Send + Sync>> {
+        let file = uri.path().as_str().rsplit('/').next().unwrap_or_default();
+        Ok(schema(file.strip_suffix(".schema.json").ok_or("no schema of ours")?))
+    }
+}
+
 fn faults(name: &str, value: &Value) -> Vec<String> {
-    Validator { schema: &schema }.faults(name, &schema(name), value, "")
+    let validator = jsonschema::options().with_retriever(Schemas).build(&schema(name)).unwrap();
+    let fault = |error: ValidationError<'_>| format!("{}: {error}", error.instance_path());
+    validator.iter_errors(value).map(fault).collect()
 }
 
 /// Asserts that `value` is what the schema `name` says.
@@ -34,6 +47,63 @@ pub(crate) fn holds(name: &str, value: &Value, place: &str) {
 pub(crate) fn from_toml(text: &str) -> Value {
     let table: toml::Table = text.parse().unwrap();
     serde_json::to_value(table).unwrap()
+}
+
+/// The words that the schemas use: one that JSON Schema does not have would say something that nobody checks.
+const WORDS: [&str; 28] = [
+    "$schema",
+    "$defs",
+    "$ref",
+    "title",
+    "description",
+    "default",
+    "type",
+    "enum",
+    "const",
+    "properties",
+    "additionalProperties",
+    "required",
+    "dependentRequired",
+    "items",
+    "minItems",
+    "maxItems",
+    "minimum",
+    "maximum",
+    "exclusiveMinimum",
+    "exclusiveMaximum",
+    "pattern",
+    "allOf",
+    "anyOf",
+    "oneOf",
+    "not",
+    "if",
+    "then",
+    "else",
+];
+
+/// The words of `schema` and of all parts of it.
+fn words(schema: &Value, found: &mut BTreeSet<String>) {
+    for (word, said) in schema.as_object().into_iter().flatten() {
+        found.insert(word.clone());
+        match word.as_str() {
+            "properties" | "$defs" => {
+                said.as_object().unwrap().values().for_each(|part| words(part, found));
+            }
+            "allOf" | "anyOf" | "oneOf" => {
+                said.as_array().unwrap().iter().for_each(|part| words(part, found));
+            }
+            "additionalProperties" | "items" | "not" | "if" | "then" | "else" => words(said, found),
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn the_schemas_have_no_word_that_nobody_checks() {
+    let mut found = BTreeSet::new();
+    NAMES.iter().for_each(|name| words(&schema(name), &mut found));
+    let others: Vec<&String> = found.iter().filter(|word| !WORDS.contains(&&***word)).collect();
+    assert!(others.is_empty() && found.len() > 15, "{others:?}");
 }
 
 #[test]

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Several photographs: those that are kept beside the one of step 1, each with its camera."""
+
+import bpy
+
+from . import pictures
+
+
+class UNRENDER_OT_keep_photo(bpy.types.Operator):
+    """Keep this photograph with its camera, and begin with another one of the same scene"""
+
+    bl_idname = "unrender.keep_photo"
+    bl_label = "Keep, and add another"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return bool(context.scene.unrender.photo) and context.scene.camera is not None
+
+    def execute(self, context):
+        keep(context.scene)
+        context.scene.camera = None
+        return {"FINISHED"}
+
+
+class UNRENDER_OT_use_photo(bpy.types.Operator):
+    """Go on with this photograph and its camera, and keep the present one"""
+
+    bl_idname = "unrender.use_photo"
+    bl_label = "Work on this one"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        settings = context.scene.unrender
+        return 0 <= settings.shot < len(settings.shots)
+
+    def execute(self, context):
+        scene, settings = context.scene, context.scene.unrender
+        index = settings.shot
+        shot = settings.shots[index]
+        taken = shot.photo, tuple(shot.size), shot.response, shot.camera
+        settings.shots.remove(index)
+        if settings.photo and scene.camera is not None:
+            keep(scene)
+            # It stands where the other one stood: the first photograph stays the first or becomes it.
+            settings.shots.move(len(settings.shots) - 1, index)
+        settings.photo, settings.size, settings.response, scene.camera = taken
+        image = pictures.load(settings.photo, pictures.PHOTO)
+        if scene.camera is not None:
+            pictures.behind(scene.camera.data, image, "BACK", 1.0)
+        scene.render.resolution_x, scene.render.resolution_y = settings.size
+        pictures.show(image)
+        return {"FINISHED"}
+
+
+class UNRENDER_OT_forget_photo(bpy.types.Operator):
+    """Leave this photograph out; its camera stays"""
+
+    bl_idname = "unrender.forget_photo"
+    bl_label = "Forget photograph"
+    bl_options = {"REGISTER", "UNDO"}
+
+    poll = UNRENDER_OT_use_photo.poll
+
+    def execute(self, context):
+        settings = context.scene.unrender
+        settings.shots.remove(settings.shot)
+        settings.shot = max(0, min(settings.shot, len(settings.shots) - 1))
+        return {"FINISHED"}
+
+
+def keep(scene):
+    """Puts the photograph of step 1 to those that are kept."""
+    settings = scene.unrender
+    shot = settings.shots.add()
+    shot.name = bpy.path.basename(settings.photo)
+    shot.photo, shot.size, shot.response = settings.photo, settings.size, settings.response
+    shot.camera = scene.camera
+    image = bpy.data.images.get(pictures.PHOTO)
+    if image is not None:
+        # Behind its camera it stays, and the next one is another image.
+        image.name = f"unrender {shot.name}"
+    settings.photo, settings.focal = "", ""
+    settings.pairs.clear()
+
+
+CLASSES = (UNRENDER_OT_keep_photo, UNRENDER_OT_use_photo, UNRENDER_OT_forget_photo)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)
