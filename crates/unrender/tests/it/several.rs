@@ -195,22 +195,26 @@ fn a_photograph_is_rendered_again_by_its_number_and_under_its_lamps() {
         [[photos]]\nphoto = \"aside.exr\"\ncamera = \"aside\"\n\
         [[photos]]\nphoto = \"evening.exr\"\ncamera = \"camera\"\nlights_off = [\"lamp\"]\n";
     let folder = folder(text);
-    let render = |number: &str| {
+    let render = |number: &str, more: &[&str]| {
         let out = folder.path(&format!("{number}.exr"));
         let mut render = Command::new(env!("CARGO_BIN_EXE_unrender"));
         render.args(["render", "--project"]).arg(folder.path("project.toml"));
-        render.args(["--photo", number, "--spp", "8", "--quiet", "--out"]).arg(&out);
+        render.args(["--photo", number, "--spp", "8", "--quiet", "--out"]).arg(&out).args(more);
         let output = render.output().unwrap();
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         output.status.success().then(|| picture::read(&out).unwrap().0.values).ok_or(said)
     };
-    let mean = |picture: &Image<Rgb>| picture.pixels().iter().sum::<Rgb>().element_sum();
-    let [aside, evening] = ["1", "2"].map(|number| render(number).unwrap());
+    let mean = |picture: &Image<Rgb>| {
+        picture.pixels().iter().sum::<Rgb>().element_sum() / picture.pixels().len() as f32
+    };
+    let [aside, evening] = ["1", "2"].map(|number| render(number, &[]).unwrap());
+    let with_all =
+        render("1", &["--camera", "camera", "--width", "108", "--height", "90"]).unwrap();
     assert_eq!((aside.width(), aside.height()), OTHER_SIZE);
     assert_eq!((evening.width(), evening.height()), SIZE);
-    // The spare lamp is a small part of the light.
-    assert!(mean(&evening) < 0.3 * mean(&aside));
-    let said = render("3").unwrap_err();
+    let [evening, with_all] = [mean(&evening), mean(&with_all)];
+    assert!(evening < 0.6 * with_all, "{evening} of {with_all}");
+    let said = render("3", &[]).unwrap_err();
     assert!(said.contains("--photo 3") && said.contains("has 2 photograph"), "{said}");
 }
 
