@@ -204,8 +204,7 @@ pub struct Blocks {
     pub places: Vec<Place>,
     /// The number of pixels of every block.
     pub sizes: Vec<u32>,
-    /// All pairs that show the same place of the surface in two photographs, once they are known
-    /// ([`crate::same_place`]).
+    /// All pairs that show the same place of the surface in two photographs, once they are known.
     pub same: Vec<(usize, usize)>,
 }
 
