@@ -148,7 +148,9 @@ def test_several_photographs_have_one_set_of_materials(tmp_path: Path) -> None:
     np.testing.assert_array_equal(recovery.rerendered, recovery.of(0).rerendered)
     np.testing.assert_array_equal(recovery.exposure, 1.0)
     np.testing.assert_allclose(recovery.of(1).exposure, 1.0, rtol=0.02)
-    assert recovery.of(0).exposure_std is None and 0.0 < recovery.of(1).exposure_std[0] < 0.02
+    std = recovery.of(1).exposure_std
+    assert recovery.of(0).exposure_std is None
+    assert std is not None and 0.0 < std[0] < 0.02
     assert unrender.render(project=project, photo=2, spp=2).shape == (21, 24, 3)
     with pytest.raises(unrender.RequestError, match="no photograph 2"):
         recovery.of(2)
