@@ -50,11 +50,7 @@ class UNRENDER_OT_load_photo(bpy.types.Operator, ImportHelper):
             thing.matrix_world = frames.Matrix.Translation((0.0, -5.0, 1.6)) @ frames.LEVEL
             scene.collection.objects.link(thing)
             scene.camera = thing
-        render = scene.render
-        render.resolution_x, render.resolution_y, render.resolution_percentage = width, height, 100
-        render.pixel_aspect_x = render.pixel_aspect_y = 1.0
-        pictures.behind(scene.camera.data, image, "BACK", 1.0)
-        pictures.show(image)
+        pictures.through(scene, image, (width, height))
         return {"FINISHED"}
 
 

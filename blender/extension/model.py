@@ -41,7 +41,7 @@ def photo_of(scene):
 
 
 def photographs(context):
-    """All photographs: for each its path, its response and its camera; that of step 1 is the last."""
+    """All photographs: for each its path, its response and its camera; that of step 1, if one is there, is the last."""
     scene, settings = context.scene, context.scene.unrender
     taken = [(shot.photo, tuple(shot.size), shot.response, shot.camera) for shot in settings.shots]
     if settings.photo or not taken:

@@ -41,3 +41,13 @@ def behind(camera, image, depth, alpha):
     entry.frame_method = "STRETCH"
     entry.show_background_image = True
     return entry
+
+
+def through(scene, image, size):
+    """Shows a photograph of this size behind the scene, through its camera, and makes the output as large."""
+    render = scene.render
+    render.resolution_x, render.resolution_y = size
+    render.resolution_percentage = 100
+    render.pixel_aspect_x = render.pixel_aspect_y = 1.0
+    behind(scene.camera.data, image, "BACK", 1.0)
+    show(image)

@@ -80,13 +80,14 @@ def show(ended, picture, doubts):
         item.pixels = pixels[item.name]
     told = [*doubts, *(w for of_photo in (document, *further) for w in of_photo.get("warnings", []))]
     if further:
-        # Of several the last, which is that of step 1.
+        # Of several the last: that of step 1, if one is there.
         stem, kind = os.path.splitext(picture)
         picture = f"{stem}_{1 + len(further)}{kind}"
     settings.messages = "\n".join(dict.fromkeys(told))
     settings.message = f"Check: {len(told)} things to look at" if told else "Check: nothing to mend"
     image = pictures.load(picture, CHECK)
-    pictures.behind(scene.camera.data, image, "FRONT", 0.8)
+    camera = scene.camera or settings.shots[-1].camera
+    pictures.behind(camera.data, image, "FRONT", 0.8)
     pictures.show(image)
 
 

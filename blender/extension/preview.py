@@ -25,7 +25,7 @@ class Preview:
         self._path = os.path.join(os.path.dirname(self._project), "preview.png")
         self._spp, self._next = 1, 0.0
         document = unrender.Project.read(project).document
-        # Of several the last, which is that of step 1.
+        # Of several the last: that of step 1, if one is there.
         self._photo = len(document.get("photos", [])) or None
         exposure = document.get("exposure", "auto" if self._photo else 1.0)
         self._exposure = None if isinstance(exposure, str) else np.asarray(exposure, np.float32)

@@ -42,6 +42,7 @@ class UnrenderShot(bpy.types.PropertyGroup):
     size: bpy.props.IntVectorProperty(name="Size", size=2)
     response: StringProperty()
     camera: PointerProperty(type=bpy.types.Object)
+    image: PointerProperty(type=bpy.types.Image)
 
 
 class UnrenderResult(bpy.types.PropertyGroup):

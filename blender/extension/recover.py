@@ -83,7 +83,7 @@ def show(ended, doubts):
         item.note, item.numbers = entry.get("note") or "", "\n".join(numbers(entry))
     settings.messages = "\n".join(dict.fromkeys([*doubts, *ended.doubts, *recovery.warnings]))
     settings.message = recovery.termination
-    # Of several the last, which is that of step 1.
+    # Of several the last: that of step 1, if one is there.
     count = recovery.photographs
     name = "rerendered.png" if count < 2 else f"rerendered_{count}.png"
     picture = recovery.folder / name if recovery.folder else None

@@ -40,17 +40,18 @@ class UNRENDER_OT_use_photo(bpy.types.Operator):
         index = settings.shot
         shot = settings.shots[index]
         taken = shot.photo, tuple(shot.size), shot.response, shot.camera
+        image = shot.image
         settings.shots.remove(index)
         if settings.photo and scene.camera is not None:
             keep(scene)
             # It stands where the other one stood: the first photograph stays the first or becomes it.
             settings.shots.move(len(settings.shots) - 1, index)
         settings.photo, settings.size, settings.response, scene.camera = taken
-        image = pictures.load(settings.photo, pictures.PHOTO)
+        if image is None:
+            image = pictures.load(settings.photo, pictures.PHOTO)
+        image.name = pictures.PHOTO
         if scene.camera is not None:
-            pictures.behind(scene.camera.data, image, "BACK", 1.0)
-        scene.render.resolution_x, scene.render.resolution_y = settings.size
-        pictures.show(image)
+            pictures.through(scene, image, settings.size)
         return {"FINISHED"}
 
 
@@ -80,7 +81,7 @@ def keep(scene):
     image = bpy.data.images.get(pictures.PHOTO)
     if image is not None:
         # Behind its camera it stays, and the next one is another image.
-        image.name = f"unrender {shot.name}"
+        image.name, shot.image = f"unrender {shot.name}", image
     settings.photo, settings.focal = "", ""
     settings.pairs.clear()
 

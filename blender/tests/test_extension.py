@@ -383,6 +383,8 @@ def test_6_several_photographs_give_one_set_of_materials(desk):
     scene.camera = first
     assert bpy.ops.unrender.keep_photo() == {"FINISHED"}
     assert (settings.photo, len(settings.shots), len(settings.pairs), scene.camera) == ("", 1, 0, None)
+    # What is kept can be looked at without another one.
+    assert bpy.ops.unrender.check(wait=True) == {"FINISHED"}, settings.message
     scene.camera = aside
     assert bpy.ops.unrender.load_photo(filepath=str(folder / "aside.exr")) == {"FINISHED"}
     assert [e.image.name for e in first.data.background_images][0] == "unrender photo.exr"
@@ -402,6 +404,8 @@ def test_6_several_photographs_give_one_set_of_materials(desk):
     settings.shot = 0
     assert bpy.ops.unrender.use_photo() == {"FINISHED"}
     assert pathlib.Path(settings.photo).name == "photo.exr" and scene.camera == first
+    behind = [e.image.name for e in first.data.background_images if e.display_depth == "BACK"]
+    assert behind == ["unrender photograph"]
     assert [shot.name for shot in settings.shots] == ["aside.exr"]
     assert bpy.ops.unrender.forget_photo() == {"FINISHED"}
     assert not settings.shots and not bpy.ops.unrender.forget_photo.poll()

@@ -126,7 +126,8 @@ class Recovery:
 
     def of(self, photograph: int) -> Recovery:
         """The same as one of several photographs shows it, counted from 0: ``photo``, ``rerendered``, ``camera``,
-        ``exposure``, ``exposure_std``, ``photograph``, ``noise``, ``group_map``, ``valid`` and ``status_map`` are that one's. Without it, those of the first."""
+        ``exposure``, ``exposure_std``, ``photograph``, ``noise``, ``group_map``, ``valid`` and ``status_map`` are
+        that one's. Without it, those of the first."""
         if not 0 <= photograph < self.photographs:
             raise RequestError(f"there is no photograph {photograph}; there are {self.photographs}")
         shown = Recovery(

@@ -19,8 +19,7 @@ pub(crate) struct Seen {
 
 /// The `blocks` of `pixels`, with the pairs of them that show the same place as `renderer` sees it.
 pub(crate) fn paired(blocks: Blocks, renderer: &dyn Renderer, pixels: &[u32]) -> Blocks {
-    let Some(first) = blocks.places.first() else { return blocks };
-    if blocks.places.iter().all(|place| place.photograph == first.photograph) {
+    if !are_several(&blocks.places) {
         return blocks;
     }
     let mut sums = vec![(Vec3::ZERO, 0.0f32); blocks.len()];
@@ -37,10 +36,18 @@ pub(crate) fn paired(blocks: Blocks, renderer: &dyn Renderer, pixels: &[u32]) ->
     Blocks { same: pairs(&seen), ..blocks }
 }
 
+/// Whether they are of more than one photograph.
+fn are_several(places: &[Place]) -> bool {
+    places.iter().any(|place| place.photograph != places[0].photograph)
+}
+
 /// All pairs of blocks of different photographs, by their indices, that show the same place. Of every other photograph a block is the nearest one's pair, if that is no further than
 /// the block's own neighbours.
 pub(crate) fn pairs(seen: &[Seen]) -> Vec<(usize, usize)> {
     let places: Vec<Place> = seen.iter().map(|seen| seen.place).collect();
+    if !are_several(&places) {
+        return Vec::new();
+    }
     let mut reach = vec![f32::INFINITY; seen.len()];
     for (i, j) in neighbours(&places) {
         let (Some(a), Some(b)) = (seen[i].point, seen[j].point) else { continue };

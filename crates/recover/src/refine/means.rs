@@ -30,7 +30,7 @@ use unrender_scene::Rgb;
 pub(crate) struct Mean {
     pub(crate) group: usize,
     pub(crate) place: Place,
-    /// The mean of the points of the surface that its pixels show, metres in world space, as far as they are known.
+    /// As [`Cell::point`].
     pub(crate) point: Option<Vec3>,
     /// Whether the photograph is only known to be at least so bright there.
     pub(crate) bound: bool,
@@ -267,8 +267,6 @@ fn mean(
         Rgb::select(photograph.cmpgt(Rgb::ZERO), change / photograph, Rgb::ZERO)
     };
     let changes: Vec<Rgb> = state.problem.photometric_parameters.iter().map(change).collect();
-    let points: Vec<Vec3> =
-        cell.pixels.iter().filter_map(|p| state.problem.renderer.point(p.pixel)).collect();
     let mut residuals = radiance.map(|radiance| photograph - radiance);
     let light = 0.5 * (radiance[0] + radiance[1]);
     // A lower bound that the model meets asks for nothing.
@@ -278,7 +276,7 @@ fn mean(
     Mean {
         group: cell.group,
         place: cell.place,
-        point: (!points.is_empty()).then(|| points.iter().sum::<Vec3>() / points.len() as f32),
+        point: cell.point,
         bound: cell.bound,
         pixels: f64::from(n),
         paths,

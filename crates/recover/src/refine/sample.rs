@@ -5,6 +5,7 @@ use crate::evidence::{Observed, Stage, observe};
 use crate::observation::Reading;
 use crate::problem::Role;
 use crate::state::State;
+use glam::Vec3;
 use std::collections::BTreeMap;
 use unrender_scene::Hypothesis;
 
@@ -21,6 +22,8 @@ pub(crate) struct Cell {
     pub(crate) group: usize,
     /// Its place among the group's blocks.
     pub(crate) place: Place,
+    /// The mean of the points of the surface that its pixels show, metres in world space, as far as they are known.
+    pub(crate) point: Option<Vec3>,
     /// Whether its pixels are clipped, and their values lower bounds.
     pub(crate) bound: bool,
     pub(crate) pixels: Vec<Observed>,
@@ -93,6 +96,11 @@ fn cells(
             cells.entry((group, grid.place(seen.pixel), bound)).or_default().push(seen);
         }
     }
-    let cell = |((group, place, bound), pixels)| Cell { group, place, bound, pixels };
+    let cell = |((group, place, bound), pixels): ((usize, Place, bool), Vec<Observed>)| {
+        let points = pixels.iter().filter_map(|seen| stage.renderer.point(seen.pixel));
+        let (sum, count) = points.fold((Vec3::ZERO, 0.0), |(sum, n), point| (sum + point, n + 1.0));
+        let point = (count > 0.0).then(|| sum / count);
+        Cell { group, place, point, bound, pixels }
+    };
     cells.into_iter().map(cell).collect()
 }

@@ -189,6 +189,31 @@ fn switched_lamps_tell_what_each_of_them_brings() {
     }
 }
 
+fn mean(picture: &Image<Rgb>) -> f32 {
+    picture.pixels().iter().sum::<Rgb>().element_sum() / picture.pixels().len() as f32
+}
+
+#[test]
+fn lamps_that_were_off_are_off_in_a_restaged_picture() {
+    let folder = folder(
+        "scene = \"scene.glb\"\nresponse = \"linear\"\nexposure = 2.4\ncamera = \"camera\"\n\
+         [[photos]]\nphoto = \"evening.exr\"\nlights_off = [\"lamp\"]\n",
+    );
+    let text = std::fs::read_to_string(folder.path("project.toml")).unwrap();
+    folder.write("lit.toml", &text.replace("lights_off = [\"lamp\"]\n", ""));
+    let restaged = |project: &str| {
+        folder.write("edit.toml", &format!("project = \"{project}.toml\"\n"));
+        let out = folder.path(project);
+        let mut restage = Command::new(env!("CARGO_BIN_EXE_unrender"));
+        restage.arg("restage").arg(folder.path("edit.toml"));
+        let status = restage.args(["--spp", "8", "--quiet", "--out"]).arg(&out).status().unwrap();
+        assert!(status.success());
+        mean(&picture::read(&out.join("synthetic.exr")).unwrap().0.values)
+    };
+    let [evening, lit] = ["project", "lit"].map(restaged);
+    assert!(evening < 0.6 * lit, "{evening} of {lit}");
+}
+
 #[test]
 fn a_photograph_is_rendered_again_by_its_number_and_under_its_lamps() {
     let text = "scene = \"scene.glb\"\nresponse = \"linear\"\nexposure = 2.4\n\
@@ -203,9 +228,6 @@ fn a_photograph_is_rendered_again_by_its_number_and_under_its_lamps() {
         let output = render.output().unwrap();
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         output.status.success().then(|| picture::read(&out).unwrap().0.values).ok_or(said)
-    };
-    let mean = |picture: &Image<Rgb>| {
-        picture.pixels().iter().sum::<Rgb>().element_sum() / picture.pixels().len() as f32
     };
     let [aside, evening] = ["1", "2"].map(|number| render(number, &[]).unwrap());
     let with_all =
