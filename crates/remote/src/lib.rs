@@ -11,11 +11,11 @@
 //!
 //! | request | cut by | bytes of the answer |
 //! |---|---|---|
-//! | probes | pixels | 108 a probe, 24 an incident sample |
+//! | probes | pixels | about 105 a probe, 24 an incident sample |
 //! | Jacobian | pixels | 12 (1 + parameters) a pixel |
 //! | the same on stored paths | pixels | 12 (1 + parameters) a pixel |
 //! | radiance of pixels | pixels | 12 a pixel |
-//! | picture with path reuse | sample numbers | at most 48 a pixel and part |
+//! | picture with path reuse | sample numbers | at most 57 a pixel and part |
 //!
 //! Each refers to three pieces of shared data that outlive it: the view (scene, camera, size), the
 //! appearance, the radiance cache. Scene and tree are made of the first, once a worker. Workers keep the
@@ -139,7 +139,7 @@ impl<'a> Remote<'a> {
         let tiles = self.tiles(pixels, PROBES_MIN)?;
         let mut all = Probes::default();
         for answer in self.ask((appearance, None), seen, tiles.map(request))? {
-            all.append(wire::read_probes(&answer)?);
+            all.append(wire::probes(&answer)?);
         }
         Some(all)
     }
@@ -157,7 +157,7 @@ impl<'a> Remote<'a> {
         let answers = self.ask(appearances, seen, tiles.map(request))?;
         let mut all = Jacobian::default();
         for (answer, size) in answers.iter().zip(sizes) {
-            let values = wire::read_rgb(answer, size * (1 + parameters))?;
+            let values = wire::radiances(answer, size * (1 + parameters))?;
             all.radiance.extend_from_slice(&values[..size]);
             all.derivatives.extend_from_slice(&values[size..]);
         }
@@ -176,7 +176,7 @@ impl<'a> Remote<'a> {
         let answers = self.ask((appearance, None), None, tiles.map(request))?;
         let mut all = Vec::with_capacity(pixels.len());
         for (answer, size) in answers.iter().zip(sizes) {
-            all.extend(wire::read_rgb(answer, size)?);
+            all.extend(wire::radiances(answer, size)?);
         }
         Some(all)
     }
@@ -195,7 +195,7 @@ impl<'a> Remote<'a> {
         let answers = self.ask((appearance, None), None, self.ranges(plan.spp).map(request))?;
         let mut sums = Accumulator::new(width, height);
         for (answer, samples) in answers.iter().zip(self.ranges(plan.spp)) {
-            let part = wire::read_sums(answer, width * height)?;
+            let part = wire::sums(answer, width * height)?;
             let count = samples.end - samples.start;
             let pixels = sums.image_mut().pixels_mut().iter_mut();
             pixels.zip(part).for_each(|(pixel, sum)| {

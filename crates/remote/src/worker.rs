@@ -67,12 +67,12 @@ impl Worker {
         Some(match wire::decode(request)? {
             Request::Probe(pixels, settings) => {
                 self.check(&pixels)?;
-                wire::write_probes(&view.probe(appearance, &pixels, &settings, seen))
+                wire::encode(&view.probe(appearance, &pixels, &settings, seen))
             }
             Request::Jacobian(pixels, parameters, settings) => {
                 self.check(&pixels.iter().map(|(pixel, _)| *pixel).collect::<Vec<u32>>())?;
                 let found = view.jacobian(appearance, &pixels, &parameters, &settings, seen);
-                wire::write_rgb(found.radiance.iter().chain(&found.derivatives))
+                wire::encode(&[found.radiance, found.derivatives].concat())
             }
             Request::Replay(pixels, [traced, parameters], settings) => {
                 self.check(&pixels)?;
@@ -81,14 +81,14 @@ impl Worker {
                 let trace = || view.paths(drawn, asked.0, asked.1, &settings, seen);
                 let paths = self.kept.paths(drawn, asked, &settings, seen, trace);
                 let found = view.replay(&paths, appearance, &parameters, seen);
-                wire::write_rgb(found.radiance.iter().chain(&found.derivatives))
+                wire::encode(&[found.radiance, found.derivatives].concat())
             }
             Request::Radiance(pixels, settings) => {
                 self.check(&pixels)?;
-                wire::write_rgb(view.rerender(appearance, &pixels, &settings).iter())
+                wire::encode(&view.rerender(appearance, &pixels, &settings))
             }
             Request::Samples(samples, settings) => {
-                wire::write_sums(&view.samples(appearance, samples, &settings))
+                wire::of_sums(&view.samples(appearance, samples, &settings))
             }
         })
     }

@@ -89,7 +89,7 @@ pub struct ProposalLobe {
 }
 
 /// One surface point behind a pixel.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Probe {
     /// The pixel's index.
     pub pixel: u32,
@@ -116,7 +116,7 @@ pub struct Probe {
 }
 
 /// The surface that a perfect mirror would reflect.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Mirrored {
     /// The object's index in the scene.
     pub object: u32,
@@ -125,7 +125,7 @@ pub struct Mirrored {
 }
 
 /// An incident light sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Incident {
     /// Unit vector towards the light's origin, in the tangent frame.
     pub wi: Vec3,
@@ -134,7 +134,7 @@ pub struct Incident {
 }
 
 /// The probes of some pixels, in the order of the pixels.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Probes {
     /// One per camera ray that hit a surface.
     pub probes: Vec<Probe>,

@@ -1,21 +1,11 @@
-//! Brackets of exposures: their files as frames, and what is to be said of the merged picture.
+//! Brackets of exposures: their files as frames, merged.
 
 use crate::project::Frames;
 use std::path::{Path, PathBuf};
 use unrender_formats::picture::{self, Exposure};
 use unrender_formats::{FileError, Input, Limits, input};
-use unrender_photo::bracket::{Bracket, Frame, Report, Settings, merge};
+use unrender_photo::bracket::{Bracket, Frame, Settings, merge};
 use unrender_scene::Warnings;
-
-/// A share of the pixels above which what moved is said: below, it is edges and single pixels.
-const MOVED: f64 = 1e-3;
-/// The two fits of a response agree up to this share of white. At two thirds of it some JPEG files are doubted whose
-/// response is right; at double a wrong exposure time passes.
-const DISAGREEMENT: f64 = 0.03;
-/// Exposure times are right up to this share. Cameras round 1/64 to 1/60, which is 6 %.
-const TIMES: f64 = 0.03;
-/// Codes beyond these are extrapolated by a fitted response; more than that is said.
-const COVERED: [f64; 2] = [0.15, 0.85];
 
 /// Where a bracket is named, for messages.
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +50,7 @@ pub(crate) fn read_and_merge(
     let merged =
         merge(&frames, settings).map_err(|problem| FileError::new(place.path(), problem))?;
     let names: Vec<&str> = frames.iter().map(|frame| frame.name.as_str()).collect();
-    warnings.extend(doubts(&merged.report, &names));
+    warnings.extend(merged.report.doubts(&names));
     Ok((merged, warnings))
 }
 
@@ -135,71 +125,4 @@ fn by_files(
 
 fn name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
-}
-
-/// What is doubtful about a merged bracket whose frames have these names.
-fn doubts(report: &Report, names: &[&str]) -> Warnings {
-    let mut warnings = Warnings::default();
-    let percent = |share: f64| 100.0 * share;
-    let reference = names[report.reference];
-    for (name, shift) in names.iter().zip(&report.shifts).filter(|(_, shift)| **shift != [0, 0]) {
-        let [right, down] = shift;
-        warnings.push(format!(
-            "{name} is shifted against {reference} by {} pixel(s) to the {} and {} {}; this was undone",
-            right.abs(),
-            if *right < 0 { "left" } else { "right" },
-            down.abs(),
-            if *down < 0 { "up" } else { "down" },
-        ));
-    }
-    if report.moved > MOVED {
-        warnings.push(format!(
-            "between the photographs of the bracket something moved, in {:.1} % of the pixels: what \
-             differs from {reference} was left out there",
-            percent(report.moved)
-        ));
-    }
-    if report.clipped > 0.0 {
-        warnings.push(format!(
-            "{:.2} % of the pixels are clipped in every photograph of the bracket, and stay clipped",
-            percent(report.clipped)
-        ));
-    }
-    for (name, brightness) in names.iter().zip(&report.brightness) {
-        if (brightness - 1.0).abs() > TIMES {
-            warnings.push(format!(
-                "{name} is {brightness:.2} times as bright as its exposure and the next longer one \
-                 say; is its exposure time right? Cameras round it: 1/60 may be 1/64"
-            ));
-        }
-    }
-    if report.noise.is_none() {
-        warnings.push(
-            "too little is well exposed in two photographs of the bracket to measure their noise; \
-             that of a usual camera was taken",
-        );
-    }
-    warnings.extend(doubts_of_fit(report));
-    warnings
-}
-
-/// What is doubtful about a fitted response.
-fn doubts_of_fit(report: &Report) -> Warnings {
-    let mut warnings = Warnings::default();
-    let Some(fit) = &report.fit else { return warnings };
-    if fit.disagreement > DISAGREEMENT {
-        warnings.push(format!(
-            "two fits of the camera's response differ by {:.1} % of white; take more exposures, or \
-             measure the response and state it",
-            100.0 * fit.disagreement
-        ));
-    }
-    let [low, high] = fit.covered;
-    if low > COVERED[0] || high < COVERED[1] {
-        warnings.push(format!(
-            "the photographs show the same things at two exposures between the pixel values {low:.2} \
-             and {high:.2} of 1 alone; the camera's response beyond is a guess"
-        ));
-    }
-    warnings
 }

@@ -6,6 +6,7 @@
 //!    known; a second method checks it (`mitsunaga_nayar`).
 //! 3. The noise is measured on the differences between frames (`noise`).
 //! 4. What moved is found (`ghosts`), and the frames are averaged with inverse variances (`combine`).
+//! 5. What is doubtful is told (`doubts`).
 //!
 //! The unit of the result: 1 is what is white (pixel value 1) in the reference frame, the one with most
 //! pixels that are neither dark nor clipped. Time: proportional to pixels times frames; memory: beside the
@@ -14,6 +15,7 @@
 mod align;
 mod combine;
 mod debevec_malik;
+mod doubts;
 mod frame;
 mod ghosts;
 mod mitsunaga_nayar;

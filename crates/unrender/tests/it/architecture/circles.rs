@@ -1,17 +1,120 @@
 //! The modules of each folder import each other without circles, each with all that is in its own folder. Only a
 //! module and those in its folder may use each other: what they share stands in the module, and the module calls them.
 //!
-//! Imports are found in the text: `use` items, and paths in the code. A name that a module hands on by
-//! `pub use` leads to where it is defined.
+//! `syn` reads the sources: `use` items, paths in the code, and paths in the arguments of macros; tests inside of a
+//! module are left out. A name that a module hands on by `pub use` leads to where it is defined.
 
-use super::{product_lines, rust_files};
+use super::{read, rust_files};
+use proc_macro2::{TokenStream, TokenTree};
 use std::collections::{BTreeMap, BTreeSet};
+use syn::visit::{self, Visit};
+use syn::{Attribute, ItemFn, ItemMod, ItemUse, Macro, UseTree, Visibility};
 
 /// A module's path inside its crate; empty for its root.
 type Module = Vec<String>;
 
-/// The modules of the crate whose sources are in `src`, with their text.
-fn texts(src: &str) -> BTreeMap<Module, String> {
+/// What a module imports.
+#[derive(Default)]
+struct Imports {
+    /// The paths of `use` items, each with whether it is handed on.
+    uses: Vec<(bool, Module)>,
+    /// The other paths in its code.
+    paths: Vec<Module>,
+}
+
+impl Imports {
+    fn of(text: &str) -> Self {
+        let mut this = Self::default();
+        this.visit_file(&syn::parse_file(text).unwrap());
+        this
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Module> {
+        self.uses.iter().map(|(_, path)| path).chain(&self.paths)
+    }
+
+    fn add(&mut self, tree: &UseTree, mut path: Module, is_public: bool) {
+        match tree {
+            UseTree::Path(inner) => {
+                path.push(inner.ident.to_string());
+                return self.add(&inner.tree, path, is_public);
+            }
+            UseTree::Group(group) => {
+                group.items.iter().for_each(|tree| self.add(tree, path.clone(), is_public));
+                return;
+            }
+            UseTree::Name(name) => path.push(name.ident.to_string()),
+            UseTree::Rename(rename) => path.push(rename.ident.to_string()),
+            UseTree::Glob(_) => {}
+        }
+        self.uses.push((is_public, path));
+    }
+
+    /// The paths among the arguments of a macro.
+    fn scan(&mut self, tokens: TokenStream) {
+        let mut path = Module::new();
+        let mut colons = 0;
+        for token in tokens {
+            match token {
+                TokenTree::Ident(name) if path.is_empty() || colons == 2 => {
+                    path.push(name.to_string());
+                    colons = 0;
+                    continue;
+                }
+                TokenTree::Punct(sign) if sign.as_char() == ':' && !path.is_empty() => {
+                    colons += 1;
+                    continue;
+                }
+                TokenTree::Group(group) => self.scan(group.stream()),
+                TokenTree::Ident(_) | TokenTree::Punct(_) | TokenTree::Literal(_) => {}
+            }
+            self.paths.push(std::mem::take(&mut path));
+            colons = 0;
+        }
+        self.paths.push(path);
+    }
+}
+
+fn is_test(attributes: &[Attribute]) -> bool {
+    let is_test = |attribute: &Attribute| {
+        let names_test = attribute.parse_args::<syn::Ident>().is_ok_and(|name| name == "test");
+        attribute.path().is_ident("cfg") && names_test
+    };
+    attributes.iter().any(is_test)
+}
+
+impl<'a> Visit<'a> for Imports {
+    fn visit_item_mod(&mut self, item: &'a ItemMod) {
+        if !is_test(&item.attrs) {
+            visit::visit_item_mod(self, item);
+        }
+    }
+
+    fn visit_item_fn(&mut self, item: &'a ItemFn) {
+        if !is_test(&item.attrs) {
+            visit::visit_item_fn(self, item);
+        }
+    }
+
+    fn visit_item_use(&mut self, item: &'a ItemUse) {
+        if !is_test(&item.attrs) {
+            self.add(&item.tree, Module::new(), !matches!(item.vis, Visibility::Inherited));
+        }
+    }
+
+    fn visit_path(&mut self, path: &'a syn::Path) {
+        self.paths.push(path.segments.iter().map(|segment| segment.ident.to_string()).collect());
+        visit::visit_path(self, path);
+    }
+
+    fn visit_macro(&mut self, call: &'a Macro) {
+        self.scan(call.tokens.clone());
+        visit::visit_macro(self, call);
+    }
+}
+
+/// The modules of the crate whose sources are in `src`, with their imports.
+fn modules(src: &str) -> BTreeMap<Module, Imports> {
     let module = |path: &str| -> Module {
         let inner = path[src.len() + 1..].trim_end_matches(".rs");
         let names: Vec<String> = inner.split('/').map(str::to_owned).collect();
@@ -20,67 +123,26 @@ fn texts(src: &str) -> BTreeMap<Module, String> {
             _ => names,
         }
     };
-    rust_files(src).iter().map(|path| (module(path), product_lines(path).join("\n"))).collect()
-}
-
-/// The paths of a `use` item without its braces.
-fn expanded(tree: &str) -> Vec<String> {
-    let Some((before, rest)) = tree.split_once('{') else {
-        return vec![tree.split(" as ").next().unwrap_or_default().trim().to_owned()];
-    };
-    let inner = rest.rsplit_once('}').map_or(rest, |(inner, _)| inner);
-    let mut parts = vec![String::new()];
-    let mut depth = 0;
-    for letter in inner.chars() {
-        depth += i32::from(letter == '{') - i32::from(letter == '}');
-        match letter {
-            ',' if depth == 0 => parts.push(String::new()),
-            _ => parts.last_mut().unwrap().push(letter),
-        }
-    }
-    let parts = parts.iter().map(|part| part.trim()).filter(|part| !part.is_empty());
-    parts.flat_map(expanded).map(|path| format!("{}{path}", before.trim())).collect()
-}
-
-/// The `use` items of `text`, each with whether it is handed on.
-fn uses(text: &str) -> Vec<(bool, String)> {
-    let items = text.split(';').filter_map(|item| {
-        let start = item.rfind("use ").filter(|start| {
-            let before = item[..*start].chars().next_back();
-            before.is_none_or(|letter| letter.is_whitespace())
-        })?;
-        let is_public = item[..start].trim_end().ends_with(['b', ')']);
-        Some((is_public, item[start + 4..].split_whitespace().collect::<Vec<_>>().join(" ")))
-    });
-    items
-        .flat_map(|(is_public, tree)| expanded(&tree).into_iter().map(move |p| (is_public, p)))
-        .collect()
-}
-
-/// The paths with `::` in the code of `text`.
-fn paths(text: &str) -> Vec<String> {
-    let is_part = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == ':';
-    let words = text.split(|letter| !is_part(letter)).filter(|word| word.contains("::"));
-    words.map(|word| word.trim_matches(':').to_owned()).collect()
+    rust_files(src).iter().map(|path| (module(path), Imports::of(&read(path)))).collect()
 }
 
 /// The modules of one crate and what they hand on.
 struct Crate {
-    texts: BTreeMap<Module, String>,
+    modules: BTreeMap<Module, Imports>,
     /// For a module and a name: the path that the name is handed on from.
     handed_on: BTreeMap<(Module, String), Module>,
 }
 
 impl Crate {
     fn read(src: &str) -> Self {
-        Self::of(texts(src))
+        Self::of(modules(src))
     }
 
-    fn of(texts: BTreeMap<Module, String>) -> Self {
-        let mut this = Self { texts, handed_on: BTreeMap::new() };
-        for (module, text) in &this.texts {
-            for (_, path) in uses(text).into_iter().filter(|(is_public, _)| *is_public) {
-                if let Some(target) = this.absolute(module, &path) {
+    fn of(modules: BTreeMap<Module, Imports>) -> Self {
+        let mut this = Self { modules, handed_on: BTreeMap::new() };
+        for (module, imports) in &this.modules {
+            for (_, path) in imports.uses.iter().filter(|(is_public, _)| *is_public) {
+                if let Some(target) = this.absolute(module, path) {
                     let name = target[target.len() - 1].clone();
                     this.handed_on.insert((module.clone(), name), target);
                 }
@@ -90,9 +152,9 @@ impl Crate {
     }
 
     /// `path`, as written in `module`, from the root of the crate; none if it leads out of it.
-    fn absolute(&self, module: &Module, path: &str) -> Option<Module> {
+    fn absolute(&self, module: &Module, path: &Module) -> Option<Module> {
         let mut base = module.clone();
-        let mut parts = path.split("::").map(str::to_owned).peekable();
+        let mut parts = path.iter().cloned().peekable();
         let first = parts.peek()?.clone();
         let child: Module = [module.as_slice(), std::slice::from_ref(&first)].concat();
         match first.as_str() {
@@ -107,7 +169,7 @@ impl Crate {
                     }
                 }
             }
-            _ if self.texts.contains_key(&child) => {}
+            _ if self.modules.contains_key(&child) => {}
             _ => return None,
         }
         base.extend(parts);
@@ -119,7 +181,7 @@ impl Crate {
         let mut path = path.clone();
         // A name may be handed on more than once, but not for ever.
         for _ in 0..4 {
-            let end = (0..=path.len()).rev().find(|end| self.texts.contains_key(&path[..*end]));
+            let end = (0..=path.len()).rev().find(|end| self.modules.contains_key(&path[..*end]));
             let module = path[..end.unwrap_or(0)].to_vec();
             let handed = path
                 .get(module.len())
@@ -134,7 +196,7 @@ impl Crate {
 
     /// The modules that have modules in a folder of their own, and the root.
     fn folders(&self) -> BTreeSet<Module> {
-        let inner = self.texts.keys().filter(|module| !module.is_empty());
+        let inner = self.modules.keys().filter(|module| !module.is_empty());
         inner.map(|module| module[..module.len() - 1].to_vec()).collect()
     }
 
@@ -143,10 +205,9 @@ impl Crate {
         let depth = folder.len();
         let is_inside = |module: &Module| module.len() > depth && module.starts_with(folder);
         let mut families: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
-        for (module, text) in self.texts.iter().filter(|(module, _)| is_inside(module)) {
+        for (module, found) in self.modules.iter().filter(|(module, _)| is_inside(module)) {
             let imports = families.entry(module[depth].clone()).or_default();
-            let used = uses(text).into_iter().map(|(_, path)| path).chain(paths(text));
-            for path in used.filter_map(|path| self.absolute(module, &path)) {
+            for path in found.all().filter_map(|path| self.absolute(module, path)) {
                 let target = self.target(&path);
                 if is_inside(&target) && target[depth] != module[depth] {
                     let tie = format!("{} -> {}", module.join("::"), path.join("::"));
@@ -218,8 +279,8 @@ fn circles_are_found_inside_of_folders() {
     let module = |path: &str| -> Module {
         path.split("::").filter(|name| !name.is_empty()).map(str::to_owned).collect()
     };
-    let texts = texts.map(|(path, text)| (module(path), text.to_owned()));
-    let modules = Crate::of(texts.into_iter().collect());
+    let modules = texts.map(|(path, text)| (module(path), Imports::of(text)));
+    let modules = Crate::of(modules.into_iter().collect());
     let folders = BTreeSet::from(["", "a", "a::c"].map(module));
     assert_eq!(modules.folders(), folders);
     let circles = folders.iter().map(|folder| circle(&modules.families(folder)));
@@ -231,11 +292,17 @@ fn circles_are_found_inside_of_folders() {
 
 #[test]
 fn imports_are_read_as_the_compiler_does() {
-    let tree = "use super::{a::{B, c}, d as e};\npub use crate::x::Y;\nlet use_it = f(g::h(1));";
-    let expected = ["super::a::B", "super::a::c", "super::d", "crate::x::Y"];
-    assert_eq!(uses(tree).into_iter().map(|u| u.1).collect::<Vec<_>>(), expected);
-    assert_eq!(uses(tree).iter().map(|u| u.0).collect::<Vec<_>>(), [false, false, false, true]);
-    assert!(paths(tree).contains(&"g::h".to_owned()));
+    let imports = Imports::of(
+        "use super::{a::{B, c}, d as e};\npub use crate::x::Y;\n#[cfg(test)]\nmod tests { use super::t; }\n\
+         fn use_it() { f(g::h(1)); assert!(k(m::n::o(2), p)); }",
+    );
+    let uses: Vec<(bool, String)> =
+        imports.uses.iter().map(|(p, path)| (*p, path.join("::"))).collect();
+    let private = ["super::a::B", "super::a::c", "super::d"].map(|path| (false, path.to_owned()));
+    assert_eq!(uses[..3], private);
+    assert_eq!(uses[3..], [(true, "crate::x::Y".to_owned())]);
+    let paths: Vec<String> = imports.paths.iter().map(|path| path.join("::")).collect();
+    assert!(["g::h", "m::n::o"].iter().all(|path| paths.iter().any(|p| p == path)), "{paths:?}");
     let family = |used: &[&str]| used.iter().map(|u| ((*u).to_owned(), (*u).to_owned())).collect();
     let straight = [("a", family(&["b", "c"])), ("b", family(&["c"])), ("c", family(&[]))];
     let straight = straight.map(|(name, used)| (name.to_owned(), used)).into_iter().collect();
