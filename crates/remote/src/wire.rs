@@ -1,5 +1,5 @@
-//! Requests, shared data and answers as bytes. What is small and has a structure is written by
-//! `postcard`; long lists of numbers as their bits, little-endian, four bytes a number.
+//! Requests, shared data and answers as bytes. Small structured data is written by `postcard`; long
+//! lists of numbers as their bits, little-endian, four bytes a number.
 
 use glam::Vec3;
 use serde::de::DeserializeOwned;
@@ -17,7 +17,7 @@ pub(super) enum Request {
     Probe(Vec<u32>, ProbeSettings),
     /// The radiance of these pixels, each by the paths of these numbers, and its derivatives.
     Jacobian(Vec<(u32, Range<u32>)>, Vec<Parameter>, Settings),
-    /// The same on paths that were drawn from other materials, of the settings' numbers.
+    /// The same on paths that were drawn from other materials, with the settings' sample numbers.
     Replay(Vec<u32>, [Vec<Parameter>; 2], Settings),
     /// The radiance of these pixels.
     Radiance(Vec<u32>, Settings),
@@ -25,7 +25,7 @@ pub(super) enum Request {
     Samples(Range<u32>, Settings),
 }
 
-/// What a worker is made of.
+/// What a worker is built from.
 #[derive(Deserialize)]
 pub(super) struct Setup {
     pub(super) scene: Scene,
@@ -33,7 +33,7 @@ pub(super) struct Setup {
     pub(super) size: (usize, usize),
 }
 
-/// What the scene looks like, and what paths are drawn from that are replayed: materials, and factors on lights.
+/// The scene's appearance, and that from which replayed paths are drawn: materials, and factors on lights.
 #[derive(Deserialize)]
 pub(super) struct Appearances {
     pub(super) now: (Vec<Material>, Vec<Rgb>),
@@ -64,11 +64,11 @@ pub(super) fn setup(scene: &Scene, camera: &Camera, size: (usize, usize)) -> Vec
 
 /// Plain data as bytes.
 pub(super) fn encode<T: Serialize>(value: &T) -> Vec<u8> {
-    // Plain data of known lengths can always be written; nothing is what no worker understands.
+    // Plain data of known lengths can always be written; no worker understands empty bytes.
     postcard::to_stdvec(value).unwrap_or_default()
 }
 
-/// Plain data of bytes.
+/// Plain data from bytes.
 pub(super) fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
     postcard::from_bytes(bytes).ok()
 }
@@ -113,7 +113,7 @@ pub(super) fn write_rgb<'a>(values: impl Iterator<Item = &'a Rgb>) -> Vec<u8> {
     out.0
 }
 
-/// `count` radiances of bytes.
+/// `count` radiances from bytes.
 pub(super) fn read_rgb(bytes: &[u8], count: usize) -> Option<Vec<Rgb>> {
     if bytes.len() != 12 * count {
         return None;
@@ -122,7 +122,7 @@ pub(super) fn read_rgb(bytes: &[u8], count: usize) -> Option<Vec<Rgb>> {
     (0..count).map(|_| input.vector()).collect()
 }
 
-/// Probes as bytes: their number, and they.
+/// Probes as bytes: their number, then the probes.
 pub(super) fn write_probes(probes: &Probes) -> Vec<u8> {
     let words = 1 + 27 * probes.probes.len() + 6 * probes.incident.len();
     let mut out = Writer(Vec::with_capacity(4 * words));
@@ -147,7 +147,7 @@ pub(super) fn write_probes(probes: &Probes) -> Vec<u8> {
     out.0
 }
 
-/// Probes of bytes.
+/// Probes from bytes.
 pub(super) fn read_probes(bytes: &[u8]) -> Option<Probes> {
     let mut input = Reader::new(bytes);
     let count = input.number()? as usize;
@@ -180,8 +180,8 @@ fn read_probe(input: &mut Reader<'_>, incident: usize) -> Option<Probe> {
     (end as usize <= incident).then_some(probe)
 }
 
-/// The sums of all pixels as bytes: how many bytes a number has, and the numbers without the zeros
-/// above.
+/// The sums of all pixels as bytes: how many bytes a number has, then the numbers without leading
+/// zeros.
 pub(super) fn write_sums(sums: &Accumulator) -> Vec<u8> {
     let numbers = || sums.image().pixels().iter().flat_map(|pixel| pixel.sum);
     let largest = numbers().max().unwrap_or(0);
@@ -191,7 +191,7 @@ pub(super) fn write_sums(sums: &Accumulator) -> Vec<u8> {
     out
 }
 
-/// The sums of `count` pixels of bytes.
+/// The sums of `count` pixels from bytes.
 pub(super) fn read_sums(bytes: &[u8], count: usize) -> Option<Vec<[u128; 3]>> {
     let (width, bytes) = bytes.split_first()?;
     let width = usize::from(*width);
