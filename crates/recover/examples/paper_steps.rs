@@ -1,8 +1,8 @@
 //! The paper's ladder on boxes with brushed floors, step by step: `cargo run --release -p unrender-recover --example
 //! paper_steps`, from the repository's root.
 //!
-//! Printed are tables for `docs/method/paper.md`: the error of each rung on the floor by two ways of rendering it
-//! again, each with its standard deviation, and what the ladder finds in each box.
+//! The example prints tables for `docs/method/paper.md`: the error of each rung on the floor by two ways of rendering
+//! it again, each with its standard deviation, and what the ladder finds in each box.
 
 #[path = "paper_direction/cornell_box.rs"]
 mod cornell_box;
@@ -101,8 +101,8 @@ fn box_with(scene: &Scene, floor: [f32; 3], shows_errors: bool) {
     }
 }
 
-/// One row a rung: the error of the best floor of that rung, everything else being as it is in truth, by paths of their
-/// own for each pixel and by the light that was gathered.
+/// Prints one row for each rung: the error of the best floor of that rung, with the truth for everything else, by
+/// separate paths for each pixel and by the gathered light.
 fn print_errors(observation: &Observation, view: &View<'_>, scene: &Scene) {
     let options = Options::default();
     let stage = Stage { observation, exposure: Rgb::ONE, renderer: view, seen: None };

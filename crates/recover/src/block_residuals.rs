@@ -12,18 +12,17 @@ use unrender_scene::Rgb;
 pub struct BlockResiduals {
     /// Photograph minus model, the mean over each block.
     pub residual: Vec<Rgb>,
-    /// The variance of that by the photograph's and the renderings' noise.
+    /// The residual's variance due to the noise of the photograph and the renderings.
     pub noise: Vec<Rgb>,
-    /// The part of that by the renderings' noise alone.
+    /// The part of that due to the renderings' noise alone.
     pub rendering: Vec<Rgb>,
-    /// The first half's rendering less the mean of both.
+    /// The first of the two renderings less their mean.
     pub half: Vec<Rgb>,
-    /// The part of `noise` that the residual does not have: what it was raised by for the sake of a
-    /// comparison.
+    /// The part of `noise` that was added for a comparison: the residual does not have it.
     pub missing: Vec<Rgb>,
     /// The squared level of each block.
     pub level2: Vec<Rgb>,
-    /// The light of the reference model, which an error of the incident light is a share of.
+    /// The light of the reference model: an error of the incident light is a share of it.
     pub light: Vec<Rgb>,
 }
 
@@ -71,7 +70,7 @@ impl BlockResiduals {
         let light: Vec<Rgb> = (0..n).map(|i| 0.5 * (model[0][i] + model[1][i])).collect();
         let residual: Vec<Rgb> = (0..n).map(|i| pixels[i].radiance - light[i]).collect();
         let smooth = blocks.smooth(&light);
-        // A lower bound that the model meets says nothing more.
+        // A clipped pixel counts only where the model is darker.
         let counts = |i: usize| {
             let dark = || (smooth[blocks.of_pixel[i] as usize]).cmplt(pixels[i].radiance).any();
             pixels[i].reading == Reading::Value || dark()
@@ -94,10 +93,10 @@ impl BlockResiduals {
     }
 }
 
-/// The variance of the rendering noise of a pixel in every block: half of it as `measured` around the
-/// block, half as in the whole group relative to the model's own `light` there. The first alone is small
-/// where by chance no bright path was found. Relative to anything else, a mirror that shows a lamp
-/// somewhere would be noise everywhere, and nothing could speak against it.
+/// The variance of the rendering noise of a pixel in every block: the mean of that `measured` around the block and of
+/// the whole group's, scaled to the model's own `light` there. The first alone is too small where by chance no bright
+/// path was found. With any other scale, a mirror that shows a lamp somewhere would be noisy everywhere, and nothing
+/// could speak against it.
 pub(crate) fn pooled(measured: &[Rgb], light: &[Rgb]) -> Vec<Rgb> {
     let variance: Rgb = measured.iter().sum();
     let squares: Rgb = light.iter().map(|light| *light * *light).sum();

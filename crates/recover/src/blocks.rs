@@ -1,13 +1,12 @@
 //! Blocks of neighbouring pixels of one group.
 //!
-//! What a model gets wrong, and what a camera's processing does to a picture, is alike in neighbouring
-//! pixels. Pixels are therefore not independent observations; the means over blocks nearly are. Blocks
-//! are a share of their group, not a number of pixels, so that a picture at twice the resolution has
-//! the same blocks.
+//! The errors of a model, and those of a camera's processing, are alike in neighbouring pixels. Pixels are therefore
+//! not independent observations; the means over blocks nearly are. Blocks are a share of their group, not a number of
+//! pixels, so that a picture at twice the resolution has the same blocks.
 //!
-//! Where the photograph changes within a block (a highlight, the edge of a shadow), the shape of the
-//! change is what tells hypotheses apart, and the block's mean would hide it: such a block is divided
-//! into fine ones, and more of its pixels are looked at ([`Grid`]).
+//! Where the photograph changes within a block (a highlight, the edge of a shadow), the shape of the change
+//! distinguishes hypotheses, and the block's mean would hide it: such a block is divided into fine ones, and more of
+//! its pixels are looked at ([`Grid`]).
 
 use crate::observation::Observation;
 use crate::sheet::Sheet;
@@ -16,12 +15,12 @@ use std::collections::BTreeMap;
 use unrender_render::sampler::mix;
 use unrender_scene::Rgb;
 
-/// Blocks of a group at most in one photograph, about, before uneven ones are divided. Half as many tell small
+/// About the most blocks of a group in one photograph, before uneven ones are divided. Half as many separate small
 /// highlights less well from their surroundings, twice as many are correlated.
 const BLOCKS: usize = 256;
-/// Sampled pixels of a block, about: with those around it and the rest of the group they tell the
-/// rendering noise. One or two leave it uncertain, which likelihoods then mistake for evidence; a dozen
-/// leave small groups with too few blocks to tell anything.
+/// About how many pixels of a block are sampled: with those around it and the rest of the group they determine the
+/// rendering noise. One or two leave it uncertain, and likelihoods mistake that for evidence; a dozen leave small
+/// groups with too few blocks for any test.
 const SAMPLES: usize = 4;
 /// A block is uneven if its pixels' standard deviation is this share of their level, noise apart. At
 /// half of it slow gradients count, at double the flanks of faint highlights do not.
@@ -29,11 +28,11 @@ const UNEVEN: f32 = 0.12;
 /// An uneven block is divided into so many parts along each side. Two do not show the shape of a small
 /// highlight; eight are single pixels.
 const PARTS: usize = 4;
-/// The share of a sample that uneven blocks get at least, where they have as many pixels. At half of it
-/// the smallest highlights are a dozen pixels; at double the rest of the group has none.
+/// The least share of a sample that uneven blocks get, where they have enough pixels. At half of it the smallest
+/// highlights are a dozen pixels; at double the rest of the group has none.
 const UNEVEN_SHARE: f32 = 0.4;
 
-/// The side of a block, pixels, of a group of `pixels` of which `sampled` are looked at, in at most `most` blocks.
+/// The side of a block, in pixels, for a group of `pixels`, so many of them `sampled`, in at most `most` blocks.
 fn side(pixels: usize, sampled: usize, most: usize) -> usize {
     let blocks = (sampled.min(pixels) / SAMPLES).clamp(1, most);
     (pixels / blocks).isqrt().max(1)
@@ -53,9 +52,9 @@ pub struct Place {
 }
 
 impl Place {
-    /// By how many times the variance of the model error is larger than that of a whole block: all
-    /// parts of an uneven block together weigh as much as an undivided one, so that where a model is
-    /// wrong its numbers do not hang on how its pixels were chosen.
+    /// How many times the variance of the model error is that of a whole block: all parts of an uneven block together
+    /// weigh as much as an undivided one, so that the numbers of a wrong model do not depend on how its pixels were
+    /// chosen.
     pub fn parts(self) -> f32 {
         if self.fine { (PARTS * PARTS) as f32 } else { 1.0 }
     }
@@ -73,7 +72,7 @@ impl Place {
 pub struct Grid {
     sheet: Sheet,
     side: usize,
-    /// Whether each block is uneven, photograph by photograph, row by row, as far as the last one that is.
+    /// Whether each block is uneven, photograph by photograph, row by row, up to the last one that is.
     uneven: Vec<bool>,
 }
 
@@ -90,7 +89,7 @@ impl Grid {
         even.dividing_uneven(observation, group, pixels)
     }
 
-    /// The same, the uneven blocks of `pixels` of `group` divided.
+    /// The same with the uneven blocks of `pixels` of `group` divided.
     #[must_use]
     pub fn dividing_uneven(
         mut self,
@@ -204,7 +203,7 @@ pub struct Blocks {
     pub places: Vec<Place>,
     /// The number of pixels of every block.
     pub sizes: Vec<u32>,
-    /// All pairs that show the same place of the surface in two photographs, once they are known.
+    /// All pairs of blocks that show the same place of the surface in two photographs, once known.
     pub same: Vec<(usize, usize)>,
 }
 
@@ -230,7 +229,7 @@ impl Blocks {
         self.places.is_empty()
     }
 
-    /// The blocks without the pixels that are flagged; blocks that are left empty go.
+    /// The blocks without the pixels that are flagged, and without those that are left empty.
     #[must_use]
     pub fn without(&self, flags: &[bool]) -> Self {
         let kept = || self.of_pixel.iter().zip(flags).filter(|(_, flag)| !**flag).map(|(b, _)| *b);
@@ -282,8 +281,8 @@ impl Blocks {
         self.places.iter().map(around).collect()
     }
 
-    /// Makes the squared levels of all blocks those that their model errors are a share of
-    /// ([`Place::parts`]).
+    /// Multiplies the squared level of each block by its [`Place::parts`]: model errors are a share
+    /// of it.
     pub fn spread_over_parts(&self, level2: &mut [Rgb]) {
         level2.iter_mut().zip(&self.places).for_each(|(level2, place)| *level2 *= place.parts());
     }

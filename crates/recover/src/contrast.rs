@@ -1,11 +1,10 @@
 //! Two models of one group side by side: which of them explains the blocks better, and by how much.
 //!
 //! Each model was rendered twice with independent noise, `A` and `B`. The squared residual of a model is
-//! the product `(P - A) C^-1 (P - B)` of both, whose mean does not hold the noise of the renderings: a
-//! model that is hard to render is neither further from the photograph nor nearer to it for that. `C` is
-//! the covariance of the observation model ([`crate::likelihood`]) under the model that is explained
-//! better, with the larger one of the two rendering noises: that one of them happens to be sampled well is
-//! no evidence for it.
+//! the product `(P - A) C^-1 (P - B)` of both, whose mean does not hold the noise of the renderings: a model that is
+//! hard to render gains or loses nothing by that. `C` is the covariance of the observation model
+//! ([`crate::likelihood`]) under the more likely model, with the larger one of the two rendering noises: that one of
+//! them happens to be sampled well is no evidence for it.
 
 use crate::block_residuals::BlockResiduals;
 use crate::blocks::Blocks;
@@ -14,7 +13,7 @@ use crate::model_error::{LightField, ModelError};
 use glam::DVec3;
 use unrender_scene::Rgb;
 
-/// No fewer blocks than this share are taken as independent: the correlation is an estimate.
+/// At least this share of the blocks is taken as independent: the correlation is an estimate.
 const LEAST_INDEPENDENT: f64 = 0.05;
 
 /// One model of a group.
@@ -23,7 +22,7 @@ pub struct Side<'a> {
     pub residuals: &'a BlockResiduals,
     /// How the light that was gathered may be wrong.
     pub field: &'a LightField,
-    /// The share of model error below which nothing counts.
+    /// The least model error that is always allowed for.
     pub floor: ModelError,
 }
 
@@ -31,21 +30,20 @@ pub struct Side<'a> {
 pub struct Contrast {
     /// The squared residuals of the one model less those of the other, in units of their covariance.
     pub difference: f64,
-    /// How far the two models are apart, squared, in units of the residuals' covariance: what the true
-    /// one of them gains on the mean. It is the product of the two halves' differences, free of the
-    /// renderings' noise.
+    /// The squared distance of the two models, in units of the residuals' covariance: the expected gain of the true
+    /// one. It is the product of the two halves' differences, free of the renderings' noise.
     pub separation: f64,
-    /// The variance of the difference by the renderings' noise.
+    /// The variance of the difference due to the renderings' noise.
     pub noise: f64,
     /// The share of the blocks that are independent of each other.
     pub independent: f64,
-    /// What a model that fits everything takes away of residuals that are chance: the squares of all of them but for the
+    /// What a model that fits everything would gain by chance: the expected squares of all residuals without the
     /// renderings' noise, which products of two do not hold.
     pub chance: f64,
 }
 
-/// A model is wrong if what it gains is less by so many standard deviations than what a right one does. At
-/// half of it chance takes faint lobes back, at double it lets wrong ones pass.
+/// A model is wrong if it gains less than a right one would by so many standard deviations. At half of it chance
+/// rejects faint lobes, at double it accepts wrong ones.
 const WRONG: f64 = 2.0;
 
 impl Contrast {
@@ -54,20 +52,20 @@ impl Contrast {
         4.0 * self.separation.max(0.0) + self.noise
     }
 
-    /// Whether the difference is what it would be if the one model were right, as far as it tells.
+    /// Whether the difference is consistent with the one model being right.
     pub fn may_be_right(&self) -> bool {
         self.difference + self.separation.max(0.0) < WRONG * self.variance().sqrt()
     }
 
-    /// The one model beside the other.
+    /// Compares the one model with the other.
     pub fn of(blocks: &Blocks, [mine, other]: [&Side<'_>; 2]) -> Self {
         let (a, b) = (Reference::of(mine, other), Reference::of(other, mine));
         let is_mine = a.likelihood.deviance < b.likelihood.deviance;
         Self::under(if is_mine { &a } else { &b }, blocks, [mine, other])
     }
 
-    /// The one model beside the other, which may be wrong by whatever changes slowly over the surface: only
-    /// a pattern speaks against it.
+    /// Compares the one model with the other, which may have any error that changes slowly over the surface: only a
+    /// pattern speaks against it.
     pub fn of_pattern(blocks: &Blocks, [mine, other]: [&Side<'_>; 2]) -> Self {
         let residuals = other.residuals.with_noise(&mine.residuals.noise);
         let likelihood = Likelihood::slow(&residuals, other.field, other.floor);
@@ -75,7 +73,7 @@ impl Contrast {
         Self::under(&reference, blocks, [mine, other])
     }
 
-    /// The one model beside the other, in units of the covariance of `reference`.
+    /// Compares the one model with the other, in units of the covariance of `reference`.
     fn under(reference: &Reference<'_>, blocks: &Blocks, [mine, other]: [&Side<'_>; 2]) -> Self {
         let Reference { residuals, field, likelihood } = reference;
         let covariance = Covariance::of(residuals, field, likelihood);
@@ -93,7 +91,7 @@ impl Contrast {
     }
 }
 
-/// How many squares of `residuals` are not the renderings' noise, in units of their variance.
+/// The expected squares of `residuals` without the renderings' noise, in units of their variance.
 fn chance(residuals: &BlockResiduals, error: ModelError) -> f64 {
     let of_block = |k: usize| {
         let model = (error.share * error.share) as f32 * residuals.level2[k];
@@ -104,12 +102,12 @@ fn chance(residuals: &BlockResiduals, error: ModelError) -> f64 {
     (0..residuals.noise.len()).map(of_block).sum()
 }
 
-/// The variance of the difference of the squared residuals of two models by the renderings' noise.
+/// The variance, due to the renderings' noise, of the difference of two models' squared residuals.
 ///
 /// With the mean `m` of both halves' residuals and half of their difference `h`, a model's square is
-/// `m C^-1 m - h C^-1 h`. `m` has the noise that `h` shows, and independently of it: each block's share of the
-/// variance is on the mean the square of `2 h C^-1 m` of the one model less the other. A block's channels, which see
-/// the same paths, and the random numbers that both models have in common are counted as what they are.
+/// `m C^-1 m - h C^-1 h`. `m` has as much noise as `h`, independent of it: each block's share of the variance is on
+/// average the square of the one model's `2 h C^-1 m` less the other's. This accounts for the correlation of a block's
+/// channels, which see the same paths, and for the random numbers that both models have in common.
 fn noise(covariance: &Covariance<'_>, [mine, other]: [&BlockResiduals; 2]) -> f64 {
     let of = |side: &BlockResiduals| {
         let means = covariance.inverse(&side.residual);
@@ -142,8 +140,8 @@ pub fn independent_share(blocks: &Blocks, residuals: &[DVec3]) -> f64 {
 
 /// The share of standardised `residuals` that are independent of each other.
 ///
-/// From the correlation `r` of `neighbours`, `((1 - r) / (1 + r))^2`, once for each direction of the picture. Of `n` that
-/// show the `same` place in as many photographs, whose correlation is `s`, there are as many as `n / (1 + (n - 1) s)`.
+/// The correlation `r` of `neighbours` gives `((1 - r) / (1 + r))^2`, one factor for each direction of the picture.
+/// Those of `n` photographs that show the `same` place, with the correlation `s`, count as `n / (1 + (n - 1) s)`.
 pub(crate) fn share_by([neighbours, same]: [&[(usize, usize)]; 2], residuals: &[DVec3]) -> f64 {
     let beside = correlation(neighbours, residuals);
     let share = ((1.0 - beside) / (1.0 + beside)).powi(2).max(LEAST_INDEPENDENT);
@@ -251,7 +249,7 @@ mod tests {
             drawn += 1;
             (mix(drawn) >> 40) as f32 / (1u64 << 24) as f32
         };
-        // `noise` in units of the least model error; as much of each half's is common to both models as is not.
+        // `noise` is in units of the least model error; half of its variance is common to both models.
         let mut contrast = |wrong: f32, noise: f32| {
             let mut draw = || 0.02 * noise * ((0..12).map(|_| uniform()).sum::<f32>() - 6.0);
             let mut both = [residuals(|x, _| wrong * (20.0 * x).sin()), residuals(|_, _| 0.0)];

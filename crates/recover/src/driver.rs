@@ -1,10 +1,9 @@
 //! The driver: owns iteration, verification and cancellation.
 //!
-//! All numbers of the present hypotheses are fitted together; others are proposed for the groups that
-//! they explain worst; a proposal is accepted if the re-rendering of the whole picture
-//! ([`crate::verify`]) does not speak against it, and taken back else. Then all parameters are
-//! refined together, which may not end worse than it began either, and the hypotheses are asked
-//! again under the refined light. What is returned is the best state that was verified.
+//! All parameters of the present hypotheses are fitted together; other hypotheses are proposed for the groups that are
+//! explained worst; a proposal is accepted if the re-rendering of the whole picture ([`crate::verify`]) does not speak
+//! against it. Then all parameters are refined together, which is taken back if it ends worse, and the hypotheses are
+//! compared again under the refined light. The result is the best state that was verified.
 
 use crate::hypothesis::Hypothesis;
 use crate::ladder::branches::{self, Kind};
@@ -20,18 +19,19 @@ use crate::schedule::Part;
 use crate::state::{Snapshot, State};
 use crate::verify::{Score, Verified, Verifier};
 
-/// How often the hypotheses are asked again after a refinement; each time costs a refinement where
+/// How often the hypotheses are compared again after a refinement; each time costs a refinement if
 /// one changes.
 const REVISIONS: usize = 2;
-/// Other kinds of hypothesis that are tried at most for groups which stay unexplained: both of one group, and one of a
+/// The most other kinds of hypothesis that are tried for groups which stay unexplained: both of one group, and one of a
 /// second. Each costs about as much as the first choice. Half and double of it were not tried.
 const BRANCHES: usize = 3;
-/// So many of the groups that would gain most by a specular part are tried at a time. Each costs a joint fit and a comparison.
-/// In drafts of four scenes the right one was the first or the second; half and double of it were not tried.
+/// How many of the groups that would gain most by a specular part are tried at a time. Each costs a joint fit and a
+/// comparison. In drafts of four scenes the right one was the first or the second; half and double of it were not
+/// tried.
 const LACKING: usize = 2;
-/// A specular part is kept where the other groups' pixels are explained better for it by so many standard deviations. In a
-/// room right ones were by 5.0 to 6.0, wrong ones there and in three photographs of plain walls by 0.5 at most: at half and
-/// double of it the same ones are kept.
+/// A specular part is kept if it explains the other groups' pixels better by so many standard deviations. In a room,
+/// right ones reached 5.0 to 6.0; wrong ones, there and in three photographs of plain walls, 0.5 at most: half and
+/// double of it keep the same ones.
 const BETTER: f64 = 1.0;
 
 /// Recovers everything, the default way.
@@ -63,7 +63,7 @@ struct Driver<'o> {
     options: &'o Options,
     verifier: Verifier,
     candidates: Candidates<'o>,
-    /// Groups for whose specular part the other groups' pixels spoke, and not their own.
+    /// Groups whose specular part is supported by the other groups' pixels, not by their own.
     spoken_for: Vec<usize>,
 }
 
@@ -86,7 +86,7 @@ impl Driver<'_> {
         best = self.verifier.verify(state);
         state.schedule.begin(Part::Choice);
         self.choose(state, &mut best, observer)?;
-        // While all is diffuse, what shines may pass for other light. What an interrupted choice has found is kept.
+        // While all are diffuse, a specular part may look like other light. An interrupted choice keeps its results.
         if is_suspect
             && !observer.is_cancelled()
             && let Some(off) = brightness::find(state, self.options, &first)
@@ -102,7 +102,7 @@ impl Driver<'_> {
         Ok(Termination::Settled)
     }
 
-    /// Asks the groups that are explained worst, until none is another hypothesis in its present light.
+    /// Compares the hypotheses of the groups that are explained worst, until none changes in its present light.
     fn choose(
         &mut self,
         state: &mut State<'_>,
@@ -128,8 +128,8 @@ impl Driver<'_> {
         Ok(())
     }
 
-    /// Groups that light each other may keep each other wrong: where one stays unexplained, it gets another kind of
-    /// hypothesis, the groups that it lights are asked again beside it, and the better of both ends stays.
+    /// Groups that light each other may keep each other wrong: one that stays unexplained gets another kind of
+    /// hypothesis, those of the groups that it lights are compared again, and the better of both results is kept.
     fn branch(
         &mut self,
         state: &mut State<'_>,
@@ -160,8 +160,9 @@ impl Driver<'_> {
         Ok(())
     }
 
-    /// Where the picture stays unexplained, the diffuse group that would explain most of it by a specular part gets one, and
-    /// keeps it where the other groups are explained better for it; then those are asked again whose light that changed.
+    /// Where the picture stays unexplained, the diffuse group that would explain most of it by a specular part gets
+    /// one, and keeps it if that explains the other groups better; then the hypotheses of the groups whose light
+    /// changed are compared again.
     fn add_lacking(
         &mut self,
         state: &mut State<'_>,
@@ -195,15 +196,13 @@ impl Driver<'_> {
         Ok(())
     }
 
-    /// Whether the other groups are explained better for what `group` is in the first state than where it is diffuse, in the
-    /// second.
+    /// Whether the other groups are explained better in the first state than in the second, where `group` is diffuse.
     fn is_better(&self, state: &mut State<'_>, group: usize, both: [&Snapshot; 2]) -> bool {
         score_test::certainty(state, self.options, group, both) > BETTER
     }
 
-    /// Makes the changes of `proposals` together; where the picture speaks against them, each half of
-    /// them apart. `best` is the present state, and the accepted one afterwards. Whether one was
-    /// accepted.
+    /// Makes the changes of `proposals` together; if the picture speaks against them, tries each half of them alone.
+    /// `best` is the present state, and afterwards the accepted one. Returns whether one was accepted.
     fn try_all(
         &mut self,
         state: &mut State<'_>,
@@ -224,7 +223,7 @@ impl Driver<'_> {
                 let next = proposals.into_iter().filter_map(|proposal| proposal.afterwards(state));
                 let next: Vec<Proposal> = next.collect();
                 if !next.is_empty() {
-                    // A texture fits what is left of a lobe: it meets the lobe at its best.
+                    // A texture would also fit a lobe's residual: the lobe is refined first.
                     self.refine_once(state, best, depth, observer);
                 }
                 waiting.extend(next.into_iter().map(|next| vec![next]));
@@ -244,10 +243,10 @@ impl Driver<'_> {
         accepted
     }
 
-    /// The state with the changes of `proposals`, if the picture does not speak against it. Other
-    /// groups were fitted in the light of what is changed here, right or wrong: where the changed
-    /// groups gain and others lose, these follow before it is decided. A more complex hypothesis, or another
-    /// minimum of the same, has to be borne out by its own group's pixels: nothing else speaks for it.
+    /// The state with the changes of `proposals`, if the picture does not speak against it. Other groups were fitted in
+    /// the light of the groups that change here, right or wrong: where these gain and others lose, all are fitted again
+    /// before the decision. A more complex hypothesis, or another minimum of the same, has to be supported by its own
+    /// group's pixels: nothing else speaks for it.
     fn try_one(
         &mut self,
         state: &mut State<'_>,
@@ -286,7 +285,7 @@ impl Driver<'_> {
         (!comparison.is_worse()).then_some(found)
     }
 
-    /// Refines all parameters together, roughly at first; under that light the hypotheses are asked again.
+    /// Refines all parameters together, roughly at first; under that light the hypotheses are compared again.
     fn refine(
         &mut self,
         state: &mut State<'_>,
@@ -307,16 +306,16 @@ impl Driver<'_> {
         Ok(termination)
     }
 
-    /// The groups whose light differs between two scores: by more than the error of it that is always allowed for, as a
-    /// smaller change decides nothing.
+    /// The groups whose light differs between two scores by more than the error that is always allowed for: a smaller
+    /// change decides nothing.
     fn changed(&self, state: &State<'_>, now: &Score, before: &Score, level: Level) -> Vec<usize> {
         let tolerated = sample_budget::allowance(level, self.options).light.share;
         let changed = self.verifier.changed(now, before, tolerated);
         state.visible_unknowns().into_iter().filter(|group| changed.contains(group)).collect()
     }
 
-    /// Asks all groups again, and then those whose light has changed, or whose texture was refused beside what the other
-    /// groups left before.
+    /// Compares the hypotheses of all groups again, and then of those whose light has changed, or whose texture was
+    /// rejected by the former residuals of the other groups.
     fn revise(
         &mut self,
         state: &mut State<'_>,
@@ -365,7 +364,7 @@ impl Driver<'_> {
         termination
     }
 
-    /// Other hypotheses under the refined light, for those of `groups` that are asked for.
+    /// Other hypotheses for `groups` under the refined light.
     fn ask(
         &mut self,
         state: &mut State<'_>,

@@ -1,11 +1,11 @@
 //! How much work a recovery is worth: an answer at once, the usual one, or one with less noise.
 
-/// How many pixels, light samples and paths are spent on every question.
+/// How many pixels, light samples and paths are spent on every comparison.
 ///
-/// A draft asks each group once, in the light of the first common fit. The others ask the same
-/// questions, with more samples: then more differences are significant. The standard deviations of a
-/// draft are larger, and somewhat too small for its errors (`docs/guides/results.md`). The paper's ladder has its own
-/// sample counts, and heeds this only in the choice of the camera, the exposure by an anchor, and the last picture.
+/// A draft compares the hypotheses of each group once, in the light of the first common fit. The others make the same
+/// comparisons with more samples: then more differences are significant. The standard deviations of a draft are larger,
+/// and somewhat too small for its errors (`docs/guides/results.md`). The paper's ladder has its own sample counts, and
+/// heeds this only in the choice of the camera, the exposure by an anchor, and the last picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Effort {
     /// A first answer, for an eighth of the samples and without second thoughts: faint and small lobes may be missed, and
@@ -20,12 +20,12 @@ pub enum Effort {
 
 /// A last picture of more pixels than this has fewer paths in each. Half and double of it were not tried.
 const LAST_PIXELS: usize = 1 << 18;
-/// Paths a pixel at least, however many pixels there are: half of them in each of two pictures that tell the noise. At
+/// Paths a pixel at least, however many pixels there are: half of them in each of two pictures that show the noise. At
 /// double of it all of 12 megapixels take twice as long; half of it was not tried.
 const LAST_SPP_MIN: u32 = 8;
 
 impl Effort {
-    /// Pixels, where [`Effort::Normal`] looks at so many. Half of a draft's share, and double of it, were not
+    /// The number of pixels, if [`Effort::Normal`] uses `normal`. Half of a draft's share, and double of it, were not
     /// tried.
     #[must_use]
     pub(crate) fn pixels(self, normal: usize) -> usize {
@@ -36,8 +36,8 @@ impl Effort {
         }
     }
 
-    /// Light samples or paths a pixel, at least one, where [`Effort::Normal`] takes so many. Other shares
-    /// than a half were not tried for a draft.
+    /// Light samples or paths a pixel, at least one, if [`Effort::Normal`] takes `normal`. Other shares than a half
+    /// were not tried for a draft.
     #[must_use]
     pub(crate) fn samples(self, normal: u32) -> u32 {
         match self {
@@ -47,9 +47,9 @@ impl Effort {
         }
     }
 
-    /// A standard deviation below which nobody asks for more, where that of [`Effort::Normal`] is so large: twice
-    /// the paths make it 0.7. At double of a draft's a small Figure 8 takes as long and its direction is a fifth further
-    /// off; half of it was not tried.
+    /// The standard deviation that is small enough, if for [`Effort::Normal`] `normal` is: twice the paths make it 0.7.
+    /// At double of a draft's a small Figure 8 takes as long and its direction is a fifth further off; half of it was
+    /// not tried.
     #[must_use]
     pub(crate) fn deviation(self, normal: f64) -> f64 {
         match self {
@@ -59,16 +59,16 @@ impl Effort {
         }
     }
 
-    /// Whether groups are asked again for their hypotheses: where they may keep each other wrong, where the whole picture
-    /// lacks a specular part, and under the refined light. A draft that did took 2 to 4 times as long in rooms by another
+    /// Whether hypotheses are compared again: where groups may keep each other wrong, where the whole picture lacks a
+    /// specular part, and under the refined light. A draft that did took 2 to 4 times as long in rooms by another
     /// renderer; without it twelve such rooms have 132 of 157 hypotheses right, the usual effort 145.
     #[must_use]
     pub(crate) fn asks_again(self) -> bool {
         self != Self::Draft
     }
 
-    /// Paths a pixel of a last picture of so many `pixels`, where nothing else is asked: of a large one so many fewer
-    /// that all of it takes as long as one of 512 x 512. Looked at as a whole, both are as noisy.
+    /// Paths a pixel of a last picture of so many `pixels`, by default: a large one has so many fewer that all of it
+    /// takes as long as one of 512 x 512. Seen as a whole, both look equally noisy.
     #[must_use]
     pub fn last_spp(self, pixels: usize) -> u32 {
         let usual = match self {

@@ -3,13 +3,12 @@
 //!
 //! Two sets, A and B, because the noise of a rendering is not the model's fault: the product of the
 //! two residuals `(B - L_A)(B - L_B)` has the mean `(B - L)^2`, without the variance of either.
-//! Reflectances minimise that product, and no noise of ours biases them ([`crate::fit::linear`]); the
-//! shapes of lobes are searched by the deviance ([`crate::likelihood`]), which knows of the noise.
+//! Reflectances minimise that product, so the rendering noise does not bias them ([`crate::fit::linear`]); the shapes
+//! of lobes are searched by the deviance ([`crate::likelihood`]), which includes the noise.
 //!
 //! A residual is weighted by the inverse of its variance under the observation model
 //! ([`crate::model_error`]): the photograph's noise at the *model's* brightness and the model error.
-//! The photograph's own value never enters its weight, since that would let dark pixels rule
-//! ([`Evidence::reweigh`]).
+//! The photograph's own value never enters its weight, since dark pixels would then dominate ([`Evidence::reweigh`]).
 
 use crate::blocks::{Blocks, Grid};
 use crate::expected::Expected;
@@ -23,7 +22,7 @@ use unrender_render::sampler::mix;
 use unrender_render::{Appearance, LobeSums, Probe, ProbeSettings, Probes, RadianceCache};
 use unrender_scene::{BrdfModel, Material, Rgb};
 
-/// What is known of one group in one turn.
+/// What is known of one group in one iteration.
 #[derive(Clone, Debug)]
 pub struct Evidence {
     /// The lobe.
@@ -38,7 +37,7 @@ pub struct Evidence {
     pub field: LightField,
     /// How much model error is always allowed for.
     pub allowance: Allowance,
-    /// The noise of every block that no candidate may undercut, where it is known.
+    /// The least noise of every block for all candidates, where it is known.
     pub least_noise: Option<Vec<Rgb>>,
     /// Bounds and starting values of the group's numbers.
     pub expected: Expected,
@@ -234,8 +233,8 @@ impl Evidence {
     }
 }
 
-/// Weights the residual of each of `pixels`, in `blocks`, by the inverse of its variance, where a model of that `error`
-/// says so much `light`.
+/// Weights the residual of each of `pixels`, in `blocks`, by the inverse of its variance, under a model with this
+/// `error` and `light`.
 pub(crate) fn reweigh(pixels: &mut [Observed], blocks: &Blocks, light: &[Rgb], error: ModelError) {
     let smooth = blocks.smooth(light);
     let count = light.len().max(1) as f32;

@@ -7,10 +7,9 @@
 use std::sync::Arc;
 use unrender_scene::{Hypothesis, Material, Rgb, Texture};
 
-/// The range of roughness that is looked through: sharper lobes are mirrors at any pixel size that
-/// photographs have, wider ones are diffuse. At half of the first, lobes fit single light samples; at
-/// double of it polished metal is missed. Half of the second takes satin for diffuse; beyond it nothing
-/// changes.
+/// The range of roughness that is searched: sharper lobes are mirrors at any pixel size that photographs have, wider
+/// ones are diffuse. At half of the first, lobes fit single light samples; at double of it polished metal is missed.
+/// Half of the second takes satin for diffuse; beyond it nothing changes.
 pub const ALPHA_RANGE: [f32; 2] = [0.005, 1.0];
 
 /// What is expected of a group's numbers.
@@ -20,11 +19,11 @@ pub struct Expected {
     pub bounds: ParameterBounds,
     /// Where to look besides the usual places.
     pub start: StartValues,
-    /// The group that it is like, if it is like one.
+    /// The group that it is like, if any.
     pub like: Option<Like>,
 }
 
-/// That a group's numbers are about those of another.
+/// A group's numbers are about those of another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Like {
     /// The other group's index.
@@ -35,8 +34,8 @@ pub struct Like {
 
 /// The least and the greatest value of each number; the first is at most the second.
 ///
-/// As everywhere, `alpha_x` is the lesser roughness: bounds of it are also upper and lower ones of
-/// `alpha_y`. That of a round lobe lies in both intervals.
+/// As everywhere, `alpha_x` is the lesser roughness: its lower bound also holds for `alpha_y`, and
+/// the upper one of `alpha_y` for it. A round lobe's lies in both intervals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParameterBounds {
     /// Of the diffuse reflectance, and of every texel of a texture.
@@ -71,7 +70,7 @@ impl Default for ParameterBounds {
     }
 }
 
-/// `value` in the interval; above an empty one its lower end.
+/// `value` clamped to the interval; the lower end of an empty one.
 fn into(value: f32, [low, high]: [f32; 2]) -> f32 {
     value.clamp(low, high.max(low))
 }
@@ -162,13 +161,13 @@ impl ParameterBounds {
     }
 }
 
-/// The roughness of a lobe that has to be there and of which nothing else is said: half of it is nearly a
-/// mirror image, double nearly diffuse.
+/// The first roughness of a lobe that has to be there, if none is stated: half of it is nearly a mirror image, double
+/// nearly diffuse.
 const ALPHA_START: f32 = 0.2;
 
 impl Expected {
-    /// What a group is before it was looked at, diffuse with `rho_d` where nothing else is said: a lobe if its
-    /// strength and roughness are given, or if the bounds ask for one and it `may_have` one.
+    /// The first material of a group, diffuse with `rho_d` where nothing else is said; with a lobe if it `may_have`
+    /// one, and its strength and roughness are given or the bounds ask for one.
     pub(crate) fn first(&self, rho_d: Rgb, may_have: bool) -> Material {
         let Self { bounds, start, .. } = self;
         let diffuse = Material::diffuse(into_rgb(start.rho_d.unwrap_or(rho_d), bounds.rho_d));
@@ -182,8 +181,7 @@ impl Expected {
         bounds.nearest(&Material { rho_s, alpha_x, alpha_y, theta_rad, ..diffuse })
     }
 
-    /// For every bound that the project states and a number of `material`, of `hypothesis`, lies on: a
-    /// sentence of it.
+    /// A sentence for every bound of the project on which a number of `material`, of `hypothesis`, lies.
     pub(crate) fn touched(&self, hypothesis: Hypothesis, material: &Material) -> Vec<String> {
         use Hypothesis::{Anisotropic, Diffuse, DiffuseSpecular, Isotropic, PartialMirror};
         let (bounds, free) = (&self.bounds, ParameterBounds::default());
@@ -215,9 +213,9 @@ impl Expected {
     }
 }
 
-/// A reflectance lies on a bound if it is nearer to it than nearly anyone asks to know it, and so does the
-/// logarithm of a roughness. At half of it, what the ladder's last step leaves is not named; at double,
-/// numbers are that stopped on their own.
+/// A reflectance lies on a bound if it is nearer to it than nearly anyone needs to know it, and so does the logarithm
+/// of a roughness. At half of it, numbers that the ladder's last step leaves there are not named; at double, some that
+/// stopped by themselves are.
 const TOUCHES: f32 = 1e-3;
 const TOUCHES_LN_ALPHA: f32 = 2e-3;
 
@@ -225,7 +223,7 @@ fn sentence(name: &str, end: usize, value: &str, channels: &str) -> String {
     format!("{name} lies on its bound {} = {value}{channels}", ["min", "max"][end])
 }
 
-/// The sentence of a reflectance that lies on the bounds that are not those of all reflectances, `free`.
+/// The sentence for a reflectance that lies on a bound, unless it is that of all reflectances, `free`.
 fn touches_rgb(name: &str, value: Rgb, bounds: [Rgb; 2], free: [Rgb; 2]) -> Option<String> {
     let touches = |end: usize| -> Vec<usize> {
         let near = |c: usize| (value[c] - bounds[end][c]).abs() <= TOUCHES;

@@ -1,12 +1,11 @@
-//! The journal of a recovery: what its expensive steps have found, so that one that was killed goes
-//! on where it was, and ends with the same bits.
+//! The journal of a recovery: the results of its expensive steps, so that a killed recovery
+//! continues where it was, and ends with the same bits.
 //!
 //! A recovery depends on nothing but its problem and its options: run twice, it makes the same steps
-//! and decisions. So what has to be kept is what takes time: the result of each rendering with the
-//! arithmetic on it, one record a step, in the order in which they are made. To go on is to begin
-//! again with the records at hand: where the journal knows what a step found, it is taken from there
-//! (*deterministic replay*); everything between the steps, where the recovery stands in its loops and
-//! all that later decisions depend on, comes about again by itself.
+//! and decisions. So only what takes time is kept: the result of each rendering with the arithmetic on it, one record a
+//! step, in order. To continue, the recovery begins again with these records: a step whose result is in the journal
+//! takes it from there (*deterministic replay*); everything else, the state of the loops and all that later decisions
+//! depend on, is computed again.
 //!
 //! The steps are: an iteration of fits, the exposure by the anchor, the candidates of one group, a
 //! verification, a pass of the joint refinement, and each of the last tasks after it. A step that
@@ -15,18 +14,18 @@
 //!
 //! To add a step: wrap it into `Steps::value` if it only finds something, or `State::step` (`state/step.rs`) if it
 //! changes materials, groups, lights, exposure or the camera's numbers. It must change nothing else
-//! of the state. What is not wrapped is done again, and costs time alone.
+//! of the state. A step that is not wrapped is done again, which costs only time.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// Keeps what steps have found, in order.
 ///
-/// Once the observer has said that the recovery is cancelled, the journal has to stay as it is: the
-/// steps after that are not those of a recovery that goes on.
+/// Once the observer has said that the recovery is cancelled, the journal must not change: the
+/// steps after that are not those of a recovery that continues.
 pub trait Journal: Sync {
-    /// Shows `understand` what the next step found in an earlier run, and says whether it understood.
-    /// False if that run did not come so far. What was not understood is dropped, with all after it.
+    /// Gives `understand` the result of the next step in an earlier run, and returns whether it was understood; false
+    /// if that run did not get so far. A record that was not understood is dropped, with all after it.
     fn recall(&self, understand: &mut dyn FnMut(&[u8]) -> bool) -> bool;
     /// Keeps what the next step has found now.
     fn keep(&self, found: &[u8]);
@@ -37,7 +36,7 @@ pub trait Journal: Sync {
 pub(crate) struct Steps<'a>(pub(crate) Option<&'a dyn Journal>);
 
 impl Steps<'_> {
-    /// What `work` finds, or found in an earlier run. `name` tells kinds of steps from each other.
+    /// The result of `work`, now or in an earlier run. `name` distinguishes kinds of steps.
     pub(crate) fn value<T: Serialize + DeserializeOwned>(
         self,
         name: &str,

@@ -1,16 +1,15 @@
-//! A photograph, or several, and a scene to materials [Boivin and Gagalowicz 2002].
-//! Sources are cited by the keys of `docs/bibliography.md`; "the paper" is this one, and a section or
-//! figure without a source is its.
+//! From a photograph, or several, and a scene to materials [Boivin and Gagalowicz 2002]. Sources are cited by the keys
+//! of `docs/bibliography.md`; "the paper" is this one, and so is the source of a section or figure without one.
 //!
 //! The modules stand in the order of the paper's loop, plain data first:
 //! photograph and scene ([`observation`], [`blocks`], [`problem`]) -> [`evidence`] ->
 //! [`hypothesis`] -> [`rerender`] -> error ([`model_error`], [`residual`], [`outliers`]) -> next
 //! hypothesis ([`selection`], `ladder`; as the paper does it: [`paper`]) -> all parameters at once (`refine`) -> materials
-//! ([`record`]). The `driver` owns iteration, verification and cancellation. How the model lies on the
-//! photograph is found before, by [`unrender_register`].
+//! ([`record`]). The `driver` owns iteration, verification and cancellation. The model is registered to the photograph
+//! before, by [`unrender_register`].
 //!
-//! [`recover`] is the whole of it. It touches no file, no clock and no terminal; the renderer is
-//! behind the small trait [`Renderer`], and whoever wants to follow gives an [`Observer`].
+//! [`recover`] does all of it. It touches no file, no clock and no terminal; the renderer is behind
+//! the small trait [`Renderer`], and an [`Observer`] can follow the progress.
 
 pub mod block_residuals;
 pub mod blocks;
@@ -89,8 +88,8 @@ pub fn refine_from(
     Ok(picture::finish(state, &last_picture(options, termination), termination, observer))
 }
 
-/// How well the numbers of each group of `problem` are known where `materials`, one for each group, are right, after a
-/// refinement that begins at them as [`refine_from`] does; no picture is rendered.
+/// The standard deviations of the numbers of each group of `problem` if `materials`, one for each group, are right:
+/// those after a refinement that begins at them as [`refine_from`] does; no picture is rendered.
 ///
 /// # Errors
 /// As those of [`refine_from`].
@@ -129,8 +128,8 @@ pub fn recover(
     run(State::new(problem)?, options, observer)
 }
 
-/// As [`recover`], with a journal: what an earlier run of the same problem and options has left there
-/// is not done again, and what is done is kept there. The bits are the same with and without.
+/// As [`recover`], with a journal: steps that an earlier run of the same problem and options has left there are not
+/// done again, and new ones are kept there. The result has the same bits with and without it.
 ///
 /// # Errors
 /// As those of [`recover`].

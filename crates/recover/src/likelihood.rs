@@ -2,10 +2,10 @@
 //!
 //! For each channel the residuals are Gaussian with the covariance `C = diag(noise + share^2 level^2) +
 //! U U^T`, the columns of `U` being the functions of the light's error times the light and their
-//! standard deviation. With `W` the inverse of the diagonal, Woodbury's identity gives all that is
-//! asked from sums over the blocks: `C^-1 = W - W U (1 + U^T W U)^-1 U^T W`, `ln det C = ln det(1 + U^T
-//! W U) - ln det W`. Noise that was raised for the sake of a comparison counts as if the residuals had
-//! it: a model is not more likely for being rendered with less noise than its rival.
+//! standard deviation. With `W` the inverse of the diagonal, Woodbury's identity gives all that is needed from sums
+//! over the blocks: `C^-1 = W - W U (1 + U^T W U)^-1 U^T W`, `ln det C = ln det(1 + U^T W U) - ln det W`. Noise that
+//! was raised for the sake of a comparison counts as if the residuals had it: a model is not more likely for being
+//! rendered with less noise than its rival.
 
 use crate::block_residuals::BlockResiduals;
 use crate::model_error::{FUNCTIONS, FieldOfPhotograph, LightError, LightField, ModelError};
@@ -21,9 +21,9 @@ pub struct Likelihood {
     pub deviance: f64,
     /// The share of model error that makes the residuals most likely.
     pub error: ModelError,
-    /// The error of the incident light that does.
+    /// The error of the incident light that does so.
     pub light: LightError,
-    /// Blocks that it is taken over.
+    /// The number of blocks.
     pub blocks: usize,
 }
 
@@ -33,8 +33,8 @@ const STEP: f64 = 1.25;
 /// The largest share that is tried: the residual is as large as the photograph.
 const LARGEST: f64 = 2.0;
 /// Errors of the light are tried in steps of this factor, and so many of them: up to sixteen times
-/// what is always allowed for. With half as many, the rough lamp of a real scene makes broad lobes of
-/// its own; with more, nothing changes.
+/// what is always allowed for. With half as many, a real scene's roughly modelled lamp causes spurious broad lobes;
+/// with more, nothing changes.
 const LIGHT_STEP: f64 = 2.0;
 const LIGHT_STEPS: i32 = 4;
 
@@ -247,7 +247,7 @@ impl<'a> Covariance<'a> {
         }
     }
 
-    /// `a C^-1 b`, all channels: how far two differences of the light of all blocks go together.
+    /// `a C^-1 b`, all channels: the weighted product of two differences of all blocks' light.
     pub fn product(&self, [a, b]: [&[Rgb]; 2]) -> f64 {
         a.iter().zip(self.inverse(b)).map(|(a, b)| a.as_dvec3().dot(b)).sum()
     }

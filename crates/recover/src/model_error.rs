@@ -1,17 +1,17 @@
-//! The observation model: what a residual may be, besides a wrong hypothesis.
+//! The observation model: what a residual may come from, besides a wrong hypothesis.
 //!
 //! `pixel = model + photograph's noise + rendering noise + model error`.
 //!
 //! - The **photograph's noise** is measured ([`crate::observation`]) and taken at the model's
-//!   brightness, never at the photograph's own, which would let dark pixels rule.
+//!   brightness, never at the photograph's own: dark pixels would dominate.
 //! - The **rendering noise** is that of the two halves' difference.
 //! - The **model error** is what no model of a real scene gets right: geometry, lights, a reflectance
 //!   that is not exactly the lobe. It has two parts. One changes slowly over a surface: the light
 //!   that arrives there is wrong by an amount that varies with place and orientation
 //!   ([`LightField`]). The other is independent from block to block, with the standard deviation
 //!   `share * level`, `level^2 = (g^2 + m^2) / 2` for the group's mean light `g` and the local light
-//!   `m`: the first keeps dark pixels from ruling, the second lets bright ones be wrong in proportion.
-//!   The sizes of both are those that make the group's residuals most likely ([`crate::likelihood::Likelihood::of`]).
+//!   `m`: the first keeps dark pixels from dominating, the second lets bright ones be wrong in proportion. The sizes of
+//!   both are those that make the group's residuals most likely ([`crate::likelihood::Likelihood::of`]).
 //!
 //! Fits weight by the inverse of these variances, model selection compares likelihoods under them
 //! ([`crate::selection`]), and the report judges by them what is not explained.
@@ -45,8 +45,8 @@ pub struct ModelError {
 }
 
 /// A channel that a group hardly reflects counts as if its mean light were this share of the
-/// brightest channel's: a model error of a black channel is a share of nothing. At half or double,
-/// what is said of nearly black channels is twice or half as sure.
+/// brightest channel's: a model error of a black channel would be a share of nothing. At half or
+/// double, the uncertainty of nearly black channels is half or twice as large.
 const DARK: f32 = 0.1;
 
 /// The squared level that a model error is a share of: the mean of the squares of the group's mean
@@ -56,14 +56,13 @@ pub fn level2(mean: Rgb, local: Rgb) -> Rgb {
     (0.5 * (mean * mean + local * local)).max(Rgb::splat(f32::MIN_POSITIVE))
 }
 
-/// A model that is this many times brighter than the photograph around a pixel may not be as much more
-/// wrong there: with weights from its own light alone, a lobe could grow brighter and brighter, and pay
-/// less and less for it. At half of it the photograph's dark pixels begin to rule, at double sharp
-/// lobes grow.
+/// Levels follow a model that is brighter than the photograph around a pixel up to about this many times only: with
+/// weights from its own light alone, a lobe could grow brighter and brighter at less and less cost. At half of it the
+/// photograph's dark pixels begin to dominate, at double sharp lobes grow.
 const BRIGHTER: f32 = 2.0;
 
-/// A group's mean light and the local light, `light`, as far as levels and noise follow them where
-/// the photograph `shows` its own mean and local light.
+/// A group's mean and local `light`, limited for levels and noise by the mean and local light that
+/// the photograph `shows`.
 pub fn followed(light: (Rgb, Rgb), shows: (Rgb, Rgb)) -> (Rgb, Rgb) {
     let local = light.1.min(shows.0 + BRIGHTER * shows.1);
     (light.0.min(BRIGHTER * shows.0).max(Rgb::ZERO), local.max(Rgb::ZERO))
@@ -83,8 +82,8 @@ impl ModelError {
 }
 
 /// The standard deviation of the incident light's error that changes slowly over a surface, as a
-/// share of the light. While the other groups' reflectances are rough, they light each other wrongly
-/// by some percent.
+/// share of the light. While the other groups' reflectances are rough estimates, their light on each other is wrong by
+/// some percent.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LightError {
     /// The share.
@@ -213,7 +212,7 @@ impl FieldOfPhotograph {
     }
 }
 
-/// Where the surface behind a pixel is, in units that only hang on the camera; the origin without one.
+/// Where the surface behind a pixel is, in units that only depend on the camera; the origin without one.
 fn place_of(pixel: u32, sheet: &Sheet, geometry: &GeometryBuffers) -> Vec3 {
     let [_, first_row, width, height] = sheet.place(sheet.photograph_of(pixel));
     let depth = geometry.pixels()[pixel as usize].depth;

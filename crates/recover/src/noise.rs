@@ -4,16 +4,15 @@
 //! 3/2 of the noise's variance and little of the picture. It gives `variance = step^2/12 + r + s B`, quantisation,
 //! read noise `r` and shot noise `s` [Foi et al. 2008].
 //!
-//! Read noise is what is left where there is no light: a dark group shows it. Without it the noise of a
-//! channel that a group does not reflect would be none under the right hypothesis, and a texture the only one to explain
-//! it.
+//! Read noise is what is left where there is no light: a dark group shows it. Without it the noise of a channel that a
+//! group does not reflect would be zero under the right hypothesis, and only a texture could explain it.
 //!
 //! A camera has about the same `s` everywhere. Where a group's differences are far larger than those of most
 //! pixels, they may be a pattern (a mirror image, a fine texture); or the photograph is a rendering, whose noise
-//! is larger in some groups than in others. Noise has no memory from one pixel to the next, a pattern has: with
-//! the second differences `V_1` of neighbours and `V_2` of every other pixel, the variance that is left at no
-//! distance at all is `2 V_1 - V_2` if that of the pattern grows in proportion to the distance, and less if it
-//! grows faster. Geostatistics calls it the nugget effect [Matheron 1963]. So much is noise, however large.
+//! is larger in some groups than in others. Noise is uncorrelated from one pixel to the next, a pattern is not: with
+//! the second differences `V_1` of neighbours and `V_2` of every other pixel, the variance extrapolated to distance
+//! zero is `2 V_1 - V_2` if that of the pattern grows in proportion to the distance, and less if it grows faster.
+//! Geostatistics calls it the nugget effect [Matheron 1963]. That much is noise, however large.
 
 use serde::{Deserialize, Serialize};
 use unrender_scene::{Rgb, RgbImage};
@@ -56,8 +55,8 @@ pub struct PhotographNoise {
 }
 
 impl PhotographNoise {
-    /// That of the photograph's `values`, of which `steps` are those of the file's code values, with the pixels of each
-    /// group in scanline order.
+    /// That of the photograph's `values`, with the quantisation `steps`, and the pixels of each group in scanline
+    /// order.
     pub(crate) fn of(
         (values, steps): (&RgbImage, &RgbImage),
         pixels_of_group: &[Vec<u32>],
@@ -68,8 +67,8 @@ impl PhotographNoise {
     }
 }
 
-/// The variance that is left without light: that of the group with the least, which is a dark one if there is any, less
-/// what its light brings where it brings as much as in most pixels.
+/// The variance without light: the least of a group, which is a dark one if there is any, less the shot noise that its
+/// light has in most pixels.
 fn read_noise(members: &Members<'_>) -> Rgb {
     let measured: Vec<Option<[Rgb; 2]>> = (0..members.pixels_of_group.len())
         .map(|group| members.beyond_quantisation(group, ALONG_ROWS, 1))
@@ -92,7 +91,7 @@ fn read_noise(members: &Members<'_>) -> Rgb {
     Rgb::new(of_channel(0), of_channel(1), of_channel(2))
 }
 
-/// For each group its shot noise. What is far above that of most pixels is noise as far as it has no memory.
+/// For each group its shot noise. Far above that of most pixels, only the uncorrelated part is noise.
 fn shot_of_groups(members: &Members<'_>) -> Vec<Rgb> {
     let pixels_of_group = members.pixels_of_group;
     let along_rows = |group| members.shot_noise(group, ALONG_ROWS, 1);
@@ -107,7 +106,7 @@ fn shot_of_groups(members: &Members<'_>) -> Vec<Rgb> {
     shots.iter().enumerate().map(of_group).collect()
 }
 
-/// The median over all pixels of the shot noise of their groups, of those where there is some.
+/// The median over all pixels of the shot noise of their groups, where it is not zero.
 fn of_most_pixels(shots: &[Rgb], pixels: &[Vec<u32>]) -> Rgb {
     let median = |channel: usize| {
         let measured = shots.iter().zip(pixels).filter(|(shot, _)| shot[channel] > 0.0);
@@ -131,10 +130,10 @@ type Direction = [usize; 2];
 const ALONG_ROWS: Direction = [1, 0];
 const ALONG_COLUMNS: Direction = [0, 1];
 
-/// The photograph's values, and which valid pixel is of which group.
+/// The photograph's values, and the group of each valid pixel.
 struct Members<'a> {
     values: &'a RgbImage,
-    /// What one step of the file's code value means at each pixel.
+    /// The quantisation step at each pixel, in units of the values.
     quantisation_step: &'a RgbImage,
     pixels_of_group: &'a [Vec<u32>],
     /// The group of each pixel, plus one; zero for those that are not valid.
@@ -214,13 +213,13 @@ impl<'a> Members<'a> {
         Rgb::select(level.cmpgt(Rgb::ZERO), shot, Rgb::ZERO)
     }
 
-    /// The noise of a group without memory, per unit of value: the lesser one of that along rows and along
-    /// columns, as a pattern may change along one of them alone.
+    /// The uncorrelated noise of a group per unit of value: the lesser one of that along rows and along columns, as a
+    /// pattern may change along one of them alone.
     fn nugget(&self, group: usize) -> Rgb {
         let along = |direction| {
             let at = |steps| self.shot_noise(group, direction, steps);
             let [near, far] = [at(1), at(2)];
-            // Too few of the far ones say nothing.
+            // Too few differences at the larger distance say nothing.
             if far == Rgb::ZERO { Rgb::ZERO } else { (2.0 * near - far).min(near).max(Rgb::ZERO) }
         };
         along(ALONG_ROWS).min(along(ALONG_COLUMNS))
@@ -241,8 +240,8 @@ mod tests {
         2.0 * ((x ^ (x >> 31)) >> 40) as f32 / (1u64 << 24) as f32 - 1.0
     }
 
-    /// The shot noise of three quarters of a picture of noise alone, of standard deviation 0.01, and of a
-    /// last quarter, of what `f` adds to a mean of one.
+    /// The shot noise of two groups in a picture of mean one: three quarters with noise of standard deviation 0.01, and
+    /// a last quarter with what `f` adds.
     fn shots(f: impl Fn(usize, usize) -> f32) -> [f32; 2] {
         let of_last = |y: usize| 4 * y >= 3 * SIDE;
         let value = |x: usize, y: usize| {

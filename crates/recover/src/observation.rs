@@ -1,10 +1,9 @@
 //! What the photograph shows of each group: which pixels are valid.
 //!
-//! Every pixel has a [`PixelStatus`]: it is valid, or there is a reason why not. The photograph may be
-//! cut off there; an edge of the model may be too close, as far as the model may be off
-//! ([`unrender_register`]); and what does not fit its group may be no part of it ([`crate::outliers`]). A
-//! group that would be left with next to nothing gets a narrower margin.
-//! [`crate::noise`] says how noisy they are.
+//! Every pixel has a [`PixelStatus`]: it is valid, or there is a reason why not. The photograph may be clipped there;
+//! an edge of the model may be too close, given the error of its registration ([`unrender_register`]); or the pixel may
+//! be an outlier of its group ([`crate::outliers`]). A group that would lose nearly all its pixels gets a narrower
+//! margin. Their noise is estimated in [`crate::noise`].
 
 pub use crate::noise::{Noise, PhotographNoise};
 use crate::sheet::Sheet;
@@ -24,7 +23,7 @@ pub struct Picture {
     pub valid: Image<bool>,
     /// True for pixels whose value is a lower bound: the camera or the file cut them off at the top.
     pub saturated: Image<bool>,
-    /// What one step of the file's code value means at this pixel; zero for float files.
+    /// The quantisation step at this pixel, in units of `values`; zero for float files.
     pub quantisation_step: RgbImage,
 }
 
@@ -51,7 +50,7 @@ pub enum Reading {
     AtLeast,
 }
 
-/// Whether a pixel is valid, and why not.
+/// Whether a pixel is valid, or why it is not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PixelStatus {
     /// It counts.
@@ -60,11 +59,11 @@ pub enum PixelStatus {
     Nothing,
     /// The photograph says nothing there: clipped, too dark, or broken.
     Clipped,
-    /// An edge is too close, of the model, or of the photograph where the model is off.
+    /// An edge of the model is too close, or one of the photograph where the model is off.
     Edge,
     /// A single bright pixel.
     Spike,
-    /// It shows something that is not in the model, or not there.
+    /// It shows something that is not in the model, or not in this place.
     Outlier,
 }
 
@@ -93,10 +92,9 @@ pub struct Observation {
 const FEW_PIXELS: usize = 40;
 /// A group keeps at least this share of its pixels.
 const KEPT: f32 = 0.1;
-/// The margins at edges that are tried, as shares of the one that is called for, until a group keeps
-/// enough pixels.
+/// The margins at edges that are tried, as shares of the required one, until a group keeps enough pixels.
 const SHARES: [f32; 4] = [1.0, 0.6, 0.3, 0.0];
-/// The steepness of the photograph that is borne where the model is off, likewise.
+/// The steepness of the photograph that is tolerated where the model is off, likewise.
 const STEEP: [f32; 4] = [0.1, 0.2, 0.4, 1.0];
 /// A pixel this many times above all its neighbours is a firefly or a hot pixel.
 const SPIKE: f32 = 3.0;
@@ -220,7 +218,7 @@ impl Observation {
         if saturated { Reading::AtLeast } else { Reading::Value }
     }
 
-    /// The noise at a pixel of `group`, in radiance, of which a unit of the photograph's values is
+    /// The noise at a pixel of `group`, in radiance; a unit of the photograph's values is
     /// `exposure`.
     pub fn noise(&self, group: usize, pixel: u32, exposure: Rgb) -> Noise {
         let step = exposure * self.picture.quantisation_step.pixels()[pixel as usize];
@@ -241,7 +239,7 @@ impl Observation {
             .retain(|&p| status.pixels()[p as usize] != PixelStatus::Outlier);
     }
 
-    /// Counts the outliers of `group` again.
+    /// Makes the outliers of `group` valid again.
     pub fn forget_outliers(&mut self, group: usize) {
         let status = self.status.pixels_mut();
         let is_outlier = |p: &&u32| status[**p as usize] == PixelStatus::Outlier;
@@ -255,7 +253,7 @@ impl Observation {
     }
 }
 
-/// Which pixels count, to come back to.
+/// Which pixels are valid, kept to be restored.
 #[derive(Clone, Debug)]
 pub(crate) struct ValidPixels {
     status: Image<PixelStatus>,
@@ -287,8 +285,8 @@ impl Observation {
 }
 
 /// Marks the pixels of one group that are too close to an edge; `rules` say which, ever more
-/// leniently. The first is taken that leaves the group [`KEPT`] of its pixels, or else the last, or
-/// none if even that leaves next to nothing.
+/// leniently. It takes the first that leaves the group [`KEPT`] of its pixels, or else the last, or
+/// none if even that leaves fewer than [`FEW_PIXELS`].
 fn mark_edges<F: Fn(u32) -> bool>(status: &mut Image<PixelStatus>, pixels: &[u32], rules: &[F]) {
     let valid = |p: &&u32| status.pixels()[**p as usize] == PixelStatus::Valid;
     let valid: Vec<u32> = pixels.iter().filter(valid).copied().collect();

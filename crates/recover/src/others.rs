@@ -3,43 +3,42 @@
 use crate::model_error::LightError;
 use crate::state::{GroupState, State};
 
-/// Candidates are distinguished down to the model error of the middle one of the other groups. At the lower
-/// quartile, the errors of lamps that are only roughly modelled pass for lobes in real scenes; at the upper one,
-/// faint lobes are found only once every other group is right.
+/// Candidates are distinguished down to the median model error of the other groups. At the lower quartile, the errors
+/// of lamps that are only roughly modelled pass for lobes in real scenes; at the upper one, faint lobes are found only
+/// once every other group is right.
 pub(crate) const MIDDLE: f64 = 0.5;
-/// The incident light of a group is wrong by at most so many times the error of that of the middle one
-/// of the other groups: it comes from the same lamps and walls. At half of it the group beside a wrong
-/// one gets a lobe, at double broad faint lobes pass for errors of the light.
+/// The incident light of a group is wrong by at most so many times the median error of the other groups' light: it
+/// comes from the same lamps and walls. At half of it the group beside a wrong one gets a lobe, at double broad faint
+/// lobes pass for errors of the light.
 const LIKE_OTHERS: f64 = 2.0;
 
-/// The model error of the groups other than `group` below which a `share` of them lies; zero without
-/// others.
+/// The quantile at `share` of the model errors of the groups other than `group`; zero without others.
 pub(crate) fn error_of_others(state: &State<'_>, group: usize, share: f64) -> f64 {
     of_others(state, group, share, |of| Some(of.likelihood?.error.share)).unwrap_or(0.0)
 }
 
-/// What the groups other than `group` leave of their pixels, relatively and without noise, below which a `share` of them
-/// lies; zero without others. Noise that is larger than what is left takes it below zero as often as above.
+/// The quantile at `share` of the relative residuals, without noise, of the groups other than `group`; zero without
+/// others, and where it is negative, as it may be by noise that is larger than the residual.
 pub(crate) fn left_by_others(state: &State<'_>, group: usize, share: f64) -> f64 {
     let left = |of_group: &GroupState| of_group.residual.map(|residual| residual.squared);
     of_others(state, group, share, left).unwrap_or(0.0).max(0.0).sqrt()
 }
 
-/// The quantile at `share` of what `of` says of the other groups; none without others.
+/// The quantile at `share` of the values `of` the other groups; none without others.
 fn of_others(
     state: &State<'_>,
     group: usize,
     share: f64,
     of: impl Fn(&GroupState) -> Option<f64>,
 ) -> Option<f64> {
-    // Of groups that are known there is no doubt at all, and of those with a texture nothing is noted.
+    // Known groups have no error, and nothing is noted of those with a texture.
     let others = (0..state.groups.len()).filter(|g| *g != group);
     let mut values: Vec<f64> = others.filter_map(|g| of(&state.groups[g])).collect();
     values.sort_by(f64::total_cmp);
     values.get((share * values.len() as f64) as usize).copied()
 }
 
-/// The largest error of the incident light that fits of `group` may call upon; no limit without
+/// The largest error of the incident light that fits of `group` may assume; no limit without
 /// others.
 pub(crate) fn light_of_others(state: &State<'_>, group: usize) -> LightError {
     let others = of_others(state, group, MIDDLE, |of| Some(of.likelihood?.light.share));

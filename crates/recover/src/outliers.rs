@@ -5,7 +5,7 @@
 //! known here: what must be flat over a surface is the relative residual under the best uniform
 //! hypothesis. Its median is taken over small cells of the picture. Cells that differ from their
 //! group, in a few coherent patches, are outliers: the group is fitted again without them, which
-//! shows others. A pattern is no outlier: it covers more, or comes in many pieces.
+//! may show more. A pattern is no outlier: it covers more, or comes in many pieces.
 //!
 //! What may be an outlier is decided by physics. A reflectance cannot make an isolated dark patch on
 //! an evenly lit surface; it can make a bright one where, for some roughness, the surface mirrors
@@ -21,13 +21,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use unrender_render::GeometryBuffers;
 use unrender_scene::color::luminance;
 
-/// Cells in the height of a picture: what people and things of a room cover is some of them. At half
-/// of it small things are missed, at double a cell of a small picture is a pixel.
+/// Cells in the height of a picture: people and things in a room cover several of them. At half of it small things are
+/// missed, at double a cell of a small picture is a pixel.
 const CELLS: usize = 85;
-/// Sampled pixels of a cell, about: the median of fewer is noise.
+/// About how many pixels of a cell are sampled: the median of fewer is noise.
 const SAMPLES: usize = 3;
-/// A cell may show a highlight where a specular term reaches this share of its greatest over the
-/// group, above its median.
+/// A cell may show a highlight where a specular term exceeds its median by this share of its
+/// greatest excess in the group.
 const HIGHLIGHT: f32 = 0.1;
 /// The roughnesses whose highlights are looked for: wider ones are hardly patches.
 const ALPHAS: [f32; 3] = [0.02, 0.06, 0.16];
@@ -37,11 +37,11 @@ const PEAK: f32 = 3.0;
 const DEVIATIONS: f32 = 5.0;
 /// ... and by this much at least, relatively.
 const LEAST: f32 = 0.05;
-/// A cell beside one that stands out goes with it at this share of the threshold.
+/// A cell beside one that stands out joins it at this share of the threshold.
 const BESIDE: f32 = 0.4;
 /// Outliers cover at most this share of a group.
 pub const SHARE_MAX: f32 = 0.2;
-/// A patch of outliers has at least this many cells on the mean; less is a pattern or noise.
+/// A patch of outliers has at least this many cells on average; less is a pattern or noise.
 const PATCH: f32 = 3.0;
 
 /// A cell of the picture: column and row.
@@ -168,8 +168,8 @@ fn dispersed_objects(
     if 2 * far.len() < medians.len() { far } else { BTreeSet::new() }
 }
 
-/// The cells that stand out in coherent patches: by their medians, and of those at a patch's edge, of
-/// which it may cover less than half, by their means.
+/// The cells that stand out in coherent patches: by their medians, or by their means at a patch's edge, where it may
+/// cover less than half of a cell.
 fn outlying_cells(cells: &BTreeMap<Cell, Vec<f32>>) -> BTreeSet<Cell> {
     let of_cells = |value: fn(&[f32]) -> f32| -> BTreeMap<Cell, f32> {
         cells.iter().map(|(cell, values)| (*cell, value(values))).collect()

@@ -1,15 +1,15 @@
-//! Numbers of the camera that are asked for together with the materials: a gamma, say, or the
-//! coefficients of vignetting.
+//! Photometric parameters of the camera, estimated together with the materials: a gamma, say, or
+//! the coefficients of vignetting.
 //!
-//! What a camera's number does to the photograph is known without any rendering. Near the values
-//! `c` with which it was developed, `B(c + s) = B(c) + sum_k s_k dB/dc_k`, and `s` joins the unknowns
-//! of the refinement. Whoever asks develops the photograph anew with `c + s`, until `s` is small.
+//! The effect of such a parameter on the photograph is known without any rendering. Near the values `c` with which it
+//! was developed, `B(c + s) = B(c) + sum_k s_k dB/dc_k`, and `s` joins the unknowns of the refinement. The caller
+//! develops the photograph again with `c + s`, until `s` is small.
 
 use crate::observation::Observation;
 use serde::{Deserialize, Serialize};
 use unrender_scene::{Rgb, RgbImage};
 
-/// One number of the camera that is asked for.
+/// One parameter of the camera that is estimated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhotometricParameter {
     /// The photograph that it is of, in the order of their sheet.
@@ -24,7 +24,7 @@ pub struct PhotometricParameter {
     pub reach: f64,
 }
 
-/// What came out for the numbers of the camera, in the order of [`crate::Problem::photometric_parameters`].
+/// The estimates of the camera's parameters, in the order of [`crate::Problem::photometric_parameters`].
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct PhotometricEstimate {
@@ -35,7 +35,7 @@ pub struct PhotometricEstimate {
 }
 
 impl PhotometricParameter {
-    /// The relative change of its whole photograph by it.
+    /// The relative change of its whole photograph per unit of it.
     pub(crate) fn relative(&self, observation: &Observation) -> Rgb {
         let values = observation.picture.values.pixels();
         let value =

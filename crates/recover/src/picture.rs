@@ -1,4 +1,4 @@
-//! The end: the photograph's view rendered with what was found, and each group's error in it.
+//! The last picture: the photograph's view rendered with the results, and each group's error in it.
 
 use crate::hypothesis::{Fit, Hypothesis};
 use crate::problem::{Options, Role};
@@ -113,12 +113,12 @@ fn joined(before: String, after: String) -> String {
     format!("{before}; {after}")
 }
 
-/// Which of the hypotheses `open` a group may be that is taken as the `present` one, if any. A texture tells by its pixels.
+/// The hypotheses in `open` other than the `present` one of a group, in words, if any; none for a texture.
 fn undecided(present: Hypothesis, open: &[Hypothesis]) -> Option<String> {
     let is_other = |other: &&Hypothesis| **other != present && present != Hypothesis::Textured;
     let others: Vec<&str> = open.iter().filter(is_other).map(|open| open.name()).collect();
     let others = others.join(" or ");
-    (!others.is_empty()).then(|| format!("it may be {others}: noise of light leaves that open"))
+    (!others.is_empty()).then(|| format!("it may be {others}: rendering noise leaves that open"))
 }
 
 /// Which of an unknown group's numbers lie on bounds of the project, if any do.
@@ -130,7 +130,7 @@ fn on_bounds(state: &State<'_>, group: usize) -> Option<String> {
     }
     let touched = spec.expected.touched(of_group.hypothesis, &state.materials[group]);
     let said = touched.join(", ");
-    let of_std = if of_group.std.is_some() { ", which std leaves out of account" } else { "" };
+    let of_std = if of_group.std.is_some() { ", which std leaves out" } else { "" };
     (!said.is_empty()).then(|| format!("{said}{of_std}"))
 }
 
@@ -157,12 +157,12 @@ struct Squares {
 const DOUBTFUL: f64 = 0.3;
 /// And above this many times its noise; at double of it, errors that anyone sees pass.
 const TIMES_NOISE: f64 = 5.0;
-/// What is left counts for doubt by so many of its standard deviations less: a noisy last picture is no reason to doubt. Without
-/// it, with 2 paths a pixel, 24 of 145 right groups of twelve rooms were doubtful for the noise of that picture alone; half and
-/// double of it were not tried.
+/// The error counts for doubt less so many of its standard deviations: a noisy last picture is no reason to doubt.
+/// Without it, with 2 paths a pixel, 24 of 145 right groups of twelve rooms were doubtful by the noise of that picture
+/// alone; half and double of it were not tried.
 const CERTAIN: f64 = 2.0;
-/// Noise and what no model of a scene gets right are together at least this, relatively. At half of
-/// it, photographs without noise make every group doubtful.
+/// Noise and model error together are at least this, relatively. At half of it, photographs without
+/// noise make every group doubtful.
 const NOISE_MIN: f64 = 0.006;
 
 impl Squares {
@@ -260,7 +260,7 @@ mod tests {
         let said = undecided(Diffuse, &[Isotropic, Anisotropic]);
         assert_eq!(
             said.as_deref(),
-            Some("it may be isotropic or anisotropic: noise of light leaves that open")
+            Some("it may be isotropic or anisotropic: rendering noise leaves that open")
         );
         assert_eq!(undecided(Isotropic, &[Isotropic]), None);
         assert_eq!(undecided(Textured, &[Anisotropic]), None);
@@ -272,7 +272,7 @@ mod tests {
         let squares = |error, deviation| Squares { error, deviation, noise: 0.01, photo: 1.0 };
         // Half of the photograph is unexplained, and that is certain.
         assert!(squares(0.25, 0.01).doubt().is_some());
-        // As much, by a picture that is too noisy to tell it from nothing; it is shown all the same.
+        // As much, in a picture so noisy that it is not significant; it is shown all the same.
         assert!(squares(0.25, 0.2).doubt().is_none());
         assert_eq!(squares(0.0, 0.25).relative(), Some(0.5));
         assert!(squares(0.0, 0.25).doubt().is_none());

@@ -1,4 +1,4 @@
-//! What is asked: the photograph, the renderer, and what is known of each group beforehand.
+//! The problem: the photograph, the renderer, and what is known of each group beforehand.
 
 use crate::effort::Effort;
 use crate::expected::Expected;
@@ -34,8 +34,8 @@ pub struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    /// The problem of `groups`, the scene's in its order, at an exposure of one; all lights and the camera are
-    /// known. Fields of later versions have such values too:
+    /// The problem of all `groups` of the scene, in its order, at an exposure of one; all lights and the camera are
+    /// known. Fields of later versions get such values too:
     /// `Problem { exposure, ..Problem::new(observation, renderer, groups) }`.
     pub fn new(
         observation: &'a Observation,
@@ -101,13 +101,13 @@ impl GroupSpec {
         self.rungs.contains(&hypothesis) && self.expected.bounds.allow(hypothesis)
     }
 
-    /// What an unknown group is before it was looked at: diffuse with `rho_d` where nothing else is expected.
+    /// The first material of an unknown group: diffuse with `rho_d` where nothing else is expected.
     pub(crate) fn first(&self, rho_d: Rgb) -> Material {
         let lobes = [Hypothesis::Isotropic, Hypothesis::Anisotropic];
         self.expected.first(rho_d, lobes.iter().any(|lobe| self.allows(*lobe)))
     }
 
-    /// What an unknown group is taken as that no pixel shows: white diffuse where nothing else is expected.
+    /// The material of an unknown group that no pixel shows: white diffuse where nothing else is expected.
     pub(crate) fn unseen(&self) -> Material {
         let first = self.first(Rgb::ONE);
         if self.allows(Hypothesis::Diffuse) { Material::diffuse(first.rho_d) } else { first }
@@ -116,7 +116,7 @@ impl GroupSpec {
     /// The same in words, after "taken as".
     pub(crate) fn unseen_in_words(&self) -> &'static str {
         let is_white = self.unseen() == Material::diffuse(Rgb::ONE);
-        if is_white { "white diffuse" } else { "its start and its bounds say" }
+        if is_white { "white diffuse" } else { "its start and bounds state" }
     }
 
     /// The hypotheses without a texture that it may have; where there is none, the diffuse one, which
@@ -184,9 +184,9 @@ pub struct Options {
     pub effort: Effort,
     /// When to climb.
     pub thresholds: Thresholds,
-    /// Another seed, another noise.
+    /// The seed of all random numbers.
     pub seed: u64,
-    /// Paths a pixel of the final re-rendering; fewer, of no more noise, where pixels share theirs.
+    /// Paths a pixel of the final re-rendering; fewer where pixels share theirs, at no more noise.
     pub spp: u32,
     /// Reflections along a path at most.
     pub max_bounces: u32,
@@ -268,9 +268,9 @@ pub enum RecoverError {
     AnchorUnseen(String),
     /// All light is a factor off.
     #[error(
-        "no reflectances explain this photograph: the nearest leave {:.0} % of it. If all light of the scene were \
-         {} as bright, {:.0} % would be left: correct the units of the lights, or the project's exposure or \
-         response{remedy}. --force goes on as it is",
+        "no reflectances explain this photograph: the nearest leave {:.0} % of it unexplained. If all light of the scene \
+         were {} as bright, {:.0} % would be left: correct the units of the lights, or the project's exposure or \
+         response{remedy}. --force continues anyway",
         100.0 * unexplained[0], times(*factor), 100.0 * unexplained[1]
     )]
     Unexplained {
@@ -279,7 +279,7 @@ pub enum RecoverError {
         factor: Rgb,
         /// The share of the photograph that is not explained as it is, and with the factor.
         unexplained: [f64; 2],
-        /// What whoever knows the scene's files has to say of such a factor, a clause behind the message; empty at
+        /// What a caller who knows the scene's files adds on such a factor, a clause behind the message; empty at
         /// first.
         remedy: String,
     },
@@ -288,7 +288,7 @@ pub enum RecoverError {
 /// A factor in words: one number where the channels agree.
 fn times(factor: Rgb) -> String {
     let number = |value: f32| match value {
-        value if !value.is_finite() => "infinitely often".to_owned(),
+        value if !value.is_finite() => "infinitely many".to_owned(),
         value if value >= 100.0 => format!("{value:.0}"),
         value if value >= 1.0 => format!("{value:.1}"),
         value => format!("{value:.3}"),

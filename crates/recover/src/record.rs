@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub use unrender_scene::Status;
 use unrender_scene::{Image, Material, Rgb, RgbImage};
 
-/// What came out.
+/// The result of a recovery.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Recovery {
@@ -31,7 +31,7 @@ pub struct Recovery {
     /// The standard deviation that noise gives the luminance of photograph minus re-rendering, the
     /// photograph's and the rendering's together, radiance; zero where no group is seen.
     pub noise: Image<f32>,
-    /// Which pixels of the photograph were valid in the end, and why not.
+    /// Which pixels of the photograph were valid in the end, and why others were not.
     pub status: Image<PixelStatus>,
     /// One record a global re-rendering.
     pub iterations: Vec<IterationRecord>,
@@ -39,7 +39,7 @@ pub struct Recovery {
     pub termination: Termination,
 }
 
-/// What came out for one group.
+/// The result for one group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupResult {
     /// The group's name.
@@ -50,9 +50,9 @@ pub struct GroupResult {
     pub hypothesis: Hypothesis,
     /// The parameters.
     pub material: Material,
-    /// Other parameters that explain the photograph alike.
+    /// Other parameters that explain the photograph as well.
     pub alternatives: Vec<Alternative>,
-    /// How well they are known; none where nothing was free or nothing was refined.
+    /// Their standard deviations; none where nothing was free or nothing was refined.
     pub std: Option<Deviations>,
     /// The anisotropy direction in world space where the group is seen best: the tangent of its middle
     /// pixel turned by theta. None where no pixel shows the group.
@@ -63,8 +63,8 @@ pub struct GroupResult {
     pub pixels: usize,
     /// Pixels among them that were valid.
     pub valid_pixels: usize,
-    /// Relative root mean square of photograph minus re-rendering over the valid pixels, the
-    /// rendering's noise taken out. None where no pixel shows the group.
+    /// Relative root mean square of photograph minus re-rendering over the valid pixels, without
+    /// the rendering noise. None where no pixel shows the group.
     pub error: Option<f64>,
     /// The group's share, 0 to 1, of the squared error of all groups' valid pixels.
     pub error_share: Option<f64>,
@@ -74,7 +74,7 @@ pub struct GroupResult {
     pub note: Option<String>,
 }
 
-/// Other parameters of a group that explain the photograph alike.
+/// Other parameters of a group that explain the photograph as well.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Alternative {
@@ -110,7 +110,7 @@ pub struct Covariance {
     pub matrix: Vec<Vec<f64>>,
 }
 
-/// What came out for one source of light.
+/// The result for one source of light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct LightResult {
@@ -146,7 +146,7 @@ pub struct CandidateRecord {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct IterationRecord {
-    /// Whether hypotheses had been chosen, and it was a pass of the refinement.
+    /// Whether it was a pass of the refinement, after the choice of hypotheses.
     pub refining: bool,
     /// Counted from one.
     pub iteration: usize,
@@ -223,20 +223,20 @@ impl Termination {
     }
 }
 
-/// Hears of each iteration as it ends.
+/// Is told of each iteration as it ends.
 pub trait Observer: Sync {
     /// After a global re-rendering.
     fn iteration(&mut self, record: &IterationRecord);
     /// Between iterations and during the last picture, from any thread: what is being done, in some words, and a
     /// rough share of the work that is done, 0 to 1.
     fn working(&self, what: &str, done: f64);
-    /// Whether to stop with what there is. Asked between iterations.
+    /// Whether to stop with the present results; asked between iterations.
     fn is_cancelled(&self) -> bool {
         false
     }
 }
 
-/// An observer that does not listen.
+/// An observer that ignores all calls.
 impl Observer for () {
     fn iteration(&mut self, _: &IterationRecord) {}
     fn working(&self, _: &str, _: f64) {}

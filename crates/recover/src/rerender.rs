@@ -12,12 +12,12 @@ use unrender_scene::{BrdfModel, Camera, Rgb, Scene, SceneError};
 
 /// A scene seen by the photograph's camera, to be rendered in any appearance.
 pub trait Renderer: Sync {
-    /// What stands in each pixel.
+    /// What each pixel shows.
     fn geometry(&self) -> &GeometryBuffers;
     /// The point of the surface behind the centre of `pixel`, metres in world space; none without a surface, or where the
     /// renderer cannot tell.
     fn point(&self, pixel: u32) -> Option<Vec3>;
-    /// Which lobe the materials mean.
+    /// The lobe model of the materials.
     fn model(&self) -> BrdfModel;
     /// The light that arrives behind `pixels`; paths end where `seen` knows the radiance.
     fn probe(
@@ -27,8 +27,8 @@ pub trait Renderer: Sync {
         settings: &ProbeSettings,
         seen: Option<&RadianceCache>,
     ) -> Probes;
-    /// The radiance of `pixels` and its derivatives by `parameters`, by the paths of the numbers that each has beside it,
-    /// none where there are none; paths end where `seen` knows the radiance.
+    /// The radiance of `pixels` and its derivatives by `parameters`, by the paths whose numbers stand beside each, zero
+    /// where there are none; paths end where `seen` knows the radiance.
     fn jacobian(
         &self,
         appearance: Appearance<'_>,
@@ -72,8 +72,8 @@ pub trait Stored {
     ) -> Jacobian;
 }
 
-/// A path that shares is taken for this many at most: a few squares of a picture do not tell all, and
-/// with few paths the squares that share are seen.
+/// A reused path counts as this many at most: a few tiles of a picture do not show all, and with few paths the tiles
+/// that share become visible.
 const WORTH_MAX: f64 = 4.0;
 
 /// The path tracer behind one camera.
@@ -86,7 +86,7 @@ pub struct View<'a> {
     geometry: GeometryBuffers,
 }
 
-/// Something of somebody else, or one's own.
+/// Something borrowed or owned.
 #[derive(Debug)]
 enum Held<'a, T> {
     Borrowed(&'a T),
@@ -146,7 +146,7 @@ impl<'a> View<'a> {
         Settings { spp: paths.ceil() as u32, integrator, ..*settings }
     }
 
-    /// The samples of these numbers of the whole picture; those of all numbers add up to it.
+    /// The samples with these numbers of the whole picture; those of all numbers add up to it.
     pub fn samples(
         &self,
         appearance: Appearance<'_>,

@@ -6,8 +6,8 @@
 //! `relative^2`, from the spread of the pixels' contributions.
 //!
 //! A difference like this may be anything when its own noise is large. It is therefore never shown
-//! as less than its standard deviation, and no decision rests on it: hypotheses are compared by
-//! their likelihoods ([`crate::model_error`]).
+//! as less than its standard deviation, and hypotheses are not compared by it, but by their
+//! likelihoods ([`crate::likelihood`]).
 
 use crate::evidence::Observed;
 use crate::observation::Reading;
@@ -45,7 +45,7 @@ impl ResidualStats {
         self.squared.max(self.deviation).max(0.0).sqrt()
     }
 
-    /// The relative difference of photograph and re-rendering, our own noise taken out.
+    /// The relative difference of photograph and re-rendering, without the rendering noise.
     pub fn total(&self) -> f64 {
         self.with_noise.max(0.0).sqrt()
     }
@@ -60,7 +60,7 @@ pub fn residual_stats(pixels: &[Observed], model: &[Vec<Rgb>; 2]) -> ResidualSta
             let (w, b) = (f(pixel.weight), f(pixel.radiance));
             let light = 0.5 * (f(model[0][i]) + f(model[1][i]));
             if pixel.reading == Reading::AtLeast && light >= b {
-                // A lower bound that the model meets asks for nothing.
+                // A clipped pixel has no residual where the model is brighter.
                 continue;
             }
             product += w * (b - f(model[0][i])) * (b - f(model[1][i]));

@@ -1,8 +1,7 @@
 //! Which blocks of several photographs show the same place of a surface.
 //!
-//! What a model gets wrong at a place (a stain, a bump, light that the model has wrong there) it may get wrong in every
-//! photograph that shows it. Such residuals are then no more independent than those of neighbours are; how alike they
-//! are is measured ([`crate::contrast`]).
+//! A model error at a place (a stain, a bump, wrong light) may be in every photograph that shows it. Such residuals are
+//! then no more independent than those of neighbours; their correlation is measured ([`crate::contrast`]).
 
 use crate::blocks::{Blocks, Place, neighbours};
 use crate::rerender::Renderer;
@@ -41,8 +40,8 @@ fn are_several(places: &[Place]) -> bool {
     places.iter().any(|place| place.photograph != places[0].photograph)
 }
 
-/// All pairs of blocks of different photographs, by their indices, that show the same place. Of every other photograph a block is the nearest one's pair, if that is no further than
-/// the block's own neighbours.
+/// All pairs of blocks of different photographs, by their indices, that show the same place. Each block is paired with
+/// the nearest one of every other photograph, if that is no further than its own neighbours.
 pub(crate) fn pairs(seen: &[Seen]) -> Vec<(usize, usize)> {
     let places: Vec<Place> = seen.iter().map(|seen| seen.place).collect();
     if !are_several(&places) {
@@ -72,18 +71,18 @@ pub(crate) fn pairs(seen: &[Seen]) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// Blocks by cubes of space, of which those near a point are few.
+/// Blocks sorted into cubes of space, so that few are tried near a point.
 struct Cells {
     side: f32,
     blocks: HashMap<IVec3, Vec<usize>>,
 }
 
 /// Nothing further away than so many sides of a cube is looked at. Blocks beside an edge, whose only neighbours are far away, reach
-/// further than others; with double of it many a cube is looked at for them.
+/// further than others; with double of it very many cubes are searched for them.
 const CUBES: f32 = 3.0;
 
 impl Cells {
-    /// Those of `seen`, with sides as long as the middle block reaches.
+    /// Those of `seen`, with sides as long as the median reach.
     fn of(seen: &[Seen], reach: &[f32]) -> Self {
         let mut finite: Vec<f32> =
             reach.iter().copied().filter(|reach| reach.is_finite()).collect();

@@ -1,8 +1,8 @@
 //! How many rays to spend on a group: few while hypotheses are chosen, many at the end.
 //!
-//! Hypotheses are chosen with a draft's samples, whatever the effort: under the light of the joint refinement every
-//! one is asked once more, with all samples. Not so where lights are unknown: a photograph that says little of them
-//! leaves them about where the choice ends.
+//! Hypotheses are chosen with a draft's samples, whatever the effort: under the light of the joint refinement each is
+//! compared once more, with all samples. With unknown lights the choice has all samples too: if the photograph says
+//! little of them, they stay about where the choice ends.
 
 use crate::effort::Effort;
 use crate::evidence::SampleBudget;
@@ -11,7 +11,7 @@ use crate::problem::Options;
 use crate::rerender::round_lobes;
 use unrender_render::ProbeSettings;
 
-/// How far the light is known under which groups are asked.
+/// How well the light is known under which hypotheses are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
     /// All numbers were fitted together on few paths; hypotheses still change.
@@ -21,7 +21,7 @@ pub enum Level {
 }
 
 impl Level {
-    /// How wrong the incident light may be: while the others' reflectances are rough, they light a group wrongly by
+    /// How wrong the incident light may be: while the others' reflectances are rough estimates, their light is wrong by
     /// some percent. At half of these, slow errors of the light pass for broad lobes; at double, faint broad lobes pass
     /// for errors of the light.
     fn light(self) -> f64 {
@@ -47,8 +47,8 @@ pub fn allowance(level: Level, options: &Options) -> Allowance {
     }
 }
 
-/// Whether less light than usual may tell that a group is what it was taken for: once the light is refined. A draft's
-/// is little as it is, and that of unknown lights says little of them.
+/// Whether fewer light samples than usual may confirm a group's hypothesis: once the light is refined. A draft has few
+/// anyway, and with unknown lights they say little.
 pub(crate) fn is_light_to_spare(level: Level, options: &Options, unknown_lights: &[usize]) -> bool {
     level == Level::Refined && options.effort != Effort::Draft && unknown_lights.is_empty()
 }
@@ -69,9 +69,9 @@ const CANDIDATE_LOBES: [f32; 4] = [0.02, 0.06, 0.16, 0.4];
 const CANDIDATE_PIXELS: usize = 2400;
 const CANDIDATE_COSINE: u32 = 8;
 const CANDIDATE_PER_LOBE: u32 = 6;
-/// A small group's pixels are looked at in up to so many times as many points, so that its hypotheses are told
-/// apart as well as those of a large one. At one the noise of a mirror's light hides whether a thing of 300
-/// pixels is one; double of it pays for things of less than 150 pixels alone.
+/// A small group's pixels are looked at in up to so many times as many points, so that its hypotheses are distinguished
+/// as well as those of a large one. At one the noise of a mirror's light hides whether an object of 300 pixels is one;
+/// double of it only helps objects of less than 150 pixels.
 const DENSER_MAX: usize = 16;
 
 /// For a group that is diffuse.

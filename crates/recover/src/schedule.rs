@@ -23,9 +23,9 @@ pub(crate) enum Part {
 }
 
 impl Part {
-    /// From which to which share of the time it lasts: about those of two rooms of 9 and 13 groups at 240 x 180
-    /// with the usual effort, and of one as a draft, which asks no group again. A room of metal spends twice as much of its
-    /// time on the last refinement; before it, half of the time that is left is told.
+    /// The shares of the time at which it begins and ends: about those of two rooms of 9 and 13 groups at 240 x 180
+    /// with the usual effort, and of one as a draft, which asks no group again. A room of metal spends twice as much of
+    /// its time on the last refinement; before it, only half of the remaining time is reported.
     fn shares(self, effort: Effort) -> Range<f64> {
         let ends = match effort {
             Effort::Draft => [0.08, 0.42, 0.45, 0.45, 0.83, 0.87, 1.0],
@@ -46,7 +46,7 @@ pub(crate) struct Schedule {
 }
 
 impl Schedule {
-    /// Nothing is done. Parts that are not told apart end where the last picture begins.
+    /// Nothing is done. Without separate parts, the progress ends where the last picture begins.
     pub(crate) fn new(effort: Effort) -> Self {
         let part = 0.0..Part::Picture.shares(effort).start;
         Self { effort, part, reached: 0.0, is_refining: false }

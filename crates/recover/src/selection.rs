@@ -9,8 +9,8 @@
 //! them, from the correlation `r` of neighbouring blocks' residuals under the best hypothesis:
 //! `N_eff = N ((1 - r) / (1 + r))^2`.
 //!
-//! What noise leaves open is no reason for more: of two that noise does not tell apart the simpler one is chosen, and a more
-//! complex one never where a simpler one is expected to be better.
+//! Noise is no reason for a more complex one: of two whose difference is within the noise the simpler one is chosen,
+//! and a more complex one never where a simpler one is expected to be better.
 
 use crate::contrast::{Contrast, Side, independent_share};
 use crate::evidence::Evidence;
@@ -20,14 +20,13 @@ use crate::unknown::Quantity;
 use std::collections::BTreeMap;
 use std::ops::Neg;
 
-/// Two sets of numbers of one hypothesis explain the evidence alike up to this difference of their squared residuals:
-/// beyond it the evidence for the better one is strong [Kass and Raftery 1995]. Half of it is called positive, double
-/// of it decisive.
+/// Two sets of numbers of one hypothesis explain the evidence equally well up to this difference of their squared
+/// residuals: beyond it the evidence for the better one is strong [Kass and Raftery 1995]. Half of it is called
+/// positive, double of it decisive.
 pub(crate) const STRONG: f64 = 6.0;
 
-/// What one hypothesis gains beside another counts less so many standard deviations of the light's noise. At none, a
-/// plain ceiling of a real room becomes a lobe under one seed of six, for its noise; half and double of it were not
-/// tried.
+/// The gain of one hypothesis over another counts less so many of its standard deviations by the light's noise. At
+/// none, a plain ceiling of a real room becomes a lobe under one seed of six; half and double of it were not tried.
 const CERTAIN: f64 = 2.0;
 
 /// What was decided for one group, and by which numbers.
@@ -75,7 +74,7 @@ impl<'a> Comparison<'a> {
     }
 
     /// Chooses among the fits that are `allowed`, by index (the first always is): the simplest one that no other
-    /// certainly beats. With `simpler`, one is preferred whose error is at most so many times the least.
+    /// certainly beats. With `simpler`, the simplest is preferred whose error is at most so many times the least.
     pub fn choose(&mut self, allowed: &dyn Fn(usize) -> bool, simpler: Option<f64>) -> Decision {
         let competing: Vec<usize> =
             (0..self.fits.len()).filter(|i| *i == 0 || allowed(*i)).collect();
@@ -109,9 +108,9 @@ impl<'a> Comparison<'a> {
 }
 
 /// Chooses among hypotheses, which go from simple to complex and have these `errors`, by the `excess` of the first of two
-/// over the second: the simplest one that no other certainly beats, of those that are expected to be better than all simpler
-/// ones. With `simpler`, one is preferred whose error is at most so many times the least. Returns it, and the more complex
-/// ones that less noise may show to be better.
+/// over the second: the simplest one that no other certainly beats, of those that are expected to be better than all
+/// simpler ones. With `simpler`, the simplest is preferred whose error is at most so many times the least. Returns it,
+/// and the more complex ones that less noise may show to be better.
 pub(crate) fn choose(
     errors: &[f64],
     simpler: Option<f64>,
@@ -146,12 +145,12 @@ impl Neg for Excess {
 }
 
 impl Excess {
-    /// The least that is likely.
+    /// The lower end of what is likely.
     fn least(self) -> f64 {
         self.value - CERTAIN * self.deviation
     }
 
-    /// The most that is likely.
+    /// The upper end of what is likely.
     fn most(self) -> f64 {
         self.value + CERTAIN * self.deviation
     }
@@ -167,7 +166,7 @@ fn difference(a: &Fit, b: &Fit, evidence: &Evidence, independent: f64) -> Excess
     Excess { value: scale * contrast.difference, deviation: scale * contrast.noise.sqrt() }
 }
 
-/// Whether `fit` explains the evidence no worse than `best` does, as far as it tells.
+/// Whether there is no strong evidence that `fit` explains less than `best`.
 pub fn explains_alike(fit: &Fit, best: &Fit, evidence: &Evidence) -> bool {
     difference(fit, best, evidence, independent_blocks(best, evidence)).least() <= STRONG
 }

@@ -1,17 +1,17 @@
 //! Several photographs as one picture: each stands below the one before it, with empty rows between.
 //!
-//! All that looks at the photograph knows pixels by their place in one picture. On a sheet it needs to know
-//! nothing of how many photographs there are: evidence, fits and comparisons add over the pixels of all of them.
-//! What looks at neighbours (edges, noise, outliers, textures) never sees two photographs at a time, as there are empty rows
-//! between them. Only blocks ([`crate::blocks`]), the renderer ([`crate::views`]) and what a camera has of its own
-//! ([`crate::Observation::noise`], [`crate::PhotometricParameter`]) ask which photograph a pixel is of.
+//! All code that reads the photograph addresses the pixels of one picture. With a sheet it need not know how many
+//! photographs there are: evidence, fits and comparisons add over the pixels of all of them. Code that reads neighbours
+//! (edges, noise, outliers, textures) never mixes two photographs, as there are empty rows between them. Only blocks
+//! ([`crate::blocks`]), the renderer ([`crate::views`]) and properties of one camera ([`crate::Observation::noise`],
+//! [`crate::PhotometricParameter`]) depend on the photograph of a pixel.
 
 use unrender_scene::Image;
 
-/// The empty rows between two photographs are one in so many of the highest one, more than anything looks around. At half of
-/// this number the empty rows are a fifth of the memory; double was not tried.
+/// The empty rows between two photographs are one in so many of the highest one's, more than any neighbourhood reaches.
+/// At half of this number the empty rows are a fifth of the memory; double was not tried.
 const GAP: usize = 8;
-/// And so many at least: more than the side of a block of the refinement, eight.
+/// And at least so many: more than the side of a block of the refinement, eight.
 const GAP_MIN: usize = 16;
 
 /// Where photographs stand in a picture.
@@ -55,8 +55,8 @@ impl Sheet {
         self.shots.len()
     }
 
-    /// The pixels to look at in all photographs where `count` are enough of one: a highlight that one of them shows is
-    /// seen by as many as if it were alone.
+    /// The pixels to sample in all photographs if `count` are enough for one: a highlight in one of them has as many as
+    /// if it were alone.
     pub(crate) fn of_all(&self, count: usize) -> usize {
         count.saturating_mul(self.shots.len())
     }
@@ -72,13 +72,13 @@ impl Sheet {
         [0, first_row, width, height]
     }
 
-    /// The photograph that `pixel` is of; of an empty one, that above it.
+    /// The photograph of `pixel`; for an empty one, that above it.
     pub fn photograph_of(&self, pixel: u32) -> usize {
         let row = pixel as usize / self.width.max(1);
         self.shots.partition_point(|shot| shot.first_row <= row).saturating_sub(1)
     }
 
-    /// The number in its photograph of `pixel`; none of an empty one.
+    /// The number of `pixel` in its photograph; none for an empty one.
     pub fn in_photograph(&self, pixel: u32) -> Option<u32> {
         let shot = self.shots[self.photograph_of(pixel)];
         let (x, y) = (pixel as usize % self.width, pixel as usize / self.width);
@@ -114,7 +114,7 @@ impl Sheet {
         Image::new(self.width, self.height, pixels)
     }
 
-    /// What of `picture` is of `photograph`.
+    /// The part of `picture` that is of `photograph`.
     pub fn cut<T: Clone>(&self, picture: &Image<T>, photograph: usize) -> Image<T> {
         if self.shots.len() == 1 {
             return picture.clone();
@@ -124,7 +124,7 @@ impl Sheet {
         Image::from_fn(shot.width, shot.height, at)
     }
 
-    /// The sheet of pictures that have `side` pixels for each along both sides.
+    /// The sheet of pictures with `side` x `side` pixels for each pixel.
     #[must_use]
     pub fn finer(&self, side: usize) -> Self {
         let shot = |shot: &Shot| Shot {

@@ -1,8 +1,8 @@
 //! A sketch of the photograph: every group diffuse, quickly fitted. Near the edges of the model it says which
 //! of two cameras took the photograph.
 //!
-//! The photograph's edges alone ([`unrender_register`]) do not: some are those of shadows and reflections, and
-//! pull a camera that is right away by parts of a pixel. A rendering has these edges too.
+//! The photograph's edges alone ([`unrender_register`]) do not: some are of shadows and reflections, and pull a correct
+//! camera off by a fraction of a pixel. A rendering has these edges too.
 
 use crate::problem::{Options, Problem, RecoverError};
 use crate::refine::{self, Depth};
@@ -18,11 +18,11 @@ use unrender_scene::{Rgb, RgbImage};
 /// of a pixel off undecided in small pictures, four times as many take longer than the fits.
 const PIXELS: usize = 12_000;
 const SPP: u32 = 48;
-/// What differs by more than this share of the local light is wrong for other reasons than the camera: it
-/// counts as this much. At half of it the edges of dark things beside bright ones do not tell more than
-/// others, at double a lamp's reflection rules.
+/// Differences of more than this share of the local light have other causes than the camera: they count as this much.
+/// At half of it the edges of dark things beside bright ones count no more than others, at double a lamp's reflection
+/// dominates.
 const MOST: f32 = 0.5;
-/// What differs is relative to the light around and this share of the picture's.
+/// Differences are relative to the light around plus this share of the picture's.
 const DARK: f32 = 0.1;
 /// The side of a block of pixels that one displaced edge makes wrong together.
 const BLOCK: usize = 8;

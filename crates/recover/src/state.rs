@@ -1,5 +1,5 @@
-//! Where a recovery stands: plain data, a material and a [`GroupState`] for every group, with what
-//! belongs to the whole picture. The drivers move it; snapshots bring it back.
+//! The state of a recovery: plain data, a material and a [`GroupState`] for every group, with what
+//! belongs to the whole picture. The drivers change it; snapshots restore it.
 
 mod step;
 
@@ -46,7 +46,7 @@ pub(crate) struct State<'a> {
     pub(crate) steps: Steps<'a>,
 }
 
-/// Where one group stands.
+/// The state of one group.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct GroupState {
     pub(crate) hypothesis: Hypothesis,
@@ -59,10 +59,10 @@ pub(crate) struct GroupState {
     pub(crate) note: Option<String>,
     /// Why it has no texture, though nothing uniform explained it when it was asked last.
     pub(crate) untextured: Option<String>,
-    /// What it may be as well, as far as the light told when it was asked last.
+    /// The hypotheses that its last comparison left open.
     pub(crate) undecided: Vec<Hypothesis>,
     pub(crate) std: Option<Deviations>,
-    /// Other fits that explain the photograph alike.
+    /// Other fits that explain the photograph as well.
     pub(crate) alternatives: Vec<Fit>,
 }
 
@@ -76,8 +76,8 @@ impl GroupState {
         };
     }
 
-    /// Writes into the selection log, after the re-rendering was asked, whether the one that was `tried`
-    /// of the candidates that were compared last was accepted; the others were not.
+    /// Writes into the selection log, after the verification, whether the last compared candidate that was `tried` was
+    /// accepted; the others were not.
     pub(crate) fn set_accepted(&mut self, tried: Hypothesis, accepted: bool) {
         let Some(last) = self.selection_log.last().map(|candidate| candidate.iteration) else {
             return;
@@ -88,7 +88,7 @@ impl GroupState {
         }
     }
 
-    /// What was said of each uniform hypothesis when the group was asked last.
+    /// The last record of each uniform hypothesis in the selection log.
     pub(crate) fn last_candidates(&self) -> impl Iterator<Item = &CandidateRecord> {
         let last = self.selection_log.iter().rev().take(hypothesis::UNIFORM.len());
         let newest = |candidate: &&CandidateRecord| {
@@ -211,8 +211,8 @@ impl<'a> State<'a> {
         }
     }
 
-    /// Lets the photograph say what radiance its diffuse surfaces send: all valid pixels of
-    /// groups that are taken as diffuse or textured.
+    /// Updates the radiance cache from the photograph: all valid pixels of groups that are taken as
+    /// diffuse or textured.
     pub(crate) fn look_at_photograph(&mut self) {
         let observation = &self.observation;
         let values = &observation.picture.values;
@@ -248,7 +248,7 @@ impl<'a> State<'a> {
         Ok(())
     }
 
-    /// What the `group` of diffuse reflectance `rho_d` says of the exposure; none if it is not seen lit.
+    /// The exposure by the `group` of diffuse reflectance `rho_d`; none if it is not seen lit.
     fn exposure_by_anchor(&self, group: usize, rho_d: Rgb, options: &Options) -> Option<Rgb> {
         let stage = Stage { exposure: Rgb::ONE, ..self.stage() };
         let pixels = &self.observation.pixels_of_group[group];
@@ -318,7 +318,7 @@ impl<'a> State<'a> {
         &self.iterations[self.iterations.len() - 1]
     }
 
-    /// Notes that the groups `open` are not explained when the last iteration so far had ended.
+    /// Notes in the last iteration so far that the groups `open` are not explained.
     pub(crate) fn note_open(&mut self, open: &[usize]) {
         let names = self.names(open);
         if let Some(last) = self.iterations.last_mut() {
@@ -330,7 +330,7 @@ impl<'a> State<'a> {
         groups.iter().map(|group| self.problem.groups[*group].name.clone()).collect()
     }
 
-    /// All that a candidate may change, to come back to.
+    /// All that a candidate may change, to be restored.
     pub(crate) fn snapshot(&self) -> Snapshot {
         Snapshot {
             materials: self.materials.clone(),
@@ -345,7 +345,7 @@ impl<'a> State<'a> {
         }
     }
 
-    /// Forgets how well numbers are known, which are about to move.
+    /// Forgets the standard deviations of numbers, which are about to move.
     pub(crate) fn forget_deviations(&mut self) {
         self.groups.iter_mut().for_each(|of_group| of_group.std = None);
         self.exposure_std = None;
@@ -371,7 +371,7 @@ impl<'a> State<'a> {
     }
 }
 
-/// A state to come back to.
+/// A state to be restored.
 #[derive(Clone)]
 pub(crate) struct Snapshot {
     materials: Vec<Material>,

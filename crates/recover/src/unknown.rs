@@ -20,7 +20,7 @@ pub enum Quantity {
     Light,
     /// The exposure, relative to where it started.
     Exposure,
-    /// A number of the camera, from where it was when the photograph was developed.
+    /// A parameter of the camera, relative to its value when the photograph was developed.
     Camera,
 }
 

@@ -4,10 +4,10 @@
 //! always the same pixels and the same random numbers, so that two states differ by what they are and
 //! not by noise. Only where a refinement is about to be taken back, both states are rendered once more by other random
 //! numbers. Each group counts by the squared residuals of its blocks, as products of two renderings,
-//! in units of their covariance under the observation model ([`crate::contrast`]), the sizes of its
-//! model error being estimated: what one group gains does not drown in what another has always lacked.
-//! Residuals are in units of the photograph's values, so that states of different exposure can be compared. A group
-//! whose hypothesis became more complex is asked by itself too: its own pixels have to bear the change out.
+//! in units of their covariance under the observation model ([`crate::contrast`]), the sizes of its model error being
+//! estimated: the gain of one group is not lost in the residual of another. Residuals are in units of the photograph's
+//! values, so that states of different exposure can be compared. A group whose hypothesis became more complex is tested
+//! alone too: its own pixels have to support the change.
 
 use crate::block_residuals::{BlockResiduals, pooled};
 use crate::blocks::{Blocks, Grid};
@@ -33,10 +33,10 @@ use unrender_scene::{Image, Rgb};
 /// iteration.
 const PIXELS: usize = 1200;
 const SPP: u32 = 12;
-/// The same where a group is asked by itself. At half of it faint lobes are significant only in
-/// scenes of large lamps, double costs as much as finding the candidate.
+/// The same where a group is tested alone. At half of it faint lobes are significant only in scenes
+/// of large lamps, double costs as much as finding the candidate.
 const OWN_SPP: u32 = 48;
-/// Makes the random numbers that confirm a verdict others than those that led to it.
+/// Changes the seed: the random numbers that confirm a verdict differ from those that led to it.
 const OTHER: u64 = 0x0B57;
 /// A state is worse if its deviance is higher by this many standard deviations of the difference.
 const WORSE: f64 = 3.0;
@@ -50,11 +50,10 @@ const REFINED_FLOOR: f64 = 0.01;
 /// groups are not right yet, and what they send changes slowly over a surface. At half of it a right
 /// change is taken back because of the level that it leaves, at double slow patterns say nothing.
 const LIGHT: f64 = 1.5;
-/// What a change of one group's hypothesis does to its own pixels is asked down to this share: it was
-/// fitted in this light. At half of it the noise of the renderings speaks, at double faint lobes are
-/// taken back.
+/// The effect of a change of one group's hypothesis on its own pixels is tested down to this share: it was fitted in
+/// this light. At half of it the noise of the renderings decides, at double faint lobes are taken back.
 const OWN_FLOOR: f64 = 0.005;
-/// A texture explains whatever it is asked to: what it explains beyond this share does not count.
+/// A texture can explain everything: what it explains below this share does not count.
 const TEXTURED_FLOOR: f64 = 0.05;
 /// What an outlier costs in every channel, in squared standard deviations of its block: the same under
 /// all states.
@@ -64,11 +63,11 @@ const OUTLIER: f64 = 9.0;
 pub(crate) struct Verifier {
     groups: Vec<Sample>,
     settings: Settings,
-    /// Paths a pixel where a group is asked by itself.
+    /// Paths a pixel where a group is tested alone.
     own_spp: u32,
     /// The share of model error below which no difference between two states counts.
     floor: f64,
-    /// How much model error is allowed for in what is noted of a group: as where it is asked.
+    /// How much model error is allowed for in what is noted of a group: as in its comparisons.
     allowance: Allowance,
 }
 
@@ -179,7 +178,7 @@ impl Verifier {
     }
 
     /// Whether `state`, whose snapshot is `found`, is worse than `best` by other random numbers, and more of them: of
-    /// states that were all judged by the same ones, the best is in part the one that suits these.
+    /// states that were judged by the same ones, the best is partly the one that fits their noise.
     pub(crate) fn confirms_worse(
         &self,
         state: &mut State<'_>,
@@ -228,8 +227,7 @@ impl Verifier {
         })
     }
 
-    /// The score of one group's sample, of which the pixels count that `status` says, if nothing counts below
-    /// the `least` model error.
+    /// The score of one group's sample: of the pixels that `status` says count, down to the `least` model error.
     fn group(
         &self,
         state: &State<'_>,
@@ -306,7 +304,7 @@ impl Verifier {
         changed.map(|(sample, _)| sample.group).collect()
     }
 
-    /// The score `mine` beside `other`.
+    /// Compares the score `mine` with `other`.
     pub(crate) fn compare(&self, mine: &Score, other: &Score) -> Comparison {
         let both = self.groups.iter().zip(mine.groups.iter().zip(&other.groups));
         let of_group = |(sample, (mine, other)): (&Sample, (&GroupScore, &GroupScore))| {
@@ -315,13 +313,12 @@ impl Verifier {
         Comparison { groups: both.map(of_group).collect() }
     }
 
-    /// Whether the picture of a group in `state` bears out what `proposal` made of it beside what it was
-    /// `before`: it has the lower information criterion ([`crate::selection`]), or the sample does not
-    /// tell that it is wrong. A texture, which fits every block, has to gain significantly more than it
-    /// would from residuals that are chance, or that the better ones of the other groups have too; from block
-    /// to block, where what changes slowly over the surface is as well an error of a lobe, or from pixel to
-    /// pixel within blocks. There the other groups say what is chance, as the noise of a compressed photograph
-    /// is larger than its neighbouring pixels tell.
+    /// Whether the picture of a group in `state` supports its change by `proposal` from the `present` state: it has the
+    /// lower information criterion ([`crate::selection`]), or is not significantly wrong. A texture, which fits every
+    /// block, has to gain significantly more than from residuals that are chance, or that the better ones of the other
+    /// groups have too: from block to block, where slow changes over the surface may also be an error of a lobe, or
+    /// from pixel to pixel within blocks. There the other groups show what is chance, as the noise of a compressed
+    /// photograph is larger than its neighbouring pixels show.
     pub(crate) fn bears_out(
         &self,
         state: &State<'_>,
@@ -347,13 +344,13 @@ impl Verifier {
         };
         let [mine, other] = &state.steps.value("own verification", rendered);
         let is_textured = state.groups[group].hypothesis == Hypothesis::Textured;
-        // A lobe may lack what a Fresnel reflectance adds; of a diffuse surface the light alone is wrong.
+        // A lobe may lack what a Fresnel reflectance adds; on a diffuse surface only the light is wrong.
         let is_slow_allowed = is_textured && before.material(group).rho_s != Rgb::ZERO;
         let contrast = if is_slow_allowed { Contrast::of_pattern } else { Contrast::of };
         let contrast = sample.contrast(mine, other, contrast);
         let independent = contrast.independent * sample.blocks.len() as f64;
         let asks = if is_textured {
-            // The squares that it takes away of residuals that are chance, and as much as these and noise may be more.
+            // The squares that it removes from residuals by chance, and how much more chance and noise may make them.
             let chance = contrast.independent * contrast.chance;
             let noise = contrast.independent.powi(2) * contrast.noise;
             chance + WORSE * (2.0 * chance + noise).sqrt()
@@ -371,8 +368,8 @@ impl Verifier {
 }
 
 impl Verifier {
-    /// What the other groups without a texture usually have of the ratio of squared residuals within blocks to
-    /// their variance: that of the middle one, and at least one. Less would be chance.
+    /// The median over the other groups without a texture of the ratio of squared residuals within blocks to their
+    /// variance, and at least one: less would be chance.
     fn usual(&self, state: &State<'_>, Verified { score, .. }: &Verified, group: usize) -> f64 {
         let others = self.groups.iter().zip(&score.groups).filter(|(sample, _)| {
             let is_textured = state.groups[sample.group].hypothesis == Hypothesis::Textured;
@@ -385,8 +382,7 @@ impl Verifier {
 }
 
 impl Sample {
-    /// One state beside another, by the comparison `of` their residuals. What an outlier costs is the same
-    /// under both.
+    /// Compares two states by the comparison `of` their residuals. An outlier costs the same under both.
     fn contrast(
         &self,
         mine: &GroupScore,
@@ -408,16 +404,15 @@ impl Sample {
     }
 }
 
-/// One state beside another, group by group.
+/// The comparison of two states, group by group.
 pub(crate) struct Comparison {
     groups: Vec<(usize, Contrast)>,
 }
 
 impl Comparison {
-    /// Whether the picture speaks against the one state: its deviance is higher by more than the
-    /// difference's standard deviation under either model: `4 S` is its variance with `S` their separation,
-    /// beside that by the renderings' noise. Blocks count as independent, so that a state is rather called
-    /// worse than not.
+    /// Whether the picture speaks against the one state: its deviance is higher by more than [`WORSE`] standard
+    /// deviations of the difference under either model, whose variance is `4 S`, with `S` their separation, plus that
+    /// by the renderings' noise. Blocks count as independent: in doubt a state is called worse.
     pub(crate) fn is_worse(&self) -> bool {
         let difference: f64 = self.groups.iter().map(|(_, c)| c.difference).sum();
         difference > WORSE * self.groups.iter().map(|(_, c)| c.variance()).sum::<f64>().sqrt()

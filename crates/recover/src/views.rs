@@ -1,5 +1,4 @@
-//! The renderer behind several cameras: what is asked of pixels of a sheet is asked of the photographs that they
-//! are of.
+//! The renderer behind several cameras: requests for pixels of a sheet go to the photographs that they are of.
 
 use crate::rerender::{Renderer, Stored};
 use crate::sheet::Sheet;
@@ -20,7 +19,7 @@ pub struct Views<'a> {
 }
 
 impl<'a> Views<'a> {
-    /// What each of several photographs sees, in the order of the sheet. All see one scene; lamps may be off in some.
+    /// The views of several photographs, in the order of the sheet. All see one scene; lamps may be off in some.
     ///
     /// # Panics
     /// If there are none.
@@ -61,7 +60,8 @@ impl<'a> Views<'a> {
         pixels.iter().map(|pixel| self.local(*pixel)).collect()
     }
 
-    /// What of `seen` is of `photograph`: a path ends where its own photograph knows the radiance.
+    /// The part of `seen` for `photograph`: a path ends where its own photograph knows the
+    /// radiance.
     fn cut(&self, seen: Option<&RadianceCache>, photograph: usize) -> Option<RadianceCache> {
         seen.map(|seen| RadianceCache {
             radiance: self.sheet.cut(&seen.radiance, photograph),

@@ -1,5 +1,5 @@
-//! What a model leaves of the differences between the pixels of a block: a pattern that is finer than blocks
-//! shows nowhere else, and errors of the light hardly show there.
+//! The residuals of the differences between the pixels of a block: a pattern that is finer than blocks shows only
+//! there, and errors of the light hardly do.
 
 use crate::blocks::Blocks;
 use serde::{Deserialize, Serialize};
@@ -8,8 +8,8 @@ use unrender_scene::Rgb;
 /// The squared differences of residuals from the means of their blocks.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Within {
-    /// Their sum over a block's pixels and channels, in units of their variance, as products of two renderings: what
-    /// these add by their noise is as often less as it is more. One number a block.
+    /// Their sum over a block's pixels and channels, in units of their variance, as products of two renderings, to
+    /// which their noise adds zero on average. One number a block.
     squares: Vec<f64>,
     /// How many of them are independent.
     pub(crate) count: f64,
@@ -17,9 +17,9 @@ pub(crate) struct Within {
 
 impl Within {
     /// For the `residuals` and the `light` of two renderings, pixel by pixel of `blocks`, where a pixel `counts`.
-    /// What of a block's residuals goes with the light's own change over the block is left out: a lobe that is
-    /// a little too sharp or turned leaves that on the slope of a highlight, and a pattern does not. Each rendering's
-    /// residuals are held against the other's light: its own has the same noise, and goes with that.
+    /// The part of a block's residuals that is proportional to the light's change over the block is left out: a lobe
+    /// that is a little too sharp or turned leaves that on the slope of a highlight, and a pattern does not. Each
+    /// rendering's residuals are regressed on the other's light: its own has the same noise.
     pub(crate) fn of(
         blocks: &Blocks,
         (residuals, light): ([&[Rgb]; 2], [&[Rgb]; 2]),
@@ -40,7 +40,7 @@ impl Within {
         for (i, &block) in blocks.of_pixel.iter().enumerate().filter(|(i, _)| counts(*i)) {
             let squares = a[i] * b[i] / variance(i).max(Rgb::splat(f32::MIN_POSITIVE));
             within.squares[block as usize] += f64::from(squares.element_sum());
-            // The mean takes one of a block's, the slope another.
+            // The mean takes one degree of freedom of a block, the slope another.
             let counted = &mut counted[block as usize];
             within.count += if *counted >= 2 { 3.0 } else { 0.0 };
             *counted += 1;
@@ -48,13 +48,13 @@ impl Within {
         within
     }
 
-    /// The squares over the variance that they were thought to have; one if nothing was counted.
+    /// The squares over their assumed variance; one if nothing was counted.
     pub(crate) fn over_variance(&self) -> f64 {
         if self.count > 0.0 { self.squares.iter().sum::<f64>() / self.count } else { 1.0 }
     }
 
-    /// Whether this leaves so much less than `other` that `parameters` that fit chance do not, at so many standard
-    /// deviations of what it gains: as far as it differs from block to block, by chance and by the renderings' noise.
+    /// Whether this leaves less than `other` by more than `parameters` gain from chance, plus so many standard
+    /// `deviations` of the gain: by its spread over the blocks, which holds chance and the renderings' noise.
     pub(crate) fn gains(&self, other: &Self, parameters: f64, deviations: f64) -> bool {
         let gained = || other.squares.iter().zip(&self.squares).map(|(other, mine)| other - mine);
         let sum: f64 = gained().sum();
@@ -64,7 +64,7 @@ impl Within {
     }
 }
 
-/// `residuals` without what goes with `light` over each block, both less the means of their blocks.
+/// `residuals` without the part proportional to `light` in each block, both less their block means.
 fn without_slope(
     blocks: &Blocks,
     residuals: &[Rgb],
@@ -93,7 +93,7 @@ mod tests {
 
     const SIDE: usize = 12;
 
-    /// What a model leaves that fits the share `left` of a noise of `deviation`, where the noise is taken as one.
+    /// Of a model that leaves this `share` of a noise of `deviation`, where the deviation is taken as one.
     fn left(share: f32, deviation: f32) -> Within {
         let pixels: Vec<u32> = (0..(SIDE * SIDE) as u32).collect();
         let blocks = Blocks::of(&pixels, &Grid::even(&Sheet::of(&[(SIDE, SIDE)]), 3));
@@ -121,7 +121,7 @@ mod tests {
         const SIDE: usize = 60;
         let pixels: Vec<u32> = (0..(SIDE * SIDE) as u32).collect();
         let blocks = Blocks::of(&pixels, &Grid::even(&Sheet::of(&[(SIDE, SIDE)]), 30));
-        // Even numbers in (-1, 1), of deviation 0.577: others in each half.
+        // Uniform numbers in (-1, 1), of deviation 0.577: others in each half.
         let noise = |half: u64| -> Vec<Rgb> {
             let at = |i: u64| (mix(2 * i + half) >> 40) as f32 / (1u64 << 23) as f32 - 1.0;
             pixels.iter().map(|i| Rgb::splat(at(u64::from(*i)))).collect()
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn what_is_usual_elsewhere_is_no_pattern() {
-        // A noise of twice the deviation that it is thought to have, and a texture that fits nearly all of it.
+        // A noise of twice its assumed deviation, and a texture that fits nearly all of it.
         let (texture, plain) = (left(0.1, 2.0), left(1.0, 2.0));
         assert!(texture.gains(&plain, plain.count, 3.0));
         let usual = plain.over_variance();

@@ -4,7 +4,7 @@
 //! how far it does: `s_i = n_i . (x_i(p) - x_i(0))` for small changes `p` of the camera
 //! [Harris and Stennett 1990]. Gauss-Newton on Tukey's robust loss [Beaton and Tukey 1974], since some
 //! of the photograph's edges are shadows and things that the model lacks. A weak prior that the camera
-//! is nearly right decides what the edges leave open (far away, say, a turn from a shift).
+//! is nearly right decides what the edges leave open (far away, say, between a turn and a shift).
 
 use super::edges::Edgel;
 use glam::{Affine3A, Quat, Vec2, Vec3};
@@ -19,10 +19,10 @@ pub const FREEDOMS: usize = 9;
 const PRIOR: [f64; FREEDOMS] = [0.05, 0.05, 0.05, 0.03, 0.03, 0.03, 0.03, 0.01, 0.01];
 /// Changes of this size show how the picture moves.
 const SMALL: f32 = 2e-3;
-/// Tukey's constant: what is further away than this many deviations does not count.
+/// Tukey's constant: offsets of more than this many deviations do not count.
 const TUKEY: f64 = 4.685;
-/// No standard deviation of the offsets is taken as below this, pixels: the model's edges are only
-/// known to a part of a pixel.
+/// The least standard deviation of the offsets, pixels: the model's edges are only known to a
+/// fraction of a pixel.
 const DEVIATION_MIN: f64 = 0.15;
 /// Neighbouring edge points share pixels of the photograph: those of so many pixels count as one.
 const SHARED: f64 = 4.0;
@@ -42,7 +42,7 @@ pub struct Offset {
 pub struct Alignment {
     /// The changed camera.
     pub camera: Camera,
-    /// The spread of the offsets that it leaves, of those that count, pixels.
+    /// The spread of the remaining offsets that count, pixels.
     pub deviation: f64,
     /// How far a point of the picture may still be off, on the mean over the edge points, pixels.
     pub uncertainty: f64,
@@ -71,7 +71,7 @@ pub fn vote(offsets: &[Offset], reach: f32) -> (Vec2, f32) {
     (best.1, best.0 as f32 / offsets.len().max(1) as f32)
 }
 
-/// The change of `camera`, of pictures of `size`, that fits `offsets`, none if they fix nothing;
+/// The change of `camera`, of pictures of `size`, that fits `offsets`, none if they determine none;
 /// `shift` is where to begin. A pixel of the photograph has `per_pixel` edge points along an edge.
 pub fn align(
     offsets: &[Offset],

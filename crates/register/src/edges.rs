@@ -16,7 +16,7 @@ const FINER_MAX: usize = 3;
 /// ... but with no more pixels than this.
 const PIXELS_MAX: usize = 8_000_000;
 
-/// How many times as many rows as a photograph of `size` the picture has in which edges are found.
+/// The rows of the picture in which edges are found, for each row of a photograph of `size`.
 pub fn finer((width, height): (usize, usize)) -> usize {
     (PIXELS_MAX / (width * height).max(1)).isqrt().clamp(1, FINER_MAX)
 }
@@ -46,8 +46,8 @@ pub fn is_interior(geometry: &GeometryBuffers, index: usize) -> bool {
 }
 
 /// The edges of the model as `camera` sees them, one point for every two neighbouring pixels of the
-/// `geometry` that an edge divides; it has `finer` times the rows of the photograph, in whose pixels
-/// their places are.
+/// `geometry` that an edge divides; it has `finer` times the rows of the photograph, whose pixels are the unit of the
+/// places.
 pub fn edgels(geometry: &GeometryBuffers, camera: &Camera, finer: usize) -> Vec<Edgel> {
     let (width, height) = (geometry.width(), geometry.height());
     let mut found = Vec::new();
@@ -107,7 +107,7 @@ fn direction_across(geometry: &GeometryBuffers, (x, y): (usize, usize)) -> Optio
         }
     }
     let across = other.0 / f32::max(other.1, 1.0) - same.0 / f32::max(same.1, 1.0);
-    // A straight edge through the window parts the two middles by half its side; a corner, a thin
-    // bar or a speck by less.
+    // A straight edge through the window separates the two centres by half its side; a corner, a
+    // thin bar or a speck by less.
     (across.length() > 0.7 * WINDOW as f32).then(|| across.normalize())
 }

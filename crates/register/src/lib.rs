@@ -1,10 +1,10 @@
-//! How well the model lies on the photograph, and which pixels that makes doubtful [Boivin and
-//! Gagalowicz 2002, section 3.2: the model may be several pixels off].
+//! How well the model is registered to the photograph, and which pixels are therefore doubtful
+//! [Boivin and Gagalowicz 2002, section 3.2: the model may be several pixels off].
 //!
-//! The model says where the photograph should have edges ([`edges`]); how far away the photograph
-//! has them ([`offset`]) gives the camera under which both agree ([`mod@align`]). Either that camera is
-//! taken, or, where the given one is to be kept, the pixels next to an edge of the model ([`margin`])
-//! or of the photograph ([`steep`]) are not valid, as far as the model's picture is off there.
+//! The model says where the photograph should have edges ([`edges`]); how far away the photograph's are ([`offset`])
+//! gives the camera under which both agree ([`mod@align`]). Either that camera is taken, or, where the given one is to
+//! be kept, the pixels next to an edge of the model ([`margin`]) or of the photograph ([`steep`]) are not valid, as far
+//! as the model's picture is off there.
 
 pub mod align;
 pub mod edges;
@@ -26,7 +26,7 @@ const REACH: f32 = 0.025;
 const REACH_PIXELS: [f32; 2] = [4.0, 16.0];
 /// Steps towards the camera at most.
 const STEPS_MAX: usize = 8;
-/// It has arrived when no edge point moves by more than this on the median, pixels.
+/// The search ends when the edge points' median move is at most this, pixels.
 const ARRIVED: f32 = 0.05;
 /// Edges along fewer pixels than this fix no camera.
 const EDGELS_MIN: usize = 60;
@@ -34,14 +34,14 @@ const EDGELS_MIN: usize = 60;
 /// Traces what a camera sees in a picture of so many columns and rows.
 pub type GeometryOf<'a> = &'a dyn Fn(&Camera, usize, usize) -> GeometryBuffers;
 
-/// How a model lies on a photograph.
+/// The registration of a model to a photograph.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Registration {
     /// The camera that brings the model's edges onto the photograph's; the given one if no other
     /// brings more of them there.
     pub camera: Camera,
-    /// How far the edges of the model as given are from there on the median, pixels.
+    /// The median distance of the given model's edges from there, pixels.
     pub displacement: f32,
     /// What remains under that camera: the spread of the offsets, pixels.
     pub deviation: f32,
@@ -57,7 +57,7 @@ pub struct Registration {
 }
 
 impl Registration {
-    /// What remains to be said once [`Registration::camera`] is the camera.
+    /// The registration once [`Registration::camera`] is the camera.
     #[must_use]
     pub fn taken(mut self) -> Self {
         self.displacements = self.displacements.map(|_| 0.0);
@@ -65,8 +65,8 @@ impl Registration {
     }
 }
 
-/// Finds how the model, as `camera` sees it, lies on the photograph's linear `values`. None if the photograph has too few edges where the model
-/// has them.
+/// Registers the model, as `camera` sees it, to the photograph's linear `values`. None if the photograph has too few
+/// edges where the model has them.
 pub fn register(
     values: &RgbImage,
     camera: &Camera,
@@ -124,7 +124,7 @@ impl Search<'_> {
 
     /// Edge points of the model that lie on an edge of the photograph.
     fn in_place(&self, camera: &Camera) -> usize {
-        /// An edge within this many pixels is in place: a smaller displacement is what the photograph's own blur makes of edges.
+        /// An edge within this many pixels is in place: a smaller displacement may come from the photograph's own blur.
         const CLOSE: f32 = 0.75;
         let offsets = self.offsets(camera, REACH_PIXELS[0]);
         offsets.iter().filter(|offset| offset.distance.abs() < CLOSE).count()

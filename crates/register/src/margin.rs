@@ -7,17 +7,16 @@ use unrender_scene::Image;
 
 /// The least margin, pixels: the pixels beside an edge hold parts of both sides.
 const LEAST: f32 = 1.0;
-/// Below this a displacement is what the photograph's own blur makes of edges.
+/// Below this a displacement may come from the photograph's own blur.
 const SLIGHT: f32 = 0.75;
 /// Edges scatter about the model's by this many standard deviations.
 const DEVIATIONS: f32 = 1.0;
-/// What a single object is off beyond this is its own displacement and not the scatter of edges.
+/// An object that is off by more than this has a displacement of its own, not the scatter of edges.
 const OWN: f32 = 1.0;
 
-/// How close to an edge no pixel is valid, for every pixel, in pixels.
+/// The distance from an edge within which no pixel is valid, for every pixel, in pixels.
 ///
-/// `registration` is how the model lies on the photograph under the camera that `geometry` shows, if
-/// that is known.
+/// `registration` is that of the model to the photograph under the camera of `geometry`, if it is known.
 pub fn margins(geometry: &GeometryBuffers, registration: Option<&Registration>) -> Image<f32> {
     let (width, height) = (geometry.width(), geometry.height());
     let Some(registration) = registration else {

@@ -1,8 +1,8 @@
 //! How far from an edge of the model the photograph has one: the strongest change of the
 //! photograph along a line across the edge [Harris and Stennett 1990].
 //!
-//! The photograph is taken by its square root, in which shot noise is alike everywhere, and
-//! smoothed a little.
+//! It uses the photograph's square root, in which shot noise is alike everywhere, a little
+//! smoothed.
 
 use super::edges::Edgel;
 use glam::Vec2;
@@ -14,7 +14,7 @@ const PER_PIXEL: usize = 2;
 const ABOVE_NOISE: f32 = 6.0;
 /// ... by this share of the values there ...
 const ABOVE_VALUE: f32 = 0.02;
-/// ... and so many times as much as the line does elsewhere on the median.
+/// ... and by so many times the median change along the line.
 const ABOVE_LINE: f32 = 3.0;
 /// A second edge of this share of the first leaves open which one is meant.
 const RIVAL: f32 = 0.6;
@@ -79,8 +79,8 @@ impl EdgePicture {
         Some((strongest as f32 - half as f32 + shift) / PER_PIXEL as f32)
     }
 
-    /// Whether the photograph has some edge within `reach` pixels of `edgel`, be others as clear beside
-    /// it: a place where it changes more than before and behind.
+    /// Whether the photograph has some edge within `reach` pixels of `edgel`, even if others beside it are as clear: a
+    /// place where it changes more than before and after.
     pub fn has_edge(&self, edgel: &Edgel, reach: f32) -> bool {
         let (width, height) = (self.values.width() as f32, self.values.height() as f32);
         let margin = reach + 3.0;

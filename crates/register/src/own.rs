@@ -1,4 +1,4 @@
-//! How far each object lies from where the photograph has it, by itself.
+//! How far each object by itself is from its place in the photograph.
 //!
 //! The photograph's edge that is clearest near an edge of the model need not be that edge: where two
 //! surfaces look alike it is faint or missing, and beside it lies a shadow or the edge of another object.
@@ -74,7 +74,7 @@ impl<'e> OfModel<'e> {
         near.filter_map(|cell| self.0.get(&cell)).flatten().any(|other| {
             let apart = other.across.dot(there - other.at).abs();
             let alike = other.across.dot(edgel.across).abs() > SAME_DIRECTION;
-            // Further along the same edge the photograph's is its own.
+            // Further along the same edge, it is this one's own.
             alike && apart <= SAME && other.across.dot(edgel.at - other.at).abs() > SAME
         })
     }
@@ -109,7 +109,7 @@ mod tests {
             (0..30).map(move |y| Offset { edgel: edgel(10.0, y as f32, 0), distance })
         };
         let own: Vec<Offset> = offsets(2.5).collect();
-        // Of the shifts that fit alike the nearest is taken, and they fit to 0.75.
+        // Of the shifts that fit equally well the nearest is taken, and they fit to 0.75.
         assert!((displacement(&own, 20) - 2.5).abs() < 0.75);
         assert_eq!(displacement(&own[..10], 20), 0.0);
         let half: Vec<Offset> = offsets(2.5).chain(offsets(0.0)).collect();

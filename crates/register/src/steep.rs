@@ -1,13 +1,13 @@
 //! Where the photograph changes so fast that a model which is some pixels off looks at something
 //! else: at the edges of shadows, of mirror images, of patterns.
 //!
-//! A pixel is steep by `(max - min) / (max + min)` of the photograph's values as far around it as the
-//! model may be off, the brightest channel's, less what noise makes of that.
+//! The steepness of a pixel is `(max - min) / (max + min)` of the photograph's values, in the brightest channel, as far
+//! around it as the model may be off, without the range of the noise.
 
 use super::offset::EdgePicture;
 use unrender_scene::{Image, Rgb};
 
-/// The range of so many pixels' noise, in its standard deviations.
+/// The range of the noise around a pixel, in its standard deviations.
 const NOISE_RANGE: f32 = 5.0;
 
 /// How steep the photograph is about every pixel: 0 where it is even, or where `margins` is one pixel

@@ -18,11 +18,11 @@
 //! | picture with path reuse | sample numbers | at most 57 a pixel and part |
 //!
 //! Each refers to three pieces of shared data that outlive it: the view (scene, camera, size), the
-//! appearance, the radiance cache. Scene and tree are made of the first, once a worker. Workers keep the
-//! paths of their pixels that are replayed (module `kept`), and trace them again where they lack them: that
-//! costs time, and changes no bit.
+//! appearance, the radiance cache. Scene and tree are built from the first, once per worker. Workers keep the paths of
+//! their pixels that are replayed (module `kept`), and trace them again where they lack them: that costs time, and
+//! changes no bit.
 //!
-//! How bytes travel, and who dies, is the business of whoever implements [`Workers`].
+//! Transport, and the loss of workers, are left to the implementation of [`Workers`].
 
 mod kept;
 mod paths;
@@ -43,12 +43,11 @@ use unrender_render::{
 use unrender_scene::{BrdfModel, Rgb, Scene};
 use wire::Request;
 
-/// Tiles for each worker in a request. With one, the slowest worker is waited for with nothing left to
-/// do; with four, twice as many messages travel.
+/// Tiles for each worker in a request. With one, the others wait for the slowest worker with nothing to do; with four,
+/// twice as many messages travel.
 const TILES_A_WORKER: usize = 2;
-/// Pixels of a tile at least, where each takes some hundred rays (probes) or some paths. Half of it is
-/// computed in the time that a message takes, about a millisecond; double leaves workers idle in small
-/// requests.
+/// The fewest pixels of a tile, where each takes some hundred rays (probes) or some paths. Half of it is computed in
+/// the time that a message takes, about a millisecond; double leaves workers idle in small requests.
 const PROBES_MIN: usize = 32;
 const PIXELS_MIN: usize = 256;
 /// Ranges of sample numbers that a picture is cut into for each worker.
@@ -57,7 +56,7 @@ const RANGES_A_WORKER: usize = 1;
 /// Data that several requests refer to.
 #[derive(Clone, Debug)]
 pub struct Shared {
-    /// A hash of the data, by which workers that hold them find them.
+    /// A hash of the data, by which workers find data that they hold.
     pub number: u64,
     /// The data.
     pub bytes: Arc<[u8]>,
@@ -67,13 +66,12 @@ pub struct Shared {
 pub trait Workers: Sync {
     /// How many there are now.
     fn count(&self) -> usize;
-    /// What [`Worker::answer`] says to each of `requests`, in their order, on a worker that was made of
-    /// the first of `shared`; none if there is nobody to ask. Answers that are none of ours count as
-    /// none.
+    /// The results of [`Worker::answer`] for each of `requests`, in their order, on a worker that was built from the
+    /// first of `shared`; none if there is no worker. Answers that are not understood count as none.
     fn answers(&self, shared: &[Shared; 3], requests: &[Vec<u8>]) -> Option<Vec<Vec<u8>>>;
 }
 
-/// A [`View`] whose work is done by workers; by itself where they cannot.
+/// A [`View`] whose work is done by workers, or by itself where they cannot.
 pub struct Remote<'a> {
     view: View<'a>,
     workers: &'a dyn Workers,
@@ -86,7 +84,7 @@ pub struct Remote<'a> {
 struct Shelf(Option<(RadianceCache, Shared)>);
 
 impl<'a> Remote<'a> {
-    /// `view`, which shows `scene`, by the work of `workers`.
+    /// `view`, which shows `scene`, with its work done by `workers`.
     pub fn new(view: View<'a>, scene: &Scene, workers: &'a dyn Workers) -> Self {
         let geometry = view.geometry();
         let bytes = wire::setup(scene, view.camera(), (geometry.width(), geometry.height()));
@@ -144,7 +142,8 @@ impl<'a> Remote<'a> {
         Some(all)
     }
 
-    /// What `request` asks of each tile of `pixels`: the radiance and so many derivatives of each.
+    /// The answers to `request` for tiles of `pixels`: the radiance and so many derivatives of
+    /// each.
     fn asked_jacobian<P>(
         &self,
         appearances: (Appearance<'_>, Option<Appearance<'_>>),

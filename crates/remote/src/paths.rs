@@ -1,4 +1,4 @@
-//! Paths that workers keep: what they are, and what is asked of them.
+//! Paths that workers keep: what identifies them, and requests on them.
 
 use super::Remote;
 use super::wire::Request;
@@ -6,7 +6,7 @@ use unrender_recover::rerender::{Renderer, Stored};
 use unrender_render::{Appearance, Jacobian, Parameter, RadianceCache, Settings};
 use unrender_scene::{Material, Rgb};
 
-/// Which paths they are: that of a tracer depends on nothing else.
+/// What identifies the paths: those of a tracer depend on nothing else.
 pub(super) struct Paths<'r, 'a> {
     remote: &'r Remote<'a>,
     materials: Vec<Material>,

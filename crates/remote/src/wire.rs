@@ -70,12 +70,12 @@ pub(super) fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
     postcard::from_bytes(bytes).ok()
 }
 
-/// Radiances of bytes, if they are `count`.
+/// Radiances from bytes, if they are `count`.
 pub(super) fn radiances(bytes: &[u8], count: usize) -> Option<Vec<Rgb>> {
     decode(bytes).filter(|values: &Vec<Rgb>| values.len() == count)
 }
 
-/// Probes of bytes, if all their samples are there.
+/// Probes from bytes, if all their samples are there.
 pub(super) fn probes(bytes: &[u8]) -> Option<Probes> {
     let probes: Probes = decode(bytes)?;
     let is_whole = |probe: &Probe| {
@@ -91,7 +91,7 @@ pub(super) fn of_sums(sums: &Accumulator) -> Vec<u8> {
     encode(&all)
 }
 
-/// The sums of bytes, if they are of `count` pixels.
+/// Sums from bytes, if they are of `count` pixels.
 pub(super) fn sums(bytes: &[u8], count: usize) -> Option<Vec<[u128; 3]>> {
     decode(bytes).filter(|sums: &Vec<[u128; 3]>| sums.len() == count)
 }

@@ -1,4 +1,4 @@
-//! The side of a worker: a scene with its tree, and answers to requests.
+//! The worker's side: a scene with its tree, and answers to requests.
 
 use super::kept::Kept;
 use super::wire::{self, Appearances, Request, Setup};
@@ -30,10 +30,10 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// A worker of the first of the shared data.
+    /// A worker built from the first of the shared data.
     ///
     /// # Errors
-    /// If the bytes are none of ours, or the scene cannot be rendered.
+    /// If the bytes are not understood, or the scene cannot be rendered.
     pub fn new(setup: &[u8]) -> Result<Self, Fault> {
         let Setup { scene, camera, size } = wire::decode(setup).ok_or(Fault::NotUnderstood)?;
         let view = View::of_scene(&scene, camera, size)?;
@@ -49,7 +49,7 @@ impl Worker {
     /// `cache`.
     ///
     /// # Errors
-    /// If the bytes are none of ours.
+    /// If the bytes are not understood.
     pub fn answer(
         &self,
         appearance: &[u8],

@@ -1,5 +1,5 @@
-//! A recovery has the same bits on any number of threads, by any number of workers, and when it goes on
-//! from its journal, wherever it was cut off.
+//! A recovery has the same bits on any number of threads, by any number of workers, and when it continues from its
+//! journal, wherever it was cut off.
 
 use glam::{Vec2, Vec3};
 use std::collections::BTreeSet;
@@ -49,7 +49,7 @@ impl Journal for Memory {
     }
 }
 
-/// A shining floor, a wall with a pattern, a lamp.
+/// A glossy floor, a wall with a pattern, a lamp.
 fn scene() -> Scene {
     let quads = [
         ("floor", [[-1., 0., 1.], [1., 0., 1.], [1., 0., -1.], [-1., 0., -1.]]),
@@ -77,8 +77,8 @@ fn camera() -> Camera {
     Camera::look_at("camera", eye, target, Vec3::Y, 0.7)
 }
 
-/// What `solve` makes of the problem that a photograph of the scene poses: a checkerboard hangs on the
-/// wall, and the exposure is not known.
+/// The result of `solve` for the problem of a photograph of the scene: a checkerboard hangs on the wall, and the
+/// exposure is not known.
 fn solved<T>(role_of_floor: Role, solve: impl Fn(&Problem<'_>) -> T) -> T {
     let scene = scene();
     let tracer = Tracer::new(&scene);
@@ -126,7 +126,7 @@ fn solved<T>(role_of_floor: Role, solve: impl Fn(&Problem<'_>) -> T) -> T {
     })
 }
 
-/// Workers in this process; now and then there is none, or an answer that is none.
+/// Workers in this process; now and then there is none, or an answer is cut off.
 struct Here {
     count: usize,
     asked: AtomicUsize,
@@ -258,7 +258,7 @@ fn a_worker_refuses_what_is_no_request_of_its_own() {
     });
 }
 
-/// Tells workers what they do not understand.
+/// Sends workers requests that they do not understand.
 #[derive(Default)]
 struct Refused(AtomicUsize);
 

@@ -94,8 +94,8 @@ impl Camera {
     }
 
     /// The camera of a part of the picture of `size`, width and height in pixels, that this one takes: the part has
-    /// its top left at `corner`, pixels, and the size `part`. It may reach beyond the picture, which leads back from
-    /// the part to the whole.
+    /// its top left at `corner`, pixels, and the size `part`. It may reach beyond the picture, as the whole does for a
+    /// part.
     ///
     /// ```
     /// use glam::Vec3;

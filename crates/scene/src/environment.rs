@@ -62,7 +62,7 @@ impl Corners {
         [left * up, right * up, left * down, right * down]
     }
 
-    /// What lies between the pixels `of`, bilinear.
+    /// The bilinear interpolation between the pixels `of`.
     fn between(&self, of: impl Fn(usize) -> Rgb) -> Rgb {
         let [a, b, c, d] = self.pixels.map(of);
         let upper = a * (1.0 - self.right) + b * self.right;
@@ -129,8 +129,7 @@ impl Environment {
         Ok(Self { radiance: Arc::new(radiance), rotation_rad, is_in_parts: false, mean })
     }
 
-    /// The same environment, of which each pixel is a source of light of its own: how bright each one is may be
-    /// asked for.
+    /// The same environment, of which each pixel is a source of light of its own, whose brightness may be estimated.
     pub fn in_parts(self) -> Self {
         Self { is_in_parts: true, ..self }
     }
@@ -152,13 +151,13 @@ impl Environment {
         row_share(part / columns, rows) / columns as f64
     }
 
-    /// Makes it as many times as bright as `factor` says, channel by channel; factors that are negative or not
-    /// finite, and those that would make a pixel infinite, change nothing.
+    /// Multiplies its radiance by `factor`, channel by channel; factors that are negative or not finite, and those that
+    /// would make a pixel infinite, change nothing.
     pub fn scale(&mut self, factor: Rgb) {
         self.change(self.radiance.map(|radiance| *radiance * factor));
     }
 
-    /// Makes one part as many times as bright as `factor` says; see [`Environment::scale`].
+    /// Multiplies the radiance of one part by `factor`; see [`Environment::scale`].
     pub fn scale_part(&mut self, part: usize, factor: Rgb) {
         if !self.is_in_parts {
             return self.scale(factor);
@@ -170,7 +169,7 @@ impl Environment {
         self.change(scaled);
     }
 
-    /// Shows `radiance` if it is one.
+    /// Shows `radiance` if it is valid.
     fn change(&mut self, radiance: RgbImage) {
         if let Ok(changed) = Self::new(radiance, self.rotation_rad) {
             *self = Self { is_in_parts: self.is_in_parts, ..changed };

@@ -79,8 +79,8 @@ pub enum Status {
     Known,
     /// Not determined by this photograph; a note says why.
     Assumed,
-    /// From the photograph, but noise and model error do not explain what is left, or leave open which hypothesis it is; a
-    /// note says why.
+    /// From the photograph, but noise and model error do not explain its residual, or leave open which hypothesis it
+    /// is; a note says why.
     Doubtful,
 }
 

@@ -71,8 +71,8 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// The BRDF model of the groups' materials.
     pub brdf: BrdfModel,
-    /// Where the zero of all positions here lies in the world of the scene's file, metres. It is zero but for
-    /// scenes far from it, whose positions would lose their digits in single precision.
+    /// The origin of all positions here in the world of the scene's file, metres. It is zero except for scenes far from
+    /// zero, whose positions would lose their digits in single precision.
     pub origin: DVec3,
 }
 

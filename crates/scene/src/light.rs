@@ -52,7 +52,7 @@ pub enum LightKind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source<'a> {
     /// The group's index for area lights; for the others, the number of groups plus the index in
-    /// [`Scene::lights`]; for the environment, the number of groups and lights, from which on its parts follow.
+    /// [`Scene::lights`]; for the environment, the number of groups and lights, where its parts begin.
     pub index: usize,
     /// The name of the group or of the light; two sources may share one. That of the environment is
     /// [`ENVIRONMENT`].
@@ -92,8 +92,8 @@ impl Scene {
         first..first + columns * rows
     }
 
-    /// Makes the light source with this index as many times as bright as `factor` says, channel by channel;
-    /// nothing happens if there is none. Of an environment in parts the index goes on from part to part.
+    /// Multiplies the strength of the light source with this index by `factor`, channel by channel; nothing happens if
+    /// there is none. The parts of an environment have consecutive indices.
     pub fn scale_source(&mut self, index: usize, factor: Rgb) {
         if let Some(strength) = self.strength_mut(index) {
             *strength *= factor;

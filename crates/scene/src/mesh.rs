@@ -43,7 +43,7 @@ impl Mesh {
         mesh
     }
 
-    /// A sphere, smooth, its front outside: inscribed, its area less by 0.2 %.
+    /// A sphere, smooth, its front outside: inscribed, with 0.2 % less area.
     pub fn sphere(centre: Vec3, radius: f32) -> Self {
         let mut mesh = Self::default();
         for (i, j) in (0..=UP).flat_map(|i| (0..=AROUND).map(move |j| (i, j))) {

@@ -1,22 +1,22 @@
-//! Scenes far from the zero of their file: where their own zero is better put.
+//! Scenes far from the origin of their file: where to put their own origin.
 //!
 //! Positions are single precision. Two kilometres from zero they lie in steps of 0.1 mm, and a room there comes out
-//! too bright; at the coordinates of a land register the steps are half a metre. So the positions of such a scene
-//! count from a place in its midst, [`Scene::origin`], which is kept in double precision.
+//! too bright; at the coordinates of a land register the steps are half a metre. So the positions of such a scene are
+//! relative to a point in its middle, [`Scene::origin`], which is kept in double precision.
 
 use crate::{Mesh, Scene};
 use glam::{DVec3, Vec3};
 
-/// A scene is far from zero where its middle is farther from it than so many times the length that half of
-/// its surfaces lie within. At twice of it a room of 5 m counts from zero up to 250 m, where positions have steps
-/// of 15 um instead of 0.2; at half of it, a lamp on a mast of 50 m is a scene of its own.
+/// A scene is far from zero if its middle is farther from it than so many times the extent of half of its surfaces. At
+/// twice of it a room of 5 m counts from zero up to 250 m, where positions have steps of 15 um instead of 0.2; at half
+/// of it, a lamp on a mast of 50 m is a scene of its own.
 const FAR: f64 = 32.0;
 
-/// No more triangles are asked where they lie. With half or double of it the same scenes are far.
+/// The most triangles that are sampled. With half or double of it the same scenes are far.
 const SAMPLES: usize = 4096;
 
-/// The coordinate `here`, which counts from `origin`, in the world: the shortest decimal that is read back as
-/// `here`. What a file says in as many digits as are kept is written as it stood there.
+/// The coordinate `here`, relative to `origin`, in the world: the shortest decimal that is read back as `here`. A
+/// number that a file has in no more digits than are kept is written as it was there.
 ///
 /// ```
 /// use unrender_scene::origin::in_digits;
@@ -37,7 +37,7 @@ pub fn in_digits(origin: f64, here: f32) -> f64 {
 }
 
 impl Scene {
-    /// The point `world` of the scene's file as positions count here.
+    /// The point `world` of the scene's file as a position of the scene.
     ///
     /// ```
     /// use glam::{DVec3, Vec3};
@@ -63,8 +63,8 @@ impl Scene {
         format!("[{}]", axes.join(", "))
     }
 
-    /// Where the zero of the scene's positions is better put, seen from where it is; zero if the scene is near
-    /// enough. Numbers of few digits, as they are shown to people.
+    /// A better origin of the scene's positions, relative to the present one; zero if the scene is near enough. It has
+    /// few digits, as it is shown to people.
     ///
     /// The scene need not be valid. Surfaces count by their area, so that a cube that was forgotten at zero does
     /// not hide that everything else is elsewhere.
@@ -100,7 +100,7 @@ impl Scene {
         };
         let triangles = triangles.step_by(each).filter_map(corners);
         let samples: Vec<_> = triangles.flat_map(with_area).collect();
-        // Far out, all areas may have been lost.
+        // Far out, all areas may be rounded to zero.
         if samples.iter().any(|(_, area)| *area > 0.0) {
             return samples;
         }
@@ -108,7 +108,7 @@ impl Scene {
     }
 }
 
-/// Where along `axis` a quarter, half and three quarters of the areas are passed.
+/// The quartiles of the samples' positions along `axis`, weighted by area.
 fn quartiles(samples: &[(DVec3, f64)], axis: usize) -> [f64; 3] {
     let mut along: Vec<(f64, f64)> = samples.iter().map(|(p, area)| (p[axis], *area)).collect();
     along.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -168,7 +168,7 @@ mod tests {
             assert!(origin.distance(far.as_dvec3()) < 5.0, "{origin} for {far}");
             assert_eq!(origin, origin.round());
         }
-        // As small as it is near, and in nobody's metres.
+        // As small as it is near, in units other than metres.
         let origin = balls(&[(Vec3::X, 1e-3)]).far_origin();
         assert!((origin - DVec3::X).length() < 2e-3, "{origin}");
     }

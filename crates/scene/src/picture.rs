@@ -1,10 +1,10 @@
-//! Pictures as their files have them: code values, what they were stored as, and what the file
-//! declares of its colours. `unrender-formats` reads them, `unrender-photo` makes radiance of them.
+//! Pictures as their files have them: code values, how they were stored, and what the file declares
+//! of its colours. `unrender-formats` reads them, `unrender-photo` makes radiance of them.
 
 use crate::{Image, Rgb};
 use glam::Mat3;
 
-/// What one channel of one pixel was stored as.
+/// How one channel of one pixel was stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Depth {
     /// An integer of 8 bits; the codes 0 to 255 became 0 to 1.
@@ -16,7 +16,7 @@ pub enum Depth {
 }
 
 impl Depth {
-    /// The greatest code of an integer file; nothing for floating-point files.
+    /// The greatest code of an integer file; none for floating-point files.
     pub fn max_code(self) -> Option<f32> {
         match self {
             Self::Eight => Some(255.0),
@@ -32,12 +32,11 @@ pub struct Picture {
     /// Code values: 0 to 1 in the file's own encoding for integer files, as stored (by custom
     /// linear) for floating-point files. All are finite.
     pub values: Image<Rgb>,
-    /// What the values were stored as.
+    /// How the values were stored.
     pub depth: Depth,
-    /// Indices, in ascending order, of the pixels without a measurement: what the file does not hold, what it
-    /// calls missing or transparent, and what is no finite number. `values` has zeros where the file has no
-    /// finite number, else what the file has. A photograph leaves these pixels out; textures and panoramas take
-    /// the values.
+    /// Indices, in ascending order, of the pixels without a measurement: those that the file does not hold, or calls
+    /// missing or transparent, or that are not finite. `values` has zeros where the file has no finite number, else
+    /// what the file has. A photograph leaves these pixels out; textures and panoramas take the values.
     pub invalid: Vec<usize>,
     /// What the file declares of its colours, if it does.
     pub profile: Option<Profile>,
@@ -52,8 +51,7 @@ pub struct Picture {
 pub struct Merged {
     /// The variance of every value, in squares of the picture's unit; finite and not negative.
     pub variance: Image<Rgb>,
-    /// The value from which on a channel is clipped: what the shortest exposure cuts off. Infinite where
-    /// nothing is cut off.
+    /// The value from which a channel is clipped in the shortest exposure. Infinite where nothing is clipped.
     pub white_level: Rgb,
 }
 

@@ -1,11 +1,11 @@
-//! How what is behind pointers, and rasters, are serialised: as themselves. A raster is read back only
-//! if it has as many pixels as it says.
+//! Serialisation of shared pointers, as their contents, and of rasters. A raster is read back only if it has as many
+//! pixels as it says.
 
 use crate::Image;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use std::sync::Arc;
 
-/// Writes what a pointer leads to.
+/// Writes the contents of a pointer.
 pub(crate) fn pointee<T: Serialize, S: Serializer>(
     value: &Arc<T>,
     serializer: S,
@@ -13,7 +13,7 @@ pub(crate) fn pointee<T: Serialize, S: Serializer>(
     value.as_ref().serialize(serializer)
 }
 
-/// What a pointer leads to, if there is one.
+/// The contents of a pointer, if there is one.
 pub(crate) mod shared {
     use super::{Arc, Deserialize, Deserializer, Serialize, Serializer};
 
@@ -43,7 +43,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Image<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let Raster { width, height, pixels } = Raster::deserialize(deserializer)?;
         if width.checked_mul(height) != Some(pixels.len()) {
-            return Err(de::Error::custom("a raster has not as many pixels as it says"));
+            return Err(de::Error::custom("a raster does not have as many pixels as it says"));
         }
         Ok(Self::new(width, height, pixels))
     }

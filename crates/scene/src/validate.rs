@@ -7,8 +7,8 @@ use glam::Vec3;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Warnings(pub Vec<String>);
 
-/// Nobody reads more; each new one is compared with all before. With half of it, real scenes with a
-/// doubt a group could lose some; with double, nothing changes.
+/// The most warnings: nobody reads more, and each new one is compared with all before. With half of
+/// it, real scenes with one per group could lose some; with double, nothing changes.
 const MAX_WARNINGS: usize = 1000;
 
 impl Warnings {
@@ -49,7 +49,7 @@ pub enum SceneError {
         /// The number of groups.
         count: usize,
     },
-    /// An attribute has not one entry a vertex.
+    /// An attribute does not have one entry per vertex.
     #[error(
         "object \"{object}\": {attribute} has {count} entries for {vertices} vertices; give each vertex one"
     )]
@@ -222,7 +222,7 @@ fn check_counts(object: &str, mesh: &Mesh) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Asserts of `owner` that all `quantities` are as they should be.
+/// Checks that all `quantities` of `owner` are as they should be.
 fn check_numbers(
     owner: impl Fn() -> String,
     quantities: &[(&'static str, bool)],
@@ -383,7 +383,7 @@ mod tests {
         assert_eq!(scene.validate(), Err(SceneError::NoGeometry));
     }
 
-    /// What the lit triangle is made unusable by, and a word of the error that says so.
+    /// What makes the lit triangle unusable, and a part of the error's message.
     type Fault = (fn(&mut Scene), &'static str);
 
     const FAULTS: [Fault; 14] = [

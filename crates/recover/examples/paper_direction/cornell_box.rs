@@ -9,7 +9,7 @@ pub(crate) const LIGHT: usize = 7;
 const NAMES: [&str; 8] =
     ["floor", "ceil", "back_wall", "right_wall", "left_wall", "small_block", "big_block", "light"];
 
-/// What its groups are made of; the floor is brushed along `degrees` from world +x.
+/// The materials of its groups; the floor is brushed along `degrees` from world +x.
 pub(crate) fn truth(degrees: f32) -> Vec<Material> {
     let floor = Material {
         alpha_y: 0.11,

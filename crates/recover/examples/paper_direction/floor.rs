@@ -15,7 +15,7 @@ pub(crate) type Brushed = Option<f32>;
 const SIDE: usize = 128;
 /// Paths a pixel. At half of it noise moves some of the readings by a step.
 const SPP: u32 = 64;
-/// A panel's pixels are so many pixels wide.
+/// Each pixel is drawn so many pixels wide in a panel.
 const ENLARGED: usize = 2;
 
 pub(crate) struct Floor<'s> {

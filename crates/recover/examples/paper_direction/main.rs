@@ -2,9 +2,9 @@
 //! Figure 8: `cargo run --release -p unrender-recover --example paper_direction -- docs/images`, from the
 //! repository's root.
 //!
-//! The floor is rendered without a direction and with four. Printed is the direction that is read off
-//! each, for every mirrored surface, in a table for `docs/method/paper.md`. Written are
-//! `paper-steps.png`, and `paper-directions.svg`: the difference's mean deviation against the direction.
+//! The floor is rendered without a direction and with four. The example prints the direction that is read off each, for
+//! every mirrored surface, in a table for `docs/method/paper.md`, and writes `paper-steps.png` and
+//! `paper-directions.svg`: the difference's mean deviation against the direction.
 
 mod cornell_box;
 mod floor;
@@ -39,8 +39,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     plots::write(&Path::new(&out).join("paper-directions.svg"), &FLOORS, &deviations)
 }
 
-/// One row a reading of the text: which surface is the reference, which pixels count, and whether lines
-/// are drawn on the floor or in the picture.
+/// Prints one row for each reading of the paper's text: which surface is the reference, which pixels count, and whether
+/// lines are drawn on the floor or in the picture.
 fn print_readings(floor: &Floor<'_>, differences: &[Vec<f32>], reference: u32) {
     println!("| reference | pixels | lines on | round | 0 | 30 | 60 | 90 |");
     println!("|---|---|---|---|---|---|---|---|");
@@ -71,8 +71,8 @@ fn print_readings(floor: &Floor<'_>, differences: &[Vec<f32>], reference: u32) {
 /// The amplitudes of the streaks.
 const AMPLITUDES: [f32; 5] = [0.0, 0.03, 0.1, 0.3, 0.9];
 
-/// One row an amplitude and a picture that is subtracted: the direction that is read off each brushed floor with such
-/// streaks, in the window around the `reference`.
+/// Prints one row for each amplitude and subtracted picture: the direction that is read off each brushed floor with
+/// such streaks, in the window around the `reference`.
 fn print_streaks(
     floor: &Floor<'_>,
     photographs: &[unrender_scene::RgbImage],

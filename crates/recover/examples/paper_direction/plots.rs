@@ -14,7 +14,7 @@ const COLORS: [RGBColor; 5] = [
 ];
 
 /// The mean deviation of the mirror difference along each direction, one curve a floor, relative to the
-/// largest; a stroke marks each least.
+/// largest; a stroke marks each minimum.
 pub(crate) fn write(
     path: &Path,
     floors: &[Brushed],

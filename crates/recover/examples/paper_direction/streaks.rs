@@ -6,8 +6,8 @@ use unrender_render::sampler::mix;
 /// The width of a streak on the floor, metres: one to three pixels of the picture.
 const WIDTH: f32 = 0.012;
 
-/// How many times as strong as on the mean the lobe is at `position` on a floor brushed along `degrees`: each streak
-/// another strength, evenly between one less and one plus `amplitude`.
+/// The strength of the lobe at `position` on a floor brushed along `degrees`, relative to its mean: that of each streak
+/// is uniform between one minus and one plus `amplitude`.
 pub(crate) fn strength(position: Vec2, degrees: f32, amplitude: f32) -> f32 {
     let theta = degrees.to_radians();
     let across = position.dot(Vec2::new(-theta.sin(), theta.cos()));

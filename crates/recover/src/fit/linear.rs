@@ -34,7 +34,7 @@ pub struct LinearFit {
     pub rho_d: Rgb,
     /// Specular reflectance.
     pub rho_s: Rgb,
-    /// What is left of the weighted objective, all channels.
+    /// The least weighted objective, all channels.
     pub objective: f64,
 }
 

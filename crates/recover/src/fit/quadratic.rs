@@ -25,7 +25,7 @@ impl Bounds {
     }
 }
 
-/// Exchanges of bounds at most; there are hardly ever more than twice the numbers.
+/// The most exchanges of bounds; there are hardly ever more than twice as many as numbers.
 const EXCHANGES_MAX: usize = 10_000;
 /// A bound is violated by more than this, in units of the numbers' own curvature.
 const VIOLATED: f64 = 1e-7;
@@ -73,9 +73,9 @@ pub fn minimise(h: &DMatrix<f64>, g: &DVector<f64>, bounds: &Bounds) -> Option<D
     None
 }
 
-/// Where the search for the minimum stands.
+/// The state of the search for the minimum.
 struct Search {
-    /// Of the curvature.
+    /// The inverse of the curvature.
     inverse: DMatrix<f64>,
     rows: Vec<Row>,
     s: DVector<f64>,
@@ -129,8 +129,8 @@ impl Search {
         None
     }
 
-    /// Where `s` goes, backwards, when the multiplier of bound `new` grows while the active ones hold,
-    /// and how fast the multipliers of these fall.
+    /// Minus the derivative of `s` by the multiplier of bound `new` while the active ones hold, and how fast the
+    /// multipliers of these fall.
     fn directions(&self, new: usize) -> Option<(DVector<f64>, DVector<f64>)> {
         let through = self.rows[new].through(&self.inverse);
         let of_active: Vec<DVector<f64>> =

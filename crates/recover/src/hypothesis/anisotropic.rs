@@ -1,9 +1,9 @@
 //! Rung 6, anisotropic Ward: the anisotropy direction, then `alpha_x` and `alpha_y` (section 4.2.5).
 //!
 //! The paper reads the direction off the photograph ([`crate::paper::brushed`]) and keeps it. Here it is
-//! where the search starts, beside a ring of directions (while both alphas are alike the direction
-//! hardly matters, so a single start can fall into the wrong basin); then direction and roughness
-//! are refined together by downhill simplex, the reflectances inside by least squares.
+//! where the search starts, beside a ring of directions (while both alphas are alike the direction hardly matters, so a
+//! single start can reach a wrong minimum); then direction and roughness are refined together by downhill simplex, the
+//! reflectances inside by least squares.
 
 use super::isotropic;
 use super::{Fit, Hypothesis, Search};
@@ -14,8 +14,8 @@ use rayon::prelude::*;
 use std::f32::consts::PI;
 use unrender_scene::{Material, Rgb};
 
-/// Directions that the global search starts from, over half a turn. With half as many, the nearest is up
-/// to 45 degrees off and its basin is missed; double costs twice the time.
+/// Directions that the global search starts from, over half a turn. With half as many, the nearest is up to 45 degrees
+/// off and the minimum is missed; double costs twice the time.
 const DIRECTIONS: usize = 5;
 /// The elongations that it starts with: `alpha_y / alpha_x` is their square. With the first alone, lobes
 /// that are three times as wide as long are not found.
@@ -54,7 +54,7 @@ pub fn fit(evidence: &Evidence, start: &Material, search: Search) -> Fit {
 }
 
 /// The most likely shape: the best of a ring of directions, and downhill from there; or from the values that
-/// the user starts from, if they lead to one as likely. `shape_of` says which shape the searched numbers mean.
+/// the user starts from, if they lead to one as likely. `shape_of` maps the searched numbers to a shape.
 fn anywhere(
     (evidence, diffuse): (&Evidence, &[Vec<Rgb>; 2]),
     shape_of: &dyn Fn(&[f64]) -> [f32; 3],
@@ -86,8 +86,8 @@ fn anywhere(
     isotropic::preferred(downhill(usual), started)
 }
 
-/// The shapes with all the numbers that the user starts from; those of which nothing is said as in the usual
-/// search. None where nothing is said of any.
+/// The starting shapes with the user's numbers; where none is stated, those of the usual search. Empty if none at all
+/// is stated.
 fn started(expected: &Expected) -> Vec<[f32; 3]> {
     let start = expected.start;
     if start.alpha_x.is_none() && start.alpha_y.is_none() && start.theta_rad.is_none() {
@@ -132,8 +132,7 @@ mod tests {
 
     const SIDE: usize = 20;
 
-    /// A brushed surface seen and lit alike from left and right: a direction and its mirror image explain it
-    /// alike.
+    /// A brushed surface, seen and lit symmetrically: a direction and its mirror image explain it equally well.
     fn ambiguous(truth: [f32; 3]) -> Evidence {
         let light = |i: usize| {
             let (a, b) = ((i % 5) as f32 - 2.0, (i / 5) as f32 - 2.0);

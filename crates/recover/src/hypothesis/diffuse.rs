@@ -1,8 +1,8 @@
 //! Rung 1, Lambert's surface: `rho_d` from the radiance of the pixels (section 4.2.1).
 //!
 //! The paper's ratio update `rho_d <- rho_d mean(B) / mean(L)` is this fit with one pixel weight;
-//! since `L = rho_d D` exactly, one step finds what `D` allows, and the iterations are left to the light
-//! that the groups send each other.
+//! since `L = rho_d D` exactly, one step finds what `D` allows, and only the light that the groups send each other
+//! needs iterations.
 
 use super::{Fit, Hypothesis, judged};
 use crate::evidence::Evidence;

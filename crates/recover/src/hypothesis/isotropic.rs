@@ -89,11 +89,11 @@ pub(super) fn deviance(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], shape: [f32
     with_lobe(Hypothesis::Isotropic, evidence, diffuse, shape, &specular).likelihood.deviance
 }
 
-/// A lobe is a candidate if at least so many sampled pixels show it: fewer than it has numbers for its
-/// shape and strength fit any highlight. At half of it, single bright pixels become mirrors; at double,
-/// small highlights are missed.
+/// A lobe is a candidate if at least so many sampled pixels show it: with fewer than its shape and strength have
+/// numbers it fits any highlight. At half of it, single bright pixels become mirrors; at double, small highlights are
+/// missed.
 const SHOWN_MIN: f64 = 3.0;
-/// The deviance of what is no candidate.
+/// The deviance of a shape that is no candidate.
 const UNLIKELY: f64 = 1e30;
 
 /// How many pixels show the specular term, about: `(sum S)^2 / sum S^2`.
@@ -104,9 +104,8 @@ fn shown_by(specular: &[Vec<Rgb>; 2]) -> f64 {
     if squares > 0.0 { sum * sum / squares } else { 0.0 }
 }
 
-/// The shape downhill from `known`, by the deviance under the model error that `known` leaves: `at`
-/// says which shape the searched numbers mean, `first` where they begin, and `size` how far the first
-/// steps go.
+/// The shape downhill from `known`, by the deviance under the model error that `known` leaves: `at` maps the searched
+/// numbers to a shape, `first` where they begin, and `size` how far the first steps go.
 pub(super) fn downhill(
     (evidence, diffuse): (&Evidence, &[Vec<Rgb>; 2]),
     at: &dyn Fn(&[f64]) -> [f32; 3],

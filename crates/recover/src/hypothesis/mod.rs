@@ -113,8 +113,8 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Whether its numbers are numbers: squares overflow in a light that wrong hypotheses of other groups
-    /// make without bounds.
+    /// Whether its numbers are finite: squares overflow where wrong hypotheses of other groups amplify the light
+    /// without bounds.
     pub fn is_finite(&self) -> bool {
         let Material { rho_d, rho_s, alpha_x, alpha_y, theta_rad, .. } = &self.material;
         let shape = [alpha_x, alpha_y, theta_rad];

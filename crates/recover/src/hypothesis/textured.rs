@@ -30,7 +30,7 @@ pub struct Extracted {
     pub texture: Arc<Texture>,
     /// True for texels that a pixel shows; the others are guessed from their neighbours.
     pub seen: Image<bool>,
-    /// The standard deviation of one of these, on the mean; zero where it was not asked for.
+    /// The standard deviation of one of these, root mean square; zero where it was not asked for.
     pub deviation: Rgb,
 }
 
@@ -43,8 +43,8 @@ const PIXELS_PER_TEXEL: f32 = 1.0;
 const STEPS: usize = 6;
 
 /// The texture of group `group` under the light of the current `appearance`; none if the group has
-/// no texture coordinates. `specular` holds what of the reflectance is known to be specular. With the
-/// photograph behind the pixels as `detail`, its own pixels make the texels.
+/// no texture coordinates. `specular` holds the specular part of the reflectance. With the finer photograph as
+/// `detail`, the texels are made of its pixels.
 pub fn extract(
     (stage, detail): (&Stage<'_>, Option<&dyn Detail>),
     appearance: Appearance<'_>,
@@ -91,7 +91,7 @@ pub fn extract(
 struct Lit {
     /// The radiance of a white diffuse surface there, twice.
     sets: [Rgb; 2],
-    /// The radiance that is no texture's.
+    /// The specular radiance.
     shine: Rgb,
 }
 
@@ -152,7 +152,7 @@ fn noise([a, b]: &[Vec<Rgb>; 2]) -> f32 {
 
 /// The standard deviation of a texel, root mean square over the pixels: `q = B/D` has the relative
 /// variance of `B` (the photograph's noise) and of `D` (ours, from the difference of its two
-/// renderings), and a texel takes in [`PIXELS_PER_TEXEL`]^2 pixels. A pixel is the mean of `side`^2 of those that
+/// renderings), and a texel takes in [`PIXELS_PER_TEXEL`]^2 pixels. A pixel here is the mean of `side`^2 of those that
 /// texels are made of.
 fn deviation(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], side: usize) -> Rgb {
     let of_photograph = (side * side) as f32;
@@ -190,7 +190,7 @@ pub fn rebalance(
     Some(splat.finish(None))
 }
 
-/// The index in `evidence` of every pixel; one beyond all where it has none.
+/// The index in `evidence` of every pixel; `u32::MAX` where it has none.
 fn places(geometry: &GeometryBuffers, evidence: &Evidence) -> Vec<u32> {
     let mut place = vec![u32::MAX; geometry.pixels().len()];
     for (i, pixel) in evidence.pixels.iter().enumerate() {
@@ -245,7 +245,7 @@ fn resolution(geometry: &GeometryBuffers, pixels: &[u32]) -> Option<[f32; 2]> {
     Some([side(&mut steps_u)?, side(&mut steps_v)?])
 }
 
-/// A texture of so many texels along each side, where they are not too few or too many.
+/// The texels along each side, not too few and not too many.
 fn texels(along: [f32; 2]) -> [usize; 2] {
     along.map(|texels| texels.clamp(2.0, SIDE_MAX).round() as usize)
 }
@@ -284,7 +284,7 @@ impl Splat {
         }
     }
 
-    /// The texture that is `before`, if there is one, plus the quotients.
+    /// The texture `before`, if there is one, plus the quotients.
     fn finish(self, before: Option<&RgbImage>) -> Extracted {
         let seen = self.weight.map(|w| *w > WEIGHT_MIN);
         let quotient = |i: usize| {
@@ -339,7 +339,7 @@ pub fn mean(extracted: &Extracted) -> Rgb {
     (sum / f64::max(count, 1.0)).as_vec3()
 }
 
-/// The share of the texels that no pixel shows, nor one beside them.
+/// The share of the texels that are neither seen nor near a seen one.
 pub(crate) fn unseen_share(seen: &Image<bool>) -> f32 {
     share(&unseen(seen))
 }
@@ -351,7 +351,7 @@ fn share(flags: &[bool]) -> f32 {
 /// A texel with a seen one within this distance, texels, is known from it.
 const BESIDE: usize = 2;
 
-/// Whether each texel is one that no pixel shows, nor one beside it.
+/// Whether each texel is neither seen nor near a seen one.
 fn unseen(seen: &Image<bool>) -> Vec<bool> {
     let (width, height) = (seen.width(), seen.height());
     let near = |at: usize, end: usize| at.saturating_sub(BESIDE)..(at + BESIDE + 1).min(end);
@@ -362,19 +362,19 @@ fn unseen(seen: &Image<bool>) -> Vec<bool> {
     (0..width * height).map(is_unseen).collect()
 }
 
-/// Fewer unseen texels than this share do not answer for what light the group sends: at half of it a
-/// percent of that light doubles or blackens them, at double nothing changes.
+/// Fewer unseen texels than this share are not adjusted to the light that the group sends: at half of it a percent of
+/// that light doubles or blackens them, at double nothing changes.
 const ANSWERING: f32 = 0.05;
 /// The mean of a texture counts as at least this: a factor on what is black changes nothing.
 pub(crate) const MEAN_MIN: f32 = 1e-4;
 
-/// Whether enough of a texture is unseen to answer for the light that it sends to other groups.
+/// Whether enough texels are unseen to be adjusted to the light that they send to other groups.
 pub(crate) fn is_partly_unseen(seen: &Image<bool>) -> bool {
     unseen_share(seen) >= ANSWERING
 }
 
-/// Gives one channel of a texture the mean `rho_d`, as the light that it sends to other groups says: its
-/// unseen texels change, since the photograph shows the others.
+/// Gives one channel of a texture the mean `rho_d`, found from the light that it sends to other groups: only its unseen
+/// texels change, since the photograph shows the others.
 pub(crate) fn set_mean(material: &mut Material, seen: &Image<bool>, channel: usize, rho_d: f32) {
     let sent = rho_d / material.rho_d[channel].max(MEAN_MIN);
     material.rho_d[channel] = rho_d;

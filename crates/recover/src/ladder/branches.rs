@@ -1,10 +1,10 @@
-//! Branches: other kinds of hypothesis for a group that stays unexplained, each with a choice of its own.
+//! Branches: other kinds of hypothesis for a group that stays unexplained, each with its own model selection.
 //!
-//! Groups that light each other are tied: a wall's lobe is found where the table that it is seen in is a mirror, and
-//! the table is found to be one where the wall has its lobe. Asked one after the other, with the rest held, each keeps
-//! what it has. So the group that leaves most of the picture unexplained gets another kind of hypothesis, whether
-//! its own evidence speaks for it or not, and those whose light it changes are asked again beside it; the driver keeps
-//! what comes of it where the whole picture is better for it.
+//! Groups that light each other depend on each other: a wall's lobe is found only if the table that mirrors it is a
+//! mirror, and the table is found to be one only if the wall has its lobe. Tested one after the other, each keeps its
+//! hypothesis. So the group that leaves most of the picture unexplained gets another kind of hypothesis, whether its
+//! own evidence speaks for it or not, and the groups whose light it changes are tested again; the driver keeps the
+//! result if it explains the whole picture better.
 
 use super::proposal::Proposal;
 use super::unexplained;
@@ -21,7 +21,7 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    /// That of `hypothesis`; a texture is none of a uniform surface.
+    /// That of `hypothesis`; none for a texture, which is not uniform.
     pub(crate) fn of(hypothesis: Hypothesis) -> Option<Self> {
         match hypothesis {
             Hypothesis::Diffuse => Some(Self::Diffuse),
@@ -47,7 +47,7 @@ pub(crate) fn next(
     groups.find_map(|group| other_kind(state, group, tried))
 }
 
-/// The nearest hypothesis of `group` that is of a kind which is neither its own nor was tried.
+/// The nearest hypothesis of `group` of a kind that is neither its own nor was tried.
 fn other_kind(state: &State<'_>, group: usize, tried: &[(usize, Kind)]) -> Option<Proposal> {
     let of_group = &state.groups[group];
     let own = Kind::of(of_group.hypothesis);

@@ -26,20 +26,19 @@ const WORST: f64 = 0.5;
 const ASKED_MAX: usize = 6;
 /// A diffuse group is open if its model error is this many times what is always allowed for.
 const CLEARLY: f64 = 1.5;
-/// What a uniform hypothesis leaves of a group may be outliers if that is this many times what the scene's better groups
-/// leave: at half of it shadows of things that the model lacks are left out, at double
-/// small outliers count.
+/// A group may have outliers if its residual under a uniform hypothesis is this many times that of the scene's better
+/// groups: at half of it shadows of things that the model lacks are left out, at double small outliers are fitted.
 const UNEXPLAINED: f64 = 6.0;
-/// A texture is tried where what is left is this many times what the better groups leave, and has to gain more
-/// than from residuals of that size ([`crate::verify`]). At half of it time goes to textures that are not borne
-/// out, and shadows become textures; at double faint textures become noise.
+/// A texture is tried if the residual is this many times that of the better groups, and has to gain more than from
+/// residuals of that size ([`crate::verify`]). At half of it time goes to textures that are rejected, and shadows
+/// become textures; at double faint textures are taken for noise.
 const TEXTURED: f64 = 2.0;
-/// The scene's better groups: those below this quantile of what is left. A group that no hypothesis
-/// explains yet does not make the others' textures explained.
+/// The scene's better groups: those below this quantile of the residual. A group that no hypothesis
+/// explains yet must not hide the others' textures.
 const BETTER: f64 = 0.25;
-/// What the better groups leave is taken as at least this: a real scene is not known better.
+/// The residual of the better groups is taken as at least this: no real scene is modelled better.
 const TYPICAL_MIN: f64 = 0.01;
-/// Outliers are looked for so often, each time without those before.
+/// How often outliers are searched for, each time without those before.
 const OUTLIER_ROUNDS: usize = 3;
 
 /// Asks groups for other hypotheses, and remembers which were asked.
@@ -78,8 +77,8 @@ impl<'o> Candidates<'o> {
         self.rejected.iter_mut().for_each(Vec::clear);
     }
 
-    /// The groups whose texture was refused, which may be proposed again: what the others left of their pixels spoke
-    /// against it.
+    /// The groups whose texture was rejected, which may now be proposed again: it was judged by the other groups'
+    /// residuals.
     pub(crate) fn take_refused_textures(&mut self) -> Vec<usize> {
         let mut groups = Vec::new();
         for (group, rejected) in self.rejected.iter_mut().enumerate() {
@@ -91,8 +90,7 @@ impl<'o> Candidates<'o> {
         groups
     }
 
-    /// Lets `groups` be asked again at the present level, whatever spoke against some hypotheses: their light is
-    /// another one now.
+    /// Lets `groups` be asked again at the present level, for rejected hypotheses too: their light has changed.
     pub(crate) fn ask_again(&mut self, groups: &[usize]) {
         for &group in groups {
             self.asked_at[group] = None;
@@ -160,7 +158,7 @@ impl<'o> Candidates<'o> {
         }
     }
 
-    /// Forgets why groups have no texture that the refined numbers explain after all.
+    /// Forgets why groups have no texture if their refined numbers explain them after all.
     pub(crate) fn forget_explained(&self, state: &mut State<'_>) {
         for group in state.visible_unknowns() {
             let limit = self.textured_above(typical(state, group));
@@ -171,13 +169,12 @@ impl<'o> Candidates<'o> {
         }
     }
 
-    /// What has to be left of a group for a texture to be tried, if the better ones of the others leave `typical`.
+    /// The residual above which a texture is tried, if the better ones of the other groups leave `typical`.
     fn textured_above(&self, typical: f64) -> f64 {
         self.options.thresholds.textured.unwrap_or(TEXTURED * typical)
     }
 
-    /// Gives groups whose hypothesis is not among those that they may have the best one that is: nothing
-    /// that the picture says speaks for the other.
+    /// Gives groups whose hypothesis is not allowed the best one that is, whatever the picture says.
     pub(crate) fn enforce(&mut self, state: &mut State<'_>, level: Level) {
         for group in state.visible_unknowns() {
             if state.problem.groups[group].allows(state.groups[group].hypothesis) {
@@ -201,13 +198,13 @@ impl<'o> Candidates<'o> {
         state.step("candidates", |state| self.ask(state, group, level))
     }
 
-    /// What the candidates of `group` come to.
+    /// The proposal that the candidates of `group` lead to.
     fn ask(&self, state: &mut State<'_>, group: usize, level: Level) -> Option<Proposal> {
         state.groups[group].untextured = None;
         let pixels = state.observation.informative_of_group[group].len();
         let mut budget =
             sample_budget::candidates(level, self.options, &state.problem.unknown_lights, pixels);
-        // What the model of the other groups gets wrong, it may get wrong here.
+        // The model may be as wrong here as it is for the other groups.
         let floor = &mut budget.allowance.floor;
         floor.share = floor.share.max(error_of_others(state, group, MIDDLE));
         let typical = typical(state, group);
@@ -242,9 +239,9 @@ impl<'o> Candidates<'o> {
         after.filter(|after| after.moves(state))
     }
 
-    /// What may explain a group that no uniform hypothesis explains: one of these without outliers, and a
-    /// texture, which is compared with it: an outlier costs as much as some texels. The better ones of the
-    /// other groups leave `typical`.
+    /// Proposals for a group that no uniform hypothesis explains: one of these without outliers, and a texture,
+    /// compared with it, since an outlier costs as much as some texels. The better ones of the other groups leave
+    /// `typical`.
     fn beyond_uniform(
         &self,
         state: &mut State<'_>,
@@ -258,7 +255,7 @@ impl<'o> Candidates<'o> {
         let texture = if is_explained(&chosen, textured_above, floor) {
             None
         } else {
-            // Light that is wrong by as much as that of others is no texture.
+            // An error of the light as large as that of other groups is no texture.
             let most = evidence.judging.field.most;
             let light =
                 if most.share.is_finite() { most } else { evidence.judging.allowance.light };
@@ -316,7 +313,7 @@ impl<'o> Candidates<'o> {
         (proposal.hypothesis != Hypothesis::Textured).then_some(proposal)
     }
 
-    /// The fits to what is left of the group without its outliers, if one of them explains that.
+    /// The fits to the group without its outliers, if one of them explains it.
     fn without_outliers(
         &self,
         state: &State<'_>,
@@ -355,13 +352,12 @@ impl<'o> Candidates<'o> {
     }
 }
 
-/// What the better ones of the groups beside `group` leave of their pixels.
+/// The residual of the better ones of the groups other than `group`.
 fn typical(state: &State<'_>, group: usize) -> f64 {
     left_by_others(state, group, BETTER).max(TYPICAL_MIN)
 }
 
-/// The changes to what was chosen of `fitted`, each to be tried where the picture speaks against the one
-/// before.
+/// The changes that were chosen from `fitted`, each to be tried if the picture speaks against the one before.
 fn chain(state: &State<'_>, group: usize, fitted: &Fitted) -> Option<Proposal> {
     let Fitted { fits, decisions, outliers } = fitted;
     let chosen = decisions.iter().rev().map(|decision| &fits[decision.chosen]);
@@ -370,7 +366,7 @@ fn chain(state: &State<'_>, group: usize, fitted: &Fitted) -> Option<Proposal> {
     })
 }
 
-/// Tells that `group` is asked, where `done` of the present part is done.
+/// Tells the observer that `group` is asked, with the share `done` of the present part.
 pub(crate) fn tell(state: &mut State<'_>, observer: &dyn Observer, group: usize, done: f64) {
     let name = &state.problem.groups[group].name;
     observer.working(&format!("looking for what explains \"{name}\""), state.schedule.share(done));

@@ -1,10 +1,10 @@
-//! All uniform hypotheses of one group side by side, on as much light as it takes to tell them apart.
+//! All uniform hypotheses of one group compared, with as many light samples as it takes to distinguish them.
 //!
-//! What one hypothesis gains beside another has a standard deviation by the light's noise
-//! ([`crate::selection`]). Little light is enough where it says, without doubt, that the group stands by what it
-//! is, as most groups do once the light is refined; where the usual light leaves open whether a more complex hypothesis
-//! is better, they are fitted and compared on paths ([`crate::refine::side_by_side`]), which hold all other groups as they
-//! are, or by more light as long as these are not refined.
+//! The gain of one hypothesis over another has a standard deviation due to the noise of the light samples
+//! ([`crate::selection`]). Few samples are enough if they clearly confirm the present hypothesis, as they do for most
+//! groups once the light is refined; if the usual number leaves open whether a more complex hypothesis is better, both
+//! are fitted and compared on paths ([`crate::refine::side_by_side`]) with all other groups fixed, or with more samples
+//! as long as these are not refined.
 
 use super::evidence_pair::{EvidencePair, Fits, Gathering, Light, Searched};
 use crate::evidence::Evidence;
@@ -17,8 +17,8 @@ use crate::sample_budget::Level;
 use crate::selection::{Comparison, Decision, STRONG, explains_alike};
 use crate::state::State;
 
-/// So many other candidates are kept for where the picture speaks against what was chosen. At none, a
-/// group whose best candidate overfits stays as it is; more are hardly ever reached.
+/// How many other candidates are kept in case the picture speaks against the chosen one. At none, a group whose best
+/// candidate overfits stays as it is; more are hardly ever needed.
 const OTHERS: usize = 2;
 
 /// All candidates of one group: their fits, the decisions between them from the first choice on, and the
@@ -35,7 +35,7 @@ impl Fitted {
         &self.fits[self.decisions[0].chosen]
     }
 
-    /// The hypotheses that it may be as well: noise leaves them open, and there is no strong evidence against them.
+    /// The hypotheses that are also possible: noise leaves them open, and there is no strong evidence against them.
     pub(super) fn undecided(&self) -> Vec<Hypothesis> {
         let Decision { excess, open, .. } = &self.decisions[0];
         let rivals = open.iter().filter(|i| excess[**i] <= STRONG);
@@ -50,11 +50,11 @@ pub(super) struct Compared {
     /// Whether the present hypothesis was chosen in another minimum, which explains the group better than the one
     /// that the present numbers lead to.
     pub(super) is_other_minimum: bool,
-    /// Whether it was chosen on paths that nothing was fitted on.
+    /// Whether it was chosen on paths that were used for no fit.
     pub(super) is_borne_out: bool,
 }
 
-/// How one group is asked.
+/// How the hypotheses of one group are compared.
 pub(super) struct Asking<'a> {
     pub(super) by: Gathering<'a>,
     pub(super) level: Level,
@@ -62,12 +62,12 @@ pub(super) struct Asking<'a> {
     pub(super) rejected: &'a [Hypothesis],
     /// The model error up to which a uniform hypothesis explains the group.
     pub(super) explained: f64,
-    /// Whether the group is thought to stand by what it is.
+    /// Whether the group is expected to keep its hypothesis.
     pub(super) stands: bool,
 }
 
 impl Asking<'_> {
-    /// The candidates side by side; none where nothing was seen of the group.
+    /// Compares the candidates; none where nothing was seen of the group.
     pub(super) fn compare(&self, state: &mut State<'_>) -> Option<Compared> {
         if self.stands {
             let little = self.compare_by(state, Light::Little)?;
@@ -78,7 +78,7 @@ impl Asking<'_> {
         self.compare_by(state, Light::Usual)
     }
 
-    /// The same by so much light, or more where that may decide otherwise.
+    /// The same with so many light samples, or more where that may change the decision.
     fn compare_by(&self, state: &mut State<'_>, light: Light) -> Option<Compared> {
         let group = self.by.group;
         let mut evidence = EvidencePair::gather(state, &self.by, light)?;
@@ -95,7 +95,7 @@ impl Asking<'_> {
         Some(compared)
     }
 
-    /// Decides between what was chosen and those more complex ones that the evidence leaves open, on paths.
+    /// Decides on paths between the chosen one and the more complex ones that the evidence leaves open.
     fn decide_on_paths(&self, state: &mut State<'_>, compared: &mut Compared) {
         let Fitted { fits, decisions, .. } = &mut compared.fitted;
         let first = &mut decisions[0];
@@ -153,7 +153,7 @@ impl Asking<'_> {
         Some(Compared { evidence, fitted, is_other_minimum, is_borne_out: false })
     }
 
-    /// Whether the group stands by what it is, without doubt.
+    /// Whether the present hypothesis is clearly confirmed.
     fn confirms(&self, state: &State<'_>, compared: &Compared) -> bool {
         let chosen = compared.fitted.chosen();
         chosen.hypothesis == state.groups[self.by.group].hypothesis
@@ -163,8 +163,8 @@ impl Asking<'_> {
     }
 }
 
-/// Model selection among the candidates that the user allows and that are not `rejected`; then among what is left
-/// without that one, as often as [`OTHERS`] says.
+/// Model selection among the candidates that the user allows and that are not `rejected`; then [`OTHERS`] times among
+/// the rest.
 pub(super) fn decide(
     options: &Options,
     rejected: &[Hypothesis],

@@ -14,16 +14,16 @@ use unrender_scene::Material;
 
 /// The search goes on for so many of the most likely candidates: the accepted one and its rival.
 const PROMISING: usize = 2;
-/// Makes the light samples by which hypotheses are compared others than those of the search.
+/// Changes the seed: the light samples that compare hypotheses differ from those of the search.
 const JUDGING: u64 = 0x7D6E;
-/// Makes those of a second comparison again others.
+/// Changes it for a second comparison.
 const JUDGING_AGAIN: u64 = 0x41AF;
-/// Those of the search are the budget's own.
+/// The search has the budget's own seed.
 const SEARCHING: u64 = 0;
 
 /// The evidence on one group, gathered twice: shapes of lobes are searched by the one, and hypotheses are
 /// compared by the other. A search finds the shape that fits the noise of its light samples best, and the
-/// more shapes there are, the better it fits; the noise of other samples knows nothing of that.
+/// more shapes there are, the better it fits; the noise of other samples is independent of that.
 pub(super) struct EvidencePair {
     searching: Evidence,
     pub(super) judging: Evidence,
@@ -43,15 +43,15 @@ pub(super) struct Gathering<'a> {
 pub(super) enum Light {
     /// To search for other hypotheses, and to compare them.
     Usual,
-    /// To see whether a group stands by what it is.
+    /// To see whether a group keeps its hypothesis.
     Little,
-    /// To compare hypotheses that the noise of less leaves open.
+    /// To compare hypotheses that fewer samples leave open.
     More,
 }
 
 impl Light {
-    /// Of the usual directions one in so many is looked into for little light, and there are so many times as many
-    /// points for more. At one, drafts of two rooms of five lose a group each; half and double of it were not tried.
+    /// `Little` has one in so many of the usual directions, and `More` so many times the usual points. At one, drafts
+    /// of two rooms of five lose a group each; half and double of it were not tried.
     const STEP: u32 = 4;
 
     fn of(self, usual: ProbeSettings) -> ProbeSettings {
@@ -112,9 +112,8 @@ impl EvidencePair {
     }
 
     /// All uniform rungs that the group may have, under common weights: those of the most likely fit's
-    /// light. Shapes are from one half, reflectances and likelihoods from the other; that of the present lobe may
-    /// be what it is already, which all pixels and passes of the refinement may have found. Fits that overflowed
-    /// are none.
+    /// light. Shapes are from one half, reflectances and likelihoods from the other; the present lobe may keep its
+    /// shape, which the refinement may have found from all pixels. Fits that overflowed are left out.
     pub(super) fn fit_all(mut self, state: &State<'_>, group: usize) -> (Self, Fits) {
         let searched = self.search(state, group);
         let fits = self.judge(&searched, state, group);
@@ -163,7 +162,7 @@ impl EvidencePair {
 pub(super) struct Fits {
     /// All rungs, from simple to complex.
     pub(super) all: Vec<Fit>,
-    /// The present lobe, near where it stands.
+    /// The present lobe, as it is or fitted locally.
     pub(super) present: Option<Fit>,
 }
 
@@ -226,8 +225,8 @@ fn search_all(evidence: &mut Evidence, state: &State<'_>, group: usize) -> Searc
     Searched { fits, broad, material, error }
 }
 
-/// A round lobe is a brushed one of two equal roughnesses: it is looked for where the brushed one was found, too. Else the
-/// brushed one may be better for having been found elsewhere.
+/// A round lobe is a brushed one with two equal roughnesses: it is also searched for where the brushed one was found.
+/// Otherwise the brushed one may win only because it was searched for elsewhere.
 fn round_as_brushed(fits: &mut [Fit], evidence: &Evidence) {
     let of = |hypothesis| fits.iter().position(|fit| fit.hypothesis == hypothesis);
     let both = (of(Hypothesis::Isotropic), of(Hypothesis::Anisotropic));
@@ -256,8 +255,8 @@ const BROAD: f32 = 0.3;
 /// effect, at double the start is far from most lobes.
 const LONGER: f32 = 1.5;
 
-/// Where the search came to a sharp lobe: the best broad ones. Few light samples find a sharp lobe, so that
-/// what they find fits anything; on other samples a broad one may be the better.
+/// If the search ended at a sharp lobe: the best broad ones. Few light samples hit a sharp lobe, so that it can fit
+/// their noise; on other samples a broad one may be better.
 fn broader(fit: &Fit, evidence: &Evidence) -> Vec<Fit> {
     let Material { alpha_x, alpha_y, theta_rad, .. } = fit.material;
     if !fit.material.is_glossy() || (alpha_x * alpha_y).sqrt() > SHARP {

@@ -1,9 +1,9 @@
-//! Lacking specular parts: which diffuse group would explain most of the whole picture by one.
+//! Lacking specular parts: which diffuse group would explain most of the picture if it had one.
 //!
-//! A lobe of the floor is seen on the walls, and the floor's own pixels may hardly tell it from none: asked by themselves, the
+//! A lobe of the floor lights the walls, and the floor's own pixels may hardly show it: tested by these alone, the
 //! floor stays diffuse and the walls wrong. So where the whole picture stays unexplained, a score test
-//! ([`crate::refine::score_test`]) says which diffuse group would explain most of it by a specular part, whatever its own
-//! pixels say. The driver gives it one and keeps that where the other groups' pixels are explained better for it.
+//! ([`crate::refine::score_test`]) says which diffuse group would explain most of it by a specular part, whatever its
+//! own pixels say. The driver adds that part and keeps it if it explains the other groups' pixels better.
 
 use super::proposal::Proposal;
 use super::unexplained;
@@ -20,8 +20,8 @@ use unrender_scene::Rgb;
 /// scene gains 100. With 0.05 and 0.25 alone, drafts of two scenes of four lose what they find with these.
 const SHAPES: [Option<f32>; 3] = [None, Some(0.1), Some(0.3)];
 
-/// For each diffuse group the specular part by which it explains most of the whole picture, those that explain more first; not
-/// of those that were `tried`. None where no group stays unexplained beyond what is `allowed` for ([`unexplained`]).
+/// For each diffuse group that was not `tried`, the specular part by which it explains most of the whole picture, the
+/// best first. None where no group stays unexplained beyond what is `allowed` for ([`unexplained`]).
 pub(crate) fn all(
     state: &mut State<'_>,
     options: &Options,

@@ -15,32 +15,32 @@ use unrender_scene::Material;
 pub(crate) struct Proposal {
     pub(crate) group: usize,
     pub(crate) hypothesis: Hypothesis,
-    /// Whether it has more to choose than the present one.
+    /// Whether it is more complex than the present one.
     pub(crate) is_more_complex: bool,
-    /// Free parameters that it has more than the present one.
+    /// How many more free parameters it has than the present one.
     pub(crate) adds: f64,
     pub(super) material: Material,
     pub(super) residual: ResidualStats,
-    /// None where it was not asked for in the present light.
+    /// None where it was not found in the present light.
     pub(super) likelihood: Option<Likelihood>,
     /// Pixels that show something that is not in the model.
     pub(super) outliers: Vec<u32>,
     /// Whether it is the present hypothesis in another minimum, which explains the group better than the one
     /// that the present numbers lead to.
     pub(crate) is_other_minimum: bool,
-    /// Whether it was chosen on paths that nothing was fitted on: the group's own pixels bear it out.
+    /// Whether it was chosen on paths that were used for no fit: the group's own pixels support it.
     pub(super) is_borne_out: bool,
-    /// The model error below which what it gains does not count, if not that of all changes.
+    /// The model error below which its gain does not count, if not that of all changes.
     pub(crate) least: Option<Allowance>,
-    /// What is to be tried where the picture speaks against it.
+    /// The one to try if the picture speaks against this one.
     pub(super) next: Option<Box<Proposal>>,
-    /// What is tried next, whether this one was accepted or not: the group without outliers, or a texture. These
+    /// The one to try next, whether this one was accepted or not: the group without outliers, or a texture. These
     /// explain more than any uniform hypothesis does, and have to be compared with the best of them.
     pub(super) then: Option<Box<Proposal>>,
 }
 
 impl Proposal {
-    /// The change to what `fit` says.
+    /// The change to the result of `fit`.
     pub(super) fn uniform(
         state: &State<'_>,
         group: usize,
@@ -57,13 +57,13 @@ impl Proposal {
         }
     }
 
-    /// The change to a candidate that was not taken when the group was asked.
+    /// The change to a candidate that was not chosen in the group's last comparison.
     pub(super) fn of_record(state: &State<'_>, group: usize, record: &CandidateRecord) -> Self {
         let to = (record.hypothesis, record.material.clone());
         Self::unasked(state, group, to, record.residual)
     }
 
-    /// The change to a hypothesis with its material that the group's own pixels did not ask for, and what these leave.
+    /// The change to a hypothesis with its material that the group's own pixels do not call for, and their residual.
     pub(super) fn unasked(
         state: &State<'_>,
         group: usize,
@@ -95,12 +95,12 @@ impl Proposal {
             || !self.outliers.is_empty()
     }
 
-    /// Whether the group's own pixels have to bear it out still: nothing else speaks for it.
+    /// Whether the group's own pixels still have to support it: nothing else speaks for it.
     pub(crate) fn is_to_be_borne_out(&self) -> bool {
         (self.is_more_complex || self.is_other_minimum) && !self.is_borne_out
     }
 
-    /// What is to be tried where the picture speaks against this, if it changes anything of `state`.
+    /// The one to try if the picture speaks against this one.
     pub(crate) fn otherwise(self, state: &State<'_>) -> Option<Self> {
         let next = self.next.map(|next| *next).filter(|next| next.moves(state));
         match next {
@@ -109,7 +109,7 @@ impl Proposal {
         }
     }
 
-    /// What is to be tried after this was accepted, which is what `state` has now.
+    /// The one to try after this one was accepted, as it now is in `state`.
     pub(crate) fn afterwards(self, state: &State<'_>) -> Option<Self> {
         let then = *self.then?;
         let present = state.groups[then.group].hypothesis;
@@ -117,7 +117,7 @@ impl Proposal {
         Some(Self { is_more_complex, adds: added(present, then.hypothesis), ..then })
     }
 
-    /// Writes into the group's selection log whether the picture bore the change out.
+    /// Writes into the group's selection log whether the change was accepted.
     pub(crate) fn record(&self, state: &mut State<'_>, accepted: bool) {
         state.groups[self.group].set_accepted(self.hypothesis, accepted);
     }
@@ -146,7 +146,7 @@ impl Proposal {
     }
 }
 
-/// Free parameters that `next` has more than `present`.
+/// How many more free parameters `next` has than `present`.
 pub(super) fn added(present: Hypothesis, next: Hypothesis) -> f64 {
     parameters(next) - parameters(present)
 }

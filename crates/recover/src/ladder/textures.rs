@@ -1,4 +1,4 @@
-//! Textures on the way: the last rung, taken where no uniform hypothesis explains a group.
+//! Textures: the last rung, taken where no uniform hypothesis explains a group.
 
 use crate::hypothesis::{Hypothesis, textured};
 use crate::problem::Options;
@@ -10,8 +10,8 @@ use unrender_scene::Material;
 /// A texture needs this many pixels: below that it has fewer texels than a lobe has parameters.
 const PIXELS_MIN: usize = 200;
 
-/// The group's texture under the present light; none without texture coordinates or with too
-/// few pixels, which its state then says.
+/// The group's texture under the present light; none without texture coordinates or with too few
+/// pixels; its state then says which.
 pub(crate) fn extract(
     state: &mut State<'_>,
     options: &Options,
@@ -45,8 +45,8 @@ pub(crate) fn extract(
     Some(Material { texture: Some(extracted.texture), rho_d: mean, ..plain })
 }
 
-/// The textures once more, with more light samples, under the final light. What a joint refinement found
-/// of the light that a texture sends to others is laid upon the texels that no pixel shows.
+/// The textures once more, with more light samples, under the final light. The mean that a joint refinement found from
+/// the light that a texture sends to others is given to it by the texels that no pixel shows.
 pub(crate) fn finish(state: &mut State<'_>, options: &Options) {
     for group in state.visible_unknowns() {
         if state.groups[group].hypothesis != Hypothesis::Textured {
@@ -61,7 +61,7 @@ pub(crate) fn finish(state: &mut State<'_>, options: &Options) {
             (0..3).for_each(|c| textured::set_mean(&mut material, seen, c, sent[c]));
             material.rho_d = shown;
         }
-        // What was laid upon unseen texels knows no bounds.
+        // The unseen texels may have left the bounds.
         state.materials[group] = state.problem.groups[group].expected.bounds.nearest(&material);
     }
 }

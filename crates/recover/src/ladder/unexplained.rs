@@ -1,10 +1,10 @@
-//! Which groups stay unexplained, beside the whole picture.
+//! Which groups stay unexplained, relative to the whole picture.
 
 use crate::model_error::ModelError;
 use crate::state::State;
 
-/// The unknown groups of which each leaves more of the picture than all of them would leave by the model error that is
-/// always `allowed` for: those that leave most first.
+/// The unknown groups that each leave more of the picture than all together would by the model error that is always
+/// `allowed` for; those that leave most come first.
 pub(super) fn groups(state: &State<'_>, allowed: ModelError) -> Vec<usize> {
     let unknown = state.visible_unknowns();
     let left = |group: usize, error: f64| {

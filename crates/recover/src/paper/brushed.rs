@@ -4,13 +4,13 @@
 //! The surface is rendered as a perfect mirror and subtracted from the photograph. Where a surface
 //! S is mirrored, the difference smears out across the anisotropy direction and hardly along it. S is
 //! the mirrored surface with the largest `Area(S) / d(S, P)`. Then directions about the normal are
-//! tried: the difference is cut into lines along each, and the direction wins along whose lines
-//! its standard deviation is least on average.
+//! tried: the difference is cut into lines along each, and the direction with the least average standard deviation
+//! along its lines wins.
 //!
-//! On a plane that mirrors a room this says where the mirrored edges lie: it comes out the same for all
-//! anisotropy directions, and for none (`docs/method/paper.md`, made by the example `paper_direction`). It
-//! is one of the starts of the default ladder's search, and what `--paper-direction text` keeps; else the paper's
-//! ladder finds the direction by re-rendering ([`super::lobe`]).
+//! On a plane that mirrors a room this finds the mirrored edges: the result is the same for all anisotropy directions,
+//! and for a round lobe (`docs/method/paper.md`, made by the example `paper_direction`). It is one of the starts of the
+//! default ladder's search, and the answer of `--paper-direction text`; otherwise the paper's ladder finds the
+//! direction by re-rendering ([`super::lobe`]).
 
 use crate::evidence::Evidence;
 use glam::{Vec2, Vec3};

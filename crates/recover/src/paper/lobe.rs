@@ -27,10 +27,10 @@ const STEP: f64 = 0.2;
 const ALIKE: f64 = 1e-9;
 /// ... or after so many steps.
 const TURNS: u64 = 80;
-/// Direction and roughness follow each other at most so often; on Figure 8 the direction stays from the second time on.
+/// Direction and roughness are found in turn at most so often; on Figure 8 the direction stays from the second time on.
 const ROUNDS: usize = 6;
-/// And until the direction turns by less than this, radians: a hundredth of the step between those that are sampled. Half and
-/// double of it were not tried.
+/// And until the direction changes by less than this, radians: a hundredth of the step between those that are sampled.
+/// Half and double of it were not tried.
 const SETTLED: f32 = 5e-4;
 
 /// A material and the error of its re-rendering.
@@ -38,8 +38,8 @@ const SETTLED: f32 = 5e-4;
 pub struct Rerendered {
     /// The material.
     pub material: Material,
-    /// The squared difference of photograph and re-rendering, relative to the squared photograph; our own noise taken
-    /// out, so it may fall below zero.
+    /// The squared difference of photograph and re-rendering, relative to the squared photograph, without the rendering
+    /// noise: it may fall below zero.
     pub error: f64,
 }
 
@@ -71,8 +71,8 @@ impl Lobes {
         Rerendered { material, error: found.objective / self.scale }
     }
 
-    /// The squared difference of photograph and re-rendering at every pixel, weighted, our own noise taken out; zero where
-    /// the photograph is only known to be at least so bright.
+    /// The squared difference of photograph and re-rendering at every pixel, weighted, without the rendering noise;
+    /// zero where the photograph is clipped.
     pub fn squares(&self, material: &Material) -> Vec<f64> {
         let [a, b] = self.evidence.radiance(material);
         let square = |(i, pixel): (usize, &Observed)| {
@@ -82,8 +82,8 @@ impl Lobes {
         self.evidence.pixels.iter().enumerate().map(square).collect()
     }
 
-    /// Section 4.2.4: the round lobe that fits best, near the roughness of `start` if that has one; the case
-    /// `rho_s = 1` apart from the others.
+    /// Section 4.2.4: the round lobe that fits best, near the roughness of `start` if that has one; `rho_s = 1` is
+    /// searched separately.
     pub fn isotropic(&mut self, start: &Material) -> Rerendered {
         let known = (start.alpha_x * start.alpha_y).sqrt();
         let alpha = if start.is_glossy() { known } else { FIRST_ALPHA };
@@ -96,7 +96,7 @@ impl Lobes {
         })
     }
 
-    /// Section 4.2.5: both roughnesses beside the direction of `start`.
+    /// Section 4.2.5: both roughnesses, with the direction of `start`.
     pub fn along(&mut self, start: &Material) -> Rerendered {
         let [x, y, theta] = elongated(start);
         let found = self.better(|lobes| {
@@ -109,7 +109,7 @@ impl Lobes {
         Rerendered { material: Material { alpha_x, alpha_y, theta_rad, ..found.material }, ..found }
     }
 
-    /// The same beside the direction of the least error, which is asked again for the roughnesses that are found.
+    /// The same with the direction of the least error, which is found again for each pair of roughnesses.
     pub fn anisotropic(&mut self, start: &Material) -> Rerendered {
         let [alpha_x, alpha_y, theta_rad] = elongated(start);
         let mut found = Rerendered {
@@ -154,7 +154,7 @@ impl Lobes {
         if full.error < free.error { full } else { free }
     }
 
-    /// Downhill from these roughnesses; `shape` says which lobe their logarithms mean.
+    /// Downhill from these roughnesses; `shape` maps their logarithms to a lobe.
     fn downhill(&self, alphas: &[f32], shape: &dyn Fn(&[f64]) -> [f32; 3]) -> Rerendered {
         let first: Vec<f64> = alphas.iter().map(|alpha| f64::from(*alpha).ln()).collect();
         let steps = vec![STEP; first.len()];

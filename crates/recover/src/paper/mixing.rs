@@ -1,11 +1,11 @@
 //! The step from one global re-rendering to the next, for the reflectances of all groups together.
 //!
-//! Each group's correction takes the light as it is; but what it changes lights the others, and they light it. In a
-//! box with bright walls most of that comes back: groups that all become brighter and darker together overshoot with the
-//! full correction, and where one becomes brighter and another darker half of it, which stops the overshooting, takes
-//! nine tenths of the error along into the next iteration. What the last corrections were, and what became of them, says
-//! how they depend on each other: Anderson's mixing [Walker and Ni 2011] takes the combination of the last steps that
-//! would have left the least to correct, and goes on from there by half of the correction.
+//! Each group's correction takes its light as given; but the corrected group lights the others, and they light it. In a
+//! box with bright walls most of that comes back: groups that all become brighter or darker together overshoot with the
+//! full correction; half of it stops the overshooting, but where one group becomes brighter and another darker it
+//! leaves nine tenths of the error. The last corrections and their effects show how the groups depend on each other:
+//! Anderson's mixing [Walker and Ni 2011] takes the combination of the last steps that would have left the least to
+//! correct, and adds half of the correction.
 
 use nalgebra::{DMatrix, DVector};
 use unrender_scene::Material;
@@ -13,18 +13,18 @@ use unrender_scene::Material;
 /// The share of a correction that is taken. With one, as eq. 3 has it, all groups overshoot together on Figure 8 and
 /// swing between two states for ever (change 0.257 in every iteration from the third to the twelfth).
 const SHARE: f64 = 0.5;
-/// So many steps before the last are combined with it. Half and double of it were not tried.
+/// How many steps before the last are combined with it. Half and double of it were not tried.
 const DEPTH: usize = 4;
-/// What the last steps tell apart by less than this share of the most is not told apart.
+/// Singular values of the last changes below this share of the largest count as zero.
 const RELATIVE: f64 = 1e-3;
-/// Nor is what they tell apart by less than this: reflectances are rounded to a hundredth of it.
+/// And so do those below this: reflectances are rounded to a hundredth of it.
 const ROUNDING: f64 = 1e-5;
-/// A reflectance below this is taken as it is corrected: its logarithm says nothing.
+/// A reflectance below this gets its full correction: its logarithm says nothing.
 const LEAST: f32 = 1e-4;
 /// A reflectance changes by this factor at most, as a logarithm.
 const LARGEST: f64 = 0.7;
 
-/// The last steps of each channel: light of one never reaches another.
+/// The last steps of each channel: the channels are independent.
 #[derive(Default)]
 pub(super) struct Mixing {
     channels: [Channel; 3],
@@ -111,7 +111,7 @@ mod tests {
     use super::*;
     use unrender_scene::Rgb;
 
-    /// Two walls that send each other most of their light: each correction brings its own wall right for the light that
+    /// Two walls that send each other most of their light: each correction makes its own wall right for the light that
     /// the other sends now.
     #[test]
     fn walls_that_light_each_other_come_to_rest() {
@@ -121,7 +121,7 @@ mod tests {
             let of = |wall: usize| truth[wall] / off[1 - wall].powf(0.9);
             [0, 1].map(|wall| Material::diffuse(Rgb::splat(of(wall)))).to_vec()
         };
-        // The same correction again and again, for nothing but rounding, says nothing of the walls either.
+        // The same correction again and again, but for rounding, says nothing of the walls either.
         let rounded = |now: &[Material]| {
             let up = |material: &Material| Material::diffuse(material.rho_d * (1.0 + 4e-7));
             now.iter().map(up).collect::<Vec<_>>()

@@ -6,13 +6,13 @@
 //! the radiosity texture. A group whose rung has had its iterations and still shows an error above its
 //! threshold goes one rung up.
 //!
-//! Not as written are three things (`docs/method/paper.md` says why): the anisotropy direction is that of 64 whose
+//! Three things are not as written (`docs/method/paper.md` says why): the anisotropy direction is that of 64 whose
 //! re-rendering differs least, and read off the mirror difference ([`brushed`]) only if the options say so; the
-//! corrections of all groups are combined with those before (`mixing`); and a surface that is taken for smooth is
-//! taken for rough where that leaves half of the squared error. Where the paper is silent: the difference is measured as
-//! the product of two renderings' residuals, for else our noise would count as error and every search would shun shine;
-//! groups that shine are rendered from light that is gathered once in an iteration, which every step of a search uses
-//! again.
+//! corrections of all groups are combined with those before (`mixing`); and a surface that is taken for smooth becomes
+//! rough where that leaves half of the squared error. Where the paper is silent: the difference is measured as the
+//! product of two renderings' residuals, since otherwise our noise would count as error and every search would avoid
+//! specular terms; groups with one are rendered from light that is gathered once in an iteration, and used by every
+//! step of a search.
 
 pub mod brushed;
 pub mod lobe;
@@ -33,12 +33,12 @@ use serde::{Deserialize, Serialize};
 use unrender_render::{Appearance, ProbeSettings, ProposalLobe, Settings};
 use unrender_scene::{Material, Rgb};
 
-/// The rungs without a roughness, which shine.
+/// The specular rungs without a roughness.
 const SMOOTH: [Hypothesis; 3] =
     [Hypothesis::Mirror, Hypothesis::PartialMirror, Hypothesis::DiffuseSpecular];
-/// Iterations of a diffuse group at least (the paper finds four sufficient) ...
+/// The fewest iterations of a diffuse group (the paper finds four sufficient) ...
 const RATIO_ITERATIONS: usize = 4;
-/// ... and of any rung that waits for reflectances to rest at most.
+/// ... and the most of any rung that waits for reflectances to rest.
 const ITERATIONS_MAX: usize = 12;
 /// Reflectances have come to rest when none of the group moves by more than this.
 const AT_REST: f64 = 0.02;
@@ -59,9 +59,9 @@ const PER_LOBE: u32 = 16;
 const ANY_ALPHA: [f32; 4] = [0.02, 0.06, 0.16, 0.4];
 /// Lobes about the present one: so many times as wide.
 const WIDER: [f32; 3] = [0.5, 1.0, 2.0];
-/// A difference is sure that is so many times its standard deviation.
+/// A difference is significant at so many times its standard deviation.
 const SURELY: f64 = 3.0;
-/// The method ends when no reflectance moves by more than this: as a step takes half of a correction, so much is left then.
+/// The method ends when no reflectance moves by more than this: as a step takes half of a correction, half is left.
 const SETTLED: f64 = 0.002;
 
 /// Climbs one rung at a time.
@@ -77,7 +77,7 @@ pub(crate) fn run(
         let climber = PaperIteration { options, iteration };
         let views = state.step("paper's iteration", |state| climber.look(state));
         let leaving = climber.leaving(state, &views, &rungs);
-        // Else nothing that has to leave its rung may have left.
+        // Before that, a group that has to leave its rung may still be on it.
         let was_at_rest = climber.are_at_rest(state, &views, &rungs);
         let mut next = state.materials.clone();
         for view in &views {
@@ -138,7 +138,7 @@ struct Rerendered {
     error: ResidualStats,
     /// Whether it stands on the smooth rung of section 4.2.3, and the photograph says that it is not smooth.
     is_rough: bool,
-    /// Of a shiny group, what it was re-rendered from; none where a journal brought the rest back.
+    /// The light that a shiny group was re-rendered from; none where the rest is from a journal.
     #[serde(skip)]
     evidence: Option<Evidence>,
 }
@@ -198,8 +198,8 @@ impl PaperIteration<'_> {
     }
 
     /// The groups that leave their rungs: those in error above its threshold, and among the worst, once the rung has
-    /// had its iterations. Smooth rungs are passed through; the error of any other says little while the reflectances of
-    /// other groups move, and that of a diffuse group little while a shiny one climbs.
+    /// had its iterations. Smooth rungs do not wait for others; the error of any other rung says little while the
+    /// reflectances of other groups move, and that of a diffuse group little while a shiny one climbs.
     fn leaving(&self, state: &State<'_>, views: &[Rerendered], rungs: &[Rung]) -> Vec<usize> {
         let hypothesis = |group: usize| state.groups[group].hypothesis;
         let in_error = self.in_error(state, views);
@@ -376,8 +376,8 @@ impl PaperIteration<'_> {
     }
 }
 
-/// Whether a lobe leaves at most half of the squared error that the smooth `material` leaves, and surely less than it: a
-/// mirror that shows blurred what it shows may be within its rung's threshold, and still be no mirror.
+/// Whether a lobe leaves at most half of the squared error that the smooth `material` leaves, and significantly less: a
+/// surface that mirrors blurred may be within its rung's threshold, and still be no mirror.
 fn is_rough(evidence: &Evidence, material: &Material) -> bool {
     let mut lobes = Lobes::new(evidence.clone());
     let lobe = lobes.isotropic(material).material;

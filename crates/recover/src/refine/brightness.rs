@@ -1,5 +1,5 @@
-//! Whether all light is a factor off: a lamp read in another unit, or an exposure that is not the photograph's. Then no
-//! reflectances explain the photograph, and the search for them is long and in vain.
+//! Whether all light is wrong by a factor: a lamp read in another unit, or an exposure that is not the photograph's.
+//! Then no reflectances explain the photograph, and the search for them is long and in vain.
 //!
 //! Reflectances are fitted twice on the same few paths: those of the present hypotheses with the photograph's brightness as
 //! it is given, and those of the first ones with a factor on it, one a channel. What is textured counts as uniform:
@@ -29,18 +29,18 @@ impl From<Brightness> for RecoverError {
     }
 }
 
-/// Below this share of the photograph nothing is asked. At half of it 5 scenes more of 35 pay for the question, at double a
-/// blue lamp that is four times too dim is not told.
+/// The test is made if more than this share of the photograph is unexplained. At half of it 5 scenes more of 35 pay for
+/// the test, at double a blue lamp that is four times too dim is missed.
 const WORTH_ASKING: f64 = 0.1;
-/// The factor has to explain so much of what is unexplained. In 30 of 31 right scenes it explains a tenth at most. At double of
-/// it none of seven rooms is told that its lamps are four times too dim; half of it was not tried.
+/// The factor has to explain so much of what is unexplained. In 30 of 31 right scenes it explains a tenth at most. At
+/// double of it lamps that are four times too dim are missed in all of seven rooms; half of it was not tried.
 const EXPLAINS: f64 = 0.4;
-/// A factor between this and its reciprocal is no other unit. Other values were not tried: in right scenes factors that
-/// explain nothing are up to 2.1.
+/// A factor between this and its reciprocal is not from a wrong unit. Other values were not tried: in right scenes
+/// factors that explain nothing are up to 2.1.
 const NEAR: f32 = 1.5;
 
-/// The factor by which all light is off, if one with the hypotheses of `first`, where all began, explains far more than the
-/// present ones do without. `state` stays as it is.
+/// The factor by which all light is wrong, if with it the hypotheses of `first`, the initial state, explain far more
+/// than the present ones do without. `state` does not change.
 pub(crate) fn find(
     state: &mut State<'_>,
     options: &Options,
@@ -50,7 +50,7 @@ pub(crate) fn find(
     let is_given = matches!(problem.exposure, ExposureRule::Fixed(_))
         && problem.unknown_lights.is_empty()
         && problem.photometric_parameters.is_empty();
-    // Bounds of the project may be what is wrong, and are said to be touched.
+    // The project's bounds may be wrong instead; the results say which are touched.
     let is_bounded = problem.groups.iter().any(|g| g.expected.bounds != ParameterBounds::default());
     let is_asked = Unknowns::of(state).len() > 0;
     if !is_given || is_bounded || !is_asked || unexplained(state) < WORTH_ASKING {
@@ -90,7 +90,7 @@ fn make_uniform(state: &mut State<'_>) {
 }
 
 /// The share of the photograph that the fits leave, root mean square over the pixels of the groups that were fitted;
-/// infinite where some are textured, of which that is not known.
+/// infinite where some are textured, whose residual is not known.
 fn unexplained(state: &State<'_>) -> f64 {
     if state.groups.iter().any(|of_group| of_group.hypothesis == Hypothesis::Textured) {
         return f64::INFINITY;

@@ -1,4 +1,4 @@
-//! Hypotheses of one group, each fitted on paths that carry it, and what they leave on other ones.
+//! Hypotheses of one group, each fitted on paths that carry it, and their residuals on other paths.
 
 use super::descent::Descent;
 use super::kept::{KeptPaths, is_near};
@@ -26,13 +26,13 @@ const SPP: [u32; 2] = [TOGETHER, 1024];
 const PIXELS: usize = 16_000;
 /// Steps of a fit at most: it begins where a search ended. Half and double of it were not tried.
 const STEPS_MAX: usize = 8;
-/// A fit goes on while one of its numbers moves by this many of its standard deviations: by that much the squared residual
-/// is hardly above its least. Half and double of it were not tried.
+/// A fit goes on while one of its numbers moves by this many of its standard deviations: within that the squared
+/// residual is hardly above its least. Half and double of it were not tried.
 const SIGNIFICANT: f64 = 0.3;
-/// How often paths are traced for one rung: where its lobe has left the range that they carry. In the joint refinement it
-/// is as often; half and double of it were not tried.
+/// How often paths are traced for one rung: again where its lobe has left the range that they carry. The joint
+/// refinement has the same number; half and double of it were not tried.
 const TRACED_MAX: usize = 3;
-/// Makes the paths of the comparison others than those of the fits.
+/// Changes the seed: the paths of the comparison differ from those of the fits.
 const JUDGING: u64 = 0x7D6E;
 
 /// A hypothesis with its numbers.
@@ -52,15 +52,15 @@ pub(super) struct PixelSample {
 
 /// A rung that was fitted, and what it leaves of the photograph.
 pub(super) struct Contender {
-    /// Where it was fitted.
+    /// Its numbers after the fit.
     pub(super) rung: Rung,
     /// The number of the paths that it was fitted on.
     pub(super) drawn: usize,
     /// Two renderings of the pixels by each of the paths that carry it, until its residuals are known.
     pub(super) radiance: Vec<Option<[Vec<Rgb>; 2]>>,
-    /// What is left of the blocks on each of these.
+    /// The residuals of the blocks on each of these.
     pub(super) residuals: Vec<Option<BlockResiduals>>,
-    /// What the noise of the paths that it was fitted on costs it, in units of the weighted squared error.
+    /// The weighted squared error that the noise of the paths that it was fitted on adds.
     pub(super) loss: f64,
 }
 
@@ -68,7 +68,7 @@ pub(super) struct Contender {
 struct ProposalDensity {
     /// The material whose lobes it has.
     material: Material,
-    /// By which numbers derivatives are wanted on them.
+    /// The parameters by which derivatives are wanted on them.
     asked: Vec<Parameter>,
     /// Where they end.
     seen: Option<RadianceCache>,
@@ -81,7 +81,7 @@ struct DrawnPaths<'a> {
 }
 
 impl Rung {
-    /// Makes it that of `group`.
+    /// Gives it to `group`.
     pub(super) fn put(&self, state: &mut State<'_>, group: usize) {
         state.groups[group].hypothesis = self.hypothesis;
         state.materials[group] = self.material.clone();
@@ -120,7 +120,7 @@ impl PixelSample {
         self.pixels.iter().map(|seen| seen.pixel).collect()
     }
 
-    /// Takes noise and levels at the brightness of the most complex one of `contenders`, which is the first.
+    /// Takes noise and levels at the brightness of the most complex of the `contenders`, which is the first.
     fn reweigh(&mut self, contenders: &[Contender]) {
         let own = |contender: &'_ Contender| contender.radiance.get(contender.drawn)?.clone();
         let Some([a, b]) = contenders.first().and_then(own) else { return };
@@ -128,8 +128,8 @@ impl PixelSample {
         reweigh(&mut self.pixels, &self.blocks, &light, ModelError::START);
     }
 
-    /// What is left of the blocks where the two renderings of its pixels are `model`. A lower bound that the model meets asks
-    /// for nothing.
+    /// The residuals of the blocks where the two renderings of its pixels are `model`. A clipped pixel has none where
+    /// the model is brighter.
     fn residuals(&self, mut model: [Vec<Rgb>; 2]) -> BlockResiduals {
         for (i, seen) in self.pixels.iter().enumerate() {
             let mean = 0.5 * (model[0][i] + model[1][i]);
@@ -141,7 +141,7 @@ impl PixelSample {
         BlockResiduals::over(&self.blocks, &self.pixels, &model)
     }
 
-    /// So many paths a pixel, of all the paths that `settings` has.
+    /// `settings`, which has all paths of a rendering, with the paths of one pixel.
     fn settings(&self, settings: Settings) -> Settings {
         let [least, most] = SPP;
         let spp = (settings.spp / self.pixels.len().max(1) as u32).clamp(least, most);
@@ -161,7 +161,7 @@ pub(super) fn fit_and_render<'a>(
     let mut sample = PixelSample::of(state, group, allowed, &settings);
     let settings = sample.settings(settings);
     let (mut contenders, drawn) = fit_all(state, group, rungs, (&sample, &settings));
-    // The paths of the fits have served, and take as much memory as those to come.
+    // The paths of the fits are no longer needed, and take as much memory as the next.
     let densities: Vec<ProposalDensity> = drawn.into_iter().map(|drawn| drawn.density).collect();
     for (place, density) in densities.iter().enumerate() {
         render_all(state, group, &mut contenders, (place, density), (&sample, &settings));
@@ -175,7 +175,7 @@ pub(super) fn fit_and_render<'a>(
     (contenders, sample)
 }
 
-/// Fits all `rungs` of `group`, the last one first, on paths that carry them, and returns what they are then.
+/// Fits all `rungs` of `group`, the last one first, on paths that carry them, and returns the fitted ones.
 fn fit_all<'a>(
     state: &mut State<'a>,
     group: usize,
@@ -203,8 +203,8 @@ fn fit_all<'a>(
     (contenders, drawn)
 }
 
-/// Renders the pixels of `sample` with each of the `contenders` that paths of the `density` carry, on other ones of these than
-/// those of the fits, which have the number `place`.
+/// Renders the pixels of `sample` with each of the `contenders` that paths of the `density` number `place` carry, on
+/// new paths that no fit has used.
 fn render_all(
     state: &mut State<'_>,
     group: usize,
@@ -228,7 +228,7 @@ fn render_all(
     }
 }
 
-/// The number of the paths that carry the present rung of `group`; of new ones if none of those that are `drawn` do.
+/// The number of the `drawn` paths that carry the present rung of `group`; of new ones if none of these do.
 fn carrier<'a>(
     drawn: &mut Vec<DrawnPaths<'a>>,
     state: &mut State<'a>,
@@ -244,7 +244,7 @@ fn carrier<'a>(
 }
 
 impl<'a> DrawnPaths<'a> {
-    /// Paths that carry the present rung of `group`, and what is simpler.
+    /// Paths that carry the present rung of `group`, and simpler ones.
     fn of(
         state: &mut State<'a>,
         group: usize,
@@ -262,7 +262,7 @@ impl<'a> DrawnPaths<'a> {
 }
 
 impl ProposalDensity {
-    /// Makes `group` what such paths are drawn from: half of those with a specular part are drawn by a cosine.
+    /// Gives `group` the material that such paths are drawn from: with a specular part, half are drawn by a cosine.
     fn put(&self, state: &mut State<'_>, group: usize) {
         let half = Rgb::splat(0.5);
         state.materials[group] = if self.material.rho_s == Rgb::ZERO {
@@ -273,8 +273,8 @@ impl ProposalDensity {
     }
 }
 
-/// Moves the numbers of `group` to where they explain it best on `paths`, and returns what the noise of these costs: the
-/// mean of the squared error that it adds, at most one a number.
+/// Moves the numbers of `group` to where they explain it best on `paths`, and returns the mean squared error that the
+/// noise of these adds, at most one a number.
 fn fit<'a>(state: &mut State<'a>, group: usize, paths: &KeptPaths<'a>) -> f64 {
     let unknowns = Unknowns::of_group(state, group);
     if unknowns.len() == 0 {
@@ -294,7 +294,8 @@ fn fit<'a>(state: &mut State<'a>, group: usize, paths: &KeptPaths<'a>) -> f64 {
     shown.map_or(all, |shown| (shown.inverse * shown.normal.g_rendering).trace().clamp(0.0, all))
 }
 
-/// Whether paths that were drawn for `drawn` carry `material`: a mirror exists only on its own.
+/// Whether paths that were drawn for `drawn` carry `material`: only paths of mirrors carry a
+/// mirror.
 fn carries(drawn: &Material, material: &Material) -> bool {
     let is_matt = material.rho_s == Rgb::ZERO;
     let are_mirrors = drawn.is_delta() && material.is_delta();

@@ -12,7 +12,7 @@ use unrender_scene::{Material, Rgb};
 /// The first damping after a step that made things worse, relative to the curvature; then tenfold.
 const DAMPING: f64 = 0.1;
 
-/// The way of some unknowns to where they explain the photograph best.
+/// The descent of some unknowns to where they explain the photograph best.
 pub(super) struct Descent<'u> {
     pub(super) unknowns: &'u Unknowns,
     pub(super) prior: &'u DVector<f64>,
@@ -25,7 +25,7 @@ pub(super) struct Descent<'u> {
     pub(super) worse: f64,
 }
 
-/// What paths showed, and the equations that were made of it.
+/// What paths showed, and its normal equations.
 pub(super) struct Shown {
     pub(super) means: Vec<Mean>,
     pub(super) normal: Normal,
@@ -54,8 +54,8 @@ struct Place {
 }
 
 impl Descent<'_> {
-    /// Moves the unknowns of `state` step by step, each by what the paths `show` there, until `goes_on` says no after
-    /// one. Returns what they showed in the last place that was not worse than the one before; none if there was none.
+    /// Moves the unknowns of `state` step by step, each by what the paths `show` there, until `goes_on` is false after
+    /// one. Returns what they showed in the last place that was not worse than the one before, if any.
     pub(super) fn run<'a>(
         &self,
         state: &mut State<'a>,
@@ -117,9 +117,9 @@ impl Place {
         }
     }
 
-    /// Whether `means`, of the same cells with the same random numbers, are further from the
-    /// photograph: by more than so many times the standard deviation that the difference has under either model,
-    /// `2 sqrt(S)` with `S` the squared distance of both.
+    /// Whether `means`, of the same cells with the same random numbers, are further from the photograph by more than
+    /// `worse` times the standard deviation of the difference under either model, `2 sqrt(S)` with `S` the squared
+    /// distance of both.
     fn is_better_than(&self, means: &[Mean], worse: f64) -> bool {
         let (mut difference, mut separation) = (0.0, 0.0);
         for ((mean, weight), before) in means.iter().zip(&self.weights).zip(&self.residuals) {

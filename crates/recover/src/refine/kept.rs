@@ -1,7 +1,7 @@
 //! The paths of a refinement: traced once, evaluated in every pass (`unrender_render::StoredPaths`).
 //!
-//! Gauss-Newton asks for radiance and derivatives under one appearance after the other, all near the first. On the
-//! same paths that is an eighth of the time of tracing them, and the passes differ by their materials alone.
+//! Gauss-Newton needs radiance and derivatives under one appearance after the other, all near the first. On the same
+//! paths that takes an eighth of the time of tracing them, and the passes differ only by their materials.
 
 use super::means::{self, Mean};
 use super::sample::{self, Cell};
@@ -86,8 +86,8 @@ impl<'a> KeptPaths<'a> {
         })
     }
 
-    /// What the photograph shows now where the paths end, which is where it could be seen when they were traced: a
-    /// lobe that has come to nothing since ends no path.
+    /// The photograph's present radiance where the paths end, which is where it was valid when they were traced: a lobe
+    /// that has vanished since ends no path.
     fn ends(&self, state: &State<'_>) -> Option<RadianceCache> {
         let (now, traced) = (state.seen.as_ref()?, self.seen.as_ref()?);
         Some(RadianceCache { radiance: now.radiance.clone(), valid: traced.valid.clone() })
@@ -112,7 +112,7 @@ impl<'a> KeptPaths<'a> {
     }
 }
 
-/// Whether paths that were `drawn` so carry the lobe of `now`, if it has one.
+/// Whether paths that were drawn from `drawn` carry the lobe of `now`, if it has one.
 pub(super) fn is_near(now: &Material, drawn: &Material) -> bool {
     let within = |now: f32, drawn: f32| {
         let [least, most] = CARRIED;
@@ -121,7 +121,7 @@ pub(super) fn is_near(now: &Material, drawn: &Material) -> bool {
     !now.is_glossy() || within(now.alpha_x, drawn.alpha_x) && within(now.alpha_y, drawn.alpha_y)
 }
 
-/// At most `per_group` pixels a group, and so many that the paths of all groups fit into [`MEMORY`].
+/// At most `per_group` pixels a group, so few that the paths of all groups fit into [`MEMORY`].
 fn fitting(state: &State<'_>, per_group: usize, spp: u32) -> usize {
     let most = MEMORY / (2 * spp.max(1) as usize * PATH);
     let pixels = |per_group: usize| {

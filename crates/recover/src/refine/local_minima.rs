@@ -1,10 +1,10 @@
-//! Other explanations: where a lobe of quite another shape explains the photograph alike, both are
-//! reported.
+//! Other explanations: where a lobe of quite another shape explains the photograph as well, both
+//! are reported.
 //!
-//! Gauss-Newton finds the bottom of the basin that the ladder's global search chose. Here the cost
-//! is looked at on a grid of roughnesses (round lobes) or of directions (brushed ones) about the
-//! answer; every other dip is followed down, and kept if no difference of the two is significant on
-//! the same light.
+//! Gauss-Newton finds the local minimum near the answer of the ladder's global search. Here the
+//! cost is computed on a grid of roughnesses (round lobes) or of directions (brushed ones) about
+//! the answer; every other dip is followed down, and kept if it is not significantly worse on the
+//! same light.
 
 use crate::evidence::Evidence;
 use crate::expected::ParameterBounds;
@@ -28,8 +28,8 @@ const SAME_LN_ALPHA: f32 = 0.25;
 /// ... and, where a lobe is not nearly round, the directions by less than this (radians).
 const SAME_THETA: f32 = 0.25;
 
-/// The evidence on `group`, under the refined light, by light samples that no search has seen, weighted for its present material; none
-/// where nothing was seen of it.
+/// The evidence on `group`, under the refined light, by light samples that no search has used, weighted for its present
+/// material; none where nothing was seen of it.
 fn evidence(state: &State<'_>, options: &Options, group: usize) -> Option<Evidence> {
     let other_noise = Options { seed: options.seed ^ 0xBA51, ..options.clone() };
     let pixels = &state.observation.pixels_of_group[group];
@@ -64,7 +64,7 @@ pub(crate) fn find(state: &mut State<'_>, options: &Options) {
         let others = others(hypothesis, &evidence, &state.materials[group]);
         if !others.is_empty() {
             state.groups[group].add_note(
-                "a lobe of another shape explains the photograph alike: see its alternatives"
+                "a lobe of another shape explains the photograph as well: see its alternatives"
                     .to_owned(),
             );
         }
@@ -72,7 +72,7 @@ pub(crate) fn find(state: &mut State<'_>, options: &Options) {
     }
 }
 
-/// Fits of `hypothesis` in other basins than `answer` that explain the evidence alike.
+/// Fits of `hypothesis` at other minima than `answer` that explain the evidence as well.
 fn others(hypothesis: Hypothesis, evidence: &Evidence, answer: &Material) -> Vec<Fit> {
     let best = hypothesis::fit(hypothesis, evidence, answer, Search::Local);
     let starts = starts(hypothesis, answer, &evidence.expected.bounds);

@@ -1,11 +1,11 @@
 //! One pass over the photograph: residuals and Jacobians, each rendered twice, as means over the
 //! pixels of a group in a block.
 //!
-//! The Jacobian of one pixel is mostly noise: that of a wall by the roughness of the floor lives on
-//! rare paths. A least-squares fit multiplies it with the residual, and noise times noise drowns
-//! the sum. Over a block both change little, while their noise falls by the number of its pixels;
-//! and the means of all blocks fit into memory where the Jacobians of all pixels would not: only
-//! those of some thousand pixels are ever there.
+//! The Jacobian of one pixel is mostly noise: that of a wall by the roughness of the floor comes
+//! from rare paths. A least-squares fit multiplies it with the residual, and noise times noise
+//! dominates the sum. Over a block both change little, while their noise falls by the number of its
+//! pixels; and the means of all blocks fit into memory where the Jacobians of all pixels would not:
+//! only some thousand pixels' are there at a time.
 
 use super::sample::Cell;
 use super::unknowns::Unknowns;
@@ -48,15 +48,15 @@ pub(crate) struct Mean {
     pub(crate) variance: Rgb,
     /// What model errors are relative to, squared, at the model's brightness.
     pub(crate) level2: Rgb,
-    /// For each channel: the unknowns on which the rendering hangs, and its derivative by them in
+    /// For each channel: the unknowns on which the rendering depends, and its derivative by them in
     /// each of the two renderings.
     pub(crate) rows: [Vec<(usize, f64, f64)>; 3],
 }
 
-/// Pixels whose Jacobians are in memory together, about.
+/// About how many pixels' Jacobians are in memory together.
 const TILE: usize = 4096;
 
-/// One pass over `cells`, with the paths of the numbers `samples` for each pixel of each of them, twice.
+/// One pass over `cells`, with the paths numbered `samples` for each of their pixels, twice.
 pub(crate) fn gather(
     state: &State<'_>,
     unknowns: &Unknowns,
@@ -83,8 +83,8 @@ pub(super) fn halves(settings: &Settings) -> [Settings; 2] {
     [0u64, 1].map(|half| Settings { seed: mix(settings.seed).wrapping_add(half), ..*settings })
 }
 
-/// One pass over `cells`, with the paths of the numbers `samples` for each pixel of each of them, from the Jacobians that
-/// `of_tile` finds for each of their [`tiles`].
+/// One pass over `cells`, with the paths numbered `samples` for each of their pixels, from the Jacobians that `of_tile`
+/// finds for each of their [`tiles`].
 pub(super) fn of_tiles(
     state: &State<'_>,
     unknowns: &Unknowns,
@@ -111,8 +111,8 @@ pub(super) fn of_tiles(
     means
 }
 
-/// How many times as bright as the photograph the renderings of the groups `of` are on the whole; one in a channel in
-/// which either is black.
+/// The brightness of the renderings of the groups `of` relative to the photograph; one in a channel in which either is
+/// black.
 pub(super) fn brightness(means: &[Mean], of: impl Fn(usize) -> bool) -> Rgb {
     let mut shown = Shown::default();
     means.iter().filter(|mean| !mean.bound && of(mean.group)).for_each(|mean| shown.add(mean));
@@ -215,7 +215,7 @@ impl Mean {
         self.paths = paths;
     }
 
-    /// Carries the residuals along to where the unknowns move by `step`.
+    /// Extrapolates the residuals to where the unknowns move by `step`.
     pub(crate) fn move_by(&mut self, step: &DVector<f64>) {
         for (channel, row) in self.rows.iter().enumerate() {
             for &(k, a, b) in row {
@@ -269,7 +269,7 @@ fn mean(
     let changes: Vec<Rgb> = state.problem.photometric_parameters.iter().map(change).collect();
     let mut residuals = radiance.map(|radiance| photograph - radiance);
     let light = 0.5 * (radiance[0] + radiance[1]);
-    // A lower bound that the model meets asks for nothing.
+    // A clipped pixel has no residual where the model is brighter.
     let asks = |channel: usize| !cell.bound || light[channel] < photograph[channel];
     let met = Rgb::from_array([0, 1, 2].map(|c| f32::from(u8::from(asks(c)))));
     residuals.iter_mut().for_each(|residual| *residual *= met);

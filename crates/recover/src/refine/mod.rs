@@ -1,4 +1,4 @@
-//! Every parameter of every group at once, against the whole photograph, with how well it is known.
+//! All parameters of all groups at once, against the whole photograph, with standard deviations.
 //!
 //! The ladder has chosen the hypotheses and stands near their best parameters. What is left is a
 //! least-squares problem of tens of unknowns ([`unknowns`]), each of a kind that its parameter block
@@ -6,11 +6,10 @@
 //! of passes ([`passes`]). Each renders radiance and derivatives twice ([`means`]), makes the normal
 //! equations of them ([`normal`]), and solves these within the bounds ([`system`]).
 //!
-//! The covariance of the result comes from the spread of the picture's blocks. It holds the noise of
-//! the photograph, of our renderings, and what the model does not explain, without being told how
-//! large they are. Then [`verdict`] says what the photograph could not tell; where that makes a
-//! hypothesis simpler, the rest is refined again. Hypotheses of one group are compared on the same kind of paths
-//! ([`side_by_side`]).
+//! The covariance of the result comes from the spread of the picture's blocks. It holds the noise of the photograph and
+//! of our renderings, and the model error, whose sizes need not be known. Then [`verdict`] says what the photograph
+//! does not determine; where that makes a hypothesis simpler, the rest is refined again. Hypotheses of one group are
+//! compared on the same kind of paths ([`side_by_side`]).
 
 mod blocks;
 pub(crate) mod brightness;
@@ -43,8 +42,8 @@ use unknowns::Unknowns;
 use unrender_render::Settings;
 use unrender_render::sampler::mix;
 
-/// Refinements at most, of which each but the last may end with simpler hypotheses: of groups in sight, once more of
-/// these, and of those out of sight.
+/// The most refinements; each but the last may end with simpler hypotheses: of groups in sight, of these once more, and
+/// of those out of sight.
 const ROUNDS_MAX: usize = 4;
 
 /// How far to refine.
@@ -58,7 +57,7 @@ pub(crate) enum Depth {
     Fine,
 }
 
-/// Where the joint refinement stands.
+/// The result of a joint refinement.
 struct Solution {
     unknowns: Unknowns,
     covariance: DMatrix<f64>,
@@ -67,7 +66,7 @@ struct Solution {
     failed: bool,
 }
 
-/// Refines all unknowns of `state` together and says how well they are known.
+/// Refines all unknowns of `state` together and finds their standard deviations.
 ///
 /// [`Depth::Coarse`] stops where steps are no longer significant, and judges nothing.
 pub(crate) fn refine(
@@ -110,7 +109,7 @@ pub(crate) fn refine(
     Termination::Refined
 }
 
-/// Groups out of sight are asked too: the verdict may assume them again.
+/// Groups out of sight are refined too: the verdict may assume them again.
 fn free_the_unseen(state: &mut State<'_>) {
     for of_group in &mut state.groups {
         if of_group.status == Status::Assumed {
@@ -120,8 +119,8 @@ fn free_the_unseen(state: &mut State<'_>) {
 }
 
 /// Brings the lights and the exposure near enough for the ladder to begin: the exposure by the
-/// anchor's ratio, or both by one Gauss-Newton step on the groups that are known. Ends with the
-/// photograph as the cache that it now is.
+/// anchor's ratio, or both by one Gauss-Newton step on the groups that are known. Then updates the
+/// radiance cache from the photograph.
 pub(crate) fn settle_nuisances(
     state: &mut State<'_>,
     options: &Options,

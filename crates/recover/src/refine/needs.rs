@@ -1,8 +1,8 @@
-//! Where the renderings' noise matters, and how the paths of a pass are shared out among the cells.
+//! Where the renderings' noise matters, and how the paths of a pass are allocated to the cells.
 //!
-//! It may have a share of a number's variance, or what is below what anyone would ask for (`precise_enough`):
-//! more paths than that bring a result no nearer to the truth. What a number lacks goes where its noise comes from
-//! ([`super::origins`]), by `sqrt(a_c)` [Neyman 1934], which is not always its own group.
+//! It may have a share of a number's variance, or be as small as is enough (`precise_enough`): more paths bring a
+//! result no nearer to the truth. The paths that a number lacks go where its noise comes from ([`super::origins`]), by
+//! `sqrt(a_c)` [Neyman 1934], which is not always its own group.
 
 use super::blocks;
 use super::means::Mean;
@@ -12,30 +12,30 @@ use crate::sample_budget::TOGETHER;
 use crate::state::State;
 use nalgebra::{DMatrix, DVector};
 
-/// Paths a pixel that a cell gets in a pass, at most: what a small highlight may take. At a quarter of it what one lacks is
-/// spread over cells that need none; double was not tried.
+/// Paths a pixel that a cell gets in a pass, at most: what a small highlight may take. At a quarter of it the paths
+/// that one lacks go to cells that need none; double was not tried.
 const SPP_MAX: f64 = 1024.0;
 /// The renderings may have this share of a number's variance. At half of it twice the paths are traced, for
 /// standard deviations that are a tenth smaller; double of it makes them half as large again.
 const RENDERING_SHARE: f64 = 0.35;
-/// What the renderings' noise does not explain of a variance is taken as less by so many of its standard deviations: few
-/// cells of heavy noise may look like it. At half of it the roughness of a thing in a room ends a third more uncertain; double
-/// was not tried.
+/// The part of a variance that the renderings' noise does not explain counts less so many of its standard deviations:
+/// few cells of heavy noise may look like it. At half of it the roughness of an object in a room ends a third more
+/// uncertain; double was not tried.
 const DOUBTS: f64 = 2.0;
-/// A pass makes the renderings' part of a variance so many times less at most: what is allowed is known better then.
-/// Without it, and with a quarter of the most above, passes of 881000 never ended before their limit; half and double were
-/// not tried.
+/// A pass reduces the renderings' part of a variance at most by this factor: what is allowed is known better then.
+/// Without it, and with a quarter of [`SPP_MAX`], passes of the room with seed 881000 never ended before their limit;
+/// half and double were not tried.
 const TIMES_MAX: f64 = 4.0;
-/// So often an interval is halved in the search for how many paths are enough: to the last digit. At half of it they are
-/// known to a billionth; double of it changes nothing.
+/// How often an interval is halved in the search for how many paths are enough: to the last digit. At half of it they
+/// are known to a billionth; double of it changes nothing.
 const HALVINGS: usize = 60;
 
 /// How many paths a pixel each cell needs in the next pass, about `mean_spp` a pixel of the whole picture at most; none
-/// where no number lacks any. What the lights and the camera lack, all cells do. Where none is lacked and a number has
-/// `moved` by more than its standard deviation, all cells are looked at again from there: what they showed was carried
-/// along a straight line.
-/// `variances` are those of all noise, of the renderings' alone, and how uncertain the difference is; `seen` is what each
-/// cell showed so far, and `origins` the variance of every number by one path there.
+/// where no number lacks any. Paths that the lights and the camera lack go to all cells. Where none are lacking and a
+/// number has `moved` by more than its standard deviation, all cells are rendered again: their residuals were
+/// extrapolated linearly. `covariance` is that of all noise, `rendering` the variances by the renderings' alone,
+/// `doubt` the uncertainty of the difference; `seen` is what each cell showed so far, and `origins` the variance of
+/// every number by one path there.
 pub(super) fn of(
     state: &State<'_>,
     (unknowns, effort): (&Unknowns, Effort),
@@ -69,16 +69,16 @@ pub(super) fn of(
     if has_moved && lacks_none { vec![TOGETHER; cells.len()] } else { paths }
 }
 
-/// For each cell: the variance of a number by one path there (`by_path`), in units of what is allowed for all of its
-/// variance, which is so many `times` as large now.
+/// For each cell: the variance of a number by one path there (`by_path`), in units of the allowed total variance; the
+/// present total is so many `times` as large.
 fn shares(seen: &[Mean], by_path: impl Iterator<Item = f64> + Clone, times: f64) -> Vec<f64> {
     let paths = |cell: &Mean| cell.pixels * cell.paths;
     let now: f64 = seen.iter().zip(by_path.clone()).map(|(cell, by)| by / paths(cell)).sum();
     by_path.map(|by| times * by / now.max(f64::MIN_POSITIVE)).collect()
 }
 
-/// How many paths a pixel more cells need, of which each has `[pixels, paths a pixel]`, for the variances of the
-/// `numbers` to be what is allowed, or as near to it as so many paths bring their sum at `most`.
+/// How many more paths a pixel the `cells`, each with `[pixels, paths a pixel]`, need for the variances of the
+/// `numbers` to be what is allowed, or for their sum to be as small as `most` paths make it.
 fn by_origin(cells: &[[f64; 2]], numbers: &[Vec<f64>], most: f64) -> Vec<f64> {
     let root = |cell: usize| numbers.iter().map(|shares| shares[cell]).sum::<f64>().sqrt();
     let roots: Vec<f64> = (0..cells.len()).map(root).collect();
@@ -108,7 +108,7 @@ fn by_origin(cells: &[[f64; 2]], numbers: &[Vec<f64>], most: f64) -> Vec<f64> {
     more(range[1])
 }
 
-/// The `wanted` paths a pixel, all by the same factor fewer where they are more than `most` in all; in full sets of the
+/// The `wanted` paths a pixel, all reduced by the same factor if they are more than `most` in all; in full sets of the
 /// sampler.
 fn allocate(cells: &[[f64; 2]], wanted: &[f64], most: f64) -> Vec<u32> {
     let clamped = |wanted: &f64| wanted.min(SPP_MAX);
@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn paths_go_where_the_noise_comes_from() {
-        // Of 64 paths in each of four cells of 10 pixels; the first has sixteen times the noise of the others.
+        // 64 paths in each of four cells of 10 pixels; the first has sixteen times the noise of the others.
         let cells = [[10.0, 64.0]; 4];
         let shares: Vec<f64> = [16.0, 1.0, 1.0, 1.0].map(|noise| noise * 640.0 / 19.0 * 2.0).into();
         assert!((left(&cells, &shares, &[0.0; 4]) - 2.0).abs() < 1e-9);
@@ -139,7 +139,7 @@ mod tests {
         // What is allowed is reached and not more, and only where the noise comes from.
         assert!((left(&cells, &shares, &more) - 1.0).abs() < 1e-3, "{more:?}");
         assert!(more[0] > 64.0 && more[1..].iter().all(|more| *more == 0.0), "{more:?}");
-        // Without enough paths, so many as there are; cells that have the same noise, the same.
+        // Without enough paths, all there are; cells with the same noise get the same.
         let even = vec![6400.0; 4];
         let more = by_origin(&cells, &[even], 800.0);
         assert!(more.iter().all(|more| (more - 20.0).abs() < 0.1), "{more:?}");
@@ -156,7 +156,7 @@ mod tests {
         let shares = vec![900.0, 4000.0, 100.0, 50.0];
         let more = by_origin(&cells, std::slice::from_ref(&shares), 4000.0);
         let least = left(&cells, &shares, &more);
-        // A path's worth from one cell to another makes it no better.
+        // Moving paths from one cell to another makes it no better.
         for (from, to) in (0..4).flat_map(|from| (0..4).map(move |to| (from, to))) {
             let mut moved = more.clone();
             let paths = (0.05 * more[from] * cells[from][0]).min(20.0);

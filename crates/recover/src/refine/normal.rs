@@ -2,16 +2,16 @@
 //!
 //! With the residuals `r = B - L` and Jacobians `J` of two renderings with independent noise:
 //! `H = sum w sym(J_A^T J_B)` and `g = sum w (J_A^T r_B + J_B^T r_A) / 2`: the noise of a rendering
-//! meets itself nowhere, so it biases neither. The weight `w` is the inverse variance of a cell's
-//! residual under the observation model ([`crate::model_error`]): the photograph's noise, and,
-//! measured on all cells of its group, the rendering's noise and the model error, at the brightness
-//! of the model around the cell.
+//! is never multiplied by itself, so it biases neither. The weight `w` is the inverse variance of a
+//! cell's residual under the observation model ([`crate::model_error`]): the photograph's noise,
+//! and, measured on all cells of its group, the rendering's noise and the model error, at the
+//! brightness of the model around the cell.
 //!
-//! `g` is a sum over cells. From their spread comes its covariance, whatever the noise is and
-//! however it hangs together within a cell: `G = sum g_b g_b^T` [Huber 1967; White 1982]. The fit makes
-//! residuals smaller than the noise, most where a cell has the leverage `h_b = w J_b H^-1 J_b^T`, as the few
-//! cells of a highlight have: the residuals of `g_b` are those over `1 - h_b`, about what they would be if the
-//! cell had been left out of the fit [MacKinnon and White 1985, HC3].
+//! `g` is a sum over cells. Its covariance comes from their spread, whatever the noise is and however it is correlated
+//! within a cell: `G = sum g_b g_b^T` [Huber 1967; White 1982]. The fit makes residuals smaller than the noise, most
+//! where a cell has the leverage `h_b = w J_b H^-1 J_b^T`, as the few cells of a highlight have: the residuals of `g_b`
+//! are divided by `1 - h_b`, about what they would be if the cell had been left out of the fit [MacKinnon and White
+//! 1985, HC3].
 
 use super::means::Mean;
 use super::unknowns::Unknowns;
@@ -31,12 +31,12 @@ pub(crate) struct Normal {
     pub(crate) g: DVector<f64>,
     /// The covariance of `g` if all cells were independent.
     pub(crate) g_covariance: DMatrix<f64>,
-    /// The covariance of `g` with what neighbours have in common.
+    /// The covariance of `g` with the correlation of neighbours.
     pub(crate) g_dependent: DMatrix<f64>,
-    /// The part of it that the renderings' noise has.
+    /// The part of it due to the renderings' noise.
     pub(crate) g_rendering: DMatrix<f64>,
-    /// How uncertain the part of each unknown's variance is that the renderings' noise does not have: its standard
-    /// deviation, by its spread over the cells.
+    /// The standard deviation, by the spread over the cells, of that part of each unknown's variance that is not due to
+    /// the renderings' noise.
     pub(crate) doubt: DVector<f64>,
     /// What each cell contributes to the relative squared error that both renderings see.
     pub(crate) errors: Vec<f64>,
@@ -49,7 +49,7 @@ pub(crate) struct Normal {
 }
 
 /// Residuals of more standard deviations than this pull as if they were of so many: a few cells
-/// that the model has no idea of do not rule the rest [Huber 1964].
+/// that the model does not describe do not dominate the rest [Huber 1964].
 const HUBER: f32 = 6.0;
 /// No model of a scene is better than this, relatively and squared.
 const RESIDUAL_MIN: f32 = 1e-6;
@@ -57,8 +57,8 @@ const RESIDUAL_MIN: f32 = 1e-6;
 /// firefly is not the group's noise.
 const OUTLIER: f32 = 30.0;
 
-/// A cell's residual is raised for what the fit took of it as if it had at most this leverage: derivatives
-/// are noisy, and with them the leverages near one.
+/// Leverages above this count as this when a cell's residual is corrected for the fit: derivatives are noisy, and with
+/// them the leverages near one.
 const LEVERAGE_MAX: f64 = 0.9;
 
 impl Normal {
@@ -137,9 +137,9 @@ impl Normal {
         self.g_rendering.fill_upper_triangle_with_lower_triangle();
     }
 
-    /// How much of the variance that the renderings give each unknown comes from the cell number `index` of `means`, of which
-    /// these are the equations and `inverse` the inverse of their curvature, if it had one path: by its derivatives and its
-    /// group's noise. What the cell's own renderings happen to differ by tells little: it is one draw.
+    /// The variance that the renderings of the cell number `index` would give each unknown with one path, by its
+    /// derivatives and its group's noise; `inverse` is the inverse of the curvature. The difference of the cell's own
+    /// renderings says little: it is one draw.
     pub(crate) fn variance_of_path(
         &self,
         (index, mean): (usize, &Mean),
@@ -176,8 +176,8 @@ fn add_row(
     }
 }
 
-/// For each group: of how many cells one is independent of the others, by the correlation of neighbours'
-/// residuals, and of those of the same place in several photographs.
+/// For each group: how many cells count as one independent cell, by the correlation of neighbours' residuals, and of
+/// those of the same place in several photographs.
 pub(super) fn dependence(means: &[Mean], weights: &[Rgb]) -> BTreeMap<usize, f64> {
     let mut cells: BTreeMap<usize, Vec<(Seen, DVec3)>> = BTreeMap::new();
     for (mean, weight) in means.iter().zip(weights) {
@@ -215,7 +215,7 @@ fn gradient(
     g
 }
 
-/// By how much the fit follows a row's residual, over its weight: `J H^-1 J^T`.
+/// The leverage of a row over its weight: `J H^-1 J^T`.
 fn leverage(
     row: &[(usize, f64, f64)],
     shrink: impl Fn(usize) -> f64,

@@ -1,8 +1,8 @@
 //! Where the noise of each number comes from: how much of its variance each cell of the picture would have with one path.
 //!
 //! With `n_c` paths in cell `c` the renderings' noise gives a number the variance `sum of a_c / n_c`. Of a roughness almost
-//! all of it comes from a highlight and its feet, of a wall out of sight from where its light falls. Of all ways to share
-//! out as many paths, the variance is least where they go by `sqrt(a_c)` [Neyman 1934].
+//! all of it comes from a highlight and its feet, of a wall out of sight from where its light falls. For a given number
+//! of paths, the variance is least if they are proportional to `sqrt(a_c)` [Neyman 1934].
 
 use super::means::Mean;
 use super::normal::Normal;
@@ -20,9 +20,9 @@ pub(super) struct Origins(BTreeMap<Key, DVector<f64>>);
 type Key = (usize, Place, bool);
 
 impl Origins {
-    /// As `means` show it, whose equations these are, and `inverse` the inverse of their curvature. They are to be other
-    /// renderings than those whose paths are shared out by it: where bright paths happened to be found, more would follow
-    /// and fewer where they were missed, and the mean would be too dark.
+    /// From `means`, their `normal` equations and the `inverse` of the curvature. These must be other renderings than
+    /// those whose paths are allocated by it: else more paths would go where bright ones were found by chance, fewer
+    /// where they were missed, and the mean would be too dark.
     pub(super) fn of(means: &[Mean], normal: &Normal, inverse: &DMatrix<f64>) -> Self {
         let of_cell = |(index, mean): (usize, &Mean)| {
             let key = (mean.group, mean.place, mean.bound);

@@ -1,15 +1,15 @@
-//! Pass after pass over the photograph: towards the minimum, then until it is known well enough.
+//! Pass after pass over the photograph: towards the minimum, then until it is precise enough.
 //!
-//! *Approach*: few paths are traced, once ([`super::kept`]), and steps are made on them while one of their numbers
-//! is certainly not zero (`SIGNIFICANT`), so that noise never leads away from the ladder's answer. A pass that finds
-//! the error worse than before is taken back and its step tried again with damping [Levenberg 1944; Marquardt 1963].
-//! Where a lobe has left the range that the paths carry, they are traced anew.
+//! *Approach*: few paths are traced, once ([`super::kept`]), and steps are made on them while one of their numbers is
+//! significant (`SIGNIFICANT`), so that noise never leads away from the ladder's answer. A pass that finds the error
+//! worse than before is taken back and its step tried again with damping [Levenberg 1944; Marquardt 1963]. Where a lobe
+//! has left the range that the paths carry, they are traced anew.
 //!
-//! *Accumulation*: from there, more pixels and fresh paths, since the numbers suit those of the approach better than
-//! others. What the passes find is averaged, the residuals carried along to where the parameters have moved,
-//! `r -> r - J s`. Each pass goes on in the sequences of random numbers of the one before, and after the first
-//! one traces the paths that are lacking ([`super::needs`]), where the noise comes from ([`super::origins`]). It ends when no
-//! number lacks any, or after so many passes that more would help little.
+//! *Accumulation*: from there, more pixels and fresh paths, since the parameters are fitted to the noise of those of
+//! the approach. What the passes find is averaged, the residuals extrapolated to where the parameters have moved,
+//! `r -> r - J s`. Each pass continues the random sequences of the one before, and after the first one traces the paths
+//! that are lacking ([`super::needs`]), where the noise comes from ([`super::origins`]). It ends when no number lacks
+//! any, or after so many passes that more would help little.
 
 use super::Solution;
 use super::descent::{Descent, Shown, Taken, in_deviations, relative_error, system};
@@ -52,8 +52,8 @@ const PASSES_DRAFT: usize = 6;
 /// it drafts follow the noise of their paths away from the ladder's answer; at double the accumulation begins off
 /// the minimum.
 const SIGNIFICANT: f64 = 3.0;
-/// How often an exposure that is far off is made that of the renderings, which end where the photograph is seen and follow
-/// it. Half of it leaves half of what reflections add; double changes nothing.
+/// How often an exposure that is far off is matched to the renderings, whose paths end in the photograph and follow it.
+/// Half of it leaves half of what reflections add; double changes nothing.
 const BRIGHTER_MAX: usize = 6;
 /// What an accumulation found is dropped after a step of so many standard deviations: it was found too
 /// far away.
@@ -100,8 +100,8 @@ impl<'o> Passes<'o> {
         self.approach_with(state, (&unknowns, &prior), effort, observer);
     }
 
-    /// Moves `unknowns` to where they explain the photograph best on few paths, with `is_far` first to where photograph
-    /// and renderings are as bright. Returns the relative squared error that is left there.
+    /// Moves `unknowns` to where they explain the photograph best on few paths; if `is_far`, first to where photograph
+    /// and renderings are equally bright. Returns the relative squared error that is left there.
     pub(super) fn nearest(
         &mut self,
         state: &mut State<'_>,
@@ -124,7 +124,7 @@ impl<'o> Passes<'o> {
         relative_error(&Normal::of(&means, unknowns, state.materials.len()), &means)
     }
 
-    /// What its paths showed at the end; none if no equations could be solved.
+    /// The same; returns what its paths showed at the end, none if no equations could be solved.
     fn approach_with(
         &mut self,
         state: &mut State<'_>,

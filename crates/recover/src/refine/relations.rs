@@ -2,9 +2,9 @@
 //! unknown environment.
 //!
 //! The difference `d = p_a - p_b` of a number of both groups has the prior `d ~ N(0, sigma^2)`, which adds
-//! `(e_a - e_b)(e_a - e_b)^T / sigma^2` to the precision of the prior. What `sigma` is, the number's block says
-//! ([`super::blocks::ParameterBlock::likeness`]). Numbers are related that both groups have by their
-//! hypotheses; those of a known group are fixed, and those of an assumed one say nothing.
+//! `(e_a - e_b)(e_a - e_b)^T / sigma^2` to the precision of the prior. The number's block gives `sigma`
+//! ([`super::blocks::ParameterBlock::likeness`]). Only numbers that both groups' hypotheses have are related; those of
+//! a known group are fixed, and those of an assumed one say nothing.
 
 use super::blocks::{self, At};
 use crate::expected::Like;
@@ -84,8 +84,8 @@ pub(super) fn find(list: &[Unknown], at: At<'_>) -> Vec<Relation> {
     alike.chain(neighbours(list, at)).collect()
 }
 
-/// Parts of an unknown environment beside each other differ by about [`SMOOTH`] of what such parts are on the
-/// mean, channel by channel.
+/// Neighbouring parts of an unknown environment differ by about [`SMOOTH`] of the mean of such parts, channel by
+/// channel.
 fn neighbours<'a>(list: &'a [Unknown], at: At<'a>) -> impl Iterator<Item = Relation> + 'a {
     let pairs = &at.state.problem.neighbouring_lights;
     let place = |of: usize, channel: usize| {

@@ -9,11 +9,11 @@ use glam::Vec3;
 use std::collections::BTreeMap;
 use unrender_scene::Hypothesis;
 
-/// The side of a block in pixels, that of JPEG: what is wrong with a photograph is often wrong with
-/// neighbours alike.
+/// The side of a block in pixels, that of JPEG: errors of a photograph are often alike in
+/// neighbouring pixels.
 const SIDE_MAX: usize = 8;
-/// A picture has at least this many blocks, or their spread could not tell the noise of tens of
-/// numbers: in small pictures they are smaller.
+/// A picture has at least this many blocks, or their spread would not give the noise of tens of
+/// numbers: in small pictures blocks are smaller.
 const BLOCKS_MIN: usize = 250;
 
 /// The pixels of one group in one block.

@@ -1,9 +1,8 @@
-//! Which diffuse group's specular part would explain most of what the whole picture leaves: a score test [Rao 1948].
+//! Which diffuse group's specular part would explain most of the whole picture's residual: a score test [Rao 1948].
 //!
-//! What a lobe of the floor sends to the walls is seen on the walls, and the floor's own pixels may hardly tell it from
-//! none. So all diffuse groups get a specular part without reflectance, and the derivatives of all pixels by all of
-//! these reflectances say what each of them would gain if it were free beside all other numbers: one pass on paths that
-//! were drawn for all of them.
+//! A lobe of the floor lights the walls, and the floor's own pixels may hardly show it. So all diffuse groups get a
+//! specular part of zero reflectance, and the derivatives of all pixels by all of these reflectances say what each of
+//! them would gain if it were free beside all other numbers: one pass on paths that were drawn for all of them.
 
 use super::kept::KeptPaths;
 use super::normal::{Normal, dependence};
@@ -24,7 +23,7 @@ use unrender_render::sampler::mix;
 use unrender_render::{Integrator, Settings};
 use unrender_scene::{Material, Rgb};
 
-/// Makes the paths of a comparison others than those of the test.
+/// Changes the seed: the paths of a comparison differ from those of the test.
 const JUDGING: u64 = 0x7D6E;
 
 /// What a specular part of one group would do.
@@ -65,11 +64,11 @@ pub(crate) fn with_specular(rho_d: Rgb, rho_s: Rgb, alpha: Option<f32>) -> (Hypo
     }
 }
 
-/// How much better the pixels of the groups other than `group` are explained where it is what it is in the state `specular`
-/// than where it is diffuse, in standard deviations: the mean gain of a cell, less what the parameters that it has more cost
-/// [Schwarz 1978], over its spread [Vuong 1989], on paths that both have in common and that none was fitted on. Its own
-/// pixels do not count: they were asked by themselves, where what changes slowly over them may be an error of the light, and
-/// that is what a lobe without need explains. `state` is afterwards what it was.
+/// How much better the state `specular` explains the pixels of the groups other than `group` than the state `diffuse`,
+/// in standard deviations: the mean gain of a cell, less the cost of the additional parameters [Schwarz 1978], over its
+/// spread [Vuong 1989], on common paths that neither was fitted on. The group's own pixels do not count: they were
+/// tested alone, where slow changes over them may be errors of the light, which a needless lobe explains. `state` is
+/// afterwards what it was.
 pub(crate) fn certainty(
     state: &mut State<'_>,
     options: &Options,
@@ -106,7 +105,7 @@ pub(crate) fn certainty(
     (gain - cost) / variance.sqrt().max(f64::MIN_POSITIVE)
 }
 
-/// A draft's paths, drawn from the materials of `state`; they do not end on what these say is not diffuse.
+/// A draft's paths, drawn from the materials of `state`; they end only on what is diffuse in these.
 fn paths<'a>(state: &mut State<'a>, options: &Options, purpose: u64) -> KeptPaths<'a> {
     state.look_at_photograph();
     let effort = Effort::Draft;

@@ -2,9 +2,9 @@
 //!
 //! Each is fitted by Gauss-Newton to the group's pixels, and they are compared on other paths ([`super::contenders`]):
 //! what one of them gained by the noise of the paths that it was fitted on, it does not gain there. Their residuals are
-//! compared under the observation model ([`crate::contrast`]) and chosen among as always ([`crate::selection`]), with as
-//! many observations as blocks are independent of each other. Where the noise of the paths leaves open which one it is,
-//! those that it may be are compared by more paths.
+//! compared under the observation model ([`crate::contrast`]) and one is chosen as always ([`crate::selection`]), with
+//! the independent blocks as observations. Where the noise of the paths leaves the choice open, those that remain are
+//! compared on more paths.
 
 use super::contenders::{self, Contender, PixelSample, Rung};
 use crate::block_residuals::BlockResiduals;
@@ -19,14 +19,14 @@ use unrender_render::sampler::mix;
 use unrender_render::{Integrator, Settings};
 
 /// Paths in each of two renderings, for fits and again for the comparison: at first, and where the answer is open. With
-/// double two rooms take as long, and the same of their groups are right; half of it was not tried.
+/// double, two rooms take as long and have the same groups right; half of it was not tried.
 const PATHS: [u32; 2] = [1 << 16, 1 << 18];
 
-/// What the comparison came to.
+/// The result of the comparison.
 pub(crate) struct Choice {
-    /// Which one it is: the simplest that no other certainly beats.
+    /// The chosen one: the simplest that no other certainly beats.
     pub(crate) chosen: usize,
-    /// All of them, where they were fitted last.
+    /// All of them, as they were fitted last.
     pub(crate) rungs: Vec<Rung>,
     /// The information criterion of each less that of the one that was chosen when they were compared last.
     pub(crate) excess: Vec<f64>,
@@ -39,14 +39,14 @@ pub(crate) struct Criteria<'o> {
     pub(crate) options: &'o Options,
     /// How many paths.
     pub(crate) effort: Effort,
-    /// How wrong the model and the others' light may always be.
+    /// How much error of the model and the others' light is always allowed for.
     pub(crate) allowance: Allowance,
     /// The most that the others' light may be wrong.
     pub(crate) most: LightError,
 }
 
-/// What one rung leaves more than another, in units of its covariance, the variance of that by the noise of the paths, and
-/// the share of the blocks that are independent of each other.
+/// How much more one rung leaves than another, in units of its covariance, the variance of that due to the noise of the
+/// paths, and the share of independent blocks.
 #[derive(Clone, Copy)]
 struct Gain {
     value: f64,
@@ -61,8 +61,8 @@ struct Contenders<'a> {
     floor: ModelError,
 }
 
-/// Compares `rungs` of `group`, which go from simple to complex. The group keeps what it is. Of one that no pixel shows,
-/// the simplest is chosen.
+/// Compares `rungs` of `group`, which go from simple to complex. The group does not change. If no pixel shows it, the
+/// simplest is chosen.
 pub(crate) fn compare(
     state: &mut State<'_>,
     by: &Criteria<'_>,
@@ -105,8 +105,8 @@ pub(crate) fn compare(
 }
 
 impl Choice {
-    /// Chooses among those that are `competing`, which were `found` so. With `simpler`, one is preferred whose error is at
-    /// most so many times the least.
+    /// Chooses among the `competing` ones by what was `found`. With `simpler`, the simplest is preferred whose error is
+    /// at most so many times the least.
     fn choose(&mut self, competing: &[usize], found: &Contenders<'_>, simpler: Option<f64>) {
         let errors: Vec<f64> = (0..competing.len()).map(|i| found.error(i)).collect();
         let pairs = found.pairs();
@@ -138,14 +138,14 @@ impl Contenders<'_> {
         let Gain { value, variance, independent } = self.gain([a, b]);
         let [first, second] = [a, b].map(|of| parameters(of.rung.hypothesis));
         let count = (independent * self.sample.blocks.len() as f64).max(1.0);
-        // Each is taken as good as it is without the noise of its fit. What that costs is a sum of squares.
+        // Each is compared without the loss by the noise of its fit, which is a sum of squares.
         let gain = value + b.loss - a.loss;
         let variance = variance + 2.0 * (a.loss + b.loss);
         let value = independent * gain + (first - second) * count.ln();
         Excess { value, deviation: independent * variance.sqrt() }
     }
 
-    /// What `a` leaves more than `b`. On paths that carry both, most of their noise is common to both; else each may be
+    /// How much more `a` leaves than `b`. On paths that carry both, most of their noise is common to both; else each is
     /// compared with the simplest one on its own paths, which carry that too.
     fn gain(&self, [a, b]: [&Contender; 2]) -> Gain {
         let on = |a: &Contender, of_a: usize, b: &Contender, of_b: usize| {
@@ -232,7 +232,7 @@ mod tests {
         }
     }
 
-    /// What a rung leaves, which was fitted on the paths number `drawn`, on each of these.
+    /// A rung that was fitted on the paths number `drawn`, with its residuals on each of all.
     fn left(
         hypothesis: Hypothesis,
         drawn: usize,
@@ -243,7 +243,7 @@ mod tests {
         Contender { rung, drawn, radiance: Vec::new(), residuals, loss: 0.0 }
     }
 
-    /// What is chosen of `left`, and the others that it may be.
+    /// The chosen one of `left`, and those that stay open.
     fn chosen(left: &[Contender]) -> (usize, Vec<usize>) {
         let pixels: Vec<u32> = (0..(SIDE * SIDE) as u32).collect();
         let blocks = Blocks::of(&pixels, &Grid::even(&Sheet::of(&[(SIDE, SIDE)]), 1));
@@ -265,7 +265,7 @@ mod tests {
         let simple = left(Hypothesis::Diffuse, 0, [Some(residuals(wrong, 1))]);
         let complex = left(Hypothesis::Isotropic, 0, [Some(residuals(0.0, 1))]);
         assert_eq!(chosen(&[simple, complex]), (1, vec![]));
-        // It is not where each has its own, and the simple one stands until there are more paths.
+        // It is not where each has its own, and the simple one stays until there are more paths.
         let simple = left(Hypothesis::PartialMirror, 0, [Some(residuals(wrong, 1)), None]);
         let complex = left(Hypothesis::Isotropic, 1, [None, Some(residuals(0.0, 2))]);
         assert_eq!(chosen(&[simple, complex]), (0, vec![1]));

@@ -1,7 +1,7 @@
 //! The normal equations with the prior, in its units.
 //!
-//! `(H + P) s = g + P (p_0 - p)`: `P` is the inverse of the variances of the prior, so wide that it
-//! only matters where the photograph is silent, and what is known of differences
+//! `(H + P) s = g + P (p_0 - p)`: `P` is the precision of the prior, so wide that it only matters
+//! where the photograph does not determine a number, and of known differences
 //! ([`super::relations`]). The covariance of the solution is the sandwich
 //! `(H + P)^-1 (G + P) (H + P)^-1`.
 
@@ -21,13 +21,13 @@ pub(super) struct System {
 }
 
 impl System {
-    /// `to_belief` leads from where the unknowns stand to where the prior does.
+    /// `to_belief` is the mean of the prior less the values of the unknowns.
     pub(super) fn new(unknowns: &Unknowns, normal: &Normal, to_belief: &DVector<f64>) -> Self {
         let n = unknowns.len();
         let unit = DVector::from_column_slice(&unknowns.deviations);
         let scaled =
             |m: &DMatrix<f64>| DMatrix::from_fn(n, n, |i, j| unit[i] * m[(i, j)] * unit[j]);
-        // Noise can give the curvature a direction below zero; nothing is known along it.
+        // Noise can make an eigenvalue of the curvature negative; nothing is known along it.
         let mut eigen = SymmetricEigen::new(scaled(&normal.h));
         eigen.eigenvalues.apply(|v| *v = v.max(0.0));
         let one = DMatrix::identity(n, n);
@@ -67,7 +67,7 @@ impl System {
         quadratic::minimise(&h, &self.g.component_div(&self.unit), bounds)
     }
 
-    /// The equations of the unknowns `own` alone, where `others` are what is best beside them and the rest is held: curvature
+    /// The equations of the unknowns `own` alone, with `others` at their best beside them and the rest fixed: curvature
     /// and gradient. None where noise leaves the others' curvature singular.
     pub(super) fn beside(
         &self,
@@ -87,8 +87,8 @@ impl System {
         Some((h, DVector::from_fn(own.len(), |i, _| left[i] / unit(i))))
     }
 
-    /// The covariance of the minimum if all cells were independent: what steps are judged by, and how many
-    /// paths are worth their time.
+    /// The covariance of the minimum if all cells were independent: it judges steps, and how many paths are worth their
+    /// time.
     pub(super) fn covariance(&self) -> DMatrix<f64> {
         self.sandwich(&self.g_covariance)
     }

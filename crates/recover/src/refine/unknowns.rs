@@ -1,5 +1,5 @@
-//! Which numbers are free in the joint refinement, as one vector, and the rows of its Jacobian. What
-//! each number is, its block says ([`super::blocks`]).
+//! Which numbers are free in the joint refinement, as one vector, and the rows of its Jacobian. The block of each
+//! number says what it is ([`super::blocks`]).
 
 use super::blocks::{self, At, Linear, Range, Start};
 use super::relations::{self, Relation};
@@ -13,8 +13,8 @@ use nalgebra::DVector;
 use unrender_render::Parameter;
 use unrender_scene::{Image, Rgb};
 
-/// The largest relative step of a reflectance that is a step of its reciprocal, which doubles it. At half of it
-/// dark groups need more passes, at double they jump to infinity.
+/// The largest relative step of a reflectance that is taken as one of its reciprocal: it doubles it. At half of it dark
+/// groups need more passes, at double they jump to infinity.
 const SMALL: f64 = 0.5;
 
 /// All free numbers, and the derivatives to ask for.
@@ -139,9 +139,9 @@ impl Unknowns {
         self.list.len()
     }
 
-    /// The row of the Jacobian in `channel`: which unknowns it hangs on and how strongly, from the
-    /// derivatives of two renderings by [`Unknowns::parameters`] and their `radiance`. `changes` are
-    /// those of the `photograph` of that number by the numbers of the camera.
+    /// The row of the Jacobian in `channel`: which unknowns it depends on and how strongly, from the derivatives of two
+    /// renderings by [`Unknowns::parameters`] and their `radiance`. `changes` are those of the `photograph` of that
+    /// number by the numbers of the camera.
     pub(crate) fn row(
         &self,
         state: &State<'_>,
@@ -169,7 +169,7 @@ impl Unknowns {
         At { state, start: &self.start }
     }
 
-    /// Where the unknown stands.
+    /// The value of the unknown.
     pub(crate) fn value(&self, state: &State<'_>, u: &Unknown) -> f64 {
         blocks::of(u.quantity).value(self.at(state), u)
     }
@@ -179,7 +179,7 @@ impl Unknowns {
         DVector::from_iterator(self.len(), self.list.iter().map(|u| self.value(state, u)))
     }
 
-    /// The mean of the prior: where a block has none of its own, where the unknown stands.
+    /// The mean of the prior: where a block has none of its own, the present value.
     pub(crate) fn prior_mean(&self, state: &State<'_>) -> DVector<f64> {
         let mean = |u: &Unknown| {
             let prior = blocks::of(u.quantity).prior(state, u);
@@ -220,7 +220,7 @@ impl Unknowns {
     ///
     /// Where lights are unknown, a reflectance `rho` goes to `rho / (1 - s)` for a relative step `s`, which is a
     /// straight step of its reciprocal: the picture is `P = rho (B + f E)` with a known light `B` and unknown
-    /// factors `f`, so that what explains it alike, `P / rho = B + f E`, is a line in `1 / rho` and `f`.
+    /// factors `f`, so that all that explain it equally well, `P / rho = B + f E`, are on a line in `1 / rho` and `f`.
     pub(crate) fn apply(&self, state: &mut State<'_>, step: &DVector<f64>) -> DVector<f64> {
         let is_light_unknown = !state.problem.unknown_lights.is_empty();
         let values = self.values(state);

@@ -1,11 +1,11 @@
 //! What the photograph determines, and what it does not.
 //!
-//! A number is worth what its standard deviation allows. A lobe goes that is not significant, neither
-//! by its standard deviation nor beside what is simpler on the same paths ([`super::side_by_side`]);
-//! likewise an anisotropy becomes a round lobe, and a lobe without a width a mirror. What is diffuse about
-//! a mirror goes, or not perfect about it, if it is less than what the ladder's threshold calls explained; a group
-//! out of sight whose reflectance stays open is assumed: at its best guess, or white, as the paper does, where
-//! there is nothing to guess from.
+//! A number is worth what its standard deviation allows. A lobe is removed if it is not significant, neither by its
+//! standard deviation nor compared with the simpler hypothesis on the same paths ([`super::side_by_side`]); likewise a
+//! brushed lobe becomes round, and a lobe without a width a mirror. A mirror's diffuse part is removed, or its
+//! reflectance made one, if the change is not significant or below the ladder's threshold; a group out of sight whose
+//! reflectance stays open is assumed: at its best guess, or white, as the paper does, where there is nothing to guess
+//! from.
 
 use super::contenders::Rung;
 use super::relations::Relation;
@@ -25,21 +25,21 @@ use unrender_scene::{Material, Rgb};
 const TOLD: f64 = 2.0;
 /// A group out of sight is recovered if all its standard deviations are below this ...
 const UNSEEN_MAX: f64 = 0.1;
-/// ... and below this its best guess serves, so that the others are not fitted under light that the
-/// photograph speaks against.
+/// ... and below this its best guess is used, so that the others are not fitted under light that
+/// the photograph speaks against.
 const GUESS_MAX: f64 = 0.3;
 /// From this correlation on, two numbers of one group are named as tied.
 const TIED: f64 = 0.95;
-/// Groups that the project calls alike are said to differ from this many standard deviations of the difference
-/// on. At half of it one number in eight would be named by chance; at double a wrong likeness goes unseen.
+/// Groups that the project calls alike are said to differ beyond this many standard deviations of the difference. At
+/// half of it one number in eight would be named by chance; at double a wrong likeness goes unseen.
 const UNLIKE: f64 = 3.0;
 /// A roughness with a larger relative standard deviation than this is said to be open.
 const ALPHA_OPEN: f64 = 0.5;
 
-/// Makes simpler what the photograph does not bear out. True if something changed.
+/// Simplifies hypotheses that the photograph does not support. True if something changed.
 ///
-/// Groups out of sight come last, once nothing changes for the others: under a hypothesis with a number too many,
-/// which the photograph leaves open, it leaves all numbers open.
+/// Groups out of sight come last, once nothing changes for the others: a superfluous number of a hypothesis, which the
+/// photograph leaves open, makes all numbers uncertain.
 pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, options: &Options) -> bool {
     let is_guess = |state: &State<'_>, group: usize| {
         let out_of_sight = state.observation.pixels_of_group[group].is_empty();
@@ -108,7 +108,7 @@ fn assume_white(state: &mut State<'_>, group: usize) {
     ));
 }
 
-/// Writes down how well each number is known.
+/// Records the standard deviation of each number.
 pub(super) fn record(state: &mut State<'_>, solution: &Solution) {
     let matrix = solution.covariance.row_iter().map(|row| row.iter().copied().collect()).collect();
     let mut covariance = Covariance { of: solution.unknowns.list.clone(), matrix };
@@ -117,7 +117,7 @@ pub(super) fn record(state: &mut State<'_>, solution: &Solution) {
         if !verdict.is_free() {
             continue;
         }
-        // Those of a texture are its texels', known when it is extracted at the end.
+        // A texture's are those of its texels, known when it is extracted at the end.
         if state.groups[group].hypothesis != Hypothesis::Textured {
             state.groups[group].std = Some(verdict.deviations());
         }
@@ -155,7 +155,7 @@ pub(super) fn record(state: &mut State<'_>, solution: &Solution) {
     state.covariance = Some(covariance);
 }
 
-/// Names the two roughnesses of a group the other way round.
+/// Swaps the names of the two roughnesses of a group.
 fn swap_alphas(unknown: &mut Unknown) {
     unknown.quantity = match unknown.quantity {
         Quantity::AlphaX => Quantity::AlphaY,
@@ -164,8 +164,8 @@ fn swap_alphas(unknown: &mut Unknown) {
     };
 }
 
-/// The smoother direction comes first, and the angle lies within half a turn; whether the two
-/// directions changed places.
+/// Puts the smoother direction first, and the angle within half a turn; returns whether the two
+/// directions were swapped.
 fn canonical(state: &mut State<'_>, group: usize) -> bool {
     let material = &mut state.materials[group];
     let swapped = material.alpha_x > material.alpha_y;
@@ -197,7 +197,7 @@ impl Solution {
     }
 }
 
-/// The judge of one group.
+/// The verdict on one group.
 struct Verdict<'a> {
     solution: &'a Solution,
     group: usize,
@@ -242,7 +242,7 @@ impl Verdict<'_> {
                 let sharp = self.as_good(sharp, state, options)?;
                 let (hypothesis, material) =
                     self.mirror(state, explained).unwrap_or((sharp.hypothesis, sharp.material));
-                let note = "this photograph does not tell its lobe from a mirror's";
+                let note = "this photograph does not distinguish its lobe from a mirror";
                 Some((hypothesis, material, note))
             }
             Hypothesis::Anisotropic if !self.is_brushed(state) => {
@@ -258,9 +258,9 @@ impl Verdict<'_> {
         }
     }
 
-    /// The `simpler` rung where it explains the group best, if the photograph does not bear out that the group is more:
-    /// standard deviations say how strong or how wide a lobe is, and a single highlight leaves a lobe's strength uncertain
-    /// and its presence certain.
+    /// The `simpler` rung where it explains the group best, if the photograph does not support the present one:
+    /// standard deviations do not decide that, since a single highlight leaves a lobe's strength uncertain and its
+    /// presence certain.
     fn as_good(&self, simpler: Rung, state: &mut State<'_>, options: &Options) -> Option<Rung> {
         if !state.problem.groups[self.group].allows(simpler.hypothesis) {
             return None;
@@ -355,7 +355,7 @@ impl Verdict<'_> {
         }
     }
 
-    /// What became of the group that this one is like, if it is like one.
+    /// How the group compares with the one that it is like, if any.
     fn likeness(&self, state: &State<'_>) -> Option<String> {
         let Like { group, within } = state.problem.groups[self.group].expected.like?;
         let name = &state.problem.groups[group].name;
@@ -371,7 +371,7 @@ impl Verdict<'_> {
         let worst = unknowns.relations.iter().filter(of_group).map(apart).reduce(f64::max);
         Some(match worst {
             None => format!(
-                "like \"{name}\", as the project says, changes nothing: no free number is of both"
+                "like \"{name}\", as the project says, changes nothing: they share no free number"
             ),
             Some(worst) if worst > UNLIKE => format!(
                 "like \"{name}\" within {} %, as the project says, but the photograph has them \
@@ -383,7 +383,7 @@ impl Verdict<'_> {
     }
 
     /// The unknown lights that would explain the group's brightness as well as its reflectance does: those whose
-    /// brightness, of an environment in parts that of all parts together, is tied to it.
+    /// brightness (of an environment in parts, that of all parts together) is tied to it.
     fn ties_to_lights(&self, state: &State<'_>) -> Vec<String> {
         let problem = state.problem;
         let parts: BTreeSet<usize> =

@@ -25,7 +25,7 @@ struct Change<T> {
 }
 
 impl State<'_> {
-    /// What `work` finds, which may change the state; from the journal if that has it.
+    /// The result of `work`, which may change the state; from the journal if that has it.
     pub(crate) fn step<T: Serialize + DeserializeOwned>(
         &mut self,
         name: &str,
@@ -71,8 +71,7 @@ impl State<'_> {
         parts
     }
 
-    /// Takes over parts that a step has changed; none if one of them is not understood, and the state
-    /// is as it was then.
+    /// Takes over parts that a step has changed; none if one of them is not understood: then the state does not change.
     fn take_parts(&mut self, parts: &[(usize, Vec<u8>)]) -> Option<()> {
         let (count, mut materials, mut groups) = (self.materials.len(), vec![], vec![]);
         let mut common: Option<Common> = None;

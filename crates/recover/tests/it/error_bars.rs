@@ -1,6 +1,6 @@
-//! What the standard deviations are worth: a small room is photographed again and again with fresh
-//! noise, and each time all its numbers are refined. The truth must lie within two of the stated
-//! standard deviations in 90 to 99 % of the cases, for every kind of number.
+//! Whether the standard deviations are right: a small room is photographed again and again with
+//! fresh noise, and each time all its numbers are refined. The truth must lie within two of the
+//! stated standard deviations in 90 to 99 % of the cases, for every kind of number.
 //!
 //! The lamp's brightness or the exposure is unknown too.
 
@@ -19,12 +19,12 @@ use unrender_scene::{Group, Image, Material, Rgb, RgbImage, Scene, WardModel};
 const SIDE: usize = 40;
 /// Of the slow test, whose shares have standard deviations of about one percent.
 const REALISATIONS: u64 = 72;
-/// Of the fast one: a third of its time, the rest is the picture that they are of.
+/// Of the fast one: they take a third of its time, their clean picture the rest.
 const FEW: u64 = 8;
 /// Of the photograph, relative.
 const NOISE: f32 = 0.03;
 
-/// Two normal numbers a pixel and channel, from the realisation and the pixel.
+/// A normal number for each `seed`.
 fn normal(seed: u64) -> f32 {
     let uniform = |x: u64| ((mix(x) >> 40) as f32 + 0.5) / (1u64 << 24) as f32;
     let (u, v) = (uniform(2 * seed), uniform(2 * seed + 1));

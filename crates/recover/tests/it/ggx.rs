@@ -1,5 +1,5 @@
-//! A room that shines with GGX, photographed by our renderer and recovered as such, from nothing but
-//! the lamp and the geometry.
+//! A room of GGX materials, photographed by our renderer and recovered as such, from nothing but the lamp and the
+//! geometry.
 
 use crate::brushed_room::{BACK, CEILING, FLOOR, LAMP, camera, room, truth};
 use unrender_recover::{

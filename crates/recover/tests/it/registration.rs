@@ -52,7 +52,7 @@ fn cuboid(low: Vec3, high: Vec3) -> Mesh {
     whole
 }
 
-/// Three walls and a floor with two blocks on it; `moved` is where the larger block stands off.
+/// Three walls and a floor with two blocks on it; `moved` is the displacement of the larger block.
 fn room(moved: Vec3, with_picture: bool) -> Scene {
     let (x, y, z) = (2.0 * Vec3::X, 2.0 * Vec3::Y, 2.0 * Vec3::Z);
     let low = Vec3::new(-1.0, 0.0, -1.0);

@@ -1,5 +1,5 @@
-//! A mirror that is thought to be a sharp lobe is found to be a mirror: no photograph tells it from the sharpest
-//! lobe that is searched.
+//! A mirror that is thought to be a sharp lobe is found to be a mirror: no photograph distinguishes it from the
+//! sharpest lobe that is searched.
 
 use crate::brushed_room::{BACK, LEFT, camera, room, truth};
 use unrender_recover::{
@@ -13,7 +13,7 @@ const SIDE: usize = 64;
 /// Paths a pixel of the photograph.
 const PATHS: u32 = 256;
 
-/// The photograph of `scene`, as a camera that knows no noise but that of its paths would take it.
+/// The photograph of `scene`, taken by a camera without any noise but that of the paths.
 fn photograph(scene: &Scene) -> Picture {
     let settings = Settings { spp: PATHS, seed: 77, ..Settings::default() };
     let tracer = Tracer::new(scene);
@@ -27,7 +27,7 @@ fn photograph(scene: &Scene) -> Picture {
     }
 }
 
-/// What becomes of the room with this back wall where it is thought to be a lobe of the roughness `alpha`.
+/// The room with this back wall, refined from a lobe of the roughness `alpha` there.
 fn refined(back: Material, alpha: f32) -> Recovery {
     let mut materials = truth();
     materials[BACK] = back;
@@ -62,7 +62,7 @@ fn lobes_as_sharp_as_any_that_is_searched_are_mirrors() {
         assert!(off(found.material.rho_s, back.rho_s) < 0.006, "{:?}", found.material);
         assert!(off(found.material.rho_d, back.rho_d) < 0.006, "{:?}", found.material);
     }
-    // A lobe that is told from a mirror stays one.
+    // A lobe that differs significantly from a mirror stays one.
     let glossy = Material::isotropic(Rgb::splat(0.1), Rgb::splat(0.6), 0.05);
     let found = &refined(glossy, 0.03).groups[BACK];
     assert_eq!(found.hypothesis, Hypothesis::Isotropic);

@@ -1,5 +1,5 @@
-//! Texels from the pixels of a photograph that is worked on in squares of them: the light is that of the squares,
-//! interpolated, since it changes slowly; what is fine is the photograph's.
+//! Texels from the pixels of a photograph of which the recovery sees only means over squares: the light is interpolated
+//! between the squares, since it changes slowly; the detail is the photograph's.
 
 use super::{Lit, Sample};
 use crate::evidence::{Evidence, Stage};
@@ -13,7 +13,7 @@ pub trait Detail: Sync {
     /// Its radiance before the exposure is applied. Behind the last whole square of a row there may be more pixels, and
     /// more rows below the last ones.
     fn values(&self) -> RgbImage;
-    /// What stands behind the pixels of `rows` rows, of which `first` is the first, as far as whole squares go.
+    /// The geometry behind the pixels of `rows` rows, of which `first` is the first, as far as whole squares go.
     fn geometry(&self, first: usize, rows: usize) -> GeometryBuffers;
 }
 
@@ -21,8 +21,8 @@ pub trait Detail: Sync {
 /// much; half of it was not tried.
 const ROWS: usize = 64;
 
-/// What the photograph's pixels in the squares of `evidence`, which are of `group` and have the light `light`, say of
-/// the texels.
+/// The samples of the texels by the photograph's pixels in the squares of `evidence`, which are of `group` and have the
+/// light `light`.
 pub(super) fn samples(
     (stage, detail): (&Stage<'_>, &dyn Detail),
     group: usize,
@@ -53,8 +53,8 @@ pub(super) fn samples(
     samples
 }
 
-/// The light at a point, columns and rows counted between the middles of `squares`, from the squares about it that show
-/// `object` and have one; none without any.
+/// The light at a point, in columns and rows between the centres of `squares`, from the squares about it that show
+/// `object` and have light; none without any.
 fn interpolated(
     (squares, place, light): (&GeometryBuffers, &[u32], &[Lit]),
     [x, y]: [f32; 2],

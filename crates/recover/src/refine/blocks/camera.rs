@@ -1,4 +1,4 @@
-//! A number of the camera, from where it was when the photograph was developed; all channels share it.
+//! A parameter of the camera, relative to its value when the photograph was developed; all channels share it.
 
 use super::{At, Linear, ParameterBlock, Prior, Range, Start};
 use crate::state::State;
@@ -8,9 +8,8 @@ use unrender_render::Parameter;
 /// A number of [`crate::Problem::photometric_parameters`], which says what it is.
 pub(super) struct Camera;
 
-/// The standard deviation below which nobody asks for more, in the unit of the number: gammas and shares
-/// of light in the corners are about one. Half of it takes four times the paths; double of it is half a
-/// code value of 8 bits.
+/// The standard deviation that is small enough, in the unit of the number: gammas and shares of light in the corners
+/// are about one. Half of it takes four times the paths; double of it is half a pixel value of 8 bits.
 const PRECISE: f64 = 1e-3;
 
 impl ParameterBlock for Camera {
@@ -49,7 +48,7 @@ impl ParameterBlock for Camera {
         [Parameter::Cache; 2]
     }
 
-    /// The rendered radiance stands in for the photograph's, whose noise is that of the residuals too.
+    /// It uses the rendered radiance, not the photograph's, whose noise is also in the residuals.
     fn derivative(&self, at: At<'_>, u: &Unknown, linear: &Linear<'_>) -> f64 {
         if at.state.problem.photometric_parameters[u.of].photograph != linear.photograph {
             return 0.0;

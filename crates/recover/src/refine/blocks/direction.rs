@@ -14,8 +14,8 @@ const DEVIATION: f64 = 1.0;
 /// No step turns it by more than this, radians, which is less than the half width of most brushed lobes.
 /// Half of it takes more passes, double of it passes over the minimum.
 const STEP: f64 = 0.3;
-/// The standard deviation below which nobody asks for more, radians: 0.11 degrees. With half of it and of
-/// the other blocks' a room of 11 groups takes half as long again and comes no nearer; double was not tried.
+/// The standard deviation that is small enough, radians: 0.11 degrees. With half of it and of the other blocks' a room
+/// of 11 groups takes half as long again and comes no nearer; double was not tried.
 const PRECISE: f64 = 2e-3;
 
 impl ParameterBlock for Direction {

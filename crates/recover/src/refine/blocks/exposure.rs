@@ -6,7 +6,7 @@ use crate::state::State;
 use crate::unknown::Unknown;
 use unrender_render::Parameter;
 
-/// The factor on the exposure. It may be as wrong as a lamp, and is asked for as precisely.
+/// The factor on the exposure. It may be as wrong as a lamp, and has to be as precise.
 pub(super) struct Exposure;
 
 impl ParameterBlock for Exposure {
@@ -45,7 +45,7 @@ impl ParameterBlock for Exposure {
         [Parameter::Cache; 2]
     }
 
-    /// The rendered radiance stands in for the photograph's, whose noise is that of the residuals too.
+    /// It uses the rendered radiance, not the photograph's, whose noise is also in the residuals.
     fn derivative(&self, at: At<'_>, u: &Unknown, linear: &Linear<'_>) -> f64 {
         (linear.derivative - linear.radiance) / self.value(at, u)
     }

@@ -15,8 +15,8 @@ pub(super) const DEVIATION: f64 = 2.0;
 /// No step changes it by more than this share of itself, so that it stays positive. Half of it takes more
 /// passes, one would allow darkness.
 pub(super) const STEP: f64 = 0.7;
-/// The standard deviation below which nobody asks for more. Half of it takes four times the paths; double
-/// of it is half a code value of 8 bits.
+/// The standard deviation that is small enough. Half of it takes four times the paths; double of it is half a pixel
+/// value of 8 bits.
 pub(super) const PRECISE: f64 = 1e-3;
 
 impl ParameterBlock for Light {

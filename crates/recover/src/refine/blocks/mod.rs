@@ -1,11 +1,10 @@
 //! The parameter blocks of the joint refinement: one file for each kind of number, with all that the
 //! refinement asks of it.
 //!
-//! The refinement itself ([`super::unknowns`], [`super::passes`]) knows no kind of number. It asks
-//! the block of each unknown ([`of`]) where it stands, what its prior is, how far it may move, and how
-//! the residual depends on it, as solvers such as Ceres do. To add a kind: name it in
-//! [`Quantity`], write its block in a file beside `camera.rs`, send it from [`of`], and say in
-//! [`super::unknowns`] when it is free.
+//! The refinement itself ([`super::unknowns`], [`super::passes`]) knows no kind of number. It asks the block of each
+//! unknown ([`of`]) for its value and its prior, how far it may move, and how the residual depends on it, as solvers
+//! such as Ceres do. To add a kind: name it in [`Quantity`], write its block in a file beside `camera.rs`, return it
+//! from [`of`], and say in [`super::unknowns`] when it is free.
 
 mod camera;
 mod direction;
@@ -20,8 +19,8 @@ use crate::unknown::{Quantity, Unknown};
 use unrender_render::Parameter;
 use unrender_scene::Rgb;
 
-/// Where a number was before the photograph was asked, and its standard deviation: so wide that it
-/// only speaks where the photograph is silent.
+/// The prior mean and standard deviation of a number, so wide that they only count where the
+/// photograph does not determine it.
 pub(super) struct Prior {
     /// None where it is the value that the refinement starts from.
     pub(super) mean: Option<f64>,
@@ -36,7 +35,7 @@ pub(super) struct Range {
     pub(super) step: f64,
 }
 
-/// What the renderer and the camera say of one number, in one channel of some pixels.
+/// How the renderer and the camera depend on one number, in one channel of some pixels.
 pub(super) struct Linear<'a> {
     /// The derivative of the radiance by the renderer's parameters, summed over
     /// [`ParameterBlock::parameters`].
@@ -45,7 +44,7 @@ pub(super) struct Linear<'a> {
     pub(super) radiance: f64,
     /// By what share each number of the camera changes the photograph there.
     pub(super) changes: &'a [Rgb],
-    /// The photograph that they are of.
+    /// The photograph of the pixels.
     pub(super) photograph: usize,
     pub(super) channel: usize,
 }
@@ -75,10 +74,10 @@ impl Start {
 
 /// One kind of free number. `u` is the unknown that is asked about, of this kind.
 pub(super) trait ParameterBlock: Sync {
-    /// As notes call it.
+    /// Its name in notes.
     fn name(&self) -> &'static str;
 
-    /// Whether it is none of a group's numbers.
+    /// Whether it does not belong to a group.
     fn is_nuisance(&self) -> bool {
         false
     }
@@ -90,11 +89,11 @@ pub(super) trait ParameterBlock: Sync {
 
     fn prior(&self, state: &State<'_>, u: &Unknown) -> Prior;
 
-    /// The standard deviation below which nobody asks for more.
+    /// The standard deviation that is small enough.
     fn precise_enough(&self, state: &State<'_>, u: &Unknown) -> f64;
 
-    /// The standard deviation of its difference to the `value` of another group that it is like `within` a
-    /// share; none if numbers of this kind are not alike where materials are.
+    /// The standard deviation of its difference from the `value` of another group that it is like `within` a share;
+    /// none if such numbers may differ between like materials.
     fn likeness(&self, _value: f64, _within: f64) -> Option<f64> {
         None
     }

@@ -16,8 +16,8 @@ pub(super) struct Specular;
 const DEVIATION: f64 = 0.5;
 /// The standard deviation of the prior of a texture's mean, for a texture that is seen as a whole, and what
 /// is added if nothing of it is seen: seen texels are known from their own pixels, which the refinement does
-/// not use, and the others are guesses from these. At half or double of either, the groups that it lights are
-/// said to be surer or less sure than they are.
+/// not use, and the others are guesses from these. At half or double of either, the stated uncertainty of the groups
+/// that it lights is too small or too large.
 const TEXTURE: f64 = 0.003;
 const UNSEEN: f64 = 0.15;
 /// The prior mean of a group out of sight without a starting value: the middle.
@@ -26,21 +26,21 @@ const MIDDLE: f64 = 0.5;
 /// No step changes a reflectance by more than this. Half of it takes more passes; double of it goes
 /// beyond where the light between groups is about linear in it.
 const STEP: f64 = 0.3;
-/// Nor the specular reflectance of a lobe by more than this share of its brightest channel, or by less
-/// than is hardly seen: the strength of a lobe and its roughness are not linear in each other. Half of
-/// it takes more passes, double of it lets lobes vanish in one step.
+/// Nor the specular reflectance of a lobe by more than this share of its brightest channel, or what is hardly visible,
+/// if that is more: the strength of a lobe and its roughness are not linear in each other. Half of it takes more
+/// passes, double of it lets lobes vanish in one step.
 const STEP_LOBE: f64 = 0.6;
 const STEP_LOBE_MIN: f64 = 0.002;
 
-/// The standard deviations below which nobody asks for more: of a reflectance that is seen, and of one
-/// that is known by the light that it sends to others, which is never known well. With half of it and of the other
-/// blocks' a room of 11 groups takes half as long again and comes no nearer to the truth; double was not tried.
+/// The standard deviations that are small enough: of a reflectance that is seen, and of one that is known only by the
+/// light that it sends to others, never precisely. With half of it and of the other blocks' a room of 11 groups takes
+/// half as long again and comes no nearer to the truth; double was not tried.
 const PRECISE: f64 = 1.4e-3;
 const PRECISE_UNSEEN: f64 = 1e-2;
 
-/// Of reflectances below this it is the share, in the difference of materials that are alike: what is nearly
-/// black is not known relatively. At half of it black groups are tied closer than anyone means, at double of
-/// it grey ones looser.
+/// Reflectances of like materials differ by a share of them, or of this if it is larger: relative differences of nearly
+/// black ones mean nothing. At half of it black groups are tied closer than anyone means, at double of it grey ones
+/// looser.
 const DARK: f64 = 0.02;
 
 fn likeness(value: f64, within: f64) -> Option<f64> {
@@ -117,7 +117,7 @@ impl ParameterBlock for Diffuse {
         if at.state.materials[u.of].texture.is_none() {
             return linear.derivative;
         }
-        // The renderer's is by a factor on the texture.
+        // The renderer's derivative is by a factor on the texture.
         linear.derivative / self.value(at, u).max(f64::from(textured::MEAN_MIN))
     }
 }

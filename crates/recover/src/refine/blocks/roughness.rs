@@ -23,8 +23,8 @@ const DEVIATION: f64 = 1.0;
 /// No step changes the logarithm by more than this, a factor of 1.5. Half of it takes more passes; a
 /// lobe that is twice as wide hardly overlaps with what it was linearised about.
 const STEP: f64 = 0.4;
-/// The relative standard deviation below which nobody asks for more. With half of it and of the
-/// other blocks' a room of 11 groups takes half as long again and comes no nearer; double was not tried.
+/// The relative standard deviation that is small enough. With half of it and of the other blocks' a room of 11 groups
+/// takes half as long again and comes no nearer; double was not tried.
 const PRECISE: f64 = 4e-3;
 
 impl Roughness {
@@ -68,7 +68,7 @@ impl ParameterBlock for Roughness {
     fn set(&self, state: &mut State<'_>, _: &Start, u: &Unknown, value: f64) {
         let [low, high] = self.bounds(state, u);
         let material = &mut state.materials[u.of];
-        // The logarithm of a bound does not lead back to it to the bit.
+        // The exponential of a bound's logarithm is not the bound to the bit.
         let alpha = (value as f32).exp().clamp(low, high.max(low));
         if self.0 != Along::Y {
             material.alpha_x = alpha;

@@ -28,7 +28,7 @@ fn wall(group: usize, centre: Vec3, normal: Vec3, half: f32) -> Object {
     Object { name: format!("wall {group}"), group, mesh }
 }
 
-/// What its groups are made of.
+/// The materials of its groups.
 pub(crate) fn truth() -> Vec<Material> {
     let floor = Material {
         alpha_y: 0.28,
