@@ -12,7 +12,7 @@ pub(super) struct Row {
     pub(super) group: String,
     /// The seed of the renderings' noise.
     pub(super) seed: u64,
-    /// What the group was taken to be.
+    /// The selected hypothesis.
     pub(super) found: Hypothesis,
     /// What it is.
     pub(super) truth: Hypothesis,

@@ -1,7 +1,7 @@
 //! Whole files or none: write to a temporary name beside the target, then rename.
 //!
-//! A symbolic link stays one: what it points to is replaced. A file that is write-protected is not
-//! replaced. Bytes are on the disk before the name is theirs.
+//! A symbolic link stays a link: the file it points to is replaced. A write-protected file is not
+//! replaced. The bytes are on the disk before the file is renamed.
 
 use crate::FileError;
 use std::fs::{self, File, Permissions};
@@ -71,7 +71,7 @@ fn target(path: &Path) -> io::Result<(PathBuf, Option<Permissions>)> {
     Ok((path, Some(meta.permissions())))
 }
 
-/// Links lead on to links at most so often; the kernel of Linux has the same number.
+/// The longest chain of symbolic links that is followed; Linux has the same limit.
 const LINKS: usize = 40;
 
 /// Where the links from `path` end, whether or not something is there.
@@ -86,14 +86,14 @@ fn followed(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("its symbolic links lead round in a circle"))
 }
 
-/// A new file beside `path`, which has the permissions that the file at `path` has or would have.
+/// A new file beside `path` with these `permissions`, or those of any new file.
 fn beside(path: &Path, permissions: Option<Permissions>) -> io::Result<NamedTempFile> {
     if path.file_name().is_none() {
-        return Err(io::Error::other("it is no name of a file"));
+        return Err(io::Error::other("it is not the name of a file"));
     }
     let file = temporary().tempfile_in(folder_of(path))?;
     if let Some(permissions) = permissions {
-        // Where they are another user's, the file keeps its own.
+        // If they cannot be set, the file keeps its own.
         let _ = file.as_file().set_permissions(permissions);
     }
     Ok(file)
@@ -103,7 +103,7 @@ fn beside(path: &Path, permissions: Option<Permissions>) -> io::Result<NamedTemp
 fn temporary() -> tempfile::Builder<'static, 'static> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX).suffix(".tmp");
-    // What users make has these, less their umask; temporary files have less.
+    // New files of users have these, less the umask; temporary files have fewer.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder
@@ -124,7 +124,7 @@ pub fn staging(folder: &Path) -> io::Result<tempfile::TempDir> {
     builder.tempdir_in(folder)
 }
 
-/// Writes `bytes` to `path` as they come; for files of a folder that has not its name yet.
+/// Writes `bytes` to `path` directly; for files of a folder that still has a temporary name.
 pub(crate) fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut file = File::create(path)?;
     file.write_all(bytes)?;
@@ -143,7 +143,7 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Makes names last through a power cut. Not all systems can; the files are whole without it.
+/// Makes names survive a power cut. Not all systems can; the files are whole without it.
 fn sync_folder(folder: &Path) {
     if let Ok(folder) = File::open(folder) {
         let _ = folder.sync_all();

@@ -6,13 +6,13 @@
 /// How a reader takes an element of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taken {
-    /// As the program means it that wrote the file.
+    /// As the program that wrote the file means it.
     Read,
-    /// Something near it is taken; nothing is told.
+    /// Something close to it is taken, without a warning.
     Approximated,
-    /// It says nothing of shapes, reflectance, light or cameras; nothing is told.
+    /// It does not concern shapes, reflectance, light or cameras; there is no warning.
     PassedOver,
-    /// It is left out, or something near it is taken; a warning tells it.
+    /// It is left out, or something close to it is taken, with a warning.
     WarnedOf,
     /// The file is not read; an error says why.
     Refused,

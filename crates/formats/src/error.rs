@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use unrender_scene::Warnings;
 
-/// So many warnings are shown behind an error; a screen holds them.
+/// The most warnings that are shown after an error; they fit on a screen.
 const SHOWN_BEFORE: usize = 20;
 
 /// A file that cannot be read or written.
@@ -29,8 +29,8 @@ impl FileError {
         Self { path: path.to_owned(), problem: problem.to_string(), cause: None }
     }
 
-    /// The error that `path` has the problem `what`, if that says anything, because of `cause`, whose
-    /// text becomes part of the problem.
+    /// The error that `path` has the problem `what` (may be empty) because of `cause`, whose text
+    /// becomes part of the problem.
     ///
     /// ```
     /// use std::io;
@@ -48,8 +48,8 @@ impl FileError {
         Self { cause: Some(Arc::new(cause)), ..Self::new(path, problem) }
     }
 
-    /// The same error behind the `warnings` that came before it, which may explain it; the latest of them, if
-    /// there are many.
+    /// This error with the `warnings` that came before it, which may explain it; only the latest, if there
+    /// are many.
     ///
     /// ```
     /// use std::path::Path;
@@ -70,7 +70,7 @@ impl FileError {
     }
 
     /// The error of another library or of the system behind this one, if there is one. Its text is in
-    /// [`FileError::problem`] already, so that it is no `source`.
+    /// [`FileError::problem`] already, so it is not a `source`.
     pub fn cause(&self) -> Option<&(dyn Error + Send + Sync + 'static)> {
         self.cause.as_deref()
     }

@@ -98,10 +98,10 @@ const ROWS: [Entry; 8] = [
     row("imageHeight", SIZE),
     row(
         "referenceDistanceUnit",
-        "the unit of its lengths; that there is none is told, and metres are taken",
+        "the unit of its lengths; without one metres are taken, with a warning",
     ),
-    row("referenceDistanceAxis", "that there is none is told, as lengths mean nothing without"),
-    passed("others", "as the vanishing points, of which the camera is made"),
+    row("referenceDistanceAxis", "without one lengths mean nothing, which a warning says"),
+    passed("others", "such as the vanishing points, from which fSpy made the camera"),
 ];
 
 /// What is read of fSpy's projects.
@@ -109,8 +109,8 @@ pub(crate) fn table() -> Table {
     Table::new("Cameras: fSpy", "property", &ROWS)
 }
 
-/// Reads the fSpy project at `path`. Without `up`, that of fSpy's y and z is taken that is nearer
-/// to the picture's upwards.
+/// Reads the fSpy project at `path`. Without `up`, fSpy's y or z is taken, whichever is nearer to
+/// the picture's up direction.
 ///
 /// # Errors
 /// If the file cannot be read, is no fSpy project of version 1, or has no valid camera.
@@ -193,7 +193,7 @@ fn turn_of(
     Ok(orientation)
 }
 
-/// The JSON, read, and the bytes of the photograph.
+/// The parsed JSON, and the bytes of the photograph.
 fn parts(bytes: &[u8]) -> Result<(State, &[u8]), String> {
     let word = |at: usize| {
         let four = bytes.get(at..at + 4)?;

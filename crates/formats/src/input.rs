@@ -1,10 +1,10 @@
-//! Reading what may come from anyone: which files an input may name, and how much memory it may take.
+//! Reading untrusted files: which files an input may name, and how much memory it may take.
 //!
 //! An input is a file that the user names, with all files that it names in turn: buffers, pictures,
 //! materials, other scenes. Those are read only where they lie in or below the folder of the input,
 //! symbolic links resolved, unless [`Limits::outside`] allows more. Only regular files are read: no
-//! devices, pipes or folders. What a reader is about to allocate is first counted against
-//! [`Limits::memory`]; the count is never lowered, so it is a bound from above.
+//! devices, pipes or folders. A reader first counts what it is about to allocate against
+//! [`Limits::memory`]; the count is never lowered, so it is an upper bound.
 
 use crate::LightUnits;
 use glam::DVec3;
@@ -21,7 +21,7 @@ use std::sync::Arc;
 pub struct InputError {
     /// What is wrong with it and what to do, without a final full stop.
     pub problem: String,
-    /// What the system says, if it was asked.
+    /// The error of the system, if it was involved.
     pub source: Option<Arc<io::Error>>,
 }
 
@@ -49,12 +49,12 @@ impl From<InputError> for String {
     }
 }
 
-/// How far the reading of one input may go.
+/// The limits of reading one input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Whether an input may name files outside its folder.
     pub outside: bool,
-    /// The memory that what is read may take, bytes.
+    /// The memory that the input may take, bytes.
     pub memory: u64,
 }
 
@@ -68,16 +68,16 @@ impl Default for Limits {
     }
 }
 
-/// A file to read, and how far that may go. Of a path alone: the default limits.
+/// A file to read, with the limits of reading it. A path alone has the default limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Input<'a> {
     /// The file.
     pub path: &'a Path,
-    /// How far to go.
+    /// The limits of reading it.
     pub limits: Limits,
-    /// The units of the lights of a glTF file, where they are not to be taken as the file says.
+    /// The units of the lights of a glTF file, where they override the file's own.
     pub light_units: Option<LightUnits>,
-    /// Where the positions of what is read count from, in the world of the file.
+    /// The origin of the positions that are read, in the world of the file.
     pub(crate) origin: DVec3,
 }
 
@@ -104,7 +104,7 @@ impl<'a, P: AsRef<Path> + ?Sized> From<&'a P> for Input<'a> {
     }
 }
 
-/// An input that is being read: its folder, and what is left of its memory.
+/// An input that is being read: its folder, and the memory that is counted so far.
 #[derive(Debug)]
 pub(crate) struct Scope {
     /// The folder as the user names it.
@@ -125,8 +125,8 @@ impl Scope {
         }
     }
 
-    /// The bytes of the file at `path`, which the user or [`Scope::beside`] names; or what is wrong,
-    /// as the end of a sentence about the file.
+    /// The bytes of the file at `path`, which comes from the user or from [`Scope::beside`]; or what
+    /// is wrong, as the end of a sentence about the file.
     pub(crate) fn read(&self, path: &Path) -> Result<Vec<u8>, String> {
         let left = self.limits.memory.saturating_sub(self.used.get());
         let bytes = read_at_most(path, left)?;
@@ -149,17 +149,17 @@ impl Scope {
         let real = fs::canonicalize(&path).map_err(|error| unreadable(&error))?;
         let root = fs::canonicalize(&self.folder).map_err(|error| unreadable(&error))?;
         if real.starts_with(&root) {
-            // The path as it was resolved: no link that changes in between leads elsewhere.
+            // The resolved path: a link that changes later cannot lead elsewhere.
             return Ok(real);
         }
         Err(format!(
-            "lies outside the folder {} of the file that was named; copy it there, or allow it by \
+            "lies outside the folder {} of the file that you named; copy it there, or allow it by \
              --allow-outside",
             self.folder.display()
         ))
     }
 
-    /// Where the positions of the scene count from, in the world of its file.
+    /// The origin of the scene's positions, in the world of its file.
     pub(crate) fn origin(&self) -> DVec3 {
         self.origin
     }
@@ -195,7 +195,7 @@ pub fn text<'a>(input: impl Into<Input<'a>>) -> Result<String, InputError> {
 const NO_TEXT: &str = "is no text (UTF-8)";
 
 fn read_at_most(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
-    // Asked before opening: whoever opens a pipe waits for its writer.
+    // Checked before opening: opening a pipe waits for its writer.
     let meta = fs::metadata(path)?;
     if !meta.is_file() {
         return Err("is no regular file, but a folder, a device or a pipe".into());
@@ -204,7 +204,7 @@ fn read_at_most(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
         return Err(too_large(meta.len(), limit).into());
     }
     let file = File::open(path)?;
-    // Files of /proc say that they are empty, and others may grow.
+    // Files of /proc have the size zero, and others may grow.
     let mut bytes = Vec::with_capacity(meta.len() as usize);
     file.take(limit + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > limit {
@@ -223,7 +223,7 @@ fn unreadable(error: &std::io::Error) -> String {
 fn too_large(needed: u64, limit: u64) -> String {
     let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
     format!(
-        "needs more memory than inputs may take ({:.2} of {:.2} GiB); if that is meant, raise the \
+        "needs more memory than inputs may take ({:.2} of {:.2} GiB); if it is meant to, raise the \
          limit by --input-memory",
         gib(needed),
         gib(limit)

@@ -1,8 +1,9 @@
 //! Files to and from the plain data of `unrender-scene`.
 //!
-//! One file format is one module. To add another: write `read` and/or `write` in a module of its
-//! own that knows nothing of its siblings, name it in [`scene_file`] (by extension), add its faults to
-//! `tests/bad_input.rs`, and put what it reads into a table that it looks things up in: [`what_is_read`](mod@what_is_read).
+//! One file format is one module. To add another: write `read` and/or `write` in a module of its own
+//! that knows nothing of its siblings, name it in [`scene_file`] (by extension), add its faults to
+//! `tests/bad_input.rs`, and list what it reads in a table that it uses itself:
+//! [`what_is_read`](mod@what_is_read).
 //!
 //! Writers never leave half a file: see [`atomic`].
 

@@ -17,11 +17,11 @@ use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
 
-/// What the exporter takes for the luminous efficacy of light, lm/W: that of the definition of the
-/// candela, of monochromatic light at 540 THz.
+/// The luminous efficacy that the exporter uses, lm/W: that in the definition of the candela, of
+/// monochromatic light at 540 THz.
 const LUMENS_PER_WATT: f64 = 683.0;
 
-/// What the intensity of a light is in a glTF file.
+/// The unit of the intensity of a light in a glTF file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LightUnits {
     /// W/sr and W/m^2, each channel on its own.
@@ -31,7 +31,7 @@ pub enum LightUnits {
     BlenderStandard,
     /// Blender's Unitless: the radiometric number.
     Unitless,
-    /// Blender's Raw: watts of point and spot lights, W/m^2 of suns.
+    /// Blender's Raw: watts for point and spot lights, W/m^2 for suns.
     BlenderRaw,
 }
 

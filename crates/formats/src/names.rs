@@ -10,7 +10,7 @@ pub(crate) const DEFAULT: &str = "default";
 pub(crate) fn unique(wanted: &[String], warnings: &mut Warnings) -> Vec<String> {
     let all: BTreeSet<&String> = wanted.iter().collect();
     let mut taken: BTreeSet<String> = BTreeSet::new();
-    // The next number to try for a name; from one each time, many of a name would take for ever.
+    // The next number to try for a name; starting from one each time would take quadratic time.
     let mut next: BTreeMap<&String, usize> = BTreeMap::new();
     let mut names = Vec::with_capacity(wanted.len());
     for name in wanted {

@@ -1,16 +1,16 @@
-//! Single-precision numbers as text and JSON that reads back to the same bits and is short to look at.
+//! Single-precision numbers as short text and JSON that reads back to the same bits.
 
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 use unrender_scene::Rgb;
 use unrender_scene::origin::in_digits;
 
-/// Vertices in steps of more than this share of their mesh are told of: half a millimetre on a room of 5 m. Half of
-/// it is told of meshes that nobody could tell from exact ones; double of it would bend edges unseen.
+/// Vertices in steps above this share of their mesh's size cause a warning: half a millimetre for a room of 5 m.
+/// Half of it would warn of meshes that look exact; double of it would bend edges without a warning.
 const COARSE: f64 = 1e-4;
 
-/// The step in which a file of single precision has the vertices of a mesh from `low` to `high`, if that is coarse
-/// for a mesh of this size.
+/// The step between positions in single precision in a mesh from `low` to `high`, if it is coarse for a mesh of
+/// this size.
 pub(crate) fn coarse_step(low: Vec3, high: Vec3) -> Option<f64> {
     let farthest = low.abs().max(high.abs()).max_element();
     let step = f64::from(farthest.next_up() - farthest);

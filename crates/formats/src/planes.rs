@@ -1,8 +1,8 @@
 //! Pictures of whole numbers: EXR files with channels of 32-bit unsigned integers.
 //!
 //! For results that must come back to the bit. The channels that EXR viewers look for, R, G and B,
-//! hold a picture for the eye; they are not read back. What else there is to say about the numbers
-//! is a text in the header's attribute `unrender`.
+//! hold a picture for the eye; they are not read back. A text in the header's attribute `unrender`
+//! describes the numbers.
 
 use crate::input::{Input, Scope};
 use crate::{FileError, atomic, picture};
@@ -15,9 +15,9 @@ use unrender_scene::RgbImage;
 
 /// The header's attribute that holds the text.
 const ATTRIBUTE: &str = "unrender";
-/// More pixels than this are taken for a corrupt header.
+/// A header with more pixels than this is taken to be corrupt.
 const MAX_PIXELS: usize = 1 << 28;
-/// ZIP packs a byte of the file to at most this many.
+/// ZIP expands a byte of the file to at most this many.
 const MAX_UNPACKING: usize = 1100;
 
 /// Whole numbers for every pixel of a picture.
@@ -27,7 +27,7 @@ pub struct Planes {
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// What the numbers are.
+    /// A description of the numbers.
     pub text: String,
     /// Named channels, each with a number for every pixel, row by row from the top left.
     pub channels: Vec<(String, Vec<u32>)>,

@@ -7,10 +7,10 @@
 //! 1033.0,440.5,1.40,0.74,-1.20,desk right
 //! ```
 //!
-//! The first line that is no comment names the columns, in any order; `name` may be left out.
+//! The first line that is not a comment names the columns, in any order; `name` may be left out.
 //! `x_px`, `y_px` are pixels of the upright photograph: (0, 0) is its top left corner, the centre of
 //! its first pixel (0.5, 0.5). `x_m`, `y_m`, `z_m` are metres, right-handed with y up. Lines that
-//! begin with `#` do not count.
+//! begin with `#` are comments.
 
 use crate::{FileError, input};
 use std::path::Path;
@@ -92,8 +92,8 @@ fn faulty(bytes: &[u8], error: &csv::Error) -> String {
     }
 }
 
-/// The line of the record at `position`, which the reader gives as where it began to look: comments
-/// and empty lines may come first.
+/// The line of the record at `position`. The reader gives the place where it began to look:
+/// comments and empty lines may come first.
 fn line_of(bytes: &[u8], position: Option<&csv::Position>) -> usize {
     let start = position.map_or(0, |p| p.byte() as usize).min(bytes.len());
     let (before, after) = bytes.split_at(start);

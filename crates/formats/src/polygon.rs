@@ -5,9 +5,8 @@
 
 use glam::{DVec2, Vec3};
 
-/// More corners than this of a polygon that is not convex are refused: its ears are found in quadratic
-/// time, a second for this many. Half of it is still ten times what modellers make; double takes four
-/// seconds a polygon.
+/// The most corners of a polygon that is not convex: ear clipping takes quadratic time, a second for
+/// this many. Half of it is still ten times what modellers make; double takes four seconds a polygon.
 const MAX_CONCAVE: usize = 20_000;
 
 /// Corners bend inwards if the sine of the angle is below minus this. Single-precision corners of a
@@ -54,7 +53,7 @@ pub(crate) fn split<T: Copy>(
     Ok(())
 }
 
-/// The corners in the polygon's plane, where it turns left; nothing if it has no area.
+/// The corners in the polygon's plane, where it turns left; empty if it has no area.
 fn flattened<T>(corners: &[T], position: impl Fn(&T) -> Vec3) -> Vec<DVec2> {
     let first = position(&corners[0]).as_dvec3();
     let from_first: Vec<_> = corners.iter().map(|c| position(c).as_dvec3() - first).collect();

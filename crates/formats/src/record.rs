@@ -1,8 +1,8 @@
-//! Ward's parameters, exactly, where a format has room for a word of ours: glTF's extras, and comments
-//! in front of what they are about.
+//! Exact Ward parameters where a format has room for our data: glTF's extras, and comments in front of
+//! what they describe.
 //!
 //! Such a comment says what follows (`group`, `object`, `light` or `camera`) and then, as JSON on
-//! the same line, its name or, of groups, an object with `name` and the parameters.
+//! the same line, its name or, for groups, an object with `name` and the parameters.
 
 use crate::numbers::{degrees, number, radians, triple, triple_at};
 use glam::{DVec3, Vec3};
@@ -74,7 +74,7 @@ fn light(json: &Value, origin: DVec3) -> Option<Light> {
     Some(Light { name: json["name"].as_str()?.to_owned(), kind })
 }
 
-/// What a comment of ours says.
+/// The contents of one of our comments.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Note {
     /// The name of what follows.
@@ -83,9 +83,9 @@ pub(crate) struct Note {
     pub(crate) material: Option<(Material, BrdfModel)>,
     /// The exact light.
     pub(crate) light: Option<Light>,
-    /// Where the light is in the world, in double precision; zero if it is nowhere.
+    /// Where the light is in the world, in double precision; zero if it has no place.
     pub(crate) light_at: DVec3,
-    /// Whether nothing has followed yet.
+    /// Whether nothing follows the comment yet.
     pub(crate) is_first: bool,
 }
 
@@ -129,7 +129,7 @@ impl Record {
         }
     }
 
-    /// The material (without a texture) and the lobe that the record means.
+    /// The material (without a texture) and the BRDF model of the record.
     pub(crate) fn to_material(&self) -> Result<(Material, BrdfModel), String> {
         let material = Material {
             rho_d: Rgb::from_array(self.rho_d.map(|c| c as f32)),
@@ -143,7 +143,7 @@ impl Record {
         let lengths = lengths.chain(material.rho_d.to_array()).chain(material.rho_s.to_array());
         if !material.theta_rad.is_finite() || !lengths.into_iter().all(|x| x.is_finite() && x >= 0.)
         {
-            return Err("has numbers below zero or beyond all bounds".into());
+            return Err("has numbers that are negative or not finite".into());
         }
         Ok((material, self.brdf.parse()?))
     }

@@ -9,10 +9,10 @@
 //! 1.0,1.0
 //! ```
 //!
-//! The first line that is no comment names the columns: `code,linear` for one curve, or `code,r,g,b`
-//! for one a channel. A code is the file's value from 0 to 1 (of an 8-bit file, divided by 255); a
-//! linear value is proportional to radiance, in any unit: `exposure` is radiance per that unit. Both
-//! grow from row to row. Lines that begin with `#` do not count.
+//! The first line that is not a comment names the columns: `code,linear` for one curve, or
+//! `code,r,g,b` for one per channel. A code is the file's value from 0 to 1 (of an 8-bit file,
+//! divided by 255); a linear value is proportional to radiance, in any unit: `exposure` is radiance
+//! per that unit. Both grow from row to row. Lines that begin with `#` are comments.
 
 use crate::{FileError, atomic, input};
 use std::path::Path;
@@ -30,7 +30,7 @@ pub struct ResponseRows {
 ///
 /// # Errors
 /// If the file is missing, has other columns than those above or fewer than two rows, or if a value
-/// is no number, out of its range, or not above that of the row before.
+/// is not a number, out of its range, or not above that of the row before.
 pub fn read(path: &Path) -> Result<ResponseRows, FileError> {
     let bytes = input::read(path).map_err(|error| FileError::because(path, "", error))?;
     parse(&bytes).map_err(|problem| FileError::new(path, problem))
@@ -40,7 +40,7 @@ pub fn read(path: &Path) -> Result<ResponseRows, FileError> {
 /// come from.
 ///
 /// # Errors
-/// If the file cannot be written, or these are no rows of a response.
+/// If the file cannot be written, or the rows are not valid.
 pub fn write(path: &Path, rows: &ResponseRows, comment: &str) -> Result<(), FileError> {
     check(rows, &["code", "r", "g", "b"]).map_err(|problem| FileError::new(path, problem))?;
     let mut text = format!("# {comment}\ncode,r,g,b\n");

@@ -14,15 +14,15 @@ enum Format {
 }
 
 impl Format {
-    /// The scene of `input`. If it lies far from zero it is read once more, counted from its midst: positions are
-    /// single precision, and files have more.
+    /// The scene of `input`. A scene far from zero is read a second time, relative to its middle: positions are
+    /// in single precision, files may have more digits.
     fn read(&self, input: Input<'_>) -> Result<(Scene, Warnings), FileError> {
         let (scene, warnings) = self.read_about(input)?;
         let origin = scene.far_origin();
         if origin == DVec3::ZERO {
             return Ok((scene, warnings));
         }
-        // Before the other one takes its memory.
+        // Freed before the second one is allocated.
         drop(scene);
         let (scene, warnings) = self.read_about(input.about(origin))?;
         Ok((Scene { origin, ..scene }, warnings))
@@ -40,7 +40,7 @@ impl Format {
 
 /// Reads and validates the scene at `path`.
 ///
-/// A scene without a camera is none of this function's concern.
+/// The scene may have no camera.
 ///
 /// ```
 /// use unrender_formats::{gltf, load_scene};
@@ -93,8 +93,8 @@ fn load(
 
 /// The bytes of a `.glb` that shows what `source` shows, with the materials of `scene`.
 ///
-/// A glTF file keeps everything that it has beside ([`gltf::assign_materials`]); from other formats the
-/// scene itself is written ([`gltf::to_glb`]).
+/// A glTF file keeps everything else in it ([`gltf::assign_materials`]); from other formats the scene
+/// itself is written ([`gltf::to_glb`]).
 ///
 /// # Errors
 /// If `source` cannot be read or the scene cannot be written.
@@ -109,9 +109,9 @@ pub fn assign_materials<'a>(
     }
 }
 
-/// The bytes of a `.glb` that shows what `source` shows, seen by one camera more, whose position counts from
-/// `origin`, as those of the scene that was read do from [`Scene::origin`]; one of the same
-/// name is replaced. glTF has no words for what a lens does.
+/// The bytes of a `.glb` that shows what `source` shows, with one more camera, whose position counts from
+/// `origin` ([`Scene::origin`] of the scene that was read); one of the same name is replaced. glTF cannot
+/// express distortion.
 ///
 /// # Errors
 /// If `source` cannot be read or the scene cannot be written.

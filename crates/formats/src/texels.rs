@@ -7,10 +7,10 @@ use std::io::Cursor;
 use unrender_scene::color::{linear_from_srgb, srgb_from_linear};
 use unrender_scene::{Image, Rgb};
 
-/// Longer sides than this are taken for a damaged header.
+/// A header with longer sides than this is taken to be damaged.
 const MAX_SIDE: u32 = 32768;
 
-/// The pixels of an encoded picture, 0 to 1, transfer curve and all.
+/// The pixels of an encoded picture, 0 to 1, still with its transfer curve.
 pub(crate) fn decode(scope: &Scope, bytes: &[u8]) -> Result<Image<Rgb>, String> {
     let undecodable = |error: &dyn std::fmt::Display| {
         format!("cannot be decoded ({error}); save it as PNG or JPEG again")
@@ -28,7 +28,7 @@ pub(crate) fn decode(scope: &Scope, bytes: &[u8]) -> Result<Image<Rgb>, String> 
     reader.limits(limits);
     let decoder = reader.into_decoder().map_err(|e| undecodable(&e))?;
     let (width, height) = decoder.dimensions();
-    // As they are in the file, and as three floats.
+    // Memory for the pixels as in the file, and as three floats.
     let each = u64::from(decoder.color_type().bytes_per_pixel()) + 12;
     let charged = scope.charge(u64::from(width) * u64::from(height) * each);
     charged.map_err(|problem| format!("has {width} x {height} pixels and {problem}"))?;

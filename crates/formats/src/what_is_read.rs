@@ -1,4 +1,4 @@
-//! What is read of each format, as plain data: the tables that the readers themselves look things up in.
+//! What is read of each format, as plain data: the tables that the readers themselves use.
 
 use crate::{cameras, fspy, gltf, import, obj, picture};
 

@@ -1,14 +1,14 @@
-//! A photograph of many pixels as one of fewer: the means of squares of pixels.
+//! Reduces a photograph of many pixels to fewer: the means of squares of pixels.
 //!
-//! Radiance is linear, and so is the mean of what a square of pixels shows. What a camera's processing makes alike in
-//! neighbouring pixels (two of three colours of each are interpolated from others) is for the most part within a
-//! square, so that the noise of squares is independent again.
+//! Radiance is linear, so its mean over a square is exact. A camera's processing correlates neighbouring pixels (two
+//! of three colours of each are interpolated from others), but mostly within a square, so that the noise of squares
+//! is independent again.
 
 use crate::Photo;
 use unrender_scene::{Image, Rgb};
 
 impl Photo {
-    /// The photograph in squares of `side` pixels; columns at the right and rows at the bottom that fill none are left
+    /// The photograph in squares of `side` pixels; incomplete columns at the right and rows at the bottom are left
     /// out. A square is valid if all its pixels are, and a lower bound if one of them is. The noise of quantisation is
     /// that of independent pixels. `clipped` and `dark` still count the photograph's pixels.
     ///
@@ -35,7 +35,7 @@ impl Photo {
     }
 }
 
-/// What `of` makes of the pixels of every square of `image`, row by row.
+/// Applies `of` to the pixels of every square of `image`, given row by row.
 ///
 /// # Panics
 /// As [`Photo::binned`].

@@ -1,32 +1,33 @@
-//! Which pixels are cut off at the top: of an integer file's range, of the sensor's, or of a measured
+//! Finds clipped pixels: at the top of an integer file's range, of the sensor's, or of a measured
 //! response.
 //!
-//! Sensors and raw converters may be full below the greatest code of their file: 14 bits in a file of
-//! 16, or the white of a JPEG that is 254. All that was brighter lies at that code, a spike at the upper
-//! end of the histogram, with pixels just below it that were not quite so bright.
+//! Sensors and raw converters may saturate below the greatest code of their file: 14 bits in a file of
+//! 16, or a JPEG whose white is 254. All brighter pixels lie at that code, a spike at the upper end of
+//! the histogram, with slightly darker pixels just below it.
 
 use crate::Transfer;
 use unrender_scene::{Depth, Image, Picture, Rgb};
 
-/// A channel is full at its largest code if that has at least so many pixels, ...
+/// A channel is full at its largest code if that has at least this many pixels, ...
 const SPIKE_PIXELS: usize = 64;
-/// ... so many times as many as the codes below have on average. Smooth surfaces have at most twice as
+/// ... and this many times the average of the codes below. Smooth surfaces have at most twice as
 /// many at their brightest point; at 4, posterised pictures are taken for full, at 16, noisy ones are
 /// missed.
 const SPIKE: usize = 8;
-/// Codes below that the spike is compared with, and the share of the range in which there must be
-/// pixels at all: a lamp of one brightness, rendered without noise, has next to none there.
+/// The share of the range below the spike with which it is compared, and in which there must be
+/// pixels: a lamp of one brightness, rendered without noise, has next to none there.
 const BELOW: f32 = 0.05;
-/// So many times as few pixels as in the spike are enough there. Windows with sharp frames have fewer
-/// and are missed; at 40, the smoothed edge of a rendered lamp would do.
+/// The spike may have at most this many times the pixels in that range. Windows with sharp frames
+/// exceed it and are missed; at 40, a rendered lamp with a smoothed edge would count as clipped.
 const POPULATED: usize = 20;
-/// Sensors are full at so much of a power of two; white levels of 14-bit cameras are from 15 300 on.
+/// Sensors saturate at or above this share of a power of two; white levels of 14-bit cameras are
+/// from 15 300 on.
 const FULL: f32 = 0.93;
 /// The least bits of a sensor.
 const LEAST_BITS: u32 = 10;
 
-/// The indices of the pixels with a measurement that have in some channel a code at which it is full (see
-/// [`clipped_from`]), or one beyond the last that the response of `transfer` was measured for.
+/// The indices of the pixels with a measurement that are clipped in some channel (see [`clipped_from`]),
+/// or have a code beyond the last one for which the response of `transfer` was measured.
 pub fn clipped_pixels(picture: &Picture, transfer: &Transfer) -> Vec<usize> {
     let (response, from) = (&transfer.response, clipped_from(picture, transfer.white_level));
     let beyond =
@@ -124,7 +125,7 @@ mod tests {
         let picture = ramp(255.0, 250.0, 1.5, Depth::Eight);
         let clipped = clipped_pixels(&picture, &Transfer::plain(Response::Srgb, Rgb::ONE));
         assert!((3470..3490).contains(&clipped.len()), "{}", clipped.len());
-        // Not bright enough to be full, and full at the greatest code, as ever.
+        // One is not bright enough to be full, the other full at the greatest code as usual.
         assert_eq!(full(65_535.0, 65_535.0, 0.22, Depth::Sixteen), None);
         assert_eq!(full(255.0, 255.0, 1.5, Depth::Eight), None);
         assert_eq!(full(255.0, 120.0, 1.0, Depth::Eight), None);
@@ -165,7 +166,7 @@ mod tests {
             clipped_pixels(&picture, &Transfer { white_level, ..plain })
         };
         let codes = [249.0, 250.0, 251.0].map(|code| code / 255.0);
-        // 250 divided by 255 is 0.98039: codes count as the nearest one does.
+        // 250 divided by 255 is 0.98039: each white level counts as its nearest code.
         for white in [0.9803, 0.9804] {
             assert_eq!(clipped(&codes, Depth::Eight, Rgb::splat(white)), [1, 2]);
         }

@@ -33,7 +33,7 @@ pub fn dark_pixels(picture: &Picture, floor: Rgb) -> Vec<usize> {
 
 fn is_dark(picture: &Picture, measured: &Image<bool>, floor: Rgb, index: usize) -> bool {
     let (values, measured) = (picture.values.pixels(), measured.pixels());
-    // What has no measurement is not black, whatever its values are.
+    // Pixels without a measurement are not black, whatever their values.
     let counts = |n: usize| n != index && measured[n];
     let neighbours = || picture.values.neighbourhood(index).filter(move |&n| counts(n));
     (0..3).any(|channel| {
@@ -114,7 +114,7 @@ mod tests {
         let half = picture(|x, _| if x < SIDE / 2 { 0.0 } else { 90.0 });
         assert!(dark_pixels(&half, Rgb::ZERO).is_empty());
         assert!(dark_pixels(&picture(|_, _| 0.0), Rgb::ZERO).is_empty());
-        // Rounding by one step is no noise.
+        // Rounding by one step is not noise.
         assert!(dark_pixels(&picture(|x, y| ((x + y) % 2) as f32), Rgb::ZERO).is_empty());
     }
 }

@@ -1,4 +1,4 @@
-//! The choice of a response: the one that a file declares against the one that the project states.
+//! Chooses the response: the one that a file declares, or the one that the project states.
 
 use crate::{Curve, Response};
 use unrender_scene::color::linear_from_srgb;
@@ -48,7 +48,7 @@ fn difference(a: &Response, b: &Response) -> f32 {
 /// The response to use for a file of this depth, with warnings.
 ///
 /// If the project states none, integer files have the response that they declare, or else sRGB, and
-/// floating-point files are linear. Of formats that have linear values alone, [`Response::Linear`] is declared.
+/// floating-point files are linear. Formats that only hold linear values declare [`Response::Linear`].
 pub fn choose_response(
     depth: Depth,
     stated: Option<Response>,

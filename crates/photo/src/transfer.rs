@@ -21,7 +21,7 @@ pub struct Transfer {
     pub response: Response,
     /// The code of zero radiance, by channel, at least 0 and below 1.
     pub black_level: Rgb,
-    /// The code from which on a channel is clipped; infinite where only the file's range is.
+    /// The code from which on a channel is clipped; infinite if only the file's range limits it.
     pub white_level: Rgb,
     /// Linear sRGB from the linear values of the file; none if the file has the primaries of sRGB.
     pub srgb_from_file: Option<Mat3>,
@@ -97,8 +97,8 @@ impl Transfer {
         differences * self.exposure / share
     }
 
-    /// The code at and below which values are cut off: black, but for linear responses, which pass
-    /// on what lies below it.
+    /// The code at and below which values are clipped: the black level, except for linear
+    /// responses, which keep values below it.
     pub fn floor(&self) -> Rgb {
         if self.response == Response::Linear { Rgb::ZERO } else { self.black_level }
     }

@@ -69,7 +69,7 @@ pub fn composite(
         let Some(change) = touched.pixels()[index] else { return photographed };
         let pixel = &paired.pixels()[index];
         let clipped = photograph.clipped.pixels()[index];
-        // Of a clipped pixel the model may know that it was brighter.
+        // The model may show that a clipped pixel was brighter.
         let photographed = if clipped { photographed.max(pixel.before) } else { photographed };
         let group = photograph.geometry.pixels()[index].group;
         let specular =

@@ -1,4 +1,4 @@
-//! Edits, and applying them to a scene.
+//! Edits, and how they are applied to a scene.
 
 use crate::environment::{self, Surround};
 use crate::insert::{self, Insert};

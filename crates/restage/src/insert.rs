@@ -74,7 +74,7 @@ pub(crate) fn apply(insert: &Insert, stage: &mut Stage<'_>) -> Result<(), String
     let foot = 0.5 * (low + high).with_y(2.0 * low.y);
     let shift = match &insert.place {
         Place::At(position) => {
-            // The model counts from its own midst, if it is far from its own zero.
+            // A model far from its own zero has its positions relative to its middle.
             let scale = f64::from(insert.scale);
             let midst = insert.rotation.as_dquat() * (scale * insert.model.origin);
             scene.here(*position + midst)
@@ -132,8 +132,7 @@ fn join(insert: &Insert, model: Scene, stage: &mut Stage<'_>) {
     let glossy = model.groups.iter().any(|g| g.material.is_glossy());
     if glossy && model.brdf != stage.scene.brdf {
         stage.change.warnings.push(format!(
-            "the materials of \"{prefix}\" are meant for {}, but the scene's lobe is {}, which was \
-             taken",
+            "the materials of \"{prefix}\" are for the lobe {}; the scene's, {}, was taken",
             model.brdf, stage.scene.brdf
         ));
     }

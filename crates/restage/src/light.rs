@@ -20,7 +20,7 @@ pub struct LightEdit {
 pub enum LightChange {
     /// Changes its parameters.
     Alter(Alter),
-    /// Removes it; of an area light the objects, too.
+    /// Removes it; for an area light, its objects, too.
     Remove,
     /// Adds it; its position counts from this place in the world of the scene's file, metres.
     Add(NewLight, DVec3),
@@ -95,7 +95,7 @@ pub(crate) fn apply(edit: &LightEdit, stage: &mut Stage<'_>) -> Result<(), Strin
 
 fn find(name: &str, stage: &Stage<'_>) -> Result<LightRef, String> {
     let groups = stage.scene.groups.len();
-    // The environment is changed by itself.
+    // The environment has an edit of its own.
     let lights = || stage.scene.sources().filter(|s| s.index < groups + stage.scene.lights.len());
     let found: Vec<usize> = lights().filter(|s| s.name == name).map(|s| s.index).collect();
     match found[..] {
@@ -164,7 +164,7 @@ fn place(name: &str, kind: &mut LightKind, alter: Alter) -> Result<(), String> {
     Ok(())
 }
 
-/// The light `new`, its position counted from where `place` does.
+/// The light `new`, moved by `place`.
 fn moved(mut new: NewLight, place: Vec3) -> NewLight {
     match &mut new {
         NewLight::Punctual(

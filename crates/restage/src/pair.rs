@@ -84,8 +84,8 @@ impl<'a> Pairing<'a> {
     }
 
     /// Adds the samples of the allocation to `layers`, which have the size of the picture. The sums
-    /// have the same bits in however many calls. `progress` is called with the completed fraction,
-    /// 0 to 1, from any thread.
+    /// have the same bits, however many calls there are. `progress` is called with the completed
+    /// fraction, 0 to 1, from any thread.
     ///
     /// # Panics
     /// If there is not one accumulator for each of [`LAYERS`].
@@ -121,8 +121,8 @@ impl<'a> Pairing<'a> {
             });
     }
 
-    /// The adaptive sampling of a picture of `size`, from a pilot, by the variance of what a
-    /// composite shows: of the change, or where another surface is visible of the radiance.
+    /// The adaptive sampling of a picture of `size`, from a pilot, by the variance in the
+    /// composite: that of the change, or of the radiance where another surface is visible.
     pub fn adaptive_sampling(&self, (width, height): (usize, usize)) -> AdaptiveSampling {
         let settings = Settings { seed: adaptive::pilot_seed(self.settings.seed), ..self.settings };
         let pilot = Self::new(self.scenes, self.camera, settings);
@@ -130,7 +130,7 @@ impl<'a> Pairing<'a> {
         pilot.accumulate(&SampleAllocation::Uniform(0..adaptive::PILOT), &mut layers, &|_| ());
         let pixel = |index: usize| {
             let of = |layer: usize| layers[layer].image().pixels()[index];
-            // Each sample counts twice then, in both parts; in all pixels.
+            // This counts each sample twice, in both parts, but equally in all pixels.
             let mut change = of(2);
             change.add(&of(3));
             if of(4).sum[0] > 0 { of(0) } else { change }

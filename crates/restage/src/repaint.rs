@@ -13,7 +13,7 @@ pub struct Repaint {
     pub paint: Paint,
 }
 
-/// New parameters of a material; those that are none are kept.
+/// New parameters of a material; those that are `None` are kept.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Paint {
     /// Diffuse reflectance; replaces a texture.
@@ -30,7 +30,7 @@ pub struct Paint {
     pub texture: Option<Arc<Texture>>,
 }
 
-/// Of the two roughnesses of a material one is zero and the other is not.
+/// The error that one of the two roughnesses of a material is zero and the other is not.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "alpha_x is {alpha_x} and alpha_y is {alpha_y}; both are positive or, for a mirror, both zero"

@@ -27,7 +27,7 @@ pub(crate) fn highest(scene: &Scene, group: &str, x: f64, z: f64) -> Result<Vec3
         }
         ray = beyond(&surface);
     }
-    Err(format!("nothing of \"{group}\" can be stood on at x = {x}, z = {z}"))
+    Err(format!("no surface of \"{group}\" faces upwards at x = {x}, z = {z}"))
 }
 
 /// The first hit of a ray, which must be on `group` if that is stated, and face upwards.

@@ -11,7 +11,7 @@ pub struct Change {
     /// original one; none for new and for moved objects. Groups keep their index; new ones are
     /// appended.
     pub origin: Vec<Option<usize>>,
-    /// What is doubtful.
+    /// Warnings.
     pub warnings: Warnings,
 }
 

@@ -16,9 +16,9 @@ use glam::Vec3;
 use unrender_render::GeometryBuffers;
 use unrender_scene::{Image, Rgb, RgbImage};
 
-/// The significance threshold, standard deviations: 6e-5 of noise exceeds it, a few dozen pixels of
-/// a megapixel. With 2 every twentieth pixel would be touched by noise, with 8 faint shadows are
-/// lost.
+/// The significance threshold, standard deviations: a share of 6e-5 of normal noise exceeds it, a
+/// few dozen pixels of a megapixel. With 2 every twentieth pixel would be touched by noise, with 8
+/// faint shadows are lost.
 pub const SIGMAS: f32 = 4.0;
 /// Half the side of the window of the local mean, pixels: 81 pixels reduce the noise to a ninth.
 /// Not derived from the resolution: it sets the reduction of noise, which is per pixel. Half of it

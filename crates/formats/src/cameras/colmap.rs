@@ -22,13 +22,7 @@ const MODELS: [(Entry, usize); 12] = [
     (row("RADIAL", "k1 and k2"), 5),
     (row("OPENCV", "k1, k2, p1 and p2"), 8),
     (refused("OPENCV_FISHEYE", UNDISTORT), 8),
-    (
-        row(
-            "FULL_OPENCV",
-            "k1, k2, p1, p2 and k3; with others than zero for k4 to k6 it is refused",
-        ),
-        12,
-    ),
+    (row("FULL_OPENCV", "k1, k2, p1, p2 and k3; refused unless k4 to k6 are zero"), 12),
     (refused("FOV", UNDISTORT), 5),
     (refused("SIMPLE_RADIAL_FISHEYE", UNDISTORT), 4),
     (refused("RADIAL_FISHEYE", UNDISTORT), 5),
@@ -151,7 +145,7 @@ fn intrinsics(device: &Device) -> Result<Intrinsics, String> {
         }
         _ => {
             return Err(format!(
-                "has camera {id} of the model {model}; read are SIMPLE_PINHOLE, PINHOLE, \
+                "has camera {id} of the model {model}; supported are SIMPLE_PINHOLE, PINHOLE, \
                  SIMPLE_RADIAL, RADIAL, OPENCV, and FULL_OPENCV with k4 to k6 zero: {UNDISTORT}"
             ));
         }
@@ -285,7 +279,7 @@ impl<'a> Words<'a> {
     }
 }
 
-/// None if the file is cut short; an error if it has a model whose length is not known.
+/// None if the file is cut short; an error if it has a model with an unknown number of parameters.
 fn binary_devices(words: &mut Words<'_>) -> Option<Result<Vec<Device>, String>> {
     let mut devices = Vec::new();
     for _ in 0..words.u64()? {
@@ -293,8 +287,8 @@ fn binary_devices(words: &mut Words<'_>) -> Option<Result<Vec<Device>, String>> 
         let size = [words.u64()? as f64, words.u64()? as f64];
         let Some(&(known, count)) = usize::try_from(model).ok().and_then(|m| MODELS.get(m)) else {
             return Some(Err(format!(
-                "has camera {id} of the model number {model}, which is none of COLMAP's that are \
-                 known; write it as text by colmap model_converter"
+                "has camera {id} of the unknown model number {model}; write it as text by colmap \
+                 model_converter"
             )));
         };
         let parameters = (0..count).map(|_| words.f64()).collect::<Option<_>>()?;
@@ -423,9 +417,9 @@ mod tests {
             ("1 FULL_OPENCV 6 4 5 5 3 2 0 0 0 0 0 0.1 0 0", "k4 to k6 zero"),
             (
                 "1 THIN_PRISM_FISHEYE 6 4 5 5 3 2 0 0 0 0 0 0 0 0",
-                "model THIN_PRISM_FISHEYE; read are",
+                "model THIN_PRISM_FISHEYE; supported are",
             ),
-            ("1 MINE 6 4 5", "model MINE; read are"),
+            ("1 MINE 6 4 5", "model MINE; supported are"),
         ] {
             let broken =
                 folder([("cameras.txt", line.as_bytes()), ("images.txt", IMAGES.as_bytes())]);

@@ -55,10 +55,10 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// Of a rotation and a translation.
+    /// The pose with this rotation and translation.
     ///
     /// # Errors
-    /// If the matrix is none of a rotation, or a number is not finite.
+    /// If the matrix is not a rotation, or a number is not finite.
     pub fn new(rotation: DMat3, translation: DVec3) -> Result<Self, String> {
         let off = rotation.transpose() * rotation - DMat3::IDENTITY;
         let is_rigid = off.to_cols_array().iter().all(|e| e.abs() < RIGID);
@@ -70,7 +70,7 @@ impl Pose {
             .into())
     }
 
-    /// Of a vector along the axis, as long as the angle in radians, as `cv2.Rodrigues` reads it.
+    /// The pose with a rotation vector, as long as the angle in radians, as for `cv2.Rodrigues`.
     ///
     /// # Errors
     /// If a number is not finite.
@@ -99,7 +99,7 @@ impl Pose {
 }
 
 impl Intrinsics {
-    /// Those of a window of the picture whose upper left corner is `left`, `top`, pixels.
+    /// The intrinsics of a window of the picture, whose upper left corner is `left`, `top`, pixels.
     #[must_use]
     pub fn cropped(self, [left, top]: [f64; 2]) -> Self {
         Self { cx: self.cx - left, cy: self.cy - top, size: None, ..self }
@@ -109,7 +109,8 @@ impl Intrinsics {
     /// another size.
     ///
     /// # Errors
-    /// If a number is none of a camera, or the photograph has other sides than [`Intrinsics::size`].
+    /// If a number is impossible for a camera, or the photograph does not match
+    /// [`Intrinsics::size`].
     pub fn camera(
         &self,
         name: &str,
@@ -140,7 +141,7 @@ impl Intrinsics {
         let fov_y_rad = (2.0 * (0.5 * high / fy).atan()) as f32;
         let aspect = Some((wide / high) as f32);
         if !(lens.is_valid() && fov_y_rad > 0.0) {
-            return Err("its focal length or its distortion is beyond all measure".into());
+            return Err("its focal length or its distortion is far too large".into());
         }
         Ok(Camera { name: name.to_owned(), world_from_camera, fov_y_rad, aspect, lens })
     }
@@ -176,7 +177,7 @@ impl Intrinsics {
     }
 }
 
-/// Whether a picture of one size is one of the other made smaller: its sides are the same up to a pixel.
+/// Whether one size is the other scaled: the sides have the same ratio, up to a pixel.
 fn is_alike([w, h]: [f64; 2], [wide, high]: [f64; 2]) -> bool {
     (wide * h - high * w).abs() <= w.max(h)
 }
@@ -184,7 +185,7 @@ fn is_alike([w, h]: [f64; 2], [wide, high]: [f64; 2]) -> bool {
 /// A similarity that takes the world of a calibration to the scene, from the rows of its matrix.
 ///
 /// # Errors
-/// If it is none: sheared, mirrored or not finite.
+/// If it is not one: sheared, mirrored or not finite.
 pub fn similarity(rows: &[[f64; 4]]) -> Result<DAffine3, String> {
     let fault = || {
         "it is no rotation with one scale and a translation: three rows of four numbers, as \

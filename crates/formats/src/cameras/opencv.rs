@@ -1,7 +1,7 @@
 //! Calibrations by OpenCV: YAML, XML or JSON of its `FileStorage`, ROS's `camera_info`, and JSON or YAML
 //! with lists of rows.
 //!
-//! Read are, by any of the names below: the camera matrix, the distortion, the size of the pictures,
+//! It reads, by any of the names below, the camera matrix, the distortion, the size of the pictures,
 //! and the pose, as `rvec` or `R` with `tvec`, or as rows of `extrinsic_parameters`, which is how the
 //! sample `calibration.cpp` writes the poses of all its views.
 
@@ -45,12 +45,12 @@ pub(super) fn table() -> Table {
         names.iter().for_each(|&name| table.add("", [&row(name, done)]));
     };
     add(&MATRICES, "the camera matrix; its pixels count from the centre of the first one");
-    add(&DISTORTIONS, "k1, k2, p1, p2 and k3; with more that is not zero the file is refused");
+    add(&DISTORTIONS, "k1, k2, p1, p2 and k3; refused if further ones are not zero");
     add(&WIDTHS, "the width of the pictures");
     add(&HEIGHTS, "the height of the pictures");
     add(&ROTATIONS, "the rotation, as a vector or a matrix");
     add(&TRANSLATIONS, "the translation");
-    add(&VIEWS, "a row a view: three numbers of a rotation vector, three of a translation");
+    add(&VIEWS, "one row per view: three numbers of a rotation vector, three of a translation");
     let models = BROWN.map(|name| row(name, "the value of distortion_model: Brown's model"));
     table.add("distortion_model", &models);
     let fisheye = ["fisheye", "equidistant"].map(|name| refused(name, "undistort the photo"));
@@ -67,7 +67,7 @@ pub type Calibrated = (Intrinsics, Option<Pose>);
 /// zero.
 ///
 /// # Errors
-/// If the file cannot be read, has no camera matrix, or has a lens or a pose that cannot be meant.
+/// If the file cannot be read, has no camera matrix, or has an unsupported lens or an invalid pose.
 pub fn read<'a>(input: impl Into<Input<'a>>, view: Option<usize>) -> Result<Calibrated, FileError> {
     let input = input.into();
     let fault = |problem: String| FileError::new(input.path, problem);
@@ -113,8 +113,9 @@ fn matrix(tree: &Node, names: &[&str]) -> Result<Option<Matrix>, String> {
     let Some((name, node)) = name.and_then(|name| Some((name, tree.get(name)?))) else {
         return Ok(None);
     };
-    let whole =
-        || format!("has a {name} that is no matrix: rows, cols and as many numbers as data");
+    let whole = || {
+        format!("has a {name} that is no matrix: write rows, cols, and as data rows x cols numbers")
+    };
     node.matrix().map(Some).ok_or_else(whole)
 }
 
@@ -207,10 +208,10 @@ fn pose(tree: &Node, view: Option<usize>) -> Result<Option<Pose>, String> {
     let Some(views) = views else {
         return match (view, own) {
             (Some(view), Some(_)) => Err(format!(
-                "has one pose, by its R or rvec and tvec, and none of view {view}; leave out view"
+                "has one pose (R or rvec, and tvec) and no view {view}; leave out view"
             )),
             (Some(view), None) => Err(format!(
-                "has no poses of views ({}), and none of view {view}; leave out view, and give eye and target",
+                "has no poses of views ({}), so no view {view}; leave out view, and give eye and target",
                 VIEWS[0]
             )),
             (None, _) => Ok(None),
@@ -218,7 +219,7 @@ fn pose(tree: &Node, view: Option<usize>) -> Result<Option<Pose>, String> {
     };
     if views.columns != VIEW {
         return Err(format!(
-            "has {} of {} columns; they are the {VIEW} of a rotation vector and a translation, a row a view",
+            "has {} with {} columns; each row is one view and has {VIEW}: a rotation vector and a translation",
             VIEWS[0], views.columns
         ));
     }
@@ -227,7 +228,7 @@ fn pose(tree: &Node, view: Option<usize>) -> Result<Option<Pose>, String> {
         (None, 1) => 0,
         (Some(view), rows) => {
             return Err(format!(
-                "has the poses of {rows} views, and none of view {view}: they count from 0"
+                "has the poses of {rows} views and no view {view}; they count from 0"
             ));
         }
         (None, rows) => {
@@ -289,11 +290,11 @@ mod tests {
         assert_eq!(of(&both, Some(1)), matrix.translation, "the view that was asked for");
         assert_eq!(of(&both, None), DVec3::new(7.0, 8.0, 9.0));
         let one = format!("{CAMERA}rvec: [0, 0, 0]\ntvec: [7, 8, 9]\n");
-        assert!(parse(&one, "yml", Some(3)).unwrap_err().contains("none of view 3; leave out"));
+        assert!(parse(&one, "yml", Some(3)).unwrap_err().contains("no view 3; leave out"));
         assert!(parse(CAMERA, "yml", Some(3)).unwrap_err().contains("no poses of views"));
         let wide = format!("{CAMERA}extrinsic_parameters: [[1, 0, 0, 0]]\n");
         assert!(fault(&wide).contains("of 4 columns"));
-        assert!(parse(&rows, "yml", Some(2)).unwrap_err().contains("none of view 2"));
+        assert!(parse(&rows, "yml", Some(2)).unwrap_err().contains("no view 2"));
     }
 
     #[test]

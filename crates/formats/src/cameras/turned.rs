@@ -14,8 +14,8 @@ pub enum Pixels {
 }
 
 impl Pixels {
-    /// Which ones a calibration is of whose pictures have the size `calibrated`, where sizes tell: the upright
-    /// photograph has the size `upright`.
+    /// The pixels that a calibration of pictures of the size `calibrated` refers to, where the size decides;
+    /// `upright` is the size of the upright photograph.
     pub fn by_size(
         calibrated: [f64; 2],
         upright: [f64; 2],
@@ -38,7 +38,8 @@ pub fn turn(orientation: Orientation) -> DMat3 {
 }
 
 impl Intrinsics {
-    /// Those of the upright picture, of those of the stored one, whose size is `stored` if they do not say.
+    /// The intrinsics of the upright picture, from those of the stored one; `stored` is its size if they
+    /// state none.
     #[must_use]
     pub fn turned(self, orientation: Orientation, stored: [f64; 2]) -> Self {
         let upright_from_stored = orientation.upright_from_stored();
@@ -63,8 +64,8 @@ impl Intrinsics {
 }
 
 impl Pose {
-    /// That of the upright picture, of that of the stored one; none if one is a mirror image of the other,
-    /// which no camera takes.
+    /// The pose for the upright picture, from that for the stored one; none if one is a mirror image of
+    /// the other, which no camera takes.
     #[must_use]
     pub fn turned(self, orientation: Orientation) -> Option<Self> {
         let turn = turn(orientation);
@@ -91,7 +92,8 @@ mod tests {
         Orientation::from_exif(number).unwrap()
     }
 
-    /// A pixel of the stored picture in the upright one, as its eight turns are told in words.
+    /// A pixel of the stored picture in the upright one, by what EXIF says of its eight
+    /// orientations.
     fn upright([x, y]: [f64; 2], number: u8) -> [f64; 2] {
         let [w, h] = [640.0, 480.0];
         match number {
@@ -121,7 +123,7 @@ mod tests {
         let pose = Pose::new(DMat3::from_quat(rotation), DVec3::new(0.2, 0.1, 3.0)).unwrap();
         for number in 1..=8 {
             let orientation = orientation(number);
-            // Of a picture that is mirrored the rest of the turn is left, once it is mirrored back.
+            // Once a mirrored picture is mirrored back, a rotation is left.
             let (turn, mirrored) = match orientation.mirrors() {
                 true => (orientation.mirrored_back(), true),
                 false => (orientation, false),

@@ -21,7 +21,7 @@ pub(super) fn front_normal(mesh: &Mesh, index: usize) -> Vec3 {
 }
 
 /// `mesh` with texture coordinates that grow along the anisotropy direction, metre by metre, for
-/// programs that count from there. Every triangle gets corners of its own.
+/// programs that measure it from u. Every triangle gets corners of its own.
 pub(super) fn along_u(mesh: &Mesh, theta_rad: f32) -> Mesh {
     let mut turned = Mesh::default();
     for index in 0..mesh.triangles.len() {

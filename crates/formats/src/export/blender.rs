@@ -2,9 +2,9 @@
 //! file as a scene of its own, run by Blender or with the package `bpy`.
 //!
 //! A material is the sum of a Principled BSDF, the diffuse part, and a Glossy BSDF of Beckmann's
-//! microfacets, which reflects alike at all angles; Principled's own shine grows towards grazing
-//! angles. An anisotropy `a` has `alpha_x = alpha (1 - a)` along the tangent and
-//! `alpha_y = alpha/(1 - a)`. [Blender manual, Principled BSDF and Glossy BSDF]
+//! microfacets, which reflects alike at all angles; Principled's own specular part grows towards
+//! grazing angles. An anisotropy `a` has `alpha_x = alpha (1 - a)` along the tangent and `alpha_y =
+//! alpha/(1 - a)`. [Blender manual, Principled BSDF and Glossy BSDF]
 
 use super::identifiers::identifiers;
 use super::{Files, Shot, far, ply, tiling};

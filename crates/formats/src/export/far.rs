@@ -1,15 +1,15 @@
-//! What is said of scenes that lie far from zero, for programs that compute in single precision.
+//! The warning about scenes that lie far from zero, for programs that compute in single precision.
 
 use unrender_scene::{Scene, Warnings};
 
-/// For files that have the scene where it is.
+/// For files that keep the scene at its place.
 pub(super) const WRITTEN_THERE: &str =
     "it was written where it is; render it with a variant in double precision, or move it";
 
-/// For files that have it elsewhere.
+/// For files that move it to zero.
 pub(super) const WRITTEN_NEARER: &str = "it was written with that point at zero";
 
-/// Warns that `program` cannot tell the positions of `scene` apart, if that is so.
+/// Warns that `program` resolves the positions of `scene` coarsely, if `scene` lies far from zero.
 pub(super) fn warn(scene: &Scene, program: &str, what: &str, warnings: &mut Warnings) {
     let farthest = scene.origin.abs().max_element();
     if farthest > 0.0 {

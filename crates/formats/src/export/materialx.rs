@@ -1,9 +1,9 @@
-//! MaterialX: the materials as `standard_surface`, and which objects have them. Geometry, lights and
-//! camera have no words there.
+//! MaterialX: the materials as `standard_surface`, and which objects have them. It has no words for
+//! geometry, lights and camera.
 //!
 //! A surface without a diffuse part is a metal of colour `rho_s`; else a dielectric of colour `rho_d`
 //! whose ior is the least (from 1.5 on) that reaches `rho_s` at normal incidence, with `rho_s` over
-//! that as its specular colour. Both shine more towards grazing angles than Ward's lobe.
+//! that as its specular colour. Both reflect more towards grazing angles than Ward's lobe.
 //! `alpha = roughness^2`; an anisotropy `a` has the aspect `sqrt(1 - a)`, `alpha_x = alpha/aspect`,
 //! `alpha_y = alpha aspect`, x turned by `specular_rotation` turns from the tangent.
 //! [MaterialX specification 1.39; Autodesk Standard Surface, sections 4 and 5]

@@ -1,9 +1,9 @@
 //! Scenes for other programs: what they need to render the picture that unrender renders.
 //!
 //! One target is one module with one function, from a [`Shot`] to [`Files`]. To add another: write
-//! such a module, name it in [`Target`], and say by [`Target::lobe`] which lobe it can shine with.
-//! Writers see the materials already in the words of that lobe (`Shot::materials`); whoever calls
-//! them has converted Ward's.
+//! such a module, name it in [`Target`], and state in [`Target::lobe`] which lobe it has. Writers
+//! get the materials already converted to that lobe (`Shot::materials`); the caller converts
+//! Ward's.
 
 mod anisotropy;
 mod blender;
@@ -29,7 +29,7 @@ use unrender_scene::{BrdfModel, Camera, Lens, Lobe, Material, Scene, WardModel, 
 pub struct Shot<'a> {
     /// Geometry, names, lights, and the exact materials.
     pub scene: &'a Scene,
-    /// For each group its material, roughness and rho_s as the target's lobe has them.
+    /// For each group its material, with roughness and rho_s for the target's lobe.
     pub materials: &'a [Material],
     /// The camera.
     pub camera: &'a Camera,
@@ -77,7 +77,7 @@ impl Target {
         }
     }
 
-    /// Whether an export is a folder of files, and not one file; then the extension of that.
+    /// The extension, if an export is one file and not a folder of files.
     fn file_extension(self) -> Option<&'static str> {
         (self == Self::Gltf).then_some("glb")
     }
@@ -97,7 +97,7 @@ impl Target {
         }
     }
 
-    /// The lobe that it shines with for a scene of `model`: that one if it has it, else the nearest.
+    /// The lobe that it uses for a scene of `model`: the same if it has it, else the nearest.
     pub fn lobe(self, model: BrdfModel) -> Lobe {
         match self {
             Self::Blender | Self::Mitsuba if model != BrdfModel::Ggx => Lobe::Beckmann,
@@ -124,10 +124,10 @@ impl FromStr for Target {
     }
 }
 
-/// The files of `shot` for `target`, and what they cannot say.
+/// The files of `shot` for `target`, and what they cannot express.
 ///
 /// # Errors
-/// If the scene cannot be said in the target's words at all.
+/// If the target cannot express the scene at all.
 pub fn export(shot: &Shot, target: Target) -> Result<(Files, Warnings), String> {
     let (files, mut warnings) = match target {
         Target::Blender => blender::export(shot),
@@ -138,8 +138,7 @@ pub fn export(shot: &Shot, target: Target) -> Result<(Files, Warnings), String> 
         Target::Radiance => radiance::export(shot),
     }?;
     if shot.scene.environment.is_some() {
-        warnings
-            .push("the scene has an environment, which is not exported: put it into the program");
+        warnings.push("the scene has an environment, which is not exported: add it in the program");
     }
     Ok((files, warnings))
 }

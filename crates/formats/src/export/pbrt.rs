@@ -1,6 +1,6 @@
 //! PBRT v4: `scene.pbrt` with its meshes as PLY and its pictures as EXR.
 //!
-//! Written by the format's documentation; no package registry has its renderer to check it by. A
+//! It follows the format's documentation, unchecked: no package registry has the renderer. A
 //! glossy surface is a `mix` of `diffuse` and `conductor`, whose `reflectance` is that at normal
 //! incidence, with GGX microfacets. In a mix of amount `b` the parts are `rho_d/(1-b)` and `rho_s/b`.
 //! The picture plane is given by `screenwindow` at a field of view of 90 degrees, where its units are
@@ -13,7 +13,7 @@ use glam::{Mat4, Vec3, Vec4};
 use std::fmt::Write;
 use unrender_scene::{LightKind, Object, Rgb, Warnings};
 
-/// PBRT wants conductors below one.
+/// PBRT wants conductors' reflectances below one.
 const HIGHEST: f32 = 0.9999;
 
 /// The files of `shot`.

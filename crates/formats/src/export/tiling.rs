@@ -13,11 +13,11 @@ pub(super) struct Tile {
     pub(super) scale: Vec2,
     /// Whether the edge is held; else the picture is repeated.
     pub(super) clamps: bool,
-    /// What is not the texture's way, if anything is not.
+    /// In what it differs from the texture, if in anything.
     pub(super) doubt: Option<&'static str>,
 }
 
-/// The tile of `texture`: where it repeats mirrored, it holds the mirrored copy too.
+/// The tile of `texture`: where that repeats mirrored, the tile contains the mirrored copy too.
 pub(super) fn tile(texture: &Texture) -> Tile {
     let twice = |wrap: Wrap| if wrap == Wrap::MirroredRepeat { 2 } else { 1 };
     let (across, down) = (twice(texture.wrap_u), twice(texture.wrap_v));

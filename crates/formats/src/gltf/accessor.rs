@@ -12,10 +12,10 @@ const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
 const FLOAT: u32 = 5126;
 
-/// What an index costs: itself, its part of a triangle, and where normals are missing a vertex of 32
-/// bytes of its own.
+/// The memory of an index: itself, its part of a triangle, and, where normals are missing, a vertex
+/// of 32 bytes of its own.
 pub(super) const BYTES_A_INDEX: u64 = 48;
-/// What a number costs: itself, and as part of a vector.
+/// The memory of a number: itself, and as part of a vector.
 const BYTES_A_NUMBER: u64 = 8;
 
 /// The elements of accessor `index`, pairs.
@@ -50,8 +50,8 @@ fn floats(source: &Source, index: usize, kind: &str) -> Result<Vec<f32>, Problem
     values(source, accessor, (kind, BYTES_A_NUMBER), decode).map_err(|p| named(index, &p))
 }
 
-/// All components of an accessor of a kind, of which each costs so many bytes. Those without a bufferView are
-/// zero, as glTF has it, but where a sparse list replaces them.
+/// All components of an accessor of a kind, each of which costs so many bytes. Without a bufferView they are
+/// zero, as in glTF, except where a sparse list replaces them.
 fn values<T: Clone + Default>(
     source: &Source,
     accessor: &Accessor,

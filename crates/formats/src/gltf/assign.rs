@@ -43,7 +43,7 @@ fn with_materials(source: &Source, scene: &Scene) -> Result<Vec<u8>, Problem> {
         let json = &mut glb.root["materials"][index];
         ward::assign_material(json, material, scene.brdf, texture);
         let emission = scene.groups[group].emission;
-        // What has no material in the file is black.
+        // A group without a material in the file emits nothing there.
         let in_file = source.document.materials.get(index);
         if in_file.map_or(Some(Rgb::ZERO), material::emission) != Some(emission) {
             material::set_emission(json, emission);

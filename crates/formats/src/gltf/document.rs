@@ -1,6 +1,6 @@
 //! The part of glTF's JSON that is read, as typed data. Indices are not yet checked here.
 //!
-//! Every element keeps the names of what no field here asks for in its `unread`, which is told.
+//! Every element keeps the names of properties without a field here in `unread`, for warnings.
 
 use super::unread::Unread;
 use serde::Deserialize;

@@ -1,13 +1,13 @@
 //! The properties of glTF's elements and the attributes of its vertices that are known, and how they are taken.
 //!
 //! What is read has a field in `document.rs`, which a test compares with the table of properties. What has none is
-//! told, unless it is passed over here.
+//! warned of, unless it is passed over here.
 
 use crate::entry::{Entry, Table, Taken, near, passed, read, told};
 
 /// An element of the file.
 struct Element {
-    /// What it is called when something of it is told.
+    /// What it is called in warnings.
     kind: &'static str,
     /// What it is called on the page.
     name: &'static str,
@@ -18,7 +18,7 @@ struct Element {
 pub(super) fn property(kind: &str, name: &str) -> Option<&'static Entry> {
     let of_kind = ELEMENTS.iter().filter(|element| element.kind.is_empty() || element.kind == kind);
     let mut rows = of_kind.flat_map(|element| element.properties);
-    // What is passed over of one element of a kind is of all.
+    // What is passed over in one element of a kind is passed over in all.
     rows.clone()
         .find(|row| row.name == name && row.taken == Taken::PassedOver)
         .or_else(|| rows.find(|row| row.name == name))
@@ -49,7 +49,7 @@ const fn element(kind: &'static str, name: &'static str, properties: &'static [E
     Element { kind, name, properties }
 }
 
-/// What is told of motions of the nodes.
+/// The warning about motions of the nodes.
 pub(super) const ANIMATIONS: Entry =
     told("animations", "Animations were ignored; everything stands as its node says");
 
@@ -62,7 +62,7 @@ const ELEMENTS: &[Element] = &[
         "",
         "all",
         &[
-            passed("name", "read of nodes, meshes, materials, lights and cameras"),
+            passed("name", "read for nodes, meshes, materials, lights and cameras"),
             passed("extras", "read where unrender wrote them"),
         ],
     ),
@@ -72,7 +72,7 @@ const ELEMENTS: &[Element] = &[
         &[
             read("asset", "see asset"),
             read("scene", "the scene that is read; the first one by default"),
-            read("scenes", "that there are several is told"),
+            read("scenes", "a warning says if there are several"),
             read("nodes", "see nodes"),
             read("meshes", "see meshes"),
             read("materials", "see materials"),
@@ -84,13 +84,13 @@ const ELEMENTS: &[Element] = &[
             read("buffers", "see buffers"),
             read("cameras", "see cameras"),
             read("extensions", "see extensions"),
-            read("extensionsUsed", "those that are not read are told"),
+            read("extensionsUsed", "those that are not read are warned of"),
             read(
                 "extensionsRequired",
-                "those that are not read are refused, but for those of materials",
+                "those that are not read are refused, except those of materials",
             ),
             ANIMATIONS,
-            passed("skins", "told where a node has one"),
+            passed("skins", "a warning where a node has one"),
         ],
     ),
     element(
@@ -120,7 +120,7 @@ const ELEMENTS: &[Element] = &[
             ),
             read("extensions", "see extensions"),
             told("skin", "the mesh stands as it was modelled"),
-            passed("weights", "told where a mesh has morph targets"),
+            passed("weights", "a warning where a mesh has morph targets"),
         ],
     ),
     element(
@@ -128,7 +128,7 @@ const ELEMENTS: &[Element] = &[
         "meshes",
         &[
             read("primitives", "see primitives"),
-            passed("weights", "told where a primitive has morph targets"),
+            passed("weights", "a warning where a primitive has morph targets"),
         ],
     ),
     element(
@@ -137,10 +137,10 @@ const ELEMENTS: &[Element] = &[
         &[
             read("attributes", "see attributes"),
             read("indices", COUNTED),
-            read("material", "the group; without one grey, which is told"),
+            read("material", "the group; grey without one, with a warning"),
             read(
                 "mode",
-                "triangles, strips and fans; points and lines are left out, which is told",
+                "triangles, strips and fans; points and lines are left out, with a warning",
             ),
             told("targets", "the mesh stands as it was modelled"),
         ],
@@ -151,7 +151,7 @@ const ELEMENTS: &[Element] = &[
         &[
             read(
                 "pbrMetallicRoughness",
-                "a diffuse part and a lobe; without one grey, which is told",
+                "a diffuse part and a lobe; grey without it, with a warning",
             ),
             read("emissiveFactor", "the emitted radiance"),
             read(
@@ -162,22 +162,19 @@ const ELEMENTS: &[Element] = &[
             told("emissiveTexture", "the surface emits emissiveFactor all over"),
             told("normalTexture", "the surface is taken as it is"),
             told("occlusionTexture", "it is left out"),
-            read(
-                "alphaMode",
-                "OPAQUE; with another one the surface is taken as opaque, which is told",
-            ),
-            passed("alphaCutoff", "told by alphaMode"),
+            read("alphaMode", "OPAQUE; others are taken as opaque, with a warning"),
+            passed("alphaCutoff", "the warning of alphaMode covers it"),
         ],
     ),
     element(
         "materials",
         "pbrMetallicRoughness",
         &[
-            read("baseColorFactor", "the colour; that it was brought into 0 to 1 is told"),
+            read("baseColorFactor", "the colour; clamped to 0 to 1, with a warning"),
             read("baseColorTexture", "a PNG or JPEG picture that the factor multiplies"),
             read(
                 "metallicFactor",
-                "1 by default, unless roughnessFactor is not there either, which is told",
+                "1 by default; diffuse if roughnessFactor and the texture are missing too, with a warning",
             ),
             read("roughnessFactor", "its square is the roughness of the lobe"),
             told("metallicRoughnessTexture", "the mean is taken"),
@@ -210,7 +207,7 @@ const ELEMENTS: &[Element] = &[
         "samplers",
         "samplers",
         &[
-            near("magFilter", "interpolated in any case; NEAREST is told where a material has it"),
+            near("magFilter", "interpolated in any case; a warning where a material has NEAREST"),
             read("wrapS", COUNTED),
             read("wrapT", COUNTED),
             passed("minFilter", "how a program makes pictures smaller"),
@@ -265,8 +262,8 @@ const ELEMENTS: &[Element] = &[
         "cameras",
         &[
             read("perspective", "a camera"),
-            passed("type", "that a camera is none in perspective is told, and it is left out"),
-            passed("orthographic", "told with type"),
+            passed("type", "a camera that is not in perspective is left out, with a warning"),
+            passed("orthographic", "the warning of type covers it"),
         ],
     ),
     element(
@@ -299,11 +296,11 @@ const ELEMENTS: &[Element] = &[
         "lights",
         "spot",
         &[
-            read("innerConeAngle", "of Blender's files the cone whose light is that of Cycles"),
-            read("outerConeAngle", "of Blender's files the cone whose light is that of Cycles"),
+            read("innerConeAngle", "from Blender's files, the cone whose light is that of Cycles"),
+            read("outerConeAngle", "from Blender's files, the cone whose light is that of Cycles"),
         ],
     ),
-    element("nodes", "KHR_node_visibility", &[read("visible", "what is not is not there")]),
+    element("nodes", "KHR_node_visibility", &[read("visible", "what is not visible is left out")]),
     element(
         "materials",
         "KHR_texture_transform",
@@ -318,7 +315,7 @@ const ELEMENTS: &[Element] = &[
     element(
         "materials",
         "KHR_materials_ior",
-        &[read("ior", "what is reflected at normal incidence")],
+        &[read("ior", "the reflectance at normal incidence")],
     ),
     element(
         "materials",
@@ -348,8 +345,8 @@ const ATTRIBUTES: &[Entry] = &[
     read("TANGENT", "the direction of highlights, and its handedness"),
     read("TEXCOORD_n", "the set that a texture names"),
     told("COLOR_n", "a surface has the colour of its material and its texture"),
-    passed("JOINTS_n", "told by the skin of the node"),
-    passed("WEIGHTS_n", "told by the skin of the node"),
+    passed("JOINTS_n", "the warning of the node's skin covers it"),
+    passed("WEIGHTS_n", "the warning of the node's skin covers it"),
     passed("_", "what a program keeps for itself"),
 ];
 

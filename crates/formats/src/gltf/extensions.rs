@@ -8,8 +8,8 @@ pub(super) const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 const TRANSPARENT: &str = "transparent surfaces are not modelled; they were taken as opaque";
 const OTHER_PICTURE: &str = "of each texture the PNG or JPEG picture was taken, where it has one";
 
-/// The extensions that are known, and how they are taken where a file uses them; of those that are told the end of
-/// the sentence that is told.
+/// The known extensions, and how they are taken where a file uses them; for those warned of, the end of the
+/// warning.
 const EXTENSIONS: &[Entry] = &[
     read("KHR_lights_punctual", "see its properties"),
     read("KHR_materials_emissive_strength", "see its properties"),

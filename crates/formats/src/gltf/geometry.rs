@@ -60,8 +60,8 @@ fn too_large() -> Problem {
     "has a mesh of more than 2^32 vertices; split it into several nodes".into()
 }
 
-/// The attributes as they stand in the file, every index in range; of the texture coordinates those
-/// of `set`.
+/// The attributes as they stand in the file, every index in range, with the texture coordinates of
+/// `set`.
 fn local_mesh(source: &Source, primitive: &Primitive, set: usize) -> Result<Option<Mesh>, Problem> {
     let attributes = &primitive.attributes;
     let Some(position) = attributes.position else { return Ok(None) };
@@ -106,7 +106,7 @@ fn local_mesh(source: &Source, primitive: &Primitive, set: usize) -> Result<Opti
     Ok(Some(mesh))
 }
 
-/// Of a compressed mesh the accessors have no data of their own.
+/// The accessors of a compressed mesh have no data of their own.
 fn refuse_compressed(source: &Source, primitive: &Primitive) -> Result<(), Problem> {
     let Attributes { position, normal, tangent, texcoord_0, .. } = primitive.attributes;
     let accessors =
@@ -162,7 +162,8 @@ fn retain<T>(items: &mut Vec<T>, keep: &[bool]) {
     items.retain(|_| flags.next().copied().unwrap_or(false));
 }
 
-/// What is lost of `positions`, which a file has in single precision, if they lie far from their node's zero.
+/// The precision lost in `positions`, which a file has in single precision, if they lie far from their node's
+/// zero.
 fn coarse(positions: &[Vec3], world_from_node: &DAffine3) -> Option<String> {
     let low = positions.iter().copied().reduce(Vec3::min)?;
     let high = positions.iter().copied().reduce(Vec3::max)?;
@@ -201,7 +202,7 @@ fn cofactors(m: &DMat3) -> DMat3 {
     DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }
 
-/// `v` at length one. What is a unit vector but for rounding stays as it is, bit by bit.
+/// `v` at length one. A unit vector, up to rounding, stays as it is, to the bit.
 pub(super) fn unit(v: DVec3) -> Vec3 {
     let length = v.length();
     if length == 0.0 || (length - 1.0).abs() < 1e-6 {
@@ -210,7 +211,7 @@ pub(super) fn unit(v: DVec3) -> Vec3 {
     (v / length).as_vec3()
 }
 
-/// The `w` of a tangent is a sign; exporters have been seen to leave it zero.
+/// The `w` of a tangent is a sign; some exporters leave it zero.
 pub(super) fn repair_handedness(tangents: &mut [Vec4], warnings: &mut Warnings) {
     for tangent in tangents.iter_mut().filter(|t| t.w.is_finite() && t.w.abs() != 1.0) {
         tangent.w = if tangent.w < 0.0 { -1.0 } else { 1.0 };

@@ -17,7 +17,7 @@ pub(super) struct Glb {
 }
 
 impl Glb {
-    /// One without anything in it.
+    /// An empty one.
     pub(super) fn empty() -> Self {
         Self { root: json!({}), bin: Vec::new() }
     }
@@ -68,7 +68,7 @@ impl Glb {
         Ok(self.push("textures", json!({ "sampler": sampler, "source": image })))
     }
 
-    /// Lists the extensions of the materials, writes down the buffer, and packs both.
+    /// Lists the extensions in use, adds the buffer to the JSON, and packs both.
     pub(super) fn finish(mut self) -> Result<Vec<u8>, Problem> {
         list_extensions(&mut self.root);
         if !self.bin.is_empty() {
@@ -99,7 +99,7 @@ fn embed_buffers(glb: &mut Glb, source: &Source) {
     }
 }
 
-/// Embeds the pictures that can be read; what is missing stays missing.
+/// Embeds the pictures that can be read; missing ones stay missing.
 fn embed_images(glb: &mut Glb, source: &Source) {
     for (index, image) in source.document.images.iter().enumerate() {
         if image.uri.is_none() || image.buffer_view.is_some() {
@@ -127,7 +127,7 @@ fn list_extensions(root: &mut Value) {
             || materials.is_some_and(|all| all.iter().any(|m| m["extensions"].get(name).is_some()))
             || name == TEXTURE_TRANSFORM && transform::is_used_in(&root["materials"])
     };
-    // Meshes and nodes, of which these are, stay as they were.
+    // These belong to meshes and nodes, which stay as they were.
     let kept = ["KHR_mesh_quantization", "KHR_node_visibility"];
     let ours = understood().filter(|name| !kept.contains(name));
     let dropped = ["KHR_materials_pbrSpecularGlossiness", "KHR_materials_unlit"];

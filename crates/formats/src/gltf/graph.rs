@@ -32,7 +32,7 @@ pub(super) fn placed_nodes(document: &Document) -> Result<Vec<Placed>, Problem> 
                  export the scene again"
             ));
         }
-        // It hides what hangs on it, too.
+        // It hides its children, too.
         if node.extensions.visibility.as_ref().is_some_and(|visibility| !visibility.visible) {
             continue;
         }

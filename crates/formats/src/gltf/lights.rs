@@ -68,7 +68,7 @@ pub(super) fn light(
 /// It writes `outer` for half the spot's size and `outer (1 - blend)` for `inner`. Cycles' light falls off by
 /// a smooth step in the cosine, over `w = blend (1 - cos outer)` above that of `outer`. The square of a line,
 /// which glTF has, sends as much light from `cos outer - w/2` to `cos outer + w`, and differs nowhere by more
-/// than 15 % of the spot's intensity. By the angles as they stand a new spot (blend 0.15) would send
+/// than 15 % of the spot's intensity. With the angles taken as they are, a new spot (blend 0.15) would send
 /// 12 % less.
 fn cycles_cone(inner: f64, outer: f64) -> [f64; 2] {
     let blend = (1.0 - inner / outer).clamp(0.0, 1.0);
@@ -86,8 +86,8 @@ fn strength(json: &LightJson, units: LightUnits) -> Rgb {
     (DVec3::from_array(json.color) * json.intensity * radiometric).as_vec3()
 }
 
-/// The colour of a light of this strength, and its intensity in `units`: for our own files to the bit;
-/// else so that the colour's greatest channel is one, and the power that of the light.
+/// The colour of a light of this strength, and its intensity in `units`: to the bit for our own files;
+/// else the colour's greatest channel is one, and the power is that of the light.
 pub(super) fn color_and_intensity(kind: &LightKind, units: LightUnits) -> (Value, f64) {
     let strength = kind.strength().as_dvec3();
     let greatest = strength.max_element();
@@ -98,8 +98,8 @@ pub(super) fn color_and_intensity(kind: &LightKind, units: LightUnits) -> (Value
     (json!((strength / greatest).to_array()), greatest / units.radiometric(is_directional))
 }
 
-/// Makes the lights of the file `document`, which `glb` is to become, as bright as those of `scene`,
-/// which was read from it, in the file's own units.
+/// Makes the lights in `glb` as bright as those of `scene`, which was read from `source`, in the
+/// file's own units.
 pub(super) fn assign_lights(glb: &mut Glb, source: &Source, scene: &Scene) -> Result<(), Problem> {
     let (document, units) = (&source.document, source.light_units);
     if units != units::of(&document.asset, None) {
@@ -176,7 +176,8 @@ pub(super) fn camera(
     Ok(Some(Camera { name, world_from_camera, fov_y_rad, aspect, lens: Lens::default() }))
 }
 
-/// The motion without scale and shear that keeps where the camera looks and, nearly, its right.
+/// The motion without scale and shear that keeps the camera's view direction and, nearly, its right
+/// axis.
 fn rigid(transform: &DAffine3) -> Option<Affine3A> {
     let m = transform.matrix3;
     let error = m.transpose() * m - glam::DMat3::IDENTITY;

@@ -46,7 +46,7 @@ pub(super) fn group(
     Ok((Group { name: name.to_owned(), material, emission }, brdf))
 }
 
-/// The radiance that the material emits; none if it is no such thing.
+/// The radiance that the material emits; none if it is not a valid one.
 pub(super) fn emission(json: &MaterialJson) -> Option<Rgb> {
     let strength = json
         .extensions
@@ -93,7 +93,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// The material by the exact numbers that [`ward::assign_material`] has left.
+    /// The material from the exact numbers that [`ward::assign_material`] wrote.
     fn exact(
         &mut self,
         json: &MaterialJson,
@@ -113,7 +113,7 @@ impl Reader<'_> {
         Ok((material, brdf))
     }
 
-    /// The material by glTF's own parameters.
+    /// The material from glTF's own parameters.
     fn approximate(&mut self, json: &MaterialJson) -> Result<Material, Problem> {
         let Some(pbr) = &json.pbr_metallic_roughness else {
             return Ok(self.unstated(json));
@@ -159,7 +159,8 @@ impl Reader<'_> {
         clamped
     }
 
-    /// Metallic and roughness; of a texture of them the mean. What names neither is diffuse.
+    /// Metallic and roughness; the mean of a texture of them. A material that states neither is
+    /// diffuse.
     fn metallic_roughness(&mut self, pbr: &super::document::Pbr) -> Result<(f32, f32), Problem> {
         let name = self.name;
         let stated = [pbr.metallic_factor, pbr.roughness_factor];
@@ -201,8 +202,8 @@ impl Reader<'_> {
         };
         if texture::is_in_blocks(self.source, info.index) {
             self.warnings.push(format!(
-                "material \"{name}\": its texture is to be shown as blocks (magFilter NEAREST); between its \
-                 texels it was interpolated."
+                "material \"{name}\": its texture is to be shown as blocks (magFilter NEAREST); it \
+                 was interpolated between texels."
             ));
         }
         let image = texels::linear(&encoded).map(|texel| *texel * factor);

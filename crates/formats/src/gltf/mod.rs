@@ -2,13 +2,13 @@
 //!
 //! - [`read`] bakes the nodes of the default scene into world space.
 //! - [`assign_materials`] gives back the file that was read, with the recovered materials.
-//! - [`place`](place()) gives it back with one camera more.
+//! - [`place`](place()) gives it back with one more camera.
 //! - [`to_glb`] writes a scene that has no such file.
 //!
-//! What a Ward material is in glTF's words, both ways, is the business of one file, `ward.rs`.
-//! To understand another extension: name it in the table of `extensions`, give it a field in
-//! `document` and rows in `elements`, and use the field where its owner (material, node, camera) is read. What has no field there is
-//! told (`tell`).
+//! Ward materials are converted to and from glTF's in one file, `ward.rs`. To understand another
+//! extension: name it in the table of `extensions`, give it a field in `document` and rows in
+//! `elements`, and use the field where its owner (material, node, camera) is read. A property
+//! without a field is warned of (`tell`).
 
 mod accessor;
 mod assign;

@@ -1,4 +1,4 @@
-//! The file that a scene came from, with one camera more.
+//! The file that a scene came from, with one more camera.
 
 use super::Problem;
 use super::glb::Glb;
@@ -15,7 +15,7 @@ use unrender_scene::Camera;
 
 /// The bytes of a `.glb` with everything that is in the glTF file `source`, and `camera`, whose position counts
 /// from `origin`, in its
-/// default scene. A camera of the same name there is replaced. What the lens does cannot be said.
+/// default scene. A camera of the same name there is replaced. Distortion cannot be expressed.
 ///
 /// # Errors
 /// If `source` cannot be read, or if the result would be larger than 4 GiB.
@@ -55,7 +55,7 @@ fn placed(source: &Source, camera: &Camera, origin: DVec3) -> Result<Vec<u8>, Pr
     match former {
         Some(former) if stands_alone(&former) => glb.root["nodes"][former.node] = node,
         former => {
-            // What hangs on the node, and what the node hangs on, stay as they are.
+            // The children of the node and its parent stay as they are.
             if let Some(former) = former {
                 object(&mut glb.root["nodes"][former.node]).remove("camera");
             }

@@ -8,7 +8,8 @@ use crate::{FileError, Input};
 use std::collections::BTreeMap;
 use unrender_scene::{BrdfModel, Object, Scene, Warnings};
 
-/// Reads the default scene of the `.glb` or `.gltf` at `path` into world space, counted from where the input says.
+/// Reads the default scene of the `.glb` or `.gltf` at `path` into world space, with the origin that the input
+/// states.
 ///
 /// Groups are the materials that some triangle has, in the order of the file; objects are the
 /// pairs of a node and a material. The scene is not yet validated:
@@ -72,8 +73,8 @@ fn read_node(
     Ok(())
 }
 
-/// The objects of a node, one a material; `Object::group` is still the index of the material,
-/// with the number of materials for those that have none.
+/// The objects of a node, one per material; `Object::group` is still the index of the material, or
+/// the number of materials for those without one.
 fn objects(
     source: &Source,
     placed: &Placed,
@@ -119,7 +120,7 @@ fn objects(
     Ok(objects)
 }
 
-/// Makes groups of the materials that objects have; returns the lobe that they were written for.
+/// Makes the materials that objects have into groups; returns the lobe that they were written for.
 fn sort_into_groups(
     source: &Source,
     names: &[String],

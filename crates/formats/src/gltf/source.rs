@@ -17,9 +17,9 @@ pub(super) struct Source {
     pub(super) json: Value,
     /// The JSON as typed data.
     pub(super) document: Document,
-    /// One entry a buffer, exactly `byteLength` long.
+    /// One entry per buffer, exactly `byteLength` long.
     pub(super) buffers: Vec<Vec<u8>>,
-    /// What the intensities of its lights are.
+    /// The units of its lights' intensities.
     pub(super) light_units: LightUnits,
     folder: PathBuf,
     scope: Scope,
@@ -121,7 +121,7 @@ fn load_buffers(
     Ok(buffers)
 }
 
-/// A buffer without data is what a compressed one leaves for programs that do not know the compression.
+/// The error for a buffer without data, which compression leaves for programs that do not know it.
 fn no_data(index: usize, buffer: &Buffer) -> Problem {
     let compressed = buffer.unread.extensions.keys().next();
     let plain = || format!("buffer {index} has no data; export the scene again");

@@ -1,4 +1,5 @@
-//! Tells what a glTF file says and is not read: of the document, of each node with what it holds, of each material.
+//! Warns of what is in a glTF file and is not read: in the document, in each node and its contents, in each
+//! material.
 
 use super::document::{Document, Material, Node, TextureInfo};
 use super::elements;
@@ -6,7 +7,7 @@ use super::unread::{Unread, tell_extension};
 use crate::entry::Taken;
 use unrender_scene::Warnings;
 
-/// Tells what is not read of what all scenes of the file share.
+/// Warns of what is not read in the parts that all scenes of the file share.
 pub(super) fn document(document: &Document, warnings: &mut Warnings) {
     let mut tell = |unread: &Unread, kind: &str| unread.tell(kind, warnings);
     tell(&document.unread, "file");
@@ -36,7 +37,7 @@ pub(super) fn document(document: &Document, warnings: &mut Warnings) {
     document.extensions_used.iter().for_each(|name| tell_extension(name, warnings));
 }
 
-/// Tells what is not read of a node and of what it holds.
+/// Warns of what is not read in a node and its contents.
 pub(super) fn node(document: &Document, node: &Node, warnings: &mut Warnings) {
     node.unread.tell("nodes", warnings);
     node.extensions.unread.tell_extensions(warnings);
@@ -66,7 +67,7 @@ pub(super) fn node(document: &Document, node: &Node, warnings: &mut Warnings) {
     }
 }
 
-/// Tells that the vertices of meshes of `material` have a `key` that is not read.
+/// Warns that the vertices of meshes of `material` have an attribute `key` that is not read.
 fn tell_attribute(key: &str, material: &str, warnings: &mut Warnings) {
     match elements::attribute(key) {
         Some(row) if row.taken == Taken::WarnedOf => warnings.push(format!(
@@ -75,15 +76,15 @@ fn tell_attribute(key: &str, material: &str, warnings: &mut Warnings) {
         )),
         Some(_) => {}
         None => {
-            warnings.push(format!("Of the meshes the attribute {key} is not read; it was ignored."))
+            warnings.push(format!("glTF meshes: the attribute {key} is not read; it was ignored."))
         }
     }
 }
 
-/// Tells what is not read of the material called `name`.
+/// Warns of what is not read in the material called `name`.
 pub(super) fn material(json: &Material, name: &str, warnings: &mut Warnings) {
     let mut tell = |unread: &Unread, of: &str| {
-        unread.tell_as("materials", &format!("Of material \"{name}\"{of}"), warnings);
+        unread.tell_as("materials", &format!("material \"{name}\"{of}"), warnings);
     };
     tell(&json.unread, "");
     let extensions = &json.extensions;

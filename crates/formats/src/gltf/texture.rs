@@ -6,7 +6,7 @@ use crate::texels::decode;
 use unrender_scene::{Image, Rgb, Wrap};
 
 /// The texels of glTF texture `index` as encoded, 0 to 1, and how it goes on beyond its edges.
-/// None if the texture has no picture that plain glTF knows.
+/// None if the texture has no picture in a format of plain glTF.
 pub(super) fn encoded(
     source: &Source,
     index: usize,

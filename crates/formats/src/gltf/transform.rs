@@ -7,10 +7,10 @@
 //! v' = o_v - sin(r) s_u u + cos(r) s_v v
 //! ```
 //!
-//! (counter-clockwise, as v grows downwards). A mesh has one set of texture coordinates, which here
-//! are `(u', v')` of its material's base colour: primitives of other materials have others. The
-//! record of the transform stays in files that are written back, since a texture that was recovered
-//! lies in `(u', v')`, too. The emissive texture is not read, and of others only the mean counts.
+//! (counter-clockwise, as v grows downwards). A mesh has one set of texture coordinates, here `(u',
+//! v')` of its material's base colour; primitives of other materials have their own. The record of
+//! the transform stays in files that are written back, since a texture that was recovered lies in
+//! `(u', v')`, too. The emissive texture is not read, and only the mean of others counts.
 
 use super::Problem;
 use super::document::{Document, TextureInfo};
@@ -19,7 +19,7 @@ use glam::{DAffine2, DMat2, DVec2, Vec3, Vec4};
 use serde_json::{Value, json};
 use unrender_scene::Mesh;
 
-/// Which texture coordinates a material goes by, and how they are transformed.
+/// Which texture coordinates a material uses, and how they are transformed.
 pub(super) struct Layout {
     /// The number of the set, n of `TEXCOORD_n`.
     pub(super) set: usize,
@@ -27,7 +27,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// The layout of material `index`; without a base colour texture that of the plain `TEXCOORD_0`.
+    /// The layout of material `index`; plain `TEXCOORD_0` without a base colour texture.
     pub(super) fn of(document: &Document, index: Option<usize>) -> Result<Self, Problem> {
         let material = index.and_then(|index| document.materials.get(index));
         let pbr = material.and_then(|material| material.pbr_metallic_roughness.as_ref());
@@ -53,7 +53,8 @@ impl Layout {
     }
 
     /// Transforms the texture coordinates of `mesh`. Where that turns the direction of growing u, from
-    /// which anisotropy directions count, and the mesh has no tangents, it gets those of before.
+    /// which anisotropy is measured, a mesh without tangents gets the former direction as its
+    /// tangents.
     pub(super) fn apply(&self, mesh: &mut Mesh) {
         let Some(transform) = self.transform.filter(|_| !mesh.uvs.is_empty()) else { return };
         // Surfaces where u grows in the same direction as u': the first row is (positive, 0).
@@ -68,7 +69,7 @@ impl Layout {
     }
 }
 
-/// At each vertex the direction of growing u; where there is none world +x, or +z on surfaces that
+/// The direction of growing u at each vertex; where there is none, world +x, or +z on surfaces that
 /// face along x, as for meshes without texture coordinates.
 fn along_u(mesh: &Mesh) -> Vec<Vec4> {
     let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
@@ -76,7 +77,7 @@ fn along_u(mesh: &Mesh) -> Vec<Vec4> {
         let [a, b, c] = triangle.map(|i| mesh.positions[i as usize]);
         let [s, t, w] = triangle.map(|i| mesh.uvs[i as usize]);
         let (t, w) = (t - s, w - s);
-        // Weighted by the area, its sign that of the texture's.
+        // Weighted by the area, with the sign of the area in the texture.
         let tangent = ((b - a) * w.y - (c - a) * t.y) * t.perp_dot(w).signum();
         triangle.iter().for_each(|&i| sums[i as usize] += tangent);
     }
@@ -90,7 +91,7 @@ fn along_u(mesh: &Mesh) -> Vec<Vec4> {
     sums.iter().zip(&mesh.normals).map(on_surface).collect()
 }
 
-/// The words of a material for glTF texture `index` that lies where the texture `former` lay.
+/// The JSON in a material for glTF texture `index`, with the transform of the texture `former`.
 pub(super) fn texture_info(index: usize, former: Option<&Value>) -> Value {
     let mut info = json!({ "index": index });
     let Some(former) = former else { return info };

@@ -1,5 +1,5 @@
 //! Surfaces that emit from both sides: those of a material that emits and is `doubleSided`, which
-//! Blender's exporter writes unless *Backface Culling* is ticked, and as Cycles has them.
+//! Blender's exporter writes unless *Backface Culling* is ticked, and which Cycles renders so.
 //!
 //! Ours emit from their front only. An open mesh of such a material gets a second skin behind the first,
 //! which emits the other way. The inside of a closed one is not seen.
@@ -12,9 +12,9 @@ use glam::{Vec3, Vec4};
 use std::collections::HashMap;
 use unrender_scene::{Mesh, Rgb};
 
-/// How far the second skin lies behind the first, as a share of the mesh's extent: of a lamp of a metre a
-/// tenth of a millimetre. At a tenth of it rays in single precision take one for the other, at ten times it
-/// lamps that lie close to a ceiling reach into it.
+/// How far the second skin lies behind the first, as a share of the mesh's extent: a tenth of a millimetre
+/// for a lamp of a metre. At a tenth of this, rays in single precision confuse the two; at ten times this,
+/// lamps close to a ceiling reach into it.
 const BEHIND: f32 = 1e-4;
 
 /// Whether surfaces of this material emit from both sides.

@@ -9,7 +9,7 @@ use crate::{FileError, Input, LightUnits};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-/// What the generator of files by Blender's exporter starts with; its version follows.
+/// The beginning of `generator` in files by Blender's exporter; its version follows.
 const BLENDER: &str = "Khronos glTF Blender I/O v";
 /// The first version whose lights are not in watts.
 const FIRST_IN_CANDELA: (u32, u32) = (3, 4);
@@ -56,7 +56,7 @@ fn by_generator(generator: &str) -> LightUnits {
     if version < FIRST_IN_CANDELA { LightUnits::BlenderRaw } else { LightUnits::BlenderStandard }
 }
 
-/// The line that says how the lights of `document` were read, where its generator decided that.
+/// The warning of how the lights of `document` were read, where its generator decided that.
 pub(super) fn warning(document: &Document, units: LightUnits) -> Option<String> {
     let read_as = match units {
         LightUnits::Radiometric | LightUnits::Unitless => return None,

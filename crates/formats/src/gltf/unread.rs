@@ -1,4 +1,4 @@
-//! What a glTF file says of an element and no field of `document` asks for: collected with the element, and told.
+//! What a glTF element has and no field of `document` reads: collected with the element, for warnings.
 
 use super::elements::{self, ANIMATIONS};
 use super::extensions;
@@ -8,24 +8,24 @@ use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
 use unrender_scene::Warnings;
 
-/// What is not read of an element.
+/// The parts of an element that are not read.
 #[derive(Deserialize, Default)]
 pub(super) struct Unread {
     /// Its extensions; empty where the element has a field for those that are read.
     #[serde(default)]
     pub(super) extensions: BTreeMap<String, IgnoredAny>,
-    /// Its other properties; of a list of extensions their names.
+    /// Its other properties; for a list of extensions, their names.
     #[serde(flatten)]
     pub(super) properties: BTreeMap<String, IgnoredAny>,
 }
 
 impl Unread {
-    /// Tells what is not read of an element of `kind`.
+    /// Warns of what is not read in an element of `kind`.
     pub(super) fn tell(&self, kind: &str, warnings: &mut Warnings) {
-        self.tell_as(kind, &format!("Of the {kind}"), warnings);
+        self.tell_as(kind, &format!("glTF {kind}"), warnings);
     }
 
-    /// As [`Unread::tell`], where `which` says whose it is.
+    /// As [`Unread::tell`], where `which` names the element.
     pub(super) fn tell_as(&self, kind: &str, which: &str, warnings: &mut Warnings) {
         self.extensions.keys().for_each(|name| tell_extension(name, warnings));
         for key in self.properties.keys() {
@@ -36,19 +36,19 @@ impl Unread {
             if kind == "file" && key == ANIMATIONS.name {
                 warnings.push(format!("{}.", ANIMATIONS.done));
             } else {
-                warnings.push(format!("{which} the property {key} is not read; it was ignored."));
+                warnings.push(format!("{which}: the property {key} is not read; it was ignored."));
             }
         }
     }
 
-    /// Tells the extensions of a list of them that are not read.
+    /// Warns of the extensions in a list of them that are not read.
     pub(super) fn tell_extensions(&self, warnings: &mut Warnings) {
         let names = self.properties.keys().chain(self.extensions.keys());
         names.for_each(|name| tell_extension(name, warnings));
     }
 }
 
-/// Tells that the extension `name` is not read, if it is not.
+/// Warns of the extension `name` if it is not read.
 pub(super) fn tell_extension(name: &str, warnings: &mut Warnings) {
     if !extensions::is_read(name) {
         warnings.push(extensions::ignored(name));

@@ -8,7 +8,7 @@
 //! `alpha + (1 - alpha) s^2` along the angle `t`; Ward's anisotropy direction is the smoother one,
 //! so `alpha_x = alpha`, `alpha_y = alpha + (1 - alpha) s^2`, `theta = t + pi/2`.
 //!
-//! **Writing** turns that round as far as glTF goes. Without a diffuse part the material is a
+//! **Writing** inverts that as far as glTF allows. Without a diffuse part the material is a
 //! metal of colour `rho_s`; else a dielectric of colour `rho_d` whose ior is the least (from 1.5
 //! on) that reaches `rho_s` with a specular colour of at most one. Nothing is lost: the exact
 //! numbers stand in `extras.unrender`, and reading prefers them.
@@ -65,8 +65,8 @@ fn dielectric_f0(extensions: &MaterialExtensions) -> Rgb {
     (f0 * color).min(Rgb::ONE) * (specular.specular_factor.clamp(0.0, 1.0) as f32)
 }
 
-/// Writes `material` into the glTF material `json`; `texture` is the index of the glTF texture
-/// that holds its diffuse texture, which lies as the one before it. Names, emission and foreign
+/// Writes `material` into the glTF material `json`; `texture` is the index of the glTF texture that
+/// holds its diffuse texture, with the transform of the former one. Names, emission and foreign
 /// extras stay.
 pub(super) fn assign_material(
     json: &mut Value,
@@ -100,7 +100,7 @@ pub(super) fn assign_material(
     for name in EXTENSIONS {
         extensions.remove(name);
     }
-    // These would stand in for the numbers above in programs that know them.
+    // Programs that know these would use them instead of the numbers above.
     extensions.remove("KHR_materials_pbrSpecularGlossiness");
     extensions.remove("KHR_materials_unlit");
     if !is_metal {
@@ -145,7 +145,7 @@ fn anisotropy(material: &Material) -> Value {
     })
 }
 
-/// Notes the exact numbers, which reading prefers.
+/// Writes down the exact numbers, which reading prefers.
 pub(super) fn note_exact(root: &mut Map<String, Value>, material: &Material, brdf: BrdfModel) {
     let extras = root.entry("extras").or_insert_with(|| json!({}));
     if !extras.is_object() && !extras.is_null() {

@@ -34,8 +34,8 @@ pub fn to_glb(scene: &Scene) -> Result<Vec<u8>, GlbError> {
     build(scene, &scene.materials(), LightUnits::Radiometric).map_err(GlbError)
 }
 
-/// As [`to_glb`], but what other programs see is `shown`, the materials in the words of glTF's own
-/// lobe (GGX), one a group; the exact ones are the scene's. Its lights are in `units`.
+/// As [`to_glb`], but other programs see the materials `shown`, converted to glTF's own lobe (GGX),
+/// one per group; the exact ones are the scene's. Its lights are in `units`.
 ///
 /// # Errors
 /// As those of [`to_glb`].
@@ -60,7 +60,7 @@ fn build(scene: &Scene, shown: &[Material], units: LightUnits) -> Result<Vec<u8>
     }
     let mut nodes = Vec::new();
     for object in &scene.objects {
-        // An object without triangles cannot be said in glTF.
+        // glTF cannot express an object without triangles.
         if !object.mesh.triangles.is_empty() {
             nodes.push(glb.object_node(object, scene.origin)?);
         }

@@ -5,7 +5,7 @@
 //! `serialized`, `rectangle`, `cube`, `sphere`, `cylinder`, `disk`, `instance` of a `shapegroup`, `merge`. Emitters:
 //! `area`, `point`, `spot`, `directional`, `constant`, `envmap`. Reflectances: see `bsdf.rs`; colours and textures:
 //! see `paint.rs`. Cameras: `perspective` and `thinlens`, each sensor becomes one. Plugins of other types are
-//! refused, and each property that is not read is told; `plugins.rs` has the table of all.
+//! refused, and each property that is not read is warned of; `plugins.rs` has the table of all.
 //! [Jakob et al., Mitsuba 3 documentation, plugin reference]
 
 mod behind;
@@ -43,7 +43,7 @@ use std::collections::BTreeSet;
 use tree::{Node, Tree};
 use unrender_scene::{BrdfModel, Group, Mesh, Object, Rgb, Scene, Warnings};
 
-/// What an instance of a shape takes beside its mesh, bytes.
+/// Memory of an instance of a shape beside its mesh, bytes.
 const SHAPE_BYTES: u64 = 1024;
 
 /// What is read of Mitsuba's scenes.
@@ -55,8 +55,8 @@ pub(crate) fn tables() -> Vec<Table> {
 /// [`load_scene`](crate::load_scene).
 ///
 /// # Errors
-/// If a file is missing or damaged, if something refers to what is not there, or if there are plugins that
-/// cannot be read.
+/// If a file is missing or damaged, if a reference has no target, or if there are plugins that cannot be
+/// read.
 pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileError> {
     let input = input.into();
     let fail = |problem: String| FileError::new(input.path, problem);
@@ -78,14 +78,14 @@ pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileEr
     Ok((scene, warnings))
 }
 
-/// Whose reflectance a surface has.
+/// Where the reflectance of a surface comes from.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Source {
     /// A BSDF by its place in the tree.
     Bsdf(usize),
-    /// That of shapes without a BSDF: grey.
+    /// Of shapes without a BSDF: grey.
     Nobody,
-    /// That of lamps without one: black.
+    /// Of lamps without one: black.
     Lamp,
 }
 
@@ -103,9 +103,10 @@ struct Reader<'a> {
     reflectances: Reflectances,
     surfaces: Vec<Surface>,
     scene: Scene,
-    /// Surfaces with microfacets that are not known exactly: the name, and whether they are GGX.
+    /// Surfaces with microfacets whose numbers are not known exactly: the name, and whether they
+    /// are GGX.
     microfacets: Vec<(String, bool)>,
-    /// The model of surfaces that are known exactly, if any of them shines.
+    /// The model of surfaces that are known exactly, if any of them has a lobe.
     exact: Option<BrdfModel>,
 }
 
@@ -128,7 +129,7 @@ impl Reader<'_> {
         for node in shapes {
             self.shape(node, &DAffine3::IDENTITY)?;
         }
-        // An area emitter at the root is what shapes refer to.
+        // Shapes refer to area emitters at the root.
         for node in root.children("emitter") {
             if node.kind() == "area" && used.contains(&node.index) {
                 continue;
@@ -144,7 +145,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The surface of a BSDF; none if it is nothing.
+    /// The surface of a BSDF; none for a `null`.
     fn bsdf(&mut self, node: Node) -> Result<Option<usize>, String> {
         let source = Source::Bsdf(node.index);
         if let Some(known) = self.surfaces.iter().position(|s| s.source == source) {
@@ -214,7 +215,7 @@ impl Reader<'_> {
         let scope = self.context.scope;
         scope.charge(SHAPE_BYTES).map_err(|problem| node.fail(problem))?;
         match node.kind() {
-            // It is seen only where instances of it are.
+            // Only its instances are seen.
             "shapegroup" => return Ok(()),
             "merge" => {
                 let mut inside = node.children("shape").into_iter();
@@ -270,13 +271,14 @@ impl Reader<'_> {
         let check_round = |world: &DAffine3, axes: [DVec3; 2]| {
             if shapes::stretches(world, axes) {
                 let kind = node.kind();
-                let what = format!("a {kind} is stretched, which Mitsuba takes for a scale alike");
+                let what =
+                    format!("a {kind} is stretched, which Mitsuba takes for a uniform scale");
                 self.context.warn(node.fail(what));
             }
         };
         let origin = self.context.scope.origin();
         // Where the zero of the scene lies in the shape's own coordinates: those of files and of points may be
-        // far from their zero, those of the others are at it.
+        // far from their zero, the others are near it.
         let zero = in_mesh(origin, world);
         let here = here_from_mesh(world, zero, origin);
         let here_from_unit = here_from_mesh(world, DVec3::ZERO, origin);
@@ -306,16 +308,16 @@ impl Reader<'_> {
                 shapes::sphere(&world)
             }
             _ => {
-                let why = "read are ply, obj, serialized, rectangle, cube, sphere, cylinder, disk, \
-                           instance and merge";
+                let why = "supported are ply, obj, serialized, rectangle, cube, sphere, cylinder, \
+                           disk, instance and merge";
                 return Err(node.refused(why));
             }
         };
         Ok(if node.flag("flip_normals", false)? { turned_over(mesh) } else { mesh })
     }
 
-    /// The model that is exact for some; GGX, if all microfacets are; else Ward's, and those of GGX are
-    /// doubtful.
+    /// Chooses the model that is exact for some; GGX, if all microfacets are; else Ward's, with a
+    /// warning for those of GGX.
     fn choose_lobe(&mut self) {
         if let Some(model) = self.exact {
             self.scene.brdf = model;
@@ -326,7 +328,7 @@ impl Reader<'_> {
         }
         for (name, _) in self.microfacets.iter().filter(|(_, is_ggx)| *is_ggx) {
             self.context.warn(format!(
-                "group \"{name}\": the roughness of its GGX was taken as Ward's, as others are no GGX"
+                "group \"{name}\": the roughness of its GGX was taken as Ward's, as other groups are not GGX"
             ));
         }
     }
@@ -355,8 +357,8 @@ impl Reader<'_> {
         }
         for (group, camera) in behind::seen(&scene, &one_sided) {
             self.context.warn(format!(
-                "group \"{}\": camera \"{camera}\" sees some of it from behind, where Mitsuba has it black as its \
-                 BSDF is in no twosided; here it reflects from behind, too",
+                "group \"{}\": camera \"{camera}\" sees some of it from behind, where it is black \
+                 in Mitsuba (its BSDF is in no twosided); here it reflects from behind, too",
                 scene.groups[group].name
             ));
         }

@@ -1,7 +1,7 @@
 //! Scenes from other programs: their own exports, and scenes to test on.
 //!
-//! One format is one module with a function `read`. What is not exactly the same there and here is
-//! taken as nearly as may be, with a warning that says how.
+//! One format is one module with a function `read`. What we cannot represent exactly is taken as
+//! closely as possible, with a warning that says how.
 
 pub mod mitsuba;
 mod ply;

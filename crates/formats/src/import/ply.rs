@@ -1,4 +1,4 @@
-//! Meshes from PLY files: positions, and where there are any, normals and texture coordinates.
+//! Meshes from PLY files: positions, and normals and texture coordinates if there are any.
 
 use crate::entry::{Entry, Table, find, passed, read};
 use crate::input::Scope;
@@ -12,7 +12,7 @@ use ply_rs_bw::ply::{
 use unrender_scene::Mesh;
 
 const PLACE: &str =
-    "the position, in double precision; what floats have lost far from the file's zero is told";
+    "the position, in double precision; a warning if floats are coarse far from the file's zero";
 const NORMAL: &str = "the normal, if all three are there";
 const UV: &str = "texture coordinates, if both are there";
 
@@ -32,7 +32,7 @@ const PROPERTIES: [Entry; 13] = [
     read("vertex_index", "the corners of a face, three or more, convex or not"),
     passed(
         "others",
-        "as colours of vertices, which only attributes of meshes use, and these are refused",
+        "such as colours of vertices: only Mitsuba's mesh attributes use them, and these are refused",
     ),
 ];
 
@@ -41,7 +41,8 @@ pub(super) fn table() -> Table {
     Table::new("PLY", "property", &PROPERTIES)
 }
 
-/// A corner of a face in the file becomes a triangle with three vertices of 32 bytes and indices.
+/// Memory of a corner of a face, bytes: it becomes a triangle with three vertices of 32 bytes and
+/// indices.
 const BYTES_A_CORNER: u64 = 128;
 
 /// The mesh in `bytes`, counted from `origin`, and whether the file has its positions in single precision; polygons
@@ -94,7 +95,7 @@ fn is_single(header: &Header) -> bool {
     axes.is_some_and(|axes| axes.into_iter().flatten().any(|axis| axis.data_type == single))
 }
 
-/// Refuses counts that the `length` bytes of the file cannot hold, and what takes too much memory.
+/// Refuses counts that the `length` bytes of the file cannot hold, or that take too much memory.
 fn check_counts(scope: &Scope, header: &Header, length: usize) -> Result<(), String> {
     let mut least = 0u64;
     for element in header.elements.values() {
@@ -112,7 +113,7 @@ fn check_counts(scope: &Scope, header: &Header, length: usize) -> Result<(), Str
     Ok(())
 }
 
-/// The bytes that an element takes at least.
+/// The least number of bytes of an element.
 fn least_size(element: &ElementDef, is_text: bool) -> u64 {
     let least = |kind: &PropertyType| match kind {
         _ if is_text => 2,
@@ -130,7 +131,7 @@ fn size(scalar: &ScalarType) -> u64 {
     }
 }
 
-/// What of a vertex or a face is used.
+/// The data of a vertex or a face that is used.
 #[derive(Default)]
 struct Element {
     /// Position, normal and texture coordinates of a vertex.

@@ -1,13 +1,13 @@
 //! Radiance scenes (`.rad`): what our own export writes, exactly, and the common primitives.
 //!
-//! Surfaces: `polygon`, what is round (`sphere`, `cylinder`, `cone`, `ring` and those inside out), and
-//! `mesh` where the OBJ lies beside it that it was compiled from. Materials, mixtures and aliases: see
+//! Surfaces: `polygon`, round ones (`sphere`, `cylinder`, `cone`, `ring` and those inside out), and `mesh`
+//! if the OBJ from which it was compiled lies beside it. Materials, mixtures and aliases: see
 //! `materials.rs` and `reflectance.rs`. Lights: surfaces of `light`, `glow` and `illum` shine, a
 //! `spotlight` is a spot light; a narrow `source` is a directional light, wide ones are the environment.
 //! Commands: `xform`, `cat`, `genbox`, `genprism` and `gensky` are carried out here; no program is ever
 //! run, and others are refused. The camera is that of `view.vf`, or of the scene's name and `.vf`, if there
-//! is such a file. What is approximated or left out is told, with its line.
-//! ["The RADIANCE 5.4 Synthetic Imaging System" (reference manual), section 2.1]
+//! is such a file. Warnings name what is approximated or left out, with its line. ["The RADIANCE 5.4
+//! Synthetic Imaging System" (reference manual), section 2.1]
 
 mod files;
 mod generators;
@@ -58,8 +58,7 @@ pub(crate) fn tables() -> Vec<Table> {
 /// [`load_scene`](crate::load_scene).
 ///
 /// # Errors
-/// If a file is missing or damaged, if something is made of what is not there, or if a command or a lamp is
-/// not understood.
+/// If a file is missing or damaged, if a modifier is missing, or if a command or a lamp is not understood.
 pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileError> {
     let input = input.into();
     let mut warnings = Warnings::default();
@@ -90,7 +89,7 @@ fn scene(input: Input<'_>, warnings: &mut Warnings) -> Result<Scene, String> {
     Ok(scene)
 }
 
-/// An object in the making: what has one name and one material.
+/// An object in the making: the meshes of one name and one material.
 struct ObjectMeshes {
     name: String,
     group: usize,
@@ -100,7 +99,7 @@ struct ObjectMeshes {
 }
 
 struct Reader<'a> {
-    /// What bounds the reading of the scene, and its folder.
+    /// The limits of reading the scene, and its folder.
     place: (&'a Scope, &'a Path),
     materials: Materials<'a>,
     meshes: Meshes,
@@ -114,7 +113,7 @@ impl Reader<'_> {
         let noted = noted.counted_from(self.place.0.origin());
         let Noted { primitive, note } = &noted;
         if let Some(light) = note.as_ref().and_then(|note| note.light.clone()) {
-            // What follows only says the same in Radiance's words.
+            // The primitives that follow only repeat it in Radiance's words.
             if note.as_ref().is_some_and(|note| note.is_first) {
                 self.lamps.lights.push(light);
             }
@@ -122,7 +121,7 @@ impl Reader<'_> {
         }
         match primitive.kind.as_str() {
             "polygon" => {
-                // The backs of mirrors are our own doing.
+                // Our export adds backs to mirrors.
                 if note.is_some() && primitive.id.ends_with(".back") {
                     return Ok(());
                 }
@@ -191,7 +190,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A compiled mesh, by the OBJ that it comes from.
+    /// A compiled mesh, read from its OBJ.
     fn mesh(&mut self, p: &Primitive, note: Option<&Note>) -> Result<(), String> {
         let (source, is_there) = meshes::source(p, self.place.1)?;
         if !is_there {
@@ -237,7 +236,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The scene, with the groups that an object has, each with a name of its own.
+    /// The scene, with the groups that objects use, each with a name of its own.
     fn finished(self) -> Result<Scene, String> {
         let groups = self.materials.groups(self.objects.iter().map(|o| o.group));
         let wanted: Vec<String> = groups.iter().map(|(_, group)| group.name.clone()).collect();

@@ -24,7 +24,7 @@ pub(super) fn frustum(ends: [Vec3; 2], radii: [f32; 2]) -> Mesh {
     let mut mesh = Mesh::default();
     for (end, j) in (0..2).flat_map(|end| (0..=AROUND).map(move |j| (end, j))) {
         let u = j as f32 / AROUND as f32;
-        // At a point the triangle between two corners of the other circle faces the middle between these.
+        // At the tip, a triangle faces the middle between its two corners on the other circle.
         let half = [0.5, -0.5][end] / AROUND as f32;
         let facing = if radii[end] > 0.0 { u } else { u + half };
         let (sin, cos) = (TAU * facing).sin_cos();
@@ -66,8 +66,8 @@ fn strip(radii: [f32; 2]) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// Where `origin`, the scene's zero in the world, lies in the coordinates of a mesh: whatever the transform, those
-/// of its vertices that are near it there are near zero here. Zero for scenes that count from their file's zero.
+/// Where `origin`, the scene's zero in the world, lies in the coordinates of a mesh: its vertices near that point
+/// are near zero in the scene, whatever the transform. Zero for scenes that count from their file's zero.
 pub(super) fn in_mesh(origin: DVec3, world_from_mesh: &DAffine3) -> DVec3 {
     if origin == DVec3::ZERO {
         return DVec3::ZERO;
@@ -76,14 +76,14 @@ pub(super) fn in_mesh(origin: DVec3, world_from_mesh: &DAffine3) -> DVec3 {
     if zero.is_finite() { zero } else { DVec3::ZERO }
 }
 
-/// What takes a mesh that counts from `zero` of its coordinates into a scene that counts from `origin` of the
-/// world.
+/// The transform from a mesh that counts from `zero` of its coordinates to a scene that counts from `origin`
+/// of the world.
 pub(super) fn here_from_mesh(world_from_mesh: &DAffine3, zero: DVec3, origin: DVec3) -> DAffine3 {
     let translation = world_from_mesh.transform_point3(zero) - origin;
     DAffine3 { matrix3: world_from_mesh.matrix3, translation }
 }
 
-/// `mesh` moved; a motion that mirrors does not turn it over.
+/// `mesh` moved; a motion that mirrors does not exchange front and back.
 pub(super) fn moved(mut mesh: Mesh, world_from_mesh: &DAffine3) -> Mesh {
     for position in &mut mesh.positions {
         *position = world_from_mesh.transform_point3(position.as_dvec3()).as_vec3();
@@ -108,7 +108,7 @@ pub(super) fn turned_over(mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-/// All of `meshes` as one; those without texture coordinates have zero, if others have some.
+/// All of `meshes` as one; those without texture coordinates get zeros, if others have some.
 pub(super) fn joined(meshes: impl Iterator<Item = Mesh>) -> Mesh {
     let mut all = Mesh::default();
     for mesh in meshes {

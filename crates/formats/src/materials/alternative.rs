@@ -3,7 +3,7 @@
 use super::{Hypothesis, drop_number, drop_triple};
 use serde::{Deserialize, Serialize};
 
-/// Another material that the photograph allows a group as well as the one that was taken.
+/// Another material that explains a group's photograph as well as the delivered one.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct AlternativeEntry {

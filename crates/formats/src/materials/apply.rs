@@ -1,4 +1,4 @@
-//! Puts the numbers of a `materials.json` onto the groups and lights of a scene.
+//! Applies the numbers of a `materials.json` to the groups and lights of a scene.
 
 use super::{GroupEntry, Hypothesis, MaterialsFile};
 use crate::input::Scope;
@@ -11,8 +11,8 @@ use unrender_scene::{Image, Material, Rgb, Scene, Texture, Warnings, Wrap};
 const ROUNDING: f32 = 1e-5;
 
 /// Sets the BRDF, the materials and the lights of `scene` as `file` says; `folder` is where its texture paths
-/// start. Keys that the file leaves out stay as they are in the scene, but a `rho_d` without a
-/// texture takes the place of the scene's texture.
+/// start. Keys that the file leaves out stay as they are in the scene, but a `rho_d` without a texture
+/// replaces the scene's texture.
 ///
 /// # Errors
 /// If a number is out of its range or a texture cannot be read; the scene may be changed in part.
@@ -25,7 +25,7 @@ pub fn apply(
     apply_named(file, folder, (folder, &Scope::new(Input::from(&own))), scene)
 }
 
-/// Reads the file at `path` and puts it onto `scene` as [`apply`] does.
+/// Reads the file of `input` and applies it to `scene` as [`apply`] does.
 ///
 /// # Errors
 /// As those of [`super::read`] and [`apply`].
@@ -38,7 +38,7 @@ pub fn apply_from<'a>(
     apply_named(&super::read(input)?, folder, (input.path, &Scope::new(input)), scene)
 }
 
-/// As [`apply`]; `origin` is what errors name as the place of the numbers, and what bounds its reading.
+/// As [`apply`]; `origin` is the file that errors name, with the limits of reading.
 fn apply_named(
     file: &MaterialsFile,
     folder: &Path,
@@ -128,7 +128,7 @@ fn apply_texture(
             .map_or((Wrap::default(), Wrap::default()), |t| (t.wrap_u, t.wrap_v));
         material.texture = Some(Arc::new(Texture { image, wrap_u, wrap_v }));
     } else if entry.rho_d.is_some() && material.texture.take().is_some() {
-        // A result says what it means by its hypothesis; a hand-written file may not mean it.
+        // A result states its intention by its hypothesis; a hand-written file may not intend this.
         if entry.hypothesis.is_none_or(|h| h == Hypothesis::Textured) {
             warnings
                 .push(format!("group \"{group}\": rho_d took the place of the scene's texture"));
@@ -137,8 +137,8 @@ fn apply_texture(
     Ok(warnings)
 }
 
-/// Reads a texture as linear reflectance: the EXR beside it where there is one, since that has
-/// lost nothing, else the file itself.
+/// Reads a texture as linear reflectance: the EXR beside it if there is one, which has full
+/// precision, else the file itself.
 ///
 /// # Errors
 /// If neither can be read.
@@ -146,7 +146,7 @@ pub fn read_texture<'a>(input: impl Into<Input<'a>>) -> Result<(Image<Rgb>, Warn
     let Input { path, limits, .. } = input.into();
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let folder = path.parent().unwrap_or(Path::new(""));
-    // Whoever names it may name what is elsewhere.
+    // The user may name a file anywhere.
     let limits = Limits { outside: true, ..limits };
     texture_in(&Scope::new(Input::new(path, limits)), folder, &name)
 }

@@ -1,4 +1,4 @@
-//! The lights in a `materials.json`, and how they are put onto a scene.
+//! The lights in a `materials.json`, and how they are applied to a scene.
 
 use super::drop_triple;
 use indexmap::IndexMap;
@@ -12,9 +12,9 @@ pub struct LightEntry {
     /// Radiance of area lights, radiant intensity of point and spot lights, irradiance of
     /// directional ones, mean radiance of the environment, in the scene's units by channel.
     pub intensity: Option<[f32; 3]>,
-    /// Standard deviations of the intensity; null if the photograph does not tell.
+    /// Standard deviations of the intensity; null if the photograph does not determine it.
     pub std: Option<[f32; 3]>,
-    /// Of an environment in parts: what it shows.
+    /// The picture of an environment that was recovered in parts.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub panorama: Option<PanoramaEntry>,
 }
@@ -39,7 +39,7 @@ impl PanoramaEntry {
         let fault = |problem: &str| format!("the materials' environment: {problem}");
         if self.columns.checked_mul(self.rows) != Some(self.radiance.len()) {
             return Err(fault(&format!(
-                "{} times {} are not as many as the {} colours of radiance",
+                "{} times {} differs from the number of colours of radiance, {}",
                 self.columns,
                 self.rows,
                 self.radiance.len()
@@ -61,7 +61,7 @@ impl LightEntry {
     }
 }
 
-/// Makes the lights of `scene` as bright as `lights` says; what is not named stays as it is.
+/// Makes the lights of `scene` as bright as `lights` says; others stay as they are.
 pub(super) fn apply(
     lights: &IndexMap<String, LightEntry>,
     scene: &mut Scene,
@@ -96,7 +96,7 @@ pub(super) fn apply(
         let intensity = Rgb::from_array(intensity);
         match scene.strength_mut(index) {
             Some(strength) => *strength = intensity,
-            // What is black stays so.
+            // A black light stays black.
             None => {
                 scene.scale_source(index, intensity / present.max(Rgb::splat(f32::MIN_POSITIVE)))
             }

@@ -1,7 +1,7 @@
-//! `materials.json`: what was found out about every group and light, as plain numbers.
+//! `materials.json`: the recovered numbers of every group and light.
 //!
 //! On reading, keys that are absent or null mean "as in the scene" and unknown keys are ignored,
-//! so that a hand-written file with two numbers in it works. [`apply`] puts a file onto a scene.
+//! so that a hand-written file with two numbers in it works. [`apply`] applies a file to a scene.
 
 mod alternative;
 mod apply;
@@ -29,10 +29,10 @@ pub const VERSION: u32 = 1;
 /// A whole `materials.json`.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct MaterialsFile {
-    /// [`VERSION`]; absent in files from elsewhere.
+    /// [`VERSION`]; may be absent in files of other programs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub version: Option<u32>,
-    /// The form of Ward's lobe that the numbers mean, by its name.
+    /// The name of the BRDF model that the numbers belong to.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub brdf: Option<String>,
     /// Scene radiance per unit of linear pixel value, by channel.
@@ -40,13 +40,13 @@ pub struct MaterialsFile {
     pub exposure: Option<[f32; 3]>,
     /// The groups by name, in the order of the scene.
     pub groups: IndexMap<String, GroupEntry>,
-    /// The lights whose brightness was asked for, by name, in the order of the scene.
+    /// The lights whose brightness was recovered, by name, in the order of the scene.
     #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
     pub lights: IndexMap<String, LightEntry>,
-    /// The numbers of the camera, where they were asked for.
+    /// The photometric parameters of the camera, if they were recovered.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub photograph: Option<PhotographEntry>,
-    /// Of several photographs: how each was taken, in the order of the project.
+    /// The photometric parameters of each of several photographs, in the order of the project.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub photographs: Vec<PhotographEntry>,
     /// How long the recovery took.
@@ -61,11 +61,11 @@ pub struct MaterialsFile {
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct GroupEntry {
-    /// What the group was taken to be.
+    /// The selected hypothesis.
     pub hypothesis: Option<Hypothesis>,
     /// Where the numbers come from.
     pub status: Option<StatusEntry>,
-    /// Diffuse reflectance; with a texture its mean.
+    /// Diffuse reflectance; the mean of a texture.
     pub rho_d: Option<[f32; 3]>,
     /// Specular reflectance.
     pub rho_s: Option<[f32; 3]>,
@@ -85,10 +85,10 @@ pub struct GroupEntry {
     pub pixels: Option<u64>,
     /// The relative error of the re-rendering over those pixels.
     pub error: Option<f64>,
-    /// What else there is to say, such as why a number was assumed.
+    /// A remark, such as why a number was assumed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
-    /// Other explanations that the photograph allows just as well.
+    /// Other materials that explain the photograph as well.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub alternatives: Vec<AlternativeEntry>,
 }

@@ -1,8 +1,8 @@
-//! What a `materials.json` says of how the photograph was made.
+//! The photometric parameters in a `materials.json`.
 
 use serde::{Deserialize, Serialize};
 
-/// The numbers of the camera that were asked for.
+/// The photometric parameters of the camera that were recovered.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PhotographEntry {
@@ -12,7 +12,7 @@ pub struct PhotographEntry {
     pub vignetting: Option<[f64; 3]>,
     /// That share at r = 1.
     pub corner: Option<f64>,
-    /// Scene radiance per unit of linear pixel value, by channel; of several photographs each has its own.
+    /// Scene radiance per unit of linear pixel value, by channel; each of several photographs has its own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exposure: Option<[f32; 3]>,
     /// Standard deviations; null if nothing was refined.
@@ -22,17 +22,17 @@ pub struct PhotographEntry {
     pub note: Option<String>,
 }
 
-/// Standard deviations of the numbers of the camera.
+/// Standard deviations of the photometric parameters.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PhotographStd {
     /// Of the gamma.
     pub gamma: Option<f64>,
-    /// Of the coefficients of vignetting, one by one; together they are known better.
+    /// Of each coefficient of vignetting; they are correlated, and together better determined.
     pub vignetting: Option<[f64; 3]>,
     /// Of the share of light at r = 1.
     pub corner: Option<f64>,
-    /// Of the exposure, where it was found beside that of the first photograph.
+    /// Of the exposure, if it was estimated relative to that of the first photograph.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exposure: Option<[f32; 3]>,
 }

@@ -9,9 +9,9 @@ use std::fmt;
 pub enum StatusEntry {
     /// From a recovery, or as the project gives them.
     Of(Status),
-    /// The project leaves the group out (`ignore`): they are those of the scene.
+    /// The project leaves the group out (`ignore`): its numbers are those of the scene.
     Ignored,
-    /// They are those of the group of this name, whose material it has (`same_as`).
+    /// Its numbers are those of the group of this name, whose material it shares (`same_as`).
     SameAs(String),
 }
 
@@ -19,7 +19,7 @@ const IGNORED: &str = "ignored";
 const SAME_AS: &str = "same as ";
 
 impl StatusEntry {
-    /// Whether it is this one of a recovery.
+    /// Whether it is this status of a recovery.
     pub fn is(&self, status: Status) -> bool {
         *self == Self::Of(status)
     }

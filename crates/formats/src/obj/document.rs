@@ -9,11 +9,11 @@ use std::collections::HashMap;
 use unrender_scene::Warnings;
 
 const CURVES: &str = "curves and free-form surfaces were left out; make meshes of them";
-const DISPLAY: &str = "what is said of the display of objects was passed over";
+const DISPLAY: &str = "statements about the display of objects were passed over";
 const OTHER_FILES: &str = "other files that it calls were not read; join them into one";
 const USEMAP: &str = "a usemap was passed over; only map_Kd of the material is read";
 
-/// All words of OBJ, and how they are taken; of those that are told the sentence that is told.
+/// All words of OBJ, and how they are taken; for those warned of, the warning.
 pub(super) const WORDS: [Entry; 45] = [
     row("v", "a position, in double precision; metres are assumed"),
     row("vt", "texture coordinates, u and v; v counts from the bottom of the picture"),
@@ -76,10 +76,10 @@ const TWO_MORE: Entry =
     told("v x y z a b", "a fourth and a fifth number of a vertex were passed over");
 const FEW: Entry = told("f 1 2", "faces of fewer than three corners were left out");
 
-/// What is told of words that are read.
+/// Warnings of words that are read.
 pub(super) const CASES: [Entry; 5] = [COLOURS, MRGB, WEIGHT, TWO_MORE, FEW];
 
-/// A corner of a face: position, texture coordinates and normal, counted from 1; 0 where it has none.
+/// A corner of a face: position, texture coordinates and normal, counted from 1; 0 for none.
 pub(crate) type Corner = [u32; 3];
 
 /// The words of a corner's three indices.
@@ -88,7 +88,7 @@ const KINDS: [&str; 3] = ["v", "vt", "vn"];
 /// A polygon.
 pub(crate) struct Face {
     pub(crate) line: usize,
-    /// Its corners are those from `first` on.
+    /// The index of its first corner.
     pub(super) first: usize,
     pub(super) count: usize,
     /// Index into [`Document::objects`].
@@ -102,19 +102,19 @@ pub(crate) struct Face {
 /// What an OBJ says.
 #[derive(Default)]
 pub(crate) struct Document {
-    /// From where the caller counts. In double precision, so that what lies far from there keeps its shape
-    /// until it is known where faces start.
+    /// Relative to the caller's origin. In double precision, so that vertices far from there keep their
+    /// shape until the origin of each mesh is known.
     pub(crate) positions: Vec<DVec3>,
     /// v counts from the bottom here.
     pub(crate) uvs: Vec<Vec2>,
     pub(crate) normals: Vec<Vec3>,
     pub(crate) corners: Vec<Corner>,
     pub(crate) faces: Vec<Face>,
-    /// The names of `g` and `o`, each once; nothing where faces have none.
+    /// The names of `g` and `o`, each once; `None` for faces without one.
     pub(super) objects: Names,
-    /// The names of `usemtl`, each once; nothing where faces have none.
+    /// The names of `usemtl`, each once; `None` for faces without one.
     pub(super) materials: Names,
-    /// What stands behind each `mtllib`, each once.
+    /// The words after each `mtllib`, each once.
     pub(super) libraries: Names,
     pub(super) unread: Unread,
 }
@@ -132,7 +132,7 @@ impl Names {
         self.all.get(index as usize)?.as_deref()
     }
 
-    /// All that are names.
+    /// All names, without the `None`.
     pub(super) fn given(&self) -> impl Iterator<Item = &str> {
         self.all.iter().filter_map(|name| name.as_deref())
     }
@@ -142,7 +142,7 @@ impl Names {
         if let Some(index) = self.indices.get(&name) {
             return Ok(*index);
         }
-        // Twice the name, and its places in the list and in the map.
+        // Two copies of the name, and its entries in the list and in the map.
         scope.charge(256 + 2 * name.as_ref().map_or(0, String::len) as u64)?;
         let index = u32::try_from(self.all.len()).map_err(|_| "has too many names")?;
         self.all.push(name.clone());
@@ -184,7 +184,7 @@ pub(crate) fn read(scope: &Scope, bytes: &[u8], origin: DVec3) -> Result<Documen
     Ok(reader.found)
 }
 
-/// What holds for the faces that come.
+/// The state that applies to the next faces.
 #[derive(Default)]
 struct Now {
     o: Option<String>,
@@ -219,7 +219,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Reads the statement `line` of a `word` that is read.
+    /// Reads the statement `line`, which begins with `word`.
     fn read(&mut self, word: &str, line: &Line<'_>) -> Result<(), String> {
         let name = || Some(line.rest()).filter(|rest| !rest.is_empty()).map(str::to_owned);
         match word {
@@ -257,7 +257,7 @@ impl Reader<'_> {
         self.found.unread.note(what, line.number, None);
     }
 
-    /// The faces that come belong to the last name: of `g`, else of `o`.
+    /// The next faces belong to the last name of `g`, else of `o`.
     fn rename(&mut self) -> Result<(), String> {
         let name = self.now.g.as_deref().or(self.now.o.as_deref());
         self.now.object = self.found.objects.index(self.scope, name)?;
@@ -287,7 +287,7 @@ impl Reader<'_> {
                 let number = line.number;
                 let shown = line.shown();
                 format!(
-                    "line {number} has a face with an index that is no number or out of range \
+                    "line {number} has a face with an index that is not a number or out of range \
                      (\"{shown}\"); export the scene again"
                 )
             })?;
@@ -314,7 +314,8 @@ impl Reader<'_> {
                 continue;
             }
             let index: i64 = word.parse().ok()?;
-            // Those from the end count what is there; others may come later in the file.
+            // Negative indices count from the end of what was read; others may refer to later
+            // lines.
             let index = if index < 0 { (so_far as i64).checked_add(index)? + 1 } else { index };
             corner[kind] = u32::try_from(index).ok().filter(|&index| index > 0)?;
         }
@@ -346,7 +347,8 @@ impl Document {
         &self.corners[face.first..face.first + face.count]
     }
 
-    /// Tells what of `file` was not read, for those who take the shapes alone: nothing of materials.
+    /// Warns of what was not read of `file`, for callers that use the shapes only: without
+    /// materials.
     pub(crate) fn tell_of_shapes(mut self, file: &str, warnings: &mut Warnings) {
         self.unread.forget(USEMAP);
         self.unread.tell(file, warnings);

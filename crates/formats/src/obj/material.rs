@@ -10,7 +10,7 @@ use unrender_scene::{Group, Material, Rgb, RgbImage, Texture, Warnings, Wrap};
 /// The reflectance of surfaces that have no material, or one that states none.
 pub(super) const ASSUMED_RHO_D: f32 = 0.5;
 
-/// The group of surfaces of which no file says how they reflect.
+/// The group of surfaces whose reflectance no file states.
 pub(super) fn unstated(name: &str) -> Group {
     let material = Material::diffuse(Rgb::splat(ASSUMED_RHO_D));
     Group { name: name.into(), material, emission: Rgb::ZERO }
@@ -63,8 +63,8 @@ pub(super) fn group(
             .map_err(|problem| format!("material \"{name}\": its map_Kd \"{words}\" {problem}"))?;
         if kd == Rgb::ZERO {
             warnings.push(format!(
-                "material \"{name}\": its Kd is 0, so that its map_Kd shows nothing; state Kd 1 1 1 \
-                 if the map is meant."
+                "material \"{name}\": its Kd is 0, which makes its map_Kd black; state Kd 1 1 1 if \
+                 the map is to count."
             ));
         }
         let image = image.map(|texel| *texel * kd);
@@ -89,20 +89,21 @@ fn plain(name: &str) -> String {
     name.trim_matches('"').replace('\\', "/")
 }
 
-/// Where the file called `name` is, seen from `folder`, if it is anywhere. It is named as seen from the
-/// folder of the MTL file; programs that write it from the OBJ's are believed, too.
+/// The path of the file called `name`, seen from `folder`, if it exists. Names are relative to the
+/// folder of the MTL file; some programs write them relative to that of the OBJ, which is accepted,
+/// too.
 fn located(folder: &Path, mtl: &str, name: &str) -> Option<String> {
     let within = Path::new(mtl).parent().unwrap_or(Path::new(""));
     let there = within.join(plain(name)).to_string_lossy().into_owned();
     [there, plain(name)].into_iter().find(|path| folder.join(path).is_file())
 }
 
-/// The name of a map's file behind its options, which must be such as change nothing.
+/// The name of a map's file, after its options, which must not change anything.
 fn without_options(words: &str) -> Result<&str, String> {
     let mut rest = words;
     while rest.starts_with('-') {
         let (option, behind) = split(rest);
-        // The numbers of the option, and what each is by default.
+        // The number of values of the option, and the default of each.
         let (most, default) = match option {
             "-blendu" | "-blendv" | "-cc" | "-clamp" => (0, None),
             "-bm" | "-boost" | "-texres" => (1, None),
@@ -115,7 +116,8 @@ fn without_options(words: &str) -> Result<&str, String> {
         let mut is_neutral = true;
         if most == 0 {
             let (value, behind) = split(rest);
-            // What blends texels is left open; a change of colours, or an end of the texture, is not.
+            // Options for the blending of texels may have any value; those that change colours or
+            // clamp may not.
             is_neutral = value == "off" || option.starts_with("-blend");
             rest = behind;
         }

@@ -1,7 +1,7 @@
 //! The faces of an OBJ as meshes: one for each name and material, and with and without texture coordinates.
 //!
-//! Whether a triangle has texture coordinates and normals is decided by its own three corners. A
-//! triangle without normals is flat, as it would be alone.
+//! A triangle has texture coordinates or normals if all of its three corners have them. A triangle
+//! without normals is flat.
 
 use super::document::{Corner, Document, Face, push};
 use super::unread::Unread;
@@ -11,18 +11,18 @@ use glam::{DVec3, Vec2, Vec3};
 use std::collections::HashMap;
 use unrender_scene::Mesh;
 
-/// What a part takes beside its lists, and what a vertex takes in the map by its corner; bytes, from above.
+/// Upper bounds of memory, bytes: of a part beside its lists, and of a vertex in the map by corners.
 const BYTES_A_PART: u64 = 512;
 const BYTES_A_PLACE: u64 = 48;
-/// What `polygon` takes for a corner, in lists of its position in the plane.
+/// The memory that `polygon` needs for a corner, for its position in the plane.
 const BYTES_TO_SPLIT: usize = 80;
 
 const NO_NORMALS: &str = "faces of smoothing groups (s) have no normals (vn) and are flat; export \
                           the scene with its normals if it is smooth";
-const BAD_NORMALS: &str = "normals of a face are missing at some corners, or have no length; what \
-                           they leave is flat";
-const BAD_UVS: &str = "texture coordinates of a face are missing at some corners, or are no \
-                       numbers; what they leave has none";
+const BAD_NORMALS: &str = "normals of a face are missing at some corners, or have no length; those \
+triangles are flat";
+const BAD_UVS: &str = "texture coordinates of a face are missing at some corners, or are not \
+finite; those triangles have none";
 
 /// Triangles of one name and one material, all with texture coordinates or all without.
 pub(super) struct Part {
@@ -38,7 +38,7 @@ pub(super) struct Part {
 /// The parts of `document` in the order in which they begin.
 ///
 /// # Errors
-/// If a face cannot be made triangles of, or all take too much memory.
+/// If a face cannot be split into triangles, or if all take too much memory.
 pub(super) fn parts(scope: &Scope, document: &mut Document) -> Result<Vec<Part>, String> {
     let mut unread = std::mem::take(&mut document.unread);
     let mut builder = Builder { scope, document, parts: Vec::new(), by_kind: HashMap::new() };
@@ -60,7 +60,7 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// Adds the triangles of `face`; `ears` is for use in between.
+    /// Adds the triangles of `face`; `ears` is a buffer.
     fn face(
         &mut self,
         face: &Face,
@@ -96,7 +96,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// The memory that a polygon of `corners` needs beyond what `ears` has, with what finds its ears.
+    /// The memory that splitting a polygon of `corners` needs beyond that of `ears`.
     fn more(ears: &Vec<[Corner; 3]>, corners: usize) -> u64 {
         let more = corners.saturating_sub(ears.capacity());
         (more * (2 * size_of::<[Corner; 3]>() + BYTES_TO_SPLIT)) as u64
@@ -149,7 +149,7 @@ impl Builder<'_> {
         let part = self.part((face.object, face.material, uvs.is_some()))?;
         let mut triangle = [0; 3];
         for k in 0..3 {
-            // Texture coordinates that are no numbers are none: they are all at one vertex.
+            // Corners whose texture coordinates are not finite share one vertex, without any.
             let place = if uvs.is_some() { ear[k] } else { [ear[k][0], 0, ear[k][2]] };
             if normals.is_some()
                 && let Some(vertex) = part.places.get(&place)

@@ -1,15 +1,15 @@
 //! Wavefront OBJ with MTL.
 //!
-//! Objects are named by `g` and `o`, the last one that is said; groups by `usemtl`. Names that no
-//! material file has are groups, too; where there is no `usemtl` at all, each name of `g` and `o` is
-//! one. `Kd` and `map_Kd` are the diffuse part; `Ks` is the specular one, unless `illum` is 0 or 1,
-//! with `alpha = sqrt(2 / (Ns + 2))`, the width of the Blinn-Phong lobe of that exponent. `Ke` is the
-//! emitted radiance. There is no camera and no unit of length; metres are assumed.
+//! Objects are named by the latest `g` or `o`, groups by `usemtl`. Names that no material file has
+//! are groups, too; where there is no `usemtl` at all, each name of `g` and `o` is one. `Kd` and
+//! `map_Kd` are the diffuse part; `Ks` is the specular one, unless `illum` is 0 or 1, with `alpha =
+//! sqrt(2 / (Ns + 2))`, the width of the Blinn-Phong lobe of that exponent. `Ke` is the emitted
+//! radiance. There is no camera and no unit of length; metres are assumed.
 //!
-//! It is read by no library: those that there are drop or change what is needed here. They give a
+//! No library is used, since the existing ones drop or change data that is needed here. They give a
 //! whole object texture coordinates and normals if one face has them, make triangles of lines, forget
-//! the names of materials that no file has, stop at characters that are not UTF-8, and do not say what
-//! they have passed over.
+//! the names of materials that no file has, stop at characters that are not UTF-8, and do not report
+//! what they skip.
 
 pub(crate) mod document;
 mod material;
@@ -32,13 +32,13 @@ use std::path::Path;
 use unread::listed;
 use unrender_scene::{Mesh, Object, Scene, Warnings};
 
-/// Reads the OBJ at `path` with the MTL files and pictures that it names; positions count from where the
-/// input says.
+/// Reads the OBJ at `path` with the MTL files and pictures that it names; positions count from the
+/// origin that the input states.
 ///
 /// The scene has no camera and is not yet validated: see [`load_scene`](crate::load_scene).
 ///
 /// # Errors
-/// If a file is missing or not what it should be.
+/// If a file is missing or not valid.
 pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileError> {
     let input = input.into();
     let scope = Scope::new(input);
@@ -70,7 +70,7 @@ pub(crate) fn tables() -> Vec<Table> {
 /// A mesh, and the name that `usemtl` gives it, if there is one.
 pub(crate) type Named = (Option<String>, Mesh);
 
-/// Reads the meshes of the OBJ at `path`, which the input of `scope` names and gives its materials: no
+/// Reads the meshes of the OBJ at `path`. The input of `scope` names it and states its materials: no
 /// MTL is read. Positions count from `origin`.
 pub(crate) fn read_in(
     scope: &Scope,
@@ -100,7 +100,7 @@ fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Whether groups are the names of `g` and `o`, as no face names a material.
+/// Whether the names of `g` and `o` are the groups, since no face names a material.
 fn are_objects_groups(document: &Document) -> bool {
     document.materials.given().next().is_none()
 }
@@ -162,7 +162,7 @@ fn default_name(slots: &[Option<&str>]) -> String {
     unique(&all, &mut Warnings::default()).pop().unwrap_or_default()
 }
 
-/// Tells which groups have an assumed reflectance: `missing` and the one called `default`.
+/// Warns of groups with an assumed reflectance: `missing` and the one called `default`.
 fn warn_of_assumed(
     path: &Path,
     has_materials: bool,

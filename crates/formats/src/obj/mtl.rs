@@ -15,16 +15,13 @@ const BUMPS: &str =
 const MIRRORED: &str = "a reflected picture (refl) is not read";
 const PBR: &str =
     "the roughness, metal, sheen and coat of Pr, Pm, Ps and Pc are not read; Kd, Ks and Ns count";
-const CLEAR: &str = "how transparent surfaces refract and what goes through them; that they are \
-                     transparent is told where d, Tr or illum say it";
+const CLEAR: &str = "how transparent surfaces refract and transmit; the warning of d, Tr or illum \
+covers it";
 
-/// All words of MTL, and how they are taken, in small letters or large ones; of those that are told the sentence
-/// that is told. Those that are read may still be told of, where their numbers mean something that is not.
+/// All words of MTL, in small letters or large ones, and how they are taken; for those warned of, the warning.
+/// Words that are read may still cause a warning, if their numbers mean something that is not read.
 pub(super) const WORDS: [Word; 43] = [
-    read(
-        "newmtl",
-        "the name of the next material; of several of one name the last one counts, which is told",
-    ),
+    read("newmtl", "the name of the next material; the last one of a name counts, with a warning"),
     read("Kd", "the diffuse reflectance: three numbers, or one for all"),
     read("Ks", "the specular reflectance, unless illum is 0 or 1"),
     read("Ke", "the emitted radiance"),
@@ -75,7 +72,7 @@ const GLASS_TOLD: Word = told(
     "illum 4",
     "illum 4, 6, 7 and 9 (glass, refraction) are not read; the surface is taken as opaque, of Kd and Ks",
 );
-const EXTRA: Word = told("Kd 1 1 1 1", "numbers behind the third one of a colour were passed over");
+const EXTRA: Word = told("Kd 1 1 1 1", "numbers after the third one of a colour were passed over");
 const SPECTRAL: Word =
     refused("Kd spectral", "spectral colours are not read: give it red, green and blue");
 const XYZ: Word = refused("Kd xyz", "xyz colours are not read: give it red, green and blue");
@@ -86,17 +83,17 @@ const OPTION: Word = refused(
      remove it",
 );
 
-/// What is told, and what is refused, of words that are read.
+/// Cases that are warned of or refused, of words that are read.
 pub(super) const CASES: [Word; 5] = [GLASS_TOLD, EXTRA, SPECTRAL, XYZ, OPTION];
 
 const TWICE: &str = "the material is defined several times; the last one counts";
 
-/// Material files beyond so many are refused: an OBJ of a megabyte could name 100 000. Half as many are still ten
-/// times what programs write; double would do no harm.
+/// More material files are refused: an OBJ of a megabyte could name 100 000. Half as many are still ten times
+/// what programs write; double would do no harm.
 const MAX_FILES: usize = 1000;
-/// What a material says that is not read is kept up to so many kinds: enough for all words of the table.
+/// The most kinds of unread statements that are kept per material: enough for all words of the table.
 const MAX_UNREAD: usize = 64;
-/// A word of two bytes becomes a sentence of a hundred.
+/// Memory per byte: a word of two bytes becomes a sentence of a hundred.
 const BYTES_A_BYTE: u64 = 64;
 
 /// What a material file says of one material.
@@ -107,11 +104,11 @@ pub(super) struct Material {
     pub(super) ke: Option<Rgb>,
     pub(super) ns: Option<f32>,
     pub(super) illum: Option<i32>,
-    /// What stands behind `map_Kd`: options and the name of a file.
+    /// The words after `map_Kd`: options and the name of a file.
     pub(super) map_kd: Option<String>,
 }
 
-/// A material, where it stands, and what of it was not read.
+/// A material, its place, and what was not read of it.
 struct Entry {
     file: usize,
     line: usize,
@@ -124,7 +121,7 @@ struct Entry {
 pub(super) struct Materials {
     /// As the OBJ names them.
     files: Vec<String>,
-    /// What stands before the first material of each, and, of those that are used, what was not read.
+    /// What was not read of each file: before the first material, and of the materials that are used.
     unread: Vec<Unread>,
     entries: HashMap<String, Entry>,
 }
@@ -159,7 +156,8 @@ impl Materials {
         Ok(materials)
     }
 
-    /// The name of the material that the OBJ calls `name`, maybe with a comment behind; or `name`.
+    /// The name of the material that the OBJ calls `name`, perhaps followed by a comment; else
+    /// `name`.
     pub(super) fn resolve<'a>(&self, name: &'a str) -> &'a str {
         let short = text::without_comment(name);
         if !self.entries.contains_key(name) && self.entries.contains_key(short) {
@@ -169,13 +167,13 @@ impl Materials {
         }
     }
 
-    /// The material called `name` with the file that it stands in.
+    /// The material called `name`, and its file.
     pub(super) fn get(&self, name: &str) -> Option<(&Material, &str)> {
         let entry = self.entries.get(name)?;
         Some((&entry.material, &self.files[entry.file]))
     }
 
-    /// Tells what was not read of the materials called `used`.
+    /// Warns of what was not read of the materials called `used`.
     pub(super) fn tell<'a>(self, used: impl Iterator<Item = &'a str>, warnings: &mut Warnings) {
         let Self { files, mut unread, entries } = self;
         for (name, entry) in used.filter_map(|name| Some((name, entries.get(name)?))) {
@@ -221,7 +219,7 @@ impl Materials {
             match &mut current {
                 Some((_, entry)) => entry.statement(&line)?,
                 None => self.unread[file].note(
-                    "what stands before the first newmtl was passed over",
+                    "statements before the first newmtl were passed over",
                     line.number,
                     None,
                 ),
@@ -260,7 +258,7 @@ impl Entry {
         Ok(())
     }
 
-    /// Reads the statement `line` of a `word` that is read.
+    /// Reads the statement `line`, which begins with `word`.
     fn read(&mut self, word: &str, line: &Line<'_>) -> Result<(), String> {
         let material = &mut self.material;
         match word {
@@ -290,7 +288,7 @@ fn note(unread: &mut Vec<(String, usize)>, what: &str, line: &Line<'_>) {
     }
 }
 
-/// Whether what is not read would change nothing.
+/// Whether the unread statement would change nothing.
 fn is_neutral(word: &str, line: &Line<'_>) -> bool {
     let value = || line.words().last().and_then(text::number);
     match word {
@@ -331,7 +329,7 @@ fn number(line: &Line<'_>) -> Result<f64, String> {
     })
 }
 
-/// The files that stand behind `mtllib`: several, or one whose name has blanks.
+/// The files named after `mtllib`: several, or one whose name has blanks.
 fn file_names(folder: &Path, names: &str) -> Vec<String> {
     let plain = |name: &str| name.trim_matches('"').replace('\\', "/");
     let exists = |name: &str| folder.join(plain(name)).is_file();

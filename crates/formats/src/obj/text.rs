@@ -1,12 +1,12 @@
-//! The lines of OBJ and MTL files: their characters, lines that go on, comments, numbers.
+//! The lines of OBJ and MTL files: encoding, continued lines, comments, numbers.
 //!
-//! A line that is not UTF-8 is taken as Latin-1, each line for itself, so that a name is the same in
-//! an OBJ of one and an MTL of the other. Lines end in LF, CR LF or CR. A line that ends in `\` goes on
-//! in the next one, unless it has a comment: those often end in the name of a folder.
+//! Each line that is not UTF-8 is taken as Latin-1, so that a name is the same in an OBJ in one
+//! encoding and an MTL in the other. Lines end in LF, CR LF or CR. A line that ends in `\` goes on in
+//! the next one, unless it has a comment: comments often end in the name of a folder.
 
 use std::borrow::Cow;
 
-/// A line with all that continues it.
+/// A line with its continuation lines.
 pub(super) struct Line<'a> {
     /// The number of its first line in the file, from 1.
     pub(super) number: usize,
@@ -27,12 +27,12 @@ impl Line<'_> {
         text.find(|c: char| c.is_ascii_whitespace()).map_or("", |at| text[at..].trim_ascii())
     }
 
-    /// The words behind the first one up to a comment.
+    /// The words after the first one, up to a comment.
     pub(super) fn words(&self) -> impl Iterator<Item = &str> {
         self.text.split_ascii_whitespace().skip(1).take_while(|word| !word.starts_with('#'))
     }
 
-    /// All of it, to be shown: cut where it is long.
+    /// Its text for messages, cut if it is long.
     pub(super) fn shown(&self) -> String {
         shown(self.text.trim_ascii(), 80)
     }
@@ -51,19 +51,19 @@ pub(super) fn shown(text: &str, most: usize) -> String {
     }
 }
 
-/// `name` without a comment behind it. Names may have a `#` in them, so only where `name` as it
-/// stands means nothing.
+/// `name` without a comment after it. Names may contain a `#`, so use it only if `name` as it
+/// stands is unknown.
 pub(super) fn without_comment(name: &str) -> &str {
     let ends = |(at, _): &(usize, _)| name[..*at].ends_with(|c: char| c.is_ascii_whitespace());
     name.match_indices('#').find(ends).map_or(name, |(at, _)| name[..at].trim_ascii_end())
 }
 
-/// Whether `bytes` can be text at all: neither binary nor of two bytes a character.
+/// Whether `bytes` can be text at all: neither binary nor UTF-16.
 pub(super) fn is_text(bytes: &[u8]) -> bool {
     !bytes.contains(&0) && !bytes.starts_with(&[0xFF, 0xFE]) && !bytes.starts_with(&[0xFE, 0xFF])
 }
 
-/// The number that `word` stands for; not a number, too, as the various systems print it.
+/// The number that `word` stands for; NaN, too, as the various systems print it.
 pub(super) fn number(word: &str) -> Option<f64> {
     let printed = || {
         let lower = word.trim_start_matches(['+', '-']).to_ascii_lowercase();
@@ -94,7 +94,7 @@ impl<'a> Lines<'a> {
         let (line, rest) = self.rest.split_at(end.unwrap_or(self.rest.len()));
         let end = if rest.starts_with(b"\r\n") { 2 } else { rest.len().min(1) };
         self.rest = &rest[end..];
-        // Of files that were joined, more than the first line may have one.
+        // In files that were joined, later lines may have a byte order mark, too.
         Some(line.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(line))
     }
 }

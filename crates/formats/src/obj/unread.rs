@@ -1,16 +1,16 @@
-//! What a file says and its reader does not read: told once for each kind, with its number and its first line.
+//! What a reader does not read of a file: one warning for each kind, with its count and its first line.
 
 use super::text::shown;
 use std::collections::BTreeMap;
 use unrender_scene::Warnings;
 
-/// More kinds than this are told as one: whoever has so many has no OBJ. With half of it, real files
-/// with many words of another program could lose some; with double, nothing changes.
+/// Further kinds get one warning together: a file with so many is not an OBJ. With half of it, real
+/// files with many words of another program could lose some; with double, nothing changes.
 const MAX_KINDS: usize = 50;
-/// So many names are shown. More are no help, and less hide that there are several.
+/// The most names that are shown. More do not help, and fewer hide that there are several.
 const MAX_NAMES: usize = 5;
 
-/// The sentence about a word that no table has.
+/// The warning of a word that no table has.
 pub(super) fn unknown(word: &str) -> String {
     format!("the word \"{}\" is not known and was passed over", shown(word, 40))
 }
@@ -28,7 +28,7 @@ pub(super) struct Unread {
 }
 
 impl Unread {
-    /// `what` is in `line`, and belongs to the material `name`, if there is any.
+    /// Records `what` in `line`, which belongs to the material `name`, if there is any.
     pub(super) fn note(&mut self, what: &str, line: usize, name: Option<&str>) {
         let is_one_too_many = self.kinds.len() >= MAX_KINDS && !self.kinds.contains_key(what);
         let what = if is_one_too_many { "more is not read" } else { what };
@@ -43,12 +43,12 @@ impl Unread {
         }
     }
 
-    /// Passes over `what`.
+    /// Removes the warning `what`.
     pub(super) fn forget(&mut self, what: &str) {
         self.kinds.remove(what);
     }
 
-    /// Tells it of `file`, in the order of the lines.
+    /// Adds the warnings of `file`, in the order of the lines.
     pub(super) fn tell(self, file: &str, warnings: &mut Warnings) {
         let mut kinds: Vec<_> = self.kinds.into_iter().collect();
         kinds.sort_by_key(|(_, found)| found.first);

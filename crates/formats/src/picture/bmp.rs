@@ -1,5 +1,5 @@
-//! What a BMP file says in its header that its decoder does not look at: its size in bytes, its colours, and the
-//! shape of its pixels.
+//! The fields of a BMP's header that its decoder ignores: its size in bytes, its colours, and the shape of its
+//! pixels.
 
 use super::claims::unbelievable;
 use super::icc;
@@ -7,7 +7,7 @@ use super::primaries::of_primaries;
 use crate::entry::{Entry, read, refused};
 use unrender_scene::Profile;
 
-const SQUARE: &str = "pixels that are not square are told and taken as square";
+const SQUARE: &str = "pixels that are not square are taken as square, with a warning";
 const RUNS: Entry = refused("run lengths (RLE)", "save it as PNG");
 
 /// What is read of BMP files.
@@ -16,7 +16,7 @@ pub(super) const SAYS: [Entry; 5] = [
     refused("a JPEG or PNG within", "save it as PNG"),
     read(
         "CSType",
-        "an ICC profile of primaries and curves; one of tables, one in another file, and primaries of its own are told",
+        "an ICC profile of primaries and curves; a warning for one of tables or in another file, and for own primaries",
     ),
     read("XPelsPerMeter", SQUARE),
     read("YPelsPerMeter", SQUARE),
@@ -24,15 +24,16 @@ pub(super) const SAYS: [Entry; 5] = [
 
 /// Where the header begins, behind the mark and the sizes of the file.
 const HEADER: usize = 14;
-/// Where the place of the rows stands.
+/// Where the offset of the rows is stored.
 const ROWS: usize = 10;
-/// Headers are so long at least that state their colours (version 4), or may hold an ICC profile (version 5).
+/// The least length of headers that state their colours (version 4), or may hold an ICC profile (version 5).
 const V4: u32 = 108;
 const V5: u32 = 124;
 /// The oldest header, with 16 bits for each side.
 const CORE: u32 = 12;
 
-/// Refuses what the bytes of the file cannot hold, and what leaves pixels without a value.
+/// Refuses sizes that the bytes of the file cannot hold, and codings that leave pixels without a
+/// value.
 pub(super) fn check(bytes: &[u8]) -> Result<(), String> {
     let short = || "is cut short: the header of the BMP is missing".to_owned();
     let length = u32_at(bytes, HEADER).ok_or_else(short)?;
@@ -72,7 +73,7 @@ pub(super) fn profile(bytes: &[u8]) -> Option<Profile> {
             Some(icc::profile(bytes.get(at..end)?))
         }
         b"KNIL" => Some(icc::not_understood("an ICC profile in another file".into())),
-        // Many programs say that there are primaries of its own, and then state none.
+        // Many programs announce primaries of its own and then state none.
         [0, 0, 0, 0] if bytes.get(HEADER + 60..HEADER + 96)?.iter().any(|byte| *byte != 0) => {
             Some(of_primaries(None, "primaries of its own in its header"))
         }

@@ -1,4 +1,4 @@
-//! What a picture file claims, asked before its decoder allocates or works for it.
+//! Checks of what a picture file claims, before its decoder allocates or works for it.
 
 use super::bmp;
 use super::claims::{plausible, unbelievable};
@@ -20,11 +20,12 @@ pub(super) const BESIDE_PIXELS: u64 = 64 << 20;
 /// With half of it, such files would be refused if they are all of one colour.
 const JPEG_PIXELS_A_BYTE: u64 = 2048;
 
-/// Progressive JPEGs have about ten scans, and none has a reason for more than one a coefficient and
-/// bit, which is as many as this. Each takes a walk over all blocks.
+/// Progressive JPEGs have about ten scans, and none needs more than one per coefficient and bit,
+/// which is this many. Each takes a pass over all blocks.
 const JPEG_SCANS: usize = 1000;
 
-/// Refuses what the bytes of the file cannot hold, and counts what a decoder takes beside the pixels.
+/// Refuses sizes that the bytes of the file cannot hold, and counts the memory of a decoder beside
+/// the pixels.
 pub(crate) fn check(
     scope: &Scope,
     bytes: &[u8],
@@ -39,7 +40,7 @@ pub(crate) fn check(
 }
 
 fn jpeg(bytes: &[u8]) -> Result<(), String> {
-    // What it cannot read is reported by who reads it.
+    // The reader reports what the decoder cannot read.
     let Ok(decoder) = JpegDecoder::new(Cursor::new(bytes)) else { return Ok(()) };
     let (width, height) = decoder.dimensions();
     let [width, height, length] = [width.into(), height.into(), bytes.len() as u64];
@@ -70,7 +71,7 @@ fn exr(scope: &Scope, bytes: &[u8]) -> Result<(), String> {
 }
 
 /// The bytes of the largest block of an EXR, unpacked: a tile, or some scan lines. Decoders work on one
-/// at a time, and allocate as much for its packed bytes, too, however small the picture is.
+/// at a time, and allocate the same again for its packed bytes, even for small pictures.
 ///
 /// # Errors
 /// If the file cannot hold such a block.
@@ -89,7 +90,7 @@ pub(crate) fn exr_block(header: &Header, file_bytes: u64) -> Result<u64, String>
     })
 }
 
-/// The unpacked bytes of so many pixels with all channels; none if that overflows.
+/// The unpacked bytes of `width` x `height` pixels with all channels; none if that overflows.
 fn bytes_of(header: &Header, width: u64, height: u64) -> Option<u64> {
     let samples = header.channels.list.iter().map(|c| c.sample_type.bytes_per_sample() as u64);
     let each: u64 = samples.sum();

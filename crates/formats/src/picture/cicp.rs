@@ -1,5 +1,5 @@
-//! Colours that are declared by code points (PNG's chunk cICP): primaries, and the curve from light to codes
-//! [ITU-T H.273].
+//! Colours that are declared by code points (PNG's chunk cICP): primaries, and the transfer curve [ITU-T
+//! H.273].
 
 use super::curves::sampled;
 use super::primaries::{Corners, matrix, of_primaries};
@@ -9,10 +9,10 @@ use unrender_scene::color::linear_from_srgb;
 const D65: [f32; 2] = [0.3127, 0.3290];
 const C: [f32; 2] = [0.310, 0.316];
 
-/// What `data`, the chunk's, declares.
+/// The profile that `data`, the chunk's, declares.
 ///
 /// # Errors
-/// If the codes are no light of a scene: those of PQ and HLG, and those of a part of the range. As the end of a
+/// If the codes do not represent scene light (PQ and HLG) or use a part of the range only. As the end of a
 /// sentence about the file.
 pub(super) fn profile(data: &[u8]) -> Result<Profile, String> {
     let &[primaries, transfer, matrix_code, range] = data else {
@@ -26,8 +26,8 @@ pub(super) fn profile(data: &[u8]) -> Result<Profile, String> {
     }
     if range == 0 {
         return Err(
-            "declares codes of a part of the range (cICP, narrow range), which are not read; save it with the full \
-             range"
+            "uses a part of the range of codes (cICP, narrow range), which is not read; save it \
+             with the full range"
                 .into(),
         );
     }
@@ -44,8 +44,8 @@ pub(super) fn profile(data: &[u8]) -> Result<Profile, String> {
 
 fn refused(curve: &str) -> String {
     format!(
-        "is a picture for screens, its codes made by {curve}, by its chunk cICP, which is not read; save it as a linear \
-         EXR"
+        "is encoded for screens by {curve} (its chunk cICP), which is not read; save it as a \
+         linear EXR"
     )
 }
 

@@ -18,7 +18,7 @@ pub(super) fn picture_of(decoded: &DynamicImage) -> Picture {
     Picture::new(Image::new(width, height, code_values(decoded)), depth)
 }
 
-/// Puts zeros where `picture` has no finite numbers and marks these pixels; how many they are.
+/// Sets pixels of `picture` that are not finite to zero and marks them; returns how many they are.
 pub(super) fn leave_out_what_is_not_finite(picture: &mut Picture) -> usize {
     let mut count = 0;
     for (index, value) in picture.values.pixels_mut().iter_mut().enumerate() {

@@ -1,4 +1,4 @@
-//! Where a picture has no measurement though its file has a number: coverage of zero, and values for "no data".
+//! Pixels without a measurement though the file has a number: coverage of zero, and values for "no data".
 //!
 //! An alpha channel is coverage: where it is zero, nothing is shown. The numbers there stay as they are, for
 //! textures and panoramas; in a photograph they are no measurement.
@@ -6,7 +6,7 @@
 use super::Picture;
 use image::DynamicImage;
 
-/// What is said of so many pixels without coverage, and of others that are covered partly.
+/// The note about pixels without coverage, and about partly covered ones.
 pub(super) fn note(transparent: usize, partly: bool) -> Option<String> {
     let clear = format!(
         "{transparent} pixel(s) are transparent (alpha is 0); a photograph has no measurement there"
@@ -19,8 +19,8 @@ pub(super) fn note(transparent: usize, partly: bool) -> Option<String> {
     }
 }
 
-/// Marks the pixels of `picture` that `decoded` has without coverage, if its fourth channel `is_coverage`; what the
-/// user should know of it.
+/// Marks the pixels of `picture` without coverage in `decoded`, if its fourth channel `is_coverage`; returns a note
+/// for the user.
 pub(super) fn mark(
     decoded: &DynamicImage,
     is_coverage: bool,
@@ -46,13 +46,13 @@ pub(super) fn mark(
     note(transparent, partly > 0)
 }
 
-/// Marks the pixels that have `no_data`, a number of the file, in some channel; how many.
+/// Marks the pixels that have `no_data`, a number of the file, in some channel; returns how many.
 pub(super) fn mark_no_data(picture: &mut Picture, no_data: f64) -> usize {
     let code = match picture.depth.max_code() {
         Some(max) => no_data as f32 / max,
         None => no_data as f32,
     };
-    // Codes are whole numbers divided by the greatest: half a step is far.
+    // Codes are whole numbers divided by the greatest; other codes are a whole step away.
     let near = picture.depth.max_code().map_or(0.0, |max| 0.25 / max);
     let is_missing = |value: f32| value == code || (value - code).abs() < near;
     let before = picture.invalid.len();

@@ -1,4 +1,4 @@
-//! Curves from codes to linear values, as samples at equal steps of the code.
+//! Curves from code values to linear values, as samples at equal steps of the code.
 
 /// Codes at which curves are sampled.
 pub(super) const SAMPLES: u16 = 256;

@@ -1,7 +1,7 @@
-//! Pictures from which noise was removed: an EXR says so.
+//! Denoised pictures: an EXR states it.
 //!
-//! Their pixels have errors in common with their neighbours, which nobody can see. The attribute
-//! `unrenderDenoised` says it to whoever reads the file.
+//! The errors of neighbouring pixels are correlated, which is not visible. The attribute
+//! `unrenderDenoised` tells readers of the file.
 
 use super::one_layer;
 use super::write::write;
@@ -13,7 +13,7 @@ use unrender_scene::RgbImage;
 /// The attribute that says that noise was removed.
 pub(super) const ATTRIBUTE: &str = "unrenderDenoised";
 
-/// As [`write()`] does; an EXR has the attribute `unrenderDenoised`, and whoever reads it is told. Returns how many
+/// As [`write()`], but an EXR gets the attribute `unrenderDenoised`, of which its reader warns. Returns how many
 /// values were not finite and were written as zero.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! Pictures as bytes of a file that is put into a page: PNG to the bit, JPEG in little space.
+//! Pictures as file contents to embed in a page: PNG is exact, JPEG small.
 
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;

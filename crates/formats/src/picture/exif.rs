@@ -1,10 +1,10 @@
-//! What a photograph's EXIF data say of its lens and of its exposure.
+//! The lens and the exposure in a photograph's EXIF data.
 
 use crate::entry::{Entry, passed, read};
 use exif::{Exif, In, Reader, Tag, Value};
 use std::io::Cursor;
 
-const FOCAL: &str = "the focal length, where no calibration says it";
+const FOCAL: &str = "the focal length, where no calibration states it";
 
 /// The tags that are looked at; others are passed over.
 pub(super) const TAGS: [Entry; 14] = [
@@ -14,14 +14,14 @@ pub(super) const TAGS: [Entry; 14] = [
     read("FocalLength", FOCAL),
     read("FocalPlaneXResolution", FOCAL),
     read("FocalPlaneResolutionUnit", FOCAL),
-    read("PixelXDimension", "by how much the picture was made smaller since"),
-    read("PixelYDimension", "by how much the picture was made smaller since"),
+    read("PixelXDimension", "how much the picture was scaled since"),
+    read("PixelYDimension", "how much the picture was scaled since"),
     read("ExposureTime", "the exposure time"),
     read("ShutterSpeedValue", "the exposure time, if there is no ExposureTime"),
     read("FNumber", "the f-number"),
     read("ApertureValue", "the f-number, if there is no FNumber"),
     read("PhotographicSensitivity", "ISO"),
-    passed("others", "as the lens's name"),
+    passed("others", "such as the lens's name"),
 ];
 
 /// Diagonal of the 24 x 36 mm frame, to which cameras relate their focal lengths, millimetres.
@@ -29,7 +29,7 @@ const FULL_FRAME_DIAGONAL_MM: f64 = 43.266_615_305_567_87;
 
 /// The focal length in pixels by the EXIF data in the file `bytes` of a picture of `width` x
 /// `height` pixels: from the equivalent for a full frame, else from focal length and pixel pitch.
-/// None where they do not say. Zoom lenses and croppings make it a first guess, no more.
+/// None if neither is stated. With zoom lenses and crops it is only a first guess.
 pub fn exif_focal_px(bytes: &[u8], width: usize, height: usize) -> Option<f64> {
     let exif = Reader::new().read_from_container(&mut Cursor::new(bytes)).ok()?;
     let (width, height) = (width as f64, height as f64);
@@ -42,7 +42,7 @@ pub fn exif_focal_px(bytes: &[u8], width: usize, height: usize) -> Option<f64> {
     (focal.is_finite() && focal > 0.0).then_some(focal)
 }
 
-/// How a photograph was exposed, as far as its file says.
+/// How a photograph was exposed, as far as its file states it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Exposure {
     /// The exposure time, seconds.
@@ -54,7 +54,7 @@ pub struct Exposure {
 }
 
 /// How the photograph in the file `bytes` was exposed, by its EXIF data, or by the standard attributes
-/// `expTime`, `aperture` and `isoSpeed` of an EXR. Numbers that are not positive count as not there.
+/// `expTime`, `aperture` and `isoSpeed` of an EXR. Numbers that are not positive count as missing.
 pub fn exposure_of(bytes: &[u8]) -> Exposure {
     let good = |number: Option<f64>| number.filter(|n| n.is_finite() && *n > 0.0);
     if let Ok(meta) = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false) {
@@ -80,8 +80,7 @@ pub fn exposure_of(bytes: &[u8]) -> Exposure {
     }
 }
 
-/// Whether the EXIF data in the file `bytes` say, as cameras do instead of a profile, that its
-/// colours are those of Adobe RGB.
+/// Whether the EXIF data in the file `bytes` state Adobe RGB, as cameras do instead of a profile.
 pub(super) fn is_adobe_rgb(bytes: &[u8]) -> bool {
     let exif = Reader::new().read_from_container(&mut Cursor::new(bytes)).ok();
     let index = exif.as_ref().and_then(|e| e.get_field(Tag::InteroperabilityIndex, In::PRIMARY));

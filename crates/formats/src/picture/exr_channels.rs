@@ -1,16 +1,16 @@
 //! Which channels of an EXR file are the picture: R, G and B, the same of a layer, or grey.
 //!
 //! A file has parts, and each part has channels, whose names are `LAYER.CHANNEL` or the channel alone. The picture
-//! is what has no layer's name. Where everything has one, it is the layer that is called as renderers call their
-//! picture ([`BEAUTY`]), or the only one. What would have to be guessed is refused.
+//! is the channels without a layer. Where all have one, it is the layer with a usual name for a renderer's picture
+//! ([`BEAUTY`]), or the only one. A file where this is ambiguous is refused.
 
 use exr::meta::header::Header;
 
 /// The last words of the names of layers that renderers give to the picture itself.
 const BEAUTY: [&str; 6] = ["combined", "beauty", "rgba", "rgb", "color", "colour"];
-/// What Blender calls the layer of the composited picture, the one that it shows.
+/// Blender's name for the layer of the composited picture, the one that it shows.
 const COMPOSITE: &str = "composite.";
-/// More names than these are counted, not listed.
+/// The most names that are listed; others are counted.
 const LISTED: usize = 16;
 
 /// The channels to read.
@@ -22,7 +22,7 @@ pub(super) struct Chosen {
     pub colours: [usize; 3],
     /// The index of the channel of coverage, if there is one.
     pub alpha: Option<usize>,
-    /// What the user should know of the choice, as the end of a sentence about the file.
+    /// A note on the choice for the user, as the end of a sentence about the file.
     pub note: Option<String>,
 }
 
@@ -32,7 +32,7 @@ struct Candidate {
     part: usize,
     /// The layer, with the name of the part before it where parts have names; may be empty.
     name: String,
-    /// Whether the channels themselves have no layer's name.
+    /// Whether the channels' names contain no layer.
     is_base: bool,
     colours: [usize; 3],
     alpha: Option<usize>,
@@ -54,7 +54,7 @@ pub(super) fn choose(headers: &[Header]) -> Result<Chosen, String> {
     Err(without_picture(&all))
 }
 
-/// What is wrong with a file of these channels.
+/// The error of a file with these channels.
 pub(super) fn without_picture(channels: &[String]) -> String {
     let last = |name: &String| last_word(name).to_ascii_lowercase();
     let is_chroma = |name: &String| ["ry", "by"].contains(&last(name).as_str());
@@ -117,7 +117,7 @@ fn candidates(headers: &[Header], find: fn(&[&str]) -> Option<[usize; 3]>) -> Ve
     candidates
 }
 
-/// Where the first of the names is among `words`, as it is, or with other capitals.
+/// The place among `words` of the first of the names, in any case of letters.
 fn position(words: &[&str], names: &[&str]) -> Option<usize> {
     let exact = words.iter().position(|word| names.contains(word));
     let alike = |word: &&str| names.iter().any(|name| word.eq_ignore_ascii_case(name));
@@ -132,7 +132,7 @@ fn colours(words: &[&str]) -> Option<[usize; 3]> {
     ])
 }
 
-/// Luminance alone: X, Y and Z would be a place or a direction, and RY and BY the colour beside it.
+/// Luminance alone: with X and Z it would be a position or a direction, with RY and BY a colour.
 fn grey(words: &[&str]) -> Option<[usize; 3]> {
     let others = ["X", "Z", "U", "V", "RY", "BY"];
     if position(words, &others).is_some() {
@@ -155,7 +155,7 @@ fn among(candidates: Vec<Candidate>) -> Result<Chosen, String> {
         (name, false) => {
             Some(format!("the layer \"{name}\" was read, and not {}", listed(&others)))
         }
-        // It may be another pass of a renderer than its picture.
+        // It may be another pass of a renderer, not its picture.
         (name, true) => {
             let is_doubtful = !taken.is_base && !is_beauty(taken);
             is_doubtful.then(|| format!("the layer \"{name}\" was read, the only one with colours"))
@@ -168,7 +168,7 @@ fn among(candidates: Vec<Candidate>) -> Result<Chosen, String> {
 fn taken(candidates: &[Candidate]) -> Option<&Candidate> {
     let is_composite = |c: &&Candidate| c.name.to_ascii_lowercase().starts_with(COMPOSITE);
     let base = only(candidates.iter().filter(|c| c.is_base));
-    // What another part calls its picture is rather one than channels that are just called R, G and B.
+    // A layer with a picture's name in another part is a likelier picture than plain R, G and B.
     let rivals = |base: &Candidate| candidates.iter().any(|c| is_beauty(c) && c.part != base.part);
     base.filter(|base| !rivals(base))
         .or_else(|| only(candidates.iter()))
@@ -178,7 +178,7 @@ fn taken(candidates: &[Candidate]) -> Option<&Candidate> {
         .or_else(|| candidates.iter().find(|c| c.is_base && c.part == 0))
 }
 
-/// Whether it is called as renderers call their picture.
+/// Whether it has a usual name for a renderer's picture.
 fn is_beauty(candidate: &Candidate) -> bool {
     let last = last_word(&candidate.name);
     BEAUTY.iter().any(|word| last.eq_ignore_ascii_case(word))

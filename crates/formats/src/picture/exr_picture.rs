@@ -1,7 +1,7 @@
-//! Reads the pixels of an EXR file, and which of them it holds at all.
+//! Reads the pixels of an EXR file, and which of them have a value.
 //!
-//! The picture is the display window. The file holds the data window: what lies outside of it within the display
-//! window has no value, which is not the same as black, and what lies outside of the display window is left out.
+//! The picture is the display window. The file holds the data window: pixels of the display window outside of it
+//! have no value, which is not the same as black, and data outside of the display window is left out.
 
 use super::exr_channels::{Chosen, choose};
 use super::exr_refused::fault;
@@ -16,7 +16,7 @@ use exr::prelude::{Vec2, f16};
 use std::io::Cursor;
 use unrender_scene::{Image, Rgb};
 
-/// The marks of a pixel that has got red, green and blue.
+/// The marks of a pixel for which red, green and blue were read.
 const ALL_COLOURS: u8 = 0b111;
 /// Bytes for a pixel: colours, marks, coverage, and its index if it has no value.
 const EACH: u64 = 12 + 1 + 4 + 8;
@@ -45,7 +45,7 @@ pub(super) fn read(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
     let mut decoded = canvas.finish(&header)?;
     decoded.notes.extend(chosen.note);
     if header.own_attributes.environment_map == Some(EnvironmentMap::Cube) {
-        decoded.notes.push("says that it is a cube map (envmap), which is not looked at".into());
+        decoded.notes.push("says that it is a cube map (envmap), which is ignored".into());
     }
     let aspect = Some(f64::from(header.shared_attributes.pixel_aspect));
     decoded.notes.extend(pixel_shape::note(aspect, "its pixelAspectRatio"));
@@ -54,14 +54,14 @@ pub(super) fn read(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
     Ok(decoded)
 }
 
-/// The display window while it fills.
+/// The display window while it is filled.
 struct Canvas {
     width: usize,
     height: usize,
-    /// Where the data window begins in the display window.
+    /// The offset of the data window in the display window.
     offset: [i64; 2],
     values: Vec<Rgb>,
-    /// How many of its colours each pixel has got.
+    /// Which colours of each pixel were read, as bits.
     filled: Vec<u8>,
     alpha: Option<Vec<f32>>,
 }
@@ -112,7 +112,7 @@ impl Canvas {
         }
     }
 
-    /// Hands the samples of a line that are within the display window to `set`.
+    /// Calls `set` for the samples of a line that are within the display window.
     fn each(&mut self, line: &LineRef<'_>, kind: SampleType, set: impl Fn(&mut Self, usize, f32)) {
         let y = line.location.position.y() as i64 + self.offset[1];
         let Some(y) = usize::try_from(y).ok().filter(|y| *y < self.height) else { return };
@@ -125,7 +125,7 @@ impl Canvas {
         }
     }
 
-    /// The picture, and what the user should know of it.
+    /// The picture, with notes for the user.
     fn finish(self, header: &Header) -> Result<Decoded, String> {
         let [mut outside, mut transparent, mut partly] = [0, 0, 0];
         let mut invalid = Vec::new();
@@ -147,7 +147,7 @@ impl Canvas {
         let mut notes = Vec::new();
         if outside > 0 {
             notes.push(format!(
-                "{outside} pixel(s) lie outside of what the file holds (its data window); they have no value, \
+                "{outside} pixel(s) lie outside of the file's data window; they have no value, \
                  which is not black"
             ));
         }

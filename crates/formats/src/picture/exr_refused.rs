@@ -1,17 +1,17 @@
-//! What is said of EXR files that the decoder does not know: deep data, channels of fewer samples, new compressions.
+//! The errors of EXR files that the decoder does not know: deep data, subsampled channels, new compressions.
 //!
-//! The decoder refuses them without a word of their channels, so that the headers are read here once more.
+//! The decoder refuses them without naming the channels, so the headers are read here again.
 
 use super::exr_channels::{listed, without_picture};
 
-/// More parts or attributes than this are no file of a picture.
+/// A file with more parts or attributes than this is not a picture.
 const MOST: usize = 4096;
 /// The bit of the version that says that the file has several parts.
 const PARTS: u32 = 1 << 12;
-/// The compressions that have a number up to here are known; 10 is HTJ2K.
+/// The last number of a compression that is known; 10 is HTJ2K.
 const LAST_COMPRESSION: u8 = 9;
 
-/// What the headers say, as far as it matters here.
+/// The contents of the headers that matter here.
 #[derive(Default)]
 struct Said {
     /// The names of the channels, with those of the parts.
@@ -37,7 +37,7 @@ pub(crate) fn fault(bytes: &[u8], error: &exr::error::Error) -> String {
     kind.unwrap_or_else(|| "is cut short or corrupt; copy it or save it once more".into())
 }
 
-/// What kind of file the EXR in `bytes` is, as the end of a sentence about it, where its headers are whole and say
+/// The kind of the EXR in `bytes`, as the end of a sentence about it, if its headers are complete and contain
 /// something that the decoder does not know.
 fn kind(bytes: &[u8]) -> Option<String> {
     let said = headers(bytes)?;
@@ -84,7 +84,7 @@ fn headers(bytes: &[u8]) -> Option<Said> {
     None
 }
 
-/// Reads the attributes of one part, and the zero behind them.
+/// Reads the attributes of one part, and the zero after them.
 fn part(rest: &mut &[u8], said: &mut Said) -> Option<()> {
     for _ in 0..MOST {
         let name = text(rest)?;
@@ -111,7 +111,7 @@ fn channels(mut list: &[u8], said: &mut Said) -> Option<()> {
         if name.is_empty() {
             return Some(());
         }
-        // Kind, linearity with three bytes of nothing, and the samplings along x and y.
+        // Kind, linearity with three unused bytes, and the samplings along x and y.
         let rest = take(&mut list, 16)?;
         said.is_subsampled |= rest[8..] != [1, 0, 0, 0, 1, 0, 0, 0];
         said.channels.push(String::from_utf8_lossy(name).into_owned());

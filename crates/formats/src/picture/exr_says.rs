@@ -1,4 +1,4 @@
-//! What the header of an EXR file says of its colours.
+//! The colours that the header of an EXR file declares.
 
 use super::denoised;
 use super::primaries::{matrix, of_primaries};
@@ -7,18 +7,18 @@ use exr::meta::attribute::AttributeValue;
 use exr::meta::header::Header;
 use unrender_scene::Profile;
 
-/// What is looked at beside the names of colour spaces.
+/// What is read beside the names of colour spaces.
 pub(super) const ROWS: [Entry; 19] = [
-    read("R, G, B", "the picture; red, green and blue, and other capitals, too"),
+    read("R, G, B", "the picture; also named red, green and blue, and with other capitals"),
     read("Y", "a grey picture, where there is no RY or BY beside it"),
-    read("A", "coverage: where it is zero a photograph has no measurement, which is told"),
+    read("A", "coverage: where it is zero a photograph has no measurement, with a warning"),
     told(
         "LAYER.R and so on",
-        "the layer that is called as renderers call their picture, or the only one, is read",
+        "the layer with a usual name for a renderer's picture, or the only one, is read",
     ),
     refused(
         "several layers",
-        "if none is called as renderers call their picture: save the one to read alone",
+        "if none has a usual name for a renderer's picture: save the one to read alone",
     ),
     refused("RY, BY", "a luminance-chroma EXR: save it as RGB"),
     refused("channels of fewer samples", "save it without subsampling"),
@@ -28,9 +28,9 @@ pub(super) const ROWS: [Entry; 19] = [
     read("dataWindow", "pixels outside of it have no measurement"),
     read("chromaticities", "the colours are turned into those of sRGB"),
     read("acesImageContainerFlag", "the primaries of ACES 2065-1"),
-    read("pixelAspectRatio", "pixels that are not square are told and taken as square"),
+    read("pixelAspectRatio", "pixels that are not square are taken as square, with a warning"),
     told("envmap", "a cube is taken as a flat picture"),
-    told("whiteLuminance", "the exposure says what a value is"),
+    told("whiteLuminance", "the exposure defines what a value means"),
     read("expTime", "the exposure time"),
     read("aperture", "the f-number"),
     read("isoSpeed", "the sensitivity"),
@@ -38,7 +38,7 @@ pub(super) const ROWS: [Entry; 19] = [
 
 /// The rows of the names of colour spaces.
 pub(super) fn spaces() -> [Entry; 5] {
-    SPACES.map(|name| told(name, "another one than linear sRGB: the values are taken as linear"))
+    SPACES.map(|name| told(name, "if it is not linear sRGB: the values are taken as linear"))
 }
 
 /// Attributes in which programs name a colour space, in small letters.
@@ -72,13 +72,13 @@ pub(super) fn profile(header: &Header) -> Option<Profile> {
     Some(of_primaries(matrix(corners), "its chromaticities"))
 }
 
-/// What the header says of colours that is not looked at, as ends of sentences about the file.
+/// Statements of the header about colours that are ignored, as ends of sentences about the file.
 pub(super) fn notes(header: &Header) -> Vec<String> {
     let mut notes = Vec::new();
     if header.own_attributes.other.contains_key(denoised::ATTRIBUTE.as_bytes()) {
         notes.push(
-            "was denoised by unrender, so that its noise says nothing of its errors: recover materials from the \
-             picture without --denoise"
+            "was denoised by unrender, so its noise does not show its errors: recover materials \
+             from a picture rendered without --denoise"
                 .to_owned(),
         );
     }
@@ -91,21 +91,22 @@ pub(super) fn notes(header: &Header) -> Vec<String> {
             let primaries =
                 if has_primaries { "its chromaticities" } else { "the primaries of sRGB" };
             notes.push(format!(
-                "says \"{space}\" of its colour space ({name}), which is not looked at: its values were taken as \
-                 linear with {primaries}"
+                "names the colour space \"{space}\" ({name}), which is ignored: its values were \
+                 taken as linear with {primaries}"
             ));
         }
     }
     if let Some(luminance) = header.own_attributes.white_luminance {
         notes.push(format!(
-            "says that its white has {luminance} cd/m2 (whiteLuminance), which is not looked at: the exposure says \
-             what a value is"
+            "says that its white has {luminance} cd/m2 (whiteLuminance), which is ignored: the \
+             exposure defines what a value means"
         ));
     }
     notes
 }
 
-/// The value of an attribute without regard to capitals, if it is a text, or a number other than zero.
+/// The value of an attribute, its name in any case of letters, if it is a text, or a number other than
+/// zero.
 fn text_or_number(header: &Header, name: &str) -> Option<String> {
     let shared = header.shared_attributes.other.iter();
     let mut all = shared.chain(header.own_attributes.other.iter());

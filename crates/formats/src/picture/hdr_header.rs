@@ -1,36 +1,38 @@
-//! What the header of a Radiance picture says: by what its values were multiplied, primaries, the shape of pixels.
+//! The header of a Radiance picture: the factor by which its values were multiplied, primaries, the shape of
+//! pixels.
 //!
-//! Lines that begin with a blank are of the pictures that this one was made from, as Radiance's programs write
-//! them, and say nothing of this one.
+//! Lines that begin with a blank belong to the pictures that this one was made from, as Radiance's programs
+//! write them, and do not apply to this one.
 
 use super::primaries::Corners;
 use crate::entry::{Entry, find, passed, read as read_row};
 
-/// The lines that are looked at.
+/// The lines that are read.
 pub(super) const LINES: [Entry; 6] = [
     read_row("EXPOSURE", "the values are divided by it, and by those of all lines before"),
     read_row("COLORCORR", "the same for each channel"),
     read_row("PRIMARIES", "the colours are turned into those of sRGB"),
-    read_row("PIXASPECT", "pixels that are not square are told and taken as square"),
+    read_row("PIXASPECT", "pixels that are not square are taken as square, with a warning"),
     read_row("FORMAT", "RGBE; CIE XYZ (32-bit_rle_xyze) is refused"),
-    passed("others", "as lines that begin with a blank, which are of pictures before this one"),
+    passed("others", "such as lines that begin with a blank, which belong to earlier pictures"),
 ];
 
 /// What the header says.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Header {
-    /// By what the values of each channel were multiplied, of all lines EXPOSURE= and COLORCORR= together.
+    /// The factor by which the values of each channel were multiplied: the product of all lines EXPOSURE=
+    /// and COLORCORR=.
     pub factor: [f32; 3],
     /// Primaries and white.
     pub primaries: Option<Corners>,
-    /// How many times as high as wide the pixels are, of all lines PIXASPECT= together.
+    /// How many times as high as wide the pixels are: the product of all lines PIXASPECT=.
     pub height_of_pixels: f64,
 }
 
 /// Reads the header at the beginning of `bytes`.
 ///
 /// # Errors
-/// If a line is not as it must be, as the end of a sentence about the file.
+/// If a line is not valid, as the end of a sentence about the file.
 pub(crate) fn read(bytes: &[u8]) -> Result<Header, String> {
     let mut header = Header { factor: [1.0; 3], primaries: None, height_of_pixels: 1.0 };
     for line in bytes.split(|byte| *byte == b'\n').take_while(|line| !line.is_empty()) {

@@ -22,7 +22,7 @@ pub(super) fn profile(icc: &[u8]) -> Profile {
     of_profile(&profile, format!("its ICC profile \"{}\"", name.trim_matches(['\0', ' '])))
 }
 
-/// The colours of Adobe RGB, by `source`.
+/// The profile of Adobe RGB, which `source` declares.
 pub(super) fn adobe_rgb(source: &str) -> Profile {
     of_profile(&ColorProfile::new_adobe_rgb(), source.to_owned())
 }
@@ -65,7 +65,7 @@ mod tests {
     use crate::picture::primaries;
     use glam::Vec3;
 
-    /// Display P3 to sRGB, as CSS Color 4 has it.
+    /// Display P3 to sRGB, from CSS Color 4.
     const SRGB_FROM_P3: [[f32; 3]; 3] = [
         [1.224_94, -0.224_94, 0.0],
         [-0.042_057, 1.042_057, 0.0],

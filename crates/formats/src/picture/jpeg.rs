@@ -1,6 +1,6 @@
-//! The segments of a JPEG file: whether it has its end, which kind it is, and the shape of its pixels.
+//! The segments of a JPEG file: whether it is complete, its kind, and the shape of its pixels.
 //!
-//! The decoder fills what is missing with grey and says nothing.
+//! The decoder fills missing parts with grey, without an error.
 
 use crate::entry::{Entry, Taken, read, refused, told};
 
@@ -31,7 +31,7 @@ pub(super) fn has_end(bytes: &[u8]) -> bool {
     false
 }
 
-/// The kinds of coding, by the first and the last marker of each; what is in none has arithmetic coding.
+/// The kinds of coding, by the first and the last marker of each; other markers have arithmetic coding.
 const FRAMES: [(u8, u8, Entry); 5] = [
     (0xc0, 0xc2, read("a sequential or progressive JPEG", "of 8 bits, packed by Huffman's method")),
     (0xc3, 0xc3, refused("a lossless JPEG", SAVE)),
@@ -41,13 +41,13 @@ const FRAMES: [(u8, u8, Entry); 5] = [
 ];
 const SAVE: &str = "save it as PNG or TIFF";
 
-/// What else is looked at.
+/// Other parts that are read.
 const SEGMENTS: [Entry; 6] = [
     refused("a JPEG of 12 bits", SAVE),
-    told("CMYK", "inks are turned into red, green and blue without regard to what they look like"),
-    read("APP0 (JFIF)", "pixels that are not square are told and taken as square"),
+    told("CMYK", "inks are converted to red, green and blue without a profile"),
+    read("APP0 (JFIF)", "pixels that are not square are taken as square, with a warning"),
     read("APP1 (EXIF)", "see EXIF"),
-    read("APP2 (ICC)", "a profile of primaries and curves; one of tables is told"),
+    read("APP2 (ICC)", "a profile of primaries and curves; a warning for one of tables"),
     refused("no end of the image", "it is cut short"),
 ];
 
@@ -73,7 +73,7 @@ pub(super) fn has_inks(bytes: &[u8]) -> bool {
     frame(bytes).is_some_and(|(_, body)| body.get(5) == Some(&4))
 }
 
-/// The segment that says how the picture is coded: its marker, and bits, height, width and channels.
+/// The frame header: its marker, and bits, height, width and channels.
 fn frame(bytes: &[u8]) -> Option<(u8, &[u8])> {
     let is_other = |marker| [0xc4, 0xc8, 0xcc].contains(&marker);
     let is_frame = |marker| (0xc0..=0xcf).contains(&marker) && !is_other(marker);

@@ -1,9 +1,9 @@
 //! Light layers as EXR: a picture, and what each light contributes to it.
 //!
-//! R, G and B are the picture. Each light has three channels more, `NAME.R`, `NAME.G` and `NAME.B`: a layer in
-//! the words of EXR, so that compositing programs show them by name. In them a light's name has underscores for
-//! what is no ASCII letter, digit or hyphen, and a number behind it where two would be alike; the attribute
-//! `unrenderLayers` has the names as they are, a JSON array of pairs of channel prefix and name.
+//! R, G and B are the picture. Each light has three more channels, `NAME.R`, `NAME.G` and `NAME.B`: a layer in
+//! the terms of EXR, which compositing programs show by name. NAME is the light's name with an underscore for
+//! each character that is not an ASCII letter, digit or hyphen, and with a number where two would be the same;
+//! the attribute `unrenderLayers` has the original names, a JSON array of pairs of channel prefix and name.
 
 use super::budget;
 use super::exr_refused::fault;
@@ -19,12 +19,12 @@ use unrender_scene::{Rgb, RgbImage};
 
 /// The attribute that holds the names.
 const ATTRIBUTE: &str = "unrenderLayers";
-/// More pixels than this are taken for a corrupt header.
+/// A header with more pixels than this is taken to be corrupt.
 const MAX_PIXELS: usize = 1 << 28;
-/// ZIP packs a byte of the file to at most this many.
+/// ZIP expands a byte of the file to at most this many.
 const MAX_UNPACKING: usize = 1100;
 
-/// What one light contributes to a picture.
+/// The contribution of one light to a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightLayer {
     /// The light's name.
@@ -34,7 +34,7 @@ pub struct LightLayer {
 }
 
 /// Writes `picture` with its `layers` of the same size as an EXR of 32-bit floats; values that are not finite
-/// become zero. Returns how many of the picture's were not.
+/// become zero. Returns how many of the picture's values were not.
 ///
 /// # Errors
 /// If the file cannot be written.
@@ -54,7 +54,7 @@ pub fn write_layers(
     one_layer::write(path, &pictures, (ATTRIBUTE, AttributeValue::Text(text.as_str().into())))
 }
 
-/// What the channels of each layer begin with.
+/// The prefixes of the channels of each layer.
 fn prefixes(layers: &[LightLayer]) -> Vec<String> {
     let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
     let mut taken: Vec<String> = Vec::new();
@@ -91,7 +91,7 @@ fn layers_of(scope: &Scope, bytes: &[u8]) -> Result<Vec<LightLayer>, String> {
         return Err(foreign());
     };
     let names: Vec<(String, String)> = serde_json::from_str(&text.to_string())
-        .map_err(|error| format!("has an attribute {ATTRIBUTE} that is no list ({error})"))?;
+        .map_err(|error| format!("has an attribute {ATTRIBUTE} that is not a list ({error})"))?;
     let Vec2(width, height) = header.layer_size;
     let channels = header.channels.list.len();
     let unpacked = width.saturating_mul(height).saturating_mul(4 * channels);
@@ -100,7 +100,7 @@ fn layers_of(scope: &Scope, bytes: &[u8]) -> Result<Vec<LightLayer>, String> {
         return Err(format!("claims {width} x {height} pixels, which it cannot hold"));
     }
     let block = budget::exr_block(header, bytes.len() as u64)?;
-    // As channels, and as pixels.
+    // Memory for the channels, and for the pixels.
     scope.charge(2 * unpacked as u64 + 2 * block)?;
     let image = exr::prelude::read()
         .no_deep_data()
@@ -115,7 +115,7 @@ fn layers_of(scope: &Scope, bytes: &[u8]) -> Result<Vec<LightLayer>, String> {
         let found = list.iter().find(|channel| channel.name.eq(name.as_str()));
         match found.map(|channel| &channel.sample_data) {
             Some(FlatSamples::F32(samples)) if samples.len() == width * height => Ok(samples),
-            _ => Err(format!("has a channel {name} that is missing or has no 32-bit floats")),
+            _ => Err(format!("has a channel {name} that is missing or is not of 32-bit floats")),
         }
     };
     let layer = |(prefix, name): (String, String)| {
@@ -123,7 +123,7 @@ fn layers_of(scope: &Scope, bytes: &[u8]) -> Result<Vec<LightLayer>, String> {
             [of(format!("{prefix}.R"))?, of(format!("{prefix}.G"))?, of(format!("{prefix}.B"))?];
         let pixels: Vec<Rgb> = (0..width * height).map(|i| Rgb::new(r[i], g[i], b[i])).collect();
         if pixels.iter().any(|v| !v.is_finite() || v.min_element() < 0.0) {
-            return Err(format!("has light of \"{name}\" that is negative or no finite number"));
+            return Err(format!("has light of \"{name}\" that is negative or not finite"));
         }
         Ok(LightLayer { name, radiance: RgbImage::new(width, height, pixels) })
     };

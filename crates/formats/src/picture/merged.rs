@@ -1,9 +1,9 @@
 //! Merged brackets as EXR: linear values with their variances.
 //!
-//! Beside R, G and B the file has the channels `variance.R`, `variance.G` and `variance.B`: a layer in the
-//! words of EXR. A variance of -1 says that the pixel has no value. The attribute `unrenderWhiteLevel` has the
-//! values from which on the channels are clipped, the greatest finite number where nothing is; a file without it
-//! is none of ours, whatever its channels are called. The frames' primaries become the standard attribute
+//! Beside R, G and B the file has the channels `variance.R`, `variance.G` and `variance.B`: a layer in the terms
+//! of EXR. A variance of -1 marks a pixel without a value. The attribute `unrenderWhiteLevel` has the values
+//! from which on the channels are clipped, the greatest finite number if none is; a file without it is not one
+//! of ours, whatever the names of its channels. The frames' primaries become the standard attribute
 //! `chromaticities`.
 
 use super::exr_refused::fault;
@@ -30,7 +30,7 @@ const XYZ_FROM_SRGB: [[f32; 3]; 3] =
     [[0.412_4, 0.212_6, 0.019_3], [0.357_6, 0.715_2, 0.119_2], [0.180_5, 0.072_2, 0.950_5]];
 
 /// Writes a merged picture as an EXR of 32-bit floats, with its variances if it has them. Values that are not
-/// finite become zero and count as no values.
+/// finite become zero and are marked as missing.
 ///
 /// # Errors
 /// If the file cannot be written.
@@ -68,7 +68,7 @@ pub fn write_merged(path: &Path, picture: &Picture) -> Result<(), FileError> {
     atomic::write(path, bytes.get_ref())
 }
 
-/// The primaries of a file whose linear values this matrix turns into linear sRGB.
+/// The primaries of a file whose linear values this matrix converts to linear sRGB.
 fn chromaticities(srgb_from_file: Mat3) -> Chromaticities {
     let xyz = Mat3::from_cols_array_2d(&XYZ_FROM_SRGB) * srgb_from_file;
     let xy = |v: Vec3| Vec2(v.x / v.element_sum(), v.y / v.element_sum());
@@ -76,8 +76,8 @@ fn chromaticities(srgb_from_file: Mat3) -> Chromaticities {
     Chromaticities { red: xy(xyz.x_axis), green: xy(xyz.y_axis), blue: xy(xyz.z_axis), white }
 }
 
-/// What [`write_merged`] wrote beside the values of the EXR in `bytes`: variances and white level, and which
-/// pixels have no value. None if it is another file, an error if it lacks them.
+/// Reads what [`write_merged`] wrote beside the values of the EXR in `bytes`: variances and white level, and
+/// which pixels have no value. None if it is another file, an error if they are incomplete.
 pub(super) fn read_merged(bytes: &[u8]) -> Result<Option<(Merged, Vec<usize>)>, String> {
     let corrupt = |error: exr::error::Error| fault(bytes, &error);
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(corrupt)?;
@@ -103,7 +103,7 @@ pub(super) fn read_merged(bytes: &[u8]) -> Result<Option<(Merged, Vec<usize>)>, 
     let channels = &image.layer_data.channel_data.list;
     let of = |name: &str| match channels.iter().find(|c| c.name.eq(name)).map(|c| &c.sample_data) {
         Some(FlatSamples::F32(samples)) if samples.len() == width * height => Ok(samples),
-        _ => Err(format!("has a channel {name} that is missing or has no 32-bit floats")),
+        _ => Err(format!("has a channel {name} that is missing or is not of 32-bit floats")),
     };
     let [red, green, blue] = [of(VARIANCES[0])?, of(VARIANCES[1])?, of(VARIANCES[2])?];
     let mut invalid = Vec::new();

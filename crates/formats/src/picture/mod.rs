@@ -55,7 +55,7 @@ pub(crate) use tables::tables;
 pub use unrender_scene::{Depth, Merged, Picture, Profile};
 pub use write::{write, write_exr, write_hdr, write_png_codes, write_png_srgb};
 
-/// A picture, and what the user should know of it, as ends of sentences about its file.
+/// A picture, with notes for the user, as ends of sentences about its file.
 struct Decoded {
     picture: Picture,
     notes: Vec<String>,

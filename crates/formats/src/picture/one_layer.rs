@@ -10,8 +10,8 @@ use std::io::Cursor;
 use std::path::Path;
 use unrender_scene::{Rgb, RgbImage};
 
-/// Writes `pictures` of one size as channels of 32-bit floats: each as R, G and B behind its prefix. Values that are not
-/// finite become zero. Returns how many of the first picture's were not.
+/// Writes `pictures` of one size as channels of 32-bit floats: each as R, G and B after its prefix.
+/// Values that are not finite become zero. Returns how many values of the first picture were not.
 ///
 /// # Errors
 /// If the file cannot be written.

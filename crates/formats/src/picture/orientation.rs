@@ -34,13 +34,13 @@ impl Orientation {
         matches!(self.0, 2 | 4 | 5 | 7)
     }
 
-    /// What is left of it where the upright picture is mirrored once more, left to right.
+    /// The orientation that remains if the upright picture is mirrored once more, left to right.
     #[must_use]
     pub fn mirrored_back(self) -> Self {
         Self([0, 2, 1, 4, 3, 6, 5, 8, 7][usize::from(self.0)])
     }
 
-    /// What it does to a step of pixels (right, down).
+    /// The matrix that it applies to a step of pixels (right, down).
     pub fn upright_from_stored(self) -> DMat2 {
         let [right, down] = [DVec2::X, DVec2::Y];
         // What a step to the right becomes, and one downwards.

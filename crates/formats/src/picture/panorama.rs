@@ -8,11 +8,11 @@ use unrender_scene::{Environment, Rgb, Warnings};
 const ASPECT_TOLERANCE: f64 = 0.02;
 
 /// Reads the equirectangular panorama at `path` as an environment, turned by `rotation_rad` (see
-/// [`Environment::new`]), whose radiance is `scale` times the picture's linear values. What is transparent
-/// gives the light that the file has there; what has no value gives none, with a warning.
+/// [`Environment::new`]), whose radiance is `scale` times the picture's linear values. Transparent pixels
+/// give the light that the file has there; pixels without a value give none, with a warning.
 ///
 /// # Errors
-/// If the picture cannot be read, or if `scale` makes no finite radiance of it.
+/// If the picture cannot be read, or if `scale` makes its radiance infinite.
 pub fn read_environment<'a>(
     input: impl Into<Input<'a>>,
     rotation_rad: f32,
@@ -23,8 +23,8 @@ pub fn read_environment<'a>(
     let (picture, mut warnings) = super::read(input)?;
     if picture.depth != Depth::Float {
         warnings.push(format!(
-            "{}: was taken for an sRGB picture; whatever was brighter than its white, lamps and sun \
-             above all, is not in it; .hdr and .exr files have it",
+            "{}: was taken for an sRGB picture, which lacks light brighter than its white, such as \
+             lamps and sun; use a .hdr or .exr file",
             path.display()
         ));
     }
@@ -32,7 +32,7 @@ pub fn read_environment<'a>(
     let missing = picture.invalid.iter().filter(black).count();
     if missing > 0 {
         warnings.push(format!(
-            "{}: of the pixels without a value {missing} give no light here",
+            "{}: {missing} pixel(s) without a value give no light here",
             path.display()
         ));
     }
@@ -50,8 +50,8 @@ pub fn read_environment<'a>(
     let (width, height) = (radiance.width(), radiance.height());
     if (width as f64 / (2.0 * height as f64) - 1.0).abs() > ASPECT_TOLERANCE {
         warnings.push(format!(
-            "{}: a panorama of all directions is twice as wide as high, this one has {width} x \
-             {height} pixels; it was stretched over the whole sphere",
+            "{}: a panorama of all directions is twice as wide as high; this one has {width} x \
+             {height} pixels and was stretched over the sphere",
             path.display()
         ));
     }

@@ -1,4 +1,4 @@
-//! The chunks of a PNG file that its decoder does not hand on: declared colours and the shape of pixels.
+//! The chunks of a PNG file that its decoder does not return: declared colours and the shape of pixels.
 
 use crate::entry::{Entry, read};
 
@@ -7,22 +7,22 @@ pub(super) const CICP: Entry = read(
     "cICP",
     "the colours are turned into those of sRGB; PQ, HLG and a narrow range are refused",
 );
-/// How many pixels a metre has.
-const PHYS: Entry = read("pHYs", "pixels that are not square are told and taken as square");
+/// Pixels per metre.
+const PHYS: Entry = read("pHYs", "pixels that are not square are taken as square, with a warning");
 
-/// The chunks that are looked at, those with colours in the order in which they count.
+/// The chunks that are read, those with colours in their order of precedence.
 pub(super) const CHUNKS: [Entry; 8] = [
     CICP,
-    read("iCCP", "a profile of primaries and curves; one of tables is told"),
+    read("iCCP", "a profile of primaries and curves; a warning for one of tables"),
     read("sRGB", "the colours are those of sRGB, whatever gAMA and cHRM say"),
     read("gAMA", "the curve from codes to light"),
     read("cHRM", "the colours are turned into those of sRGB"),
-    read("tRNS", "coverage: where it is zero a photograph has no measurement, which is told"),
+    read("tRNS", "coverage: where it is zero a photograph has no measurement, with a warning"),
     read("eXIf", "see EXIF"),
     PHYS,
 ];
 
-/// The data of the first chunk of the name of `row` before the pixels.
+/// The data of the first chunk before the pixels that `row` names.
 pub(super) fn find<'a>(bytes: &'a [u8], row: &Entry) -> Option<&'a [u8]> {
     let mut rest = bytes.get(8..)?;
     loop {
@@ -36,7 +36,7 @@ pub(super) fn find<'a>(bytes: &'a [u8], row: &Entry) -> Option<&'a [u8]> {
         if kind == row.name.as_bytes() {
             return Some(data);
         }
-        // Behind the checksum.
+        // After the checksum.
         rest = after.get(4..)?;
     }
 }

@@ -1,4 +1,4 @@
-//! Primaries of linear values: their matrix to linear sRGB, and the profile of what has them.
+//! Primaries of linear values: their matrix to linear sRGB, and their profile.
 
 use glam::{DMat3, DVec3, Mat3};
 use unrender_scene::Profile;
@@ -7,14 +7,15 @@ use unrender_scene::Profile;
 const SAME_PRIMARIES: f32 = 4e-3;
 /// Red, green, blue and white of sRGB [IEC 61966-2-1].
 const SRGB: Corners = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06], [0.3127, 0.3290]];
-/// The responses of the eye's cones to CIE XYZ by Bradford, by columns: what is white stays white by them.
+/// The responses of the eye's cones to CIE XYZ by Bradford, by columns, for chromatic adaptation: white
+/// stays white.
 const BRADFORD: [[f64; 3]; 3] =
     [[0.8951, -0.7502, 0.0389], [0.2664, 1.7135, -0.0685], [-0.1614, 0.0367, 1.0296]];
 
 /// Red, green, blue and white, each as CIE x and y.
 pub(super) type Corners = [[f32; 2]; 4];
 
-/// The profile of linear values with the primaries whose matrix to linear sRGB is `matrix`, if they have one.
+/// The profile of linear values whose matrix to linear sRGB is `matrix`; not understood without one.
 pub(super) fn of_primaries(matrix: Option<Mat3>, source: &str) -> Profile {
     let understood = matrix.is_some();
     Profile {
@@ -61,7 +62,7 @@ mod tests {
     #[test]
     fn white_stays_white_and_srgb_has_nothing_to_convert() {
         assert!(matrix(SRGB).and_then(other).is_none());
-        // CIE XYZ and the primaries of ACES are none that a screen has.
+        // No screen has the primaries of CIE XYZ or of ACES.
         let xyz = matrix([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0], [1.0 / 3.0, 1.0 / 3.0]]).unwrap();
         assert!((xyz * Vec3::ONE).abs_diff_eq(Vec3::ONE, 1e-4), "{xyz}");
         let aces = matrix([[0.7347, 0.2653], [0.0, 1.0], [0.0001, -0.077], [0.32168, 0.33767]]);

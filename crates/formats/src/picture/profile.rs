@@ -1,8 +1,8 @@
-//! What a picture file declares of its colours: an ICC profile (PNG, JPEG, BMP, TIFF), the chunks `cICP`, `gAMA` and
-//! `cHRM` of PNG, the header of Radiance, tags of TIFF, or the EXIF data's word for Adobe RGB.
+//! The colours that a picture file declares: an ICC profile (PNG, JPEG, BMP, TIFF), the chunks `cICP`, `gAMA` and
+//! `cHRM` of PNG, the header of Radiance, tags of TIFF, or the EXIF data's code for Adobe RGB.
 //!
-//! Profiles of three primaries and three curves are understood; those made of tables are not. What EXR declares is
-//! read with its channels.
+//! Profiles of three primaries and three curves are understood; those made of tables are not. The declarations of
+//! EXR are read with its channels.
 
 use super::curves::sampled;
 use super::exif::is_adobe_rgb;
@@ -17,10 +17,11 @@ use unrender_scene::Profile;
 /// The `gAMA` that writers of sRGB pictures give.
 const GAMMA_OF_SRGB: f32 = 0.454_55;
 
-/// What the file `bytes` declares, whose ICC profile, if any, is `icc`; `tiff` is the page, if it is a TIFF.
+/// The profile that the file `bytes` declares; `icc` is its ICC profile, if any, and `tiff` the page, if it
+/// is a TIFF.
 ///
 /// # Errors
-/// If it declares codes that are no light of a scene.
+/// If its codes do not represent scene light.
 pub(super) fn of(
     bytes: &[u8],
     format: ImageFormat,

@@ -1,11 +1,11 @@
-//! Raw files and other files of cameras that are no picture to read, told by their content.
+//! Raw files and other files of cameras that are not read, recognised by their content.
 //!
-//! A raw file holds what the sensor counted, under a filter of one colour a pixel, and beside it previews that the
-//! camera has developed to its taste. Neither is the photograph.
+//! A raw file holds what the sensor counted, under a filter of one colour per pixel, and previews that the camera
+//! developed with a tone curve. Neither is the photograph.
 
 use crate::entry::{Entry, refused};
 
-/// How raw files begin that are no ordinary TIFF: where, with what, and what they are.
+/// The signatures of raw files that are not ordinary TIFFs: where, with what bytes, and which file.
 const BEGINNINGS: [(usize, &[u8], &str); 14] = [
     (8, b"CR\x02\0", "a raw file (CR2)"),
     (6, b"HEAPCCDR", "a raw file (CRW)"),
@@ -23,7 +23,7 @@ const BEGINNINGS: [(usize, &[u8], &str); 14] = [
     (0, b"qktk", "a raw file (QTK)"),
 ];
 
-/// How other files of pictures begin that people have and that are not read.
+/// The signatures of other common picture files that are not read.
 const OTHERS: [(usize, &[u8], &str); 13] = [
     (4, b"ftypheic", "HEIC"),
     (4, b"ftypheix", "HEIC"),
@@ -40,7 +40,7 @@ const OTHERS: [(usize, &[u8], &str); 13] = [
     (0, b"\0\0\0\x0cjP  ", "JPEG 2000"),
 ];
 
-/// The raw files of makers whose files are TIFFs, by how the maker's name begins.
+/// The raw files that are TIFFs, by the beginning of the maker's name.
 const MAKERS: [(&str, &str); 10] = [
     ("NIKON", "NEF"),
     ("CANON", "CR2"),
@@ -74,9 +74,9 @@ pub(super) fn rows() -> Vec<Entry> {
     rows
 }
 
-/// What the bytes are, if they are a raw file by how they begin.
+/// The kind of raw file, if the bytes begin as one.
 pub(super) fn of_beginning(bytes: &[u8]) -> Option<&'static str> {
-    // In JPEG and PNG files, what is there means something else.
+    // In JPEG and PNG files these bytes mean something else.
     let is_picture = bytes.starts_with(b"\xff\xd8") || bytes.starts_with(b"\x89PNG");
     found(&BEGINNINGS, bytes).filter(|_| !is_picture)
 }

@@ -13,9 +13,9 @@ use std::io::Cursor;
 use std::path::Path;
 use unrender_scene::{Image, Rgb, Warnings};
 
-/// What is said of colours for a printer.
-const INKS: &str = "holds inks (CMYK), which were turned into red, green and blue without regard to what they \
-                    look like; save it as RGB";
+/// The warning of colours for a printer.
+const INKS: &str = "holds inks (CMYK), which were converted to red, green and blue without a \
+profile; save it as RGB";
 
 /// Reads the picture at `path` and turns it upright as its EXIF orientation says.
 ///
@@ -95,7 +95,7 @@ fn decoded(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
     }
 }
 
-/// A file whose decoder says all that there is to say; `page` is that of a TIFF.
+/// Reads a file whose decoder returns all that matters; `page` is that of a TIFF.
 fn plain(
     scope: &Scope,
     bytes: &[u8],
@@ -123,7 +123,7 @@ fn plain_jpeg(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
     Ok(decoded)
 }
 
-/// Radiance's header tells by how much the picture was multiplied after the fact, and its primaries.
+/// Radiance's header states the factor by which the picture was multiplied, and its primaries.
 fn hdr(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
     let header = hdr_header::read(bytes)?;
     let mut decoded = plain(scope, bytes, ImageFormat::Hdr, None)?;
@@ -175,7 +175,7 @@ fn tiff(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
 
 /// Reads the variances of a merged bracket, and which pixels have no value.
 fn put_merged(scope: &Scope, picture: &mut Picture, bytes: &[u8]) -> Result<(), String> {
-    // All six channels as they are in the file, and the variances once more.
+    // Memory for all six channels as in the file, and for the variances once more.
     let pixels = picture.values.pixels().len() as u64;
     scope.charge(pixels * 36)?;
     let Some((merged, invalid)) = merged::read_merged(bytes)? else { return Ok(()) };
@@ -191,7 +191,7 @@ fn put_merged(scope: &Scope, picture: &mut Picture, bytes: &[u8]) -> Result<(), 
     Ok(())
 }
 
-/// The format that the bytes are of, if it is one that is read.
+/// The format of the bytes, if it is one that is read.
 pub(super) fn format_of(bytes: &[u8]) -> Option<ImageFormat> {
     if Tiff::of(bytes).is_some() {
         return Some(ImageFormat::Tiff);
@@ -221,7 +221,7 @@ fn pixels_of(
     let mut decoder = reader.into_decoder().map_err(faulty)?;
     check_size(&decoder, bytes.len() as u64)?;
     let (width, height) = decoder.dimensions();
-    // As they are in the file, and as three floats.
+    // Memory for the pixels as in the file, and as three floats.
     let each = u64::from(decoder.color_type().bytes_per_pixel()) + 12;
     scope.charge(u64::from(width) * u64::from(height) * each).map_err(|problem| {
         format!("has {width} x {height} pixels and {problem}; or make the picture smaller")
@@ -236,7 +236,7 @@ fn pixels_of(
 fn fault(bytes: &[u8], format: ImageFormat, error: &image::ImageError) -> String {
     match error {
         image::ImageError::Unsupported(_) => {
-            // What a TIFF's decoder says is a number.
+            // A TIFF's decoder returns only a number.
             let first = Tiff::of(bytes).and_then(|tiff| {
                 let page = tiff.directory(tiff.first()?)?;
                 Some(tiff_says::kind(&tiff, &page))
@@ -251,7 +251,7 @@ fn fault(bytes: &[u8], format: ImageFormat, error: &image::ImageError) -> String
     }
 }
 
-/// Refuses sizes that the file cannot hold, before any memory is asked for.
+/// Refuses sizes that the file cannot hold, before any memory is allocated.
 fn check_size(decoder: &impl ImageDecoder, file_bytes: u64) -> Result<(), String> {
     let (width, height) = decoder.dimensions();
     let pixels = u64::from(width) * u64::from(height);

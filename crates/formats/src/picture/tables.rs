@@ -1,4 +1,4 @@
-//! What is read of pictures, as tables: kinds of files, and what each says beside its pixels.
+//! What is read of pictures, as tables: kinds of files, and the data of each beside its pixels.
 
 use super::{bmp, exif, exr_says, hdr_header, jpeg, png_chunks, raw, tiff_tags};
 use crate::entry::{Entry, Table, read, refused, told};
@@ -21,7 +21,7 @@ const TIFF_KINDS: [Entry; 5] = [
     refused("values of a sensor under colour filters", "a raw file: it has to be developed first"),
     refused("previews alone", "save the picture itself"),
     told("several pictures", "the first one of full size is read, and no other"),
-    told("CMYK", "inks are turned into red, green and blue without regard to what they look like"),
+    told("CMYK", "inks are converted to red, green and blue without a profile"),
 ];
 
 /// The tables of pictures.

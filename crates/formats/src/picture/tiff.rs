@@ -1,11 +1,12 @@
-//! The directories of a TIFF file: what they say, before a decoder looks at one of them.
+//! The directories of a TIFF file, read before a decoder looks at one of them.
 //!
-//! Counts and places are as the file has them: what leads out of it is as if it were not there.
+//! Counts and offsets come from the file and are not trusted: what lies outside of it counts as
+//! missing.
 
-/// The bytes of a number of each kind of field, by the kind's code.
+/// The size of a number of each kind of field, bytes, by the kind's code.
 const SIZES: [usize; 19] = [0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8, 8];
 
-/// The tags that are looked at.
+/// The tags that are read.
 pub(super) mod tag {
     pub(in super::super) const NEW_SUBFILE_TYPE: u16 = 254;
     pub(in super::super) const SUBFILE_TYPE: u16 = 255;
@@ -44,7 +45,7 @@ pub(super) struct Tiff<'a> {
 pub(super) struct Directory {
     /// Where it is in the file.
     pub at: u64,
-    /// Where the next one is; zero behind the last.
+    /// The offset of the next one; zero after the last.
     pub next: u64,
     fields: Vec<Field>,
 }
@@ -59,7 +60,7 @@ struct Field {
 }
 
 impl<'a> Tiff<'a> {
-    /// None if the bytes do not begin as those of a TIFF do.
+    /// None if the bytes do not begin like a TIFF.
     pub(super) fn of(bytes: &'a [u8]) -> Option<Self> {
         let (little, big) = match bytes.get(..4)? {
             b"II*\0" => (true, false),
@@ -147,7 +148,7 @@ impl<'a> Tiff<'a> {
         self.number(directory, tag, 0).map(|number| number as u64)
     }
 
-    /// The text of the field, without what follows a zero.
+    /// The text of the field, up to the first zero.
     pub(super) fn text(&self, directory: &Directory, tag: u16) -> Option<String> {
         let field = directory.field(tag).filter(|field| field.kind == 2)?;
         let bytes = self.bytes.get(field.at..field.at + field.count)?;

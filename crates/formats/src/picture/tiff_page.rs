@@ -1,9 +1,9 @@
-//! Which directory of a TIFF file is the photograph: not a preview, and none of a raw file.
+//! Which directory of a TIFF file is the photograph: not a preview, and not part of a raw file.
 
 use super::raw;
 use super::tiff::{Directory, Tiff, tag};
 
-/// More directories, or more fields in all of them together, are no file of pictures.
+/// A file with more directories, or more fields in all of them, is not a picture.
 const DIRECTORIES: usize = 4096;
 const FIELDS: usize = 1 << 18;
 /// The photometric interpretations of raw files: values of a sensor under its colour filters, and the same
@@ -11,7 +11,8 @@ const FIELDS: usize = 1 << 18;
 const RAW_PHOTOMETRIC: [u64; 2] = [32_803, 34_892];
 /// Compressions that raw files alone have: those of Sony, Samsung, Nikon, lossy DNG, Kodak and Pentax.
 const RAW_COMPRESSION: [u64; 7] = [32_767, 32_769, 32_770, 34_713, 34_892, 65_000, 65_535];
-/// The bits of NewSubfileType of what is no picture of its own: a reduced one, a mask, a map of depth, ...
+/// The bits of NewSubfileType that mark a page as no picture of its own: a reduced one, a mask, a depth
+/// map, ...
 const NO_PICTURE: u64 = 0b1_1101;
 
 /// The directory of the photograph.
@@ -20,14 +21,14 @@ pub(super) struct Page {
     pub directory: Directory,
     /// Whether it is the first one of the file.
     pub is_first: bool,
-    /// What the user should know of the choice, as the end of a sentence about the file.
+    /// A note on the choice for the user, as the end of a sentence about the file.
     pub note: Option<String>,
 }
 
 /// Chooses the page of `tiff` that is the photograph; none if the file has no directory that can be read.
 ///
 /// # Errors
-/// If the file is a raw one, or if it has no picture of full size outside of directories within others.
+/// If the file is a raw one, or if its only pictures of full size are in directories within others.
 pub(super) fn choose(tiff: &Tiff<'_>) -> Result<Option<Page>, String> {
     let pages = chain(tiff, tiff.first().unwrap_or(0))?;
     if pages.is_empty() {
@@ -69,7 +70,7 @@ fn chain(tiff: &Tiff<'_>, mut at: u64) -> Result<Vec<Directory>, String> {
         fields += directory.len();
         if !places.insert(at) || found.len() >= DIRECTORIES || fields > FIELDS {
             return Err(format!(
-                "has a chain of directories that has no end, or more than {DIRECTORIES}; save it again"
+                "has an endless chain of directories, or more than {DIRECTORIES}; save it again"
             ));
         }
         at = directory.next;

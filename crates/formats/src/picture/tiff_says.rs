@@ -1,4 +1,4 @@
-//! What a TIFF page says of its numbers: kind, coverage, missing values, colours.
+//! What the tags of a TIFF page say of its numbers: kind, coverage, missing values, colours.
 
 use super::curves::SAMPLES;
 use super::primaries::{Corners, matrix, of_primaries};
@@ -10,10 +10,10 @@ const D65: [f32; 2] = [0.3127, 0.3290];
 /// The primaries of sRGB, for files that state a white alone.
 const SRGB: [f32; 6] = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06];
 
-/// What is added from code to code, too little to be seen: all of it is a thousandth of a step of 16 bits.
+/// Added from code to code, so that curves grow: in all a thousandth of a step of 16 bits.
 const DARKEST_STEP: f64 = 1e-10;
 
-/// What is wrong with the kind of its numbers, as the end of a sentence about the file.
+/// The error of a kind of numbers that is not read, as the end of a sentence about the file.
 pub(super) fn unread(tiff: &Tiff<'_>, page: &Directory) -> Option<String> {
     let bits = tiff.code(page, tag::BITS).unwrap_or(1);
     let is_float = tiff.code(page, tag::SAMPLE_FORMAT) == Some(3);
@@ -24,7 +24,7 @@ pub(super) fn unread(tiff: &Tiff<'_>, page: &Directory) -> Option<String> {
     })
 }
 
-/// The page in words, for files that the decoder does not know.
+/// A description of the page, for files that the decoder does not know.
 pub(super) fn kind(tiff: &Tiff<'_>, page: &Directory) -> String {
     let code = |tag| tiff.code(page, tag).unwrap_or(0);
     let format = match code(tag::SAMPLE_FORMAT) {
@@ -52,7 +52,7 @@ pub(super) fn kind(tiff: &Tiff<'_>, page: &Directory) -> String {
     )
 }
 
-/// Whether the channel behind the colours is coverage, as the file says.
+/// Whether the file declares the channel after the colours as coverage.
 pub(super) fn has_coverage(tiff: &Tiff<'_>, page: &Directory) -> bool {
     matches!(tiff.code(page, tag::EXTRA_SAMPLES), Some(1 | 2))
 }
@@ -62,13 +62,13 @@ pub(super) fn has_inks(tiff: &Tiff<'_>, page: &Directory) -> bool {
     tiff.code(page, tag::PHOTOMETRIC) == Some(5)
 }
 
-/// What is said of channels beside the colours that the file does not call coverage.
+/// The note about channels beside the colours that the file does not declare as coverage.
 pub(super) fn other_channels(tiff: &Tiff<'_>, page: &Directory) -> Option<String> {
     let is_other = page.has(tag::EXTRA_SAMPLES) && !has_coverage(tiff, page);
-    is_other.then(|| "a channel beside the colours, which is not called alpha, was ignored".into())
+    is_other.then(|| "a channel beside the colours, not declared as alpha, was ignored".into())
 }
 
-/// The number that stands for a missing value (GDAL_NODATA), as the decoder hands it out.
+/// The number that stands for a missing value (GDAL_NODATA), as the decoder returns it.
 pub(super) fn no_data(tiff: &Tiff<'_>, page: &Directory) -> Option<f64> {
     let number: f64 = tiff.text(page, tag::NO_DATA)?.parse().ok()?;
     let is_inverted = tiff.code(page, tag::PHOTOMETRIC) == Some(0);
@@ -118,7 +118,7 @@ fn curves(tiff: &Tiff<'_>, page: &Directory) -> Option<[Vec<f32>; 3]> {
         let at = (f64::from(k) / f64::from(SAMPLES - 1) * (codes - 1) as f64).round() as usize;
         let index = channel.min(tables - 1) * codes + at;
         let linear = tiff.number(page, tag::TRANSFER_FUNCTION, index)? / 65_535.0;
-        // The darkest codes are rounded to the same number: curves grow from code to code.
+        // The darkest codes are rounded to the same number, but curves must grow.
         Some((linear + DARKEST_STEP * f64::from(k)) as f32)
     };
     let curve = |channel| (0..SAMPLES).map(|k| value(channel, k)).collect::<Option<Vec<f32>>>();

@@ -1,4 +1,4 @@
-//! The tags of TIFF that are looked at, and what is done with each.
+//! The tags of TIFF that are read, and what is done with each.
 
 use super::tiff::tag;
 use crate::entry::{Entry, passed, read, refused, told};
@@ -16,7 +16,7 @@ pub(super) const TAGS: [(u16, Entry); 24] = [
     ),
     (tag::WIDTH, read("ImageWidth", "pixels")),
     (tag::HEIGHT, read("ImageLength", "pixels")),
-    (tag::BITS, read("BitsPerSample", "8 or 16; of floats 32")),
+    (tag::BITS, read("BitsPerSample", "8 or 16; 32 for floats")),
     (
         tag::COMPRESSION,
         read("Compression", "none, LZW, Deflate, PackBits, JPEG; those of raw files are refused"),
@@ -25,7 +25,7 @@ pub(super) const TAGS: [(u16, Entry); 24] = [
         tag::PHOTOMETRIC,
         read(
             "PhotometricInterpretation",
-            "grey and RGB; CMYK is told; those of raw files are refused",
+            "grey and RGB; a warning for CMYK; those of raw files are refused",
         ),
     ),
     (tag::STRIPS, read("StripOffsets", "where the pixels are")),
@@ -36,7 +36,7 @@ pub(super) const TAGS: [(u16, Entry); 24] = [
         tag::EXTRA_SAMPLES,
         read(
             "ExtraSamples",
-            "coverage: where it is zero a photograph has no measurement, which is told",
+            "coverage: where it is zero a photograph has no measurement, with a warning",
         ),
     ),
     (tag::TRANSFER_FUNCTION, read("TransferFunction", "the curve from codes to light")),
@@ -44,18 +44,18 @@ pub(super) const TAGS: [(u16, Entry); 24] = [
     (tag::PRIMARIES, read("PrimaryChromaticities", "the colours are turned into those of sRGB")),
     (
         tag::X_RESOLUTION,
-        read("XResolution", "pixels that are not square are told and taken as square"),
+        read("XResolution", "pixels that are not square are taken as square, with a warning"),
     ),
     (
         tag::Y_RESOLUTION,
-        read("YResolution", "pixels that are not square are told and taken as square"),
+        read("YResolution", "pixels that are not square are taken as square, with a warning"),
     ),
     (tag::NO_DATA, told("GDAL_NODATA", "pixels of this value are no measurement")),
     (tag::MAKE, passed("Make", "names the kind of a raw file")),
     (tag::DNG_VERSION, refused("DNGVersion", DEVELOPED)),
     (tag::CFA_DIMENSIONS, refused("CFARepeatPatternDim", DEVELOPED)),
     (tag::CFA_PATTERN, refused("CFAPattern", DEVELOPED)),
-    (34_675, read("ICCProfile", "of primaries and curves; one of tables is told")),
+    (34_675, read("ICCProfile", "of primaries and curves; a warning for one of tables")),
 ];
 
 #[cfg(test)]
@@ -76,7 +76,7 @@ mod tests {
             assert!(TAGS.iter().any(|(tag, _)| *tag == number), "no row of {name} ({number})");
             count += 1;
         }
-        // And the profile, which the decoder hands out.
+        // And the profile, which the decoder returns.
         assert_eq!(count + 1, TAGS.len());
     }
 }

@@ -1,7 +1,7 @@
 //! Writes linear pictures: 8-bit sRGB PNG, and EXR and HDR with the linear values.
 //!
-//! What is not a finite number never reaches a file: it becomes zero and is counted, so that a
-//! long rendering is not lost to one pixel.
+//! Values that are not finite become zero in the file and are counted, so that one pixel does not
+//! spoil a long rendering.
 
 use super::Depth;
 use crate::{FileError, atomic};

@@ -227,7 +227,7 @@ fn damaged_files_never_panic() {
     for _ in 0..3000 {
         let path = folder.file("a.glb", damaged(&glb, &mut numbers));
         if let Ok((scene, _)) = load_scene(&path) {
-            // What can be read can be given materials.
+            // A file that can be read can be given materials.
             assign_materials(&path, &scene).unwrap();
         }
         folder.file("a.mtl", damaged(mtl.as_bytes(), &mut numbers));

@@ -51,7 +51,7 @@ fn damaged_bytes_never_panic() {
         for (turn, at) in (0..bytes.len()).filter(|i| *i < 400 || i % 5 == 0).enumerate() {
             let mut damaged = bytes.clone();
             damaged[at] = [0, 0xff, 0x80, damaged[at] ^ 1][turn % 4];
-            // Many a damage only changes colours; what counts is that it ends.
+            // Damage may only change colours; decoding must end without a panic.
             let _ = picture::decode(&damaged, Path::new(name));
         }
     }

@@ -8,7 +8,7 @@ use std::path::Path;
 use unrender_formats::{load_model, picture};
 use unrender_scene::Rgb;
 
-/// A header with its fields, behind it `more` (palette, masks or profile) and the rows.
+/// A header with its fields, followed by `more` (palette, masks or profile) and the rows.
 struct Bmp {
     length: u32,
     size: (i32, i32),
@@ -16,7 +16,7 @@ struct Bmp {
     packing: u32,
     /// Pixels a metre across and down.
     resolution: [u32; 2],
-    /// What the header has behind its first 40 bytes.
+    /// The header after its first 40 bytes.
     rest: Vec<u8>,
     more: Vec<u8>,
     rows: Vec<u8>,
@@ -68,7 +68,7 @@ fn assert_shown(bmp: &Bmp) {
 #[test]
 fn pixels_are_as_they_are_shown() {
     assert_shown(&colours());
-    // From the top, with a byte of no meaning.
+    // Rows from the top, with an unused byte per pixel.
     let rows = [[0, 0, 255, 9], [0, 255, 0, 9], [255, 0, 0, 9], [255, 255, 255, 9]].concat();
     assert_shown(&Bmp::new((2, -2), 32, rows));
     // By a palette of 256 colours, of which four are used.
@@ -99,7 +99,7 @@ fn textures_of_scenes_may_be_bmp() {
 
 /// The rest of a header of version 4 or 5 that names this colour space.
 fn declares(length: u32, space: &[u8; 4], more: Vec<u8>) -> Bmp {
-    // Behind the first 40 bytes: four masks, the colour space, nine numbers of its primaries.
+    // After the first 40 bytes: four masks, the colour space, nine numbers of its primaries.
     let mut rest = [[0; 16].as_slice(), space.as_slice()].concat();
     if space == b"DEBM" {
         rest.resize(72, 0);
@@ -114,7 +114,7 @@ fn declared_colours_are_those_of_the_file() {
     let icc = ColorProfile::new_display_p3().encode().unwrap();
     let profile = read(&declares(124, b"DEBM", icc.clone()).bytes()).0.profile.unwrap();
     assert!(profile.understood && profile.source.contains("P3"), "{}", profile.source);
-    // Beyond the end of the file there is none.
+    // A profile beyond the end of the file is ignored.
     let mut cut = declares(124, b"DEBM", icc);
     cut.rest[76..].copy_from_slice(&u32::MAX.to_le_bytes());
     assert!(read(&cut.bytes()).0.profile.is_none());

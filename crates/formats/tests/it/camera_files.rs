@@ -1,4 +1,4 @@
-//! Raw files and TIFFs of several pages: the photograph is the photograph, not what comes first.
+//! Raw files and TIFFs of several pages: the photograph is read, not simply the first page.
 
 use crate::support::pictures::{Page, read, refusal, tiff, warned};
 use crate::support::{Numbers, damaged};
@@ -13,7 +13,7 @@ fn preview(size: (u32, u32)) -> Page {
     Page::new(size, 3, 8, rgb).with(PREVIEW.0, PREVIEW.1, &PREVIEW.2)
 }
 
-/// What a sensor has counted.
+/// A page of raw sensor values.
 fn sensor(size: (u32, u32)) -> Page {
     Page::new(size, 1, 16, vec![7; (2 * size.0 * size.1) as usize])
         .with(262, 3, &[32_803])
@@ -35,14 +35,15 @@ fn raw_files_are_refused_by_name() {
         let page = preview((8, 6)).within(sensor((32, 24))).text(271, make);
         is_raw(&tiff(&[page]), &format!("raw file ({name})"));
     }
-    // The sensor first, as Pentax has it; its values interpolated; a filter over what is called grey.
+    // The sensor's page first, as by Pentax; its values interpolated; a colour filter over values
+    // called grey.
     is_raw(&tiff(&[sensor((8, 8)), preview((4, 4))]), "raw file");
     let linear = Page::new((4, 4), 3, 16, vec![9; 96]);
     is_raw(&tiff(&[linear.clone().with(262, 3, &[34_892])]), "raw file");
     is_raw(&tiff(&[linear.with(50_706, 1, &[1, 4, 0, 0])]), "raw file (DNG)");
     is_raw(&tiff(&[sensor((8, 8)).with(262, 3, &[1])]), "raw file");
     is_raw(&tiff(&[Page::grey((8, 8), 3).with(259, 3, &[34_713])]), "raw file");
-    // Larger within than without, and only within.
+    // A larger picture within, and one only within.
     is_raw(&tiff(&[Page::grey((4, 4), 3).within(Page::grey((8, 8), 3))]), "SubIFD");
     is_raw(&tiff(&[preview((4, 4)).within(Page::grey((8, 8), 3))]), "previews");
 }

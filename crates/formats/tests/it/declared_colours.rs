@@ -36,7 +36,7 @@ fn code_points_of_png_are_converted_as_the_primaries_are() {
     assert!(p3.understood && p3.source.contains("cICP (Display P3)"), "{}", p3.source);
     assert!(p3.srgb_from_file.unwrap().abs_diff_eq(by_chrm, 1e-4));
     assert!((p3.curves.unwrap()[1][128] - linear_from_srgb(128.0 / 255.0)).abs() < 1e-5);
-    // They count before iCCP, and before cHRM.
+    // cICP takes precedence over iCCP and over cHRM.
     for file in [png(false, true), png(true, false)] {
         let srgb = read(&with_chunk(&file, b"cICP", &[1, 13, 0, 1])).0.profile.unwrap();
         assert!(srgb.srgb_from_file.is_none() && srgb.source.contains("sRGB"), "{}", srgb.source);
@@ -77,7 +77,7 @@ fn what_radiance_multiplied_is_divided_out() {
         Rgb::new(0.0625, 0.0625, 0.25)
     );
     assert_eq!(value("EXPOSURE=4\nEXPOSURE= 0.5\n"), Rgb::splat(0.25));
-    // Of the pictures that this one was made from.
+    // Lines of the pictures that this one was made from.
     assert_eq!(value("pcomb a.hdr\n\tEXPOSURE=4\n\tCOLORCORR=2 2 2\n"), Rgb::splat(0.5));
     for (line, words) in [
         ("COLORCORR=1 2\n", "COLORCORR=1 2 that has no 3 number(s)"),
@@ -127,7 +127,7 @@ fn primaries_of_exr_are_converted() {
     assert!(warnings.is_empty());
     let by_chrm = read(&png(true, false)).0.profile.unwrap().srgb_from_file.unwrap();
     assert!(p3.profile.clone().unwrap().srgb_from_file.unwrap().abs_diff_eq(by_chrm, 1e-4));
-    // What lights or clothes a scene has them as well.
+    // Panoramas and textures have them as well.
     assert!((p3.to_linear().pixels()[0].x - by_chrm.x_axis.x).abs() < 1e-4);
     let third = 1.0 / 3.0;
     let xyz = [(third, third), (1.0, 0.0), (0.0, 1.0), (0.0, 0.0)];
@@ -146,8 +146,8 @@ fn colour_spaces_by_name_and_units_of_white_are_told() {
             own.other.insert(name.into(), AttributeValue::Text(space.into()));
         })
     };
-    warned(&said("colorSpace", "ACEScg"), "says \"ACEScg\" of its colour space");
-    warned(&said("oiio:ColorSpace", "sRGB"), "says \"sRGB\" of its colour space");
+    warned(&said("colorSpace", "ACEScg"), "names the colour space \"ACEScg\"");
+    warned(&said("oiio:ColorSpace", "sRGB"), "names the colour space \"sRGB\"");
     warned(&said("colorInteropID", "lin_ap1_scene"), "lin_ap1_scene");
     for linear in ["Linear", "lin_rec709", "scene_linear", "Linear Rec.709 (sRGB)"] {
         assert_eq!(read(&said("oiio:ColorSpace", linear)).1, [""; 0], "{linear}");
@@ -175,7 +175,7 @@ fn pixels_that_are_not_square_are_told() {
     });
     encoder.write_image(&[9; 64], 8, 8, image::ExtendedColorType::L8).unwrap();
     warned(&jpeg, "1.300 times as wide as high, by its JFIF header");
-    // Roundings are none, and nothing is none.
+    // Neither a rounding error nor zeros cause a warning.
     assert_eq!(read(&red(|shared, _| shared.pixel_aspect = 1.0005)).1, [""; 0]);
     let none: Vec<u8> = [0u32, 0].iter().flat_map(|n| n.to_be_bytes()).chain([0]).collect();
     assert_eq!(read(&with_chunk(&png(false, false), b"pHYs", &none)).1, [""; 0]);
@@ -200,7 +200,7 @@ fn tags_of_tiff_may_declare_primaries_and_curves() {
     let curves =
         read(&tiff(&[page.clone().with(301, 3, &three)])).0.profile.unwrap().curves.unwrap();
     assert!((curves[1][200] - 7.0 / 65_535.0).abs() < 1e-6 && curves[2][255] == 1.0);
-    // Dark codes of a steep curve are all zero in it, and a curve that falls is none.
+    // The dark codes of a steep curve are all zero, and a falling curve is invalid.
     let steep: Vec<u32> =
         (0..256).map(|k| (65_535.0 * (f64::from(k) / 255.0).powf(2.6)).round() as u32).collect();
     assert_eq!(steep[1], 0);

@@ -69,7 +69,7 @@ fn kept(target: Target, files: &export::Files) -> Vec<String> {
         let bytes = &files.iter().find(|file| file.0 == name).unwrap().1;
         String::from_utf8(bytes.clone()).unwrap()
     };
-    // What stands between `mark` and the end of its line, as JSON has strings.
+    // The text between `mark` and the end of its line, a JSON string.
     let after = |text: &str, mark: &str| -> Vec<String> {
         let lines = text.lines().filter_map(|line| line.split_once(mark));
         lines.map(|(_, rest)| serde_json::from_str(rest).unwrap()).collect()

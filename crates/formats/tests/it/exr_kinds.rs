@@ -1,4 +1,4 @@
-//! EXR files of other channels than R, G and B: read by what they are called, or refused by what they have.
+//! EXR files of other channels than R, G and B: read by the names of their channels, or refused.
 
 use crate::support::pictures::{exr, exr_head, part, read, refusal, warned};
 use crate::support::{Numbers, damaged};
@@ -31,7 +31,7 @@ fn channels_are_read_by_their_names() {
     let bytes = exr(&[part("", &[("A", 1.0), ("L.Y", 0.25)])]);
     let grey = warned(&bytes, "the layer \"L\" was read, the only one with colours");
     assert_eq!(grey.values.pixels()[0], Rgb::splat(0.25));
-    // What has no layer's name is the picture, whatever there is beside it.
+    // The channels without a layer are the picture, whatever is beside them.
     let beside = [("R", 1.0), ("G", 2.0), ("B", 3.0), ("Y", 9.0), ("beauty.R", 9.0), ("Z", 9.0)];
     assert_eq!(first(&exr(&[part("", &beside)])), colour);
 }
@@ -69,7 +69,7 @@ fn among_layers_the_picture_is_taken_and_told() {
 fn among_parts_the_picture_is_taken_and_told() {
     let rgb = |value| [("R", value), ("G", value), ("B", value)];
     let ([one, two], z) = ([rgb(1.0), rgb(2.0)], [("Z", 5.0)]);
-    // The only one with colours, the one that is called so, the first.
+    // The only part with colours, the one with a picture's name, the first one.
     assert_eq!(first(&exr(&[part("depth", &z), part("colour", &two)])), Rgb::splat(2.0));
     let bytes = exr(&[part("normals", &one), part("rgba", &two)]);
     assert_eq!(warned(&bytes, "\"rgba\" was read, and not normals").values.pixels()[0].x, 2.0);

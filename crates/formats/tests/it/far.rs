@@ -1,4 +1,4 @@
-//! Scenes far from zero: the same as near it, but for where they are, and written back where they were.
+//! Scenes far from zero: the same as near it except for their place, and written back there.
 
 use crate::mitsuba_meshes::serialized;
 use crate::support::{Folder, changed, glb, triangle_bytes, triangle_json};
@@ -10,7 +10,7 @@ use unrender_formats::export::{self, Shot, Target};
 use unrender_formats::{LightUnits, assign_materials, gltf, load_model, load_scene, place};
 use unrender_scene::{Camera, Group, Light, LightKind, Material, Mesh, Object, Rgb, Scene};
 
-/// One, twenty and 500 kilometres away, and as land registers count.
+/// One, twenty and 500 kilometres away, and at coordinates of land registers.
 const PLACES: [[i64; 3]; 5] =
     [[0, 0, 0], [1_000, 0, 0], [-12_000, 300, 16_000], [0, 0, -500_000], [500_000, 150, 5_400_000]];
 
@@ -45,7 +45,8 @@ const CORNERS: [[[i64; 3]; 4]; 3] = [
 ];
 const NAMES: [&str; 3] = ["floor", "wall", "lamp"];
 
-/// Reads the scene that `write` makes there, and the same at zero: from where the far one counts.
+/// Reads the scene that `write` makes there, and the same at zero, both relative to the same point
+/// of the room.
 fn both(moved: [i64; 3], write: &dyn Fn(&Folder, [i64; 3]) -> std::path::PathBuf) -> [Scene; 2] {
     let read = |path: &Path| load_scene(path).unwrap_or_else(|error| panic!("{error}")).0;
     let (there, here) = (Folder::new(), Folder::new());
@@ -60,7 +61,7 @@ fn both(moved: [i64; 3], write: &dyn Fn(&Folder, [i64; 3]) -> std::path::PathBuf
     [far, near]
 }
 
-/// All numbers of a scene that are places.
+/// All positions in a scene.
 fn places(scene: &Scene) -> Vec<Vec3> {
     let meshes = scene.objects.iter().flat_map(|o| o.mesh.positions.iter().copied());
     let lights = scene.lights.iter().filter_map(|light| match light.kind {
@@ -281,7 +282,7 @@ fn room(origin: DVec3) -> Scene {
     scene
 }
 
-/// What of the room has few digits.
+/// The parts of the room whose coordinates have few digits.
 fn room_without_ball(origin: DVec3) -> Scene {
     let mut scene = room(origin);
     scene.objects.pop();
@@ -314,7 +315,7 @@ fn scenes_are_written_back_where_they_were() {
         let (scene, ..) = exported(&room(origin), Target::Radiance);
         for target in [Target::Gltf, Target::Mitsuba, Target::Radiance] {
             let (back, text, warnings) = exported(&scene, target);
-            // Where a reader counts from is its own business; where things are is not.
+            // A reader may choose any origin, but not the places in the world.
             let shown = |scene: &Scene| -> BTreeSet<String> {
                 places(scene).into_iter().map(|here| scene.shown(here)).collect()
             };
@@ -322,7 +323,7 @@ fn scenes_are_written_back_where_they_were() {
             let wanted = shown(&room_without_ball(origin));
             assert_eq!(wanted.len(), 12);
             assert!(wanted.is_subset(&shown(&back)), "{target} {moved:?}: {wanted:?}");
-            // Once more, and nothing has moved.
+            // A second round trip moves nothing.
             let again = exported(&back, target).0;
             assert_eq!(shown(&again), shown(&back), "{target} {moved:?}");
             if target == Target::Radiance {
@@ -427,7 +428,7 @@ fn what_a_mesh_has_lost_in_single_precision_is_told() {
         assert_eq!(scene.objects[0].mesh.positions.len(), 3);
         warnings.0
     };
-    // As a land register has it, and the same moved to zero.
+    // At coordinates of a land register, and the same moved to zero.
     for moved in [0.0, -5.4e6] {
         let said = warnings("float", 5.4e6, moved, "");
         assert!(
@@ -445,7 +446,7 @@ fn what_a_mesh_has_lost_in_single_precision_is_told() {
 
 #[test]
 fn a_far_scene_has_the_vertices_of_a_near_one_in_its_glb() {
-    // A far scene in memory is written near zero, in the node's translation what is missing.
+    // A far scene is written near zero, with the rest in the node's translation.
     let scene = room(DVec3::new(5e5, 0.0, 5.4e6));
     let bytes = gltf::to_glb(&scene).unwrap();
     let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;

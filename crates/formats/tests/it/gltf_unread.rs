@@ -1,4 +1,4 @@
-//! What a glTF file says and is not read is told, whatever it is; what changes nothing is not.
+//! Warnings name everything in a glTF file that is not read, except what changes nothing.
 
 use crate::support::{Folder, changed, glb, triangle_bytes, triangle_json};
 use glam::{Vec2, Vec3};
@@ -134,7 +134,7 @@ fn what_changes_the_looks_of_things_is_told_by_name() {
     assert_eq!(told(attribute("_BATCH")), [""; 0]);
     one(
         told(material("normalTexture", json!({ "index": 0 }))),
-        "material \"lamp\" the property normalTexture is not read",
+        "material \"lamp\": the property normalTexture is not read",
     );
     one(told(material("occlusionTexture", json!({ "index": 0 }))), "occlusionTexture is not read");
     one(told(material("alphaMode", json!("BLEND"))), "is transparent");
@@ -153,7 +153,7 @@ fn what_changes_the_looks_of_things_is_told_by_name() {
     assert!(warnings[0].contains("material \"lamp\"'s KHR_materials_specular"), "{warnings:?}");
     one(
         extension("KHR_materials_anisotropy", json!({ "anisotropyTexture": { "index": 0 } })),
-        "KHR_materials_anisotropy the property anisotropyTexture",
+        "KHR_materials_anisotropy: the property anisotropyTexture",
     );
     one(
         told(|json| {
@@ -234,7 +234,7 @@ fn an_accessor_without_a_buffer_view_is_zeros_with_sparse_values_put_in() {
         let expected = [Vec3::ZERO, Vec3::new(2.0, 0.0, 0.0), Vec3::new(0.0, 3.0, 0.0)];
         assert_eq!(scene.objects[0].mesh.positions, expected);
     }
-    // Normalised texture coordinates of every type that may be; the last one is put in.
+    // Normalised texture coordinates of every allowed type; the last one is a sparse value.
     let one: [(u32, &[u8]); 4] = [
         (5120, &[127, 129]),
         (5121, &[255, 0]),
@@ -258,7 +258,7 @@ fn an_accessor_without_a_buffer_view_is_zeros_with_sparse_values_put_in() {
     json["meshes"][0]["primitives"][0]["indices"] = json!(3);
     let (scene, _) = load(&json, &bin);
     assert_eq!(scene.objects[0].mesh.triangles, [[0, 1, 2], [0, 2, 1]]);
-    // Without sparse values all of it is zero: a triangle that is a point.
+    // Without sparse values all positions are zero: a triangle that is a point.
     let (mut json, bin) = (triangle_json(), triangle_bytes());
     json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
     let folder = Folder::new();

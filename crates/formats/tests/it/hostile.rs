@@ -30,7 +30,7 @@ fn told(path: PathBuf) -> Result<(), String> {
             } else {
                 load_scene(input).map(|_| ())
             };
-            // The receiver may have lost its patience.
+            // The receiver may have timed out.
             let _ = sender.send(result.map_err(|error| error.to_string()));
         })
         .unwrap();
@@ -45,7 +45,7 @@ fn refusal(path: PathBuf) -> String {
 #[test]
 fn all_findings_end() {
     for entry in fs::read_dir(data()).unwrap() {
-        // Whether it is read or refused, it is so soon and without a panic.
+        // It may be read or refused, but soon and without a panic.
         let _ = told(entry.unwrap().path());
     }
 }
@@ -161,7 +161,7 @@ fn a_profile_that_unpacks_to_gigabytes_is_refused() {
         [&(data.len() as u32).to_be_bytes(), kind.as_slice(), data, &crc.sum().to_be_bytes()]
             .concat()
     };
-    // Behind the header.
+    // After the header.
     bytes.splice(33..33, chunk(b"iCCP", &profile));
     fs::write(&path, bytes).unwrap();
     // Refused, or read without it.

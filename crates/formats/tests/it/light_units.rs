@@ -113,7 +113,7 @@ fn what_is_stated_counts_more_than_the_generator() {
             let (scene, warnings) = load(&path, Some(units));
             assert!(is_as_in_cycles(&scene), "{units}");
             assert!(!warnings.0.iter().any(|w| w.contains("lights read as")), "{warnings:?}");
-            // The file that is written back says itself what its numbers are.
+            // The file that is written back states its units.
             let input = Input::new(&path, Limits::default()).in_light_units(Some(units));
             let assigned = assign_materials(input, &scene).unwrap();
             assert_eq!(intensities(&assigned), [numbers[0], numbers[0], numbers[1]]);

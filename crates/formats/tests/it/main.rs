@@ -1,4 +1,4 @@
-//! Tests of the files: what is read means what its program meant, what is written reads back, and bad input gets a
+//! Tests of the files: they are read as their program means them, written files read back, and bad input gets a
 //! clear error.
 
 mod support;

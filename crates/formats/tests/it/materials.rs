@@ -1,4 +1,4 @@
-//! materials.json: read leniently, written in a fixed order, put onto a scene.
+//! materials.json: read leniently, written in a fixed order, applied to a scene.
 
 use crate::support::Folder;
 use glam::Vec3;

@@ -60,7 +60,7 @@ fn files_in_files_are_read_with_their_own_lines() {
         <include filename=\"materials.xml\"/>";
     let (scene, warnings) = read(&folder.file("scene.xml", document(inside)));
     assert_eq!(group(&scene, "red").material.rho_d, Rgb::new(0.7, 0.1, 0.1));
-    // The first <default> holds, so that a scene can set what its files leave open.
+    // The first <default> counts, so that a scene can set parameters of its files.
     assert_eq!(group(&scene, "grey").material.rho_d, Rgb::splat(0.3));
     tells(&warnings, &["line 3 of \"deep/red.xml\": \"wet\" of the bsdf \"diffuse\""]);
 }
@@ -77,7 +77,7 @@ fn files_that_include_themselves_are_refused() {
         folder.file(&format!("{i}.xml"), document(&next));
     }
     let told = load_model(&folder.path("0.xml")).unwrap_err().to_string();
-    assert!(told.contains("15 in one another"), "{told}");
+    assert!(told.contains("15 deep in one another"), "{told}");
     let twice = "<include filename=\"leaf.xml\"/>".repeat(1001);
     folder.file("leaf.xml", document(""));
     let told = load_model(&folder.file("many.xml", document(&twice))).unwrap_err().to_string();
@@ -113,7 +113,7 @@ fn references_may_stand_before_what_they_name_and_within_other_plugins() {
     assert!((mixed - Rgb::new(0.6, 0.0, 0.1)).length() < 1e-6, "{mixed}");
     assert_eq!(group(&scene, "red").emission, Rgb::splat(3.0));
     assert!(group(&scene, "textured").material.texture.is_some());
-    // What stands only in others is no group.
+    // A BSDF that is only a part of others is not a group.
     assert!(scene.groups.iter().all(|group| group.name != "blue"), "{:?}", scene.groups.len());
     assert_eq!(scene.objects.len(), 5);
     tells(&warnings, &["its bumpmap was left out"]);
@@ -130,7 +130,7 @@ fn circles_of_references_and_long_chains_are_refused() {
         .collect();
     let chain = chain + "<bsdf type=\"diffuse\" id=\"500\"/>";
     assert!(refusal(&chain).contains("100 deep"), "{}", refusal(&chain));
-    // Two ways each, fifty times: as many as there are paths, if each was followed.
+    // Two references each, fifty times: 2^50 paths, if each was followed.
     let doubled: String = (0..50)
         .map(|i| {
             let next = i + 1;
@@ -165,7 +165,7 @@ fn parameters_that_grow_or_are_not_defined_are_refused() {
             &format!("<default name=\"a{i}\" value=\"{}\"/>", format!("$a{} ", i - 1).repeat(20));
     }
     assert!(refusal(&laugh).contains("makes a text of more than"), "{}", refusal(&laugh));
-    // The longer name is meant, and a dollar may be written.
+    // The longer name counts, and a dollar may be escaped.
     let (scene, _) = scene(
         "<default name=\"r\" value=\"9\"/><default name=\"radius\" value=\"2\"/>
          <shape type=\"sphere\" id=\"\\$5\"><float name=\"radius\" value=\"$radius\"/></shape>",
@@ -226,7 +226,7 @@ fn names_of_old_versions_are_upgraded() {
     // Scaled after it was moved.
     assert!((board.mesh.uvs[corner] - glam::Vec2::new(4.0, 1.5)).length() < 1e-6);
     assert_eq!(warnings.0.len(), 1, "{warnings:?}");
-    // In a file of version 3 the same names mean nothing, and that is said.
+    // In a file of version 3 the same names mean nothing, with a warning.
     let new =
         "<shape type=\"cube\"><transform name=\"toWorld\"><translate x=\"7\"/></transform></shape>";
     let (_, warnings) = self::scene(new);
@@ -332,7 +332,7 @@ fn what_cannot_be_read_is_refused_by_name_and_line() {
                 let told = error.to_string();
                 assert!(told.contains("scene.xml: line 2: ") && told.contains(said), "{told}");
             }
-            // A BSDF that no shape has is told and left out.
+            // A BSDF that no shape has is left out, with a warning.
             Ok((_, warnings)) => tells(&warnings, &[said, "line 2: ", "no shape has it"]),
         }
     }
@@ -394,7 +394,7 @@ fn light_from_everywhere_comes_from_where_mitsuba_has_it() {
 #[test]
 fn the_rows_of_a_panorama_reach_from_pole_to_pole() {
     let folder = Folder::new();
-    // As bright as the share of the way down, at Mitsuba's places of the rows.
+    // The radiance is the share of the way down, with rows where Mitsuba has them.
     let image = unrender_scene::Image::from_fn(8, 5, |_, y| Rgb::splat(y as f32 / 4.0));
     unrender_formats::picture::write_exr(&folder.path("sky.exr"), &image).unwrap();
     let inside = "<emitter type=\"envmap\"><string name=\"filename\" value=\"sky.exr\"/></emitter><shape type=\"cube\"/>";
@@ -481,7 +481,7 @@ fn spots_send_what_mitsubas_send() {
         }
         assert!((sent / wanted - 1.0).abs() < 0.01, "{beam} to {cutoff}: {sent} for {wanted}");
         if beam < cutoff {
-            // What is told is so.
+            // The warning states the true difference.
             assert!(off < 0.15, "{beam} to {cutoff}: {off}");
             let percent = (100.0 * off).ceil() as i32;
             let is_told = |percent| warnings.0[0].contains(&format!("up to {percent} %"));

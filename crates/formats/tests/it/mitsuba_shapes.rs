@@ -26,7 +26,7 @@ fn to_world(steps: &str) -> String {
     format!("<transform name=\"to_world\">{steps}</transform>")
 }
 
-/// What a ray meets first.
+/// The first hit of a ray.
 struct Hit {
     uv: Vec2,
     /// The front by the normals, and by the order of the corners.
@@ -69,7 +69,7 @@ fn hit(mesh: &Mesh, origin: [f32; 3], direction: [f32; 3]) -> Hit {
     found.expect("the ray meets something")
 }
 
-/// Where a ray comes from and where it goes; (u, v), the normal and the direction of u where it ends.
+/// A ray's origin and direction; (u, v), the normal and the direction of u where it hits.
 type Ray = ([f32; 3], [f32; 3], [f32; 2], [f32; 3], [f32; 3]);
 
 /// Asserts what rays meet.
@@ -205,7 +205,7 @@ fn the_front_of_what_is_mirrored_is_where_mitsuba_has_it() {
     };
     let flat = "<boolean name=\"face_normals\" value=\"True\"/>";
     let flipped = "<boolean name=\"flip_normals\" value=\"true\"/>";
-    // Without normals the order of the corners says where the front is, also once it is mirrored.
+    // Without normals the order of the corners decides the front, also after mirroring.
     assert_eq!((of("q.obj", ""), of("q.obj", &across), of("q.obj", &along)), (1.0, -1.0, 1.0));
     assert_eq!(of("q.obj", &(across.clone() + flipped)), 1.0);
     assert_eq!((of("qn.obj", &across), of("qn.obj", &along)), (1.0, -1.0));
@@ -458,7 +458,7 @@ fn colors_are_those_of_mitsubas_rgb_modes() {
     let near = |found: Rgb, wanted: [f32; 3]| {
         assert!((found - Rgb::from_array(wanted)).length() < 0.01, "{found} {wanted:?}");
     };
-    // What is scattered of light from straight ahead.
+    // The diffuse reflectance at normal incidence.
     near(plastic(""), [0.0963, 0.4817, 0.8670]);
     near(plastic("<boolean name=\"nonlinear\" value=\"true\"/>"), [0.0419, 0.2799, 0.7577]);
 }

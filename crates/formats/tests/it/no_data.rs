@@ -1,4 +1,5 @@
-//! No data is not black: what a file does not hold, calls transparent or calls missing is no measurement.
+//! No data is not black: pixels that a file lacks, or marks as transparent or missing, are no
+//! measurement.
 
 use crate::support::Folder;
 use crate::support::pictures::{Page, Part, exr_of, part, read, refusal, tiff, warned};
@@ -99,7 +100,7 @@ fn values_for_no_data_are_left_out() {
     let grey = |codes: &[u8]| Page::new((codes.len() as u32, 1), 1, 8, codes.to_vec());
     assert_eq!(warned(&tiff(&[grey(&[0, 7, 255]).text(42_113, "255 ")]), told).invalid, [2]);
     assert_eq!(warned(&tiff(&[grey(&[0, 7, 255]).text(42_113, "0")]), told).invalid, [0]);
-    // White is zero in this one.
+    // In this page white is zero.
     let inverted = grey(&[0, 7, 255]).with(262, 3, &[0]).text(42_113, "7");
     assert_eq!(warned(&tiff(&[inverted]), told).invalid, [1]);
     let words: Vec<u8> = [65_535u16, 1, 2, 3, 4, 5].iter().flat_map(|n| n.to_le_bytes()).collect();
@@ -113,7 +114,7 @@ fn values_for_no_data_are_left_out() {
     let missing = float.clone().text(42_113, "-3.4028234663852886e+38");
     assert_eq!(read(&tiff(&[missing])).0.invalid, [0, 1]);
     assert_eq!(read(&tiff(&[float.text(42_113, "nan")])).0.invalid, [1]);
-    // What the file cannot have is nowhere.
+    // A value that the file cannot hold matches no pixel.
     assert_eq!(read(&tiff(&[grey(&[0, 7]).text(42_113, "-9999")])).1, [""; 0]);
 }
 
@@ -152,6 +153,6 @@ fn panoramas_take_the_colours_of_what_is_transparent() {
     let path = folder.file("sky.exr", clear);
     let (sky, warnings) = picture::read_environment(&path, 0.0, 1.0).unwrap();
     assert!(sky.is_bright());
-    let told = "of the pixels without a value 6 give no light here";
+    let told = "6 pixel(s) without a value give no light here";
     assert!(warnings.0.iter().any(|warning| warning.contains(told)), "{warnings:?}");
 }

@@ -80,7 +80,7 @@ fn faces_without_a_material_are_the_group_default() {
 const SQUARE: &str =
     "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0.6 0.8\n";
 
-/// The model of an OBJ, with what is warned of, beside the files that a test has put into `folder`.
+/// The model of an OBJ, and the warnings, beside the files that a test has put into `folder`.
 #[track_caller]
 fn model(folder: &Folder, text: impl AsRef<[u8]>) -> (Scene, Vec<String>) {
     match load_model(&folder.file("a.obj", text)) {
@@ -125,7 +125,7 @@ fn a_face_without_texture_coordinates_leaves_the_others_theirs() {
     wood(&folder);
     folder.file("a.mtl", "newmtl wood\nmap_Kd wood.png\n");
     let whole = "f 1/1 2/2 3/3\n";
-    // Without any, with some, with those of a corner that are no numbers, and with normals.
+    // Faces without any, with some, with NaN at a corner, and with normals.
     for bare in ["f 1 3 4", "f 1/1 3/3 4", "f 1/1 3/3 4/5", "f 1//1 3//1 4//1"] {
         for text in [format!("{whole}{bare}\n{whole}"), format!("{bare}\n{whole}{whole}")] {
             let text = format!("mtllib a.mtl\n{SQUARE}vt nan 0\no all\nusemtl wood\n{text}");
@@ -151,7 +151,7 @@ fn a_face_without_normals_leaves_the_others_theirs() {
     let folder = Folder::new();
     let tilted = Vec3::new(0.0, 0.6, 0.8);
     let smooth = "f 1//1 2//1 3//1\n";
-    // Without any, at two corners, and with one that has no length or is no number.
+    // Faces without any, with two, and with one that has no length or is NaN.
     for bare in ["f 1 3 4", "f 1//1 3//-3 4", "f 1//1 3//2 4//1", "f 1//1 3//3 4//1"] {
         let text = format!("{SQUARE}vn 0 0 0\nvn -nan(ind) nan 1.#IND\n{smooth}{bare}\n{smooth}");
         let (scene, warnings) = model(&folder, text);
@@ -193,7 +193,7 @@ fn mtllib_names_several_files_or_one_with_blanks() {
         }
     }
     assert!(problem("mtllib a.mtl gone.mtl\n").contains("\"a.mtl\", which cannot be read"));
-    // The same material in several files is no doubt.
+    // The same material in several files causes no warning.
     let (_, warnings) = model(&folder, format!("mtllib a.mtl my two.mtl b.mtl\n{SQUARE}{TWO}"));
     assert_eq!(warnings, [""; 0]);
     folder.file("b.mtl", format!("{GREEN}{RED}newmtl red\nKd 0.2\n"));
@@ -253,7 +253,7 @@ fn numbers_and_indices_in_all_their_forms() {
 fn groups_without_a_material_file_stay_apart() {
     let folder = Folder::new();
     folder.file("a.mtl", RED);
-    // Without a file, with one that lacks a name, and with a mark before its name.
+    // Without a file, with one that lacks a name, and with a byte order mark before its name.
     for (head, lacks) in [("", 2), ("mtllib a.mtl\n", 1), ("\u{feff}mtllib a.mtl\n", 1)] {
         for names in ["o all\n", "g one\n", ""] {
             let (scene, warnings) = model(&folder, format!("{head}{SQUARE}{names}{TWO}"));
@@ -264,7 +264,7 @@ fn groups_without_a_material_file_stay_apart() {
             assert_eq!(warnings[0].contains("\"red\""), lacks == 2);
         }
     }
-    // A material holds until the next one, whatever objects and groups begin in between.
+    // A material applies until the next one, whatever objects and groups begin in between.
     let text = format!("{SQUARE}usemtl red\no a\nf 1 2 3\ng b\nf 1 3 4\nusemtl green\nf 1 2 4\n");
     let (scene, _) = model(&folder, text);
     let names: Vec<_> = scene.objects.iter().map(|o| (o.name.as_str(), o.group)).collect();
@@ -454,12 +454,12 @@ fn what_models_of_other_scenes_do_not_say_right_is_told() {
             let told = warnings.0.iter().filter(|told| told.contains(words)).count();
             assert_eq!(told, 1, "{scene}: {words}: {warnings:?}");
         }
-        // Names of objects are no materials.
+        // Names of objects are not materials.
         let groups: Vec<&str> = found.groups.iter().map(|group| group.name.as_str()).collect();
         assert_eq!(groups.contains(&"red"), scene == "a.rad", "{groups:?}");
         assert!(!groups.contains(&"g"), "{groups:?}");
     }
-    // Mitsuba asks no OBJ for materials, so that what is said of them is no news.
+    // Mitsuba takes no materials from an OBJ, so there is no warning about them.
     let text = format!("{SQUARE}usemap a\nf 1 2 3\n");
     assert_eq!(read(&text, "a.xml").unwrap().1.0, [""; 0]);
     tells(&read(&text.replace("f 1", "usemtl red\nf 1"), "a.rad").unwrap().1.0, &["usemap"]);
@@ -496,7 +496,7 @@ fn hostile_files_end_soon() {
     assert!(small("v 0 0 0\n".repeat(200_000), limit).contains("--input-memory"));
     let words: String = (0..50_000).map(|k| format!("w{k}\n")).collect();
     assert_eq!(small(format!("{SQUARE}f 1 2 3\n{words}"), limit), "");
-    // The same file over and over, as some programs write it, and many.
+    // The same file named over and over, as some programs write it, and many files.
     let over = "mtllib a.mtl\nusemtl red\nf 1 2 3\n".repeat(20_000);
     assert_eq!(small(format!("{SQUARE}{over}"), 16 << 20), "");
     let many = format!("mtllib {}\n", "a.mtl ".repeat(2000));

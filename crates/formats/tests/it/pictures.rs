@@ -1,4 +1,4 @@
-//! Pictures: what is written comes back, whatever the orientation, and faults are named.
+//! Pictures: they are read as written, in every orientation, and errors name the fault.
 
 use crate::support::Folder;
 use image::codecs::png::PngEncoder;
@@ -83,7 +83,7 @@ fn chunks_of_png_may_declare_a_gamma_and_primaries() {
 
 #[test]
 fn all_eight_orientations_are_turned_upright() {
-    // Stored as 1 2 3 / 4 5 6; what EXIF says the viewer must see.
+    // Stored as 1 2 3 / 4 5 6; the upright picture by EXIF.
     let expected: [(u8, usize, [u8; 6]); 8] = [
         (1, 3, [1, 2, 3, 4, 5, 6]),
         (2, 3, [3, 2, 1, 6, 5, 4]),

@@ -1,4 +1,5 @@
-//! Pictures of whole numbers come back to the bit, and panoramas as environments; faults are named.
+//! Pictures of whole numbers come back to the bit, and panoramas as environments; errors name the
+//! fault.
 
 use crate::support::Folder;
 use std::path::Path;
@@ -46,7 +47,7 @@ fn files_of_another_kind_and_damaged_ones_are_reported() {
         let mut damaged = bytes.clone();
         damaged[at] ^= 0xff;
         std::fs::write(&path, damaged).unwrap();
-        // Not every damage can be told; what counts is that it ends.
+        // Not every damage can be detected; reading must end without a panic.
         let _ = planes::read(&path);
     }
 }
@@ -66,7 +67,7 @@ fn panoramas_are_linear_and_what_is_doubtful_is_reported() {
     let (value, warnings) = told(&path);
     assert!(value == Rgb::splat(0.5) && warnings[0].contains("2 pixel(s) have negative"));
     picture::write(&path, &ramp()).unwrap();
-    assert!(told(&path).1[0].contains("twice as wide as high, this one has 7 x 5"));
+    assert!(told(&path).1[0].contains("twice as wide as high; this one has 7 x 5"));
     picture::write(&path, &sky.map(|_| Rgb::ZERO)).unwrap();
     assert!(told(&path).1[0].contains("is black"));
     let png = folder.path("sky.png");

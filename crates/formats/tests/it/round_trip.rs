@@ -1,5 +1,5 @@
-//! What is written reads back the same: numbers to the bit, geometry, textures, and, in files
-//! that only get other materials, everything else as well.
+//! Written files read back the same: numbers to the bit, geometry, textures, and, in files that
+//! only get other materials, everything else as well.
 
 use crate::support::{Folder, Numbers, changed, damaged, glb, triangle_bytes, triangle_json};
 use glam::{Affine3A, Quat, Vec2, Vec3};
@@ -178,7 +178,7 @@ fn a_dressed_file_keeps_the_rest() {
     for name in ["clearcoat", "ior", "specular", "anisotropy", "emissive_strength"] {
         assert!(used.contains(&json!(format!("KHR_materials_{name}"))), "{name} in {used:?}");
     }
-    // What gets diffuse materials again no longer needs the extensions.
+    // With pure mirrors the extensions are no longer needed.
     scene.groups.iter_mut().for_each(|g| g.material = Material::mirror(Rgb::ONE));
     let plain = json_of(&assign_materials(&path, &scene).unwrap());
     let used = ["KHR_materials_clearcoat", "KHR_materials_emissive_strength"];

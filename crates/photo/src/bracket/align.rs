@@ -1,10 +1,10 @@
 //! Shifts between frames, in whole pixels, by median threshold bitmaps [Ward 2003].
 //!
 //! A pixel of such a bitmap says whether the picture is brighter there than its median, which no exposure
-//! changes. Two bitmaps are compared by counting the pixels in which they differ, but for those close to the
+//! changes. Two bitmaps are compared by counting the pixels in which they differ, except those close to the
 //! median, whose bit is noise. The search goes from coarse to fine: in each level of a pyramid the shift is
-//! doubled and changed by at most one pixel a direction. The paper follows the best shift alone; here the
-//! best `KEPT` are, since fine patterns are noise in the coarse levels. Frames are compared with their
+//! doubled and changed by at most one pixel in each direction. The paper follows the best shift alone; here
+//! the best `KEPT` are, since fine patterns are noise in the coarse levels. Frames are compared with their
 //! neighbours in exposure. Time: some thirty passes over the pixels of each pair.
 
 use super::frame::Exposed;
@@ -13,26 +13,27 @@ use unrender_scene::Picture;
 /// The coarsest level of the pyramid is not smaller than this in either direction, pixels. At half of it its
 /// bitmaps say nothing; at double the search takes longer.
 const COARSEST: usize = 16;
-/// All shifts of up to so many pixels are tried there: up to an eighth of the picture. At half of it the
-/// shifts of hands that hold a camera are too long.
+/// At that level all shifts up to this many pixels are tried: up to an eighth of the picture. Half of it
+/// is too short for hand-held cameras.
 const WIDEST: i32 = 2;
-/// So many shifts are followed to the next level. One alone is wrong in fine patterns; at double of it the
-/// same are found.
+/// The number of shifts that are followed to the next level. One alone is wrong in fine patterns; double
+/// of it finds the same.
 const KEPT: usize = 4;
-/// Codes this close to the threshold do not count, of 1: four steps of 8 bits, as in the paper.
+/// Codes (0 to 1) this close to the threshold are ignored: four steps of 8 bits, as in the paper.
 const NOISE: f32 = 4.0 / 255.0;
 /// The same for linear values, as a share of the threshold.
 const NOISE_SHARE: f32 = 0.04;
-/// The quantiles that are tried as thresholds until neither frame is clipped or black there. The paper has the
-/// median and two others.
+/// The quantiles that are tried as thresholds, until one is neither clipped nor black in both frames. The
+/// paper has the median and two others.
 const QUANTILES: [f32; 7] = [0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9];
 /// Thresholds are neither below nor above this share of the range.
 const RANGE: [f32; 2] = [0.03, 0.97];
-/// A shift is believed if the bitmaps differ in so many standard deviations of the count fewer pixels than
-/// without it. At half of it noise shifts pictures without edges; at double small shifts of dim rooms are missed.
+/// A shift is significant if the count of differing pixels falls by this many of its standard deviations. At half
+/// of it noise shifts pictures without edges; at double small shifts of dim rooms are missed.
 const SIGNIFICANT: f64 = 4.0;
 
-/// For each frame, where it shows what frame `reference` shows at (0, 0); `order` is by exposure.
+/// For each frame, the place that shows what frame `reference` shows at (0, 0); `order` is by
+/// exposure.
 pub(super) fn shifts(frames: &[Exposed<'_>], order: &[usize], reference: usize) -> Vec<[i32; 2]> {
     let pyramids: Vec<Pyramid> = frames.iter().map(Pyramid::of).collect();
     let mut shifts = vec![[0; 2]; frames.len()];
@@ -71,14 +72,14 @@ impl Grey {
         Self { width, height, values: (0..width * height).map(mean).collect() }
     }
 
-    /// The value below which the share `quantile` of the pixels is.
+    /// The value below which the share `quantile` of the pixels lies.
     fn quantile(&self, quantile: f32) -> f32 {
         let mut values = self.values.clone();
         let place = (quantile * (values.len() - 1) as f32) as usize;
         *values.select_nth_unstable_by(place, f32::total_cmp).1
     }
 
-    /// For each pixel whether it is brighter than `threshold`; none where it is about the same.
+    /// For each pixel whether it is brighter than `threshold`; none where it is close to it.
     fn bitmap(&self, threshold: f32, noise: f32) -> Vec<Option<bool>> {
         let bit = |value: &f32| ((value - threshold).abs() > noise).then_some(*value > threshold);
         self.values.iter().map(bit).collect()
@@ -121,7 +122,7 @@ impl Pyramid {
     }
 }
 
-/// Where `b` shows what `a` shows at (0, 0).
+/// The place in `b` that shows what `a` shows at (0, 0).
 fn shift(a: &Pyramid, b: &Pyramid) -> [i32; 2] {
     let good = |quantile: &&f32| a.is_exposed(**quantile) && b.is_exposed(**quantile);
     let quantile = *QUANTILES.iter().find(good).unwrap_or(&QUANTILES[0]);
@@ -145,7 +146,7 @@ fn shift(a: &Pyramid, b: &Pyramid) -> [i32; 2] {
     [0, 0]
 }
 
-/// The [`KEPT`] of the shifts by which the bitmaps differ least, the least first; of equal ones the shorter.
+/// The [`KEPT`] shifts with the fewest differing pixels, the best first; the shorter of equal ones.
 fn best_of(
     bitmaps: &[Vec<Option<bool>>; 2],
     size: (usize, usize),

@@ -2,8 +2,8 @@
 //!
 //! A frame counts in a channel of a pixel where it is neither clipped nor beside a clipped pixel, shows what
 //! the others show ([`super::ghosts`]), and is not so dark that its noise is cut off at black. The weights are
-//! inverse variances `(g^2 a + g b L t + v) / t^2`, `v` that of rounding and compression, at the radiance `L` of the average, not of the
-//! frame's own noisy value, by which dark noise would weigh more than bright noise.
+//! inverse variances `(g^2 a + g b L t + v) / t^2`, `v` that of rounding and compression, at the radiance `L`
+//! of the average; at the frame's own noisy value, dark noise would weigh more than bright noise.
 
 use super::frame::Exposed;
 use super::ghosts::Ghosts;
@@ -11,13 +11,14 @@ use super::noise::NoiseModel;
 use super::scale::Scale;
 use unrender_scene::{Depth, Image, Merged, Picture, Rgb};
 
-/// A shorter frame counts if the scene is this many standard deviations of its dark noise above black in it. At
-/// half of it dark pixels become too bright where noise is cut off at black; at double little is lost.
+/// A shorter frame counts if the scene is this many standard deviations of the frame's dark noise above black.
+/// At half of it dark pixels become too bright where noise is cut off at black; at double little is lost.
 const DARK: f64 = 2.0;
-/// A frame counts up to so many standard deviations below the value at which it is clipped, if a shorter one is
-/// there: above, the brighter half of its noise is cut off. At half of it bright pixels become too dark.
+/// If there is a shorter frame, a frame counts only up to this many standard deviations below clipping: above,
+/// the brighter half of its noise is cut off. At half of it bright pixels become too dark.
 const FULL: f64 = 2.0;
-/// Averages with the weights of the last one; the second changes the third digit of the variance.
+/// Averages, each with weights from the one before; the second changes the third digit of the
+/// variance.
 const ROUNDS: usize = 2;
 
 /// The merged picture, and how much of it is clipped.
@@ -26,7 +27,7 @@ pub(super) struct Combined {
     pub(super) clipped: f64,
 }
 
-/// What a channel of a pixel came to.
+/// The merged value of a channel of a pixel.
 enum Value {
     Known { radiance: f64, variance: f64 },
     Clipped,
@@ -52,7 +53,7 @@ pub(super) fn combine(
         for channel in 0..3 {
             match merge.value(pixel, channel, width) {
                 Value::Known { radiance, variance: square } => {
-                    // What is not clipped stays below what is.
+                    // Values that are not clipped stay below the white level.
                     let below = white_level[channel].next_down();
                     value[channel] = (radiance as f32).min(below).clamp(-f32::MAX, f32::MAX);
                     variance[channel] = (square as f32).clamp(0.0, f32::MAX);
@@ -111,7 +112,7 @@ impl Merge<'_> {
         Rgb::new(level(0), level(1), level(2))
     }
 
-    /// What all frames together say of a channel.
+    /// The merged value of a channel from all frames.
     fn value(&self, pixel: usize, channel: usize, width: usize) -> Value {
         let (x, y) = (pixel % width, pixel / width);
         let local = usize::from(self.ghosts.local[pixel]);
@@ -125,8 +126,8 @@ impl Merge<'_> {
         if !good.is_empty() {
             return self.average(good, channel);
         }
-        // Beside what is clipped everywhere the shortest frame is the least spoiled; so it is where the frames
-        // contradict each other, and then nothing is known of the variance.
+        // Beside pixels that are clipped in every frame, the shortest frame is the least affected. The same
+        // holds where the frames contradict each other; the variance is then unknown.
         let has_value = |&(f, index): &(usize, usize)| self.frames[f].has_value(index, channel);
         if let Some((f, index)) = there().find(has_value) {
             let reading = self.reading(f, index, channel);
@@ -136,7 +137,7 @@ impl Merge<'_> {
             return Value::Known { radiance: reading.radiance, variance: variance + doubt };
         }
         let is_full = |&(f, index): &(usize, usize)| self.frames[f].is_full(index, channel);
-        // Of the shortest frame alone is the white level the bound.
+        // The white level is a bound only if the shortest frame is clipped.
         let is_clipped =
             there().next().is_some_and(|first| first.0 == self.order[0] && is_full(&first));
         if is_clipped { Value::Clipped } else { Value::Unknown }
@@ -160,7 +161,7 @@ impl Merge<'_> {
         variance / (frame.exposure * frame.exposure)
     }
 
-    /// The average of readings from the shortest exposure to the longest, of which there is one at least.
+    /// The average of readings, at least one, in the order from the shortest exposure to the longest.
     fn average(&self, mut readings: Vec<Reading<'_>>, channel: usize) -> Value {
         // The longest exposures come close to white first.
         while readings.len() > 1 && self.is_nearly_full(&readings[readings.len() - 1], channel) {

@@ -1,14 +1,14 @@
 //! The response of a camera from the same places at several exposures [Debevec and Malik 1997, eq. 3].
 //!
-//! Of place `i` in frame `j`, which has the exposure `t_j`, the code is `Z_ij`. With the unknown radiances
+//! `Z_ij` is the code of place `i` in frame `j`, which has the exposure `t_j`. With the unknown radiances
 //! `E_i` and `g(z)`, the logarithm of the linear value of code `z`, the paper's sum
 //!
 //! ```text
 //! sum_ij (w(Z_ij) (g(Z_ij) - ln E_i - ln t_j))^2 + lambda sum_z (w(z) g''(z))^2
 //! ```
 //!
-//! is least. `g` has a value for each of 256 codes, and is linear between them, where means of several pixels
-//! and codes of 16 bits lie. The `ln E_i` are eliminated. Three things differ from the paper:
+//! is minimised. `g` has a value for each of 256 codes, and is linear between them, where means of several
+//! pixels and codes of 16 bits lie. The `ln E_i` are eliminated. Three things differ from the paper:
 //!
 //! - Exposures in equal steps leave `g` open up to a function that is periodic in `ln E`, so that much
 //!   smoothness is needed; but `g''` of a gamma is large at dark codes. So `g` need not be smooth but
@@ -26,22 +26,23 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 /// Codes at which the curve has a value.
 const KNOTS: usize = 256;
-/// The smoothness `lambda` as a multiple of the weight that the samples have a code, on average. With the noise of
-/// 8-bit cameras and steps of four in exposure a gamma is found to 0.13 % of white; at a tenth of it to 0.3 %, at a
+/// The smoothness `lambda` as a multiple of the mean weight of the samples per code. With the noise of 8-bit
+/// cameras and steps of four in exposure a gamma is found to 0.13 % of white; at a tenth of it to 0.3 %, at a
 /// hundredth to 0.8 %. A shoulder is found to 0.2 % at a tenth of it, too; much more would flatten it.
 const SMOOTHNESS: f64 = 3000.0;
 /// Solutions with Tukey's weights; more change the curve by less than 1e-4.
 const ROUNDS: usize = 3;
 /// Tukey's constant: 95 % efficiency for normal errors.
 const TUKEY: f64 = 4.685;
-/// A place whose readings all have this weight is no outlier: they are within half of Tukey's reach. At double of
-/// it a tenth of normal errors would be left out, at half of it some of what moved stays.
+/// A place is an outlier if a reading has less than this weight: beyond half of Tukey's reach. At double of it a
+/// tenth of normal errors would be left out, at half of it some moved places stay.
 const KEPT: f64 = 0.5;
-/// From one row to the next linear values grow by this share at least, so that the curve can be inverted.
+/// The least growth of linear values from one row to the next, as a share, so that the curve can be
+/// inverted.
 const LEAST_GROWTH: f64 = 1e-6;
 
 /// The linear values of the codes 0, 1/255, ... 1; that of 0 is 0, that of 1 is 1. And for each sample whether it
-/// kept its weight, or something moved there.
+/// is an inlier: nothing moved there.
 pub(super) fn fit(samples: &[Sample]) -> (Vec<f64>, Vec<bool>) {
     let mut weights: Vec<Vec<f64>> = samples.iter().map(|s| vec![1.0; s.readings.len()]).collect();
     let mut logarithms = solve(samples, &weights);
@@ -69,7 +70,7 @@ fn knot(code: f64) -> (usize, f64) {
     (knot, place - knot as f64)
 }
 
-/// `g` at the knots, with these weights of the readings beside those of their codes; behind them `gamma`.
+/// `g` at the knots, followed by `gamma`; `weights` of the readings multiply those of their codes.
 fn solve(samples: &[Sample], weights: &[Vec<f64>]) -> DVector<f64> {
     let mut matrix = DMatrix::<f64>::zeros(KNOTS + 1, KNOTS + 1);
     let mut right = DVector::<f64>::zeros(KNOTS + 1);
@@ -102,7 +103,7 @@ fn solve(samples: &[Sample], weights: &[Vec<f64>]) -> DVector<f64> {
         }
     }
     smooth(&mut matrix, SMOOTHNESS * total / KNOTS as f64);
-    // The unit of g is free: its middle is zero, as in the paper.
+    // The unit of g is arbitrary: its middle is set to zero, as in the paper.
     matrix[(KNOTS / 2, KNOTS / 2)] += total.max(1.0);
     let ridge = 1e-12 * total.max(1.0);
     (0..=KNOTS).for_each(|k| matrix[(k, k)] += ridge);
@@ -112,7 +113,7 @@ fn solve(samples: &[Sample], weights: &[Vec<f64>]) -> DVector<f64> {
 /// Adds the second term of the sum: `lambda` times the squares of the third differences of `r`.
 fn smooth(matrix: &mut DMatrix<f64>, lambda: f64) {
     let factors = [-1.0, 3.0, -3.0, 1.0];
-    // The logarithm of black is no number.
+    // Black has no logarithm.
     for first in 1..KNOTS - 3 {
         let knots = || (first..first + 4).zip(factors);
         let power = knots().map(|(z, factor)| factor * (z as f64).ln()).sum::<f64>();
@@ -155,7 +156,7 @@ fn residuals(sample: &Sample, weights: &[f64], logarithms: &DVector<f64>) -> Vec
     all.iter().zip(&sample.readings).map(|(value, r)| r[0] * (value - mean)).collect()
 }
 
-/// The nearest sequence that does not fall.
+/// The nearest non-decreasing sequence.
 fn monotone(values: &[f64]) -> Vec<f64> {
     let mut pools: Vec<(f64, usize)> = Vec::new();
     for value in values {

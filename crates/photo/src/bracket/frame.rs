@@ -1,5 +1,4 @@
-//! One frame of a bracket: where it shows what the reference shows, and which of its codes say how bright
-//! that is.
+//! One frame of a bracket: its shift to the reference, and which of its codes are usable.
 
 use super::{Frame, Settings};
 use crate::clipping::clipped_from;
@@ -11,28 +10,28 @@ pub(super) struct Exposed<'a> {
     pub(super) exposure: f64,
     /// The gain as a multiple of the reference frame's.
     pub(super) gain: f64,
-    /// Where it shows what the reference shows at (0, 0).
+    /// The place that shows what the reference shows at (0, 0).
     pub(super) shift: [i32; 2],
-    /// From which code on each channel is clipped.
+    /// The code from which on each channel is clipped.
     pub(super) clipped_from: Rgb,
     marks: Vec<u8>,
-    /// The contrast of each cell, row by row; empty but for files of 8 bits.
+    /// The contrast of each cell, row by row; empty except for files of 8 bits.
     contrasts: Vec<f32>,
 }
 
-/// The side of a cell, pixels: that of JPEG's blocks. With double of it, the blocks of its colours in most files, less of
-/// what moved is found beside edges, and more is called motion in textures.
+/// The side of a cell, pixels: that of JPEG's blocks. With double of it, the size of its colour
+/// blocks in most files, less motion is found beside edges, and more textures are taken for motion.
 const CELL: usize = 8;
 
-/// From this value of 1 on files of 8 bits count as clipped. They are JPEG mostly, which writes clipped pixels with
-/// codes from about 250 on, more so where one channel is clipped. Another exposure shows what is lost. At 253 a
-/// response fitted to JPEG bends at white by 20 %; at 245 white is extrapolated from further away.
+/// From this value (of 1) on, codes of 8-bit files count as clipped. Most are JPEG, which writes clipped pixels
+/// with codes from about 250 on, more so where one channel is clipped. Another exposure covers the values that are
+/// lost. At 253 a response fitted to JPEG bends at white by 20 %; at 245 white is extrapolated from further away.
 const CLIPPED_OF_EIGHT: f32 = 249.5 / 255.0;
 /// The bit of the first channel that is clipped; the others follow.
 const FULL: u8 = 1;
 /// The bit of the first channel beside such a pixel: charge spreads, and demosaicing and JPEG mix neighbours.
 const BESIDE: u8 = 8;
-/// No number in the file.
+/// The pixel has no number in the file.
 const INVALID: u8 = 64;
 
 impl<'a> Exposed<'a> {
@@ -67,8 +66,8 @@ impl<'a> Exposed<'a> {
         Some(row * values.width() + column)
     }
 
-    /// The range of the codes around the pixel, in the channel where it is largest: edges and texture, which JPEG
-    /// spoils. Zero but in files of 8 bits.
+    /// The range of the codes around the pixel, in the channel where it is largest: edges and texture, where JPEG
+    /// errs most. Zero except in files of 8 bits.
     pub(super) fn contrast(&self, index: usize) -> f32 {
         let width = self.picture.values.width();
         let (column, row) = (index % width / CELL, index / width / CELL);
@@ -90,7 +89,7 @@ impl<'a> Exposed<'a> {
         self.marks[index] & (INVALID | FULL << channel) == 0
     }
 
-    /// Whether the code says how bright the scene is: a number, not clipped, and no neighbour clipped.
+    /// Whether the code measures the radiance: a number, not clipped, and no neighbour clipped.
     pub(super) fn is_usable(&self, index: usize, channel: usize) -> bool {
         self.marks[index] & (INVALID | (FULL | BESIDE) << channel) == 0
     }

@@ -1,4 +1,4 @@
-//! What moved: pixels at which a frame shows something else than the reference.
+//! Motion: pixels at which a frame shows something else than the reference.
 //!
 //! Each pixel has a local reference: the reference frame where it is neither clipped nor invalid, else the
 //! nearest frame in exposure that is not, the shorter ones first. A frame contradicts it where their radiances
@@ -9,15 +9,15 @@ use super::frame::Exposed;
 use super::noise::NoiseModel;
 use super::scale::Scale;
 
-/// Radiances differ by more than noise from so many standard deviations on. Of normal noise, one pixel in
-/// 16 000 does; at 3 moving things are found that differ less, and one pixel in 400 is noise.
+/// Radiances differ significantly from this many standard deviations on. With normal noise, one pixel in
+/// 16 000 does; at 3 moving things with smaller differences are found, and one pixel in 400 is noise.
 const DEVIATIONS: f64 = 4.0;
-/// Beside noise, radiances may differ by this share: the response, rounded exposure times, parts of a pixel by
-/// which the frames are shifted. At half of it edges are left out; at double, grey things before grey walls stay.
+/// Beside noise, radiances may differ by this share: errors of the response, rounded exposure times, shifts by
+/// parts of a pixel. At half of it edges are left out; at double, grey things before grey walls stay.
 const TOLERANCE: f64 = 0.03;
-/// A pixel that differs needs so many others around it that do, ...
+/// A pixel that differs needs this many such neighbours, ...
 const COMPANY: usize = 2;
-/// ... unless it differs so many times as much.
+/// ... unless it differs by this many times the limit.
 const ALONE: f64 = 2.5;
 
 /// Which frames are left out where.
@@ -49,7 +49,7 @@ impl Ghosts {
     }
 }
 
-/// Finds what moved between `frames`, whose `order` is by exposure.
+/// Finds motion between `frames`, whose `order` is by exposure.
 pub(super) fn find(
     frames: &[Exposed<'_>],
     order: &[usize],
@@ -101,7 +101,8 @@ impl Compare<'_> {
         best.1
     }
 
-    /// By how many times what is allowed `frame` differs from its local reference, the channel that does most.
+    /// The difference of `frame` from its local reference as a multiple of the allowed one, in the worst
+    /// channel.
     fn excess(&self, frame: usize, local: usize, (x, y): (usize, usize)) -> f64 {
         if frame == local {
             return 0.0;
@@ -130,7 +131,7 @@ impl Compare<'_> {
         (0..3).map(of_channel).fold(0.0, f64::max)
     }
 
-    /// Radiance and variance by one frame; of a clipped value, those at which it is clipped.
+    /// Radiance and variance by one frame; for a clipped value, those at the clipping level.
     fn radiance(&self, frame: &Exposed<'_>, index: usize, channel: usize) -> (f64, f64) {
         let code = frame.code(index, channel);
         let x = if frame.is_full(index, channel) {

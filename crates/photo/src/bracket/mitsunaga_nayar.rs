@@ -1,16 +1,17 @@
-//! A second opinion on the response: a polynomial [Mitsunaga and Nayar 1999, eq. 6].
+//! A check of the response: a polynomial [Mitsunaga and Nayar 1999, eq. 6].
 //!
-//! The linear value of the code `M` is `f(M) = sum_n c_n M^n` with `f(0) = 0` and `f(1) = 1`. Of two frames
-//! with the exposures `t_q` and `t_q+1`, `R = t_q / t_q+1`, the sum of `(f(M_q) - R f(M_q+1))^2` over all
-//! places is least. Exposures are known here; the paper finds them too. The order is the least whose sum is
-//! not much above the best. The paper weighs nothing; here a pair is divided by `sqrt(1 + R^2)`, so that it
-//! does not matter which frame is called the first. Places where something moved are left out beforehand.
+//! The linear value of the code `M` is `f(M) = sum_n c_n M^n` with `f(0) = 0` and `f(1) = 1`. For two
+//! frames with the exposures `t_q` and `t_q+1`, `R = t_q / t_q+1`, the sum of `(f(M_q) - R f(M_q+1))^2`
+//! over all places is minimised. Exposures are known here; the paper finds them too. The order is the
+//! lowest whose sum is not much above the best. The paper uses no weights; here a pair is divided by
+//! `sqrt(1 + R^2)`, so that it does not matter which frame is called the first. Places where something
+//! moved are left out beforehand.
 
 use super::patches::Sample;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-/// The greatest order. The paper has up to 10; with the noise of 8 bits and steps of four in exposure, orders above
-/// this follow the noise by some percent of white, and orders below 6 cannot follow a shoulder.
+/// The greatest order. The paper has up to 10; with the noise of 8 bits and steps of four in exposure, higher
+/// orders fit the noise by some percent of white, and orders below 6 cannot fit a shoulder.
 const MOST: usize = 8;
 /// An order is enough if its sum is at most this many times the least one. At 1 the order is always the
 /// greatest.
@@ -29,8 +30,8 @@ fn value(coefficients: &[f64], code: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, c| (sum + c) * code)
 }
 
-/// The largest difference between the polynomial and the curve of `codes` and `values`, between the codes
-/// `low` and `high`, as a share of white; each has a unit of its own, so that the first is scaled to the second.
+/// The largest difference between the polynomial and the curve of `codes` and `values`, between the codes `low`
+/// and `high`, as a share of white; the first is scaled to the unit of the second.
 pub(super) fn disagreement(
     coefficients: &[f64],
     codes: &[f64],
@@ -79,8 +80,8 @@ fn of_order(samples: &[&Sample], order: usize) -> Option<(f64, Vec<f64>)> {
     Some((sum, coefficients))
 }
 
-/// The equations of a place: neighbours in exposure, with the factors of the free coefficients and what they
-/// should sum up to.
+/// The equations of a place, one for each two neighbours in exposure: the factors of the free coefficients,
+/// and the right-hand side.
 fn pairs(sample: &Sample, order: usize) -> Vec<(Vec<f64>, f64)> {
     let equation = |pair: &[[f64; 2]]| {
         let ratio = (pair[0][1] - pair[1][1]).exp();

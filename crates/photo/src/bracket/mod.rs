@@ -5,12 +5,13 @@
 //! 2. The camera's response is fitted to pixels that several frames show (`debevec_malik`), unless it is
 //!    known; a second method checks it (`mitsunaga_nayar`).
 //! 3. The noise is measured on the differences between frames (`noise`).
-//! 4. What moved is found (`ghosts`), and the frames are averaged with inverse variances (`combine`).
-//! 5. What is doubtful is told (`doubts`).
+//! 4. Motion is found (`ghosts`), and the frames are averaged with inverse variances (`combine`).
+//! 5. What is doubtful is named (`doubts`).
 //!
-//! The unit of the result: 1 is what is white (pixel value 1) in the reference frame, the one with most
-//! pixels that are neither dark nor clipped. Time: proportional to pixels times frames; memory: beside the
-//! frames some eight bytes for each of their pixels, and some forty for each pixel of the result.
+//! The unit of the result: 1 is the radiance of white (pixel value 1) in the reference frame, the one with
+//! most pixels that are neither dark nor clipped. Time: proportional to pixels times frames; memory:
+//! beside the frames some eight bytes for each of their pixels, and some forty for each pixel of the
+//! result.
 
 mod align;
 mod combine;
@@ -33,7 +34,7 @@ use unrender_scene::{Depth, Picture, Rgb};
 /// One photograph of a bracket.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// What messages call it.
+    /// Its name in messages.
     pub name: String,
     /// Its code values.
     pub picture: Picture,
@@ -44,14 +45,16 @@ pub struct Frame {
     pub gain: f64,
 }
 
-/// What is known of the frames beside their exposures.
+/// Prior knowledge of the frames beside their exposures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// The camera's response; none: floating-point frames are linear, that of others is fitted.
+    /// The camera's response; if none, floating-point frames are linear, and that of others is
+    /// fitted.
     pub response: Option<Response>,
     /// The code of no light, by channel.
     pub black_level: Rgb,
-    /// The code from which on a frame is clipped, by channel; infinite where only the file's range is.
+    /// The code from which on a frame is clipped, by channel; infinite if only the file's range limits
+    /// it.
     pub white_level: Rgb,
 }
 
@@ -69,25 +72,26 @@ pub struct Bracket {
     pub picture: Picture,
     /// The response by which the frames were made linear.
     pub response: Response,
-    /// How it went.
+    /// The report.
     pub report: Report,
 }
 
-/// What was found on the way to a merged bracket. Lists have an entry for each frame, in the order given.
+/// Results of the steps of merging. Lists have an entry for each frame, in the order given.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Report {
-    /// The frame whose white is 1, and which the others are aligned to.
+    /// The frame whose white is 1, and to which the others are aligned.
     pub reference: usize,
-    /// Where each frame shows what the reference shows at (0, 0): columns to the right, rows down.
+    /// The place in each frame that shows what the reference shows at (0, 0): columns to the right,
+    /// rows down.
     pub shifts: Vec<[i32; 2]>,
-    /// The share of the pixels at which the frame shows something else and was left out.
+    /// The share of the pixels at which the frame was left out because something moved.
     pub ghosts: Vec<f64>,
     /// The share of the pixels at which some frame was left out because something moved.
     pub moved: f64,
     /// The share of the pixels that are clipped in every frame, in some channel.
     pub clipped: f64,
-    /// How much brighter each frame is than its exposure and the next longer frame say: about 1.
+    /// The brightness of each frame relative to its exposure and the next longer frame: about 1.
     pub brightness: Vec<f64>,
     /// The noise, if the frames show it.
     pub noise: Option<NoiseModel>,
@@ -101,9 +105,11 @@ pub struct Report {
 pub struct ResponseFit {
     /// The codes of the rows, 0 to 1, ascending.
     pub codes: Vec<f64>,
-    /// Their linear values by channel, ascending; the middle code is grey, and that of the code 1 about 1.
+    /// Their linear values by channel, ascending; the middle code is grey, and the code 1 has a value of
+    /// about 1.
     pub linear: [Vec<f64>; 3],
-    /// The codes between which frames show the same things at two exposures; what is beyond is extrapolated.
+    /// The codes between which frames show the same things at two exposures; beyond them the curve is
+    /// extrapolated.
     pub covered: [f64; 2],
     /// The largest difference to the polynomial of Mitsunaga and Nayar between those codes, of white.
     pub disagreement: f64,
@@ -116,7 +122,7 @@ pub enum BracketError {
     /// Too few frames.
     #[error("a bracket has two frames at least, and there is {0}; name all photographs of it")]
     OneFrame(usize),
-    /// An exposure that is no positive number.
+    /// An exposure that is not a positive number.
     #[error("the exposure of {name} is {exposure}; it must be a positive number")]
     Exposure {
         /// The frame.
@@ -132,7 +138,7 @@ pub enum BracketError {
     EqualExposures,
     /// Frames of different sizes.
     #[error(
-        "{other} has {} x {} pixels, but {first} has {} x {}; frames of a bracket are of one size, not cut",
+        "{other} has {} x {} pixels, but {first} has {} x {}; frames of a bracket are of one size, not cropped",
         sizes[1].0, sizes[1].1, sizes[0].0, sizes[0].1
     )]
     Sizes {
@@ -163,7 +169,7 @@ pub enum BracketError {
         /// The other one.
         second: String,
     },
-    /// Exposures that differ of frames that do not.
+    /// Different exposures of equally bright frames.
     #[error(
         "{longer} is as bright as {shorter}, but its exposure is stated to be {ratio:.1} times as long; \
          check the exposure times and give each photograph its own"
@@ -194,8 +200,9 @@ pub enum BracketError {
     },
     /// No response can be fitted.
     #[error(
-        "too little is well exposed in two frames at a time to find the camera's response: {0} place(s), \
-         and {needed} are needed; take exposures that are closer to each other, or state the response",
+        "too few places are well exposed in two frames to find the camera's response: {0}, and \
+         {needed} are needed; take exposures that are closer to each other, or state the \
+         response",
         needed = patches::FEWEST
     )]
     Response(usize),
@@ -222,8 +229,8 @@ pub enum BracketError {
 /// ```
 ///
 /// # Errors
-/// If there are fewer than two frames, or they differ in size or kind; if an exposure is no positive number,
-/// or all are equal; if the frames cannot have these exposures; or if no response can be fitted.
+/// If there are fewer than two frames, or they differ in size or kind; if an exposure is not a positive
+/// number, or all are equal; if the frames contradict these exposures; or if no response can be fitted.
 pub fn merge(frames: &[Frame], settings: &Settings) -> Result<Bracket, BracketError> {
     check(frames)?;
     let reference = reference(frames, settings);
@@ -295,17 +302,17 @@ fn check(frames: &[Frame]) -> Result<(), BracketError> {
             return Err(BracketError::Exposure { name, exposure });
         }
     }
-    // Times are rounded when they are written: 1 % is no step of a camera, whose smallest is 26 %.
+    // Times are rounded when they are written, and the smallest step of a camera is 26 %.
     let equal = |frame: &Frame| (frame.exposure / first.exposure).ln().abs() < 0.01;
     if others.iter().all(equal) { Err(BracketError::EqualExposures) } else { Ok(()) }
 }
 
-/// Codes between which a pixel is well exposed, as the reference frame is chosen. Only their count matters:
-/// at 0.05 and 0.95 the same frames are chosen in all tests.
+/// Codes between which a pixel counts as well exposed for the choice of the reference frame. Only their
+/// count matters: at 0.05 and 0.95 the same frames are chosen in all tests.
 const WELL_EXPOSED: [f32; 2] = [0.1, 0.9];
 
-/// The frame with most pixels that are well exposed in all channels; of equal ones that with the middle
-/// exposure. The values of floating-point frames have no range, so that it is the middle one there.
+/// The frame with most pixels that are well exposed in all channels; that with the middle exposure of
+/// equal ones. Floating-point values have no range, so for them it is the middle one.
 fn reference(frames: &[Frame], settings: &Settings) -> usize {
     let mut order: Vec<usize> = (0..frames.len()).collect();
     order.sort_by(|&a, &b| frames[a].exposure.total_cmp(&frames[b].exposure));
@@ -322,7 +329,7 @@ fn reference(frames: &[Frame], settings: &Settings) -> usize {
     order[best]
 }
 
-/// The response of the camera that took all frames, with how it was found.
+/// The response of the camera that took all frames, and the fit.
 fn fit_response(
     exposed: &[Exposed<'_>],
     black_level: Rgb,
@@ -343,8 +350,8 @@ fn fit_response(
         disagreement = disagreement.max(differs);
         values
     });
-    // The unit of a channel is free: in the paper the middle code is grey. White is extrapolated, and 1 in the
-    // mean of the channels.
+    // The unit of each channel is arbitrary: as in the paper, the middle code is grey. White is extrapolated,
+    // and scaled to 1 in the mean of the channels.
     let middle = codes.len() / 2;
     let unit = fitted.iter().map(|values| values[middle]).sum::<f64>() / 3.0;
     let linear = fitted.map(|values| {

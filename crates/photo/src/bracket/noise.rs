@@ -1,13 +1,13 @@
 //! The noise of the frames, measured where two of them show the same.
 //!
 //! The variance of a linear value `x` in units of white is `g^2 a + g b x` plus that of the rounding, where `g`
-//! is the gain of the frame: `a` is of the reading, `b` of the photons. Compression by JPEG adds a standard
-//! deviation of `c` times the contrast around the pixel, both in codes: it spoils edges and texture most.
+//! is the gain of the frame: `a` is read noise, `b` photon noise. Compression by JPEG adds a standard deviation
+//! of `c` times the contrast around the pixel, both in codes: it affects edges and texture most.
 //!
 //! The difference of two frames, each divided by its exposure, has the sum of their variances. `a` and `b` are
-//! measured in classes of brightness, robustly: about the median of the class, whose own difference is no noise
-//! but an error of the response, without what moved and without edges. `c` follows from what is left of the
-//! differences at edges and in texture.
+//! measured in classes of brightness, robustly: about the median of the class, which is an error of the
+//! response and not noise, without motion and without edges. `c` follows from the remaining differences at
+//! edges and in texture.
 
 use super::frame::Exposed;
 use super::scale::Scale;
@@ -23,8 +23,9 @@ pub struct NoiseModel {
     pub contrast: f64,
 }
 
-/// What is taken where the frames do not show it: the photons of a sensor that holds 10 000 electrons, of which
-/// a thousandth are reading noise. Weights hardly depend on it; the variances are proportional to it.
+/// The noise that is assumed if the frames do not determine it: photon noise of a sensor that holds 10 000
+/// electrons; the variance of read noise is a thousandth of that at white. Weights hardly depend on it; the
+/// variances are proportional to it.
 pub(super) const USUAL: NoiseModel =
     NoiseModel { base: [1e-7; 3], slope: [1e-4; 3], contrast: 0.0 };
 
@@ -34,7 +35,7 @@ impl NoiseModel {
         gain * gain * self.base[channel] + gain * self.slope[channel] * x.max(0.0)
     }
 
-    /// The variance of a linear value of a pixel by what its file did to it: rounding, and compression by JPEG.
+    /// The variance of a linear value of a pixel from its file: rounding, and compression by JPEG.
     pub(super) fn of_file(
         &self,
         frame: &Exposed<'_>,
@@ -47,23 +48,25 @@ impl NoiseModel {
     }
 }
 
-/// About so many pixels are compared a pair. At a quarter the variances are known to 2 % still.
+/// About this many pixels are compared per pair of frames. At a quarter the variances are still
+/// known to 2 %.
 const PIXELS: usize = 200_000;
 /// Classes of brightness, and the fewest pixels in one that counts: they give the variance to 15 %.
 const CLASSES: usize = 24;
 const FEWEST: usize = 100;
-/// Pixels further from the median than this many standard deviations are no noise. At 2.5 the variance is 4 %
+/// Pixels further from the median than this many standard deviations are outliers. At 2.5 the variance is 4 %
 /// too small, at 4 edges count.
 const INLIERS: f64 = 3.0;
-/// The contrast above which a pixel is busy, of 1. Below half of it JPEG changes pixels by less than a step.
+/// The contrast (of 1) above which a pixel is busy. Below half of it JPEG changes pixels by less than a
+/// step.
 const BUSY: f64 = 0.1;
-/// Compression is measured by the quantile of the differences that is so many standard deviations from zero in
-/// normal noise. Its errors have long tails, so that the median says little of edges: by it 1 % of a still JPEG
-/// moves, by this quantile less than 0.1 %. What moved is a few percent of a picture; a higher quantile would take
-/// that for compression.
+/// Compression is measured by this quantile of the differences, which in normal noise lies `WITHIN` standard
+/// deviations from zero. Its errors have long tails, so the median says little of edges: with it 1 % of a still
+/// JPEG counts as moved, with this quantile less than 0.1 %. Motion covers a few percent of a picture; a higher
+/// quantile would take it for compression.
 const QUANTILE: f64 = 0.95;
 const WITHIN: f64 = 1.96;
-/// A variance below this, in squares of white, is that of rounding alone in any file.
+/// A variance below this, in squares of white, is negligible beside rounding in any file.
 const LEAST: f64 = 1e-12;
 
 /// One pixel of two frames that show it well.
@@ -109,7 +112,7 @@ fn overlap(short: &Exposed<'_>, long: &Exposed<'_>, scale: &Scale<'_>) -> [Vec<P
             let (t, s) = (short.exposure, long.exposure);
             let contrasts = [short.contrast(a), long.contrast(b)].map(f64::from);
             let compression = |k: usize| (contrasts[k] * scale.per_code(channel, codes[k])).powi(2);
-            // The longer frame has the lesser noise: classes by it are hardly chosen by the noise.
+            // The longer frame has less noise, so that classes by it hardly depend on noise.
             let radiance = y / s;
             if x <= 0.0 || y <= 0.0 {
                 continue;
@@ -129,7 +132,7 @@ fn overlap(short: &Exposed<'_>, long: &Exposed<'_>, scale: &Scale<'_>) -> [Vec<P
     pairs
 }
 
-/// The noise by all pairs; none where too few pixels are well exposed twice.
+/// The noise from all pairs; none if too few pixels are well exposed twice.
 pub(super) fn measure(overlaps: &[[Vec<Pair>; 3]]) -> Option<NoiseModel> {
     let mut noise = NoiseModel { base: [0.0; 3], slope: [0.0; 3], contrast: 0.0 };
     for channel in 0..3 {
@@ -141,8 +144,8 @@ pub(super) fn measure(overlaps: &[[Vec<Pair>; 3]]) -> Option<NoiseModel> {
     Some(noise)
 }
 
-/// The standard deviation by compression for each contrast, by what the differences of busy pixels are above the
-/// rest of the `noise`; zero where that explains them.
+/// The standard deviation by compression per contrast, from the excess of the differences of busy pixels over
+/// the rest of the `noise`; zero if that explains them.
 fn compression(overlaps: &[[Vec<Pair>; 3]], noise: &NoiseModel) -> f64 {
     let mut squares = Vec::new();
     for pairs in overlaps {
@@ -212,7 +215,8 @@ fn class(pairs: &[&Pair]) -> Class {
     Class { variance, rounding, factors, count }
 }
 
-/// Base and slope, neither of them negative, by least squares with the weights of variances of variances.
+/// Base and slope, neither of them negative, by least squares weighted by the inverse variances of the
+/// variances.
 fn fit(classes: &[Class]) -> Option<[f64; 2]> {
     if classes.is_empty() {
         return None;
@@ -242,8 +246,8 @@ fn fit(classes: &[Class]) -> Option<[f64; 2]> {
     found.iter().all(|v| v.is_finite()).then_some(found)
 }
 
-/// How much brighter each frame is than its exposure and the next longer frame say; 1 of the longest, and where
-/// nothing can be compared.
+/// The brightness of each frame relative to its exposure and the next longer frame; 1 for the longest, and
+/// where nothing can be compared.
 pub(super) fn brightness(overlaps: &[[Vec<Pair>; 3]], order: &[usize]) -> Vec<f64> {
     let mut brightness = vec![1.0; order.len()];
     for (pairs, &shorter) in overlaps.iter().zip(order) {

@@ -1,17 +1,18 @@
-//! Whether the exposures that are stated can be those of the frames.
+//! Checks whether the stated exposures can be those of the frames.
 //!
-//! Whatever its response, a camera gives a longer exposure greater codes where nothing is clipped. So frames whose
-//! mean codes do not rise with their exposures have each other's exposures, or one of them was given twice. This is
-//! asked before the response is fitted: from exposures in a wrong order follows a response that is none.
-//! Time: some ten thousand pixels for each pair of frames.
+//! Whatever its response, a camera gives a longer exposure greater codes where nothing is clipped. So if mean codes
+//! do not rise with the exposures, exposures were exchanged, or one frame was given twice. This is checked before
+//! the response is fitted, since exposures in a wrong order give a meaningless response. Time: some ten thousand
+//! pixels for each pair of frames.
 
 use super::frame::Exposed;
 use super::{BracketError, Frame};
 use unrender_scene::{Depth, Rgb};
 
-/// About so many pixels are compared a pair; the means of far fewer differ by less than exposures do.
+/// About this many pixels are compared per pair; far fewer would give means accurate enough for
+/// exposures.
 const PIXELS: usize = 20_000;
-/// Fewer codes in common say nothing.
+/// Frames with fewer common pixels are not compared.
 const FEWEST: usize = 100;
 /// Codes count where one of the two is above this share of the range: the black border of a picture is as bright in
 /// all frames. At double of it dim rooms have too few pixels; at half of it borders with noise count.
@@ -19,10 +20,10 @@ const FLOOR: f32 = 0.02;
 /// The logarithm of the mean code rises by at least this share of that of the exposure. A gamma of 2.2 gives 0.45,
 /// curves for film about 0.2; two photographs of one exposure differ by flicker, some hundredths at most.
 const RISE: f64 = 0.05;
-/// Exposures that differ by less are one: times are rounded when they are written.
+/// Exposures that differ by less count as equal: times are rounded when they are written.
 const EQUAL: f64 = 1.01;
 
-/// Checks that the codes of `exposed` rise with the exposures of these `frames`, whose `order` is by exposure.
+/// Checks that the codes of `exposed` rise with the exposures of `frames`; `order` is by exposure.
 ///
 /// # Errors
 /// If two frames are the same picture, or one is as bright as another whose exposure is longer, or brighter.
@@ -64,7 +65,8 @@ pub(super) fn check(
     Ok(())
 }
 
-/// The mean code above black of two frames, over what both show well; none if that is too little.
+/// The mean codes above black of two frames, over pixels that both show well; none if these are too
+/// few.
 fn means(pair: [&Exposed<'_>; 2], black_level: Rgb) -> Option<[f64; 2]> {
     let floor = FLOOR * pair[0].top().max(pair[1].top());
     let count = pair[0].picture.values.pixels().len();
@@ -95,7 +97,8 @@ fn by_brightness(exposed: &[Exposed<'_>]) -> Vec<usize> {
 }
 
 impl Exposed<'_> {
-    /// The greatest code that a file of this kind can have; of floating-point files the greatest that it has.
+    /// The greatest code that a file of this kind can have; for floating-point files the greatest value in
+    /// it.
     fn top(&self) -> f32 {
         match self.picture.depth {
             Depth::Float => {

@@ -1,4 +1,4 @@
-//! What the response is fitted to: small even places of the scene, with their mean code in every frame that
+//! The data for the response: small uniform patches of the scene, with their mean code in every frame that
 //! shows them well.
 
 use super::frame::Exposed;
@@ -6,19 +6,20 @@ use unrender_scene::Rgb;
 
 /// One place of the scene in one channel.
 pub(super) struct Sample {
-    /// Mean code above black, 0 to 1, and logarithm of the exposure, of two frames at least.
+    /// Mean code above black, 0 to 1, and logarithm of the exposure, in at least two frames.
     pub(super) readings: Vec<[f64; 2]>,
 }
 
-/// A response is fitted to at least so many places a channel. At half of it noise shows in the curve.
+/// The fewest places per channel for a response. At half of it noise shows in the curve.
 pub(super) const FEWEST: usize = 30;
-/// Half the side of a patch, pixels: the mean of 5 x 5 pixels has a fifth of their noise, and that many pixels
-/// are even in most pictures of any size. At 1 the noise is 1.7 times as large; at 4 few places are even.
+/// Half the side of a patch, pixels: the mean of 5 x 5 pixels has a fifth of their noise, and patches of this
+/// size are uniform in most pictures. At 1 the noise is 1.7 times as large; at 4 few places are uniform.
 const REACH: usize = 2;
-/// About so many patches are taken. At half of it the curve is 1.4 times as noisy; at double it takes longer.
+/// About this many patches are used. At half of it the curve is 1.4 times as noisy; at double it takes
+/// longer.
 const PATCHES: usize = 3000;
-/// A patch is even if the standard deviation of its codes is below this, of 1: ten steps of 8 bits. The mean of
-/// codes is not the code of the mean, by the curvature of the response, which at double of it matters.
+/// A patch is uniform if the standard deviation of its codes (0 to 1) is below this: ten steps of 8 bits. As
+/// the response is curved, the mean of codes is not the code of the mean, which matters at double of it.
 const EVEN: f64 = 0.04;
 
 /// The samples of each channel.
@@ -48,7 +49,7 @@ pub(super) fn covered(samples: &[Vec<Sample>; 3]) -> [f64; 2] {
     [low, all.iter().map(|range| range[1]).fold(1.0, f64::min)]
 }
 
-/// The evenest of nine patches in the cell at (left, top) that two frames show well.
+/// The most uniform of nine patches in the cell at (left, top) that two frames show well.
 fn best_of_cell(
     frames: &[Exposed<'_>],
     [left, top, cell]: [usize; 3],
@@ -78,7 +79,7 @@ fn best_of_cell(
 }
 
 /// Mean and standard deviation of the codes around `centre`, above black; none if one of them is clipped or
-/// black, or the place is not even.
+/// black, or the place is not uniform.
 fn patch(
     frame: &Exposed<'_>,
     [x, y]: [usize; 2],

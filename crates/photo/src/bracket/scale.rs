@@ -45,7 +45,7 @@ impl<'a> Scale<'a> {
         self.tables.as_ref().map_or(0.0, |tables| tables[channel][self.row(code)][1])
     }
 
-    /// By how much the linear value rises with the code, 1 being the greatest code; zero for floating-point files.
+    /// The slope of the linear value over the code, where 1 is the greatest code; zero for floating-point files.
     pub(super) fn per_code(&self, channel: usize, code: f32) -> f64 {
         f64::from(self.max) * (12.0 * self.rounding(channel, code)).sqrt()
     }

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use nalgebra::{DVector, Matrix3, RowDVector, Vector2, Vector3};
 use unrender_scene::{Camera, Lens, Pair, Warnings};
 
-/// Errors of the pixels above this share of the picture's diagonal are worth a word.
+/// Errors of the pixels above this share of the picture's diagonal cause a warning.
 const UNUSUAL: f64 = 0.004;
 
 /// A parameter with its standard deviation.
@@ -194,7 +194,7 @@ fn doubts(calibration: &mut Calibration, found: &FittedCamera, good: &[Sight]) {
     for (name, rms_px) in &found.missed {
         warnings.push(format!(
             "find the {name} too: with it the pairs fit to {rms_px:.2} px instead of {:.2} px rms, \
-             and what is held wrongly makes the other numbers wrong",
+             and a wrong fixed value makes the other numbers wrong",
             calibration.rms_px
         ));
     }

@@ -1,12 +1,13 @@
-//! What is doubtful about measured points and about the camera that they give.
+//! Warnings about measured points and about the camera estimated from them.
 
 use super::{Calibration, Focal};
 use glam::{DVec3, Vec3};
 use unrender_scene::{Pair, Warnings};
 
-/// Focal lengths that differ from the EXIF data's by more than this share are reported. EXIF data
-/// round to whole millimetres, 4 % of a phone's 26 mm, and lenses breathe by some percent. At half of
-/// it, sound photographs are reported; at double, a crop to three quarters of the width is missed.
+/// Focal lengths that differ from the EXIF data's by more than this share are reported. EXIF data are
+/// rounded to whole millimetres, 4 % of a phone's 26 mm, and focal lengths change by some percent
+/// with focus. At half of it, sound photographs are reported; at double, a crop to three quarters of
+/// the width is missed.
 const EXIF_TOLERANCE: f64 = 0.15;
 /// Measured points may lie outside the scene by this share of its size: things that are not modelled
 /// stand out by less. At half of it, a chimney is reported; at double, centimetres for metres still

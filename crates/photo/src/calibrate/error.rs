@@ -14,11 +14,11 @@ pub enum CalibrateError {
         there: usize,
         /// How many there must be.
         needed: usize,
-        /// What is asked for, in words.
+        /// The requested parameters, in words.
         numbers: String,
-        /// How many numbers that is.
+        /// The number of unknowns.
         unknowns: usize,
-        /// What else would help.
+        /// Another remedy, if there is one.
         hint: String,
     },
     /// The points lie on one line, or all at one place.
@@ -34,8 +34,8 @@ pub enum CalibrateError {
     },
     /// Points in one plane do not determine focal length and principal point at once.
     #[error(
-        "the points lie in one plane, which cannot tell the principal point and the focal length at \
-         once; measure points off the plane, or leave one of the two out"
+        "the points lie in one plane, which does not determine both the principal point and the \
+         focal length; measure points off the plane, or leave one of the two out"
     )]
     CoplanarPrincipalPoint,
     /// The pairs fit a mirrored world only.

@@ -38,7 +38,7 @@ impl Layout {
 
     pub(super) fn is_line(&self) -> bool {
         let [length, width, _] = self.spread;
-        // Equal where there is no spread at all.
+        // Both are zero if there is no spread.
         width <= LINE * length
     }
 
@@ -53,7 +53,7 @@ impl Layout {
     }
 }
 
-/// The points' middle, and the mean of their ways from there times themselves.
+/// The points' centroid and covariance matrix.
 fn scatter(sights: &[Sight]) -> (Vector3<f64>, Matrix3<f64>) {
     let count = sights.len().max(1) as f64;
     let centre = sights.iter().map(|s| s.point).sum::<Vector3<f64>>() / count;

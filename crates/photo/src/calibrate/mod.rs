@@ -1,7 +1,7 @@
 //! Camera calibration: pose, focal length and lens from points of the scene and their image points.
 //!
 //! The paper uses the method of DeMenthon and Davis and a downhill simplex [Boivin and Gagalowicz
-//! 2002, section 3.1]. This module begins with the same method; the minimum it finds by least squares,
+//! 2002, section 3.1]. This module begins with the same method and finds the minimum by least squares,
 //! which also give the standard deviation of each parameter. One file per step:
 //!
 //! 1. `posit`: pose from few points by iterated scaled orthography, also for points in one plane;
@@ -33,13 +33,13 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 use robust::{Agreement, LEAST_SIGMA, agree, greatest_chance, select};
 use unrender_scene::Pair;
 
-/// Mirrored pairs must fit so many times better before the world is called mirrored ...
+/// The world is reported as mirrored if mirrored pairs fit this many times better ...
 const MIRRORED_BETTER: f64 = 4.0;
-/// ... and unmirrored ones worse than this share of the picture's diagonal.
+/// ... and unmirrored ones fit worse than this share of the picture's diagonal.
 const DOUBTFUL: f64 = 1e-3;
 /// No camera fits pairs that are farther off than this share of the picture's diagonal.
 const SENSELESS: f64 = 0.02;
-/// Another pose fits nearly as well with up to so many times the sum of squared residuals.
+/// Another pose fits nearly as well up to this many times the sum of squared residuals.
 const NEARLY: f64 = 4.0;
 /// Degrees of freedom needed before a parameter that was held fixed is tested.
 const LEAST_FREEDOM: usize = 6;
@@ -104,7 +104,7 @@ impl Request {
 /// ```
 ///
 /// # Errors
-/// If the pairs are too few, do not determine what is asked for, or contradict each other.
+/// If the pairs are too few, do not determine the requested parameters, or contradict each other.
 pub fn calibrate(
     pairs: &[Pair],
     size: (usize, usize),

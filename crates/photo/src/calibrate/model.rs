@@ -10,8 +10,8 @@
 
 use nalgebra::{DMatrix, DVector, Matrix2x3, Matrix3, Rotation3, Vector2, Vector3};
 
-/// Nothing is nearer to the camera's plane than this share of its distance; what lies behind is
-/// brought here, where it costs much.
+/// The least depth of a point, as a share of its distance; points behind the camera are put at this
+/// depth, where their residual is large.
 const LEAST_DEPTH: f64 = 1e-3;
 
 /// A point and where it was seen.
@@ -77,8 +77,8 @@ impl Model {
         self.camera_from_world * (point - self.eye)
     }
 
-    /// Where the camera shows the point minus where it was seen, pixels. A point behind the camera
-    /// is taken to be just before it, far from everything.
+    /// The projection of the point minus its measured pixel. A point behind the camera is put just
+    /// in front of it, with a large residual.
     pub(super) fn residual(&self, sight: &Sight) -> Vector2<f64> {
         let plane = on_plane(&self.in_camera(&sight.point));
         let [k1, k2] = self.k;
@@ -125,7 +125,7 @@ fn on_plane(in_camera: &Vector3<f64>) -> Vector2<f64> {
     Vector2::new(in_camera.x, in_camera.y) / depth
 }
 
-/// All residuals below each other, pixels.
+/// All residuals in one vector, pixels.
 pub(super) fn residuals(model: &Model, sights: &[Sight]) -> DVector<f64> {
     let each = sights.iter().flat_map(|sight| {
         let residual = model.residual(sight);

@@ -22,24 +22,24 @@ use nalgebra::{Complex, Matrix3, Vector2, Vector3};
 const ITERATIONS: usize = 60;
 /// The iteration ends where no e_i changes by more than this.
 const SETTLED: f64 = 1e-7;
-/// Depths that an iteration may give a point, in depths of the reference point: what lies behind
-/// the camera in one turn need not do so in the next.
+/// Limits of the depth of a point in an iteration, in depths of the reference point: a point behind
+/// the camera in one iteration may be in front in the next.
 const DEPTHS: (f64, f64) = (0.05, 50.0);
 
-/// What of the iteration depends on the points alone: one pair is the reference.
+/// The part of the iteration that depends on the points alone; one pair is the reference.
 pub(super) struct Posit<'a> {
     sights: &'a [Sight],
     reference: usize,
-    /// Ways from the reference to all points.
+    /// Vectors from the reference to all points.
     ways: Vec<Vector3<f64>>,
-    /// Takes sums over ways to I and J.
+    /// Maps sums over these vectors to I and J.
     inverse: Matrix3<f64>,
     /// The unit normal, where the points are taken to lie in a plane.
     normal: Option<Vector3<f64>>,
 }
 
 impl<'a> Posit<'a> {
-    /// Prepares for `sights`; `planar` takes their points to lie in the plane that is nearest.
+    /// Prepares for `sights`; if `planar`, their points are taken to lie in the nearest plane.
     pub(super) fn new(sights: &'a [Sight], planar: bool) -> Option<Self> {
         let count = sights.len() as f64;
         let centre = sights.iter().map(|s| s.point).sum::<Vector3<f64>>() / count;
@@ -60,8 +60,8 @@ impl<'a> Posit<'a> {
         usable.then_some(Self { sights, reference, ways, inverse, normal })
     }
 
-    /// The poses for a camera of `focal` pixels and no lens: one, or two of a plane, those apart
-    /// that show points behind the camera.
+    /// The poses for a pinhole camera of `focal` pixels: one, or two for a plane, without those
+    /// that have points behind the camera.
     pub(super) fn poses(&self, focal: f64) -> Vec<Model> {
         let image: Vec<_> = self.sights.iter().map(|sight| sight.image / focal).collect();
         let branches = if self.normal.is_some() { 2 } else { 1 };
@@ -125,7 +125,7 @@ impl<'a> Posit<'a> {
     ) -> Option<Model> {
         let scale = (right.norm() * down.norm()).sqrt();
         let forward = right.cross(&down).try_normalize(f64::MIN_POSITIVE)?;
-        // Turned alike towards each other, so that neither axis is trusted more.
+        // Both axes are turned by the same angle, so that neither is preferred.
         let (i, j) = (right.normalize(), down.normalize());
         let (sum, difference) = ((i + j).normalize(), (i - j).normalize());
         let half = std::f64::consts::FRAC_1_SQRT_2;

@@ -67,7 +67,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
     }
 }
 
-/// The camera near `start` whose residuals have the least squares; `start` where none is better.
+/// The camera near `start` whose residuals have the least squares; `start` if none is better.
 pub(super) fn refine(start: &Model, sights: &[Sight], free: Free, care: Care) -> Model {
     let step = DVector::zeros(free.count());
     let search = LevenbergMarquardt::new().with_tol(care.tolerance).with_patience(care.patience);

@@ -16,11 +16,12 @@ use super::refine::{Certainty, FINAL, ROUGH, certainty, refine};
 use super::start::starts;
 use nalgebra::{Matrix2, Vector2, Vector3};
 
-/// Subsets to draw: with 40 % wrong pairs and 6 to a subset, all have a wrong one once in 10^3.
+/// Subsets to draw: with 40 % wrong pairs and 6 per subset, the chance that all contain a wrong one
+/// is 10^-3.
 const SUBSETS: usize = 150;
 /// The largest fraction of outliers.
 const WRONG: f64 = 0.4;
-/// So many of the cameras from subsets are followed to their end.
+/// The number of cameras from subsets that are iterated to convergence.
 const FOLLOWED: usize = 6;
 const ITERATIONS: usize = 20;
 /// The probability that an inlier is rejected.
@@ -29,7 +30,7 @@ const CHANCE: f64 = 1e-5;
 pub(super) const LEAST_SIGMA: f64 = 0.2;
 /// Squared residuals of the best 60 % of pairs times this are those of all, for normal errors.
 const TRIMMED: f64 = 2.57;
-/// The initial inliers: residuals up to so many standard deviations.
+/// The initial inliers: residuals up to this many standard deviations.
 const FIRST_SIGMAS: f64 = 3.0;
 
 /// A camera and the pairs that it was fitted to.

@@ -9,10 +9,10 @@ use super::refine::{ROUGH, refine};
 /// of view across it from 103 to 7 degrees.
 const FOCALS: (f64, f64) = (0.4, 8.0);
 const FOCAL_COUNT: usize = 13;
-/// So many of the poses that POSIT finds are refined.
+/// The number of poses by POSIT that are refined.
 const REFINED: usize = 3;
 
-/// The focal lengths to begin with, pixels: the known one, or those around what is likely.
+/// The initial focal lengths, pixels: the known one, or a guess, if any, and the whole range.
 pub(super) fn focals(known: Option<f64>, guess: Option<f64>, longer_side: f64) -> Vec<f64> {
     if let Some(focal) = known {
         return vec![focal];

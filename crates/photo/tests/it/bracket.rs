@@ -1,4 +1,4 @@
-//! Brackets made of a known picture by a known camera: response, radiance, shifts, what moved.
+//! Brackets made of a known picture by a known camera: response, radiance, shifts, motion.
 
 use unrender_photo::bracket::{Bracket, BracketError, Frame, Settings, merge};
 use unrender_photo::{Response, Transfer, develop};
@@ -139,7 +139,7 @@ fn is_found(camera: &Camera) {
         for left in (0..SIZE.0).step_by(12) {
             let mut ratio = [0.0; 3];
             let mut good = true;
-            // Beside what is clipped in the long frames the short ones are alone.
+            // Beside pixels that are clipped in the long frames only the short ones count.
             for (x, y) in (0..100).map(|k| (left + 1 + k % 10, top + 1 + k / 10)) {
                 let truth = room(x as i64, y as i64);
                 for c in 0..3 {
@@ -209,7 +209,8 @@ fn shifts_are_found_and_undone() {
     assert_eq!(found.report.shifts, expected);
     let unit = frames[found.report.reference].exposure;
     let variance = &found.picture.merged.as_ref().unwrap().variance;
-    // At the borders the short frames may lack what the long ones clip: nothing is known there.
+    // At the borders the short frames may not cover pixels that the long ones clip: these have no
+    // value.
     let invalid = &found.picture.invalid;
     assert!(invalid.len() < SIZE.0 * SIZE.1 / 20, "{}", invalid.len());
     let known = (0..SIZE.0 * SIZE.1).filter(|pixel| invalid.binary_search(pixel).is_err());
@@ -264,7 +265,7 @@ fn clipped_everywhere_is_clipped() {
     let photo = develop(&found.picture, &transfer);
     assert!(*photo.saturated.at(10, 10) && !*photo.valid.at(10, 10) && *photo.valid.at(40, 40));
     assert_eq!(photo.clipped as f64, (found.report.clipped * (SIZE.0 * SIZE.1) as f64).round());
-    // The step stands for the variance.
+    // The step represents the variance.
     let variance = found.picture.merged.as_ref().unwrap().variance.at(40, 40).x;
     let step = photo.quantisation_step.at(40, 40).x;
     assert!((step * step / 12.0 / variance - 1.0).abs() < 1e-4);
@@ -361,7 +362,8 @@ fn exposures_that_the_frames_cannot_have_are_refused() {
         let again = problem(&twice);
         assert!(matches!(again, BracketError::EquallyBright { ratio: 4.0, .. }), "{again}");
     }
-    // Two photographs of one exposure, both stated so, are right; so are steps of a third of a stop in the dark.
+    // Two photographs of one exposure, both stated so, are accepted, as are steps of a third of a stop in the
+    // dark.
     let mut frames = bracket(&GAMMA);
     frames.push(GAMMA.take(SIZE, room, TIMES[2], 9));
     assert!(merge(&frames, &Settings::default()).is_ok());

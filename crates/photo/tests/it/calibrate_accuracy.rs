@@ -101,7 +101,7 @@ fn bound(truth: &Truth, points: &[DVec3], free: &[usize]) -> DVector<f64> {
     DVector::from_fn(free.len(), |n, _| SIGMA * covariance[(n, n)].sqrt() / norms[n])
 }
 
-/// Calibrates many noisy measurements and holds errors and stated deviations to the bound.
+/// Calibrates many noisy measurements and compares errors and stated deviations with the bound.
 fn reaches_the_bound(what: &str, truth: &Truth, points: &[DVec3], request: &Request) {
     assert!(
         points.iter().all(|point| truth.shows(*point)),

@@ -1,4 +1,4 @@
-//! Wrong pairs are found and named; what gives no camera is told, and why.
+//! Wrong pairs are found and named; where no camera can be found, the error says why.
 
 use crate::common::{Random, SIZE, Truth};
 use glam::{DVec2, DVec3};
@@ -188,7 +188,7 @@ fn too_few_pairs_are_told_with_what_they_are_for() {
         let error = fails(&pairs[..needed - 1], &request);
         let CalibrateError::TooFew { there, needed: told, .. } = error else { panic!("{error}") };
         assert_eq!((there, told), (needed - 1, needed));
-        // That many, in the open, are enough for an answer, if not for a good one.
+        // Two more pairs in general position are enough for an answer, if not for a good one.
         let enough = calibrate(&pairs[..needed + 2], SIZE, &request);
         assert!(enough.is_ok(), "{needed}: {:?}", enough.err());
     }

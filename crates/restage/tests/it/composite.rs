@@ -19,7 +19,7 @@ const SPP: u32 = 200;
 /// A code of 8 bits, about, where these pictures are bright.
 const STEP: f32 = 0.004;
 
-/// A photograph before and the truth after, with what compositing makes of the first.
+/// A photograph before the edits, the truth after them, and the composite made from the first.
 struct Case {
     photograph: RgbImage,
     truth: RgbImage,
@@ -142,7 +142,7 @@ fn what_no_path_meets_changes_nothing() {
     };
     let mut insert = insertion(0.0, 0.0);
     insert.place = Place::At(Vec3::new(0.0, 0.2, -0.4).as_dvec3());
-    // Nothing differs, by however few paths.
+    // Nothing differs, however few paths are used.
     let case = Case::of_paths(16, with_crate(), with_crate(), &[Edit::Insert(insert)]);
     for pixel in case.paired.pixels() {
         assert_eq!(pixel.before, pixel.after);
@@ -157,7 +157,7 @@ fn a_removed_box_leaves_the_background_that_the_model_knows() {
         apply(&mut scene, &[Edit::Insert(insertion(0.3, 0.2))]).unwrap();
         scene
     };
-    // The model knows the textures here: what was behind the box is rendered from them.
+    // The model has the textures here: the uncovered surfaces are rendered with them.
     let remove = Remove { name: "box.red".into(), what: Bearer::Any };
     let case = Case::new(with_box(truth()), with_box(truth()), &[Edit::Remove(remove)]);
     let made = case.composite(Gain::Auto);

@@ -141,7 +141,7 @@ fn what_cannot_be_is_reported() {
     fails(&[light("lamp", LightChange::Alter(direction))], "area light, which has no direction");
     let insert = Edit::Insert(insertion(0.3, 0.2));
     fails(&[insert.clone(), insert], "\"box\" already");
-    fails(&[Edit::Insert(insertion(9.0, 0.0))], "nothing of \"floor\" can be stood on");
+    fails(&[Edit::Insert(insertion(9.0, 0.0))], "no surface of \"floor\" faces upwards");
     let mut far = insertion(0.0, 0.0);
     far.place = Place::At(DVec3::new(0.0, 30.0, 0.0));
     fails(&[Edit::Insert(far)], "stands outside the scene");

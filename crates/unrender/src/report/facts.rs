@@ -140,7 +140,7 @@ fn settings(source: &RunFolder<'_>) -> Markup {
     }
 }
 
-/// The numbers of the camera that were asked for.
+/// The photometric parameters of the camera that were recovered.
 fn camera(key: &Key, found: &PhotographEntry) -> Markup {
     let std = found.std.clone().unwrap_or_default();
     let one = |name: &str, value: Option<f64>, std: Option<f64>| {

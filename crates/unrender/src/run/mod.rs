@@ -67,7 +67,7 @@ pub struct Run {
     pub iterations: Vec<IterationEntry>,
     /// The groups by name, in the order of the scene.
     pub groups: IndexMap<String, RunGroup>,
-    /// The lights whose brightness was asked for, by name, in the order of the scene.
+    /// The lights whose brightness was recovered, by name, in the order of the scene.
     pub lights: IndexMap<String, LightEntry>,
 }
 

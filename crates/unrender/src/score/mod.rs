@@ -24,7 +24,7 @@ pub struct GroupScore {
     pub counted: bool,
     /// The status in the results; none for groups that the results leave out.
     pub status: Option<StatusEntry>,
-    /// What the group was taken to be.
+    /// The selected hypothesis.
     pub hypothesis: Option<Hypothesis>,
     /// What it is.
     pub true_hypothesis: Option<Hypothesis>,

@@ -156,7 +156,7 @@ fn faults_are_said_and_nothing_is_written() {
         (&["a.png", "small.png", "--times", "1,2"], "8 x 8 pixels, but a.png has 96 x 72"),
         (&["a.png", "none.png", "--times", "1,2"], "none.png: cannot be read: it does not exist"),
         (&["a.png", "black.png", "--times", "1,2"], "black.png is darker than a.png"),
-        (&["black.png", "a.png", "--times", "1,2"], "too little is well exposed"),
+        (&["black.png", "a.png", "--times", "1,2"], "too few places are well exposed"),
         // Times in another order than the photographs, and one photograph twice.
         (
             &["a.png", "b.png", "c.png", "--times", "1/2,1/8,2"],

@@ -17,7 +17,7 @@ const SIZE: (usize, usize) = (48, 36);
 const EYE: DVec3 = DVec3::new(0.25, 1.25, 3.5);
 const FOCAL: f64 = 50.0;
 
-/// One, twenty and 500 kilometres away, and as land registers count.
+/// One, twenty and 500 kilometres away, and at coordinates of land registers.
 const PLACES: [DVec3; 4] = [
     DVec3::new(1_000.0, 0.0, 0.0),
     DVec3::new(-12_000.0, 300.0, 16_000.0),

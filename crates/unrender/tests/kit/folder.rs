@@ -18,7 +18,7 @@ impl Folder {
         self.0.path()
     }
 
-    /// Where `name` is in it, or would be.
+    /// The path of `name` in it.
     pub(crate) fn path(&self, name: &(impl AsRef<Path> + ?Sized)) -> PathBuf {
         self.root().join(name)
     }

@@ -6,7 +6,7 @@ use unrender_scene::Mesh;
 
 /// How far corners may lie from the sphere, in radii.
 const TOLERANCE: f64 = 1e-3;
-/// Fewer triangles are as well left as they are.
+/// Meshes of fewer triangles are left as they are.
 const LEAST: usize = 64;
 
 /// The centre and radius of the sphere that `mesh` stands for: all its corners lie on one, it is

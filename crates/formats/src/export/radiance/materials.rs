@@ -53,7 +53,7 @@ impl<'a> Materials<'a> {
         self.shot.materials[group].is_pure_mirror()
     }
 
-    /// The anisotropy direction, to four digits; of isotropic lobes any.
+    /// The anisotropy direction, to four digits; any for isotropic lobes.
     fn direction(&self, object: &Object, index: usize) -> Vec3 {
         let material = &self.shot.materials[object.group];
         if !material.is_glossy() || material.alpha_x == material.alpha_y {
@@ -134,7 +134,7 @@ fn reflectance(pattern: &str, id: &str, material: &Material, direction: Vec3) ->
 }
 
 /// The kind of material with one colour and one specular share that reflects as `material` does, if
-/// there is one; perfect mirrors have none, since Radiance lets them shine at grazing angles.
+/// there is one; perfect mirrors have none, since Radiance makes them brighter at grazing angles.
 fn one_color(material: &Material) -> Option<(&'static str, Rgb, f32)> {
     let (rho_d, rho_s) = (material.rho_d, material.rho_s);
     if material.is_delta() {

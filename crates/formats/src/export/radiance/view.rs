@@ -35,7 +35,7 @@ pub(super) fn text(shot: &Shot, warnings: &mut Warnings) -> String {
     )
 }
 
-/// Pixels that the picture is made of, across and down, for one of it.
+/// Pixels rendered for one pixel of the picture, across and down.
 const FINER: usize = 4;
 
 /// `render.sh`. What its options say: light that is reflected up to 24 times, nothing kept from one

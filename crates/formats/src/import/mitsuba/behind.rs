@@ -3,15 +3,15 @@
 use glam::Vec3;
 use unrender_scene::{Camera, Mesh, Scene};
 
-/// Triangles of a group that are looked at, spread over all that have their back to the camera. With 16 the inside of
-/// a tube is found, 64 find a corner of a fiftieth.
+/// Triangles of a group that are tested, spread over all that have their back to the camera. 16 find the inside of a
+/// tube, 64 find a corner that is a fiftieth of them.
 const LOOKS: usize = 64;
-/// Triangles that are asked in all whether they are in the way: a quarter of a second. In scenes of many millions
-/// fewer places are looked at.
+/// Intersection tests of lines of sight in all: a quarter of a second. In scenes of many millions of triangles
+/// fewer places are tested.
 const ASKED: usize = 1 << 26;
-/// How near to its end a line of sight is no longer stopped, as a share of it.
+/// Nothing stops a line of sight within this share of its length from the end.
 const NEAR_END: f32 = 1e-4;
-/// The picture's height in which cameras are asked, pixels.
+/// The height of the picture in which places must lie, pixels.
 const HEIGHT: f32 = 1000.0;
 
 /// The groups of which `one_sided` is true, each with the name of the first camera that sees some of it from behind.
@@ -32,7 +32,7 @@ fn sees_back(scene: &Scene, group: usize, camera: &Camera, looks: usize) -> bool
     let size = [HEIGHT * camera.aspect.unwrap_or(1.0), HEIGHT].map(|side| side.round() as usize);
     let is_in_picture = |point: Vec3| camera.project(point, size[0], size[1]).is_some();
     let objects = || scene.objects.iter().filter(|object| object.group == group);
-    // Each with the mesh that it is of, which is most often in the way itself.
+    // Each with its mesh, which is most often in the way itself.
     let backs: Vec<(&Mesh, Vec3)> = objects()
         .flat_map(|object| (0..object.mesh.triangles.len()).map(move |index| (&object.mesh, index)))
         .filter_map(|(mesh, index)| {

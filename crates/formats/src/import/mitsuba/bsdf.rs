@@ -1,10 +1,9 @@
 //! BSDFs as diffuse part, specular part and roughness.
 //!
-//! Exact: `diffuse`, `conductor` without a metal, `twosided` and `blendbsdf` of these, and the `ward` of
-//! Mitsuba 0.5. GGX is GGX where all that is rough has it; else the roughness of microfacets is taken as
-//! Ward's: Beckmann's has the same distribution of slopes. Conductors with a metal, `plastic`,
-//! `roughplastic`, `pplastic` and `principled` reflect what they do at normal incidence, which is told. What lets
-//! light through is refused.
+//! Exact: `diffuse`, `conductor` without a metal, `twosided` and `blendbsdf` of these, and the `ward` of Mitsuba
+//! 0.5. GGX stays GGX where all rough BSDFs have it; else the roughness of microfacets is taken as Ward's:
+//! Beckmann's has the same distribution of slopes. Conductors with a metal, `plastic`, `roughplastic`, `pplastic`
+//! and `principled` reflect as at normal incidence, with a warning. BSDFs that let light through are refused.
 
 use super::metals;
 use super::paint::{Context, Paint, Picture, color, paint, share};
@@ -16,20 +15,20 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use unrender_scene::{BrdfModel, Material, Rgb, Texture, WardModel};
 
-/// A material, and what it is not.
+/// A material, and in what it differs from the BSDF.
 #[derive(Clone, Debug)]
 pub(super) struct Reflectance {
-    /// Its texture has the texture coordinates `to_uv`.
+    /// The texture in it is looked up at `to_uv`.
     pub(super) material: Material,
     /// From the texture coordinates of a surface to those of the texture.
     pub(super) to_uv: Affine2,
-    /// Whether its microfacets, if it has some, are those of GGX.
+    /// Whether its microfacets, if any, are those of GGX.
     pub(super) is_ggx: bool,
-    /// The one model that it is exact with, if it is none of microfacets.
+    /// The one model for which it is exact, if it is not a microfacet model.
     pub(super) model: Option<BrdfModel>,
     /// Whether its back reflects as its front does; else it is black in Mitsuba.
     pub(super) is_two_sided: bool,
-    /// Whether light goes through as if nothing was there.
+    /// Whether it is invisible: light goes straight through.
     pub(super) is_nothing: bool,
     doubts: Vec<String>,
 }
@@ -49,8 +48,9 @@ impl Reflectance {
         let mut painted = Self::diffuse(paint.mean);
         if let Some(picture) = paint.picture {
             if picture.turns() {
-                painted
-                    .doubt("its texture's to_uv turns or mirrors it, which the anisotropy has not");
+                painted.doubt(
+                    "its texture's to_uv turns or mirrors it, but the anisotropy is not turned",
+                );
             }
             let Picture { texture, to_uv } = picture;
             (painted.material.texture, painted.to_uv) = (Some(texture), to_uv);
@@ -58,7 +58,7 @@ impl Reflectance {
         painted
     }
 
-    /// Whether it is not the same for all texture coordinates.
+    /// Whether it depends on texture coordinates.
     pub(super) fn wants_uvs(&self) -> bool {
         self.material.texture.is_some() || self.material.alpha_x != self.material.alpha_y
     }
@@ -70,14 +70,14 @@ impl Reflectance {
         }
     }
 
-    /// What is told of it; nothing of its numbers if they are known exactly from elsewhere.
+    /// The warnings of it; none if its numbers are known exactly from elsewhere.
     pub(super) fn doubts(&self, exact: bool) -> impl Iterator<Item = &String> {
         let is_even = self.material.alpha_x == self.material.alpha_y;
         let of_direction = move |doubt: &&String| doubt.contains("anisotropy");
         self.doubts.iter().filter(move |doubt| !(exact || is_even && of_direction(doubt)))
     }
 
-    /// Adds the diffuse part of `other`, whose texture has the texture coordinates `to_uv`.
+    /// Adds the diffuse part of `other`, whose texture is looked up at `to_uv`.
     fn add_diffuse(
         &mut self,
         other: Material,
@@ -94,9 +94,7 @@ impl Reflectance {
                 (texture, plain[0])
             }
             (Some(own), Some(_)) => {
-                self.doubt(
-                    "of its two blended parts the second one's texture was taken as its mean",
-                );
+                self.doubt("it blends two textures; the second was taken as its mean");
                 (own, plain[1])
             }
         };
@@ -125,7 +123,7 @@ pub(super) struct Reflectances {
 }
 
 impl Reflectances {
-    /// That of the BSDF `node`.
+    /// The reflectance of the BSDF `node`.
     pub(super) fn read(&mut self, context: &Context, node: Node) -> Result<Reflectance, String> {
         if let Some(known) = self.known.get(&node.index) {
             return Ok(known.clone());
@@ -220,7 +218,7 @@ impl Reflectances {
             if roughness(&blend.material) == roughness(&shine) && blend.is_ggx == is_ggx {
                 blend.material.rho_s += shine.rho_s;
             } else {
-                blend.doubt("of its two blended parts the second one's shine was left out");
+                blend.doubt("it blends two lobes; the second was left out");
             }
         }
         Ok(blend)
@@ -241,7 +239,7 @@ fn conductor(context: &Context, node: Node) -> Result<Reflectance, String> {
     let scale = color(context, node, "specular_reflectance", Use::Index, 1.0)?;
     let mut read = Reflectance::of(Material::mirror(scale * metal));
     if metal != Rgb::ONE {
-        read.doubt("its metal was taken to reflect at all angles what it does at normal incidence");
+        read.doubt("its metal was taken to reflect at all angles as at normal incidence");
     }
     if node.kind() == "roughconductor" {
         let alpha = share(context, node, "alpha", 0.1)?;
@@ -260,8 +258,8 @@ fn plastic(context: &Context, node: Node) -> Result<Reflectance, String> {
     let index = metals::relative_index(node, 1.49)?;
     let f0 = metals::dielectric(index);
     let inside = metals::diffuse_inside(index);
-    // What enters is reflected to and fro below the surface; if the plastic is not `nonlinear`, as if
-    // it was white there.
+    // Light that enters is reflected to and fro below the surface; if the plastic is not `nonlinear`,
+    // as if it were white there.
     let below = if node.flag("nonlinear", false)? { diffuse.mean } else { Rgb::ONE };
     let through = (1.0 - f0) * (1.0 - inside) / (Rgb::ONE - inside * below);
     let diffuse = diffuse.scaled(through, context.scope).map_err(|problem| node.fail(problem))?;

@@ -130,8 +130,8 @@ fn row(wavelength_nm: f64) -> [f64; 4] {
     std::array::from_fn(|i| TABLE[index][i] * (1.0 - share) + TABLE[index + 1][i] * share)
 }
 
-/// Linear sRGB of the spectrum `of`, per nm; seen under D65 if `under_daylight`. It may be outside of the
-/// gamut, below zero.
+/// Linear sRGB of the spectrum `of`, per nm; seen under D65 if `under_daylight`. Outside of the gamut it
+/// is below zero.
 pub(super) fn srgb(of: impl Fn(f64) -> f64, under_daylight: bool) -> DVec3 {
     let mut xyz = DVec3::ZERO;
     for i in 0..SAMPLES {

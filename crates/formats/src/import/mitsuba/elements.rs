@@ -38,11 +38,11 @@ pub(super) const PROPERTIES: [Entry; 8] = [
 
 /// Elements that put the scene together.
 const WHOLE: [Entry; 6] = [
-    read("include", "the file in its place; up to 15 in one another"),
+    read("include", "the file in its place; nested up to 15 deep"),
     read("default", "a parameter $name; the first one of a name counts"),
-    read("path", "a folder more in which files are looked for"),
+    read("path", "one more folder in which files are looked for"),
     read("alias", "another id"),
-    read("ref", "what has the id, before it or behind it"),
+    read("ref", "the element with this id, before it or after it"),
     read("transform", "the steps in it, one after the other"),
 ];
 

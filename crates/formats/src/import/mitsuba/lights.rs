@@ -1,4 +1,4 @@
-//! Emitters without a surface: points, spots, directions, and what shines from everywhere.
+//! Emitters without a surface: points, spots, directions, and environments.
 
 use super::paint::{Context, color};
 use super::spectrum::Use;
@@ -55,7 +55,7 @@ pub(super) fn read(context: &Context, node: Node) -> Result<Emitter, String> {
         "area" => return Err(node.fail("an emitter of type \"area\" stands outside of a shape")),
         _ => {
             return Err(
-                node.refused("read are area, point, spot, directional, constant and envmap")
+                node.refused("supported are area, point, spot, directional, constant and envmap")
             );
         }
     };
@@ -79,9 +79,9 @@ fn spot_light(
     let cone = spot::nearest(beam, cutoff);
     if cone.off > 0.0 {
         context.warn(format!(
-            "{name}: Mitsuba's spots fade straight with the angle between beam_width and cutoff_angle; the nearest \
-             cone was taken, which fades from {:.1} to {:.1} degrees: it sends the same light in all, and at some \
-             angles up to {:.0} % of the intensity more or less",
+            "{name}: Mitsuba's spots fade linearly in the angle from beam_width to cutoff_angle; \
+             the nearest cone was taken, which fades from {:.1} to {:.1} degrees: it sends the \
+             same light in all, and differs at some angles by up to {:.0} % of the intensity",
             cone.inner_rad.to_degrees(),
             cone.outer_rad.to_degrees(),
             (100.0 * cone.off).ceil()
@@ -98,8 +98,8 @@ fn spot_light(
     })
 }
 
-/// A panorama of which the first and the last row lie at the poles, as Mitsuba has it, with ours, which lie half a row
-/// off them. Of 16 rows a sun halfway up is 3 degrees off without it, and a floor 3 % too dark.
+/// Resamples a panorama whose first and last row lie at the poles, as Mitsuba's, to one whose rows lie half a row off
+/// them, as ours. Without it, with 16 rows, a sun halfway up is 3 degrees off, and a floor 3 % too dark.
 fn between_poles(theirs: &RgbImage) -> RgbImage {
     let (width, height) = (theirs.width(), theirs.height());
     RgbImage::from_fn(width, height, |column, row| {
@@ -117,7 +117,7 @@ fn panorama(context: &Context, node: Node) -> Result<Environment, String> {
         picture::read_in(context.scope, &path).map_err(|error| node.fail(error.to_string()))?;
     context.warnings.borrow_mut().extend(told);
     if read.depth != Depth::Float {
-        let what = "an envmap that is an sRGB picture lacks whatever was brighter than its white";
+        let what = "an envmap that is an sRGB picture lacks what was brighter than its white";
         context.warn(node.fail(what));
     }
     let scale = node.number("scale", 1.0)?;

@@ -1,4 +1,5 @@
-//! Meshes from files as Mitsuba takes them: smooth where they have no normals, unless it is told otherwise.
+//! Meshes from files as Mitsuba takes them: smooth where they have no normals, unless `face_normals` is
+//! set.
 
 use super::paint::Context;
 use super::tree::Node;
@@ -8,18 +9,18 @@ use crate::numbers::coarse_step;
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 use unrender_scene::Mesh;
 
-/// What a corner of a triangle takes that it does not share, bytes.
+/// Memory of a corner of a triangle that is not shared, bytes.
 const CORNER_BYTES: u64 = 36;
 
-/// What is lost of a mesh that its file has in single precision, if it lies far from the file's zero and the scene
-/// has it nearer to its own; `mesh` counts from `zero` still.
+/// The precision lost in a mesh that its file has in single precision, if it lies far from the file's zero and
+/// nearer to the scene's; `mesh` still counts from `zero`.
 fn coarse(mesh: &Mesh, (here_from_mesh, zero): (&DAffine3, DVec3)) -> Option<String> {
     let positions = || mesh.positions.iter().copied();
     let [low, high] = [positions().reduce(Vec3::min)?, positions().reduce(Vec3::max)?];
     let in_file = |corner: Vec3| (corner.as_dvec3() + zero).as_vec3();
     let step = coarse_step(in_file(low), in_file(high))?;
     let scale = here_from_mesh.matrix3.determinant().abs().cbrt();
-    // A small thing in a room is as far from zero in its file as in the room, where nobody sees the steps.
+    // A small thing may be as far from zero in its file as in the room, where the steps are not visible.
     let middle = 0.5 * (low + high);
     let is_nearer = 2.0 * here_from_mesh.transform_point3(middle.as_dvec3()).length()
         < scale * in_file(middle).as_dvec3().length();
@@ -33,8 +34,9 @@ fn coarse(mesh: &Mesh, (here_from_mesh, zero): (&DAffine3, DVec3)) -> Option<Str
     })
 }
 
-/// The mesh that the shape `node` of the kind `ply`, `obj` or `serialized` names, taken to where the scene counts
-/// from, by what moves it there when it counts from `zero`; with texture coordinates in any case, if it `wants_uvs`.
+/// The mesh that the shape `node` of the kind `ply`, `obj` or `serialized` names, in the scene's coordinates:
+/// `here_from_mesh` moves it there when it counts from `zero`. It has texture coordinates in any case, if it
+/// `wants_uvs`.
 pub(super) fn read(
     context: &Context,
     node: Node,
@@ -50,7 +52,7 @@ pub(super) fn read(
     // Mitsuba counts v from the top of a picture, as we do; OBJ counts from the bottom.
     let flips = node.flag("flip_tex_coords", node.kind() == "obj")?;
     let (mut mesh, is_single) = match node.kind() {
-        // Text has as many digits as were written.
+        // Text may have more digits.
         "obj" => wavefront::mesh(context, &bytes, (file, zero), flips).map(|mesh| (mesh, false)),
         "serialized" => {
             let read = serialized::mesh(scope, &bytes, node.number("shape_index", 0.0)?, zero);

@@ -118,7 +118,7 @@ pub(super) fn dielectric(index: f32) -> f32 {
     ((index - 1.0) / (index + 1.0)).powi(2)
 }
 
-/// What of diffuse light a dielectric of this relative index reflects back into itself.
+/// The share of diffuse light that a dielectric of this relative index reflects back into itself.
 pub(super) fn diffuse_inside(index: f32) -> f32 {
     const STEPS: u32 = 1000;
     // The mean with the weight of the cosine is that over equal steps of its square.
@@ -131,7 +131,8 @@ pub(super) fn diffuse_inside(index: f32) -> f32 {
     (mean / f64::from(STEPS)) as f32
 }
 
-/// What unpolarised light is reflected at the cosine `cos` by a dielectric of the relative index `index`.
+/// The share of unpolarised light that a dielectric of the relative index `index` reflects at the cosine
+/// `cos`.
 fn fresnel(index: f64, cos: f64) -> f64 {
     let sin2_within = (1.0 - cos * cos) / (index * index);
     if sin2_within >= 1.0 {

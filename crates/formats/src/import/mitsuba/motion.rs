@@ -82,7 +82,7 @@ pub(super) fn step(tag: &str, attributes: &Attributes) -> Result<DAffine3, Strin
     if motion.is_finite() { Ok(motion) } else { Err(format!("<{tag}> is no transform")) }
 }
 
-/// Rodrigues' formula with the axis as it is: where it is no unit vector, Mitsuba shears and scales what it turns.
+/// Rodrigues' formula with the axis as it is: with one that is no unit vector, Mitsuba shears and scales as well.
 fn turned_about(axis: DVec3, angle: f64) -> DMat3 {
     let (sin, cos) = angle.sin_cos();
     let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|unit| axis.cross(unit));
@@ -103,7 +103,8 @@ fn look_at(attributes: &Attributes) -> Result<DAffine3, String> {
     let ahead = (target - origin).try_normalize().ok_or("lookat looks at its own origin")?;
     let up = point("up")?.filter(|up| *up != DVec3::ZERO);
     let up = up.unwrap_or_else(|| ahead.any_orthonormal_vector());
-    let left = up.cross(ahead).try_normalize().ok_or("lookat has its up along its view")?;
+    let left =
+        up.cross(ahead).try_normalize().ok_or("lookat has its up along its direction of view")?;
     let axes = DMat3::from_cols(left, ahead.cross(left), ahead);
     Ok(DAffine3::from_mat3_translation(axes, origin))
 }
@@ -117,7 +118,7 @@ fn matrix(text: &str) -> Result<DAffine3, String> {
         other => return Err(format!("a matrix has 16 numbers or 9, not {other}")),
     };
     if size == 4 && numbers[12..] != [0.0, 0.0, 0.0, 1.0] {
-        return Err("a matrix has a last row that is not 0 0 0 1: it is no affine motion".into());
+        return Err("a matrix has a last row that is not 0 0 0 1: it is not affine".into());
     }
     let at = |row: usize, column: usize| numbers[size * row + column];
     let column = |j: usize| DVec3::new(at(0, j), at(1, j), at(2, j));

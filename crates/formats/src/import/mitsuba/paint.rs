@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use unrender_scene::{Image, Rgb, Texture, Warnings, Wrap};
 
-/// What bounds the reading, what is told, and the textures that were read.
+/// The limits of reading, the warnings, and the textures that were read.
 pub(super) struct Context<'a> {
     pub(super) scope: &'a Scope,
     pub(super) warnings: RefCell<Warnings>,
@@ -85,7 +85,7 @@ pub(super) fn paint(
         Some(_) => return Err(node.wrong(name, "a colour or a texture")),
     };
     if color.min_element() < 0.0 || !color.is_finite() {
-        return Err(node.wrong(name, "a colour: it is below zero or beyond all bounds"));
+        return Err(node.wrong(name, "a colour: it is below zero or not finite"));
     }
     if usage == Use::Reflectance && color.max_element() > 1.0 {
         return Err(node.wrong(name, "a reflectance: it is above one"));
@@ -93,7 +93,7 @@ pub(super) fn paint(
     Ok(Paint::plain(color))
 }
 
-/// The property `name` as one colour; a picture is its mean, which is told.
+/// The property `name` as one colour: the mean of a picture, with a warning.
 pub(super) fn color(
     context: &Context,
     node: Node,
@@ -166,7 +166,7 @@ fn plugin(context: &Context, node: Node, usage: Use) -> Result<Paint, String> {
     }
 }
 
-/// The wavelengths from which to which a spectrum goes.
+/// The first and the last wavelength of a spectrum.
 fn range(node: Node) -> Result<[f64; 2], String> {
     let ends = [("wavelength_min", "lambda_min", 360.0), ("wavelength_max", "lambda_max", 830.0)];
     let end = |(name, old, default)| {
@@ -175,7 +175,8 @@ fn range(node: Node) -> Result<[f64; 2], String> {
     Ok([end(ends[0])?, end(ends[1])?])
 }
 
-/// The plugins `regular` and `irregular`; the outer error has its place, the inner one has none.
+/// The plugins `regular` and `irregular`; the outer error states its place in the file, the inner
+/// one does not.
 fn tabulated(node: Node) -> Result<Result<Spectrum, String>, String> {
     if let Some(Value::Spectrum(spectrum)) = node.value("value") {
         return Ok(Ok(spectrum.clone()));
@@ -229,7 +230,7 @@ fn bitmap(context: &Context, node: Node) -> Result<Paint, String> {
     Ok(Paint { mean, picture: Some(Picture { texture, to_uv: to_uv(node)? }) })
 }
 
-/// Small pictures enlarged, so that hardly anything of them is interpolated.
+/// Enlarges small pictures, so that hardly anything is interpolated.
 fn sharp(scope: &Scope, image: Image<Rgb>) -> Result<Image<Rgb>, String> {
     /// Texels of an enlarged picture along its longer side.
     const SIDE: usize = 1024;

@@ -14,26 +14,27 @@ use std::cell::Cell;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// The tree of an XML text takes at most so many times its memory: `<a/>` becomes a node of 80 bytes,
-/// and `<rgb>` a property.
+/// The tree takes at most this many times the memory of its XML text: `<a/>` becomes a node of 80
+/// bytes, and `<rgb>` a property.
 const TEXT_TO_TREE: u64 = 64;
 
-/// Files may include files so deep, as in Mitsuba.
+/// The greatest depth of included files, as in Mitsuba.
 const INCLUDES: usize = 15;
 
-/// A scene is of at most so many files. The largest that are published have a few hundred.
+/// The most files of a scene. The largest published scenes have a few hundred.
 const FILES: usize = 1000;
 
-/// What parameters make is at most so long. Spectra have a few kilobytes.
+/// The longest text after parameters are replaced. Spectra have a few kilobytes.
 const LONGEST: usize = 1 << 20;
 
-/// What parameters make is copied a few times; this much of it is counted as memory, so that it ends soon.
+/// Memory charged per byte of a replaced parameter: it is copied a few times, and endless growth ends
+/// soon.
 const PARAMETER_COST: u64 = 16;
 
 /// The tree of the scene at `path`, references followed.
 ///
 /// # Errors
-/// With the line, if it is no scene of Mitsuba's, or if something refers to what is not there.
+/// With the line, if it is not a scene of Mitsuba's, or if a reference has no target.
 pub(super) fn read(scope: &Scope, path: &Path) -> Result<Tree, String> {
     let mut parser = Parser {
         scope,
@@ -97,7 +98,9 @@ impl Parser<'_> {
             return Err(within("includes itself".into()));
         }
         if self.open.len() > INCLUDES || self.tree.files.len() >= FILES {
-            let bounds = format!("more than {FILES} files, or more than {INCLUDES} in one another");
+            let bounds = format!(
+                "more than {FILES} files, or files more than {INCLUDES} deep in one another"
+            );
             return Err(within(format!("is one too many: a scene has {bounds}")));
         }
         let text = self.scope.text(path).map_err(within)?;
@@ -352,7 +355,7 @@ impl Parser<'_> {
                 self.scope.charge(TEXT_TO_TREE * text.len() as u64).map_err(within)?;
                 Spectrum::of_file(&text).map_err(within)
             }
-            _ => Err("a spectrum has a value or a filename, one of both".into()),
+            _ => Err("a spectrum has either a value or a filename".into()),
         }
     }
 
@@ -390,7 +393,7 @@ impl Parser<'_> {
         })?;
         let before = self.tree.files.len();
         let read = self.file(&path, name, &folders, Some(parent), depth);
-        // What is wrong within the file has its place already; what is wrong with it has not.
+        // An error within the file states its place already; an error about the file does not.
         let is_placed = self.tree.files.len() > before;
         read.map_err(|problem| if is_placed { problem } else { self.fail(place, problem) })
     }
@@ -402,7 +405,7 @@ impl Parser<'_> {
             return Err(self.fail(place, "a <default> has an empty name"));
         }
         let key = format!("${}", get("name"));
-        // The first one holds, so that a scene can set what a file that it includes leaves open.
+        // The first one counts, so that a scene can set parameters of a file that it includes.
         if !self.parameters.iter().any(|(known, _)| *known == key) {
             let at = self.parameters.partition_point(|(known, _)| known.len() >= key.len());
             self.parameters.insert(at, (key, get("value")));

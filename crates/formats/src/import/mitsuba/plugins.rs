@@ -1,7 +1,7 @@
 //! The plugins of Mitsuba that are known, each with its properties, and how they are taken.
 //!
-//! A property without a row here cannot be asked for ([`Node`](super::tree::Node) looks it up), and so is told as not
-//! read; one that is passed over here is not told.
+//! A property without a row here cannot be asked for ([`Node`](super::tree::Node) looks it up), so a warning says
+//! that it is not read; for one that is passed over here there is no warning.
 
 use crate::entry::{Entry, Table, Taken, near, passed, read, refused, told};
 
@@ -42,7 +42,7 @@ impl Plugin {
         self.rows().find(|row| row.name == name)
     }
 
-    /// The row of what stands in it of the element `tag`.
+    /// The row of the elements `tag` in it.
     pub(super) fn inner(&self, tag: &str) -> Option<&'static Entry> {
         let within = |row: &&Entry| {
             row.name.strip_prefix('<').and_then(|name| name.strip_suffix('>')) == Some(tag)
@@ -50,7 +50,7 @@ impl Plugin {
         self.rows().find(within)
     }
 
-    /// Whether a property of this name, of the element `tag` if it is a plugin, changes nothing.
+    /// Whether a property of this name (or of the element `tag`, if it is a plugin) is passed over.
     pub(super) fn passes(&self, name: &str, tag: Option<&str>) -> bool {
         let rows = [self.property(name), tag.and_then(|tag| self.inner(tag))];
         rows.into_iter().flatten().any(|row| row.taken == Taken::PassedOver)
@@ -123,8 +123,8 @@ const fn sensor(entry: Entry, properties: &'static [Entry]) -> Plugin {
 const SHAPES: &Shared = &Shared {
     of: "shapes",
     properties: &[
-        read("to_world", "where it is; a motion that mirrors keeps the front where Mitsuba has it"),
-        read("<bsdf>", "what it is made of; without one grey, and black if it is a lamp"),
+        read("to_world", "where it is; if it mirrors, the front is where Mitsuba has it"),
+        read("<bsdf>", "what it is made of; grey without one, and black if it is a lamp"),
         read("<emitter>", "of the type area: it is a lamp"),
         read("flip_normals", "its front is where its back was"),
         passed("silhouette_sampling_weight", "how it is sampled"),
@@ -148,8 +148,8 @@ const SENSORS: &Shared = &Shared {
         read("principal_point_offset_y", "how far the axis is off the middle"),
         read("<film>", "the sides of the picture"),
         passed("<sampler>", "how pixels are sampled"),
-        passed("near_clip", "what is nearer is seen"),
-        passed("far_clip", "what is further away is seen"),
+        passed("near_clip", "nearer surfaces are seen, too"),
+        passed("far_clip", "surfaces further away are seen, too"),
         passed("focus_distance", "all is sharp"),
         passed("shutter_open", "nothing moves"),
         passed("shutter_close", "nothing moves"),
@@ -158,12 +158,12 @@ const SENSORS: &Shared = &Shared {
 
 const TRANSPARENT: &str = "it lets light through; leave its shapes out, or make them opaque";
 const LEFT_OUT: &str = "it is left out";
-const AT_NORMAL: &str = "taken to reflect at all angles what it does at normal incidence";
-const ROUGHNESS: &str = "a number, or the mean of a texture, which is told";
+const AT_NORMAL: &str = "reflects at all angles as at normal incidence";
+const ROUGHNESS: &str = "a number, or the mean of a texture, with a warning";
 
 const DISTRIBUTION: Entry = read(
     "distribution",
-    "ggx; beckmann, the default, is taken as Ward's of the same roughness, which is told of metals",
+    "ggx; beckmann, the default, is taken as Ward's of the same roughness, with a warning for metals",
 );
 const ALPHA: Entry = read("alpha", ROUGHNESS);
 const ALPHA_U: Entry = read("alpha_u", ROUGHNESS);
@@ -171,7 +171,7 @@ const ALPHA_V: Entry = read("alpha_v", ROUGHNESS);
 const VISIBLE: Entry = passed("sample_visible", "how it is sampled");
 const DIFFUSE: Entry = read("diffuse_reflectance", "a colour, a spectrum or a texture");
 const SPECULAR: Entry =
-    read("specular_reflectance", "a colour; the mean of a texture, which is told");
+    read("specular_reflectance", "a colour; the mean of a texture, with a warning");
 const MATERIAL: Entry = told("material", AT_NORMAL);
 const ETA: Entry = told("eta", AT_NORMAL);
 const K: Entry = told("k", AT_NORMAL);
@@ -187,9 +187,9 @@ const TO: Entry = read("wavelength_max", "in nm; 830 by default");
 const OLD_FROM: Entry = read("lambda_min", "as wavelength_min");
 const OLD_TO: Entry = read("lambda_max", "as wavelength_max");
 const WHOLE: Entry = read("value", "wavelengths and values in one");
-const FLAT: Entry = read("face_normals", "no smooth normals");
+const FLAT: Entry = read("face_normals", "its triangles are flat");
 const FLIPPED: Entry =
-    read("flip_tex_coords", "v counts from the other end; true by default for obj alone");
+    read("flip_tex_coords", "v counts from the other end; true by default for obj only");
 
 const PLASTIC: &str = "a diffuse part and a lobe, taken as it reflects at normal incidence";
 const PLASTICS: &[Entry] = &[
@@ -211,7 +211,7 @@ const PLUGINS: &[Plugin] = &[
         read("scene", "of version 0.5 and later; old names are upgraded as Mitsuba does"),
         &[
             read("<shape>", "see shapes"),
-            read("<bsdf>", "see BSDFs; one that is not read and that no shape has is told"),
+            read("<bsdf>", "see BSDFs; a warning for one that is not read and that no shape has"),
             read("<emitter>", "see emitters; two environments are refused"),
             read("<sensor>", "each is a camera"),
             passed("<integrator>", "how to render"),
@@ -219,9 +219,9 @@ const PLUGINS: &[Plugin] = &[
             passed("<film>", "read where something refers to it"),
             passed("<rfilter>", "read where something refers to it"),
             passed("<texture>", "read where something refers to it"),
-            passed("<medium>", "told where a shape has it"),
-            passed("<phase>", "told where a shape has it"),
-            passed("<volume>", "told where a shape has it"),
+            passed("<medium>", "a warning where a shape has it"),
+            passed("<phase>", "a warning where a shape has it"),
+            passed("<volume>", "a warning where a shape has it"),
         ],
     ),
     shape(read("ply", "see PLY; smooth where it has no normals"), &[FILE, FLAT, FLIPPED]),
@@ -240,7 +240,7 @@ const PLUGINS: &[Plugin] = &[
         &[read("center", "where it is"), read("radius", "1 by default")],
     ),
     shape(
-        near("cylinder", "64 strips around it, without its ends; one that is stretched is told"),
+        near("cylinder", "64 strips around it, without its ends; a warning if it is stretched"),
         &[
             read("p0", "the middle of one end"),
             read("p1", "the middle of the other end"),
@@ -264,8 +264,8 @@ const PLUGINS: &[Plugin] = &[
     bsdf(
         read(
             "twosided",
-            "its front; a back of its own is left out, which is told. Without it surfaces reflect on both sides, too, \
-             which is told if a camera sees the back",
+            "its front; a back of its own is left out, with a warning. Without it surfaces reflect \
+             on both sides, too, with a warning if a camera sees the back",
         ),
         &[INNER],
     ),
@@ -274,7 +274,7 @@ const PLUGINS: &[Plugin] = &[
         &[SPECULAR, MATERIAL, ETA, K],
     ),
     bsdf(
-        read("roughconductor", "GGX, if all that is rough has it; else Ward's"),
+        read("roughconductor", "GGX, if all rough BSDFs have it; else Ward's"),
         &[DISTRIBUTION, ALPHA, ALPHA_U, ALPHA_V, SPECULAR, MATERIAL, ETA, K, VISIBLE],
     ),
     bsdf(told("plastic", PLASTIC), &[DIFFUSE, SPECULAR, INT_IOR, EXT_IOR, NONLINEAR]),
@@ -293,8 +293,8 @@ const PLUGINS: &[Plugin] = &[
             told("clearcoat", LEFT_OUT),
             told("flatness", LEFT_OUT),
             told("spec_tint", LEFT_OUT),
-            passed("sheen_tint", "the sheen is told"),
-            passed("clearcoat_gloss", "the coat is told"),
+            passed("sheen_tint", "the warning of sheen covers it"),
+            passed("clearcoat_gloss", "the warning of clearcoat covers it"),
             refused("spec_trans", "above zero it lets light through; make it opaque"),
         ],
     ),
@@ -310,9 +310,12 @@ const PLUGINS: &[Plugin] = &[
         ],
     ),
     bsdf(
-        read("blendbsdf", "exact where at most one of the two shines or both are equally rough"),
+        read(
+            "blendbsdf",
+            "exact where at most one of the two has a lobe or both are equally rough",
+        ),
         &[
-            read("weight", "a number, or the mean of a texture, which is told"),
+            read("weight", "a number, or the mean of a texture, with a warning"),
             read("<bsdf>", "the two"),
         ],
     ),
@@ -324,16 +327,16 @@ const PLUGINS: &[Plugin] = &[
         told("bumpmap", "the surface is taken as it is"),
         &[
             INNER,
-            passed("<texture>", "that there is one is told"),
-            passed("scale", "of what is left out"),
+            passed("<texture>", "the warning of its plugin covers it"),
+            passed("scale", "belongs to what is left out"),
         ],
     ),
     bsdf(
         told("normalmap", "the surface is taken as it is"),
         &[
             INNER,
-            passed("<texture>", "that there is one is told"),
-            passed("normalmap", "that there is one is told"),
+            passed("<texture>", "the warning of its plugin covers it"),
+            passed("normalmap", "the warning of its plugin covers it"),
         ],
     ),
     bsdf(read("null", "the surface is not there; as a lamp it is black"), &[]),
@@ -357,8 +360,8 @@ const PLUGINS: &[Plugin] = &[
     texture(
         near("checkerboard", "a picture of 512 x 512"),
         &[
-            read("color0", "a colour; the mean of a texture, which is told"),
-            read("color1", "a colour; the mean of a texture, which is told"),
+            read("color0", "a colour; the mean of a texture, with a warning"),
+            read("color1", "a colour; the mean of a texture, with a warning"),
             TO_UV,
         ],
     ),
@@ -398,7 +401,7 @@ const PLUGINS: &[Plugin] = &[
     texture(refused("others", "put a colour or a bitmap in their place"), &[]),
     emitter(
         read("area", "the shape that it stands in shines"),
-        &[read("radiance", "a colour or a spectrum; the mean of a texture, which is told")],
+        &[read("radiance", "a colour or a spectrum; the mean of a texture, with a warning")],
     ),
     emitter(
         read("point", "a point light"),
@@ -415,20 +418,20 @@ const PLUGINS: &[Plugin] = &[
              cutoff_angle",
         ),
         &[
-            read("to_world", "where it is and where to it shines"),
+            read("to_world", "where it is and where it points"),
             read("intensity", "a colour or a spectrum"),
             read("cutoff_angle", "where its light ends; 20 degrees by default"),
             read(
                 "beam_width",
                 "where it begins to fade; three quarters of cutoff_angle by default",
             ),
-            read("texture", "a colour; the mean of a picture, which is told"),
+            read("texture", "a colour; the mean of a picture, with a warning"),
         ],
     ),
     emitter(
         read("directional", "light from far away"),
         &[
-            read("direction", "where to it shines"),
+            read("direction", "where it points"),
             read("to_world", "along its z, if there is no direction"),
             read("irradiance", "a colour or a spectrum"),
         ],
@@ -438,7 +441,10 @@ const PLUGINS: &[Plugin] = &[
         &[read("radiance", "a colour or a spectrum")],
     ),
     emitter(
-        read("envmap", "the environment; that a picture of 8 bits lacks what is bright is told"),
+        read(
+            "envmap",
+            "the environment; a warning for pictures of 8 or 16 bits, which lack bright light",
+        ),
         &[
             FILE,
             read("scale", "a factor"),
@@ -455,10 +461,10 @@ const PLUGINS: &[Plugin] = &[
     ),
     sensor(read("perspective", "a camera"), &[]),
     sensor(
-        read("thinlens", "a camera with which all is sharp"),
-        &[told("aperture_radius", "above zero it is left out: all is sharp")],
+        read("thinlens", "a camera without depth of field"),
+        &[told("aperture_radius", "above zero it is left out: everything is sharp")],
     ),
-    plugin(("sensor", "others"), told("others", "they are no pinholes and are left out"), &[]),
+    plugin(("sensor", "others"), told("others", "they are not pinholes and are left out"), &[]),
     plugin(
         ("film", "*"),
         read("film", "of all types"),

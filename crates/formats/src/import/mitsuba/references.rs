@@ -1,8 +1,8 @@
-//! References of a tree: followed once all of it is read, so that what they name may stand anywhere.
+//! References of a tree: followed once all of it is read, so that their targets may stand anywhere.
 
 use super::tree::{DEPTH, Tree, Value};
 
-/// Replaces references by what they refer to; there may be no circles, and no long chains.
+/// Replaces references by their targets; circles and long chains are refused.
 pub(super) fn resolve(tree: &mut Tree) -> Result<(), String> {
     let mut found = Vec::new();
     for (index, plugin) in tree.plugins.iter().enumerate() {
@@ -24,7 +24,7 @@ pub(super) fn resolve(tree: &mut Tree) -> Result<(), String> {
 
 /// Refuses circles of references, and chains that are too long for recursion.
 fn check_depth(tree: &Tree) -> Result<(), String> {
-    /// How deep what is in a plugin goes.
+    /// The depth of the tree in a plugin.
     #[derive(Clone, Copy)]
     enum Depth {
         Unknown,
@@ -57,7 +57,7 @@ fn check_depth(tree: &Tree) -> Result<(), String> {
                 });
                 let depth = deepest.max().unwrap_or(0);
                 if depth > DEPTH {
-                    return Err(node.fail(format!("has references of references, {DEPTH} deep")));
+                    return Err(node.fail(format!("has a chain of references {DEPTH} deep")));
                 }
                 depths[index] = Depth::Known(depth);
             }

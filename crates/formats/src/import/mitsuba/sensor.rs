@@ -33,18 +33,20 @@ impl Film {
     }
 }
 
-/// The camera `node`; none if it is of a kind that is no pinhole.
+/// The camera `node`; none if it is not a pinhole.
 pub(super) fn read(context: &Context, node: Node) -> Result<Option<Camera>, String> {
     match node.kind() {
         "perspective" => {}
         "thinlens" => {
             if node.number("aperture_radius", 0.0)? > 0.0 {
-                context.warn(node.fail("the aperture of a thinlens was left out: all is sharp"));
+                context.warn(
+                    node.fail("the aperture of a thinlens was left out: everything is sharp"),
+                );
             }
         }
         kind => {
             context.warn(node.fail(format!(
-                "a sensor of type \"{kind}\" was left out; read are perspective and thinlens"
+                "a sensor of type \"{kind}\" was left out; supported are perspective and thinlens"
             )));
             return Ok(None);
         }

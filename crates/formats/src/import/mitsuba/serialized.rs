@@ -14,9 +14,9 @@ const HAS_UVS: u32 = 0x0002;
 const HAS_COLORS: u32 = 0x0008;
 const IS_FLAT: u32 = 0x0010;
 const IS_DOUBLE: u32 = 0x2000;
-/// zlib makes at most so many bytes of one.
+/// zlib expands one byte to at most this many.
 const MAX_UNPACKING: u64 = 1032;
-/// The name of a mesh has at most so many bytes.
+/// The longest name of a mesh, bytes.
 const MAX_NAME: u64 = 4096;
 
 /// A mesh, and how the file states it.
@@ -93,7 +93,7 @@ fn read(
             "announces {vertices} vertices and {faces} faces, which it cannot hold"
         ));
     }
-    // The numbers as they are read, and as the mesh has them.
+    // The numbers as they are read, and as the mesh stores them.
     scope.charge(needed.saturating_mul(3))?;
     let positions = places(&mut stream, vertices, size == 8, zero)?;
     let mut list = |width: u64| numbers(&mut stream, vertices * width, size == 8);

@@ -10,7 +10,7 @@ use unrender_scene::Mesh;
 
 /// Triangles around the axis of a round shape.
 const AROUND: u32 = 64;
-/// Rings of triangles on a disk: what v is within a triangle is off by 1/512 of the circle at most.
+/// Rings of triangles on a disk: v within a triangle is off by at most 1/512 of the circle.
 const RINGS: u32 = 8;
 
 /// The square from -1 to 1 in x and y, its front towards +z.
@@ -105,15 +105,16 @@ pub(super) fn moved(mesh: Mesh, world: &DAffine3) -> Mesh {
     facing_outwards(placed(mesh, world))
 }
 
-/// `mesh` taken into the world with its normals, the order of the corners as it was: a motion that mirrors turns
-/// over what has no normals.
+/// `mesh` taken into the world with its normals, the order of the corners unchanged: a motion that mirrors turns
+/// over meshes without normals.
 pub(super) fn placed(mut mesh: Mesh, world: &DAffine3) -> Mesh {
     if *world == DAffine3::IDENTITY {
         return mesh;
     }
     let axes = world.matrix3;
     let [x, y, z] = [axes.x_axis, axes.y_axis, axes.z_axis];
-    // The inverse, transposed, times the determinant: there is one even if all becomes flat.
+    // The transposed inverse times the determinant: it exists even if the motion makes the mesh
+    // flat.
     let sign = if axes.determinant() < 0.0 { -1.0 } else { 1.0 };
     let of_normals = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign;
     for position in &mut mesh.positions {
@@ -125,7 +126,7 @@ pub(super) fn placed(mut mesh: Mesh, world: &DAffine3) -> Mesh {
     mesh
 }
 
-/// `mesh` with the corners of each triangle in the order that its normals ask for.
+/// `mesh` with the corners of each triangle in the order that fits its normals.
 pub(super) fn facing_outwards(mut mesh: Mesh) -> Mesh {
     for triangle in &mut mesh.triangles {
         let [a, b, c] = triangle.map(|i| mesh.positions[i as usize]);
@@ -144,7 +145,7 @@ pub(super) fn sphere(world: &DAffine3) -> Mesh {
     if world.matrix3.determinant() < 0.0 { turned_over(mesh) } else { mesh }
 }
 
-/// `mesh` with the texture coordinates that Mitsuba has where there are none: (0, 0), (1, 0) and (0, 1) at the
+/// `mesh` with the texture coordinates that Mitsuba gives meshes without any: (0, 0), (1, 0) and (0, 1) at the
 /// corners of each triangle, in the order of the file.
 pub(super) fn with_own_uvs(mesh: &Mesh) -> Mesh {
     let mut all = Mesh::default();
@@ -158,7 +159,7 @@ pub(super) fn with_own_uvs(mesh: &Mesh) -> Mesh {
     all
 }
 
-/// Whether `world` scales `axes` differently, which round shapes of Mitsuba's cannot have.
+/// Whether `world` scales `axes` differently, which Mitsuba does not do with round shapes.
 pub(super) fn stretches(world: &DAffine3, axes: [DVec3; 2]) -> bool {
     let [a, b] = axes.map(|axis| (world.matrix3 * axis).length());
     (a - b).abs() > 1e-4 * a.max(b)

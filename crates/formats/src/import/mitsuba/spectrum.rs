@@ -1,14 +1,14 @@
 //! Spectra, and the linear sRGB that Mitsuba's rgb modes make of them.
 //!
-//! A reflectance is what it reflects of D65, so that a constant one is grey; an emission is what the eye
-//! sees of it, so that a constant one is slightly red.
+//! A reflectance is seen under D65, so that a constant one is grey; an emission is seen directly, so
+//! that a constant one is slightly red.
 
 use super::colorimetry::{srgb, srgb_of_xyz};
 use super::motion::{number, words};
 use glam::DVec3;
 use unrender_scene::Rgb;
 
-/// What a colour is of.
+/// What a colour describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Use {
     /// A share, 0 to 1.
@@ -132,7 +132,7 @@ mod tests {
         let ten = Spectrum::parse("1").unwrap();
         close(ten.rgb(Use::Emission), [1.2048, 0.9483, 0.9089]);
         close(ten.rgb(Use::Reflectance), [1.0; 3]);
-        // The same, written out.
+        // The same spectrum, sampled.
         let half = Spectrum::parse("360:0.5 830:0.5").unwrap();
         close(half.rgb(Use::Reflectance), [0.5; 3]);
         close(half.rgb(Use::Emission), [0.6024, 0.4742, 0.4544]);

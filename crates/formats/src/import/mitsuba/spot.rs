@@ -1,4 +1,4 @@
-//! The cone of a spot: Mitsuba's fades straight with the angle, ours by the square of a share of the cosine.
+//! The cone of a spot: Mitsuba's fades linearly in the angle, ours by the square of a line in the cosine.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -12,7 +12,7 @@ const WIDER: f64 = 0.5;
 /// Halvings of the interval in which an inner angle is sought.
 const HALVINGS: usize = 20;
 
-/// A cone, and how far it is from what is meant.
+/// A cone, and how far it is from Mitsuba's.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cone {
     pub(super) inner_rad: f32,
@@ -21,7 +21,8 @@ pub(super) struct Cone {
     pub(super) off: f64,
 }
 
-/// The cone of ours that is nearest to Mitsuba's of `beam` and `cutoff`, radians, and sends as much light in all.
+/// The cone of ours that is nearest to Mitsuba's of `beam` and `cutoff`, radians, and sends as much light in
+/// total.
 pub(super) fn nearest(beam: f64, cutoff: f64) -> Cone {
     let as_meant = Cone { inner_rad: beam as f32, outer_rad: cutoff as f32, off: 0.0 };
     if beam >= cutoff {

@@ -1,7 +1,7 @@
-//! A scene as a tree of plugins with their properties, which notes what is asked for.
+//! A scene as a tree of plugins with their properties, which records what the reader asks for.
 //!
-//! Whatever the reader does not ask of a plugin is told afterwards: see [`Tree::unread`]. It can ask only for what
-//! the table of [`plugins`] has.
+//! A warning names every property that it did not ask for: see [`Tree::unread`]. It can ask only for those in the
+//! table of [`plugins`].
 
 use super::motion::Point;
 use super::plugins;
@@ -13,8 +13,8 @@ use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Elements lie in one another, through includes and references too, at most so deep. Scenes have up
-/// to ten; each level takes a kilobyte or two of the stack, which has 2 MiB in threads.
+/// The greatest depth of nested elements, includes and references counted. Scenes have up to ten
+/// levels; each takes a kilobyte or two of the stack, which has 2 MiB in threads.
 pub(super) const DEPTH: usize = 100;
 
 /// Where something stands: a file of [`Tree::files`] and a line in it.
@@ -27,7 +27,7 @@ pub(super) struct Place {
 /// A file of the scene.
 #[derive(Debug)]
 pub(super) struct File {
-    /// As the file before it names it; empty for the one that the user names.
+    /// The name in the file that includes it; empty for the file that the user names.
     pub(super) name: String,
     /// The folders in which it looks for files, the first one first.
     pub(super) folders: Vec<PathBuf>,
@@ -66,11 +66,11 @@ pub(super) struct Plugin {
     /// Its row in the table of plugins, if it has one.
     pub(super) known: Option<&'static plugins::Plugin>,
     pub(super) id: String,
-    /// What a comment of ours in front of it says.
+    /// The contents of our comment in front of it.
     pub(super) note: Note,
     pub(super) place: Place,
     pub(super) properties: Vec<Property>,
-    /// Whether it was asked for anything.
+    /// Whether the reader asked it for anything.
     pub(super) seen: Cell<bool>,
 }
 
@@ -102,7 +102,7 @@ impl Tree {
         Node { tree: self, index }
     }
 
-    /// What was not asked of the plugins that were asked for something.
+    /// The properties that the reader did not ask for, of plugins that it asked for others.
     pub(super) fn unread(&self) -> Vec<String> {
         let mut told = Vec::new();
         for plugin in self.plugins.iter().filter(|plugin| plugin.seen.get()) {
@@ -166,7 +166,7 @@ impl<'t> Node<'t> {
         self.tree.placed(self.plugin().place, problem)
     }
 
-    /// That plugins of its type are not read, and `why`.
+    /// The error that plugins of its type are not read, and `why`.
     pub(super) fn refused(self, why: &str) -> String {
         self.fail(format!("{} is not read: {why}", of_type(self.tag(), self.kind())))
     }
@@ -184,17 +184,17 @@ impl<'t> Node<'t> {
         self.property(name).map(|property| &property.value)
     }
 
-    /// Whether there is a property called `name`; that alone does not ask for it.
+    /// Whether there is a property called `name`; this does not count as asking for it.
     pub(super) fn has(self, name: &str) -> bool {
         self.plugin().properties.iter().any(|p| p.name == name)
     }
 
-    /// Passes over all that it says of itself, as it is not there.
+    /// Marks all its properties as read, since it is left out.
     pub(super) fn pass_all(self) {
         self.plugin().properties.iter().for_each(|property| property.asked.set(true));
     }
 
-    /// That the property `name` is not what is wanted.
+    /// The error that the property `name` is not what is `wanted`.
     pub(super) fn wrong(self, name: &str, wanted: &str) -> String {
         let property = self.plugin().properties.iter().find(|p| p.name == name);
         let place = property.map_or(self.plugin().place, |property| property.place);
@@ -248,7 +248,7 @@ impl<'t> Node<'t> {
         }
     }
 
-    /// A transform; by default none.
+    /// A transform; the identity by default.
     pub(super) fn motion(self, name: &str) -> Result<DAffine3, String> {
         match self.value(name) {
             None => Ok(DAffine3::IDENTITY),
@@ -262,7 +262,7 @@ impl<'t> Node<'t> {
         Ok(self.motion(name)?.translation)
     }
 
-    /// The plugins in it that are of the element `tag`, whatever their names.
+    /// The plugins in it with the element `tag`, of any name.
     pub(super) fn children(self, tag: &str) -> Vec<Self> {
         self.plugin().seen.set(true);
         let mut found = Vec::new();
@@ -280,7 +280,7 @@ impl<'t> Node<'t> {
         found
     }
 
-    /// The only plugin in it of the element `tag`, if there is one.
+    /// The only plugin in it with the element `tag`, if there is one.
     pub(super) fn child(self, tag: &str) -> Result<Option<Self>, String> {
         match self.children(tag)[..] {
             [] => Ok(None),
@@ -306,7 +306,7 @@ impl<'t> Node<'t> {
     pub(super) fn file(self, scope: &Scope, name: &str) -> Result<PathBuf, String> {
         let file = self.text(name)?;
         let file = file.ok_or_else(|| self.fail(format!("this {} has no {name}", self.tag())))?;
-        // What the first file says of folders holds for all plugins, Mitsuba asks no others.
+        // The folders of the first file count for all plugins; Mitsuba searches no others.
         let places = [0, self.plugin().place.file].map(|index| &self.tree.files[index].folders);
         find(scope, places.into_iter().flatten(), file)
             .map_err(|problem| self.fail(format!("\"{file}\" {problem}")))

@@ -7,7 +7,7 @@ use std::cell::Cell;
 /// Whether a file of this version has the old names.
 ///
 /// # Errors
-/// If it is no version.
+/// If it is not a version.
 pub(super) fn is_old(version: &str) -> Result<bool, String> {
     let mut parts = version.trim().split('.').map(|part| part.parse::<u32>().ok());
     let major = parts.next().flatten();
@@ -35,7 +35,7 @@ pub(super) fn snake_case(name: &str) -> String {
     snake
 }
 
-/// What changed besides the way of writing.
+/// Applies the changes beyond the spelling.
 pub(super) fn plugin(plugin: &mut Plugin) {
     if plugin.kind == "diffuse" {
         let renamed = plugin.properties.iter_mut().find(|p| p.name == "diffuse_reflectance");

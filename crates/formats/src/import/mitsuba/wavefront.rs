@@ -8,13 +8,13 @@ use glam::{DVec3, Vec2, Vec3};
 use std::collections::BTreeMap;
 use unrender_scene::Mesh;
 
-/// A corner becomes an entry of the table of vertices, a vertex and a triangle, in lists that double; and its place
-/// in the plane of its face. Bytes, from above.
+/// An upper bound of the memory of a corner, bytes: an entry of the table of vertices, a vertex and a triangle, in
+/// lists that double, and its place in the plane of its face.
 const BYTES_A_CORNER: u64 = 256;
 
 /// All faces of `bytes` as one mesh, counted from `zero`; v as the file has it, or if it `flips`, from the other
 /// end. Vertices without normals or texture coordinates have zeros, and there are none at all if no vertex has
-/// any. What is not read is told of the `file`.
+/// any. Warnings name what is not read of the `file`.
 pub(super) fn mesh(
     context: &Context,
     bytes: &[u8],

@@ -1,7 +1,7 @@
 //! The files of a scene and its commands, in primitives.
 //!
-//! No program is ever run for a scene: whoever wrote it could have anything done. What `xform`, `cat` and
-//! the generators of `generators.rs` and `gensky.rs` print is made here; other commands are refused.
+//! No program is ever run for a scene, since its author could run anything. The output of `xform`, `cat`
+//! and the generators of `generators.rs` and `gensky.rs` is made here; other commands are refused.
 
 use super::primitives::{Noted, Place, Primitive};
 use super::shell::{Stage, pipelines};
@@ -16,15 +16,15 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use unrender_scene::Warnings;
 
-/// How many files may include one another.
+/// The greatest depth of included files.
 const DEPTH: usize = 16;
 
-/// How many files a scene may include, each counted as often as it is included. Buildings have some
-/// hundreds; each costs an opened file, so that ten times as many are still read in a second.
+/// The most files that a scene may include, each counted as often as it is included. Buildings have
+/// some hundreds. Each means opening a file: ten times as many are still read in a second.
 const FILES: usize = 1000;
 
-/// What is kept of a text takes at most so many times its memory: `a ring b 0 0 0` is a primitive of some
-/// 400 bytes.
+/// The primitives take at most this many times the memory of their text: `a ring b 0 0 0` is a primitive
+/// of some 400 bytes.
 const TEXT_TO_PRIMITIVES: u64 = 32;
 
 /// What to do about a command that is not carried out.
@@ -38,12 +38,12 @@ pub(super) const PROGRAMS: [Entry; 6] = [
     row("genbox", "with its options -i, -b and -r"),
     row(
         "genprism",
-        "with its options -l, -c and -e; that -r does not round its edges here is told",
+        "with its options -l, -c and -e; -r does not round its edges here, with a warning",
     ),
     row(
         "gensky",
-        "the sun as a light of one direction, and the sky of its kind as the environment; that a clear one has no -t \
-         is told",
+        "the sun as a light of one direction, and the sky of its kind as the environment; a \
+         warning if a clear one has no -t",
     ),
     refused(
         "others",
@@ -51,8 +51,7 @@ pub(super) const PROGRAMS: [Entry; 6] = [
     ),
 ];
 
-/// All primitives of the file at `path` and of what it includes, each with the comment of ours that it
-/// stands under.
+/// All primitives of the file at `path` and of the files it includes, each with our comment above it.
 pub(super) fn read(
     scope: &Scope,
     path: &Path,
@@ -92,7 +91,7 @@ struct Reading<'a> {
 struct Given<'a> {
     /// The folder that it is given in.
     folder: &'a Path,
-    /// How many files may still include one another.
+    /// How many levels of included files are still allowed.
     depth: usize,
     place: &'a Place,
 }
@@ -128,7 +127,7 @@ impl Reading<'_> {
         while let Some(item) = words.item() {
             let place = Place { file: file.clone(), line: words.first_line() };
             match item {
-                // Counted from elsewhere when all motions are known.
+                // Moved to the scene's origin when all motions are known.
                 Item::Comment(comment) => note = Note::parse(comment, DVec3::ZERO),
                 Item::Command(command) => {
                     note = None;
@@ -164,7 +163,7 @@ impl Reading<'_> {
         Ok(found)
     }
 
-    /// What one program would print that reads `piped`.
+    /// What a program that reads `piped` would print.
     fn stage(
         &mut self,
         stage: &Stage,
@@ -250,8 +249,8 @@ impl Reading<'_> {
         Ok(found)
     }
 
-    /// The primitives of the file `name`. `xform` carries out its commands in its folder, `cat` in the
-    /// folder that it is called in itself.
+    /// The primitives of the file `name`. `xform` carries out its commands in the file's folder, `cat`
+    /// in the folder of the command.
     fn included(&mut self, name: &str, given: Given, enters: bool) -> Result<Vec<Noted>, String> {
         if given.depth == 0 {
             return Err(format!("includes \"{name}\", perhaps including itself"));
@@ -268,7 +267,7 @@ impl Reading<'_> {
         if self.files > FILES {
             return Err(format!("includes more than {FILES} files, counting repetitions"));
         }
-        // Radiance would look in its library's folders, of which the one that it is started in is the first.
+        // Radiance would search its library's folders; the first is the one in which it is started.
         let there = given.folder.join(name).exists() || !self.folder.join(name).exists();
         let folder = if there { given.folder } else { self.folder };
         let path = self.scope.beside(folder, name);
@@ -276,7 +275,7 @@ impl Reading<'_> {
             .map_err(|problem| format!("includes \"{name}\", which {problem}"))
     }
 
-    /// The numbers of the file that `genprism` has its corners from, if it names one.
+    /// The numbers of the file with the corners of `genprism`, if it names one.
     fn corners(&mut self, words: &[String], given: Given) -> Result<Option<Vec<f64>>, String> {
         let Some(file) =
             words.get(2).filter(|word| !word.starts_with(|c: char| c.is_ascii_digit()))

@@ -62,8 +62,8 @@ pub(super) fn genbox(words: &[String]) -> Result<Vec<Primitive>, String> {
     Ok(found)
 }
 
-/// A corner of a box in steps along its axes: from the left end, where the cut begins, where it ends, the
-/// right end.
+/// A corner of a box in steps along each axis: 0 at one end, 1 where the cut ends, 2 where the other
+/// begins, 3 at the other end.
 type Corner = [u8; 3];
 
 struct Body {
@@ -137,7 +137,7 @@ fn placed(steps: [(usize, u8); 3]) -> Corner {
     corner
 }
 
-/// The edges along each axis, by the ends of the next two axes that they lie at.
+/// The edges along each axis, by the ends of the next two axes at which they lie.
 fn edges() -> Vec<(usize, u8, u8)> {
     let ends = [(0, 0), (3, 0), (3, 3), (0, 3)];
     (0..3).flat_map(|axis| ends.map(|(a, b)| (axis, a, b))).collect()
@@ -180,7 +180,7 @@ pub(super) fn genprism(
     };
     let bottom: Vec<DVec3> = flat.chunks_exact(2).map(|c| DVec3::new(c[0], c[1], 0.0)).collect();
     if bottom.len() < 3 {
-        return Err("has no three corners".into());
+        return Err("has fewer than three corners".into());
     }
     let (mut way, mut has_ends, mut is_closed) = (DVec3::Z, true, false);
     let mut options = options.iter();

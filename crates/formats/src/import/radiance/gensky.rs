@@ -11,13 +11,14 @@ use unrender_scene::Warnings;
 /// Lumens a watt of skylight and of sunlight, as Radiance has them.
 const SKY_EFFICACY: f64 = 203.0;
 const SUN_EFFICACY: f64 = 208.0;
-/// The sun is not put nearer to the zenith.
+/// The greatest altitude of the sun.
 const HIGHEST: f64 = 87.0 * PI / 180.0;
-/// The solid angle of the sun by which Radiance has the ground's brightness.
+/// The solid angle of the sun in Radiance's formula for the ground's brightness.
 const SUN: f64 = 6e-5;
-/// That of half a degree across, by which it has the sun's from an irradiance: pi sin^2 of a quarter of a degree.
+/// That of half a degree across, in its formula for the sun's radiance from an irradiance: pi sin^2 of a quarter
+/// of a degree.
 const HALF_A_DEGREE: f64 = 5.981_09e-5;
-/// How hazy clear skies are unless it is stated, by Radiance 6.
+/// The default turbidity of clear skies in Radiance 6.
 const TURBIDITY: f64 = 2.45;
 
 const USE: &str = "is used as: gensky MONTH DAY HOUR or gensky -ang ALTITUDE AZIMUTH, with options";
@@ -30,7 +31,7 @@ enum Sky {
     Between = 4,
 }
 
-/// A brightness as a radiance or as the irradiance that it brings.
+/// A brightness, stated as a radiance or as an irradiance.
 #[derive(Clone, Copy)]
 enum Given {
     Radiance(f64),
@@ -99,7 +100,7 @@ fn primitive(modifier: &str, kind: &str, id: &str, words: &[&str], reals: Vec<f6
     Primitive { modifier, kind, id, strings, reals, ..Primitive::default() }
 }
 
-/// A number with the four digits that `gensky` prints of it.
+/// A number rounded to the four digits that `gensky` prints.
 fn printed(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }
@@ -111,7 +112,7 @@ fn number(word: &str) -> Result<f64, String> {
 
 impl Options {
     fn read(words: &[String]) -> Result<Self, String> {
-        // A site near San Francisco, as Radiance has it.
+        // Radiance's default: a site near San Francisco.
         let mut read = Self {
             sky: Sky::Clear,
             has_sun: true,
@@ -174,7 +175,7 @@ impl Options {
         Ok((altitude, azimuth))
     }
 
-    /// The irradiance of the sky over pi times its zenith's radiance, and what its formula is divided by.
+    /// The sky's irradiance over pi times its zenith's radiance, and the divisor of its formula.
     fn norm(&self, altitude: f64) -> (f64, f64) {
         let down = FRAC_PI_2 - altitude;
         let x = (altitude - FRAC_PI_4) / FRAC_PI_4;

@@ -23,12 +23,12 @@ pub(super) enum Sort {
 
 /// A kind of primitive.
 pub(super) struct Kind {
-    /// Its name, and how it is taken; of what is told the end of the sentence that is told.
+    /// Its name, and how it is taken; for those warned of, the end of the warning.
     pub(super) entry: Entry,
     pub(super) sort: Sort,
     /// The numbers that it may have, if they are counted.
     pub(super) reals: &'static [usize],
-    /// Whether it has words that mean something.
+    /// Whether its words are read.
     pub(super) has_words: bool,
 }
 
@@ -60,14 +60,15 @@ const DIRECTED: &str =
     "a diffuse part and Ward's lobe of two roughnesses; their direction, if it is three numbers";
 const THROUGH: &str = "lets light through, which is left out";
 const HIGHLIGHTS: &str = "has highlights that are not read; only its diffuse part was taken";
-/// What is told of materials that are not read at all.
+/// The end of the warning of materials that are not read at all.
 pub(super) const UNKNOWN: &str = "is not known; it was taken as diffuse with rho_d = 0.5";
-/// What is told of a pattern that is not read.
+/// The end of the warning of patterns that are not read.
 pub(super) const NO_PATTERN: &str = "is not read; what it changes was left as it is";
-/// What is told of textures, which change normals.
+/// The end of the warning of textures, which change normals.
 pub(super) const NO_TEXTURE: &str = "is not read; its surfaces are smooth here";
-/// What is told of mixtures that are not the same everywhere.
-pub(super) const NO_MIXTURE: &str = "mixes by what is not read; half of each was taken, everywhere";
+/// The end of the warning of mixtures that are not the same everywhere.
+pub(super) const NO_MIXTURE: &str =
+    "mixes by a function that is not read; half of each was taken, everywhere";
 
 /// All of them [Radiance 6.0, `src/common/otypes.h`].
 const KINDS: &[Kind] = &[
@@ -84,20 +85,20 @@ const KINDS: &[Kind] = &[
         &[4],
         near(
             "source",
-            "up to 5 degrees wide a light of one direction; wider ones are in the environment",
+            "a light of one direction if up to 5 degrees wide; wider ones are in the environment",
         ),
     ),
     worded(
         Sort::Surface,
         &[0],
-        read("mesh", "the OBJ beside it that it was compiled from, moved as it says"),
+        read("mesh", "the OBJ beside it from which it was compiled, moved as it says"),
     ),
     worded(
         Sort::Surface,
         &[0],
         refused(
             "instance",
-            "is an octree, which is not read; put the scene that it was made from there instead, by !xform",
+            "is an octree, which is not read; put the scene from which it was made in its place, by !xform",
         ),
     ),
     worded(
@@ -108,9 +109,9 @@ const KINDS: &[Kind] = &[
     plain(
         Sort::Lamp,
         &[3],
-        read("light", "a black surface that emits; of a source, light from far away"),
+        read("light", "a black surface that emits; light from far away on a source"),
     ),
-    plain(Sort::Lamp, &[4], read("glow", "as light, whatever its radius above zero")),
+    plain(Sort::Lamp, &[4], read("glow", "as light, if its radius is not below zero")),
     plain(
         Sort::Lamp,
         &[7],
@@ -122,7 +123,7 @@ const KINDS: &[Kind] = &[
     worded(
         Sort::Lamp,
         &[3],
-        told("illum", "gives light as light does; the lamp is seen here, so leave out its pixels"),
+        told("illum", "gives light as light does; the lamp is seen here, so mask its pixels"),
     ),
     plain(Sort::Material, &[5], read("plastic", "a diffuse part and a white lobe of Ward's")),
     plain(
@@ -142,14 +143,17 @@ const KINDS: &[Kind] = &[
     worded(
         Sort::Material,
         &[],
-        read("WGMDfunc", "both parts with their colours; expressions that are no numbers are told"),
+        read(
+            "WGMDfunc",
+            "both parts with their colours; a warning for expressions that are not numbers",
+        ),
     ),
     worded(
         Sort::Material,
         &[3],
         read(
             "mirror",
-            "a perfect mirror; one with a material in its place is that material, which is told",
+            "a perfect mirror; if it names another material, it is taken as that one, with a warning",
         ),
     ),
     plain(
@@ -197,8 +201,8 @@ const KINDS: &[Kind] = &[
         &[],
         read(
             "colorpict",
-            "a square picture over Lu and Lv of a mesh, by its numbers whatever its EXPOSURE; of others the mean, which \
-             is told",
+            "a square picture over Lu and Lv of a mesh, its numbers as stored, whatever its \
+             EXPOSURE; the mean of others, with a warning",
         ),
     ),
     worded(Sort::Pattern, &[], told("colortext", NO_PATTERN)),
@@ -220,7 +224,7 @@ const KINDS: &[Kind] = &[
     worded(Sort::Mixture, &[], told("mixtext", NO_MIXTURE)),
 ];
 
-/// What is told, and what is refused, of kinds that are read.
+/// Cases that are warned of or refused, of kinds that are read.
 pub(super) const CASES: [Entry; 8] = [
     told("void on a surface", "a surface without a material is invisible; it was left out"),
     told("mesh without its OBJ", "was left out: there is no OBJ of its name beside it"),
@@ -229,7 +233,7 @@ pub(super) const CASES: [Entry; 8] = [
     told("mixfunc of an expression", NO_MIXTURE),
     told(
         "glow of a radius below zero",
-        "is seen and lights nothing; here it is black, so leave out its pixels",
+        "is visible but gives no light; here it is black, so mask its pixels",
     ),
     refused(
         "lamp behind a pattern",

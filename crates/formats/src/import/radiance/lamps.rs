@@ -1,7 +1,7 @@
-//! What shines: `light`, `glow`, `illum` and `spotlight` on surfaces, and sources far away.
+//! Lamps: `light`, `glow`, `illum` and `spotlight` on surfaces, and sources far away.
 //!
 //! A `glow` gives the same light as a `light` in a program that follows all paths; one whose radius is
-//! below zero is seen and gives none. An `illum` gives light and looks like another material. A
+//! below zero is visible and gives no light. An `illum` gives light and looks like another material. A
 //! `spotlight` sends light into a cone, and its brightness falls off as if from a point behind its surface.
 
 use super::sky::{Disk, Sky, environment};
@@ -13,20 +13,20 @@ use unrender_scene::{Environment, Light, LightKind, Mesh, Object, Rgb, Warnings}
 /// shadows from 5 degrees blur by a twelfth of the way.
 const NARROW_DEG: f32 = 5.0;
 
-/// Each asks all triangles what it shines on.
+/// The most spotlights; each searches all triangles.
 const MAX_SPOTS: usize = 256;
 
-/// A lamp on a surface, as its material says it.
+/// A lamp on a surface, as its material states it.
 #[derive(Clone, Debug)]
 pub(super) struct Spot {
     pub(super) radiance: Rgb,
     /// The full angle of its cone, degrees.
     pub(super) angle_deg: f32,
-    /// Where to, and how far behind the surface the light seems to come from.
+    /// Where it points; its length is how far behind the surface the light seems to come from.
     pub(super) direction: DVec3,
 }
 
-/// A source far away, as its material says it.
+/// A source far away, as its material states it.
 #[derive(Clone, Debug)]
 pub(super) struct Far {
     pub(super) radiance: Rgb,
@@ -34,7 +34,7 @@ pub(super) struct Far {
     pub(super) is_glow: bool,
 }
 
-/// All lamps that are no groups.
+/// All lamps that are not groups.
 #[derive(Default)]
 pub(super) struct Lamps {
     pub(super) lights: Vec<Light>,
@@ -43,7 +43,8 @@ pub(super) struct Lamps {
 }
 
 impl Lamps {
-    /// Takes in a source that is seen under the last of four `reals`, in the direction of the first three.
+    /// Adds a source in the direction of the first three of `reals`; the fourth is its angular diameter,
+    /// degrees.
     pub(super) fn far(&mut self, id: &str, reals: [f32; 4], far: Far) -> Result<(), String> {
         let [x, y, z, angle_deg] = reals;
         let direction = Vec3::new(x, y, z).as_dvec3().try_normalize();
@@ -65,7 +66,7 @@ impl Lamps {
         Ok(())
     }
 
-    /// Takes in a spotlight with the surface `mesh`.
+    /// Adds a spotlight with the surface `mesh`.
     pub(super) fn spot(&mut self, id: &str, spot: Spot, mesh: Mesh) -> Result<(), String> {
         if self.spots.len() == MAX_SPOTS {
             return Err(format!("there are more than {MAX_SPOTS} spotlights"));
@@ -98,11 +99,12 @@ impl Lamps {
     }
 }
 
-/// The spot light that `spot` on the surface `mesh` is, and how far away it is exactly as bright.
+/// The spot light for `spot` on the surface `mesh`, and the distance at which it is exactly as
+/// bright.
 fn spot_light(spot: &Spot, mesh: &Mesh, objects: &[Object]) -> (LightKind, Option<f64>) {
     let axis = spot.direction.normalize();
     let corner = |i: u32| mesh.positions[i as usize].as_dvec3();
-    // The area that is seen from the front, and the middle of the surface.
+    // The area projected along the axis, and the middle of the surface.
     let (mut seen, mut total, mut middle) = (0.0, 0.0, DVec3::ZERO);
     for triangle in &mesh.triangles {
         let [a, b, c] = triangle.map(corner);
@@ -126,7 +128,7 @@ fn spot_light(spot: &Spot, mesh: &Mesh, objects: &[Object]) -> (LightKind, Optio
     (kind, way)
 }
 
-/// How far from `start` the first triangle is that a ray along the unit vector `axis` meets.
+/// The distance from `start` to the first triangle that a ray along the unit vector `axis` hits.
 fn first_hit(start: DVec3, axis: DVec3, objects: &[Object]) -> Option<f64> {
     let triangles = objects.iter().flat_map(|object| {
         (0..object.mesh.triangles.len()).map(|index| object.mesh.corners(index))

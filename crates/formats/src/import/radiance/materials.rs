@@ -1,4 +1,4 @@
-//! What surfaces are made of, as groups: a material with all that modifies it, mixtures, and what shines.
+//! What surfaces are made of, as groups: a material with all its modifiers, mixtures, and lamps.
 
 use super::kinds::{NO_MIXTURE, NO_PATTERN, NO_TEXTURE, Sort};
 use super::lamps::{Far, Spot};
@@ -15,7 +15,7 @@ use std::path::Path;
 use std::sync::Arc;
 use unrender_scene::{BrdfModel, Group, Material, Rgb, Texture, Warnings};
 
-/// So many mixtures may be in one another.
+/// The greatest depth of nested mixtures.
 const MIXED: usize = 8;
 
 /// What a modifier makes of a surface.
@@ -29,7 +29,7 @@ pub(super) enum Seen {
     Spot(Spot),
 }
 
-/// As [`Seen`], before it is a group.
+/// As [`Seen`], before there is a group for it.
 #[derive(Clone)]
 enum Look {
     Hidden,
@@ -42,13 +42,13 @@ struct Tint {
     factor: Rgb,
     texture: Option<Arc<Texture>>,
     sky: Option<Sky>,
-    /// The first that is no constant, for messages.
+    /// The first one that is not constant, for messages.
     varying: Option<String>,
 }
 
 /// What has been made so far.
 pub(super) struct Materials<'a> {
-    /// What bounds the reading, and the scene's folder.
+    /// The limits of reading, and the scene's folder.
     place: (&'a Scope, &'a Path),
     pub(super) modifiers: Modifiers,
     pictures: Pictures,
@@ -73,12 +73,12 @@ impl<'a> Materials<'a> {
         }
     }
 
-    /// The lobe that all of it means: Radiance's, or that of exact numbers.
+    /// The lobe of all materials: Radiance's, or that of exact numbers.
     pub(super) fn brdf(&self) -> BrdfModel {
         self.brdf
     }
 
-    /// Takes in a modifier.
+    /// Adds a modifier.
     pub(super) fn define(&mut self, noted: Noted, warnings: &mut Warnings) -> Result<(), String> {
         let p = &noted.primitive;
         let has_words = super::kinds::kind(&p.kind).is_some_and(|kind| kind.has_words);
@@ -119,7 +119,7 @@ impl<'a> Materials<'a> {
                 let name = definition.note.as_ref().and_then(|note| note.name.clone());
                 let name = name.unwrap_or_else(|| definition.id.clone());
                 let group = Group { name, material, emission };
-                // The same again, in another direction or behind a texture, is the same group.
+                // The same material in another direction or behind a texture is the same group.
                 let before = self.by_name.get(&group.name).copied();
                 let same = before.filter(|before| self.groups[*before].1 == group);
                 let index = same.unwrap_or(self.groups.len());
@@ -134,7 +134,7 @@ impl<'a> Materials<'a> {
         Ok(seen)
     }
 
-    /// The source far away that the modifier `start` makes, if it is a lamp that gives light.
+    /// The source far away with the modifier `start`, if that is a lamp that gives light.
     pub(super) fn far(
         &mut self,
         start: Number,
@@ -209,7 +209,7 @@ impl<'a> Materials<'a> {
         }
         let mut material = found.material;
         if let Some(texture) = tint.texture {
-            // A texture is the diffuse reflectance itself.
+            // The texels are the diffuse reflectance itself.
             let color = material.rho_d;
             material.rho_d = color * texels::mean(&texture.image);
             let image = texture.image.map(|texel| *texel * color);
@@ -218,7 +218,7 @@ impl<'a> Materials<'a> {
         Ok(Look::Surface { material, emission, along: found.along })
     }
 
-    /// What the modifier looks like that the definition `number` names as its word number `which`.
+    /// The look of the modifier that is word number `which` of the definition `number`.
     fn named(
         &mut self,
         number: Number,
@@ -242,7 +242,7 @@ impl<'a> Materials<'a> {
         self.look(&chain, depth, warnings)
     }
 
-    /// Two materials in one; where it is not the same mixture everywhere, half of each.
+    /// Two materials in one; half of each if the mixture is not the same everywhere.
     fn mixture(
         &mut self,
         number: Number,
@@ -300,7 +300,7 @@ impl<'a> Materials<'a> {
             return Ok(Rgb::ONE);
         }
         let unread = format!(
-            "{} has the colour \"{name}\" of its highlights, which is no constant colorfunc; give it one",
+            "{} names \"{name}\" as the colour of its highlights, which is not a constant colorfunc; give it one",
             definition.shown()
         );
         let found = definition.named.first().copied().flatten().ok_or_else(|| unread.clone())?;
@@ -311,7 +311,7 @@ impl<'a> Materials<'a> {
         }
     }
 
-    /// What the patterns of `chain` do; those that are not read are told, and textures.
+    /// What the patterns of `chain` do, with warnings for those that are not read and for textures.
     fn tint(&mut self, chain: &Chain, warnings: &mut Warnings) -> Result<Tint, String> {
         let mut tint = Tint { factor: Rgb::ONE, texture: None, sky: None, varying: None };
         for &number in &chain.others {
@@ -363,7 +363,7 @@ fn color(lamp: &Definition) -> Rgb {
     Rgb::new(r, g, b)
 }
 
-/// What a lamp makes of a surface.
+/// The look of a surface that is a lamp.
 fn lamp(lamp: &Definition, factor: Rgb, warnings: &mut Warnings) -> Look {
     let radiance = color(lamp) * factor;
     let exact = lamp.note.as_ref().and_then(|note| note.material.clone());
@@ -384,24 +384,24 @@ fn lamp(lamp: &Definition, factor: Rgb, warnings: &mut Warnings) -> Look {
     Look::Surface { material, emission, along: None }
 }
 
-/// What to tell of a glow that gives no light.
+/// The warning of a glow that gives no light.
 fn unlit(lamp: &Definition) -> String {
     format!(
-        "{}: {} is seen and lights nothing (its radius is below zero); here it is black, so leave out its \
-         pixels",
+        "{}: {} is visible but gives no light (its radius is below zero); here it is black, so \
+         mask its pixels",
         lamp.place,
         lamp.shown()
     )
 }
 
-/// What to tell of an illum.
+/// The warning of an illum.
 fn visible(lamp: &Definition) -> String {
     let looks = match lamp.made.strings.first().map(String::as_str) {
         None | Some("void") => "is invisible".to_owned(),
         Some(other) => format!("looks like \"{other}\""),
     };
     format!(
-        "{}: {} gives light and {looks}; here the lamp itself is seen, so leave out its pixels",
+        "{}: {} gives light and {looks}; here the lamp itself is seen, so mask its pixels",
         lamp.place,
         lamp.shown()
     )

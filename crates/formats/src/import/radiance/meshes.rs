@@ -1,4 +1,4 @@
-//! Meshes that `obj2mesh` has compiled, by the OBJ files that they were made from.
+//! Meshes compiled by `obj2mesh`, read from the OBJ files that they were made from.
 
 use super::motion::Motion;
 use super::primitives::Primitive;
@@ -11,15 +11,15 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use unrender_scene::{Mesh, Warnings};
 
-/// The parts of a mesh, each with the modifier that the file gives it; those that have none have that of the first
-/// that has one.
+/// The parts of a mesh, each with the modifier that the file gives it, or else that of the first part that has
+/// one.
 type Parts = Rc<Vec<Named>>;
 
-/// Those that were read, by their files and by where they count from in their own coordinates.
+/// The meshes that were read, by their file and the origin in their own coordinates.
 #[derive(Default)]
 pub(super) struct Meshes(BTreeMap<(PathBuf, [u64; 3]), Parts>);
 
-/// What a mesh comes from, seen from the folder of the scene; nothing if it is not there.
+/// The OBJ of a mesh, seen from the folder of the scene, and whether it exists.
 pub(super) fn source(p: &Primitive, folder: &Path) -> Result<(PathBuf, bool), String> {
     let compiled = p.strings.first().ok_or("a mesh names no file")?;
     let source = Path::new(compiled).with_extension("obj");
@@ -41,7 +41,7 @@ impl Meshes {
         let (matrix, origin) = (motion.matrix(), scope.origin());
         let mut read = |zero| self.counted_from(zero, source, (scope, folder), warnings);
         let (mut parts, mut zero) = (read(DVec3::ZERO)?, DVec3::ZERO);
-        // Meshes about their own zero are read once, however often they are moved.
+        // Meshes near their own zero are read once, however often they are placed.
         if origin != DVec3::ZERO && is_far(&parts) {
             zero = shapes::in_mesh(origin, &matrix);
             parts = read(zero)?;

@@ -1,4 +1,4 @@
-//! What has been defined so far, and what stands behind a name: materials, patterns and textures, one
+//! The definitions so far, and what a name stands for: materials, patterns and textures, one
 //! modifying the other.
 
 use super::kinds::{Sort, kind};
@@ -7,7 +7,7 @@ use crate::record::Note;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// So many modifiers may stand behind one another; scenes have a handful.
+/// The longest chain of modifiers; scenes have a handful.
 const DEPTH: usize = 64;
 
 /// The number of a definition.
@@ -15,16 +15,16 @@ pub(super) type Number = usize;
 
 /// A modifier.
 pub(super) struct Definition {
-    /// Its kind and arguments; of an alias, those of the original.
+    /// Its kind and arguments; those of the original for an alias.
     pub(super) made: Rc<Primitive>,
     pub(super) id: String,
     pub(super) place: Place,
     pub(super) note: Option<Note>,
     /// What modifies it.
     modifier: Option<Number>,
-    /// The modifiers that its words name, in their order: of mixtures two, of others one.
+    /// The modifiers that its words name, in order: two for mixtures, one for others.
     pub(super) named: Vec<Option<Number>>,
-    /// Whether a material is in what it says or behind it.
+    /// Whether a material is among its words or behind it.
     has_material: bool,
 }
 
@@ -39,7 +39,7 @@ impl Definition {
     }
 }
 
-/// What modifies a surface: one material, and patterns and textures before and behind it.
+/// The modifiers of a surface: one material, and patterns and textures before and behind it.
 #[derive(Default)]
 pub(super) struct Chain {
     pub(super) material: Option<Number>,
@@ -50,7 +50,7 @@ pub(super) struct Chain {
 #[derive(Default)]
 pub(super) struct Modifiers {
     all: Vec<Definition>,
-    /// From an identifier to what it means now; what comes last counts.
+    /// From an identifier to what it means now: the latest definition.
     by_id: BTreeMap<String, Number>,
 }
 
@@ -71,7 +71,7 @@ impl Modifiers {
         })
     }
 
-    /// Takes in the modifier `noted`.
+    /// Adds the modifier `noted`.
     pub(super) fn define(&mut self, noted: Noted) -> Result<(), String> {
         let Noted { primitive, note } = noted;
         let (id, place) = (primitive.id.clone(), primitive.place.clone());
@@ -86,7 +86,7 @@ impl Modifiers {
             let made = Rc::new(primitive);
             Definition { made, id: id.clone(), place, note, modifier, named, has_material }
         };
-        // Radiance, too, keeps what was there where it is defined the same again.
+        // Radiance, too, keeps the former definition if the new one is the same.
         let before = self.by_id.get(&id).map(|number| &self.all[*number]);
         if !before.is_some_and(|before| same(before, &definition)) {
             self.by_id.insert(id, self.all.len());
@@ -144,7 +144,7 @@ impl Modifiers {
         p.strings.iter().take(count).map(|id| self.by_id.get(id).copied()).collect()
     }
 
-    /// What stands behind the modifier `start`. A mixture counts as a material.
+    /// The chain of modifiers from `start` on. A mixture counts as a material.
     pub(super) fn chain(&self, start: Number) -> Result<Chain, String> {
         let (mut chain, mut next) = (Chain::default(), Some(start));
         for _ in 0..DEPTH {
@@ -157,7 +157,7 @@ impl Modifiers {
                     chain.others.push(number)
                 }
                 _ if chain.material.is_none() => chain.material = Some(number),
-                // Radiance sees none behind the first.
+                // Radiance ignores those behind the first.
                 _ => return Ok(chain),
             }
             next = definition.modifier;

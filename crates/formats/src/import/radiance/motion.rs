@@ -16,7 +16,7 @@ pub(super) struct Motion {
 impl Motion {
     const STILL: Self = Self { matrix: DAffine3::IDENTITY, scale: 1.0 };
 
-    /// The motion that `words` begin with, and how many of them say it.
+    /// The motion at the beginning of `words`, and how many of them belong to it.
     pub(super) fn parse(words: &[String]) -> (Self, usize) {
         let (mut total, mut part, mut times) = (Self::STILL, Self::STILL, 1);
         let mut at = 0;
@@ -38,14 +38,14 @@ impl Motion {
         (total.then(part.repeated(times)), at)
     }
 
-    /// The motion that all of `words` say.
+    /// The motion stated by all of `words`.
     pub(super) fn of_all(words: &[String]) -> Result<Self, String> {
         let (motion, read) = Self::parse(words);
         match words.get(read) {
             None => Ok(motion),
             Some(word) => Err(format!(
-                "a motion has \"{word}\", which is none of -t x y z, -rx, -ry or -rz degrees, -s factor, \
-                 -mx, -my, -mz and -i count"
+                "a motion has \"{word}\", which is not one of -t x y z, -rx, -ry or -rz degrees, \
+                 -s factor, -mx, -my, -mz and -i count"
             )),
         }
     }
@@ -86,7 +86,7 @@ impl Motion {
         Self { matrix: next.matrix * self.matrix, scale: next.scale * self.scale }
     }
 
-    /// It `times` over, by squares.
+    /// This motion `times` over, by repeated squaring.
     fn repeated(self, times: i64) -> Self {
         let (mut power, mut left, mut all) = (self, times.max(0), Self::STILL);
         while left > 0 {
@@ -103,12 +103,12 @@ impl Motion {
         self.matrix.transform_point3(point)
     }
 
-    /// A direction, longer or shorter where the motion scales.
+    /// A vector moved: turned, and scaled where the motion scales.
     pub(super) fn vector(&self, vector: DVec3) -> DVec3 {
         self.matrix.transform_vector3(vector)
     }
 
-    /// A direction taken back.
+    /// A vector moved back by the inverse.
     pub(super) fn vector_before(&self, vector: DVec3) -> DVec3 {
         self.matrix.inverse().transform_vector3(vector)
     }

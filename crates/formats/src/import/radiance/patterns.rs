@@ -23,7 +23,7 @@ pub(super) enum Pattern {
     Unread,
 }
 
-/// Pictures that were read, by what says them, so that many patterns share one.
+/// Pictures that were read, by the words that name them, so that many patterns share one.
 #[derive(Default)]
 pub(super) struct Pictures(BTreeMap<(String, bool, [String; 2]), Arc<Texture>>);
 
@@ -98,8 +98,8 @@ fn is_ours(place: &str) -> bool {
     place.contains("+.5)*") && (place.contains("Lu") || place.contains("Lv"))
 }
 
-/// The picture of a `colorpict`. In ours the texels around it are there too, and how it goes on is
-/// told by the expression of its place.
+/// The picture of a `colorpict`. Our export adds the texels around it, and the expression of its
+/// place states how it continues.
 fn texture(
     scope: &Scope,
     path: &Path,
@@ -108,7 +108,7 @@ fn texture(
 ) -> Result<Texture, String> {
     let (read, told) = picture::read_in(scope, path).map_err(|error| error.to_string())?;
     warnings.extend(told);
-    // Patterns take the numbers of the file, whatever its header says that they were multiplied by.
+    // Patterns take the numbers as stored, whatever factor the header states.
     let bytes = scope.read(path)?;
     let factor = picture::hdr_header_of(&bytes).map_or(Rgb::ONE, |header| header.factor.into());
     let numbers = if read.depth == Depth::Float { read.values } else { read.to_linear() };
@@ -130,10 +130,10 @@ fn texture(
     Ok(Texture { image, wrap_u, wrap_v })
 }
 
-/// The picture as Radiance interpolates it: the centres of its outermost texels are at its edges, and not half a texel
-/// within; by finer texels.
+/// The picture in finer texels, as Radiance interpolates it: the centres of its outermost texels are at its edges, not
+/// half a texel inside.
 fn with_texels_at_edges(scope: &Scope, image: &Image<Rgb>) -> Result<Image<Rgb>, String> {
-    /// Texels of the finer picture along its longer side; where there are more already, half a texel is little.
+    /// Texels of the finer picture along its longer side; in larger pictures half a texel is little.
     const SIDE: usize = 1024;
     let (width, height) = (image.width(), image.height());
     let times = (SIDE / width.max(height).max(1)).clamp(1, 32);
@@ -150,8 +150,8 @@ fn with_texels_at_edges(scope: &Scope, image: &Image<Rgb>) -> Result<Image<Rgb>,
     }))
 }
 
-/// Radiance takes the eight bits of a channel for the middle of their step, readers of pictures for
-/// its lower end. The largest channel has a mantissa of 128 to 255 steps.
+/// Radiance decodes the eight bits of a channel to the middle of their quantisation step, picture
+/// readers to its lower end. The largest channel has a mantissa of 128 to 255 steps.
 fn middle_of_step(texel: Rgb) -> Rgb {
     let largest = texel.max_element();
     if largest <= 0.0 {

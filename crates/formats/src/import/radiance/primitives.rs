@@ -12,7 +12,7 @@ use unrender_scene::LightKind;
 /// Where a primitive begins.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Place {
-    /// The file with a comma behind it, unless it is the scene's own.
+    /// The file and a comma, unless it is the scene's own.
     pub(super) file: Rc<str>,
     pub(super) line: usize,
 }
@@ -34,7 +34,7 @@ pub(super) struct Primitive {
     pub(super) place: Place,
 }
 
-/// A primitive, and the comment of ours that it stands under.
+/// A primitive, and our comment above it.
 #[derive(Clone, Debug)]
 pub(super) struct Noted {
     pub(super) primitive: Primitive,
@@ -61,7 +61,7 @@ impl Noted {
     }
 }
 
-/// How many places in the world a primitive of this kind has; its numbers begin with them.
+/// The number of points of a primitive of this kind; its numbers begin with them.
 fn places(kind: &str) -> usize {
     match kind {
         "polygon" => usize::MAX,
@@ -72,7 +72,7 @@ fn places(kind: &str) -> usize {
 }
 
 impl Primitive {
-    /// The primitive that `words` go on with.
+    /// Reads the next primitive from `words`.
     pub(super) fn read(words: &mut Words) -> Result<Self, String> {
         let cut = |so_far: &str| format!("ends in the middle of \"{so_far}\"");
         let modifier = words.word().ok_or_else(|| cut("a word in quotation marks"))?.to_owned();
@@ -81,8 +81,8 @@ impl Primitive {
         let mut read = Self { modifier, kind, id, ..Self::default() };
         let Some(known) = super::kinds::kind(&read.kind) else {
             return Err(format!(
-                "\"{}\" is no kind of primitive that Radiance has; perhaps the one before it has another \
-                 number of arguments than it says",
+                "\"{}\" is no kind of primitive that Radiance has; perhaps the one before it \
+                 states a wrong number of arguments",
                 read.kind
             ));
         };
@@ -140,7 +140,7 @@ impl Primitive {
         reals.try_into().map_err(|_| format!("{} has {count} numbers instead of {N}", self.named()))
     }
 
-    /// Three numbers from the one at `at` on.
+    /// Three numbers, from number `at` on.
     pub(super) fn vector(&self, at: usize) -> DVec3 {
         let number = |k: usize| self.reals.get(at + k).copied().unwrap_or_default();
         DVec3::new(number(0), number(1), number(2))
@@ -161,17 +161,17 @@ impl Primitive {
     }
 }
 
-/// What `xform` does with all that it reads.
+/// What `xform` does with all primitives that it reads.
 #[derive(Clone, Debug)]
 pub(super) struct Change {
     pub(super) motion: Motion,
-    /// The words of the motion, which functions and meshes get.
+    /// The words of the motion, which are added to functions and meshes.
     pub(super) words: Vec<String>,
     /// Turned inside out.
     pub(super) inverted: bool,
     /// The modifier of all surfaces.
     pub(super) modifier: Option<String>,
-    /// What the names of surfaces begin with.
+    /// The prefix of the names of surfaces.
     pub(super) prefix: Option<String>,
 }
 
@@ -241,14 +241,14 @@ impl Change {
             "source" => vector(p, 0),
             "glow" => scale(p, 3),
             "spotlight" => vector(p, 4),
-            // Whatever else has words has a function's place at their end, or the motion of a mesh.
+            // The words of other kinds end with the place of a function or the motion of a mesh.
             _ => {
                 let has_place = kind(&p.kind).is_some_and(|kind| kind.has_words);
                 let is_text = p.kind.ends_with("text");
                 let is_named =
                     matches!(p.kind.as_str(), "illum" | "mirror" | "mist" | "antimatter");
                 if has_place && !is_named && !is_text && sort != Some(Sort::Alias) {
-                    // What repeats the motion before does not repeat this one.
+                    // An earlier `-i` must not repeat this motion.
                     let apart = self.words.first().is_some_and(|word| word != "-i");
                     p.strings
                         .extend(apart.then(|| ["-i", "1"].map(String::from)).into_iter().flatten());
@@ -263,7 +263,8 @@ impl Change {
         }
     }
 
-    /// A light without a surface: a small ball of the same radiance, larger or smaller; but for its place.
+    /// Moves a light without a surface, except its place: a small ball of the same radiance, larger or
+    /// smaller.
     fn light(&self, light: &mut LightKind) {
         let turned = |v: glam::Vec3| self.motion.vector(v.as_dvec3()).normalize_or_zero().as_vec3();
         let area = (self.motion.scale() * self.motion.scale()) as f32;
@@ -278,7 +279,7 @@ impl Change {
     }
 }
 
-/// The kind of surface with its front where the back of `kind` is, if it is another one.
+/// The kind of surface whose front is the back of `kind`, if it has another name.
 fn inside_out(kind: &str) -> Option<&'static str> {
     let pairs = [("sphere", "bubble"), ("cylinder", "tube"), ("cone", "cup")];
     pairs.into_iter().find_map(|(out, inwards)| match kind {

@@ -2,8 +2,8 @@
 //!
 //! `plastic` and `metal` of colour `c`, specularity `s` and roughness `a` have `rho_d = c (1 - s)`,
 //! `rho_s = s` or `c s`, and `a` as both alphas; those with a `2` have two, and a direction. Where the
-//! roughness is zero, Radiance lets them shine at grazing angles, which is left out. `WGMDfunc` has both
-//! parts apart. Of what lets light through only what it reflects is taken.
+//! roughness is zero, Radiance makes them brighter at grazing angles, which is left out. `WGMDfunc` has
+//! both parts separately. Only the reflected part of transparent materials is taken.
 
 use super::kinds::{UNKNOWN, entry};
 use super::motion::Motion;
@@ -13,12 +13,12 @@ use crate::entry::Taken;
 use glam::DVec3;
 use unrender_scene::{Material, Rgb};
 
-/// A material, and what of it is not as in Radiance.
+/// A material, and in what it differs from Radiance's.
 pub(super) struct Reflectance {
     pub(super) material: Material,
     /// The direction that `alpha_x` is along, in the world.
     pub(super) along: Option<DVec3>,
-    /// What to tell about it, as the end of a sentence.
+    /// The end of the warning about it.
     pub(super) doubt: Option<&'static str>,
 }
 
@@ -28,17 +28,17 @@ impl From<Material> for Reflectance {
     }
 }
 
-/// Why surfaces of the material `kind` are not there, as the end of a sentence, if they are not.
+/// Why surfaces of the material `kind` are left out, as the end of a sentence, if they are.
 pub(super) fn why_hidden(kind: &str) -> Option<&'static str> {
     let is_hidden = matches!(kind, "glass" | "mist" | "antimatter");
     entry(kind).filter(|_| is_hidden).map(|entry| entry.done)
 }
 
-/// The reflectance of `p`, whose colour patterns change by `tint`; `shine` is the colour of a `WGMDfunc`'s
-/// specular part.
+/// The reflectance of `p`, with its colour multiplied by `tint`, that of its patterns; `shine` is the
+/// colour of a `WGMDfunc`'s specular part.
 pub(super) fn reflectance(p: &Primitive, tint: Rgb, shine: Rgb) -> Result<Reflectance, String> {
     let found = as_read(p, tint, shine)?;
-    // What is told of a whole kind goes before what is told of one material.
+    // The warning of a whole kind precedes that of one material.
     let of_kind = entry(&p.kind).filter(|entry| entry.taken == Taken::WarnedOf);
     Ok(Reflectance { doubt: of_kind.map(|entry| entry.done).or(found.doubt), ..found })
 }
@@ -82,19 +82,19 @@ fn as_read(p: &Primitive, tint: Rgb, shine: Rgb) -> Result<Reflectance, String> 
     Ok(found)
 }
 
-/// A colour `share` of which is specular; white, but of metals.
+/// A colour of which `share` is specular; that part is white except for metals.
 fn glossy(kind: &str, color: Rgb, share: f32, [alpha_x, alpha_y]: [f32; 2]) -> Material {
     let shine = if kind.starts_with("metal") { color } else { Rgb::ONE };
     let material = Material::diffuse(color * (1.0 - share));
     Material { rho_s: shine * share, alpha_x, alpha_y, ..material }
 }
 
-/// What is reflected where the share `through` goes through.
+/// The reflected part of `material`, of whose diffuse light the share `through` is transmitted.
 fn reflected(material: Material, through: f32) -> Material {
     Material { rho_d: material.rho_d * (1.0 - through), ..material }
 }
 
-/// `material` with the direction that the words of `p` from `at` on say: three numbers, a file of
+/// `material` with the direction in the words of `p` from `at` on: three numbers, a file of
 /// functions and a motion.
 fn directed(p: &Primitive, material: Material, at: usize) -> Reflectance {
     if material.alpha_x == material.alpha_y {
@@ -107,7 +107,7 @@ fn directed(p: &Primitive, material: Material, at: usize) -> Reflectance {
         _ => None,
     };
     let along = vector.and_then(|vector| motion.ok()?.vector(vector).try_normalize());
-    let doubt = "has a direction of its highlights that is no three numbers and is not read";
+    let doubt = "has a direction of its highlights that is not three numbers and is not read";
     Reflectance { doubt: along.is_none().then_some(doubt), material, along }
 }
 
@@ -115,7 +115,7 @@ fn directed(p: &Primitive, material: Material, at: usize) -> Reflectance {
 /// `rs_mod rs rs_urough rs_vrough ts_mod ts ts_urough ts_vrough td_mod ux uy uz funcfile transform`.
 fn wgmd(p: &Primitive, color: Rgb, shine: Rgb) -> Result<Reflectance, String> {
     if p.strings.len() < 13 || p.reals.len() < 9 {
-        return Err(format!("{} has not the 13 words and 9 numbers that it needs", p.named()));
+        return Err(format!("{} lacks the 13 words and 9 numbers that it needs", p.named()));
     }
     let number = |at: usize| constant(&p.strings[at], &p.reals);
     let numbers = [1, 2, 3, 5].map(number);
@@ -123,7 +123,7 @@ fn wgmd(p: &Primitive, color: Rgb, shine: Rgb) -> Result<Reflectance, String> {
     let material = Material { rho_s: shine * rs, alpha_x, alpha_y, ..Material::diffuse(color) };
     let found = directed(p, material, 9);
     let doubt = if numbers.iter().any(Option::is_none) {
-        Some("has expressions that are no numbers and are not read")
+        Some("has expressions that are not numbers and are not read")
     } else if ts != 0.0 || p.reals[6..9].iter().any(|share| *share != 0.0) {
         Some("lets light through, which is left out")
     } else if p.reals[..3] != p.reals[3..6] {

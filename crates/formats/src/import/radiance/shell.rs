@@ -48,7 +48,7 @@ pub(super) fn pipelines(line: &str) -> Result<Vec<Pipeline>, String> {
 
 fn tokens(line: &str) -> Result<Vec<Token>, String> {
     let mut tokens = Vec::new();
-    // None between words.
+    // `None` between words.
     let mut word: Option<String> = None;
     let mut letters = line.chars().peekable();
     let finish = |word: &mut Option<String>, tokens: &mut Vec<Token>| {

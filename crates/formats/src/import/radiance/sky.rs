@@ -1,8 +1,9 @@
 //! How bright the sky is in each direction, by the functions of `gensky` and `gendaylit`, and skies as
 //! environments.
 //!
-//! Near the horizon, sky and ground pass over into each other: the sky counts `(Dz + 1.01)^10`, the ground
-//! one over it. [Radiance, `skybright.cal`, `perezlum.cal`; CIE S 003; Perez, Seals, Michalsky 1993]
+//! Near the horizon, sky and ground are blended: the weight of the sky is `(Dz + 1.01)^10`, that of the
+//! ground one over it. [Radiance, `skybright.cal`, `perezlum.cal`; CIE S 003; Perez, Seals, Michalsky
+//! 1993]
 
 use super::motion::Motion;
 use super::primitives::Primitive;
@@ -13,10 +14,10 @@ use unrender_scene::{Environment, Image, Rgb};
 /// Rows of the panorama; a row is 0.7 degrees.
 const ROWS: usize = 256;
 
-/// A pixel is the mean of so many places along each side.
+/// A pixel is the mean of this many places along each side.
 const FINER: usize = 2;
 
-/// Each costs a tenth of a second.
+/// The most sources; each costs a tenth of a second.
 const MAX_PARTS: usize = 64;
 
 /// The brightness of a sky by direction.
@@ -25,7 +26,7 @@ pub(super) struct Sky {
     is_perez: bool,
     /// The numbers of the function, A1 first; as many as its formula needs.
     numbers: Vec<f64>,
-    /// What the sky was turned by.
+    /// The motion that turned the sky.
     motion: Motion,
 }
 
@@ -50,7 +51,7 @@ impl Sky {
         })
     }
 
-    /// What the radiance of the source is multiplied by in `direction`.
+    /// The factor of the source's radiance in `direction`.
     pub(super) fn at(&self, direction: DVec3) -> f64 {
         let d = self.motion.vector_before(direction).normalize_or_zero();
         let (sky, ground) = if self.is_perez { self.perez(d) } else { self.cie(d) };
@@ -103,11 +104,11 @@ pub(super) struct Disk {
     pub(super) angle_deg: f64,
     pub(super) radiance: Rgb,
     pub(super) sky: Option<Sky>,
-    /// Of several glows that cover one another, the last is seen; of lights the first, before all glows.
+    /// Where glows overlap, the last is seen; where lights overlap, the first, in front of all glows.
     pub(super) is_glow: bool,
 }
 
-/// What all of `disks` show, if there are any.
+/// The environment of all `disks`, if there are any.
 pub(super) fn environment(disks: &[Disk]) -> Result<Option<Environment>, String> {
     if disks.is_empty() {
         return Ok(None);
@@ -138,7 +139,7 @@ pub(super) fn environment(disks: &[Disk]) -> Result<Option<Environment>, String>
     };
     let panorama = Image::from_fn(2 * ROWS, ROWS, pixel);
     let environment = Environment::new(panorama, 0.0);
-    environment.map(Some).map_err(|error| format!("has a sky that is none: {error}"))
+    environment.map(Some).map_err(|error| format!("has an invalid sky: {error}"))
 }
 
 /// The direction at `u` widths and `v` heights of a panorama; see [`Environment`].

@@ -6,7 +6,7 @@ use crate::polygon;
 use glam::{DVec3, Vec3};
 use unrender_scene::Mesh;
 
-/// What is round, as a mesh. A radius below zero turns it inside out, as it does in Radiance.
+/// A round surface as a mesh. A radius below zero turns it inside out, as in Radiance.
 pub(super) fn round(primitive: &Primitive) -> Result<Mesh, String> {
     let ends = |n: &[f32]| [Vec3::from_slice(&n[..3]), Vec3::from_slice(&n[3..6])];
     let kind = primitive.kind.as_str();
@@ -46,7 +46,7 @@ pub(super) fn polygon(primitive: &Primitive) -> Result<Mesh, String> {
     let corners: Vec<Vec3> =
         primitive.reals.chunks_exact(3).map(|c| DVec3::from_slice(c).as_vec3()).collect();
     if corners.len() < 3 || !primitive.reals.len().is_multiple_of(3) {
-        return Err(format!("the polygon \"{}\" has no three corners", primitive.id));
+        return Err(format!("the polygon \"{}\" has fewer than three corners", primitive.id));
     }
     let all: Vec<u32> = (0..corners.len() as u32).collect();
     let mut triangles = Vec::new();

@@ -16,9 +16,9 @@ pub(super) const OPTIONS: [Entry; 11] = [
     read("-vv", "the angle upwards, degrees; 45 by default"),
     read("-vs", "how far the view is shifted to the right, in its widths"),
     read("-vl", "how far it is shifted upwards, in its heights"),
-    told("-vo", "what it cuts off is seen here, unless it is zero"),
-    told("-va", "what it cuts off is seen here, unless it is zero"),
-    refused("-vtl", "its view is no perspective (-vtv)"),
+    told("-vo", "zero clips nothing; otherwise what it clips is seen here"),
+    told("-va", "zero clips nothing; otherwise what it clips is seen here"),
+    refused("-vtl", "its view is not a perspective (-vtv)"),
 ];
 
 /// The camera of the view file that belongs to the scene at `path`, if there is one.
@@ -40,12 +40,12 @@ pub(super) fn beside(
         .lines()
         .rfind(|line| line.contains("-v"))
         .map_or(Vec::new(), |line| line.split_whitespace().collect());
-    // Our export writes them as zero: nothing is cut off.
+    // Our export writes zero, which clips nothing.
     let cuts = OPTIONS.iter().filter(|option| option.taken == Taken::WarnedOf);
     for option in cuts.map(|option| option.name) {
         let value = words.iter().skip_while(|word| **word != option).nth(1);
         if value.is_some_and(|value| value.parse::<f32>().is_ok_and(|value| value > 0.0)) {
-            warnings.push(format!("{name}: what {option} cuts off is seen here"));
+            warnings.push(format!("{name}: what {option} clips is seen here"));
         }
     }
     camera(&words, scope.origin()).map(Some).map_err(|problem| format!("{name}: {problem}"))

@@ -50,7 +50,7 @@ impl<'a> Words<'a> {
         (!self.rest.is_empty()).then_some(Item::Primitive)
     }
 
-    /// The rest of a command, with the lines that it goes on in.
+    /// The rest of a command, with its continued lines.
     fn command(&mut self) -> String {
         let mut command = String::new();
         while !self.rest.is_empty() {
@@ -85,7 +85,7 @@ impl<'a> Words<'a> {
         Some(word)
     }
 
-    /// The next word where a number is to be, comments left aside.
+    /// The next word where a number is expected, without comments.
     pub(super) fn number(&mut self) -> Option<&'a str> {
         self.skip_blanks();
         while self.rest.starts_with('#') {
@@ -106,7 +106,7 @@ impl<'a> Words<'a> {
     }
 }
 
-/// Blanks as C has them.
+/// Blanks, as in C.
 fn is_blank(c: char) -> bool {
     c.is_ascii_whitespace() || c == '\u{b}'
 }

@@ -1,31 +1,31 @@
-//! The command line of `xform`: what it moves where, how often, and under which names.
+//! The command line of `xform`: what it moves, where to, how often, and with which names.
 //!
-//! Options that rename come before the motions, files behind them. `-a n` makes n of it, moved not at all,
-//! once, twice and so on; `-f` takes further words from a file, one of all for each of its lines.
+//! Options that rename come before the motions, files after them. `-a n` makes n copies, moved not at all,
+//! once, twice and so on; `-f` takes further words from a file and makes one copy for each of its lines.
 //! [Radiance, `xform(1)`]
 
 use super::motion::Motion;
 pub(super) use super::primitives::Change;
 use super::words::Words;
 
-/// So many `-a` and `-f` may stand in one command: three are a lattice.
+/// The most `-a` and `-f` in one command: three are a lattice.
 const NESTED: usize = 8;
 
-/// What a repetition counts for, bytes: half a million of them are still made in a second.
+/// Memory charged for a repetition, bytes: it allows half a million of them, which take a second.
 const REPETITION: u64 = 4096;
 
-/// So many words may stand in one command; `xform` itself takes 256.
+/// The most words of one command; `xform` itself takes 256.
 const WORDS: usize = 256;
 
-/// Where the words of lists come from, and what bounds how many repetitions are made.
+/// Where the words of lists come from, and the limit of the number of repetitions.
 pub(super) trait Source {
     /// The text of the list in the file `name`.
     fn list(&mut self, name: &str) -> Result<String, String>;
-    /// Counts `bytes` that are about to be taken.
+    /// Counts `bytes` that are about to be allocated.
     fn charge(&self, bytes: u64) -> Result<(), String>;
 }
 
-/// A change, and the files that it is made to.
+/// A change, and the files to which it applies.
 pub(super) type Made = (Change, Vec<String>);
 
 /// All that a command makes.
@@ -71,7 +71,7 @@ fn expand(
         }
         return Ok(());
     }
-    // Each repetition costs something, so that their number is bounded.
+    // Each repetition is charged, which bounds their number.
     source.charge(REPETITION)?;
     all.push(single(&words)?);
     Ok(())
@@ -97,7 +97,7 @@ fn lists(text: &str) -> Vec<Vec<String>> {
     found
 }
 
-/// `words` with the number of a repetition behind the name, if they have one, or as the name.
+/// `words` with the number of a repetition after the name if they have one, else as the name.
 fn numbered(mut words: Vec<String>, letter: char, number: usize) -> Vec<String> {
     match words.iter().position(|word| word == "-n") {
         Some(at) if at + 1 < words.len() => words[at + 1] = format!("{}.{number}", words[at + 1]),
@@ -106,7 +106,7 @@ fn numbered(mut words: Vec<String>, letter: char, number: usize) -> Vec<String> 
     words
 }
 
-/// What words without arrays and lists make, and the files that they name.
+/// The change that words without arrays and lists state, and the files that they name.
 fn single(words: &[String]) -> Result<Made, String> {
     let (mut modifier, mut prefix, mut inverted) = (None, None::<String>, false);
     let mut rest = words;
@@ -133,7 +133,7 @@ fn single(words: &[String]) -> Result<Made, String> {
     let (said, files) = rest.split_at(read);
     if let Some(wrong) = files.first().filter(|word| word.starts_with('-')) {
         return Err(format!(
-            "xform has \"{wrong}\", which is no motion, or has not the numbers that it needs"
+            "xform has \"{wrong}\", which is no motion, or lacks the numbers that it needs"
         ));
     }
     let change = Change { motion, words: said.to_vec(), inverted, modifier, prefix };

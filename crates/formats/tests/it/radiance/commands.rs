@@ -3,14 +3,14 @@
 use super::*;
 use std::f32::consts::PI;
 
-/// A triangle in the first quadrant, its front upwards, and what is round.
+/// A triangle in the first quadrant, its front upwards, and round surfaces.
 const PART: &str = "red polygon p 0 0 9 0 0 0  1 0 0  0 2 0
 white cylinder c 0 0 7 0 0 0  0 0 1  .5
 white sphere s 0 0 4 1 1 1 .5
 white ring r 0 0 8 0 0 0  0 0 1  0 1
 ";
 
-/// What `command` makes with [`PART`] beside the scene.
+/// The scene that `command` makes with [`PART`] beside it.
 fn made(command: &str) -> Scene {
     let read = read_beside(&[("part.rad", PART)], command);
     let (scene, warnings) = read.unwrap_or_else(|error| panic!("{command}: {error}"));
@@ -26,7 +26,7 @@ fn every_motion_moves_every_surface() {
         ("-rx 90", [0., 0., 0.], [1., 0., 2.], [0., -1., 0.]),
         ("-ry 90", [0., 0., -1.], [0., 2., 0.], [1., 0., 0.]),
         ("-rz 90", [-2., 0., 0.], [0., 1., 0.], [0., 0., 1.]),
-        // Mirrors turn nothing over: what was seen from above still is, from where above has gone to.
+        // Mirroring does not exchange front and back: the front stays on the side that was above.
         ("-mx", [-1., 0., 0.], [0., 2., 0.], [0., 0., 1.]),
         ("-my", [0., -2., 0.], [1., 0., 0.], [0., 0., 1.]),
         ("-mz", [0., 0., 0.], [1., 2., 0.], [0., 0., -1.]),
@@ -118,7 +118,7 @@ fn boxes_are_closed_and_face_outwards() {
         ("-i", 22.0, -1.0),
         ("-b .1", flat + bevel, 1.0),
         ("-i -b .1", flat + bevel, -1.0),
-        // With the whole of its balls and cylinders, as Radiance has them.
+        // With whole balls and cylinders, as in Radiance.
         ("-r .1", flat + 2.0 * PI * corner * 4.0 * 5.4 + 8.0 * 4.0 * PI * corner * corner, 1.0),
     ] {
         let scene = exactly(&format!("!genbox red box 1 2 3 {options}"));

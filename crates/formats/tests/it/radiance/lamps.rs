@@ -1,4 +1,4 @@
-//! What shines, each with its own meaning, and what is refused.
+//! Lamps of every kind, and those that are refused.
 
 use super::*;
 use glam::DVec3;
@@ -21,7 +21,7 @@ fn glows_give_light_unless_their_radius_is_below_zero() {
     }
     let (scene, warnings) = read(&lamp("void glow l 0 0 4 5 5 5 -1"));
     assert_eq!(group(&scene, "panel").emission, Rgb::ZERO);
-    assert_told(&warnings, "line 5: the glow \"l\" is seen and lights nothing");
+    assert_told(&warnings, "line 5: the glow \"l\" is visible but gives no light");
 }
 
 #[test]
@@ -105,7 +105,7 @@ fn lamps_whose_brightness_is_not_understood_are_refused() {
     assert_eq!(group(&scene, "panel").emission, Rgb::splat(4.0));
 }
 
-/// The irradiance that `environment` brings to a surface that faces `up`.
+/// The irradiance by `environment` of a surface that faces `up`.
 fn irradiance(environment: &Environment, up: Vec3) -> Vec3 {
     let rows = 400;
     let mut sum = DVec3::ZERO;
@@ -221,7 +221,8 @@ fn gensky_is_that_of_radiance_6() {
 
 #[test]
 fn gensky_knows_where_the_sun_is() {
-    // About noon at the equinox at the equator it is high, at 45 degrees north half of that.
+    // At noon at 45 degrees north it is 45 degrees high at the equinox, higher in June, lower in
+    // December.
     for (command, z, y_below) in [
         ("3 21 +12 -a 45", 0.707, -0.7),
         ("6 21 +12 -a 45", 0.93, -0.3),

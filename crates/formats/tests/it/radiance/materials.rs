@@ -3,7 +3,7 @@
 use super::*;
 use unrender_scene::Rgb;
 
-/// The material of a sphere of `m`, defined by `text`, and what is told.
+/// The material of a sphere of `m`, defined by `text`, and the warnings.
 fn material(text: &str) -> (unrender_scene::Material, Warnings) {
     let (scene, warnings) = read(&format!("{text}\nm sphere s 0 0 4 1 0 1 1"));
     (group(&scene, "s").material.clone(), warnings)
@@ -131,7 +131,7 @@ fn pictures_are_laid_over_texture_coordinates_or_their_mean_is_taken() {
     }
 }
 
-/// A picture of one grey as `p.hdr`, with a further line in its header, on a ball; its reflectance and what is told.
+/// A picture of one grey as `p.hdr`, with a further line in its header, on a ball; its reflectance and the warnings.
 fn with_picture(line: &str) -> (f32, Warnings) {
     let folder = Folder::new();
     let image = unrender_scene::Image::from_fn(4, 4, |_, _| Rgb::splat(0.25));
@@ -173,7 +173,7 @@ fn the_outermost_texels_of_a_picture_are_at_its_edges() {
     );
     let (scene, _) = load_scene(&folder.file("scene.rad", text)).unwrap();
     let texture = group(&scene, "s").material.texture.clone().unwrap();
-    // A line from the first over the second to the third.
+    // Linear from the first over the second to the third.
     for u in [0.1f32, 0.25, 0.5, 0.8] {
         let at = (u * texture.image.width() as f32) as usize;
         let (found, wanted) = (texture.image.at(at, 0).x, 0.125 + 0.75 * u);
@@ -196,7 +196,7 @@ fn highlights_keep_their_direction() {
         assert_eq!(p.tangents.len(), p.positions.len());
         let along = p.tangents[0].truncate();
         assert!(along.dot(Vec3::from_array(expected)).abs() > 0.9999, "{motion}: {along}");
-        // Where it points out of the surface, any will do.
+        // Where it points out of the surface, any direction will do.
         let q = mesh(&scene, "q");
         assert!(q.tangents[0].truncate().dot(q.normals[0]).abs() < 1e-5);
         assert_eq!(group(&scene, "p").material.theta_rad, 0.0);
@@ -257,7 +257,7 @@ fn of_other_materials_what_they_reflect_is_taken_and_told() {
     }
     let told =
         refusal("void WGMDfunc m 3 red 1 .1 0 9 1 1 1 1 1 1 0 0 0\nm sphere s 0 0 4 0 0 0 1");
-    assert!(told.contains("has the colour \"red\" of its highlights"), "{told}");
+    assert!(told.contains("names \"red\" as the colour of its highlights"), "{told}");
 }
 
 #[test]

@@ -21,7 +21,7 @@ lamp sphere bulb 0 0 4 0 0 90 .1
 /// The lines of [`BASE`].
 const BASE_LINES: usize = 4;
 
-/// What the scene of [`BASE`] and `text` is read as, in a folder with further `files`.
+/// Reads the scene of [`BASE`] and `text`, in a folder with further `files`.
 fn read_beside(files: &[(&str, &str)], text: &str) -> Result<(Scene, Warnings), String> {
     let folder = Folder::new();
     for (name, text) in files {
@@ -33,12 +33,12 @@ fn read_beside(files: &[(&str, &str)], text: &str) -> Result<(Scene, Warnings), 
     load_scene(&path).map_err(|error| error.to_string())
 }
 
-/// As [`read_beside`], with nothing beside it.
+/// As [`read_beside`], without further files.
 fn read(text: &str) -> (Scene, Warnings) {
     read_beside(&[], text).unwrap_or_else(|error| panic!("{text}: {error}"))
 }
 
-/// As [`read`], and nothing is told.
+/// As [`read`], without a warning.
 fn exactly(text: &str) -> Scene {
     let (scene, warnings) = read(text);
     assert!(warnings.0.is_empty(), "{text}: {warnings:?}");

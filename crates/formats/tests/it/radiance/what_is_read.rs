@@ -22,12 +22,12 @@ fn told(text: &str) -> Result<Warnings, String> {
     load_scene(&path).map(|(_, warnings)| warnings).map_err(|error| error.to_string())
 }
 
-/// A sphere of the material `m`, which `kind` and its arguments are.
+/// A sphere of the material `m`, of this `kind` with its arguments.
 fn of_material(kind: &str, arguments: &str) -> String {
     format!("void {kind} m {arguments}\nm sphere s 0 0 4 0 0 1 1")
 }
 
-/// A sphere of a plastic behind the pattern or texture that `kind` and its arguments are.
+/// A sphere of a plastic behind a pattern or texture of this `kind` with its arguments.
 fn behind(kind: &str, arguments: &str) -> String {
     format!("void {kind} p {arguments}\np plastic m 0 0 5 .5 .5 .5 0 0\nm sphere s 0 0 4 0 0 1 1")
 }

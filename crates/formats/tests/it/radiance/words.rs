@@ -37,7 +37,7 @@ fn aliases_are_their_originals_under_another_name() {
         ("void alias crimson red", [0.7, 0.1, 0.1]),
         ("inherit alias crimson red", [0.7, 0.1, 0.1]),
         ("void alias dark red\nvoid alias crimson dark", [0.7, 0.1, 0.1]),
-        // Behind another pattern, and behind the pattern of the original.
+        // With another pattern, and with the pattern of the original.
         ("void colorfunc half 4 .5 .5 .5 . 0 0\nhalf alias crimson red", [0.35, 0.05, 0.05]),
         (
             "void brightfunc half 2 .5 . 0 0\nhalf plastic dim 0 0 5 .8 .4 .2 0 0\n\
@@ -67,7 +67,7 @@ fn names_mean_what_was_defined_last_before_them() {
     for (name, rho_d) in [("before", 0.7), ("after", 0.2), ("third", 0.7)] {
         assert_eq!(group(&scene, name).material.rho_d.x, rho_d, "{name}");
     }
-    // Defined again as it was, it is still one.
+    // Defined again in the same way, it is still one group.
     let scene = exactly(
         "red sphere one 0 0 4 1 0 1 1\nvoid plastic red 0 0 5 .7 .1 .1 0 0\nred sphere two 0 0 4 1 0 1 1",
     );
@@ -120,7 +120,7 @@ fn an_error_is_shown_with_the_warnings_that_came_before_it() {
         "{error}"
     );
     assert!(before.contains("before that: line 1: the glass \"pane\" is transparent"), "{error}");
-    // Also where the scene as a whole is what is wrong.
+    // Also for an error of the whole scene.
     let text =
         "void plastic w 0 0 5 1 1 1 0 0\nw sphere t 0 0 4 0 0 0 1\nvoid sphere u 0 0 4 0 0 0 1";
     let error = load_scene(&folder.file("scene.rad", text)).unwrap_err().to_string();

@@ -1,4 +1,4 @@
-//! Folders of tests, and small glTF files: one triangle, a lamp, and whatever a test changes about them.
+//! Folders of tests, and small glTF files: one triangle, a lamp, and what a test changes about them.
 
 #![allow(dead_code, reason = "not every test uses everything here")]
 
@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A folder of its own for a test; it goes with the value.
+/// A folder of its own for a test, removed when it is dropped.
 pub(crate) struct Folder(tempfile::TempDir);
 
 impl Folder {
@@ -17,12 +17,12 @@ impl Folder {
         Self(tempfile::Builder::new().prefix("unrender-").tempdir().unwrap())
     }
 
-    /// Where it is.
+    /// Its path.
     pub(crate) fn root(&self) -> &Path {
         self.0.path()
     }
 
-    /// Where `name` is in it, or would be.
+    /// The path of `name` in it.
     pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.root().join(name)
     }

@@ -1,4 +1,4 @@
-//! Small TIFF and EXR files of any kind, made from what a test says of them.
+//! Small TIFF and EXR files of any kind, made from a test's description.
 
 use exr::meta::attribute::IntegerBounds;
 use exr::prelude::{
@@ -38,7 +38,7 @@ pub(crate) struct Page {
 }
 
 impl Page {
-    /// A page of whole numbers of `bits` bits: grey, or RGB with whatever is beside it.
+    /// A page of whole numbers of `bits` bits: grey, or RGB with further channels.
     pub(crate) fn new(
         (width, height): (u32, u32),
         samples: u32,
@@ -61,7 +61,7 @@ impl Page {
         Self::new(size, 1, 8, vec![code; (size.0 * size.1) as usize])
     }
 
-    /// The same with a field, in place of the one that it has.
+    /// The same with this field, in place of its own.
     pub(crate) fn with(mut self, tag: u16, kind: u16, values: &[u32]) -> Self {
         self.fields.retain(|field| field.0 != tag);
         self.fields.push((tag, kind, values.to_vec()));
@@ -80,7 +80,8 @@ impl Page {
         self
     }
 
-    /// Appends the page; where its directory is, and where the place of the next one belongs.
+    /// Appends the page; returns the offset of its directory, and where to write that of the next
+    /// one.
     fn put(&self, bytes: &mut Vec<u8>) -> (u32, usize) {
         let inner: Vec<u32> = self.inner.iter().map(|page| page.put(bytes).0).collect();
         let strip = bytes.len() as u32;
@@ -218,7 +219,7 @@ pub(crate) fn exr_head(channels: &[(&str, u32)], compression: u8, kind: &str) ->
     bytes
 }
 
-/// A PNG with one more chunk behind its header.
+/// A PNG with one more chunk after its header.
 pub(crate) fn with_chunk(png: &[u8], kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
     let mut crc = flate2::Crc::new();
     crc.update(kind);

@@ -1,4 +1,4 @@
-//! glTF: a property or an extension more in a file that has one of every element.
+//! glTF: one more property or extension in a file that has one of every element.
 
 use super::{assert_taken, rows};
 use crate::gltf_unread::everything;
@@ -44,7 +44,7 @@ fn place(element: &str) -> &'static str {
     }
 }
 
-/// What is told of the file with `value` as the property, beyond what is told without.
+/// The warnings of the file with `value` as the property, without those of the file itself.
 fn with(row: &Row, value: Value) -> Result<Warnings, String> {
     let mut json = everything();
     let before = read(&json)?;
@@ -55,7 +55,7 @@ fn with(row: &Row, value: Value) -> Result<Warnings, String> {
     Ok(told)
 }
 
-/// That what is read is not told is told by a test beside the table: what has a field is no unread property.
+/// A test beside the table shows that properties that are read cause no warning: they have a field.
 #[test]
 fn properties_are_told_and_passed_over_as_their_rows_say() {
     for row in rows("glTF: properties") {

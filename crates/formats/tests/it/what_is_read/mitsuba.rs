@@ -8,7 +8,7 @@ use unrender_formats::picture;
 use unrender_formats::what_is_read::Row;
 use unrender_scene::{Rgb, RgbImage, Warnings};
 
-/// What is told of a scene of `inside`, all in one line.
+/// The warnings of a scene of `inside`, all in one line.
 fn read(inside: &str) -> Result<Warnings, String> {
     let folder = Folder::new();
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -103,7 +103,7 @@ fn property(within: &str, name: &str) -> String {
     }
 }
 
-/// What a plugin of the type `kind` must have.
+/// The properties that a plugin of the type `kind` must have.
 fn needed(kind: &str) -> &'static [&'static str] {
     match kind {
         "ply" | "obj" | "serialized" | "bitmap" | "envmap" => &["filename"],
@@ -146,7 +146,7 @@ fn scene(tag: &str, kind: &str, name: Option<&str>) -> String {
     }
 }
 
-/// What is told of `whole` beyond what is told of `base`, in other numbers.
+/// The warnings of `whole` that `base` does not cause; numbers are not compared.
 fn added(base: &str, whole: &str) -> Result<Warnings, String> {
     let words = |warning: &String| warning.replace(|c: char| c.is_ascii_digit() || c == '.', "");
     let base: Vec<String> = read(base)?.0.iter().map(words).collect();

@@ -1,5 +1,5 @@
-//! The tables of what is read, row by row: what they say is read is read without a word, what they say is warned
-//! of is told, and what they say is refused is refused. Radiance's are beside its other tests.
+//! The tables of what is read, row by row: rows that are read cause no warning, those warned of cause one, and
+//! those refused cause an error. Radiance's are beside its other tests.
 
 mod gltf;
 mod mitsuba;
@@ -15,7 +15,7 @@ pub(crate) fn rows(title: &str) -> Vec<Row> {
     tables.find(|table| table.title == title).unwrap_or_else(|| panic!("no table {title}")).rows
 }
 
-/// Asserts that reading what has the element of `row` went as the row says; `told_of` is in the warning of it.
+/// Asserts that a file with the element of `row` was read as the row says; `told_of` is in the warning of it.
 pub(crate) fn assert_taken(row: &Row, told_of: &str, read: Result<Warnings, String>) {
     let element = format!("{} {}", row.within, row.element);
     match (row.taken, read) {

@@ -1,11 +1,12 @@
-//! OBJ and MTL: a triangle, its material, and one statement more.
+//! OBJ and MTL: a triangle, its material, and one more statement.
 
 use super::{assert_taken, rows};
 use crate::support::Folder;
 use unrender_formats::{obj, picture};
 use unrender_scene::{Rgb, RgbImage, Warnings};
 
-/// What is told of the triangle with the statement `in_obj`, its material with the statement `in_mtl`.
+/// The warnings of the triangle with the statement `in_obj` and its material with the statement
+/// `in_mtl`.
 fn read(in_obj: &str, in_mtl: &str) -> Result<Warnings, String> {
     let folder = Folder::new();
     folder.file("a.mtl", format!("newmtl m\nKd 0.5 0.5 0.5\n{in_mtl}\n"));

@@ -100,7 +100,7 @@ fn every_key_and_model_of_opencv_is_taken_as_its_row_says() {
             (_, key) if row.done.starts_with("the translation") => {
                 format!("{matrix}rvec: [0, 0, 0]\n{key}: [0, 0, 1]\n")
             }
-            (_, key) if row.done.starts_with("a row a view") => {
+            (_, key) if row.done.starts_with("one row per view") => {
                 format!("{matrix}{key}: [[0, 0, 0, 0, 0, 1]]\n")
             }
             (_, key) => format!("{matrix}{key}: 640\n"),

@@ -1,5 +1,5 @@
-//! A camera written down once more, in double precision and by the words of docs/reference/conventions.md,
-//! and measured points with known errors.
+//! An independent implementation of the camera, in double precision by docs/reference/conventions.md, and
+//! measured points with known errors.
 
 use glam::{DVec2, DVec3};
 use unrender_formats::points::Pair;
@@ -65,7 +65,7 @@ impl Truth {
     }
 }
 
-/// Numbers without order, the same in every run.
+/// Random numbers, the same in every run.
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {

@@ -79,7 +79,7 @@ pub(crate) fn truth() -> Scene {
     scene
 }
 
-/// What a recovery may have made of it: no texture, and all reflectances a little wrong.
+/// The room as a recovery may leave it: no texture, and all reflectances a little wrong.
 pub(crate) fn model() -> Scene {
     let mut scene = truth();
     for (index, off) in [1.02, 0.98, 1.01, 0.99].into_iter().enumerate() {
