@@ -8,7 +8,7 @@
 
 use crate::block_residuals::BlockResiduals;
 use crate::blocks::Blocks;
-use crate::likelihood::{Covariance, Likelihood};
+use crate::likelihood::{Likelihood, ResidualCovariance};
 use crate::model_error::{LightField, ModelError};
 use glam::DVec3;
 use unrender_scene::Rgb;
@@ -76,7 +76,7 @@ impl Contrast {
     /// Compares the one model with the other, in units of the covariance of `reference`.
     fn under(reference: &Reference<'_>, blocks: &Blocks, [mine, other]: [&Side<'_>; 2]) -> Self {
         let Reference { residuals, field, likelihood } = reference;
-        let covariance = Covariance::of(residuals, field, likelihood);
+        let covariance = ResidualCovariance::of(residuals, field, likelihood);
         let [of_mine, of_other] = [mine, other].map(|side| side.residuals.halves());
         let square = |[a, b]: &[Vec<Rgb>; 2]| covariance.product([a, b]);
         let difference = square(&of_mine) - square(&of_other);
@@ -108,7 +108,7 @@ fn chance(residuals: &BlockResiduals, error: ModelError) -> f64 {
 /// `m C^-1 m - h C^-1 h`. `m` has as much noise as `h`, independent of it: each block's share of the variance is on
 /// average the square of the one model's `2 h C^-1 m` less the other's. This accounts for the correlation of a block's
 /// channels, which see the same paths, and for the random numbers that both models have in common.
-fn noise(covariance: &Covariance<'_>, [mine, other]: [&BlockResiduals; 2]) -> f64 {
+fn noise(covariance: &ResidualCovariance<'_>, [mine, other]: [&BlockResiduals; 2]) -> f64 {
     let of = |side: &BlockResiduals| {
         let means = covariance.inverse(&side.residual);
         let both = side.half.iter().zip(means);

@@ -184,7 +184,7 @@ impl Sums {
 }
 
 /// The covariance of residuals under given errors, ready to be inverted.
-pub struct Covariance<'a> {
+pub struct ResidualCovariance<'a> {
     residuals: &'a BlockResiduals,
     field: &'a LightField,
     error: ModelError,
@@ -195,7 +195,7 @@ pub struct Covariance<'a> {
 /// The standard deviation of the light's functions, and `1 + U^T W U` if that is finite.
 type Factors = (f64, Option<Cholesky<f64, Dyn>>);
 
-impl<'a> Covariance<'a> {
+impl<'a> ResidualCovariance<'a> {
     /// That of `residuals` under the errors of `likelihood`.
     pub fn of(
         residuals: &'a BlockResiduals,

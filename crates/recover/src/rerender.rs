@@ -200,12 +200,12 @@ impl<'a> View<'a> {
 }
 
 /// The paths of a view.
-struct PathsOf<'v, 'a> {
+struct ViewPaths<'v, 'a> {
     view: &'v View<'a>,
     paths: StoredPaths,
 }
 
-impl Stored for PathsOf<'_, '_> {
+impl Stored for ViewPaths<'_, '_> {
     fn replay(
         &self,
         appearance: Appearance<'_>,
@@ -266,7 +266,7 @@ impl Renderer for View<'_> {
         seen: Option<&RadianceCache>,
     ) -> Box<dyn Stored + 's> {
         let paths = self.paths(appearance, pixels, parameters, settings, seen);
-        Box::new(PathsOf { view: self, paths })
+        Box::new(ViewPaths { view: self, paths })
     }
 
     fn rerender(

@@ -15,7 +15,7 @@
 use crate::contrast::{Contrast, Side, independent_share};
 use crate::evidence::Evidence;
 use crate::hypothesis::{self, Fit, Hypothesis};
-use crate::likelihood::Covariance;
+use crate::likelihood::ResidualCovariance;
 use crate::unknown::Quantity;
 use std::collections::BTreeMap;
 use std::ops::Neg;
@@ -173,7 +173,8 @@ pub fn explains_alike(fit: &Fit, best: &Fit, evidence: &Evidence) -> bool {
 
 /// How many of the blocks are independent of each other under `fit`.
 fn independent_blocks(fit: &Fit, evidence: &Evidence) -> f64 {
-    let residuals = Covariance::of(&fit.residuals, &evidence.field, &fit.likelihood).standardised();
+    let residuals =
+        ResidualCovariance::of(&fit.residuals, &evidence.field, &fit.likelihood).standardised();
     evidence.blocks.len() as f64 * independent_share(&evidence.blocks, &residuals)
 }
 

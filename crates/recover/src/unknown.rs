@@ -1,5 +1,5 @@
 //! The names of the free numbers of a joint refinement. What each of them is (its prior, its bounds,
-//! its derivative) is in `refine/blocks`.
+//! its derivative) is in `refine/parameters`.
 
 /// One kind of number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

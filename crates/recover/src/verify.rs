@@ -61,7 +61,7 @@ const OUTLIER: f64 = 9.0;
 
 /// The pixels by which states are judged.
 pub(crate) struct Verifier {
-    groups: Vec<Sample>,
+    groups: Vec<GroupSample>,
     settings: Settings,
     /// Paths a pixel where a group is tested alone.
     own_spp: u32,
@@ -72,7 +72,7 @@ pub(crate) struct Verifier {
 }
 
 /// Those of one group.
-struct Sample {
+struct GroupSample {
     group: usize,
     pixels: Vec<u32>,
     blocks: Blocks,
@@ -130,7 +130,7 @@ impl Verifier {
             let none = LightError { share: 0.0 };
             let geometry = (&observation.sheet, renderer.geometry());
             let field = LightField::of(&blocks, &pixels, geometry, none);
-            Sample { group, pixels, blocks, level2, field }
+            GroupSample { group, pixels, blocks, level2, field }
         };
         let groups = (0..state.materials.len()).filter(judged).map(sample);
         let seed = mix(options.seed ^ 0x5C04E);
@@ -201,7 +201,7 @@ impl Verifier {
         let all: Vec<u32> = self.groups.iter().flat_map(|s| s.pixels.iter().copied()).collect();
         let halves = self.render(state.appearance(), state, &all, settings);
         let mut start = 0;
-        let of_group = |sample: &Sample| {
+        let of_group = |sample: &GroupSample| {
             let range = start..start + sample.pixels.len();
             start = range.end;
             let halves = halves.each_ref().map(|half| &half[range.clone()]);
@@ -232,7 +232,7 @@ impl Verifier {
         &self,
         state: &State<'_>,
         (status, least): (&Image<PixelStatus>, Allowance),
-        sample: &Sample,
+        sample: &GroupSample,
         halves: [&[Rgb]; 2],
     ) -> GroupScore {
         let observation = &state.observation;
@@ -305,12 +305,12 @@ impl Verifier {
     }
 
     /// Compares the score `mine` with `other`.
-    pub(crate) fn compare(&self, mine: &Score, other: &Score) -> Comparison {
+    pub(crate) fn compare(&self, mine: &Score, other: &Score) -> Contrasts {
         let both = self.groups.iter().zip(mine.groups.iter().zip(&other.groups));
-        let of_group = |(sample, (mine, other)): (&Sample, (&GroupScore, &GroupScore))| {
+        let of_group = |(sample, (mine, other)): (&GroupSample, (&GroupScore, &GroupScore))| {
             (sample.group, sample.contrast(mine, other, Contrast::of))
         };
-        Comparison { groups: both.map(of_group).collect() }
+        Contrasts { groups: both.map(of_group).collect() }
     }
 
     /// Whether the picture of a group in `state` supports its change by `proposal` from the `present` state: it has the
@@ -381,7 +381,7 @@ impl Verifier {
     }
 }
 
-impl Sample {
+impl GroupSample {
     /// Compares two states by the comparison `of` their residuals. An outlier costs the same under both.
     fn contrast(
         &self,
@@ -404,12 +404,12 @@ impl Sample {
     }
 }
 
-/// The comparison of two states, group by group.
-pub(crate) struct Comparison {
+/// The contrast of two states, group by group.
+pub(crate) struct Contrasts {
     groups: Vec<(usize, Contrast)>,
 }
 
-impl Comparison {
+impl Contrasts {
     /// Whether the picture speaks against the one state: its deviance is higher by more than [`WORSE`] standard
     /// deviations of the difference under either model, whose variance is `4 S`, with `S` their separation, plus that
     /// by the renderings' noise. Blocks count as independent: in doubt a state is called worse.

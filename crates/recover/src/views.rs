@@ -81,12 +81,12 @@ fn append(all: &mut Jacobian, part: Jacobian) {
 }
 
 /// The paths of some pixels, photograph by photograph.
-struct PathsOf<'v, 'a> {
+struct SheetPaths<'v, 'a> {
     views: &'v Views<'a>,
     runs: Vec<(usize, Box<dyn Stored + 'v>)>,
 }
 
-impl Stored for PathsOf<'_, '_> {
+impl Stored for SheetPaths<'_, '_> {
     fn replay(
         &self,
         appearance: Appearance<'_>,
@@ -174,7 +174,7 @@ impl Renderer for Views<'_> {
             (photograph, renderer.store(appearance, &pixels, parameters, &settings, seen.as_ref()))
         };
         let runs = self.runs(pixels, |pixel| *pixel).into_iter().map(store).collect();
-        Box::new(PathsOf { views: self, runs })
+        Box::new(SheetPaths { views: self, runs })
     }
 
     fn rerender(

@@ -59,7 +59,7 @@ pub fn minimise(h: &DMatrix<f64>, g: &DVector<f64>, bounds: &Bounds) -> Option<D
     let inverse = scaled.cholesky()?.inverse();
     let rows = bounds.rows(&unit);
     let s = &inverse * g.component_mul(&unit);
-    let mut search = Search { inverse, rows, s, active: Vec::new() };
+    let mut search = ActiveSet { inverse, rows, s, active: Vec::new() };
     for _ in 0..EXCHANGES_MAX {
         let Some(violated) = search.most_violated() else {
             let inside = |i: usize| {
@@ -74,7 +74,7 @@ pub fn minimise(h: &DMatrix<f64>, g: &DVector<f64>, bounds: &Bounds) -> Option<D
 }
 
 /// The state of the search for the minimum.
-struct Search {
+struct ActiveSet {
     /// The inverse of the curvature.
     inverse: DMatrix<f64>,
     rows: Vec<Row>,
@@ -83,7 +83,7 @@ struct Search {
     active: Vec<(usize, f64)>,
 }
 
-impl Search {
+impl ActiveSet {
     fn most_violated(&self) -> Option<usize> {
         let excess = |row: &Row| row.along(&self.s) - row.limit;
         let excesses = self.rows.iter().map(excess).enumerate();

@@ -68,7 +68,7 @@ pub fn extract(
         None => {
             let pixels = evidence.pixels.iter().zip(&light);
             let one = |(pixel, light): (&Observed, &Lit)| {
-                Sample::new(geometry.pixels()[pixel.pixel as usize].uv, pixel.radiance, light)
+                TexelSample::new(geometry.pixels()[pixel.pixel as usize].uv, pixel.radiance, light)
             };
             pixels.map(one).collect()
         }
@@ -76,7 +76,7 @@ pub fn extract(
     let mut extracted: Option<Extracted> = None;
     for _ in 0..STEPS {
         let mut splat = Splat::new(width, height);
-        for Sample { uv, shown, light } in &samples {
+        for TexelSample { uv, shown, light } in &samples {
             let so_far = extracted.as_ref().map_or(Rgb::ZERO, |e| e.texture.sample(*uv));
             splat.add(*uv, *shown - *light * so_far, *light);
         }
@@ -97,7 +97,7 @@ struct Lit {
 
 /// What a pixel says of the texels about `uv`.
 #[derive(Clone, Copy, Debug)]
-struct Sample {
+struct TexelSample {
     uv: Vec2,
     /// `D B`.
     shown: Rgb,
@@ -105,7 +105,7 @@ struct Sample {
     light: Rgb,
 }
 
-impl Sample {
+impl TexelSample {
     fn new(uv: Vec2, radiance: Rgb, Lit { sets: [a, b], shine }: &Lit) -> Self {
         Self { uv, shown: 0.5 * (*a + *b) * (radiance - *shine), light: *a * *b }
     }

@@ -6,7 +6,7 @@
 //! are fitted and compared on paths ([`crate::refine::side_by_side`]) with all other groups fixed, or with more samples
 //! as long as these are not refined.
 
-use super::evidence_pair::{EvidencePair, Fits, Gathering, Light, Searched};
+use super::evidence_pair::{EvidencePair, Fits, Gathering, LightAmount, Searched};
 use crate::evidence::Evidence;
 use crate::hypothesis::{self, Fit, Hypothesis, Search};
 use crate::model_error::ModelError;
@@ -70,21 +70,21 @@ impl Asking<'_> {
     /// Compares the candidates; none where nothing was seen of the group.
     pub(super) fn compare(&self, state: &mut State<'_>) -> Option<Compared> {
         if self.stands {
-            let little = self.compare_by(state, Light::Little)?;
+            let little = self.compare_by(state, LightAmount::Little)?;
             if self.confirms(state, &little) {
                 return Some(little);
             }
         }
-        self.compare_by(state, Light::Usual)
+        self.compare_by(state, LightAmount::Usual)
     }
 
     /// The same with so many light samples, or more where that may change the decision.
-    fn compare_by(&self, state: &mut State<'_>, light: Light) -> Option<Compared> {
+    fn compare_by(&self, state: &mut State<'_>, light: LightAmount) -> Option<Compared> {
         let group = self.by.group;
         let mut evidence = EvidencePair::gather(state, &self.by, light)?;
         let searched = evidence.search(state, group);
         let mut compared = self.judge(state, evidence, &searched)?;
-        if matches!(light, Light::Usual) && !compared.fitted.decisions[0].open.is_empty() {
+        if matches!(light, LightAmount::Usual) && !compared.fitted.decisions[0].open.is_empty() {
             if self.stands {
                 self.decide_on_paths(state, &mut compared);
             } else {

@@ -40,7 +40,7 @@ pub(super) struct Gathering<'a> {
 
 /// How much light is gathered.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Light {
+pub(super) enum LightAmount {
     /// To search for other hypotheses, and to compare them.
     Usual,
     /// To see whether a group keeps its hypothesis.
@@ -49,7 +49,7 @@ pub(super) enum Light {
     More,
 }
 
-impl Light {
+impl LightAmount {
     /// `Little` has one in so many of the usual directions, and `More` so many times the usual points. At one, drafts
     /// of two rooms of five lose a group each; half and double of it were not tried.
     const STEP: u32 = 4;
@@ -71,7 +71,7 @@ impl Light {
 
 impl Gathering<'_> {
     /// The evidence by the random numbers of its `purpose`; none where nothing was seen of the group.
-    fn gather(&self, state: &State<'_>, light: Light, purpose: u64) -> Option<Evidence> {
+    fn gather(&self, state: &State<'_>, light: LightAmount, purpose: u64) -> Option<Evidence> {
         let mut budget = self.budget.clone();
         budget.probe.seed ^= purpose;
         budget.probe = light.of(budget.probe);
@@ -87,7 +87,11 @@ impl Gathering<'_> {
 
 impl EvidencePair {
     /// The evidence on a group, twice; none where nothing was seen of it.
-    pub(super) fn gather(state: &State<'_>, by: &Gathering<'_>, light: Light) -> Option<Self> {
+    pub(super) fn gather(
+        state: &State<'_>,
+        by: &Gathering<'_>,
+        light: LightAmount,
+    ) -> Option<Self> {
         let searching = by.gather(state, light, SEARCHING)?;
         let judging = by.gather(state, light, JUDGING)?;
         Some(Self { searching, judging })
@@ -95,7 +99,7 @@ impl EvidencePair {
 
     /// The same with more and other evidence to compare hypotheses by; none where nothing was seen of the group.
     pub(super) fn judged_again(self, state: &State<'_>, by: &Gathering<'_>) -> Option<Self> {
-        let judging = by.gather(state, Light::More, JUDGING_AGAIN)?;
+        let judging = by.gather(state, LightAmount::More, JUDGING_AGAIN)?;
         Some(Self { judging, ..self })
     }
 

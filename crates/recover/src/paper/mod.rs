@@ -70,7 +70,7 @@ pub(crate) fn run(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Termination, RecoverError> {
-    let mut rungs = vec![Rung::default(); state.materials.len()];
+    let mut rungs = vec![Standing::default(); state.materials.len()];
     let mut mixing = Mixing::default();
     for iteration in 1..=options.max_iterations {
         state.update_exposure(options)?;
@@ -111,12 +111,12 @@ pub(crate) fn run(
 
 /// How long a group has stood on its rung, and how far its last iteration moved it.
 #[derive(Clone, Copy, Default)]
-struct Rung {
+struct Standing {
     iterations: usize,
     change: f64,
 }
 
-impl Rung {
+impl Standing {
     /// Whether the rung has had its iterations under `hypothesis`.
     fn has_had_its_iterations(self, hypothesis: Hypothesis) -> bool {
         let is_at_rest = self.change < AT_REST || self.iterations >= ITERATIONS_MAX;
@@ -131,7 +131,7 @@ impl Rung {
 
 /// A group's pixels in the present re-rendering.
 #[derive(Serialize, Deserialize)]
-struct Rerendered {
+struct GroupView {
     group: usize,
     pixels: Vec<u32>,
     rerendered: Vec<Rgb>,
@@ -150,7 +150,7 @@ struct PaperIteration<'o> {
 
 impl PaperIteration<'_> {
     /// Renders all groups again and measures their errors.
-    fn look(&self, state: &mut State<'_>) -> Vec<Rerendered> {
+    fn look(&self, state: &mut State<'_>) -> Vec<GroupView> {
         let mut views = Vec::new();
         for group in state.visible_unknowns() {
             let material = &state.materials[group];
@@ -171,7 +171,7 @@ impl PaperIteration<'_> {
             let hypothesis = state.groups[group].hypothesis;
             let is_rough = hypothesis == Hypothesis::DiffuseSpecular
                 && evidence.as_ref().is_some_and(|evidence| is_rough(evidence, material));
-            views.push(Rerendered { group, pixels, rerendered, error, is_rough, evidence });
+            views.push(GroupView { group, pixels, rerendered, error, is_rough, evidence });
         }
         views
     }
@@ -190,7 +190,7 @@ impl PaperIteration<'_> {
     }
 
     /// Whether all rungs have had their iterations, and no reflectance moved in the last one.
-    fn are_at_rest(&self, state: &State<'_>, views: &[Rerendered], rungs: &[Rung]) -> bool {
+    fn are_at_rest(&self, state: &State<'_>, views: &[GroupView], rungs: &[Standing]) -> bool {
         views.iter().map(|view| view.group).all(|group| {
             let (rung, hypothesis) = (rungs[group], state.groups[group].hypothesis);
             rung.has_had_its_iterations(hypothesis) && rung.change < AT_REST
@@ -200,7 +200,7 @@ impl PaperIteration<'_> {
     /// The groups that leave their rungs: those in error above its threshold, and among the worst, once the rung has
     /// had its iterations. Smooth rungs do not wait for others; the error of any other rung says little while the
     /// reflectances of other groups move, and that of a diffuse group little while a shiny one climbs.
-    fn leaving(&self, state: &State<'_>, views: &[Rerendered], rungs: &[Rung]) -> Vec<usize> {
+    fn leaving(&self, state: &State<'_>, views: &[GroupView], rungs: &[Standing]) -> Vec<usize> {
         let hypothesis = |group: usize| state.groups[group].hypothesis;
         let in_error = self.in_error(state, views);
         let errors = views.iter().filter(|view| in_error.contains(&view.group));
@@ -226,9 +226,9 @@ impl PaperIteration<'_> {
     }
 
     /// The groups in error above the threshold of their rungs, and those that are taken for smooth and are not.
-    fn in_error(&self, state: &State<'_>, views: &[Rerendered]) -> Vec<usize> {
-        let hypothesis = |v: &Rerendered| state.groups[v.group].hypothesis;
-        let in_error = |v: &&Rerendered| {
+    fn in_error(&self, state: &State<'_>, views: &[GroupView]) -> Vec<usize> {
+        let hypothesis = |v: &GroupView| state.groups[v.group].hypothesis;
+        let in_error = |v: &&GroupView| {
             let threshold = || self.options.thresholds.paper[hypothesis(v) as usize];
             hypothesis(v) != Hypothesis::Textured && (v.is_rough || v.error.total() > threshold())
         };
@@ -239,11 +239,11 @@ impl PaperIteration<'_> {
     fn correct(
         &self,
         state: &mut State<'_>,
-        seen: &Rerendered,
+        seen: &GroupView,
         leaves: bool,
-        rung: &mut Rung,
+        rung: &mut Standing,
     ) -> Material {
-        let Rerendered { group, error, .. } = seen;
+        let GroupView { group, error, .. } = seen;
         let hypothesis = state.groups[*group].hypothesis;
         if leaves || (rung.iterations == 1 && state.groups[*group].is_new_to(hypothesis)) {
             let material = state.materials[*group].clone();
@@ -285,9 +285,9 @@ impl PaperIteration<'_> {
         &self,
         state: &State<'_>,
         rung: Hypothesis,
-        seen: &Rerendered,
+        seen: &GroupView,
     ) -> Option<Material> {
-        let Rerendered { group, pixels, rerendered, .. } = seen;
+        let GroupView { group, pixels, rerendered, .. } = seen;
         let now = &state.materials[*group];
         let stays = rung == state.groups[*group].hypothesis;
         let ratio = || self.ratio(state, pixels, rerendered);

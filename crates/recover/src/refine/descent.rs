@@ -26,7 +26,7 @@ pub(super) struct Descent<'u> {
 }
 
 /// What paths showed, and its normal equations.
-pub(super) struct Shown {
+pub(super) struct Evaluated {
     pub(super) means: Vec<Mean>,
     pub(super) normal: Normal,
     pub(super) inverse: DMatrix<f64>,
@@ -43,7 +43,7 @@ pub(super) struct Taken<'s> {
 }
 
 /// Where a step started, to go back if it was wrong.
-struct Place {
+struct StepStart {
     materials: Vec<Material>,
     lights: Vec<Rgb>,
     exposure: Rgb,
@@ -61,10 +61,10 @@ impl Descent<'_> {
         state: &mut State<'a>,
         show: &dyn Fn(&State<'a>) -> Vec<Mean>,
         goes_on: &mut dyn FnMut(&mut State<'a>, &Taken<'_>) -> bool,
-    ) -> Option<Shown> {
+    ) -> Option<Evaluated> {
         let unknowns = self.unknowns;
         let mut shown = None;
-        let mut last: Option<Place> = None;
+        let mut last: Option<StepStart> = None;
         let mut damping = 0.0;
         for number in 1..=self.steps_max {
             state.look_at_photograph();
@@ -73,7 +73,7 @@ impl Descent<'_> {
             let error = relative_error(&normal, &means);
             let errors = means::relative_errors(&means, state.materials.len());
             let worse = last.as_ref().is_some_and(|last| last.is_better_than(&means, self.worse));
-            let place = match last.take() {
+            let start = match last.take() {
                 Some(before) if worse => {
                     damping = f64::max(10.0 * damping, DAMPING);
                     before.restore(state);
@@ -82,15 +82,15 @@ impl Descent<'_> {
                 _ => {
                     damping *= 0.1;
                     let system = system(state, unknowns, &normal, self.prior);
-                    let place = Place::of(state, &means, &normal, system);
-                    shown = Some(Shown { means, normal, inverse: place.system.inverse() });
-                    place
+                    let start = StepStart::of(state, &means, &normal, system);
+                    shown = Some(Evaluated { means, normal, inverse: start.system.inverse() });
+                    start
                 }
             };
-            let Some(step) = place.system.step(damping, &unknowns.bounds(state)) else {
+            let Some(step) = start.system.step(damping, &unknowns.bounds(state)) else {
                 break;
             };
-            let moved = in_deviations(&step, &place.system.covariance());
+            let moved = in_deviations(&step, &start.system.covariance());
             if !worse && moved.iter().all(|moved| *moved <= self.significant) {
                 break;
             }
@@ -98,13 +98,13 @@ impl Descent<'_> {
             if !goes_on(state, &Taken { number, step: &step, error, errors: &errors }) {
                 break;
             }
-            last = Some(place);
+            last = Some(start);
         }
         shown
     }
 }
 
-impl Place {
+impl StepStart {
     fn of(state: &State<'_>, means: &[Mean], normal: &Normal, system: System) -> Self {
         Self {
             materials: state.materials.clone(),

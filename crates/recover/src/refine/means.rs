@@ -114,7 +114,7 @@ pub(super) fn of_tiles(
 /// The brightness of the renderings of the groups `of` relative to the photograph; one in a channel in which either is
 /// black.
 pub(super) fn brightness(means: &[Mean], of: impl Fn(usize) -> bool) -> Rgb {
-    let mut shown = Shown::default();
+    let mut shown = LocalSums::default();
     means.iter().filter(|mean| !mean.bound && of(mean.group)).for_each(|mean| shown.add(mean));
     let [light, photograph] = shown.means();
     let both = light.cmpgt(Rgb::ZERO) & photograph.cmpgt(Rgb::ZERO);
@@ -125,15 +125,15 @@ pub(super) fn brightness(means: &[Mean], of: impl Fn(usize) -> bool) -> Rgb {
 /// over a cell and those around it, so that a rendering which happens to be dark gains no weight. They
 /// follow a model that is brighter than the photograph no further than [`followed`] says.
 fn take_levels(means: &mut [Mean]) {
-    let mut groups: BTreeMap<usize, Shown> = BTreeMap::new();
-    let mut cells: BTreeMap<(usize, Place), Shown> = BTreeMap::new();
+    let mut groups: BTreeMap<usize, LocalSums> = BTreeMap::new();
+    let mut cells: BTreeMap<(usize, Place), LocalSums> = BTreeMap::new();
     for mean in means.iter() {
         groups.entry(mean.group).or_default().add(mean);
         cells.entry((mean.group, mean.place)).or_default().add(mean);
     }
     for mean in means {
         let near = mean.place.around().filter_map(|place| cells.get(&(mean.group, place)));
-        let [local, shown] = near.fold(Shown::default(), |sum, cell| sum.and(cell)).means();
+        let [local, shown] = near.fold(LocalSums::default(), |sum, cell| sum.and(cell)).means();
         let [group, group_shown] = groups[&mean.group].means();
         let (group, local) = followed((group, local), (group_shown, shown));
         mean.level2 = mean.place.parts() * level2(group, local);
@@ -143,13 +143,13 @@ fn take_levels(means: &mut [Mean]) {
 
 /// What some cells show: sums over their pixels.
 #[derive(Clone, Copy, Default)]
-struct Shown {
+struct LocalSums {
     light: Rgb,
     photograph: Rgb,
     pixels: f32,
 }
 
-impl Shown {
+impl LocalSums {
     fn add(&mut self, mean: &Mean) {
         let pixels = mean.pixels as f32;
         let residual = 0.5 * (mean.residuals[0] + mean.residuals[1]);

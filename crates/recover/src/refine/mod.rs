@@ -1,9 +1,8 @@
 //! All parameters of all groups at once, against the whole photograph, with standard deviations.
 //!
 //! The ladder has chosen the hypotheses and stands near their best parameters. What is left is a
-//! least-squares problem of tens of unknowns ([`unknowns`]), each of a kind that its parameter block
-//! describes ([`blocks`]), for which Gauss-Newton needs a handful
-//! of passes ([`passes`]). Each renders radiance and derivatives twice ([`means`]), makes the normal
+//! least-squares problem of tens of unknowns ([`unknowns`]) of several kinds ([`parameters`]), for which Gauss-Newton needs
+//! a handful of passes ([`passes`]). Each renders radiance and derivatives twice ([`means`]), makes the normal
 //! equations of them ([`normal`]), and solves these within the bounds ([`system`]).
 //!
 //! The covariance of the result comes from the spread of the picture's blocks. It holds the noise of the photograph and
@@ -11,7 +10,6 @@
 //! does not determine; where that makes a hypothesis simpler, the rest is refined again. Hypotheses of one group are
 //! compared on the same kind of paths ([`side_by_side`]).
 
-mod blocks;
 pub(crate) mod brightness;
 pub(crate) mod contenders;
 mod descent;
@@ -21,6 +19,7 @@ mod means;
 mod needs;
 mod normal;
 mod origins;
+mod parameters;
 mod passes;
 mod relations;
 mod sample;

@@ -48,12 +48,12 @@ pub(super) fn of(
     let mut wanted = vec![0.0f64; seen.len()];
     let mut numbers: Vec<Vec<f64>> = Vec::new();
     for (k, u) in unknowns.list.iter().enumerate() {
-        let block = blocks::of(u.quantity);
-        let precise = effort.deviation(block.precise_enough(state, u)).powi(2);
+        let kind = parameters::of(u.quantity);
+        let precise = effort.deviation(kind.precise_enough(state, u)).powi(2);
         let other = (covariance[(k, k)] - rendering[k] - DOUBTS * doubt[k]).max(0.0);
         let allowed = (RENDERING_SHARE / (1.0 - RENDERING_SHARE) * other).max(precise);
         let times = (rendering[k] / allowed).min(TIMES_MAX);
-        if times > 1.0 && block.is_nuisance() {
+        if times > 1.0 && kind.is_nuisance() {
             let more = seen.iter().map(|cell| (times - 1.0) * cell.paths);
             wanted.iter_mut().zip(more).for_each(|(wanted, more)| *wanted = wanted.max(more));
         } else if times > 1.0 {

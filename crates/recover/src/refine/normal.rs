@@ -65,10 +65,11 @@ impl Normal {
     /// The equations for `unknowns` of a scene with `groups` groups.
     pub(crate) fn of(means: &[Mean], unknowns: &Unknowns, groups: usize) -> Self {
         let n = unknowns.len();
-        let noise: Vec<Noise> = (0..groups).map(|group| Noise::of(means, group)).collect();
+        let noise: Vec<Unexplained> =
+            (0..groups).map(|group| Unexplained::of(means, group)).collect();
         let shrinkage = shrinkage(means, n, groups);
         let are_specular = unknowns.are_specular();
-        let specular = Specular::of(means, &are_specular, groups);
+        let specular = Highlights::of(means, &are_specular, groups);
         let mut normal = Self {
             h: DMatrix::zeros(n, n),
             g: DVector::zeros(n),
@@ -253,7 +254,7 @@ fn shrinkage(means: &[Mean], n: usize, groups: usize) -> DMatrix<f64> {
 }
 
 /// Where a highlight may be: the greatest specular term of each group.
-struct Specular<'a> {
+struct Highlights<'a> {
     is_specular: &'a [bool],
     greatest: Vec<f64>,
 }
@@ -263,7 +264,7 @@ struct Specular<'a> {
 /// are cut.
 const HIGHLIGHT: f64 = 0.1;
 
-impl<'a> Specular<'a> {
+impl<'a> Highlights<'a> {
     fn of(means: &[Mean], is_specular: &'a [bool], groups: usize) -> Self {
         let mut all = Self { is_specular, greatest: vec![0.0; groups] };
         for mean in means {
@@ -290,14 +291,14 @@ impl<'a> Specular<'a> {
 }
 
 /// What is not the photograph's noise in the residuals of a group, relative to the local radiance.
-struct Noise {
+struct Unexplained {
     /// Variance of the mean of both renderings, times the pixels of a cell and the paths of each.
     rendering: Rgb,
     /// Variance of what the model does not explain.
     residual: Rgb,
 }
 
-impl Noise {
+impl Unexplained {
     fn of(means: &[Mean], group: usize) -> Self {
         let of_group = || means.iter().filter(move |m| m.group == group && !m.bound);
         let rendering = |m: &Mean| {

@@ -12,7 +12,7 @@
 //! any, or after so many passes that more would help little.
 
 use super::Solution;
-use super::descent::{Descent, Shown, Taken, in_deviations, relative_error, system};
+use super::descent::{Descent, Evaluated, Taken, in_deviations, relative_error, system};
 use super::kept::KeptPaths;
 use super::means::{self, Mean};
 use super::needs;
@@ -131,7 +131,7 @@ impl<'o> Passes<'o> {
         (unknowns, prior): (&Unknowns, &DVector<f64>),
         effort: Effort,
         observer: &mut dyn Observer,
-    ) -> Option<Shown> {
+    ) -> Option<Evaluated> {
         let pixels = (effort.pixels(COARSE.0), self.pixels_seed());
         let spp = effort.samples(COARSE.1);
         let mut shown = None;
@@ -157,7 +157,7 @@ impl<'o> Passes<'o> {
         prior: &DVector<f64>,
         kept: &KeptPaths<'a>,
         observer: &mut dyn Observer,
-    ) -> Option<Shown> {
+    ) -> Option<Evaluated> {
         if observer.is_cancelled() {
             return None;
         }

@@ -2,11 +2,11 @@
 //! unknown environment.
 //!
 //! The difference `d = p_a - p_b` of a number of both groups has the prior `d ~ N(0, sigma^2)`, which adds
-//! `(e_a - e_b)(e_a - e_b)^T / sigma^2` to the precision of the prior. The number's block gives `sigma`
-//! ([`super::blocks::ParameterBlock::likeness`]). Only numbers that both groups' hypotheses have are related; those of
+//! `(e_a - e_b)(e_a - e_b)^T / sigma^2` to the precision of the prior. The number's kind gives `sigma`
+//! ([`super::parameters::ParameterKind::likeness`]). Only numbers that both groups' hypotheses have are related; those of
 //! a known group are fixed, and those of an assumed one say nothing.
 
-use super::blocks::{self, At};
+use super::parameters::{self, At};
 use crate::expected::Like;
 use crate::hypothesis::{self, Hypothesis};
 use crate::problem::Role;
@@ -58,8 +58,8 @@ impl Relation {
 /// All relations of the unknowns in `list`.
 pub(super) fn find(list: &[Unknown], at: At<'_>) -> Vec<Relation> {
     let of = |(index, unknown): (usize, &Unknown)| {
-        let block = blocks::of(unknown.quantity);
-        if block.is_nuisance() {
+        let kind = parameters::of(unknown.quantity);
+        if kind.is_nuisance() {
             return None;
         }
         let Like { group, within } = at.state.problem.groups[unknown.of].expected.like?;
@@ -71,8 +71,8 @@ pub(super) fn find(list: &[Unknown], at: At<'_>) -> Vec<Relation> {
             return None;
         }
         let named = Unknown { of: group, ..*unknown };
-        let value = block.value(at, &named);
-        let deviation = block.likeness(value, within)?;
+        let value = kind.value(at, &named);
+        let deviation = kind.likeness(value, within)?;
         let other = match list.iter().position(|unknown| *unknown == named) {
             Some(place) => Other::Unknown(place),
             None if at.state.problem.groups[group].role == Role::Known => Other::Fixed(value),

@@ -48,7 +48,7 @@ pub(crate) struct Criteria<'o> {
 /// How much more one rung leaves than another, in units of its covariance, the variance of that due to the noise of the
 /// paths, and the share of independent blocks.
 #[derive(Clone, Copy)]
-struct Gain {
+struct Difference {
     value: f64,
     variance: f64,
     independent: f64,
@@ -135,32 +135,32 @@ impl Contenders<'_> {
 
     /// The information criterion of `a` less that of `b`.
     fn excess(&self, [a, b]: [&Contender; 2]) -> Excess {
-        let Gain { value, variance, independent } = self.gain([a, b]);
+        let Difference { value, variance, independent } = self.difference([a, b]);
         let [first, second] = [a, b].map(|of| parameters(of.rung.hypothesis));
         let count = (independent * self.sample.blocks.len() as f64).max(1.0);
         // Each is compared without the loss by the noise of its fit, which is a sum of squares.
-        let gain = value + b.loss - a.loss;
+        let corrected = value + b.loss - a.loss;
         let variance = variance + 2.0 * (a.loss + b.loss);
-        let value = independent * gain + (first - second) * count.ln();
+        let value = independent * corrected + (first - second) * count.ln();
         Excess { value, deviation: independent * variance.sqrt() }
     }
 
     /// How much more `a` leaves than `b`. On paths that carry both, most of their noise is common to both; else each is
     /// compared with the simplest one on its own paths, which carry that too.
-    fn gain(&self, [a, b]: [&Contender; 2]) -> Gain {
+    fn difference(&self, [a, b]: [&Contender; 2]) -> Difference {
         let on = |a: &Contender, of_a: usize, b: &Contender, of_b: usize| {
             let both = [a.residuals[of_a].as_ref()?, b.residuals[of_b].as_ref()?];
-            Some(self.gain_of(both))
+            Some(self.difference_of(both))
         };
         let common = [b.drawn, a.drawn].into_iter().find_map(|drawn| on(a, drawn, b, drawn));
         let simplest = &self.all[0];
         let beside_simplest = |of: &Contender| on(of, of.drawn, simplest, of.drawn);
         let apart = || {
-            let direct = on(a, a.drawn, b, b.drawn).unwrap_or(Gain::UNKNOWN);
+            let direct = on(a, a.drawn, b, b.drawn).unwrap_or(Difference::UNKNOWN);
             let (Some(a), Some(b)) = (beside_simplest(a), beside_simplest(b)) else {
                 return direct;
             };
-            let by = Gain {
+            let by = Difference {
                 value: a.value - b.value,
                 variance: a.variance + b.variance,
                 independent: direct.independent,
@@ -170,11 +170,11 @@ impl Contenders<'_> {
         common.unwrap_or_else(apart)
     }
 
-    fn gain_of(&self, both: [&BlockResiduals; 2]) -> Gain {
+    fn difference_of(&self, both: [&BlockResiduals; 2]) -> Difference {
         let (field, floor) = (&self.sample.field, self.floor);
         let sides = both.map(|residuals| Side { residuals, field, floor });
         let contrast = Contrast::of(&self.sample.blocks, sides.each_ref());
-        Gain {
+        Difference {
             value: contrast.difference,
             variance: contrast.noise,
             independent: contrast.independent,
@@ -192,7 +192,7 @@ impl Contenders<'_> {
     }
 }
 
-impl Gain {
+impl Difference {
     /// Nothing is known.
     const UNKNOWN: Self = Self { value: 0.0, variance: f64::INFINITY, independent: 1.0 };
 }

@@ -1,7 +1,7 @@
-//! Which numbers are free in the joint refinement, as one vector, and the rows of its Jacobian. The block of each
-//! number says what it is ([`super::blocks`]).
+//! Which numbers are free in the joint refinement, as one vector, and the rows of its Jacobian. The kind of each
+//! number says what it is ([`super::parameters`]).
 
-use super::blocks::{self, At, Linear, Range, Start};
+use super::parameters::{self, At, Linear, Range, Start};
 use super::relations::{self, Relation};
 use crate::fit::quadratic::Bounds;
 use crate::hypothesis::{self, Hypothesis, textured};
@@ -109,7 +109,7 @@ impl Unknowns {
         let mut parameters = Vec::new();
         let mut columns = [const { Vec::new() }; 3];
         for (unknown, u) in list.iter().enumerate() {
-            let asked = blocks::of(u.quantity).parameters(u.of as u32);
+            let asked = parameters::of(u.quantity).parameters(u.of as u32);
             let places = asked.map(|p| match parameters.iter().position(|q| *q == p) {
                 Some(place) => place,
                 None => {
@@ -123,7 +123,7 @@ impl Unknowns {
                 }
             }
         }
-        let prior = list.iter().map(|u| blocks::of(u.quantity).prior(state, u));
+        let prior = list.iter().map(|u| parameters::of(u.quantity).prior(state, u));
         let deviations = prior.map(|prior| prior.deviation).collect();
         let start = Start::of(state);
         let relations = relations::find(&list, At { state, start: &start });
@@ -158,7 +158,7 @@ impl Unknowns {
                 let sum = if one == two { rendered(one) } else { rendered(one) + rendered(two) };
                 let radiance = radiance[half];
                 let linear = Linear { derivative: sum, radiance, changes, photograph, channel };
-                blocks::of(unknown.quantity).derivative(at, unknown, &linear)
+                parameters::of(unknown.quantity).derivative(at, unknown, &linear)
             });
             (a != 0.0 || b != 0.0).then_some((column.unknown, a, b))
         };
@@ -171,7 +171,7 @@ impl Unknowns {
 
     /// The value of the unknown.
     pub(crate) fn value(&self, state: &State<'_>, u: &Unknown) -> f64 {
-        blocks::of(u.quantity).value(self.at(state), u)
+        parameters::of(u.quantity).value(self.at(state), u)
     }
 
     /// All values.
@@ -179,10 +179,10 @@ impl Unknowns {
         DVector::from_iterator(self.len(), self.list.iter().map(|u| self.value(state, u)))
     }
 
-    /// The mean of the prior: where a block has none of its own, the present value.
+    /// The mean of the prior: where a kind has none of its own, the present value.
     pub(crate) fn prior_mean(&self, state: &State<'_>) -> DVector<f64> {
         let mean = |u: &Unknown| {
-            let prior = blocks::of(u.quantity).prior(state, u);
+            let prior = parameters::of(u.quantity).prior(state, u);
             prior.mean.unwrap_or_else(|| self.value(state, u))
         };
         DVector::from_iterator(self.len(), self.list.iter().map(mean))
@@ -192,7 +192,7 @@ impl Unknowns {
     pub(crate) fn bounds(&self, state: &State<'_>) -> Bounds {
         let interval = |u: &Unknown| {
             let value = self.value(state, u);
-            let Range { low, high, step } = blocks::of(u.quantity).range(state, u, value);
+            let Range { low, high, step } = parameters::of(u.quantity).range(state, u, value);
             // A start beyond a bound (a white group by rounding) may stay where it is.
             [(low - value).max(-step).min(0.0), (high - value).min(step).max(0.0)]
         };
@@ -206,7 +206,7 @@ impl Unknowns {
     fn pairs_below_one(&self, state: &State<'_>) -> Vec<([usize; 2], f64)> {
         let mut pairs = Vec::new();
         for (i, u) in self.list.iter().enumerate() {
-            let Some(quantity) = blocks::of(u.quantity).complement() else { continue };
+            let Some(quantity) = parameters::of(u.quantity).complement() else { continue };
             let other = Unknown { quantity, ..*u };
             if let Some(j) = self.list.iter().position(|u| *u == other) {
                 let sum = self.value(state, u) + self.value(state, &other);
@@ -226,15 +226,15 @@ impl Unknowns {
         let values = self.values(state);
         let mut moved = step.clone();
         for (k, u) in self.list.iter().enumerate() {
-            let (block, value) = (blocks::of(u.quantity), values[k]);
+            let (kind, value) = (parameters::of(u.quantity), values[k]);
             let share = step[k] / value;
             let is_factor = matches!(u.quantity, Quantity::RhoD | Quantity::RhoS);
             if is_light_unknown && is_factor && share <= SMALL {
-                let Range { low, high, .. } = block.range(state, u, value);
+                let Range { low, high, .. } = kind.range(state, u, value);
                 let next = (value / (1.0 - share)).clamp(low.min(value), high.max(value));
                 moved[k] = next - value;
             }
-            block.set(state, &self.start, u, value + moved[k]);
+            kind.set(state, &self.start, u, value + moved[k]);
         }
         moved
     }

@@ -206,7 +206,7 @@ struct Verdict<'a> {
 impl Verdict<'_> {
     fn indices(&self) -> impl Iterator<Item = usize> + '_ {
         let list = self.solution.unknowns.list.iter().enumerate();
-        list.filter(move |(_, u)| u.of == self.group && !blocks::of(u.quantity).is_nuisance())
+        list.filter(move |(_, u)| u.of == self.group && !parameters::of(u.quantity).is_nuisance())
             .map(|(i, _)| i)
     }
 
@@ -363,7 +363,7 @@ impl Verdict<'_> {
         let values = unknowns.values(state);
         let of_group = |relation: &&Relation| {
             let unknown = &unknowns.list[relation.unknown];
-            unknown.of == self.group && !blocks::of(unknown.quantity).is_nuisance()
+            unknown.of == self.group && !parameters::of(unknown.quantity).is_nuisance()
         };
         let apart = |relation: &Relation| {
             (relation.difference(|index| values[index]) / relation.deviation).abs()
@@ -430,7 +430,7 @@ impl Verdict<'_> {
     /// What the user should know about the group's numbers.
     fn doubts(&self) -> Vec<String> {
         let list = &self.solution.unknowns.list;
-        let name = |i: usize| blocks::of(list[i].quantity).name();
+        let name = |i: usize| parameters::of(list[i].quantity).name();
         let mut doubts: Vec<String> = Vec::new();
         let indices: Vec<usize> = self.indices().collect();
         for (k, &i) in indices.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Texels from the pixels of a photograph of which the recovery sees only means over squares: the light is interpolated
 //! between the squares, since it changes slowly; the detail is the photograph's.
 
-use super::{Lit, Sample};
+use super::{Lit, TexelSample};
 use crate::evidence::{Evidence, Stage};
 use unrender_render::{GeometryBuffers, NOTHING};
 use unrender_scene::RgbImage;
@@ -28,7 +28,7 @@ pub(super) fn samples(
     group: usize,
     evidence: &Evidence,
     light: &[Lit],
-) -> Vec<Sample> {
+) -> Vec<TexelSample> {
     let (squares, side, values) = (stage.renderer.geometry(), detail.side(), detail.values());
     let place = super::places(squares, evidence);
     let mut samples = Vec::new();
@@ -46,7 +46,7 @@ pub(super) fn samples(
             let radiance = seen.radiance + stage.exposure * finer;
             let at = [x, y].map(|pixel| (pixel as f32 + 0.5) / side as f32 - 0.5);
             if let Some(light) = interpolated((squares, &place, light), at, here.object) {
-                samples.push(Sample::new(here.uv, radiance, &light));
+                samples.push(TexelSample::new(here.uv, radiance, &light));
             }
         }
     }

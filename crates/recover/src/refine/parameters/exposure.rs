@@ -1,7 +1,7 @@
 //! The exposure, a number a channel, as a multiple of where it started.
 
 use super::light::{DEVIATION, PRECISE, STEP};
-use super::{At, Linear, ParameterBlock, Prior, Range, Start};
+use super::{At, Linear, ParameterKind, Prior, Range, Start};
 use crate::state::State;
 use crate::unknown::Unknown;
 use unrender_render::Parameter;
@@ -9,7 +9,7 @@ use unrender_render::Parameter;
 /// The factor on the exposure. It may be as wrong as a lamp, and has to be as precise.
 pub(super) struct Exposure;
 
-impl ParameterBlock for Exposure {
+impl ParameterKind for Exposure {
     fn name(&self) -> &'static str {
         "exposure"
     }

@@ -1,6 +1,6 @@
 //! A parameter of the camera, relative to its value when the photograph was developed; all channels share it.
 
-use super::{At, Linear, ParameterBlock, Prior, Range, Start};
+use super::{At, Linear, ParameterKind, Prior, Range, Start};
 use crate::state::State;
 use crate::unknown::Unknown;
 use unrender_render::Parameter;
@@ -12,7 +12,7 @@ pub(super) struct Camera;
 /// are about one. Half of it takes four times the paths; double of it is half a pixel value of 8 bits.
 const PRECISE: f64 = 1e-3;
 
-impl ParameterBlock for Camera {
+impl ParameterKind for Camera {
     fn name(&self) -> &'static str {
         "camera"
     }

@@ -1,7 +1,7 @@
 //! The brightness of a source of light, as a multiple of what the scene says: a number a channel, or one
 //! for a source whose colour is known.
 
-use super::{At, Linear, ParameterBlock, Prior, Range, Start};
+use super::{At, Linear, ParameterKind, Prior, Range, Start};
 use crate::state::State;
 use crate::unknown::Unknown;
 use unrender_render::Parameter;
@@ -19,7 +19,7 @@ pub(super) const STEP: f64 = 0.7;
 /// value of 8 bits.
 pub(super) const PRECISE: f64 = 1e-3;
 
-impl ParameterBlock for Light {
+impl ParameterKind for Light {
     fn name(&self) -> &'static str {
         "light"
     }

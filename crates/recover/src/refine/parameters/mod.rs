@@ -1,9 +1,9 @@
-//! The parameter blocks of the joint refinement: one file for each kind of number, with all that the
+//! The kinds of free number of the joint refinement: one file for each, with all that the
 //! refinement asks of it.
 //!
-//! The refinement itself ([`super::unknowns`], [`super::passes`]) knows no kind of number. It asks the block of each
+//! The refinement itself ([`super::unknowns`], [`super::passes`]) knows no kind of number. It asks the kind of each
 //! unknown ([`of`]) for its value and its prior, how far it may move, and how the residual depends on it, as solvers
-//! such as Ceres do. To add a kind: name it in [`Quantity`], write its block in a file beside `camera.rs`, return it
+//! such as Ceres do. To add a kind: name it in [`Quantity`], write it in a file beside `camera.rs`, return it
 //! from [`of`], and say in [`super::unknowns`] when it is free.
 
 mod camera;
@@ -38,7 +38,7 @@ pub(super) struct Range {
 /// How the renderer and the camera depend on one number, in one channel of some pixels.
 pub(super) struct Linear<'a> {
     /// The derivative of the radiance by the renderer's parameters, summed over
-    /// [`ParameterBlock::parameters`].
+    /// [`ParameterKind::parameters`].
     pub(super) derivative: f64,
     /// The radiance itself.
     pub(super) radiance: f64,
@@ -73,7 +73,7 @@ impl Start {
 }
 
 /// One kind of free number. `u` is the unknown that is asked about, of this kind.
-pub(super) trait ParameterBlock: Sync {
+pub(super) trait ParameterKind: Sync {
     /// Its name in notes.
     fn name(&self) -> &'static str;
 
@@ -114,8 +114,8 @@ pub(super) trait ParameterBlock: Sync {
     fn derivative(&self, at: At<'_>, u: &Unknown, linear: &Linear<'_>) -> f64;
 }
 
-/// The block of a kind of number.
-pub(super) fn of(quantity: Quantity) -> &'static dyn ParameterBlock {
+/// What the refinement asks of a kind of number.
+pub(super) fn of(quantity: Quantity) -> &'static dyn ParameterKind {
     use roughness::Along;
     match quantity {
         Quantity::RhoD => &reflectance::Diffuse,

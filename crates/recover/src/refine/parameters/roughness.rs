@@ -1,6 +1,6 @@
 //! A roughness of a group, searched by its logarithm, which keeps it positive; all channels share it.
 
-use super::{At, Linear, ParameterBlock, Prior, Range, Start};
+use super::{At, Linear, ParameterKind, Prior, Range, Start};
 use crate::state::State;
 use crate::unknown::Unknown;
 use unrender_render::Parameter;
@@ -38,7 +38,7 @@ impl Roughness {
     }
 }
 
-impl ParameterBlock for Roughness {
+impl ParameterKind for Roughness {
     fn name(&self) -> &'static str {
         match self.0 {
             Along::Both => "alpha",

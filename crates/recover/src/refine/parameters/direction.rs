@@ -1,6 +1,6 @@
 //! The anisotropy direction of a group, radians; all channels share it.
 
-use super::{At, Linear, ParameterBlock, Prior, Range, Start};
+use super::{At, Linear, ParameterKind, Prior, Range, Start};
 use crate::state::State;
 use crate::unknown::Unknown;
 use unrender_render::Parameter;
@@ -18,7 +18,7 @@ const STEP: f64 = 0.3;
 /// of 11 groups takes half as long again and comes no nearer; double was not tried.
 const PRECISE: f64 = 2e-3;
 
-impl ParameterBlock for Direction {
+impl ParameterKind for Direction {
     fn name(&self) -> &'static str {
         "theta"
     }

@@ -1,6 +1,6 @@
 //! The reflectances of a group, a number a channel, between zero and one.
 
-use super::{At, Linear, ParameterBlock, Prior, Range, Start};
+use super::{At, Linear, ParameterKind, Prior, Range, Start};
 use crate::hypothesis::{Hypothesis, textured};
 use crate::state::State;
 use crate::unknown::{Quantity, Unknown};
@@ -60,7 +60,7 @@ fn channel(u: &Unknown) -> usize {
     u.channel.unwrap_or(0)
 }
 
-impl ParameterBlock for Diffuse {
+impl ParameterKind for Diffuse {
     fn name(&self) -> &'static str {
         "rho_d"
     }
@@ -122,7 +122,7 @@ impl ParameterBlock for Diffuse {
     }
 }
 
-impl ParameterBlock for Specular {
+impl ParameterKind for Specular {
     fn name(&self) -> &'static str {
         "rho_s"
     }
