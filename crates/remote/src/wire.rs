@@ -10,7 +10,7 @@ use unrender_render::{
 };
 use unrender_scene::{Camera, Material, Rgb, Scene};
 
-/// What is asked of a worker.
+/// A request to a worker.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) enum Request {
     /// The light that arrives behind these pixels.

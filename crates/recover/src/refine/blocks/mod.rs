@@ -1,5 +1,5 @@
-//! The parameter blocks of the joint refinement: one file for each kind of number, with all that the
-//! refinement asks of it.
+//! The parameter blocks of the joint refinement: one file for each kind of number, with all that the refinement needs
+//! of it.
 //!
 //! The refinement itself ([`super::unknowns`], [`super::passes`]) knows no kind of number. It asks the block of each
 //! unknown ([`of`]) for its value and its prior, how far it may move, and how the residual depends on it, as solvers
