@@ -22,7 +22,7 @@ pub struct Side<'a> {
     pub residuals: &'a BlockResiduals,
     /// How the light that was gathered may be wrong.
     pub field: &'a LightField,
-    /// The least model error that is always allowed for.
+    /// The model error that is always allowed for.
     pub floor: ModelError,
 }
 

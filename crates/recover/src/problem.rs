@@ -19,7 +19,7 @@ pub struct Problem<'a> {
     pub groups: Vec<GroupSpec>,
     /// What turns the photograph's values into radiance.
     pub exposure: ExposureRule,
-    /// The sources of light whose brightness is asked for too, numbered as in
+    /// The sources of light whose brightness is estimated too, numbered as in
     /// [`unrender_render::Appearance::lights`].
     pub unknown_lights: Vec<usize>,
     /// Those among them whose colour is known: one factor holds for all channels.
@@ -27,7 +27,7 @@ pub struct Problem<'a> {
     /// Pairs of unknown lights beside each other: the parts of an environment, of which each is about as bright as
     /// those about it.
     pub neighbouring_lights: Vec<[usize; 2]>,
-    /// The numbers of the camera that are asked for too.
+    /// The parameters of the camera that are estimated too.
     pub photometric_parameters: &'a [PhotometricParameter],
     /// The photograph whose squares of pixels are those of `observation`, for textures of its own pixels.
     pub detail: Option<&'a dyn Detail>,
@@ -61,7 +61,7 @@ impl<'a> Problem<'a> {
 pub struct GroupSpec {
     /// The group's name.
     pub name: String,
-    /// Whether its reflectance is asked for.
+    /// Whether its reflectance is to be recovered.
     pub role: Role,
     /// The reflectance of known groups and emitters; ignored for unknown ones.
     pub material: Material,
@@ -128,7 +128,7 @@ impl GroupSpec {
     }
 }
 
-/// Whether a group's reflectance is asked for.
+/// Whether a group's reflectance is to be recovered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// To be recovered.

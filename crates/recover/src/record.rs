@@ -18,11 +18,11 @@ pub struct Recovery {
     pub groups: Vec<GroupResult>,
     /// Scene radiance per unit of the photograph's linear values.
     pub exposure: Rgb,
-    /// The standard deviation of the exposure, where it was asked for.
+    /// The standard deviation of the exposure, where it was estimated.
     pub exposure_std: Option<Rgb>,
-    /// The sources of light whose brightness was asked for.
+    /// The sources of light whose brightness was estimated.
     pub lights: Vec<LightResult>,
-    /// The numbers of the camera that were asked for.
+    /// The parameters of the camera that were estimated.
     pub photometric: PhotometricEstimate,
     /// The joint covariance of all numbers that were refined; none where nothing was.
     pub covariance: Option<Covariance>,

@@ -1,4 +1,4 @@
-//! What recovery asks of a renderer: one small trait, so that the ladder can be tested against
+//! What recovery needs from a renderer: one small trait, so that the ladder can be tested against
 //! closed-form renderers in milliseconds.
 
 use glam::Vec3;

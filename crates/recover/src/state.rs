@@ -88,7 +88,7 @@ impl GroupState {
         }
     }
 
-    /// The last record of each uniform hypothesis in the selection log.
+    /// The last record of each hypothesis among the newest in the selection log.
     pub(crate) fn last_candidates(&self) -> impl Iterator<Item = &CandidateRecord> {
         let last = self.selection_log.iter().rev().take(hypothesis::UNIFORM.len());
         let newest = |candidate: &&CandidateRecord| {
@@ -100,7 +100,7 @@ impl GroupState {
         last.filter(newest)
     }
 
-    /// Whether the selection log does not hold `hypothesis` yet.
+    /// Whether the last entry of the selection log is not of `hypothesis`.
     pub(crate) fn is_new_to(&self, hypothesis: Hypothesis) -> bool {
         self.selection_log.last().is_none_or(|candidate| candidate.hypothesis != hypothesis)
     }
@@ -182,7 +182,7 @@ impl<'a> State<'a> {
         Appearance { materials: &self.materials, lights: &self.lights }
     }
 
-    /// Gives the groups that are asked for `materials`, one for each group.
+    /// Gives the unknown groups their `materials`, one for each group.
     pub(crate) fn assign_materials(&mut self, materials: &[Material]) {
         for (group, material) in materials.iter().enumerate() {
             if self.problem.groups[group].role == Role::Unknown {

@@ -7,7 +7,7 @@ use std::ops::Range;
 use unrender_render::{Accumulator, Appearance, Parameter, Probe, ProbeSettings, Probes, Settings};
 use unrender_scene::{Camera, Material, Rgb, Scene};
 
-/// What is asked of a worker.
+/// A request to a worker.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) enum Request {
     /// The light that arrives behind these pixels.

@@ -11,7 +11,7 @@
 //! number of samples of a pixel is independent of their values, and the estimate is unbiased; it
 //! would not be if a pixel stopped once its own samples look converged [Kirk and Arvo 1991]. One
 //! dependence remains where a whole picture is rendered until its noise is below a limit: the
-//! values of its pixels influence when that is, the less the more pixels there are.
+//! values of its pixels influence when that is, but less the more pixels there are.
 
 use crate::film::Accumulator;
 use std::ops::Range;

@@ -79,8 +79,8 @@ impl Appearance<'_> {
         self.lights.get(index as usize).copied().unwrap_or(Rgb::ONE)
     }
 
-    /// The factor on the emission of `source`. Between parts of an environment it is bilinear as their radiance
-    /// is, so that this is exact where all parts of the scene's are as bright as each other.
+    /// The factor on the emission of `source`. Between parts of an environment it is bilinear like their radiance, so
+    /// that it is exact where all parts have the same radiance in the scene.
     #[inline]
     pub(crate) fn brightness(&self, layout: &SourceLayout, source: LightSource) -> Rgb {
         let first = layout.index(source);

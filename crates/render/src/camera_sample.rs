@@ -61,7 +61,7 @@ pub fn camera_ray(
 mod tests {
     use super::*;
 
-    /// The mean over a block of 8 x 8 pixels of a function with an edge, of `spp` samples from the number `first` on.
+    /// The mean over a block of 8 x 8 pixels of a function with an edge, of the samples in `range`.
     fn block_mean(samples: &PixelSamples, range: std::ops::Range<u32>) -> f64 {
         let mut sum = 0.0;
         for pixel in (0..8).flat_map(|row| (0..8).map(move |column| row * 24 + column)) {
@@ -76,8 +76,8 @@ mod tests {
         sum / (64.0 * f64::from(range.end - range.start))
     }
 
-    /// Mean and variance over seeds of the mean of samples that come `part` by `part`, each part of a seed of its own
-    /// or, as they go on, of one.
+    /// Mean and variance over seeds of the mean of samples that come `part` by `part`, each part with its own seed or,
+    /// if `goes_on`, all with one.
     fn over_seeds(parts: &[std::ops::Range<u32>], goes_on: bool) -> (f64, f64) {
         let values: Vec<f64> = (0..400u64)
             .map(|number| {

@@ -2,8 +2,8 @@
 //!
 //! The rays are those of the picture's samples, by the same random numbers, so that features have the same
 //! share of every surface in a pixel as the picture has. Perfect mirrors are followed: their features are
-//! those of what they show. Directly visible emission is known too, and need not be denoised. Where an edge crosses
-//! a pixel, more rays tell its shares better than the samples do ([`Tracer::finer_features`]).
+//! those of what they show. Directly visible emission is known too, and need not be denoised. Where an edge crosses a
+//! pixel, more rays measure its shares better than the samples do ([`Tracer::finer_features`]).
 
 use crate::accel::Ray;
 use crate::appearance::Appearance;
@@ -41,7 +41,7 @@ pub struct PixelFeatures {
     /// vectors.
     pub normal: Vec3,
     /// Inverse of the distance along the path, 1/metres; zero where no surface is visible. Like a depth, but
-    /// linear over the pixels of a plane, as far as distance is depth.
+    /// linear over the pixels of a plane, as far as distance equals depth.
     pub nearness: f32,
     /// Whether samples differ in emission or reflectance: an edge or a texture is in the pixel.
     pub is_mixed: bool,

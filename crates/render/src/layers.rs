@@ -64,9 +64,9 @@ impl Tracer {
         (0..end).filter(emits).collect()
     }
 
-    /// As [`Tracer::accumulate`], by independent paths whatever `settings.integrator` says: adds the samples to
-    /// the first of `layers`, which is the picture, and what each of [`Tracer::light_sources`] contributes to
-    /// the layer in its place behind that.
+    /// As [`Tracer::accumulate`], by independent paths whatever `settings.integrator` says: adds the samples to the
+    /// first of `layers`, which is the picture, and the contribution of each of [`Tracer::light_sources`] to one of the
+    /// layers behind that, in their order.
     ///
     /// # Panics
     /// If there is another number of layers, or they differ in size.
@@ -96,7 +96,7 @@ impl Tracer {
                 for index in samples.of(pixel) {
                     let whole = picture.sample(pixel as u32, index, &mut light);
                     layers[0][offset].push(whole);
-                    // A sample that is no number is black in all layers.
+                    // A sample that is not finite is black in all layers.
                     let is_number = whole.is_finite();
                     for (layer, light) in layers[1..].iter_mut().zip(&light) {
                         layer[offset].push(if is_number { *light } else { Rgb::ZERO });
@@ -120,7 +120,7 @@ fn chunks(layers: &mut [Accumulator]) -> Vec<Vec<&mut [PixelAccumulator]>> {
     chunks
 }
 
-/// A picture whose light is told apart by source.
+/// A picture whose light is separated by source.
 struct LayeredPicture<'a> {
     transport: Transport<'a>,
     layout: &'a SourceLayout,

@@ -19,7 +19,7 @@
 //!  - [`Tracer::bright_paths`]: the paths that make a picture noisy, and what happened along each (module [`explain`]).
 //!
 //! Reading order: [`path`] is the light transport; [`surface`] and [`bsdf`] are what a ray hits,
-//! [`emitters`] and [`environment`] the lights, `virtual_lamps` asks for them by way of planar
+//! [`emitters`] and [`environment`] the lights, `virtual_lamps` samples them by way of planar
 //! mirrors, [`guiding`] directs samples to them by way of glossy planes, [`sampler`] draws the
 //! random numbers, [`accel`] intersects rays with triangles.
 //!

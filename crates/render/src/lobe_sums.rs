@@ -1,8 +1,8 @@
 //! One lobe after another over the same incident samples: `S = sum w(wo, wi) E` for each probe.
 //!
-//! A search for the shape of a lobe asks for these sums a hundred times. What depends on the directions alone is
-//! computed once: the slopes of the half vector `h = wo + wi` and of `wi` (x and y over z), and the sample's
-//! irradiance times all factors without a roughness. Of Ward's lobe an exponential is left, of GGX two square roots.
+//! A search for the shape of a lobe needs these sums a hundred times. All that depends only on the directions is
+//! computed once: the slopes of the half vector `h = wo + wi` and of `wi` (x and y over z), and the sample's irradiance
+//! times all factors without a roughness. What is left is an exponential for Ward's lobe, and two square roots for GGX.
 //! Samples go eight at a time.
 
 use crate::bsdf::ward::ALPHA_MIN;
@@ -25,7 +25,7 @@ pub struct LobeSums {
     wi: Vec<[f32x8; 2]>,
 }
 
-/// What is known of a probe.
+/// The data of a probe.
 #[derive(Clone, Copy, Debug)]
 struct Outgoing {
     /// The slopes of `wo`.
@@ -119,7 +119,7 @@ fn slopes(direction: Vec3) -> Vec2 {
     direction.truncate() / direction.z
 }
 
-/// What a lobe's value has beside the part that depends on its shape and the norm `1 / (4 pi alpha_x alpha_y)`.
+/// The factor of a lobe's value that depends neither on its shape nor on the norm `1 / (4 pi alpha_x alpha_y)`.
 fn factor(model: BrdfModel, wo: Vec3, wi: Vec3) -> f32 {
     let h = wo + wi;
     let (length2, z2) = (h.length_squared(), h.z * h.z);

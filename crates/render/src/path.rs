@@ -51,13 +51,13 @@ const ROULETTE_CARRIED: f32 = 0.2;
 /// The largest probability of surviving a bounce. It bounds the mean length of paths at reflectance
 /// one, 50 bounces; at 0.96 it would end bright paths, at 0.99 they would be twice as long.
 const SURVIVAL_MAX: f32 = 0.98;
-/// The least, for a path that carries anything. Random numbers are multiples of 2^-24, and zero one time in so many:
-/// without it that path survives a probability of 1e-22, as a path has that passed surfaces which reflect nothing in one
-/// channel each, and its derivatives are divided by it. At half of it they weigh twice as much, at double paths without
-/// light take a hundredth of the time.
+/// The least, for a path that carries anything. Random numbers are multiples of 2^-24, and zero once in 2^24: without
+/// it a path may survive at a probability of 1e-22, as after surfaces that reflect nothing in one channel each, and its
+/// derivatives are divided by that. At half of it they weigh twice as much, at double paths without light take a
+/// hundredth of the time.
 const SURVIVAL_MIN: f32 = 1.0 / 256.0;
 
-/// The probability that a path survives which carries so much.
+/// The probability that a path which carries so much survives.
 #[inline]
 fn survival_probability(carried: Rgb) -> f32 {
     let carried = carried.max_element();
@@ -262,8 +262,8 @@ impl<'a> Transport<'a> {
     }
 
     /// The BRDF at `surface`.
-    // Not inlined, as the compiler decides where there are several callers, pictures take 2 %
-    // longer.
+    // Without this the compiler does not inline it where there are several callers, and pictures
+    // take 2 % longer.
     #[inline(always)]
     pub fn bsdf(&self, surface: &Surface) -> LocalBsdf {
         let GroupBsdf { mut bsdf, is_textured, rotation } = self.groups[surface.group as usize];
@@ -395,7 +395,7 @@ impl<'a> Transport<'a> {
 
     /// The trail after a direction was drawn at `surface` with the density `pdf`, beside `samples`
     /// virtual samples, or after the reflection in a perfect mirror, whose density is infinite; `before` is
-    /// the trail up to there. None if virtual samples cannot find what comes.
+    /// the trail up to there. None if virtual samples cannot find what follows.
     #[inline]
     pub(crate) fn trail(
         &self,
@@ -487,7 +487,7 @@ mod tests {
     fn survivors_weigh_no_more_than_random_numbers_can_tell() {
         let survives = |carried: f32| survival_probability(Rgb::new(0.0, carried, 0.0));
         assert_eq!(survives(0.0), 0.0);
-        // One draw in 2^24 is zero, and survives whatever is above it.
+        // One draw in 2^24 is zero, and survives at any positive probability.
         let tiny = [1e-38, 1e-22, 1e-9, 1e-4].map(survives);
         assert!(tiny.iter().all(|p| 2f32.powi(-24) / p < 1e-4), "{tiny:?}");
         assert!([1e-22, 1e-3, 0.02, 0.15, 0.3, 7.0].map(survives).is_sorted());

@@ -396,7 +396,7 @@ impl Gathering<'_, '_> {
             let [u, v, ..] = sampler.next4();
             self.follow(lambert::sample([u, v]), sampler);
         }
-        // As many as by the cosine, since nobody knows which of them find more light.
+        // As many as by the cosine, since it is not known which find more light.
         let images = if self.images.share() > 0.0 { settings.cosine } else { 0 };
         for k in 0..images {
             let mut sampler = self.gatherer.sampler(pixel, IMAGE, index * settings.cosine + k);

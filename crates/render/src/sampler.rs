@@ -12,8 +12,8 @@ use sobol_burley::parts::{self, Int4};
 /// more and is hardly less noisy.
 const STRATIFIED: u32 = 5;
 
-/// Sobol' points by their index, bits reversed: those of the indices below 256 and of their multiples by 256,
-/// from which each point is the exclusive or of two.
+/// Sobol' points by their index, bits reversed: those of the indices below 256 and of their multiples by 256. Each
+/// point is the exclusive or of one of either.
 const SOBOL: &[[[u32; 4]; 256]; 2] = &tables();
 /// Primitive polynomials of the second, third and fourth dimension, each by its degree, its inner coefficients,
 /// and the first direction numbers [Joe and Kuo 2008, new-joe-kuo-6.21201].

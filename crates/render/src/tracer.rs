@@ -70,7 +70,7 @@ impl Tracer {
         Self::try_new(scene).unwrap_or_else(|fault| panic!("{fault}"))
     }
 
-    /// Prepares `scene`, whoever made it.
+    /// Prepares `scene`, checked or not.
     ///
     /// ```
     /// use unrender_render::Tracer;

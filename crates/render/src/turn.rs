@@ -1,5 +1,5 @@
-//! Sine and cosine of a part of a turn, for directions drawn around an axis. The same bits on all machines:
-//! those of the systems' libraries differ.
+//! Sine and cosine of a part of a turn, for directions drawn around an axis. They have the same bits on all machines,
+//! unlike those of the systems' libraries.
 
 /// Sine and cosine of `turns` times 2 pi, for `turns` in [0, 1]; off by at most 2e-7.
 ///

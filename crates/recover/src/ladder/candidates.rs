@@ -41,7 +41,7 @@ const TYPICAL_MIN: f64 = 0.01;
 /// How often outliers are searched for, each time without those before.
 const OUTLIER_ROUNDS: usize = 3;
 
-/// Asks groups for other hypotheses, and remembers which were asked.
+/// Asks groups for other hypotheses (compares their candidates), and remembers which were asked.
 #[derive(Clone)]
 pub(crate) struct Candidates<'o> {
     options: &'o Options,

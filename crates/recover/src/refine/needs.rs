@@ -4,7 +4,7 @@
 //! result no nearer to the truth. The paths that a number lacks go where its noise comes from ([`super::origins`]), by
 //! `sqrt(a_c)` [Neyman 1934], which is not always its own group.
 
-use super::blocks;
+use super::parameters;
 use super::means::Mean;
 use super::unknowns::Unknowns;
 use crate::effort::Effort;

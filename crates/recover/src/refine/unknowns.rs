@@ -47,8 +47,8 @@ fn quantities(of_group: &GroupState) -> &'static [Quantity] {
 }
 
 impl Unknowns {
-    /// What is free in `state`: the numbers of all groups that are asked for and not assumed, the
-    /// unknown lights, and the exposure if an anchor fixes it.
+    /// What is free in `state`: the numbers of all unknown groups that are not assumed, the unknown
+    /// lights, and the exposure if an anchor fixes it.
     pub(crate) fn of(state: &State<'_>) -> Self {
         let mut list = Vec::new();
         for (group, spec) in state.problem.groups.iter().enumerate() {

@@ -9,7 +9,7 @@
 
 use super::contenders::Rung;
 use super::relations::Relation;
-use super::{Solution, blocks, side_by_side};
+use super::{Solution, parameters, side_by_side};
 use crate::expected::{ALPHA_RANGE, Like};
 use crate::hypothesis::{Hypothesis, anisotropic};
 use crate::others::light_of_others;

@@ -167,7 +167,7 @@ fn bounds_are_kept_whatever_the_photograph_says() {
 
 #[test]
 fn what_the_photograph_does_not_bear_out_is_made_simpler() {
-    // A diffuse stripe that is thought to shine a little, and a round lobe that is thought brushed.
+    // A diffuse stripe that starts slightly specular, and a round lobe that starts brushed.
     let round = Material::isotropic(Rgb::splat(0.2), Rgb::splat(0.4), 0.2);
     let diffuse = Material::diffuse(Rgb::new(0.2, 0.5, 0.8));
     let renderer = Stripes::new(vec![diffuse.clone(), round.clone()]);

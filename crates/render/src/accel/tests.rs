@@ -75,7 +75,7 @@ fn both_kernels_find_the_same_bits() {
     let accel = Accel::build(&triangles);
     for (i, point) in points.iter().enumerate() {
         let origin = Vec3::new(0.5, 1.5, 0.2) * (i % 7) as f32 / 3.0;
-        // Exact zeros in directions are what slab tests stumble over.
+        // Slab tests are sensitive to exact zeros in directions.
         let towards = if i % 5 == 0 { Vec3::Z } else { (*point - origin).normalize() };
         let ray = Ray::new(origin, towards);
         let [a, b] = [walk::portable::<false>(&accel.tree, &ray), accel.closest(&ray)];

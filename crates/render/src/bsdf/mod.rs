@@ -170,8 +170,8 @@ impl<'a> Bsdf<'a> {
         }
     }
 
-    /// The density of a direction that has the density `unguided` without the guide, which takes
-    /// its share of the directions by the cosine.
+    /// The density of a direction that has the density `unguided` without the guide, which draws a
+    /// share of the diffuse directions instead of the cosine.
     #[inline]
     fn guided(&self, unguided: f32, wi: Vec3) -> f32 {
         let share = self.guide.share();
@@ -183,8 +183,8 @@ impl<'a> Bsdf<'a> {
     }
 
     /// Draws `wi` from three numbers in [0, 1); none if the direction falls below the surface.
-    // Not inlined, as the compiler decides where there are several callers, pictures take 2 %
-    // longer.
+    // Without this the compiler does not inline it where there are several callers, and pictures
+    // take 2 % longer.
     #[inline(always)]
     pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
         if wo.z <= 0.0 {

@@ -1,7 +1,7 @@
 //! Cross-filtering: each half is filtered with weights from the other one, so that weights are independent of the
 //! noise that they average [Rousselle et al. 2012; Bitterli et al. 2016].
 //!
-//! Models are fitted at every other pixel of every other row, and each predicts all pixels that are like its own;
+//! Models are fitted at every other pixel of every other row, and each predicts all pixels that are similar to its own;
 //! the predictions are averaged by weight (collaborative regression [Moon et al. 2014; Bitterli et al. 2016]).
 
 use super::regression::Window;
@@ -11,8 +11,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 use unrender_scene::Rgb;
 
-/// Pixels whose weight, to the power, is below this are not in a model, for the sake of time. With half of it or double
-/// of it the result is the same to a percent.
+/// Pixels whose weight, to the power, is below this are not in a model, to save time. With half of it or double of it
+/// the result is the same to a percent.
 const WEIGHT_MIN: f32 = 0.01;
 /// The least nearness that differences of nearness are divided by, 1/metres: that of a megametre. With half of it or
 /// double of it nothing changes.

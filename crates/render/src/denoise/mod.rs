@@ -4,16 +4,16 @@
 //!
 //!  1. What is known without noise is taken out (`signal`): emission that is seen directly or in perfect mirrors is
 //!     subtracted, and the rest divided by the reflectance of what is seen ([`crate::features`]).
-//!  2. Which pixels are alike is asked of the other half (`similarity`): the weights of non-local means for pictures of
-//!     known variance [Rousselle et al. 2012]. They are so independent of the noise that they average.
+//!  2. The other half decides which pixels are alike (`similarity`), by the weights of non-local means for pictures of
+//!     known variance [Rousselle et al. 2012]: these are independent of the noise that they average.
 //!  3. About every other pixel of every other row a model that is linear in position, normal, distance and reflectance
 //!     is fitted to the pixels that are alike, and all models that reach a pixel are averaged (`regression`, `filter`):
 //!     nonlinearly weighted first-order regression [Bitterli et al. 2016].
 //!  4. Of two bandwidths and no filter, each pixel has those whose error, estimated from the halves, is least
 //!     (`selection`) [Bitterli et al. 2016].
 //!
-//! The mean of both filtered halves is the picture. It is no unbiased estimate any more: what is fainter than the noise
-//! and not in the features is averaged away. For pictures to be looked at, and not for recovery.
+//! The mean of both filtered halves is the picture. It is no longer an unbiased estimate: details that are fainter than
+//! the noise and not in the features are averaged away. It is for pictures to be looked at, not for recovery.
 //!
 //! The cost is that of a ray for each sample, more of them where edges are, and about 40 microseconds of one core a pixel.
 
@@ -51,7 +51,7 @@ pub struct Halves<'a> {
 pub struct Denoised {
     /// Radiance, W sr^-1 m^-2 per channel; finite and not negative.
     pub radiance: RgbImage,
-    /// Its relative error as the halves tell it: the root mean square of all pixels and channels over their mean,
+    /// Its relative error, estimated from the halves: the root mean square of all pixels and channels over their mean,
     /// noise and bias together.
     pub error: f64,
     /// The share of the picture that was left as it was, 0 to 1.

@@ -1,4 +1,4 @@
-//! Selection: of every pixel's candidates that of least error, estimated from the halves.
+//! Selection: for every pixel the candidate of least error, estimated from the halves.
 //!
 //! With both halves `a`, `b` of a pixel and both filtered, `F(a)` and `F(b)`, whose mean is the result, the squared
 //! error of the mean is estimated without bias by
@@ -8,8 +8,8 @@
 //! ```
 //!
 //! since the noise of the halves is independent [Bitterli et al. 2016]. The first term is the squared error
-//! of a filtered half and the variance of the other one, which the last term takes away; the second is what the mean of
-//! two has less of variance than one. For no filter, `F(a) = a`, this is `(a - b)^2 / 4`, the variance of the mean.
+//! of a filtered half and the variance of the other one, which the last term removes; the second is how much less
+//! variance the mean of two has than one. For no filter, `F(a) = a`, this is `(a - b)^2 / 4`, the variance of the mean.
 
 use super::filter::{Filtered, POWERS};
 use super::signal::{Signal, boxed};
@@ -26,8 +26,7 @@ const BLEND_RADIUS: usize = 2;
 /// Both halves after the choice, radiance without visible emission.
 pub(super) struct Selected {
     pub(super) halves: [Vec<Rgb>; 2],
-    /// The estimated squared error of the halves' mean, summed over channels: right on average, and negative in
-    /// places.
+    /// The estimated squared error of the halves' mean, summed over channels: unbiased, and so negative in places.
     pub(super) error: Vec<f64>,
     /// The share of the picture that has no filter.
     pub(super) untouched: f64,
@@ -71,7 +70,7 @@ fn candidate(
 fn shares(signal: &Signal, filtered: &[Filtered; 2]) -> [Vec<f64>; CHOICES] {
     let (width, height) = signal.size();
     let pixels = 0..width * height;
-    // Errors count in proportion to the noise nearby, so that a bright edge does not choose for what is beside it.
+    // Errors are relative to the noise nearby, so that a bright edge does not decide for the pixels beside it.
     let noise = |pixel: usize| {
         let [a, b] = [0, 1].map(|half: usize| signal.halves[half].at(pixel));
         f64::from(((a - b) * signal.reflectance[pixel]).length_squared())

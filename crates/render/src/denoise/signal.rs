@@ -1,9 +1,9 @@
-//! What is denoised: the two halves of a picture without what is known of them.
+//! The signal that is denoised: the two halves of a picture without their known parts.
 //!
 //! With the mean radiance `L` of a pixel, its visible emission `E` and its reflectance `r`, the signal is
-//! `u = (L - E) / r`: the incident light, roughly. Textures are not in it, lamps neither. `E` and `r` are those of the
-//! half's own samples, so that `u` does not depend on which share of a pixel with an edge they happened to see; what
-//! is filtered is multiplied by the `r` of the whole picture, and its `E` added.
+//! `u = (L - E) / r`: the incident light, roughly. It has no textures and no lamps. `E` and `r` are those of the half's
+//! own samples, so that `u` does not depend on which share of a pixel with an edge they happened to see; the filtered
+//! signal is multiplied by the `r` of the whole picture, and its `E` added.
 
 use super::Halves;
 use crate::features::PixelFeatures;
@@ -22,7 +22,7 @@ const CALIBRATION_RADIUS: usize = 10;
 const INVISIBLE: f64 = 1e-3;
 
 /// Outliers are looked for among the pixels of squares of this many pixels on either side, 121 of them. With half of it
-/// too few say what is usual, with double of it a dark corner has the limit of the light beside it.
+/// too few show what is usual, with double of it a dark corner has the limit of the light beside it.
 const OUTLIER_RADIUS: usize = 5;
 /// Outliers are this many standard deviations of such a square above its mean: none of normal noise, and one pixel
 /// in 64 at the very most of any distribution, by Chebyshev. Half of it darkens caustics, double of it keeps spots.
@@ -93,7 +93,7 @@ impl Signal {
         let guides = halves.finer.pixels().iter().map(guide).collect();
         let signals = [0, 1].map(|half| {
             let at = |pixel: usize| {
-                // A half without samples is as the other one.
+                // A half without samples is taken as the other one.
                 let half = if counts(half, pixel) > 0 { half } else { 1 - half };
                 let features = &halves.features[half].pixels()[pixel];
                 let radiance = halves.samples[half].image().pixels()[pixel].mean();
@@ -115,9 +115,9 @@ impl Signal {
     }
 }
 
-/// `half` without outliers, the rare samples that are far brighter than all others: a pixel is at most what the `other`
-/// half says is usual there, or twice what it has in the same place. It loses light, and a window full of bright
-/// pixels less. Per channel.
+/// `half` without outliers, the rare samples that are far brighter than all others: each channel of a pixel is at most
+/// what is usual there in the `other` half, or twice its value in the same place. This removes light, but less of a
+/// window full of bright pixels.
 fn limited(half: &Planes, other: &Planes) -> Planes {
     let (width, height) = half.size();
     let channels = [0, 1, 2].map(|channel: usize| {
@@ -140,8 +140,8 @@ fn limited(half: &Planes, other: &Planes) -> Planes {
     Planes { width, channels }
 }
 
-/// The variances of the signals: sample variances, scaled to what the squared differences of the halves say in
-/// the region [Rousselle et al. 2012]. Samples are stratified, by which the sample variance is too large.
+/// The variances of the signals: sample variances, scaled to the squared differences of the halves in the region
+/// [Rousselle et al. 2012]. The sample variance is too large, as samples are stratified.
 fn variances(
     samples: [&Accumulator; 2],
     signals: &[Planes; 2],

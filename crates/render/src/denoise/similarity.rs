@@ -27,8 +27,8 @@ pub(super) const OFFSETS: usize = SIDE * SIDE;
 const PATCH: usize = 3;
 /// Distances of single pixels are at most this, so that no infinity comes up.
 const DISTANCE_MAX: f32 = 1e6;
-/// Weights below this, of distances above its logarithm, count as zero: they save the time of the regression.
-/// With half of it or double of it the result is the same to a percent.
+/// Weights below this, of distances above its logarithm, count as zero: this saves the time of the regression. With
+/// half of it or double of it the result is the same to a percent.
 const WEIGHT_MIN: f32 = 0.01;
 
 /// A rectangle of pixels.

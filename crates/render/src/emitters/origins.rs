@@ -1,4 +1,4 @@
-//! Where the light of each pool comes from, for those who look for it by way of mirrors
+//! Where the light of each pool comes from, for finding it by way of mirrors
 //! ([`crate::virtual_lamps`]).
 
 use super::Emitters;
@@ -7,8 +7,8 @@ use glam::Vec3;
 use unrender_scene::LightKind;
 
 /// An environment whose light comes from fewer steradians than this counts as a lamp: mirrors
-/// concentrate it. Ten times the sun with its aureole; with half or double of it the few panoramas in
-/// between are looked for in mirrors or found by chance.
+/// concentrate it. Ten times the sun with its aureole; with half or double of it the light of the few panoramas in
+/// between is sampled in mirrors or found by chance.
 const SUN_SR: f32 = 0.1;
 
 /// Where the light of a pool comes from.
@@ -33,8 +33,7 @@ pub(crate) struct LampSphere {
 }
 
 impl Emitters {
-    /// Where the light of the pool with the index `pool` comes from; none if nothing is in it that mirrors can
-    /// be asked for.
+    /// Where the light of the pool with the index `pool` comes from; none if it has nothing to sample in mirrors.
     pub(crate) fn origin(&self, pool: usize) -> Option<PoolOrigin> {
         match (pool, self.pools[pool].lights.as_slice()) {
             (_, []) => None,

@@ -1,5 +1,4 @@
-//! Pools of lights: a light of a pool is drawn by its strength, a pool by numbers that each point has for all
-//! of them.
+//! Pools of lights: a light of a pool is drawn by its strength, a pool by numbers that depend on the point.
 
 use crate::lanes::{self, total};
 use glam::Vec4;

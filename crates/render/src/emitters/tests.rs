@@ -55,7 +55,7 @@ fn emission(triangle: usize) -> TriangleEmission {
     TriangleEmission { group: triangle as u32 / 10, radiance }
 }
 
-/// Fails unless the mean of what `of` makes of light samples is `expected`.
+/// Fails unless the mean of `of` over light samples is `expected`.
 fn assert_mean(emitters: &Emitters, of: impl Fn(&LightSample) -> Rgb, expected: DVec3) {
     let (mut sum, mut squares) = (DVec3::ZERO, DVec3::ZERO);
     for i in 0..SAMPLES {

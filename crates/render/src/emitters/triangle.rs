@@ -26,8 +26,7 @@ impl EmittingIndex {
     }
 }
 
-/// A lamp may have thousands of triangles, of which each sample meets another one: one lies in one line
-/// of the processor's cache.
+/// A triangle that emits, in one cache line: a lamp may have thousands of them, and each sample reads another one.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct EmittingTriangle {
@@ -87,7 +86,7 @@ impl EmittingTriangle {
         let (distance, inverse) = (distance2.sqrt(), 1.0 / distance2.sqrt());
         let wi = to_light * inverse;
         let cos = -wi.dot(self.normal);
-        // At the point itself neither is a number.
+        // At the point itself neither is finite.
         if !(cos > 0.0 && inverse.is_finite()) {
             return None;
         }

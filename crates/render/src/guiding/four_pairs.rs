@@ -112,14 +112,14 @@ impl FourPairs {
         })
     }
 
-    /// Whose plane is not the object with this number.
+    /// The pairs whose plane is not the object with this number.
     #[inline]
     fn are_not(&self, object: u32) -> BVec4A {
         let [a, b, c, d] = self.objects.map(|own| own != Some(object));
         BVec4A::new(a, b, c, d)
     }
 
-    /// Whose plane is no further than `reach` from the point `hit` of its extension, towards which the lamp emits.
+    /// The pairs whose plane is within `reach` of the point `hit` of its extension, towards which the lamp emits.
     #[inline]
     fn are_hit(&self, hit: Vec3x4, reach: Vec4) -> BVec4A {
         let outside = [0, 1, 2].map(|i| hit[i] - hit[i].max(self.low[i]).min(self.high[i]));

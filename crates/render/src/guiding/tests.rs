@@ -34,7 +34,7 @@ fn flat_meshes_are_planes_and_no_others() {
     let floor = || quad(Vec3::ZERO, UP);
     let mut double_sided = floor();
     double_sided.triangles.extend([[2, 1, 0], [5, 4, 3]]);
-    // Its first triangle has no area, and flat normals for that point anywhere.
+    // Its first triangle has no area, so its flat normals point anywhere.
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, 2.0 * Vec3::X];
     let with_a_needle = Mesh::flat(&corners, &[], &[[0, 1, 3], [0, 1, 2]]);
     let unused = Mesh { triangles: Vec::new(), ..quad(7.0 * Vec3::Y, DOWN) };
@@ -179,7 +179,7 @@ fn lobes_point_to_the_mirror_image_of_the_lamp() {
 
 #[test]
 fn the_weights_of_all_bounces_together_are_bounded() {
-    // What a path may weigh whose directions are all drawn by the cosine, longer than any path is.
+    // The weight of a path whose directions are all drawn by the cosine, longer than any real path.
     let weight: f32 = (0..1000).map(|bounce| 1.0 / (1.0 - share(bounce))).product();
     assert!((1.9..3.1).contains(&weight), "{weight}");
 }

@@ -108,8 +108,8 @@ impl Tracer {
         self.jacobian_of_samples(appearance, camera, size, &pixels, parameters, settings, cache)
     }
 
-    /// The same for `pixels` by the paths of other numbers than those of `settings`, for each pixel those given beside it;
-    /// zero where there are none.
+    /// The same for `pixels`, on the paths whose numbers stand beside each pixel instead of those of `settings`; zero
+    /// where there are none.
     ///
     /// # Panics
     /// If the appearance has fewer materials than the scene has groups.

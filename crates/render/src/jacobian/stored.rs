@@ -1,16 +1,15 @@
 //! Stored paths: traced once, evaluated under any appearance.
 //!
-//! Geometry, lights and camera stay the same while materials are looked for, and so the paths that a rendering
-//! found stay paths of the scene. What changes are the values of BRDFs along them: with `x1 .. xk` the vertices
-//! of a path,
+//! Geometry, lights and camera stay the same while materials are searched for, so the paths that a rendering found stay
+//! paths of the scene. Only the values of BRDFs along them change: with `x1 .. xk` the vertices of a path,
 //!
 //! ```text
 //! L = sum over k of  (product over i < k of  f_i cos_i / (pdf_i survival_i)) * (direct_k or emission_k)
 //! ```
 //!
-//! in which everything but the BRDFs `f_i` is a number that is known once the path was traced. [`StoredPaths`]
-//! keeps these numbers; a replay runs the same tape as [`Tracer::jacobian`] on them, without a ray. So are albedos
-//! edited under global illumination [Hasan and Ramamoorthi 2013].
+//! in which everything but the BRDFs `f_i` is a number that is known once the path is traced. [`StoredPaths`] keeps
+//! these numbers; a replay runs the same tape as [`Tracer::jacobian`] on them, without a ray. Albedos are edited under
+//! global illumination in the same way [Hasan and Ramamoorthi 2013].
 //!
 //! A path is a sequence of words of 32 bits: for each event a word that names it, with the group or the source of
 //! light, then its numbers. A vertex with its light sample and its direction takes 52 bytes, 12 more where
@@ -246,7 +245,7 @@ impl Recorder {
         self.number(v.y * scale);
     }
 
-    /// What arrives from a source, of which the event's word says the kind in two bits.
+    /// The source of arriving light; two bits of the event's word are its kind.
     fn source(&mut self, event: Event, source: LightSource) {
         let (kind, index) = match source {
             LightSource::Group(group) => (0, group),

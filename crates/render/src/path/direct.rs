@@ -47,7 +47,7 @@ pub struct VisibleLight {
 struct OpenWay {
     passed: MirrorsPassed,
     transmittance: Rgb,
-    /// The product of the probabilities with which the mirrors are taken for mirrors.
+    /// The product of the probabilities with which the mirrors reflect as mirrors.
     probability: f32,
 }
 
@@ -79,7 +79,7 @@ impl Transport<'_> {
 
     /// The weight of multiple importance sampling of what `hit` emits towards `from` along `wi`, a
     /// direction that was drawn with the density `pdf`, beside `lights` light samples. Behind a perfect
-    /// mirror, where the density is infinite, `trail` knows by which other samples it may be found.
+    /// mirror, where the density is infinite, `trail` says which other samples may find it.
     #[inline]
     pub(crate) fn share_of_direction(
         &self,
@@ -118,7 +118,7 @@ impl Transport<'_> {
             let importances = emitters.importances(origin);
             let light = emitters.sample_where(importances, origin, [pick, u, v]);
             self.add_light(throughput, at, (origin, light), count, observer);
-            // The same strata, half of them away, so that the two errors are not alike.
+            // The same strata, shifted by one half, so that the two errors differ.
             let [u, v] = [u, v].map(|u| if u < 0.5 { u + 0.5 } else { u - 0.5 });
             let point = (origin, importances.sum());
             let sample = self.virtual_lamps.sample(emitters, point, [again, u, v]);
@@ -153,7 +153,7 @@ impl Transport<'_> {
         observer.record_direct(throughput, at, &light);
     }
 
-    /// The same of one by way of mirrors.
+    /// The same for a sample by way of mirrors.
     // Few scenes have planar mirrors.
     #[inline(never)]
     fn add_virtual_light(
@@ -207,8 +207,8 @@ impl Transport<'_> {
             }
             ray = Self::leave(&surface, wi);
         }
-        // From where the ray leaves the mirror, which is a little before it: the length of the way itself would
-        // reach into the lamp.
+        // From where the ray leaves the mirror, which is a little before it: the whole distance would reach into the
+        // lamp.
         let (direction, distance) = match sample.end {
             Some(end) => ((end - ray.origin).normalize(), ray.origin.distance(end)),
             None => (ray.direction, f32::INFINITY),
@@ -267,8 +267,8 @@ impl Transport<'_> {
     }
 }
 
-/// The weight by the balance heuristic of one of `count` samples of the density `pdf`, none for what no
-/// direction finds, beside one direction drawn with the density `by_direction`.
+/// The weight by the balance heuristic of one of `count` samples of the density `pdf`, none for light that no direction
+/// finds, beside one direction drawn with the density `by_direction`.
 #[inline]
 fn balance(pdf: Option<f32>, count: u32, by_direction: f32) -> f32 {
     let count = count as f32;

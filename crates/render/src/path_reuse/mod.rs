@@ -21,9 +21,9 @@
 //! and otherwise a shadow ray is much cheaper than a path. Where most of the variance lies within
 //! pixels (leaves, grass) reuse does not pay; a pilot of a few tiles decides.
 //!
-//! Reuse correlates the noise of the pixels of a tile. Tilings have another random offset for each
-//! sample number, so that tiles do not show; the noise is still correlated over a few pixels. Fits
-//! to pictures and measurements of noise over many pixels should use independent paths.
+//! Reuse correlates the noise of the pixels of a tile. Each sample number has a tiling with a
+//! random offset, so that tiles are not visible; the noise is still correlated over a few pixels.
+//! Fits to pictures and measurements of noise over many pixels should use independent paths.
 
 mod connection;
 mod receiver;
@@ -242,7 +242,7 @@ impl PathReuse<'_> {
     }
 }
 
-/// The samples of one number of all pixels.
+/// The samples with one number of all pixels.
 struct Pass {
     index: u32,
     tiling: Tiling,

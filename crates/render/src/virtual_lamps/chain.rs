@@ -10,7 +10,7 @@ pub(crate) const MIRRORS_MAX: usize = 2;
 /// With half of it rounding shows, with double of it what touches a mirror loses light samples.
 const CLOSE: f32 = 1e-4;
 /// A line meets a mirror if it meets its bounding box grown by this share of its extent. It covers
-/// rounding; whether the mirror is really there is for a ray to find out.
+/// rounding; a ray then finds out whether the mirror is really there.
 const MARGIN: f32 = 1e-3;
 
 /// Mirrors in the order of a path towards the light.

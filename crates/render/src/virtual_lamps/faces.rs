@@ -17,8 +17,8 @@ const SAME_NORMAL: f32 = 1e-3;
 /// Corners lie in a plane if they are off it by less than this share of the object's extent. Half of
 /// it is near single precision, double of it shifts images by as much.
 const SAME_PLANE: f32 = 1e-5;
-/// Most triangles of a face that rays start from when it is asked what the face sees. With half of it a
-/// face of many triangles is judged by a part of it, double of it takes memory.
+/// Most triangles of a face that rays start from to find out what the face sees. With half of it a face of many
+/// triangles is judged by a part of it, double of it takes memory.
 const SHOWN: usize = 64;
 /// The face of a triangle that belongs to none.
 const NONE: u16 = u16::MAX;
@@ -122,7 +122,7 @@ fn of_object(object: &Object) -> (Vec<FlatFace>, Vec<Option<usize>>) {
     let mesh = &object.mesh;
     let count = mesh.triangles.len();
     let mut triangles: Vec<_> = (0..count).filter_map(|i| FlatTriangle::of(mesh, i)).collect();
-    // The largest triangles say where the planes lie.
+    // The largest triangles define the planes.
     triangles.sort_by(|a, b| b.area.total_cmp(&a.area));
     let [low, high] = bounds(mesh.positions.iter().copied());
     let thickness = SAME_PLANE * (high - low).length();

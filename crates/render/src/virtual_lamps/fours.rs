@@ -1,4 +1,4 @@
-//! Four virtual lamps at once: about the irradiance that each brings to a point, where its mirrors show it.
+//! Four virtual lamps at once: the approximate irradiance of each at a point, where its mirrors show it.
 
 use super::chain::{Chain, MIRRORS_MAX, Mirror};
 use super::lamps::VirtualLamp;
@@ -19,7 +19,7 @@ pub(super) struct Four {
     images: [Vec3x4; MIRRORS_MAX],
     /// One for lamps at a distance, zero for those at infinity.
     near: Vec4,
-    /// One for light that comes from all sides, and needs no mirror to be seen in.
+    /// One for light from all sides, which counts as seen in all mirrors.
     anywhere: Vec4,
     radius: Vec4,
     /// The axis of emission as seen before the first mirror, zero without one.
@@ -83,20 +83,20 @@ impl Four {
         }
     }
 
-    /// About the irradiance that arrives at `origin` from each, W m^-2; zero where its mirrors do not show it.
+    /// The approximate irradiance at `origin` from each, W m^-2; zero where its mirrors do not show it.
     #[inline]
     pub(super) fn irradiances(&self, origin: Vec3) -> Vec4 {
         let origin = origin.to_array().map(Vec4::splat);
         let mut seen = self.strength.cmpgt(Vec4::ZERO);
         let (mut point, mut radius) = (origin, self.radius);
         for (mirror, image) in self.mirrors[..self.count].iter().zip(&self.images) {
-            // To the image, of a lamp at infinity along its direction.
+            // To the image, or along the direction of a lamp at infinity.
             let way = [0, 1, 2].map(|k| image[k] - self.near * point[k]);
             let share = -mirror.height(point) / dot(way, mirror.normal);
             let is_between = share.cmpgt(Vec4::ZERO) & (self.near * share).cmplt(Vec4::ONE);
             point = [0, 1, 2].map(|k| point[k] + share * way[k]);
             seen &= is_between & mirror.are_near(point, radius * share);
-            // What is left of the way sees the lamp as large as the whole way does.
+            // The rest of the way sees the lamp under the same angle as the whole way.
             radius *= 1.0 - share;
         }
         seen |= self.anywhere.cmpgt(Vec4::ZERO);

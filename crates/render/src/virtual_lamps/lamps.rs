@@ -1,4 +1,4 @@
-//! The lamps that mirrors can be asked for, and their images: which of them may light a point.
+//! The lamps that are sampled in mirrors, and their images, which may light a point.
 
 use super::chain::{Chain, MIRRORS_MAX};
 use crate::emitters::{Emitters, LampSphere, POOLS, PoolOrigin, PoolWeights};
@@ -30,7 +30,7 @@ impl Lamp {
         lamps
     }
 
-    /// Both together, if that is hardly larger than the larger one.
+    /// Both together, if that is at most twice as large as the larger one.
     fn joined(&self, other: &Self) -> Option<Self> {
         let (PoolOrigin::Sphere(a), PoolOrigin::Sphere(b)) = (self.origin, other.origin) else {
             return None;

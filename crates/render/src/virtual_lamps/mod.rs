@@ -5,23 +5,23 @@
 //! no hit at all. For a plane the way is known in closed form, the method of images: reflect the
 //! *point on the floor* at the mirror's plane, and from that image the lamp is seen in a straight line
 //! through the mirror, as through a window. So a light sample drawn for the image point is a light
-//! sample of the floor, with the same distance, cosine at the lamp and density over solid angle; of two
-//! mirrors in a row likewise with the image of the image. Rays decide whether the mirrors are really
-//! where the line meets their planes, and whether anything occludes a part of the way.
+//! sample of the floor, with the same distance, cosine at the lamp and density over solid angle; for two mirrors in a
+//! row it is the image of the image. Rays decide whether the mirrors are really where the line meets their planes, and
+//! whether anything occludes a part of the way.
 //!
 //! The same light is found by a direction drawn from the BRDF that meets the mirrors and then the
 //! lamp. Both are weighted by the balance heuristic [Veach and Guibas 1995] with the density over
 //! solid angle at the point where the direction was drawn, times the probability with which each
-//! mirror on the way is taken for one; so nothing is counted twice. A path keeps what that takes in
+//! mirror on the way reflects as one; so nothing is counted twice. A path keeps what that needs in
 //! its [`MirrorTrail`].
 //!
-//! Which lamp by which chain of mirrors a sample takes is drawn by about the irradiance that it brings,
-//! where the lamp can be seen through the window; then a pool of its lights ([`crate::emitters`]) by the
-//! bound of their irradiance at the image point.
+//! The lamp and the chain of mirrors of a sample are drawn by their approximate irradiance, where the lamp can be seen
+//! through the window; then a pool of its lights ([`crate::emitters`]) by the bound of their irradiance at the image
+//! point.
 //!
-//! Limits: what is not asked for (mirrors and lamps beyond the largest numbers, chains of three mirrors, what
-//! the rays of `sight` miss) is found by chance if the light has an extent, as by any other surface. Of
-//! point, spot and directional lights nothing else finds it, and it is missing.
+//! Limits: light that is not sampled (by mirrors and lamps beyond the largest numbers, by chains of three mirrors, or
+//! missed by the rays of `sight`) is found by chance if its source has an extent, as by way of any other surface. That
+//! of point, spot and directional lights is missing.
 //!
 //! Cost: at each vertex a test of up to [`LAMPS_MAX`] virtual lamps, and two or three rays where one of
 //! them may be seen.
@@ -53,7 +53,7 @@ const MIRRORS: usize = 8;
 /// Most virtual lamps: the strongest by power, reflectance and area of the mirrors. With half of it some
 /// lamps of rooms with many are found by chance, double of it costs time at every vertex.
 const LAMPS_MAX: usize = 32;
-/// Most fours of them: those of each length of chains may leave one incomplete.
+/// Most fours of them: each length of chains may leave one incomplete.
 const FOURS_MAX: usize = LAMPS_MAX / 4 + MIRRORS_MAX;
 
 /// Where mirrors bring less than this share of the light that lamps bring straight, a vertex takes virtual
@@ -65,12 +65,12 @@ const WORTH: f32 = 1.0;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct VirtualLamps {
     chains: Vec<Chain>,
-    /// In fours by chains of one length; what is missing of a four has no strength.
+    /// In fours by chains of one length; lamps that a four lacks have no strength.
     lamps: Vec<VirtualLamp>,
     fours: Vec<Four>,
 }
 
-/// A light sample by way of mirrors, of which it is not known yet whether they are there.
+/// A light sample by way of mirrors, which may turn out not to be there.
 pub(crate) struct VirtualSample {
     /// As a sample for the last image: `wi` is the direction in which it leaves the last mirror.
     pub(crate) light: LightSample,
@@ -256,8 +256,8 @@ impl VirtualLamps {
         })
     }
 
-    /// The share of multiple importance sampling that light has which `emitter`, or else the
-    /// environment, emits along `wi` (world space), and which the path found by the mirrors of `trail`.
+    /// The weight of multiple importance sampling of the light that `emitter`, or else the environment, emits along
+    /// `wi` (world space) and that the path found by the mirrors of `trail`.
     pub(crate) fn share_of_path(
         &self,
         emitters: &Emitters,
@@ -309,8 +309,8 @@ impl VirtualLamps {
     }
 }
 
-/// The probability with which a vertex takes a virtual sample, given about the irradiance of all virtual lamps
-/// there and of all lamps themselves.
+/// The probability with which a vertex takes a virtual sample, given the approximate irradiance there of all virtual
+/// lamps and of all lamps themselves.
 #[inline]
 fn chance(irradiance: f32, straight: f32) -> f32 {
     if irradiance > 0.0 { (irradiance / (WORTH * straight)).min(1.0) } else { 0.0 }

@@ -1,5 +1,5 @@
-//! Which mirrors see which lamps, and which mirrors they would show them to: found by a few rays before a
-//! rendering, so that vertices do not ask for lamps that no mirror can show.
+//! Which mirrors see which lamps, and which other mirrors see the lamps in them: found by a few rays before a
+//! rendering, so that vertices do not test lamps that no mirror can show.
 
 use super::chain::Mirror;
 use super::faces::FlatFaces;
@@ -63,7 +63,7 @@ impl Sight {
         share_of(&self.pairs, (first, second, lamp))
     }
 
-    /// Looks from a mirror to a lamp, and from there as light goes on.
+    /// Traces rays from a mirror to a lamp, and their reflections to other mirrors.
     fn look(&mut self, around: &Surroundings<'_>, mirror: &Mirror, lamp: usize) {
         let mut open = 0;
         let mut others: Vec<(u16, u32)> = Vec::new();

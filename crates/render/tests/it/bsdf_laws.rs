@@ -166,7 +166,7 @@ fn chi2_tail(chi2: f64, freedom: usize) -> f64 {
 
 const SAMPLES: usize = 100_000;
 
-/// The p-value of samples of `bsdf` against the density `pdf`, and what the density integrates to.
+/// The p-value of samples of `bsdf` against the density `pdf`, and the integral of the density.
 fn p_value(
     bsdf: &Bsdf<'_>,
     wo: Vec3,
@@ -181,7 +181,7 @@ fn p_value(
         let cell = bsdf.sample(wo, random.next3()).map_or(ROWS * COLUMNS, |s| cell_of(s.wi));
         found[cell] += 1.0;
     }
-    // Cells of few samples are poured together.
+    // Cells of few samples are merged.
     let (mut chi2, mut cells, mut few) = (0.0, 0, (0.0, 0.0));
     let mut count = |found: f64, expected: f64| {
         chi2 += (found - expected).powi(2) / expected;
@@ -252,7 +252,7 @@ fn chi_squared_notices_an_image_that_is_a_little_elsewhere() {
 
 #[test]
 fn chi_squared_notices_samples_that_are_lost() {
-    // A density that claims one sample in fifty more than there are, all alike.
+    // A density that claims one sample in fifty more than there are, everywhere.
     let wo = direction(65.0, 0.7);
     let bsdf = glossy(WardModel::WardGmd.into(), 0.0, 1.0, (0.2, 0.2));
     let pdf = |wi| 1.02 * f64::from(bsdf.pdf(wo, wi));

@@ -118,7 +118,7 @@ fn outliers_and_faulty_samples_leave_finite_numbers_and_their_surroundings() {
     let good = |p: &Rgb| p.is_finite() && p.min_element() >= 0.0;
     assert!(found.radiance.pixels().iter().all(good));
     assert!(found.error.is_finite());
-    // Far from them all is as it was.
+    // Far from them nothing changes.
     let far: Vec<f32> = (0..8 * SIDE).map(|pixel| found.radiance.pixels()[pixel].x).collect();
     assert!(far[..2 * SIDE].iter().all(|v| (v - 1.0).abs() < 0.1));
 }
@@ -234,7 +234,7 @@ fn a_rendering_has_half_of_its_error_and_the_same_bits_with_any_number_of_thread
         pixels.map(|((p, a), b)| f64::from((*p - *a).dot(*p - *b))).sum()
     };
     let ratio = (mse(&found) / mse(&whole(&halves))).sqrt();
-    // Of so small a picture much is edges; of larger ones a third is left (docs/validation/denoise.md).
+    // Much of so small a picture is edges; in larger ones a third is left (docs/validation/denoise.md).
     assert!(ratio < 0.5, "{ratio}");
 }
 

@@ -177,7 +177,7 @@ fn a_small_sun_is_a_directional_light() {
     let mut by_light = floor(glossy, constant(BLACK));
     by_light.light(LightKind::Directional { direction, irradiance: radiance * pixel });
     let (a, b) = (seen(&by_panorama, 2048), seen(&by_light, 16));
-    // The sun is a pixel wide: what it is smeared over changes the lobe by less than this.
+    // The sun is a pixel wide: over its width the lobe changes by less than this.
     let off = ((a.mean - b.mean) / b.mean).abs().max_element();
     assert!(off < 1e-3, "{a:?} is not {b:?}");
     assert!((a.sigma / a.mean).max_element() < 2e-3, "a sun is no rare event: {a:?}");

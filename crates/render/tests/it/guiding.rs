@@ -19,9 +19,9 @@ fn lamp() -> [Vec3; 4] {
     plate_corners(Vec3::new(0.2, 0.7, 1.4), up, across)
 }
 
-/// A diffuse wall in the plane z = 0 above a floor of `material` in the plane y = 0. With a crumb,
-/// which nobody sees, the floor is not taken for a plane, and nothing looks for images in it; a mirror's
-/// normals are turned by a twelfth of a degree this way and that as well, so that it is no flat face.
+/// A diffuse wall in the plane z = 0 above a floor of `material` in the plane y = 0. With a crumb, which is not
+/// visible, the floor does not count as a plane, and no images in it guide paths; a mirror's normals are turned by a
+/// twelfth of a degree this way and that as well, so that it is no flat face.
 fn stage(material: Material, crumb: bool) -> Stage {
     let mut stage = Stage::default();
     stage.scene.brdf = WardModel::WardGmd.into();

@@ -1,5 +1,5 @@
 //! Proves that the derivatives of pictures are those of their own estimates: against differences on
-//! the same paths, pixel by pixel. That the estimates are of the right thing is proved in
+//! the same paths, pixel by pixel. That the estimates themselves are right is proved in
 //! `jacobian_independent.rs`.
 
 use crate::common::{Stage, camera, plate_corners, quad_mesh, settings};
@@ -130,7 +130,7 @@ impl Room {
         self.tracer.radiance_reweighted(moved, drawn, camera, SIZE, &pixels, settings, lookup)
     }
 
-    /// What a photograph of the room would say of the walls and the lamp's light on them.
+    /// The radiance cache of a photograph of the room, valid on the walls.
     fn photograph(&self) -> RadianceCache {
         let film =
             self.tracer.render(self.appearance(), &self.camera, SIZE, &settings(64), &|_| ());
@@ -152,7 +152,7 @@ fn all_pixels() -> Vec<u32> {
     (0..(SIDE * SIDE) as u32).collect()
 }
 
-/// Everything that can be asked of the room, the cache aside.
+/// All parameters of the room except the cache.
 fn everything() -> Vec<Parameter> {
     let mut all: Vec<_> = [FLOOR, WALLS, BALL, LAMP, PICTURE].map(Parameter::RhoD).into();
     all.extend([FLOOR, MIRROR, BALL].map(Parameter::RhoS));
@@ -186,7 +186,7 @@ fn differences(plus: &[Rgb], minus: &[Rgb], step: f32) -> Vec<DVec3> {
     plus.iter().zip(minus).map(one).collect()
 }
 
-/// What differences tend to, from those of one step and of two: without the third derivative
+/// The limit of differences, from those of one step and of two, without the third derivative
 /// [Richardson 1911].
 fn extrapolated(near: &[DVec3], far: &[DVec3]) -> Vec<DVec3> {
     near.iter().zip(far).map(|(near, far)| near + (near - far) / 3.0).collect()

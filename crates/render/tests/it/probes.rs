@@ -316,7 +316,7 @@ fn two_seeds_are_independent() {
         let settings = ProbeSettings { probes_per_pixel: 1, cosine: 2, seed, ..gather_all() };
         room.probes(&material, &settings).probes.iter().map(|p| f64::from(p.diffuse.x)).collect()
     };
-    // Noise is what is left without the picture, which a long run shows.
+    // The noise is the difference from the picture, which a long run shows.
     let many: Vec<Vec<f64>> = (100..164).map(brightness).collect();
     let noise = |seed| -> Vec<f64> {
         let mean = |i: usize| many.iter().map(|m| m[i]).sum::<f64>() / many.len() as f64;

@@ -35,7 +35,7 @@ fn stage(side: bool) -> Stage {
     stage
 }
 
-/// The images of a point, with what the mirrors take from each.
+/// The images of a point, with the share of each that the mirrors reflect.
 fn images(point: Vec3, side: bool) -> Vec<(Vec3, Rgb)> {
     let in_floor = |p: Vec3| Vec3::new(p.x, -p.y, p.z);
     let in_side = |p: Vec3| Vec3::new(2.0 - p.x, p.y, p.z);
@@ -216,7 +216,7 @@ fn path_reuse_and_probes_see_the_same_images() {
     stage.quad(group, lamp().map(|corner| corner - 0.3 * Vec3::X));
     let expected = Estimate::of_film(&stage.render(&camera, 24, settings(512)));
     let reuse = Settings { integrator: Integrator::PathReuse, seed: 2, ..settings(512) };
-    // Its noise is alike in neighbouring pixels; that of the mean is at most that of 8 x 8 together.
+    // Its noise is correlated in neighbouring pixels; that of the mean is at most that of 8 x 8 together.
     let mut found = Estimate::of_film(&stage.render(&camera, 24, reuse));
     found.sigma *= 8.0;
     assert_agree("path reuse", found, expected, 4e-3);

@@ -1,5 +1,4 @@
-//! The kinds of free number of the joint refinement: one file for each, with all that the
-//! refinement asks of it.
+//! The kinds of free number of the joint refinement: one file for each, with all that the refinement needs of it.
 //!
 //! The refinement itself ([`super::unknowns`], [`super::passes`]) knows no kind of number. It asks the kind of each
 //! unknown ([`of`]) for its value and its prior, how far it may move, and how the residual depends on it, as solvers

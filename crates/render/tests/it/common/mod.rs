@@ -1,7 +1,7 @@
 //! What the proofs share: small scenes, random numbers without strata, and the comparison of two
 //! estimates by their own noise.
 
-// Every test file compiles this module anew and uses a part of it.
+// Not all of it is always in use.
 #![allow(dead_code)]
 
 use glam::{DVec3, Vec2, Vec3};
