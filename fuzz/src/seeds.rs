@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
-use unrender::formats::export::{Shot, Target as Program, export};
+use unrender::formats::export::{SceneView, Target as Program, export};
 use unrender::formats::{LightUnits, gltf, picture, planes};
 use unrender::scene::{Camera, Group, Image, Material, Mesh, Object, Rgb, Scene, Texture, Wrap};
 
@@ -118,7 +118,8 @@ fn exported(extension: &str) -> Vec<Vec<u8>> {
     let materials = scene.materials();
     let camera = &scene.cameras[0];
     let light_units = LightUnits::default();
-    let shot = Shot { scene: &scene, materials: &materials, camera, size: (4, 3), light_units };
+    let shot =
+        SceneView { scene: &scene, materials: &materials, camera, size: (4, 3), light_units };
     let files = export(&shot, program).map(|(files, _)| files).unwrap_or_default();
     let is_mine = |name: &str| name.rsplit('.').next() == Some(extension);
     files.into_iter().filter(|(name, _)| is_mine(name)).map(|(_, bytes)| bytes).collect()

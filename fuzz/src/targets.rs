@@ -6,7 +6,7 @@ use std::path::Path;
 use unrender::Project;
 use unrender::cli::Global;
 use unrender::commands::merge;
-use unrender::edit::Sheet;
+use unrender::edit::EditSheet;
 use unrender::formats::cameras::{colmap, opencv};
 use unrender::formats::{
     Input, Limits, assign_materials, fspy, load_model, load_scene, materials, picture, planes,
@@ -155,7 +155,7 @@ fn project(path: &Path) {
 }
 
 fn edit(path: &Path) {
-    if let Ok(sheet) = Sheet::read(path) {
+    if let Ok(sheet) = EditSheet::read(path) {
         let _ = unrender::edit::Restaging::load(&[sheet]);
     }
 }

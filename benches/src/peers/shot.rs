@@ -26,7 +26,7 @@ pub(crate) fn export(shot: &Shot, target: Target, folder: &Path) -> Result<(), F
     let materials: Vec<Material> = scene.groups.iter().map(|g| material(&g.material)).collect();
     let Shot { camera, size, .. } = *shot;
     let light_units = LightUnits::default();
-    let shot = export::Shot { scene, materials: &materials, camera, size, light_units };
+    let shot = export::SceneView { scene, materials: &materials, camera, size, light_units };
     let (files, _) = export::export(&shot, target)?;
     if folder.exists() {
         std::fs::remove_dir_all(folder)?;

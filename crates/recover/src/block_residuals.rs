@@ -81,7 +81,7 @@ impl BlockResiduals {
         let level2: Vec<Rgb> = pixels.iter().map(|p| p.level * p.level).collect();
         let mut level2 = blocks.mean_where(&level2, |_| true);
         let rendering = pooled(&blocks.smooth(&rendering), &smooth);
-        blocks.spread_over_parts(&mut level2);
+        blocks.spread_over_fine(&mut level2);
         let photograph = blocks.mean_where(&photograph, counts);
         let size = |k: usize| blocks.sizes[k] as f32;
         let rendering: Vec<Rgb> = (0..blocks.len()).map(|k| rendering[k] / size(k)).collect();

@@ -25,9 +25,9 @@ const SAMPLES: usize = 4;
 /// A block is uneven if its pixels' standard deviation is this share of their level, noise apart. At
 /// half of it slow gradients count, at double the flanks of faint highlights do not.
 const UNEVEN: f32 = 0.12;
-/// An uneven block is divided into so many parts along each side. Two do not show the shape of a small
+/// An uneven block is divided into so many fine ones along each side. Two do not show the shape of a small
 /// highlight; eight are single pixels.
-const PARTS: usize = 4;
+const FINE: usize = 4;
 /// The least share of a sample that uneven blocks get, where they have enough pixels. At half of it the smallest
 /// highlights are a dozen pixels; at double the rest of the group has none.
 const UNEVEN_SHARE: f32 = 0.4;
@@ -43,7 +43,7 @@ fn side(pixels: usize, sampled: usize, most: usize) -> usize {
 pub struct Place {
     /// The photograph.
     pub photograph: usize,
-    /// Whether it is a part of an uneven block.
+    /// Whether it is a fine block: one of those that an uneven block is divided into.
     pub fine: bool,
     /// Column.
     pub column: usize,
@@ -52,11 +52,11 @@ pub struct Place {
 }
 
 impl Place {
-    /// How many times the variance of the model error is that of a whole block: all parts of an uneven block together
+    /// How many times the variance of the model error is that of a whole block: all fine blocks of an uneven one together
     /// weigh as much as an undivided one, so that the numbers of a wrong model do not depend on how its pixels were
     /// chosen.
-    pub fn parts(self) -> f32 {
-        if self.fine { (PARTS * PARTS) as f32 } else { 1.0 }
+    pub fn fine_blocks(self) -> f32 {
+        if self.fine { (FINE * FINE) as f32 } else { 1.0 }
     }
 
     /// It and the places of the same kind around it.
@@ -136,7 +136,7 @@ impl Grid {
     /// The place of a pixel's block.
     pub fn place(&self, pixel: u32) -> Place {
         if self.is_uneven(pixel) {
-            return self.place_by(pixel, (self.side / PARTS).max(1), true);
+            return self.place_by(pixel, (self.side / FINE).max(1), true);
         }
         self.place_by(pixel, self.side, false)
     }
@@ -281,10 +281,13 @@ impl Blocks {
         self.places.iter().map(around).collect()
     }
 
-    /// Multiplies the squared level of each block by its [`Place::parts`]: model errors are a share
+    /// Multiplies the squared level of each block by its [`Place::fine_blocks`]: model errors are a share
     /// of it.
-    pub fn spread_over_parts(&self, level2: &mut [Rgb]) {
-        level2.iter_mut().zip(&self.places).for_each(|(level2, place)| *level2 *= place.parts());
+    pub fn spread_over_fine(&self, level2: &mut [Rgb]) {
+        level2
+            .iter_mut()
+            .zip(&self.places)
+            .for_each(|(level2, place)| *level2 *= place.fine_blocks());
     }
 
     /// All pairs of blocks side by side or one above the other.

@@ -15,7 +15,7 @@ use crate::problem::{Options, RecoverError};
 use crate::record::{Observer, Termination};
 use crate::refine::{self, Depth, brightness, score_test};
 use crate::sample_budget::{self, Level};
-use crate::schedule::Part;
+use crate::schedule::Phase;
 use crate::state::{Snapshot, State};
 use crate::verify::{Score, Verified, Verifier};
 
@@ -52,7 +52,7 @@ pub(crate) fn drive(
     }
     state.step("textures", |state| textures::finish(state, options));
     if options.refine && !observer.is_cancelled() {
-        state.schedule.begin(Part::OtherMinima);
+        state.schedule.begin(Phase::OtherMinima);
         observer.working("looking for other explanations", state.schedule.share(0.0));
         state.step("other minima", |state| refine::local_minima::find(state, options));
     }
@@ -74,7 +74,7 @@ impl Driver<'_> {
         state: &mut State<'_>,
         observer: &mut dyn Observer,
     ) -> Result<Termination, RecoverError> {
-        state.schedule.begin(Part::Fits);
+        state.schedule.begin(Phase::Fits);
         refine::settle_nuisances(state, self.options)?;
         let mut best = self.verifier.verify(state);
         let first = state.snapshot();
@@ -84,7 +84,7 @@ impl Driver<'_> {
         let level = Level::Choice;
         self.candidates.enforce(state, level);
         best = self.verifier.verify(state);
-        state.schedule.begin(Part::Choice);
+        state.schedule.begin(Phase::Choice);
         self.choose(state, &mut best, observer)?;
         // While all are diffuse, a specular part may look like other light. An interrupted choice keeps its results.
         if is_suspect
@@ -294,13 +294,13 @@ impl Driver<'_> {
         self.verifier.begin_refined(self.options);
         self.candidates.forget_rejections();
         let mut best = self.verifier.verify(state);
-        state.schedule.begin(Part::Refinement);
+        state.schedule.begin(Phase::Refinement);
         self.refine_once(state, &mut best, Depth::Coarse, observer);
         if self.options.effort.asks_again() {
-            state.schedule.begin(Part::Revision);
+            state.schedule.begin(Phase::Revision);
             self.revise(state, &mut best, observer)?;
         }
-        state.schedule.begin(Part::LastRefinement);
+        state.schedule.begin(Phase::LastRefinement);
         let termination = self.refine_once(state, &mut best, Depth::Fine, observer);
         self.candidates.forget_explained(state);
         Ok(termination)

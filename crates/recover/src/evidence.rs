@@ -248,7 +248,7 @@ pub(crate) fn reweigh(pixels: &mut [Observed], blocks: &Blocks, light: &[Rgb], e
         let level2 = level2(mean, local);
         pixel.level = level2.map(f32::sqrt);
         pixel.variance = pixel.noise.variance(local);
-        let pixels = blocks.sizes[block] as f32 * blocks.places[block].parts();
+        let pixels = blocks.sizes[block] as f32 * blocks.places[block].fine_blocks();
         pixel.weight = error.weight(pixel.variance, level2, pixels);
     }
 }

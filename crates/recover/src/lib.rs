@@ -61,7 +61,7 @@ pub use problem::{
 };
 pub use record::{
     Alternative, Covariance, Deviations, GroupIteration, GroupResult, IterationRecord, LightResult,
-    Observer, Recovery, Status, Termination,
+    ObjectsSeen, Observer, Recovery, Status, Termination,
 };
 pub use rerender::{Renderer, Stored, View};
 pub use sheet::Sheet;

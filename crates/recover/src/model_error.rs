@@ -13,7 +13,7 @@
 //!   `m`: the first keeps dark pixels from dominating, the second lets bright ones be wrong in proportion. The sizes of
 //!   both are those that make the group's residuals most likely ([`crate::likelihood::Likelihood::of`]).
 //!
-//! Fits weight by the inverse of these variances, model selection compares likelihoods under them
+//! Fits weight by the inverse of these variances, model selection compares squared residuals in units of them
 //! ([`crate::selection`]), and the report judges by them what is not explained.
 //!
 //! A robust loss is not used: a highlight is a minority of bright pixels that a diffuse hypothesis

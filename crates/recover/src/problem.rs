@@ -156,7 +156,7 @@ pub enum ExposureRule {
 /// How to climb the ladder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum LadderKind {
-    /// All rungs tried on one cache of incident light; the simplest that the noise allows is taken.
+    /// All rungs are fitted and compared on gathered light; the simplest that the noise allows is taken.
     #[default]
     Default,
     /// The paper's method as written: one rung at a time, each tested by re-rendering.

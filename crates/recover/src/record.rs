@@ -1,5 +1,10 @@
 //! The records of a recovery: everything that tables, reports and files say is a field here.
 
+mod alike;
+mod parts;
+
+pub use parts::ObjectsSeen;
+
 use crate::hypothesis::Hypothesis;
 use crate::observation::PixelStatus;
 use crate::photometric::PhotometricEstimate;

@@ -1,11 +1,11 @@
-//! The parts of a recovery in their order, the share of its time that each takes, and how far it has come.
+//! The phases of a recovery in their order, the share of its time that each takes, and how far it has come.
 
 use crate::effort::Effort;
 use std::ops::Range;
 
-/// A part of a recovery; parts come in this order, and may come again.
+/// A phase of a recovery; phases come in this order, and may come again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Part {
+pub(crate) enum Phase {
     /// All numbers are fitted together, on few paths.
     Fits,
     /// Groups are asked for other hypotheses.
@@ -22,7 +22,7 @@ pub(crate) enum Part {
     Picture,
 }
 
-impl Part {
+impl Phase {
     /// The shares of the time at which it begins and ends: about those of two rooms of 9 and 13 groups at 240 x 180
     /// with the usual effort, and of one as a draft, which asks no group again. A room of metal spends twice as much of
     /// its time on the last refinement; before it, only half of the remaining time is reported.
@@ -31,8 +31,8 @@ impl Part {
             Effort::Draft => [0.08, 0.42, 0.45, 0.45, 0.83, 0.87, 1.0],
             Effort::Normal | Effort::High => [0.03, 0.14, 0.18, 0.48, 0.87, 0.92, 1.0],
         };
-        let part = self as usize;
-        part.checked_sub(1).map_or(0.0, |before| ends[before])..ends[part]
+        let phase = self as usize;
+        phase.checked_sub(1).map_or(0.0, |before| ends[before])..ends[phase]
     }
 }
 
@@ -40,22 +40,22 @@ impl Part {
 #[derive(Clone, Debug)]
 pub(crate) struct Schedule {
     effort: Effort,
-    part: Range<f64>,
+    phase: Range<f64>,
     reached: f64,
     is_refining: bool,
 }
 
 impl Schedule {
-    /// Nothing is done. Without separate parts, the progress ends where the last picture begins.
+    /// Nothing is done. Without separate phases, the progress ends where the last picture begins.
     pub(crate) fn new(effort: Effort) -> Self {
-        let part = 0.0..Part::Picture.shares(effort).start;
-        Self { effort, part, reached: 0.0, is_refining: false }
+        let phase = 0.0..Phase::Picture.shares(effort).start;
+        Self { effort, phase, reached: 0.0, is_refining: false }
     }
 
-    /// `part` begins.
-    pub(crate) fn begin(&mut self, part: Part) {
-        self.part = part.shares(self.effort);
-        self.is_refining = !matches!(part, Part::Fits | Part::Choice);
+    /// `phase` begins.
+    pub(crate) fn begin(&mut self, phase: Phase) {
+        self.phase = phase.shares(self.effort);
+        self.is_refining = !matches!(phase, Phase::Fits | Phase::Choice);
     }
 
     /// Whether hypotheses have been chosen, and all numbers are refined.
@@ -63,10 +63,10 @@ impl Schedule {
         self.is_refining
     }
 
-    /// The share of the whole that is done, 0 to 1, where `within` (0 to 1) of the present part is; never less
+    /// The share of the whole that is done, 0 to 1, where `within` (0 to 1) of the present phase is; never less
     /// than before.
     pub(crate) fn share(&mut self, within: f64) -> f64 {
-        let Range { start, end } = self.part;
+        let Range { start, end } = self.phase;
         self.reached = self.reached.max(start + within.clamp(0.0, 1.0) * (end - start));
         self.reached
     }
@@ -74,7 +74,7 @@ impl Schedule {
 
 /// The share of the whole that is done where `within` (0 to 1) of the last picture is.
 pub(crate) fn of_picture(effort: Effort, within: f64) -> f64 {
-    let Range { start, end } = Part::Picture.shares(effort);
+    let Range { start, end } = Phase::Picture.shares(effort);
     start + within * (end - start)
 }
 
@@ -85,22 +85,22 @@ mod tests {
     #[test]
     fn parts_follow_each_other_and_nothing_goes_back() {
         let parts = [
-            Part::Fits,
-            Part::Choice,
-            Part::Refinement,
-            Part::Revision,
-            Part::LastRefinement,
-            Part::OtherMinima,
-            Part::Picture,
+            Phase::Fits,
+            Phase::Choice,
+            Phase::Refinement,
+            Phase::Revision,
+            Phase::LastRefinement,
+            Phase::OtherMinima,
+            Phase::Picture,
         ];
         for effort in [Effort::Draft, Effort::Normal, Effort::High] {
-            let share = |part: Part| part.shares(effort);
+            let share = |phase: Phase| phase.shares(effort);
             let follow = parts.windows(2).all(|two| share(two[0]).end == share(two[1]).start);
             assert!(follow && share(parts[0]).start == 0.0 && of_picture(effort, 1.0) == 1.0);
             let mut schedule = Schedule::new(effort);
             let mut last = 0.0;
-            for part in [Part::Fits, Part::Revision, Part::Refinement, Part::LastRefinement] {
-                schedule.begin(part);
+            for phase in [Phase::Fits, Phase::Revision, Phase::Refinement, Phase::LastRefinement] {
+                schedule.begin(phase);
                 for within in [0.5, 0.2, 2.0] {
                     let reached = schedule.share(within);
                     assert!(
@@ -110,7 +110,7 @@ mod tests {
                     last = reached;
                 }
             }
-            assert_eq!(last, share(Part::LastRefinement).end);
+            assert_eq!(last, share(Phase::LastRefinement).end);
         }
     }
 }

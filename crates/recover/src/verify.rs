@@ -286,7 +286,7 @@ impl Verifier {
         let noise = (0..blocks.len()).map(noise).collect();
         let (residual, half) = (of_blocks(&residual), of_blocks(&half));
         let mut level2 = sample.level2.clone();
-        blocks.spread_over_parts(&mut level2);
+        blocks.spread_over_fine(&mut level2);
         let missing = vec![Rgb::ZERO; blocks.len()];
         let light = smooth;
         let residuals = BlockResiduals { residual, noise, rendering, half, missing, level2, light };

@@ -2,7 +2,7 @@
 
 use crate::project::Frames;
 use std::path::{Path, PathBuf};
-use unrender_formats::picture::{self, Exposure};
+use unrender_formats::picture::{self, ExifExposure};
 use unrender_formats::{FileError, Input, Limits, input};
 use unrender_photo::bracket::{Bracket, Frame, Settings, merge};
 use unrender_scene::Warnings;
@@ -93,11 +93,11 @@ fn read(
 fn by_files(
     frames: &mut [Frame],
     files: &[PathBuf],
-    exposures: &[Exposure],
+    exposures: &[ExifExposure],
     place: Place<'_>,
 ) -> Result<Warnings, FileError> {
     let mut warnings = Warnings::default();
-    let count = |of: &dyn Fn(&Exposure) -> Option<f64>| exposures.iter().filter_map(of).count();
+    let count = |of: &dyn Fn(&ExifExposure) -> Option<f64>| exposures.iter().filter_map(of).count();
     let all = exposures.len();
     let [apertures, speeds] = [count(&|e| e.f_number), count(&|e| e.iso)];
     for (found, what) in [(apertures, "f-number"), (speeds, "ISO number")] {

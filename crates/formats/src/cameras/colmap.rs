@@ -57,7 +57,7 @@ struct Device {
 
 /// An image of the file.
 #[derive(Clone, Debug)]
-struct Shot {
+struct ImageRow {
     /// The rotation as w, x, y, z, then the translation.
     pose: [f64; 7],
     camera: i64,
@@ -154,12 +154,12 @@ fn intrinsics(device: &Device) -> Result<Intrinsics, String> {
 }
 
 /// The image of this name; else the one whose path ends in it.
-fn choose<'a>(shots: &'a [Shot], image: &str) -> Result<&'a Shot, String> {
+fn choose<'a>(shots: &'a [ImageRow], image: &str) -> Result<&'a ImageRow, String> {
     if let Some(shot) = shots.iter().find(|shot| shot.name == image) {
         return Ok(shot);
     }
     let ending = format!("/{image}");
-    let found: Vec<&Shot> = shots.iter().filter(|shot| shot.name.ends_with(&ending)).collect();
+    let found: Vec<&ImageRow> = shots.iter().filter(|shot| shot.name.ends_with(&ending)).collect();
     match *found.as_slice() {
         [shot] => Ok(shot),
         [] => {
@@ -207,7 +207,7 @@ fn lines(bytes: &[u8]) -> Result<impl Iterator<Item = (usize, &str)>, String> {
     Ok(lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#')))
 }
 
-fn shots(bytes: &[u8], is_binary: bool) -> Result<Vec<Shot>, String> {
+fn shots(bytes: &[u8], is_binary: bool) -> Result<Vec<ImageRow>, String> {
     if is_binary {
         return binary_shots(&mut Words(bytes)).ok_or_else(|| cut_short("images.bin"));
     }
@@ -232,7 +232,7 @@ fn shots(bytes: &[u8], is_binary: bool) -> Result<Vec<Shot>, String> {
     Ok(shots)
 }
 
-fn text_shot(line: &str) -> Option<Shot> {
+fn text_shot(line: &str) -> Option<ImageRow> {
     let mut rest = line.trim();
     let mut word = || {
         let (word, after) = rest.split_once(char::is_whitespace)?;
@@ -245,7 +245,7 @@ fn text_shot(line: &str) -> Option<Shot> {
         *number = word()?.parse().ok()?;
     }
     let camera = word()?.parse().ok()?;
-    (!rest.is_empty()).then(|| Shot { pose, camera, name: rest.to_owned() })
+    (!rest.is_empty()).then(|| ImageRow { pose, camera, name: rest.to_owned() })
 }
 
 fn cut_short(file: &str) -> String {
@@ -297,7 +297,7 @@ fn binary_devices(words: &mut Words<'_>) -> Option<Result<Vec<Device>, String>> 
     Some(Ok(devices))
 }
 
-fn binary_shots(words: &mut Words<'_>) -> Option<Vec<Shot>> {
+fn binary_shots(words: &mut Words<'_>) -> Option<Vec<ImageRow>> {
     /// Two coordinates and the number of a point.
     const POINT: usize = 24;
     let mut shots = Vec::new();
@@ -313,7 +313,7 @@ fn binary_shots(words: &mut Words<'_>) -> Option<Vec<Shot>> {
         words.take(1)?;
         let points = usize::try_from(words.u64()?).ok()?;
         words.take(points.checked_mul(POINT)?)?;
-        shots.push(Shot { pose, camera, name });
+        shots.push(ImageRow { pose, camera, name });
     }
     Some(shots)
 }

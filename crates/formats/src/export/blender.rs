@@ -7,7 +7,7 @@
 //! alpha/(1 - a)`. [Blender manual, Principled BSDF and Glossy BSDF]
 
 use super::identifiers::identifiers;
-use super::{Files, Shot, far, ply, tiling};
+use super::{Files, SceneView, far, ply, tiling};
 use crate::numbers::{number, triple};
 use crate::texels;
 use glam::Mat4;
@@ -22,7 +22,7 @@ const SCRIPT: &str = include_str!("blender/scene.py");
 ///
 /// # Errors
 /// If a texture cannot be encoded.
-pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
+pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
     let (mut files, mut warnings) = (Files::new(), Warnings::default());
     far::warn(shot.scene, "Blender", far::WRITTEN_NEARER, &mut warnings);
     let ids = identifiers("m_", shot.scene.groups.iter().map(|g| g.name.as_str()));
@@ -76,7 +76,7 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
 }
 
 fn group(
-    shot: &Shot,
+    shot: &SceneView,
     index: usize,
     id: &str,
     files: &mut Files,

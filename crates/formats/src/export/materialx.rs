@@ -9,7 +9,7 @@
 //! [MaterialX specification 1.39; Autodesk Standard Surface, sections 4 and 5]
 
 use super::identifiers::{identifiers, quoted};
-use super::{Files, Shot};
+use super::{Files, SceneView};
 use crate::texels;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use unrender_scene::{Material, Rgb, Texture, Warnings, Wrap};
@@ -20,7 +20,7 @@ const GLASS_F0: f32 = 0.04;
 ///
 /// # Errors
 /// If a texture cannot be encoded.
-pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
+pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
     let mut files = Files::new();
     let mut text = String::from(
         "<?xml version=\"1.0\"?>\n<materialx version=\"1.39\" colorspace=\"lin_rec709\">\n",

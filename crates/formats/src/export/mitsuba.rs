@@ -10,7 +10,7 @@ mod materials;
 mod sensor;
 
 use super::identifiers::{identifiers, quoted};
-use super::{Files, Shot, far, ply, tiling};
+use super::{Files, SceneView, far, ply, tiling};
 use crate::numbers::triple_at;
 use glam::{Affine3A, DVec3, Mat4, Vec3};
 use std::fmt::Write;
@@ -21,7 +21,7 @@ use unrender_scene::{Object, Warnings};
 ///
 /// # Errors
 /// If a texture cannot be encoded.
-pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
+pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
     let (mut files, mut warnings) = (Files::new(), Warnings::default());
     let mut xml = String::from(
         "<!-- A scene for Mitsuba 3, written by unrender. Render it with: mitsuba scene.xml -->\n\
@@ -63,7 +63,7 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
     Ok((files, warnings))
 }
 
-fn shape(shot: &Shot, object: &Object, path: &str, material: &str) -> String {
+fn shape(shot: &SceneView, object: &Object, path: &str, material: &str) -> String {
     let group = &shot.scene.groups[object.group];
     let mut text = format!(
         "    {}\n    <shape type=\"ply\">\n\

@@ -1,8 +1,8 @@
 //! Scenes for other programs: what they need to render the picture that unrender renders.
 //!
-//! One target is one module with one function, from a [`Shot`] to [`Files`]. To add another: write
+//! One target is one module with one function, from a [`SceneView`] to [`Files`]. To add another: write
 //! such a module, name it in [`Target`], and state in [`Target::lobe`] which lobe it has. Writers
-//! get the materials already converted to that lobe (`Shot::materials`); the caller converts
+//! get the materials already converted to that lobe (`SceneView::materials`); the caller converts
 //! Ward's.
 
 mod anisotropy;
@@ -26,7 +26,7 @@ use unrender_scene::{BrdfModel, Camera, Lens, Lobe, Material, Scene, WardModel, 
 
 /// What is exported: a scene as one camera sees it.
 #[derive(Clone, Copy, Debug)]
-pub struct Shot<'a> {
+pub struct SceneView<'a> {
     /// Geometry, names, lights, and the exact materials.
     pub scene: &'a Scene,
     /// For each group its material, with roughness and rho_s for the target's lobe.
@@ -128,7 +128,7 @@ impl FromStr for Target {
 ///
 /// # Errors
 /// If the target cannot express the scene at all.
-pub fn export(shot: &Shot, target: Target) -> Result<(Files, Warnings), String> {
+pub fn export(shot: &SceneView, target: Target) -> Result<(Files, Warnings), String> {
     let (files, mut warnings) = match target {
         Target::Blender => blender::export(shot),
         Target::Gltf => gltf(shot),
@@ -144,7 +144,7 @@ pub fn export(shot: &Shot, target: Target) -> Result<(Files, Warnings), String> 
 }
 
 /// One file, with the camera in place of the scene's.
-fn gltf(shot: &Shot) -> Result<(Files, Warnings), String> {
+fn gltf(shot: &SceneView) -> Result<(Files, Warnings), String> {
     let mut warnings = Warnings::default();
     if shot.camera.lens != Lens::default() {
         warnings.push(format!(

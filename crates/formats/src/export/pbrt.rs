@@ -7,7 +7,7 @@
 //! tangents. [Pharr, Jakob, Humphreys: pbrt-v4 input file format]
 
 use super::identifiers::{identifiers, quoted};
-use super::{Files, Shot, far, ply, tiling};
+use super::{Files, SceneView, far, ply, tiling};
 use crate::texels;
 use glam::{Mat4, Vec3, Vec4};
 use std::fmt::Write;
@@ -20,7 +20,7 @@ const HIGHEST: f32 = 0.9999;
 ///
 /// # Errors
 /// If a texture cannot be encoded.
-pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
+pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
     let (mut files, mut warnings) = (Files::new(), Warnings::default());
     let mut text = String::from("# A scene for PBRT v4, written by unrender.\n");
     far::warn(shot.scene, "PBRT", far::WRITTEN_NEARER, &mut warnings);
@@ -59,7 +59,7 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
     Ok((files, warnings))
 }
 
-fn camera(shot: &Shot, warnings: &mut Warnings) -> String {
+fn camera(shot: &SceneView, warnings: &mut Warnings) -> String {
     let camera = shot.camera;
     if camera.lens.distorts() {
         warnings.push(format!(
@@ -95,7 +95,7 @@ fn camera(shot: &Shot, warnings: &mut Warnings) -> String {
 }
 
 fn material(
-    shot: &Shot,
+    shot: &SceneView,
     index: usize,
     id: &str,
     files: &mut Files,
@@ -165,7 +165,7 @@ fn light_source(kind: &LightKind) -> String {
     }
 }
 
-fn shape(shot: &Shot, object: &Object, path: &str, material: &str) -> String {
+fn shape(shot: &SceneView, object: &Object, path: &str, material: &str) -> String {
     let group = &shot.scene.groups[object.group];
     let mut text = format!("\n# object {}\nAttributeBegin\n", quoted(&object.name));
     let _ = writeln!(text, "    NamedMaterial \"{material}\"");

@@ -15,7 +15,7 @@ mod materials;
 mod view;
 
 use super::identifiers::{identifiers, quoted};
-use super::{Files, Shot, anisotropy, obj};
+use super::{Files, SceneView, anisotropy, obj};
 use crate::numbers::triple_at;
 use glam::{DVec3, Vec3};
 use std::fmt::Write;
@@ -30,7 +30,7 @@ const BACK: &str = ".back";
 ///
 /// # Errors
 /// If a texture cannot be encoded.
-pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
+pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
     let mut warnings = Warnings::default();
     let objects = identifiers("o_", shot.scene.objects.iter().map(|o| o.name.as_str()));
     let materials = materials::Materials::new(shot);
@@ -69,7 +69,7 @@ pub(super) fn export(shot: &Shot) -> Result<(Files, Warnings), String> {
 }
 
 /// Whether `object` has a texture or smooth normals; light sources cannot be meshes.
-fn needs_mesh(shot: &Shot, object: &Object) -> bool {
+fn needs_mesh(shot: &SceneView, object: &Object) -> bool {
     let group = &shot.scene.groups[object.group];
     !group.is_emitter() && (group.material.texture.is_some() || is_smooth(&object.mesh))
 }

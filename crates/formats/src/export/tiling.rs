@@ -1,7 +1,7 @@
 //! Textures for programs that repeat a picture or hold its edge, in both directions alike, and what
 //! else several targets ask of materials.
 
-use super::{Shot, anisotropy};
+use super::{SceneView, anisotropy};
 use glam::Vec2;
 use unrender_scene::{Image, Material, Mesh, Object, Rgb, Texture, Wrap};
 
@@ -53,7 +53,7 @@ pub(super) enum From {
 
 /// The mesh of `object` for programs that count v from the edge `from` of a [`tile`] and angles from
 /// growing u: where there is no texture, u grows along the angle `theta_rad` of a brushed group.
-pub(super) fn mesh(shot: &Shot, object: &Object, theta_rad: f32, from: From) -> Mesh {
+pub(super) fn mesh(shot: &SceneView, object: &Object, theta_rad: f32, from: From) -> Mesh {
     let material = &shot.materials[object.group];
     match &material.texture {
         Some(texture) => {

@@ -25,7 +25,7 @@ const BAD_UVS: &str = "texture coordinates of a face are missing at some corners
 finite; those triangles have none";
 
 /// Triangles of one name and one material, all with texture coordinates or all without.
-pub(super) struct Part {
+pub(super) struct Piece {
     /// Index into [`Document::objects`].
     pub(super) object: u32,
     /// Index into [`Document::materials`].
@@ -35,11 +35,11 @@ pub(super) struct Part {
     places: HashMap<Corner, u32>,
 }
 
-/// The parts of `document` in the order in which they begin.
+/// The pieces of `document` in the order in which they begin.
 ///
 /// # Errors
 /// If a face cannot be split into triangles, or if all take too much memory.
-pub(super) fn parts(scope: &Scope, document: &mut Document) -> Result<Vec<Part>, String> {
+pub(super) fn parts(scope: &Scope, document: &mut Document) -> Result<Vec<Piece>, String> {
     let mut unread = std::mem::take(&mut document.unread);
     let mut builder = Builder { scope, document, parts: Vec::new(), by_kind: HashMap::new() };
     let mut ears = Vec::new();
@@ -54,7 +54,7 @@ pub(super) fn parts(scope: &Scope, document: &mut Document) -> Result<Vec<Part>,
 struct Builder<'a> {
     scope: &'a Scope,
     document: &'a Document,
-    parts: Vec<Part>,
+    parts: Vec<Piece>,
     /// The parts by name, material, and whether they have texture coordinates.
     by_kind: HashMap<(u32, u32, bool), usize>,
 }
@@ -172,14 +172,14 @@ impl Builder<'_> {
         push(scope, &mut part.mesh.triangles, triangle)
     }
 
-    fn part(&mut self, kind: (u32, u32, bool)) -> Result<&mut Part, String> {
+    fn part(&mut self, kind: (u32, u32, bool)) -> Result<&mut Piece, String> {
         let next = self.parts.len();
         let place = *self.by_kind.entry(kind).or_insert(next);
         if place == next {
             self.scope.charge(BYTES_A_PART)?;
             let (object, material, _) = kind;
             let (mesh, places) = (Mesh::default(), HashMap::new());
-            self.parts.push(Part { object, material, mesh, places });
+            self.parts.push(Piece { object, material, mesh, places });
         }
         Ok(&mut self.parts[place])
     }

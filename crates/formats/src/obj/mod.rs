@@ -25,7 +25,7 @@ use crate::names::{DEFAULT, unique};
 use document::Document;
 use glam::DVec3;
 use material::ASSUMED_RHO_D;
-use mesh::Part;
+use mesh::Piece;
 use mtl::Materials;
 use std::collections::HashMap;
 use std::path::Path;
@@ -79,14 +79,14 @@ pub(crate) fn read_in(
 ) -> Result<(Vec<Named>, Warnings), FileError> {
     let fail = |problem: String| FileError::new(path, problem);
     let (document, parts) = geometry(scope, path, origin).map_err(fail)?;
-    let named = |part: Part| (document.materials.get(part.material).map(str::to_owned), part.mesh);
+    let named = |part: Piece| (document.materials.get(part.material).map(str::to_owned), part.mesh);
     let meshes = parts.into_iter().map(named).collect();
     let mut warnings = Warnings::default();
     tell(path, document, &mut warnings);
     Ok((meshes, warnings))
 }
 
-fn geometry(scope: &Scope, path: &Path, origin: DVec3) -> Result<(Document, Vec<Part>), String> {
+fn geometry(scope: &Scope, path: &Path, origin: DVec3) -> Result<(Document, Vec<Piece>), String> {
     let mut document = document::read(scope, &scope.read(path)?, origin)?;
     let parts = mesh::parts(scope, &mut document)?;
     Ok((document, parts))
@@ -106,7 +106,7 @@ fn are_objects_groups(document: &Document) -> bool {
 }
 
 /// The name of the group that `part` is in, if it has any.
-fn group_name<'a>(document: &'a Document, materials: &Materials, part: &Part) -> Option<&'a str> {
+fn group_name<'a>(document: &'a Document, materials: &Materials, part: &Piece) -> Option<&'a str> {
     if are_objects_groups(document) {
         return document.objects.get(part.object);
     }
@@ -117,7 +117,7 @@ fn group_name<'a>(document: &'a Document, materials: &Materials, part: &Part) ->
 fn scene(
     (scope, path): (&Scope, &Path),
     document: &Document,
-    parts: Vec<Part>,
+    parts: Vec<Piece>,
     materials: &Materials,
     warnings: &mut Warnings,
 ) -> Result<Scene, String> {

@@ -44,7 +44,7 @@ pub fn exif_focal_px(bytes: &[u8], width: usize, height: usize) -> Option<f64> {
 
 /// How a photograph was exposed, as far as its file states it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Exposure {
+pub struct ExifExposure {
     /// The exposure time, seconds.
     pub seconds: Option<f64>,
     /// The f-number: focal length over the diameter of the aperture.
@@ -55,25 +55,25 @@ pub struct Exposure {
 
 /// How the photograph in the file `bytes` was exposed, by its EXIF data, or by the standard attributes
 /// `expTime`, `aperture` and `isoSpeed` of an EXR. Numbers that are not positive count as missing.
-pub fn exposure_of(bytes: &[u8]) -> Exposure {
+pub fn exposure_of(bytes: &[u8]) -> ExifExposure {
     let good = |number: Option<f64>| number.filter(|n| n.is_finite() && *n > 0.0);
     if let Ok(meta) = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false) {
         let own = meta.headers.first().map(|header| &header.own_attributes);
         let of = |number: Option<f32>| good(number.map(f64::from));
-        return own.map_or(Exposure::default(), |own| Exposure {
+        return own.map_or(ExifExposure::default(), |own| ExifExposure {
             seconds: of(own.exposure),
             f_number: of(own.aperture),
             iso: of(own.iso_speed),
         });
     }
     let Ok(exif) = Reader::new().read_from_container(&mut Cursor::new(bytes)) else {
-        return Exposure::default();
+        return ExifExposure::default();
     };
     // APEX: the time is 2^-Tv, the square of the f-number 2^Av.
     let apex = |tag, factor: f64| number(&exif, tag).map(|value| (factor * value).exp2());
     let seconds = good(number(&exif, Tag::ExposureTime));
     let f_number = good(number(&exif, Tag::FNumber));
-    Exposure {
+    ExifExposure {
         seconds: seconds.or_else(|| good(apex(Tag::ShutterSpeedValue, -1.0))),
         f_number: f_number.or_else(|| good(apex(Tag::ApertureValue, 0.5))),
         iso: good(number(&exif, Tag::PhotographicSensitivity)),
@@ -190,16 +190,17 @@ mod tests {
             (Tag::FNumber, rational(28, 10)),
             (Tag::PhotographicSensitivity, Value::Short(vec![200])),
         ]);
-        let found = Exposure { seconds: Some(1.0 / 60.0), f_number: Some(2.8), iso: Some(200.0) };
+        let found =
+            ExifExposure { seconds: Some(1.0 / 60.0), f_number: Some(2.8), iso: Some(200.0) };
         assert_eq!(exposure_of(&bytes), found);
         let apex = jpeg(&[
             (Tag::ExposureTime, rational(0, 1)),
             (Tag::ShutterSpeedValue, Value::SRational(vec![exif::SRational { num: 4, denom: 2 }])),
             (Tag::ApertureValue, rational(4, 1)),
         ]);
-        let found = Exposure { seconds: Some(0.25), f_number: Some(4.0), iso: None };
+        let found = ExifExposure { seconds: Some(0.25), f_number: Some(4.0), iso: None };
         assert_eq!(exposure_of(&apex), found);
-        assert_eq!(exposure_of(b"no picture"), Exposure::default());
+        assert_eq!(exposure_of(b"no picture"), ExifExposure::default());
         let broken = jpeg(&[(Tag::ExposureTime, rational(1, 0))]);
         assert_eq!(exposure_of(&broken).seconds, None);
     }

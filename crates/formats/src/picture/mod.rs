@@ -41,7 +41,7 @@ mod write;
 pub(crate) use budget::{check as check_budget, exr_block};
 pub use denoised::write_denoised;
 pub use embed::{jpeg_bytes, png_bytes};
-pub use exif::{Exposure, exif_focal_px, exposure_of};
+pub use exif::{ExifExposure, exif_focal_px, exposure_of};
 pub(crate) use exr_refused::fault as exr_fault;
 pub(crate) use hdr_header::read as hdr_header_of;
 pub use layers::{LightLayer, read_layers, write_layers};

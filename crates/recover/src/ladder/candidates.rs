@@ -1,7 +1,7 @@
 //! Candidates: other hypotheses for the groups that the present ones explain worst.
 //!
-//! All uniform rungs are fitted to one cache of incident light, and model selection takes one
-//! ([`crate::selection`]). What none explains may be outliers ([`crate::outliers`]), or a texture.
+//! All uniform rungs are fitted to gathered incident light, and model selection takes one by light that was gathered
+//! again ([`crate::selection`]). What none explains may be outliers ([`crate::outliers`]), or a texture.
 //! Only the worst groups are asked at a time, because a wrong group spoils the light of its
 //! neighbours: once it is right, their errors may be gone. A proposal changes nothing by itself; the
 //! driver accepts it if the re-rendering of the whole picture is not worse for it.

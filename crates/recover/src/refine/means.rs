@@ -136,7 +136,7 @@ fn take_levels(means: &mut [Mean]) {
         let [local, shown] = near.fold(LocalSums::default(), |sum, cell| sum.and(cell)).means();
         let [group, group_shown] = groups[&mean.group].means();
         let (group, local) = followed((group, local), (group_shown, shown));
-        mean.level2 = mean.place.parts() * level2(group, local);
+        mean.level2 = mean.place.fine_blocks() * level2(group, local);
         mean.variance = mean.noise.variance(local) / mean.pixels as f32;
     }
 }

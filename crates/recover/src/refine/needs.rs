@@ -4,8 +4,8 @@
 //! result no nearer to the truth. The paths that a number lacks go where its noise comes from ([`super::origins`]), by
 //! `sqrt(a_c)` [Neyman 1934], which is not always its own group.
 
-use super::parameters;
 use super::means::Mean;
+use super::parameters;
 use super::unknowns::Unknowns;
 use crate::effort::Effort;
 use crate::sample_budget::TOGETHER;

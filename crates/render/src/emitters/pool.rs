@@ -34,16 +34,16 @@ pub(super) enum Emitter {
 #[derive(Debug, Default)]
 pub(super) struct Pool {
     pub(super) lights: Vec<Weighted>,
-    /// For each of as many equal parts of [0, 1) as there are lights: the light at its beginning
+    /// For each of as many equal slices of [0, 1) as there are lights: the light at its beginning
     /// [Chen and Asau 1974], from where the right one is a step or two away.
-    guide: Vec<Part>,
+    guide: Vec<Slice>,
     /// If all are triangles: the index of the first one, after which the others follow in order.
     pub(super) triangles_from: Option<u32>,
 }
 
-/// The light of a pool at the beginning of a part of [0, 1).
+/// The light of a pool at the beginning of a slice of [0, 1).
 #[derive(Clone, Copy, Debug)]
-struct Part {
+struct Slice {
     place: u32,
     /// Where its share of [0, 1) begins and ends.
     from: f32,
@@ -80,7 +80,7 @@ impl Pool {
             let begin = part as f32 / parts as f32;
             let place = lights.partition_point(|light| light.until <= begin).min(last);
             let from = if place == 0 { f32::NEG_INFINITY } else { lights[place - 1].until };
-            Part { place: place as u32, from, until: lights[place].until }
+            Slice { place: place as u32, from, until: lights[place].until }
         };
         Self { guide: (0..parts).map(part).collect(), lights, triangles_from: None }
     }
@@ -90,7 +90,7 @@ impl Pool {
     pub(super) fn place(&self, u: f32) -> usize {
         let last = self.lights.len() - 1;
         let part = (u * self.guide.len() as f32) as usize;
-        let Part { place, from, mut until } = self.guide[part.min(last)];
+        let Slice { place, from, mut until } = self.guide[part.min(last)];
         let mut place = place as usize;
         // Rounding may have put the number into the part after its own.
         if u < from {

@@ -14,7 +14,7 @@ mod table;
 use programs::{Program, compare, our_picture};
 use std::path::Path;
 use unrender::converted::converted;
-use unrender::formats::export::{self, Shot, Target};
+use unrender::formats::export::{self, SceneView, Target};
 use unrender::formats::{LightUnits, materials};
 use unrender::scene::{BrdfModel, Camera, Scene, WardModel};
 
@@ -98,8 +98,13 @@ fn rows(
     let conversions = converted(scene, camera, size, target.lobe(scene.brdf));
     let materials: Vec<_> = conversions.iter().map(|c| c.material.clone()).collect();
     let folder = tempfile::tempdir()?;
-    let shot =
-        Shot { scene, materials: &materials, camera, size, light_units: LightUnits::Radiometric };
+    let shot = SceneView {
+        scene,
+        materials: &materials,
+        camera,
+        size,
+        light_units: LightUnits::Radiometric,
+    };
     let (files, _) = export::export(&shot, target)?;
     let path = folder.path().join(if target == Target::Gltf { "scene.glb" } else { "scene" });
     export::write(&path, target, &files)?;

@@ -7,7 +7,7 @@ use crate::run::{self, Run};
 use crate::{Error, interrupt, job, output, result_folder};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use unrender_formats::export::{self, Shot, Target};
+use unrender_formats::export::{self, SceneView, Target};
 use unrender_formats::{Input, LightUnits, Limits, gltf, materials};
 use unrender_scene::{Camera, Group, Material, Scene, WardModel, Warnings};
 
@@ -78,7 +78,8 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         );
     }
     let materials: Vec<Material> = conversions.into_iter().map(|c| c.material).collect();
-    let shot = Shot { scene: &scene, materials: &materials, camera: &camera, size, light_units };
+    let shot =
+        SceneView { scene: &scene, materials: &materials, camera: &camera, size, light_units };
     let (files, noted) = export::export(&shot, args.to)
         .map_err(|problem| Error::Request(format!("the scene cannot be exported: {problem}")))?;
     doubts.extend(noted);

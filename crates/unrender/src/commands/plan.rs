@@ -3,7 +3,7 @@
 use crate::commands::recover::Effort;
 use crate::global::Global;
 use crate::interrupt::Pausable;
-use crate::plan::{Prediction, Recovered, candidates};
+use crate::plan::{Prediction, RecoveredJob, candidates};
 use crate::progress::Progress;
 use crate::project::CameraTable;
 use crate::{Error, Job, Project, interrupt, result_folder, text_table};
@@ -55,7 +55,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     global.console.warn(&job.warnings);
     global.console.warn(&noted);
     let found = materials::read(input)?;
-    let recovered = Recovered::new(job, &found);
+    let recovered = RecoveredJob::new(job, &found);
     let options =
         Options { seed: args.seed, effort: args.effort.of_recovery(), ..Options::default() };
     let (progress, pausable) = (Progress::new("plan", global), Pausable::new());
@@ -145,7 +145,7 @@ fn table(predictions: &[Prediction]) -> String {
     text
 }
 
-fn as_json(recovered: &Recovered, predictions: &[Prediction]) -> Result<String, Error> {
+fn as_json(recovered: &RecoveredJob, predictions: &[Prediction]) -> Result<String, Error> {
     let origin = recovered.job().scene.origin;
     let names: Vec<(usize, String)> =
         recovered.job().scene.sources().map(|s| (s.index, s.name.to_owned())).collect();

@@ -3,7 +3,7 @@
 use super::render::{check_denoise, size};
 use super::sampling::{self, SamplingArgs};
 use crate::Error;
-use crate::edit::{Composite, Flag, Photograph, Restaging, Sheet, View};
+use crate::edit::{Composite, EditSheet, Flag, Photograph, Restaging, View};
 use crate::global::Global;
 use crate::progress::Progress;
 use crate::progressive::{self, Job};
@@ -124,14 +124,14 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
 }
 
 /// The folder of the results, in which nothing else will be replaced.
-fn folder(args: &Args, sheets: &[Sheet]) -> Result<ResultFolder, Error> {
+fn folder(args: &Args, sheets: &[EditSheet]) -> Result<ResultFolder, Error> {
     let part = args.sampling.samples.as_ref().map(part_name);
     let writes = |name: &str| match &part {
         Some(part) => name == part,
         None if args.composite => restaged::writes_composite(name),
         None => restaged::writes_synthetic(name, args.frames.as_ref()),
     };
-    let inputs: Vec<PathBuf> = sheets.iter().flat_map(Sheet::inputs).collect();
+    let inputs: Vec<PathBuf> = sheets.iter().flat_map(EditSheet::inputs).collect();
     let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
     // Parts and pictures of a sequence are made by several processes for one folder.
     if args.frames.is_some() || part.is_some() {
@@ -147,8 +147,8 @@ fn part_name(samples: &Range<u32>) -> String {
 }
 
 /// The edit file, and behind it the flags.
-fn sheets(args: &Args, global: &Global) -> Result<Vec<Sheet>, Error> {
-    let file = args.edits.iter().map(|path| Ok(Sheet::read(path)?));
+fn sheets(args: &Args, global: &Global) -> Result<Vec<EditSheet>, Error> {
+    let file = args.edits.iter().map(|path| Ok(EditSheet::read(path)?));
     let flags = [
         (Flag::Recovered, args.recovered.as_slice()),
         (Flag::Project, args.project.as_slice()),
@@ -163,8 +163,8 @@ fn sheets(args: &Args, global: &Global) -> Result<Vec<Sheet>, Error> {
     ];
     let flags = flags
         .into_iter()
-        .flat_map(|(flag, values)| values.iter().map(move |value| Sheet::of_flag(flag, value)));
-    let within = |sheet: Sheet| {
+        .flat_map(|(flag, values)| values.iter().map(move |value| EditSheet::of_flag(flag, value)));
+    let within = |sheet: EditSheet| {
         let sheet = sheet.within(global.limits()).in_light_units(args.light_units);
         sheet.with_scene(global.scene.clone())
     };

@@ -2,7 +2,7 @@
 
 use crate::global::Global;
 use crate::project::Project;
-use crate::recovered::parts;
+use crate::recovered::labels;
 use crate::run::Run;
 use crate::{Error, interrupt, output};
 use std::path::PathBuf;
@@ -84,7 +84,7 @@ fn split(scene: &mut Scene, name: &str, parts: &[Vec<String>]) -> Result<Vec<Str
     let changed = || format!("has no group \"{name}\" any more; recover again");
     let group = scene.group_index(name).ok_or_else(changed)?;
     let mut names = Vec::new();
-    let labels = parts::labels(scene);
+    let labels = labels::labels(scene);
     for (number, part) in parts.iter().enumerate() {
         let mut of_part = name.to_owned();
         if number > 0 {

@@ -1,8 +1,8 @@
 //! From the tables of edit files to the edits that they ask for, in their order.
 
 use super::developed::Photograph;
+use super::edit_sheet::EditSheet;
 use super::remove::RawRemove;
-use super::sheet::Sheet;
 use super::written::Written;
 use crate::Error;
 use crate::lighting::{RawEnvironment, RawLight};
@@ -17,7 +17,7 @@ type Placed = (String, Edit);
 /// The edits of all `sheets`, of the scene that `photograph` shows: first all that is removed, then repainted, lit and
 /// inserted.
 pub(super) fn all(
-    sheets: &[Sheet],
+    sheets: &[EditSheet],
     photograph: Option<&Photograph>,
     warnings: &mut Warnings,
 ) -> Result<Vec<Placed>, Error> {
@@ -49,7 +49,7 @@ pub(super) fn all(
 }
 
 fn collect<T>(
-    sheet: &Sheet,
+    sheet: &EditSheet,
     raw: &[Spanned<T>],
     edits: &mut Vec<Placed>,
     understand: &mut dyn FnMut(&T) -> Result<Edit, String>,

@@ -8,19 +8,19 @@
 
 mod composite;
 mod developed;
+mod edit_sheet;
 mod edits;
 mod insert;
 mod raw;
 mod remove;
 mod repaint;
-mod sheet;
 mod start;
 mod view;
 mod written;
 
 pub use composite::Composite;
 pub use developed::Photograph;
-pub use sheet::{Flag, Sheet};
+pub use edit_sheet::{EditSheet, Flag};
 pub use start::Start;
 pub use view::View;
 
@@ -54,7 +54,7 @@ impl Restaging {
     ///
     /// # Errors
     /// If a file cannot be used, or an edit does not fit the scene; the message names the line.
-    pub fn load(sheets: &[Sheet]) -> Result<Self, Error> {
+    pub fn load(sheets: &[EditSheet]) -> Result<Self, Error> {
         let (start, mut warnings) = Start::load(sheets)?;
         let edits = edits::all(sheets, start.photograph.as_ref(), &mut warnings)?;
         let (places, edits): (Vec<String>, Vec<Edit>) = edits.into_iter().unzip();

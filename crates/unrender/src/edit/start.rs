@@ -1,7 +1,7 @@
 //! What the edits are made to: a scene in its materials, and the photograph of it.
 
 use super::developed::Photograph;
-use super::sheet::Sheet;
+use super::edit_sheet::EditSheet;
 use crate::project::CameraTable;
 use crate::{Error, Job, Project, job, result_folder, run};
 use std::path::{Path, PathBuf};
@@ -23,10 +23,10 @@ pub struct Start {
 
 /// The one path that `sheets` give for a key, and what messages call its place.
 fn stated<'a>(
-    sheets: &'a [Sheet],
-    key: fn(&Sheet) -> Option<&Spanned<PathBuf>>,
-) -> Option<(PathBuf, &'a Sheet, String)> {
-    let of_sheet = |sheet: &'a Sheet| {
+    sheets: &'a [EditSheet],
+    key: fn(&EditSheet) -> Option<&Spanned<PathBuf>>,
+) -> Option<(PathBuf, &'a EditSheet, String)> {
+    let of_sheet = |sheet: &'a EditSheet| {
         let path = key(sheet)?;
         Some((sheet.written.path(path.get_ref()), sheet, sheet.written.place(path.span())))
     };
@@ -39,7 +39,7 @@ impl Start {
     ///
     /// # Errors
     /// If nothing is named to start from, or a file of it cannot be used.
-    pub fn load(sheets: &[Sheet]) -> Result<(Self, Warnings), Error> {
+    pub fn load(sheets: &[EditSheet]) -> Result<(Self, Warnings), Error> {
         let recovered = stated(sheets, |s| s.raw.recovered.as_ref());
         let project = stated(sheets, |s| s.raw.project.as_ref());
         let scene = stated(sheets, |s| s.raw.scene.as_ref());

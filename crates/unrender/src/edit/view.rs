@@ -1,6 +1,6 @@
 //! Where the new pictures are seen from.
 
-use super::sheet::Sheet;
+use super::edit_sheet::EditSheet;
 use super::start::Start;
 use crate::toml_values::{Direction, Finite, Place, Positive};
 use crate::{Error, job};
@@ -56,7 +56,7 @@ impl View {
 }
 
 /// The last camera that `sheets` state, else the photograph's, else the scene's first.
-pub(super) fn choose(sheets: &[Sheet], start: &Start) -> Result<View, Error> {
+pub(super) fn choose(sheets: &[EditSheet], start: &Start) -> Result<View, Error> {
     let stated = sheets.iter().rev().find_map(|s| s.raw.camera.as_ref().map(|c| (s, c)));
     let Some((sheet, value)) = stated else {
         return Ok(match &start.photograph {

@@ -1,6 +1,6 @@
 //! The photographs that may be taken next.
 
-use super::Recovered;
+use super::RecoveredJob;
 use glam::{Quat, Vec3};
 use unrender_render::NOTHING;
 use unrender_scene::Camera;
@@ -30,14 +30,14 @@ const COARSE: usize = 8;
 
 /// The scene's cameras that took none of the photographs, a ring of cameras about what the first photograph shows, and
 /// that photograph again with each of several lamps off.
-pub fn candidates(of: &Recovered) -> Vec<Candidate> {
+pub fn candidates(of: &RecoveredJob) -> Vec<Candidate> {
     let mut all = of_scene(of);
     all.extend(ring(of));
     all.extend(switched(of));
     all
 }
 
-fn of_scene(of: &Recovered) -> Vec<Candidate> {
+fn of_scene(of: &RecoveredJob) -> Vec<Candidate> {
     let photographs = (0..of.job.photographs()).map(|k| of.job.alone(k).camera.clone());
     let taken: Vec<Camera> = photographs.collect();
     let is_new = |camera: &&Camera| {
@@ -53,7 +53,7 @@ fn of_scene(of: &Recovered) -> Vec<Candidate> {
 }
 
 /// The middle of what the first photograph shows.
-fn centre(of: &Recovered) -> Option<Vec3> {
+fn centre(of: &RecoveredJob) -> Option<Vec3> {
     let camera = &of.registered[0].camera;
     let (width, height) = size(of);
     let seen = of.tracer.geometry(camera, width, height);
@@ -67,12 +67,12 @@ fn centre(of: &Recovered) -> Option<Vec3> {
 }
 
 /// A coarse look: an eighth of the photograph along both sides.
-fn size(of: &Recovered) -> (usize, usize) {
+fn size(of: &RecoveredJob) -> (usize, usize) {
     let photo = &of.job.photo.radiance;
     ((photo.width() / COARSE).max(8), (photo.height() / COARSE).max(8))
 }
 
-fn ring(of: &Recovered) -> Vec<Candidate> {
+fn ring(of: &RecoveredJob) -> Vec<Candidate> {
     let Some(centre) = centre(of) else { return Vec::new() };
     let first = &of.registered[0].camera;
     let arm = first.origin() - centre;
@@ -96,7 +96,7 @@ fn ring(of: &Recovered) -> Vec<Candidate> {
 }
 
 /// Whether the camera of a candidate sees the scene from `distance` and nothing in its way.
-fn stands_free(of: &Recovered, candidate: &Candidate, distance: f32) -> bool {
+fn stands_free(of: &RecoveredJob, candidate: &Candidate, distance: f32) -> bool {
     let (width, height) = size(of);
     let seen = of.tracer.geometry(&candidate.camera, width, height);
     let share = |is: &dyn Fn(f32) -> bool| {
@@ -107,7 +107,7 @@ fn stands_free(of: &Recovered, candidate: &Candidate, distance: f32) -> bool {
     share(&|_| true) >= SEEN_MIN && share(&|depth| depth < NEAR * distance) <= NEAR_MAX
 }
 
-fn switched(of: &Recovered) -> Vec<Candidate> {
+fn switched(of: &RecoveredJob) -> Vec<Candidate> {
     let on: Vec<(&str, u32)> = of
         .job
         .scene

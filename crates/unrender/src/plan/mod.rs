@@ -24,7 +24,7 @@ use unrender_render::Tracer;
 use unrender_scene::{Material, Rgb};
 
 /// A job as it stands after its recovery.
-pub struct Recovered {
+pub struct RecoveredJob {
     job: Job,
     materials: Vec<Material>,
     registered: Vec<RegisteredModel>,
@@ -33,7 +33,7 @@ pub struct Recovered {
     exposure: Rgb,
 }
 
-impl Recovered {
+impl RecoveredJob {
     /// `job`, whose scene has the materials of `found` on its groups, as that says of lights and exposures.
     pub fn new(mut job: Job, found: &MaterialsFile) -> Self {
         job.reduce();

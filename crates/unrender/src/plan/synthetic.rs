@@ -1,6 +1,6 @@
 //! The photograph that a candidate would take, if the materials are right.
 
-use super::{Candidate, Recovered};
+use super::{Candidate, RecoveredJob};
 use crate::project::Project;
 use crate::registered::RegisteredModel;
 use crate::shot::Shot;
@@ -22,7 +22,7 @@ const SPP_MIN: u32 = 16;
 const SPP_MAX: u32 = 256;
 /// The photograph of `candidate` with the noise of the first one, `observed`, and how the model lies on it: exactly.
 pub(super) fn photograph(
-    of: &Recovered,
+    of: &RecoveredJob,
     candidate: &Candidate,
     observed: &Observation,
     seed: u64,

@@ -1,12 +1,11 @@
 //! What a recovery has found, and what is read from it: the entries of materials.json, groups that fall
 //! apart and groups that agree, and the last picture in all pixels of the photograph.
 
-mod alike;
 mod around;
 pub(crate) mod entries;
 mod full_picture;
+pub(crate) mod labels;
 mod odd_photograph;
 mod outcome;
-pub(crate) mod parts;
 
 pub use outcome::{Recovered, Times};

@@ -3,9 +3,10 @@
 use crate::Job;
 use crate::registered::RegisteredModel;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use unrender_formats::materials::PhotographEntry;
 use unrender_photo::{Exposure, develop};
-use unrender_recover::{Options, Recovery};
+use unrender_recover::{ObjectsSeen, Options, Recovery};
 use unrender_scene::{Camera, Image, Rgb, RgbImage, Scene};
 
 /// A recovery, how it was asked for and how long it took.
@@ -43,6 +44,25 @@ pub struct Times {
 }
 
 impl Recovered {
+    /// For each group of `job` by its name: the names of those that agree with it. Groups that the project has made
+    /// one are not compared with each other.
+    pub fn alike(&self, job: &Job) -> BTreeMap<&str, Vec<&str>> {
+        self.recovery.alike(|name| !job.project.same_as.contains_key(name))
+    }
+
+    /// For each group of `job` that falls apart by object, by its index: the objects of its parts
+    /// ([`Recovery::parts`]). Of groups that the project has made one, each is looked at by itself.
+    pub fn parts(&self, job: &Job) -> BTreeMap<usize, Vec<Vec<usize>>> {
+        // The photograph was developed with a stated exposure, and for an exposure of one else.
+        let exposure = match job.project.exposure {
+            Exposure::Fixed(_) => Rgb::ONE,
+            Exposure::Auto => self.recovery.exposure,
+        };
+        let photograph = job.radiance_on_sheet().map(|value| exposure * *value);
+        let (groups, map) = (&job.own_groups[..], &self.object_map);
+        self.recovery.parts(&ObjectsSeen { groups, map, photograph: &photograph })
+    }
+
     /// The camera of the photograph of `job`, of several the first, that the recovery went on with.
     pub fn camera(&self, job: &Job) -> Camera {
         job.camera_of_photograph(&self.registered[0].camera)

@@ -5,7 +5,7 @@ use crate::Job;
 use crate::engine::Recovered;
 use crate::lighting::EnvironmentChoice;
 use crate::project::CameraTable;
-use crate::recovered::parts;
+use crate::recovered::labels;
 use crate::run::{
     CandidateEntry, GroupIterationEntry, Input, IterationEntry, LeftOut, PhotographRun, Pictures,
     Program, RegistrationEntry, Run, RunGroup, SettingsEntry, Stages, VERSION,
@@ -27,7 +27,7 @@ pub(super) fn build(
 ) -> Run {
     let recovery = &recovered.recovery;
     let iterations = recovery.iterations.iter().zip(&recovered.times.iterations);
-    let (parts, labels) = (recovered.parts(job), parts::labels(&job.scene));
+    let (parts, labels) = (recovered.parts(job), labels::labels(&job.scene));
     let named = |part: &Vec<usize>| part.iter().map(|object| labels[*object].clone()).collect();
     let alike = recovered.alike(job);
     let groups = recovery.groups.iter().enumerate().map(|(index, result)| {

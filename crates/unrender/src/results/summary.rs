@@ -1,7 +1,7 @@
 //! The table at the end: what a person wants to know in ten seconds. Black lamps are left out.
 
 use crate::Job;
-use crate::recovered::{Recovered, entries, parts};
+use crate::recovered::{Recovered, entries, labels};
 use crate::text_table::table;
 use unrender_formats::materials::{PhotographEntry, StatusEntry};
 use unrender_recover::{GroupResult, Recovery, Status};
@@ -42,7 +42,7 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
             text.push_str(&format!("{}: {note}\n", group.name));
         }
     }
-    let labels = parts::labels(&job.scene);
+    let labels = labels::labels(&job.scene);
     for (group, parts) in recovered.parts(job) {
         let named = |part: &Vec<usize>| {
             part.iter().map(|object| labels[*object].as_str()).collect::<Vec<_>>().join(", ")

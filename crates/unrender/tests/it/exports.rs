@@ -6,7 +6,7 @@ use crate::kit::programs::{Row, compare, compare_quadrants, our_picture};
 use std::sync::Arc;
 use unrender::converted::converted;
 use unrender::formats::LightUnits;
-use unrender::formats::export::{self, Shot, Target};
+use unrender::formats::export::{self, SceneView, Target};
 use unrender::scene::{BrdfModel, Image, Material, Scene, Texture};
 
 /// Paths a pixel: the noise of a quarter of a group is below one and a half percent.
@@ -40,7 +40,7 @@ fn back(target: Target, file: &str) -> Scene {
     let folder = tempfile::tempdir().unwrap();
     let (scene, camera) = (scene(), camera());
     let materials = scene.materials();
-    let shot = Shot {
+    let shot = SceneView {
         scene: &scene,
         materials: &materials,
         camera: &camera,

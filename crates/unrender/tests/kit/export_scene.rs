@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use unrender::converted::converted;
 use unrender::formats::LightUnits;
-use unrender::formats::export::{self, Shot, Target};
+use unrender::formats::export::{self, SceneView, Target};
 use unrender::scene::{
     Camera, Group, Image, Lens, Light, LightKind, Material, Mesh, Object, Rgb, Scene, Texture, Wrap,
 };
@@ -146,7 +146,8 @@ pub(crate) fn exported(scene: &Scene, target: Target) -> (tempfile::TempDir, Pat
     let converted = converted(scene, &camera, SIZE, target.lobe(scene.brdf));
     let materials: Vec<Material> = converted.into_iter().map(|c| c.material).collect();
     let (camera, materials) = (&camera, &materials[..]);
-    let shot = Shot { scene, materials, camera, size: SIZE, light_units: LightUnits::Radiometric };
+    let shot =
+        SceneView { scene, materials, camera, size: SIZE, light_units: LightUnits::Radiometric };
     let (files, warnings) = export::export(&shot, target).unwrap();
     // The scene's camera has a lens, for which glTF has no words.
     let is_expected = |w: &String| target == Target::Gltf && w.contains("what a lens does");

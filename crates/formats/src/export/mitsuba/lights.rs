@@ -2,7 +2,7 @@
 
 use super::{float, point, rgb, safe, to_world, vector};
 use crate::export::identifiers::identifiers;
-use crate::export::{Files, Shot};
+use crate::export::{Files, SceneView};
 use crate::record::light_note;
 use crate::texels;
 use glam::{Affine3A, DVec3, Mat3, Vec3};
@@ -12,7 +12,7 @@ use unrender_scene::{Image, LightKind, Rgb};
 const CONE_TEXELS: usize = 512;
 
 /// All of them, and the pictures that they name.
-pub(super) fn text(shot: &Shot) -> Result<(String, Files), String> {
+pub(super) fn text(shot: &SceneView) -> Result<(String, Files), String> {
     let (lights, origin) = (&shot.scene.lights, shot.scene.origin);
     let ids = identifiers("l_", lights.iter().map(|l| l.name.as_str()));
     let (mut text, mut files) = (String::new(), Files::new());

@@ -1,14 +1,14 @@
 //! Reflectances.
 
 use super::{float, reflectance, safe};
-use crate::export::{Files, Shot, tiling};
+use crate::export::{Files, SceneView, tiling};
 use crate::record::group_note;
 use crate::texels;
 use unrender_scene::{BrdfModel, Material, Rgb, Warnings};
 
 /// The reflectance of group `index` as a BSDF called `id`, and the picture that it names.
 pub(super) fn bsdf(
-    shot: &Shot,
+    shot: &SceneView,
     index: usize,
     id: &str,
     warnings: &mut Warnings,

@@ -1,12 +1,12 @@
 //! The camera and its film.
 
 use super::{comment, float, to_world};
-use crate::export::Shot;
+use crate::export::SceneView;
 use glam::{Affine3A, Mat3};
 use unrender_scene::Warnings;
 
 /// The perspective sensor. Mitsuba's looks along its own +z, with +x to the left.
-pub(super) fn text(shot: &Shot, warnings: &mut Warnings) -> String {
+pub(super) fn text(shot: &SceneView, warnings: &mut Warnings) -> String {
     let camera = shot.camera;
     let (width, height) = shot.size;
     if camera.lens.distorts() {

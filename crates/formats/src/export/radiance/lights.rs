@@ -5,7 +5,7 @@
 //! on the sphere, by the direction of the ray.
 
 use super::{place, triple};
-use crate::export::Shot;
+use crate::export::SceneView;
 use crate::export::identifiers::identifiers;
 use crate::record::light_note;
 use glam::{DVec3, Vec3};
@@ -18,7 +18,7 @@ const RADIUS: f32 = 1e-3;
 const DISTANT_DEG: f32 = 0.1;
 
 /// All of them as primitives.
-pub(super) fn text(shot: &Shot) -> String {
+pub(super) fn text(shot: &SceneView) -> String {
     let lights = &shot.scene.lights;
     let ids = identifiers("l_", lights.iter().map(|l| l.name.as_str()));
     let texts = lights.iter().zip(&ids).map(|(light, id)| {

@@ -2,7 +2,7 @@
 
 use super::triple;
 use crate::export::identifiers::identifiers;
-use crate::export::{Files, Shot, anisotropy};
+use crate::export::{Files, SceneView, anisotropy};
 use crate::record::group_note;
 use crate::texels;
 use glam::Vec3;
@@ -11,14 +11,14 @@ use unrender_scene::{Image, Material, Object, Rgb, Texture, Warnings, Wrap};
 
 /// The names of the groups' materials and what they are made of.
 pub(super) struct Materials<'a> {
-    shot: &'a Shot<'a>,
+    shot: &'a SceneView<'a>,
     ids: Vec<String>,
     /// For each group the anisotropy directions of its triangles, without repetitions.
     directions: Vec<Vec<Vec3>>,
 }
 
 impl<'a> Materials<'a> {
-    pub(super) fn new(shot: &'a Shot<'a>) -> Self {
+    pub(super) fn new(shot: &'a SceneView<'a>) -> Self {
         let groups = &shot.scene.groups;
         let mut materials = Self {
             shot,

@@ -21,7 +21,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use unrender::Project;
-use unrender::edit::Sheet;
+use unrender::edit::EditSheet;
 
 /// Documents beside the book that have links, too.
 const AROUND: [&str; 4] = ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "SECURITY.md"];
@@ -139,7 +139,7 @@ fn projects_and_edits_on_the_pages_are_understood() {
                 "edit" => {
                     let file = place.path().join("edit.toml");
                     fs::write(&file, &block.text).unwrap();
-                    let read = Sheet::read(&file);
+                    let read = EditSheet::read(&file);
                     assert!(read.is_ok(), "{fault}: {:?}", read.err());
                     schema::holds("edit", &schema::from_toml(&block.text), &fault);
                 }

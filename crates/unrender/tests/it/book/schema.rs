@@ -10,7 +10,7 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 use unrender::Project;
-use unrender::edit::{Restaging, Sheet};
+use unrender::edit::{EditSheet, Restaging};
 use unrender::run::{PhotographRun, Run};
 
 /// The schemas by their names.
@@ -117,7 +117,7 @@ fn all_examples_are_as_their_schemas_say() {
         if is_project {
             assert!(Project::parse(Path::new(&path), &text).is_ok(), "{path} is not understood");
         } else {
-            assert!(Sheet::read(&root().join(&path)).is_ok(), "{path} is not understood");
+            assert!(EditSheet::read(&root().join(&path)).is_ok(), "{path} is not understood");
         }
     }
     for path in files("examples", "truth.json") {
@@ -273,7 +273,7 @@ fn schemas_of_edits_have_the_readers_keys() {
         let scene = format!("scene = {scene:?}\n");
         let scene = if head.is_empty() { "" } else { &scene };
         fs::write(&file, format!("{scene}{head}no_such_key = 1\n")).unwrap();
-        let error = match Sheet::read(&file) {
+        let error = match EditSheet::read(&file) {
             Err(error) => error.to_string(),
             Ok(sheet) => Restaging::load(&[sheet]).unwrap_err().to_string(),
         };

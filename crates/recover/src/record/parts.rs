@@ -5,11 +5,10 @@
 //! channel by channel, with its standard error from squares of pixels, inside which errors of the model
 //! are alike. Objects whose factors agree are one part.
 
-use super::Recovered;
-use crate::Job;
+use super::{Recovery, Status};
+use crate::observation::PixelStatus;
 use std::collections::BTreeMap;
-use unrender_recover::{PixelStatus, Status};
-use unrender_scene::{Rgb, Scene};
+use unrender_scene::{Image, Rgb, RgbImage};
 
 /// Parts differ by more than this share: twice what is called notable of a model's error in one place.
 /// At half of it, light that is a little off makes parts of objects far from each other; at double,
@@ -33,25 +32,36 @@ struct ObjectFit {
     error: [f64; 3],
 }
 
-impl Recovered {
-    /// For each group of `job` that falls apart by object, by its index: the objects of its parts, the one with the
-    /// most pixels first, each in the scene's order. Objects that are not seen well enough are with the first.
-    pub fn parts(&self, job: &Job) -> BTreeMap<usize, Vec<Vec<usize>>> {
-        find(job, self)
+/// The objects of a scene, as a photograph shows them.
+#[derive(Clone, Copy, Debug)]
+pub struct ObjectsSeen<'a> {
+    /// The group of each object.
+    pub groups: &'a [usize],
+    /// The object of every pixel, or `u32::MAX`.
+    pub map: &'a Image<u32>,
+    /// The photograph, radiance as in the re-rendering.
+    pub photograph: &'a RgbImage,
+}
+
+impl Recovery {
+    /// For each group that falls apart by object, by its index: the objects of its parts, the one with the most pixels
+    /// first, each in the scene's order. Objects that are not seen well enough are with the first.
+    pub fn parts(&self, objects_seen: &ObjectsSeen<'_>) -> BTreeMap<usize, Vec<Vec<usize>>> {
+        find(self, objects_seen)
     }
 }
 
-fn find(job: &Job, recovered: &Recovered) -> BTreeMap<usize, Vec<Vec<usize>>> {
+fn find(recovery: &Recovery, objects_seen: &ObjectsSeen<'_>) -> BTreeMap<usize, Vec<Vec<usize>>> {
     let mut found = BTreeMap::new();
-    for (group, result) in recovered.recovery.groups.iter().enumerate() {
-        // Of groups that the project has made one, each is looked at by itself.
+    let groups = objects_seen.groups;
+    for (group, result) in recovery.groups.iter().enumerate() {
         let objects: Vec<usize> =
-            (0..job.own_groups.len()).filter(|object| job.own_groups[*object] == group).collect();
+            (0..groups.len()).filter(|object| groups[*object] == group).collect();
         if result.status == Status::Known || objects.len() < 2 {
             continue;
         }
         let mut seen: Vec<ObjectFit> =
-            objects.iter().filter_map(|object| look(job, recovered, *object)).collect();
+            objects.iter().filter_map(|object| look(recovery, objects_seen, *object)).collect();
         seen.sort_by_key(|seen| std::cmp::Reverse(seen.pixels));
         let mut parts = parts(&seen);
         if parts.len() > 1 {
@@ -63,20 +73,6 @@ fn find(job: &Job, recovered: &Recovered) -> BTreeMap<usize, Vec<Vec<usize>>> {
         }
     }
     found
-}
-
-/// The objects of `scene` by names that are given once: behind the second and later uses of a name stands
-/// which of them it is.
-pub(crate) fn labels(scene: &Scene) -> Vec<String> {
-    let mut uses: BTreeMap<&str, usize> = BTreeMap::new();
-    let mut labels = Vec::with_capacity(scene.objects.len());
-    for object in &scene.objects {
-        let count = uses.entry(&object.name).or_default();
-        *count += 1;
-        let name = &object.name;
-        labels.push(if *count == 1 { name.clone() } else { format!("{name} ({count})") });
-    }
-    labels
 }
 
 /// Objects whose factors agree with the first one of a part, part by part, that with the most pixels
@@ -103,26 +99,21 @@ fn agree(a: &ObjectFit, b: &ObjectFit) -> bool {
 }
 
 /// What the photograph shows of `object`; none if that is too little.
-fn look(job: &Job, recovered: &Recovered, object: usize) -> Option<ObjectFit> {
-    let recovery = &recovered.recovery;
-    let radiance = &job.radiance_on_sheet();
-    let (width, height) = (radiance.width(), radiance.height());
+fn look(recovery: &Recovery, of: &ObjectsSeen<'_>, object: usize) -> Option<ObjectFit> {
+    let (width, height) = (of.map.width(), of.map.height());
     let side = ((SQUARE * height as f32) as usize).max(1);
     // In each square: the photograph, the re-rendering, and the pixels.
     let mut squares: BTreeMap<usize, (Rgb, Rgb, usize)> = BTreeMap::new();
-    // The photograph was developed with a stated exposure, and for an exposure of one else.
-    let fixed = matches!(job.project.exposure, unrender_photo::Exposure::Fixed(_));
-    let exposure = if fixed { Rgb::ONE } else { recovery.exposure };
-    for (index, of) in recovered.object_map.pixels().iter().enumerate() {
+    for (index, shown) in of.map.pixels().iter().enumerate() {
         // What was taken for something that the model lacks may be the other material.
         let counts =
             matches!(recovery.status.pixels()[index], PixelStatus::Valid | PixelStatus::Outlier);
-        if *of as usize != object || !counts {
+        if *shown as usize != object || !counts {
             continue;
         }
         let square = (index / width / side) * width + (index % width) / side;
         let sums = squares.entry(square).or_insert((Rgb::ZERO, Rgb::ZERO, 0));
-        sums.0 += exposure * radiance.pixels()[index];
+        sums.0 += of.photograph.pixels()[index];
         sums.1 += recovery.rerendered.pixels()[index];
         sums.2 += 1;
     }

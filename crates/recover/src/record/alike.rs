@@ -4,10 +4,8 @@
 //! over its variance, has the mean n and the variance 2 n if the groups are alike. Numbers that the
 //! photograph leaves open agree with everything, so pairs with such numbers are not named.
 
-use super::Recovered;
-use crate::{Job, Project};
+use super::{GroupResult, Recovery, Status};
 use std::collections::BTreeMap;
-use unrender_recover::{GroupResult, Status};
 use unrender_scene::{Hypothesis, Rgb};
 
 /// Groups agree up to so many standard deviations of the sum above its mean. At half of it a fifth of
@@ -19,20 +17,18 @@ const RHO_OPEN: f64 = 0.03;
 /// The same of the logarithm of a roughness: 0.2 is a highlight that is a fifth wider, which is seen.
 const LN_ALPHA_OPEN: f64 = 0.2;
 
-impl Recovered {
-    /// For each group of `job` by its name: the names of those that agree with it. Groups that the project has made
-    /// one are not compared with each other.
-    pub fn alike(&self, job: &Job) -> BTreeMap<&str, Vec<&str>> {
-        find(&job.project, &self.recovery.groups)
+impl Recovery {
+    /// For each group by its name: the names of those that agree with it. Only groups that `counts` says are compared:
+    /// not those that share their numbers by what the project states.
+    pub fn alike(&self, counts: impl Fn(&str) -> bool) -> BTreeMap<&str, Vec<&str>> {
+        find(self.groups.iter().filter(|group| counts(&group.name)).collect())
     }
 }
 
-fn find<'a>(project: &Project, results: &'a [GroupResult]) -> BTreeMap<&'a str, Vec<&'a str>> {
+fn find(groups: Vec<&GroupResult>) -> BTreeMap<&str, Vec<&str>> {
     let mut alike: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
-    let own: Vec<&GroupResult> =
-        results.iter().filter(|result| !project.same_as.contains_key(&result.name)).collect();
-    for (index, a) in own.iter().enumerate() {
-        for b in own[index + 1..].iter().filter(|b| agree(a, b)) {
+    for (index, a) in groups.iter().enumerate() {
+        for b in groups[index + 1..].iter().filter(|b| agree(a, b)) {
             alike.entry(&a.name).or_default().push(&b.name);
             alike.entry(&b.name).or_default().push(&a.name);
         }
@@ -92,8 +88,7 @@ fn numbers(group: &GroupResult) -> Option<Vec<Number>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
-    use unrender_recover::Deviations;
+    use crate::record::Deviations;
     use unrender_scene::Material;
 
     fn group(name: &str, rho_d: f32, std: f32) -> GroupResult {
@@ -115,11 +110,6 @@ mod tests {
         }
     }
 
-    fn project(text: &str) -> Project {
-        let text = format!("scene = \"s.glb\"\nphoto = \"p.png\"\nexposure = 1\n{text}");
-        Project::parse(Path::new("a.toml"), &text).unwrap().0
-    }
-
     #[test]
     fn groups_within_their_deviations_are_named() {
         let results = [
@@ -130,11 +120,9 @@ mod tests {
             GroupResult { std: None, ..group("given", 0.5, 0.0) },
             GroupResult { status: Status::Doubtful, ..group("doubtful", 0.5, 0.002) },
         ];
-        let found = find(&project(""), &results);
+        let found = find(results.iter().collect());
         assert_eq!(found.keys().collect::<Vec<_>>(), [&"a", &"b"]);
         assert_eq!((&found["a"], &found["b"]), (&vec!["b"], &vec!["a"]));
-        let same = project("[groups.a]\nsame_as = \"b\"\n");
-        assert!(find(&same, &results).is_empty());
     }
 
     #[test]
@@ -149,7 +137,7 @@ mod tests {
             group
         };
         let results = [lobe("a", 0.10), lobe("b", 0.101), lobe("c", 0.13), group("d", 0.3, 0.002)];
-        let found = find(&project(""), &results);
+        let found = find(results.iter().collect());
         assert_eq!(found.keys().collect::<Vec<_>>(), [&"a", &"b"]);
     }
 }

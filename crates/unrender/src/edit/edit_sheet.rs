@@ -10,7 +10,7 @@ use unrender_scene::Scene;
 
 /// Edits as they are written, with what messages call their place.
 #[derive(Debug)]
-pub struct Sheet {
+pub struct EditSheet {
     /// Where they are written.
     pub(super) written: Written,
     pub(super) raw: RawEdits,
@@ -64,7 +64,7 @@ impl Flag {
     }
 }
 
-impl Sheet {
+impl EditSheet {
     /// Reads the edit file at `path`.
     ///
     /// # Errors
@@ -135,17 +135,20 @@ mod tests {
     #[test]
     fn flags_are_lines_of_the_file() {
         let sheet =
-            Sheet::of_flag(Flag::Repaint, "my \"floor\": rho_d = [0.5, 0.1, 0], alpha = 0.1");
+            EditSheet::of_flag(Flag::Repaint, "my \"floor\": rho_d = [0.5, 0.1, 0], alpha = 0.1");
         let repaint = &sheet.unwrap().raw.repaint[0];
         assert_eq!(repaint.get_ref().group.as_deref(), Some("my \"floor\""));
         assert_eq!(repaint.get_ref().rho_d.unwrap().0.to_array(), [0.5, 0.1, 0.0]);
-        let error = Sheet::of_flag(Flag::Light, "lamp: scale = -1").unwrap_err().to_string();
+        let error = EditSheet::of_flag(Flag::Light, "lamp: scale = -1").unwrap_err().to_string();
         assert!(
             error.contains("--light 'lamp: scale = -1'") && error.contains("negative"),
             "{error}"
         );
         assert_eq!(
-            Sheet::of_flag(Flag::Remove, "a: b").unwrap().raw.remove[0].get_ref().name.as_deref(),
+            EditSheet::of_flag(Flag::Remove, "a: b").unwrap().raw.remove[0]
+                .get_ref()
+                .name
+                .as_deref(),
             Some("a: b")
         );
     }
