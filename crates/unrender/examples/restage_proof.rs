@@ -19,7 +19,7 @@
 use glam::Vec3;
 use std::error::Error;
 use std::path::Path;
-use unrender::edit::{Flag, Photograph, Restaging, Sheet, Start};
+use unrender::edit::{EditSheet, Flag, Photograph, Restaging, Start};
 use unrender::formats::picture;
 use unrender::render::{NOTHING, PixelGeometry, Settings, Tracer};
 use unrender::scene::{Image, Rgb, RgbImage};
@@ -33,9 +33,9 @@ fn main() -> Fallible<()> {
             composite(project, Path::new(folder), Path::new(truth))
         }
         ["view", edits, truth, spp] => {
-            let read = || Sheet::read(Path::new(edits));
+            let read = || EditSheet::read(Path::new(edits));
             let recovered = Restaging::load(&[read()?])?;
-            let truth = Restaging::load(&[read()?, Sheet::of_flag(Flag::Materials, truth)?])?;
+            let truth = Restaging::load(&[read()?, EditSheet::of_flag(Flag::Materials, truth)?])?;
             view(&recovered, &truth, &Settings { spp: spp.parse()?, ..Settings::default() })
         }
         _ => {
@@ -58,7 +58,7 @@ fn photograph(restaging: &Restaging) -> Fallible<&Photograph> {
 }
 
 fn composite(project: &str, folder: &Path, truth: &Path) -> Fallible<()> {
-    let (start, _) = Start::load(&[Sheet::of_flag(Flag::Project, project)?])?;
+    let (start, _) = Start::load(&[EditSheet::of_flag(Flag::Project, project)?])?;
     let photograph = start.photograph.ok_or("the project has no photograph")?;
     let picture = |path: &Path| picture::read(path).map(|(picture, _)| picture.values);
     let truth = picture(truth)?;
