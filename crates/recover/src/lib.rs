@@ -148,7 +148,7 @@ fn run(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Recovery, RecoverError> {
-    state.schedule = schedule::Schedule::new(options.effort);
+    state.schedule = schedule::Schedule::new(options);
     let termination = match options.ladder {
         LadderKind::Default => driver::drive(&mut state, options, observer)?,
         LadderKind::Paper => paper::run(&mut state, options, observer)?,

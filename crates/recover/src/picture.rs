@@ -63,7 +63,7 @@ fn render_twice(
             integrator: unrender_render::Integrator::PathReuse,
         };
         let progress = |share: f64| {
-            let done = schedule::of_picture(options.effort, (half as f64 + share) / 2.0);
+            let done = schedule::of_picture(options, (half as f64 + share) / 2.0);
             observer.working("rendering the last picture", done);
         };
         renderer.picture(appearance, &settings, &progress)

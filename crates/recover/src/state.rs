@@ -3,7 +3,6 @@
 
 mod step;
 
-use crate::effort::Effort;
 use crate::evidence::{Evidence, Stage};
 use crate::hypothesis::{self, Fit, Hypothesis};
 use crate::journal::Steps;
@@ -158,7 +157,7 @@ impl<'a> State<'a> {
             light_results: Vec::new(),
             photometric,
             iterations: Vec::new(),
-            schedule: Schedule::new(Effort::Normal),
+            schedule: Schedule::new(&Options::default()),
             seen: None,
             steps: Steps::default(),
         })

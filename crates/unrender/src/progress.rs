@@ -14,6 +14,9 @@ use unrender_scene::Warnings;
 /// The longest time without a line: somebody who waits sees that work goes on.
 const BETWEEN_LINES: Duration = Duration::from_secs(2);
 const BAR_STEPS: u64 = 1000;
+/// No remaining time is told before this share is done: a recovery of 39 s was said to take 750 s longer at 0.4 %, 460 s at
+/// 1 % and 99 s at 4 %. At half of it hundreds of seconds may still be told; double was not tried.
+const FORESEEABLE: f64 = 0.05;
 
 /// Shows the progress of one piece of work; any thread may tell it.
 pub(crate) struct Progress {
@@ -201,7 +204,7 @@ fn bar(what: &str) -> ProgressBar {
 fn line(what: &str, elapsed: Duration, done: f64) -> String {
     let elapsed = elapsed.as_secs_f64();
     let percent = 100.0 * done;
-    if done > 0.0 {
+    if done >= FORESEEABLE {
         let left = elapsed * (1.0 - done) / done;
         format!("{what}: {elapsed:.0} s, {percent:.0} %, about {left:.0} s left")
     } else {
@@ -218,5 +221,6 @@ mod tests {
         let text = line("render", Duration::from_secs(10), 0.25);
         assert_eq!(text, "render: 10 s, 25 %, about 30 s left");
         assert_eq!(line("render", Duration::from_secs(1), 0.0), "render: 1 s, 0 %");
+        assert_eq!(line("render", Duration::from_secs(1), 0.04), "render: 1 s, 4 %");
     }
 }
