@@ -1,4 +1,4 @@
-//! Brackets of exposures: their files as frames, and what is to be said of the merged picture.
+//! Brackets of exposures: reading their files as frames, and warnings of the merged picture.
 
 use crate::project::Frames;
 use std::path::{Path, PathBuf};
@@ -7,17 +7,18 @@ use unrender_formats::{FileError, Input, Limits, input};
 use unrender_photo::bracket::{Bracket, Frame, Report, Settings, merge};
 use unrender_scene::Warnings;
 
-/// A share of the pixels above which what moved is said: below, it is edges and single pixels.
+/// Motion in more than this share of the pixels causes a warning: below, it is edges and single
+/// pixels.
 const MOVED: f64 = 1e-3;
-/// The two fits of a response agree up to this share of white. At two thirds of it some JPEG files are doubted whose
-/// response is right; at double a wrong exposure time passes.
+/// The two fits of a response agree if they differ by less than this share of white. At two thirds of it some JPEG
+/// files with a right response cause a warning; at double a wrong exposure time passes.
 const DISAGREEMENT: f64 = 0.03;
-/// Exposure times are right up to this share. Cameras round 1/64 to 1/60, which is 6 %.
+/// Exposure times are accepted up to this relative error. Cameras round 1/64 to 1/60, which is 6 %.
 const TIMES: f64 = 0.03;
-/// Codes beyond these are extrapolated by a fitted response; more than that is said.
+/// If a fitted response is extrapolated within these codes, there is a warning.
 const COVERED: [f64; 2] = [0.15, 0.85];
 
-/// Where a bracket is named, for messages.
+/// Where a bracket is stated, for messages.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Place<'a> {
     /// By the command `merge-exposures`.
@@ -34,7 +35,7 @@ impl<'a> Place<'a> {
         }
     }
 
-    /// How exposure times are stated there.
+    /// How to state exposure times there.
     fn of_times(self) -> &'static str {
         match self {
             Self::Command => "by --times 1/60,1/15,1/4",
@@ -48,8 +49,8 @@ impl<'a> Place<'a> {
 /// Reads the files of `bracket` and merges them as `settings` say.
 ///
 /// # Errors
-/// If a file cannot be read, says no exposure time where none is stated, or the frames are no bracket; the
-/// last as the fault of `place`.
+/// If a file cannot be read, if no exposure time is stated or in the file, or if the frames are no
+/// bracket; the last error names `place`.
 pub(crate) fn read_and_merge(
     bracket: &Frames,
     settings: &Settings,
@@ -137,7 +138,7 @@ fn name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
-/// What is doubtful about a merged bracket whose frames have these names.
+/// Warnings of a merged bracket whose frames have these names.
 fn doubts(report: &Report, names: &[&str]) -> Warnings {
     let mut warnings = Warnings::default();
     let percent = |share: f64| 100.0 * share;
@@ -154,8 +155,8 @@ fn doubts(report: &Report, names: &[&str]) -> Warnings {
     }
     if report.moved > MOVED {
         warnings.push(format!(
-            "between the photographs of the bracket something moved, in {:.1} % of the pixels: what \
-             differs from {reference} was left out there",
+            "something moved between the photographs of the bracket, in {:.1} % of the pixels: \
+             there, photographs that differ from {reference} were left out",
             percent(report.moved)
         ));
     }
@@ -169,21 +170,21 @@ fn doubts(report: &Report, names: &[&str]) -> Warnings {
         if (brightness - 1.0).abs() > TIMES {
             warnings.push(format!(
                 "{name} is {brightness:.2} times as bright as its exposure and the next longer one \
-                 say; is its exposure time right? Cameras round it: 1/60 may be 1/64"
+                 imply; is its exposure time right? Cameras round it: 1/60 may be 1/64"
             ));
         }
     }
     if report.noise.is_none() {
         warnings.push(
-            "too little is well exposed in two photographs of the bracket to measure their noise; \
-             that of a usual camera was taken",
+            "too few pixels are well exposed in two photographs of the bracket to measure their \
+             noise; that of a usual camera was taken",
         );
     }
     warnings.extend(doubts_of_fit(report));
     warnings
 }
 
-/// What is doubtful about a fitted response.
+/// Warnings of a fitted response.
 fn doubts_of_fit(report: &Report) -> Warnings {
     let mut warnings = Warnings::default();
     let Some(fit) = &report.fit else { return warnings };
@@ -197,8 +198,8 @@ fn doubts_of_fit(report: &Report) -> Warnings {
     let [low, high] = fit.covered;
     if low > COVERED[0] || high < COVERED[1] {
         warnings.push(format!(
-            "the photographs show the same things at two exposures between the pixel values {low:.2} \
-             and {high:.2} of 1 alone; the camera's response beyond is a guess"
+            "the photographs show the same things at two exposures only between the pixel values \
+             {low:.2} and {high:.2} (of 1); beyond, the camera's response is a guess"
         ));
     }
     warnings

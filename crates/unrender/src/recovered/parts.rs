@@ -1,9 +1,9 @@
-//! Groups whose residuals fall apart by object: two materials under one name.
+//! Groups whose residuals differ by object: two materials under one name.
 //!
-//! One reflectance for objects of two leaves one of them too dark and the other too bright. For every
-//! object of a group, this finds by what factor the photograph is brighter than the re-rendering,
-//! channel by channel, with its standard error from squares of pixels, inside which errors of the model
-//! are alike. Objects whose factors agree are one part.
+//! One reflectance for objects of two materials makes one of them too dark and the other too bright.
+//! For every object of a group, this finds the factor by which the photograph is brighter than the
+//! re-rendering, channel by channel, with its standard error from squares of pixels, inside which
+//! errors of the model are correlated. Objects whose factors agree are one part.
 
 use super::Recovered;
 use crate::Job;
@@ -11,21 +11,21 @@ use std::collections::BTreeMap;
 use unrender_recover::{PixelStatus, Status};
 use unrender_scene::{Rgb, Scene};
 
-/// Parts differ by more than this share: twice what is called notable of a model's error in one place.
-/// At half of it, light that is a little off makes parts of objects far from each other; at double,
-/// two paints of 0.5 and 0.6 are one.
+/// Parts differ by more than this share: twice a notable model error in one place. At half of it,
+/// slightly wrong light splits objects far from each other; at double, two paints of 0.5 and 0.6 are
+/// one.
 const NOTABLE: f64 = 0.1;
-/// And by so many standard errors. At half of it one group of forty falls apart by chance; at double,
-/// objects of a few squares never do.
+/// And by this many standard errors. At half of it one group of forty is split by chance; at double,
+/// objects of a few squares never are.
 const ERRORS: f64 = 4.0;
 /// The side of the squares, as a share of the picture's height: a 40th is 12 pixels of 480. At half of it
 /// errors reach over several squares and the standard error is too small; at double, small objects have
 /// too few.
 const SQUARE: f32 = 1.0 / 40.0;
-/// An object with fewer squares says nothing by itself: of three, the scatter is known to a half.
+/// An object with fewer squares is not evaluated: from three, the scatter is known only to a half.
 const SQUARES_MIN: usize = 4;
 
-/// By what factor the photograph is brighter where it shows an object.
+/// The factor by which the photograph is brighter where it shows an object.
 struct ObjectFit {
     object: usize,
     pixels: usize,
@@ -34,8 +34,8 @@ struct ObjectFit {
 }
 
 impl Recovered {
-    /// For each group of `job` that falls apart by object, by its index: the objects of its parts, the one with the
-    /// most pixels first, each in the scene's order. Objects that are not seen well enough are with the first.
+    /// For each group of `job` to be split by object, by its index: the objects of its parts, the one with the most
+    /// pixels first, each in the scene's order. Objects that are not seen well enough belong to the first.
     pub fn parts(&self, job: &Job) -> BTreeMap<usize, Vec<Vec<usize>>> {
         find(job, self)
     }
@@ -44,7 +44,7 @@ impl Recovered {
 fn find(job: &Job, recovered: &Recovered) -> BTreeMap<usize, Vec<Vec<usize>>> {
     let mut found = BTreeMap::new();
     for (group, result) in recovered.recovery.groups.iter().enumerate() {
-        // Of groups that the project has made one, each is looked at by itself.
+        // Groups that share a material in the project are examined one by one.
         let objects: Vec<usize> =
             (0..job.own_groups.len()).filter(|object| job.own_groups[*object] == group).collect();
         if result.status == Status::Known || objects.len() < 2 {
@@ -65,8 +65,7 @@ fn find(job: &Job, recovered: &Recovered) -> BTreeMap<usize, Vec<Vec<usize>>> {
     found
 }
 
-/// The objects of `scene` by names that are given once: behind the second and later uses of a name stands
-/// which of them it is.
+/// Unique names of the objects of `scene`: the second and later uses of a name get a number.
 pub(crate) fn labels(scene: &Scene) -> Vec<String> {
     let mut uses: BTreeMap<&str, usize> = BTreeMap::new();
     let mut labels = Vec::with_capacity(scene.objects.len());
@@ -102,7 +101,7 @@ fn agree(a: &ObjectFit, b: &ObjectFit) -> bool {
     })
 }
 
-/// What the photograph shows of `object`; none if that is too little.
+/// The fit of `object`; none if the photograph shows too little of it.
 fn look(job: &Job, recovered: &Recovered, object: usize) -> Option<ObjectFit> {
     let recovery = &recovered.recovery;
     let radiance = &job.radiance_on_sheet();
@@ -110,11 +109,11 @@ fn look(job: &Job, recovered: &Recovered, object: usize) -> Option<ObjectFit> {
     let side = ((SQUARE * height as f32) as usize).max(1);
     // In each square: the photograph, the re-rendering, and the pixels.
     let mut squares: BTreeMap<usize, (Rgb, Rgb, usize)> = BTreeMap::new();
-    // The photograph was developed with a stated exposure, and for an exposure of one else.
+    // The photograph was developed with the stated exposure, or else with an exposure of one.
     let fixed = matches!(job.project.exposure, unrender_photo::Exposure::Fixed(_));
     let exposure = if fixed { Rgb::ONE } else { recovery.exposure };
     for (index, of) in recovered.object_map.pixels().iter().enumerate() {
-        // What was taken for something that the model lacks may be the other material.
+        // Outliers may be the other material.
         let counts =
             matches!(recovery.status.pixels()[index], PixelStatus::Valid | PixelStatus::Outlier);
         if *of as usize != object || !counts {
