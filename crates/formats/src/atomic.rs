@@ -62,7 +62,7 @@ fn target(path: &Path) -> io::Result<(PathBuf, Option<Permissions>)> {
         return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder; name a file"));
     }
     if !meta.is_file() {
-        return Err(io::Error::other("it is no regular file"));
+        return Err(io::Error::other("it is not a regular file"));
     }
     if meta.permissions().readonly() {
         let problem = "it is write-protected; remove the protection, or name another file";

@@ -178,7 +178,7 @@ impl Scope {
 /// The bytes of the file that the user has named.
 ///
 /// # Errors
-/// If it is no regular file, is larger than [`Limits::memory`] or cannot be read.
+/// If it is not a regular file, is larger than [`Limits::memory`] or cannot be read.
 pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<Vec<u8>, InputError> {
     let input = input.into();
     read_at_most(input.path, input.limits.memory)
@@ -198,7 +198,7 @@ fn read_at_most(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
     // Checked before opening: opening a pipe waits for its writer.
     let meta = fs::metadata(path)?;
     if !meta.is_file() {
-        return Err("is no regular file, but a folder, a device or a pipe".into());
+        return Err("is not a regular file, but a folder, a device or a pipe".into());
     }
     if meta.len() > limit {
         return Err(too_large(meta.len(), limit).into());

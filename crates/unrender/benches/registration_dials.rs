@@ -1,10 +1,10 @@
-//! What becomes of the room when photograph and model do not quite fit: `cargo bench -p unrender
-//! --bench registration_dials [-- WORDS]`.
+//! Recovers the room when photograph and model do not quite fit: `cargo bench -p unrender --bench
+//! registration_dials [-- WORDS]`.
 //!
-//! Turns the camera of `examples/room` by some pixels, compresses the photograph, adds noise, hangs
-//! something on the wall that the model lacks; recovers with the built command, with and without the
-//! registration, and prints the largest errors against the truth. WORDS choose the rows that contain
-//! all of them. Nothing is asserted; half an hour for all of it.
+//! Turns the camera of `examples/room` by some pixels, compresses the photograph, adds noise, or
+//! hangs something on the wall that the model lacks; recovers with the built command, with and
+//! without the registration, and prints the largest errors against the truth. WORDS choose the rows
+//! that contain all of them. Nothing is asserted; all rows take half an hour.
 
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use image::codecs::jpeg::JpegEncoder;
@@ -19,7 +19,7 @@ use unrender::render::{Settings, Tracer};
 use unrender::scene::{Camera, Group, Material, Mesh, Object, Rgb, RgbImage, Scene};
 use unrender::score;
 
-/// As `make_room` has it.
+/// As in `make_room`.
 const EXPOSURE: f32 = 0.65;
 const SPP: u32 = 512;
 const JPEG_QUALITY: u8 = 85;
@@ -29,7 +29,7 @@ const GREY: f32 = 0.18;
 /// Which way the model's picture moves, pixels to the right and down.
 const DIRECTION: Vec2 = Vec2::new(0.8, 0.6);
 
-/// One thing that is wrong, or several.
+/// One disturbance, or several.
 #[derive(Clone, Copy, Default)]
 struct Dial {
     name: &'static str,
@@ -153,7 +153,7 @@ fn turned(camera: &Camera, pixels: f32, height: usize) -> Camera {
 
 fn noisy(values: &RgbImage) -> RgbImage {
     let uniform = |key: u64| ((mix(key) >> 40) as f32 + 0.5) / (1u64 << 24) as f32;
-    // The sum of twelve uniform numbers is as good as normal here.
+    // The sum of twelve uniform numbers is close enough to normal here.
     let normal = |key: u64| (0..12).map(|i| uniform(12 * key + i)).sum::<f32>() - 6.0;
     let mut index = 0;
     values.map(|value| {

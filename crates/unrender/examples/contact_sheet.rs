@@ -1,7 +1,7 @@
 //! Lays pictures side by side into one PNG or JPEG.
 //!
-//! `cargo run --release --example contact_sheet -- OUT SHRINK PICTURE...`: each picture is made
-//! smaller by the whole number SHRINK, a mean over SHRINK x SHRINK pixels of linear light.
+//! `cargo run --release --example contact_sheet -- OUT SHRINK PICTURE...`: each picture is reduced
+//! by the whole number SHRINK, by the mean of linear light over SHRINK x SHRINK pixels.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -11,7 +11,8 @@ use unrender::scene::{Rgb, RgbImage};
 
 /// White pixels between two pictures.
 const GAP: usize = 8;
-/// Of a JPEG, 1 to 100: at 92 nothing of it is seen at this size; at 80 edges show rings.
+/// The quality of a JPEG, 1 to 100: at 92 its errors are not visible at this size; at 80 edges show
+/// rings.
 const JPEG_QUALITY: u8 = 92;
 
 fn main() -> ExitCode {
@@ -49,7 +50,7 @@ fn write_sheet(out: &Path, shrink: usize, paths: &[PathBuf]) -> Result<(), FileE
     atomic::write(out, &bytes.map_err(|problem| FileError::new(out, problem))?)
 }
 
-/// The mean over each `shrink` x `shrink` block; what is left over at the edges is cut off.
+/// The mean over each `shrink` x `shrink` block; the rest at the edges is cut off.
 fn smaller(picture: &RgbImage, shrink: usize) -> RgbImage {
     let mean = |x: usize, y: usize| {
         let rows = y * shrink..(y + 1) * shrink;

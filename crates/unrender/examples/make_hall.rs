@@ -8,7 +8,7 @@
 //! ```
 //!
 //! It writes the scene as a user would model it (`scene.glb`, all materials grey), its photograph
-//! (`photo.png`), and the photograph that there would be without the vase (`truth_removed.png`).
+//! (`photo.png`), and the true photograph without the vase (`truth_removed.png`).
 
 // Both programs use a part of these.
 #[allow(dead_code)]

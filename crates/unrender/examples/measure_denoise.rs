@@ -1,9 +1,9 @@
-//! Measures what `--denoise` leaves of the error of pictures of 64 samples a pixel, and writes
+//! Measures the error that `--denoise` leaves in pictures of 64 samples per pixel, and writes
 //! docs/validation/denoise.md: `cargo run --release -p unrender --example measure_denoise`.
 //!
 //! The mean squared error of a picture `x` is the mean of `(x - a) (x - b)` with two independent references
-//! `a` and `b`, which is right on average however noisy they are. The bias is that of the mean of all seeds:
-//! with the errors `e` of single pictures and `m` of the mean of `n`, its square is `(n m - e) / (n - 1)`.
+//! `a` and `b`, which is unbiased however noisy these are. The bias is that of the mean of all seeds: with
+//! the errors `e` of single pictures and `m` of the mean of `n`, its square is `(n m - e) / (n - 1)`.
 
 use std::error::Error;
 use std::fmt::Write;
@@ -15,7 +15,7 @@ use unrender::render::adaptive::SampleAllocation;
 use unrender::render::{Accumulator, Settings, Tracer};
 use unrender::scene::{Camera, Material, Rgb, RgbImage};
 
-/// What is measured on: examples of the repository, and what is hard about them.
+/// The scenes: examples of the repository, and what is hard about them.
 const SCENES: [(&str, &str); 6] = [
     ("fig8", "lamps in view, glossy surfaces"),
     ("room", "many small things, mirror, carpet"),
@@ -86,7 +86,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(atomic::write(&root().join("docs/validation/denoise.md"), page.as_bytes())?)
 }
 
-/// The commit that the measured code is of, and its day.
+/// The commit of the measured code, and its date.
 fn commit() -> Result<String, Box<dyn Error>> {
     let mut git = Command::new("git");
     let output = git.arg("-C").arg(root()).args(["log", "-1", "--format=%h of %cs"]).output()?;

@@ -1,4 +1,4 @@
-//! How near restaged pictures come to the truth: prints the figures of `docs/guides/restage.md`.
+//! Compares restaged pictures with the truth: prints the figures of `docs/guides/restage.md`.
 //!
 //! ```text
 //! cargo run --release --example restage_proof -- composite PROJECT.toml DIR TRUTH.exr
@@ -9,12 +9,12 @@
 //! `PROJECT.toml` with the true picture `TRUTH.exr`, radiance, over the pixels that it touched. The
 //! photograph of `examples/room` was rendered with 1024 paths a pixel under the seed 2002
 //! (`make_room`); if the true picture was too (`unrender restage EDIT.toml --materials
-//! examples/room/truth.json --spp 1024 --seed 2002`), both are one where nothing changes, but for the
-//! sensor's noise.
+//! examples/room/truth.json --spp 1024 --seed 2002`), both are equal where nothing changes, except
+//! for the sensor's noise.
 //!
-//! `view` does the edits twice, to the scene in its recovered materials and to the scene in those of
-//! `TRUTH.json`, renders both as the edits' camera sees them, under the same seed, and compares group
-//! by group: all pixels whose surface the photograph shows too.
+//! `view` applies the edits to the scene with its recovered materials and with those of `TRUTH.json`,
+//! renders both from the edits' camera with the same seed, and compares them group by group, in all
+//! pixels whose surface the photograph shows too.
 
 use glam::Vec3;
 use std::error::Error;

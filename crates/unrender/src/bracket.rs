@@ -1,4 +1,4 @@
-//! Brackets of exposures: their files as frames, merged.
+//! Brackets of exposures: reading their files as frames, and merging them.
 
 use crate::project::Frames;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use unrender_formats::{FileError, Input, Limits, input};
 use unrender_photo::bracket::{Bracket, Frame, Settings, merge};
 use unrender_scene::Warnings;
 
-/// Where a bracket is named, for messages.
+/// Where a bracket is stated, for messages.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Place<'a> {
     /// By the command `merge-exposures`.
@@ -24,7 +24,7 @@ impl<'a> Place<'a> {
         }
     }
 
-    /// How exposure times are stated there.
+    /// How to state exposure times there.
     fn of_times(self) -> &'static str {
         match self {
             Self::Command => "by --times 1/60,1/15,1/4",
@@ -38,8 +38,8 @@ impl<'a> Place<'a> {
 /// Reads the files of `bracket` and merges them as `settings` say.
 ///
 /// # Errors
-/// If a file cannot be read, says no exposure time where none is stated, or the frames are no bracket; the
-/// last as the fault of `place`.
+/// If a file cannot be read, if no exposure time is stated or in the file, or if the frames are no
+/// bracket; the last error names `place`.
 pub(crate) fn read_and_merge(
     bracket: &Frames,
     settings: &Settings,

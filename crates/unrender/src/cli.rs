@@ -1,4 +1,4 @@
-//! The command line: global flags, the subcommands, and what becomes of errors.
+//! The command line: global flags, the subcommands, and the handling of errors.
 
 use crate::commands::{
     calibrate, check, completions, export, farm, man, merge, merge_exposures, plan, recover,
@@ -24,8 +24,8 @@ struct Cli {
     command: Command,
 }
 
-/// So many threads a core are believed to help, and always this many in all: more only fight for
-/// memory and caches. Half and double of it change nothing that was measured.
+/// At most this many threads per core are started, but always up to `THREADS_ALWAYS` in all: more
+/// only compete for memory and caches. Half and double of it change nothing that was measured.
 const THREADS_A_CORE: usize = 4;
 const THREADS_ALWAYS: usize = 16;
 
@@ -65,7 +65,7 @@ pub fn run_from(words: impl IntoIterator<Item = OsString>) -> ExitCode {
     let cli = match Cli::try_parse_from(words) {
         Ok(cli) => cli,
         Err(usage) => {
-            // Help and usage errors; nobody may be listening.
+            // Help and usage errors; the output may be closed.
             let _ = usage.print();
             return ExitCode::from(usage.exit_code() as u8);
         }
@@ -79,12 +79,12 @@ pub fn run_from(words: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
 }
 
-/// Runs the command line `words`, without the program's name, as a function: what it has to say goes
-/// to `listener`, and signals stay with the caller. A `scene` in memory takes the place of the file that the
-/// words name ([`Global::scene`]).
+/// Runs the command line `words`, without the program's name, as a function: its messages go to `listener`,
+/// and signals stay with the caller. A `scene` in memory replaces the file that the words name
+/// ([`Global::scene`]).
 ///
 /// # Errors
-/// If the words are no command line, and those of the command.
+/// If the words are not a valid command line, and those of the command.
 pub fn call(
     words: impl IntoIterator<Item = OsString>,
     scene: Option<Arc<Scene>>,
@@ -109,26 +109,26 @@ fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Cli, Error> {
 /// The global flags and the arguments of `render` in the command line `words`.
 ///
 /// # Errors
-/// If the words are no such command line.
+/// If the words are not such a command line.
 pub fn render_args(
     words: impl IntoIterator<Item = OsString>,
 ) -> Result<(Global, render::Args), Error> {
     match parse(words)? {
         Cli { global, command: Command::Render(args) } => Ok((global, args)),
-        _ => Err(Error::Request("this is no command line of render".into())),
+        _ => Err(Error::Request("this is not a command line of render".into())),
     }
 }
 
 /// The global flags and the arguments of `recover` in the command line `words`.
 ///
 /// # Errors
-/// If the words are no such command line.
+/// If the words are not such a command line.
 pub fn recover_args(
     words: impl IntoIterator<Item = OsString>,
 ) -> Result<(Global, recover::Args), Error> {
     match parse(words)? {
         Cli { global, command: Command::Recover(args) } => Ok((global, args)),
-        _ => Err(Error::Request("this is no command line of recover".into())),
+        _ => Err(Error::Request("this is not a command line of recover".into())),
     }
 }
 
@@ -148,7 +148,7 @@ fn prepare(global: &Global) -> Result<(), Error> {
     Ok(())
 }
 
-/// As many threads as asked for, but no more than can help.
+/// As many threads as asked for, but no more than are useful.
 fn helpful(asked: usize) -> usize {
     let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     asked.min(THREADS_ALWAYS.max(THREADS_A_CORE * cores))

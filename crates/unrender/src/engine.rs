@@ -1,7 +1,7 @@
-//! A recovery of a job from its beginning to its end: the model is registered with the photograph, the camera's
-//! numbers that the project leaves open are found, and then the materials.
+//! A complete recovery of a job: registers the model with the photograph, finds the photometric parameters that
+//! the project leaves open, and then the materials.
 //!
-//! It touches no file, no terminal and no signal: who wants to hear of it is a [`Follower`].
+//! It touches no file, no terminal and no signal: a [`Follower`] receives its messages.
 
 pub use crate::recovered::{Recovered, Times};
 pub use crate::registration::Alignment;
@@ -21,23 +21,23 @@ use unrender_remote::Workers;
 use unrender_render::Tracer;
 use unrender_scene::{Image, Rgb};
 
-/// The camera's numbers are near enough if the photograph would change by less than this share.
+/// The photometric parameters have converged if the photograph changes by less than this share.
 const NEAR: f64 = 0.005;
-/// How often the photograph is developed anew at most.
+/// The most times that the photograph is developed again.
 const ROUNDS_MAX: usize = 6;
-/// The share of the time that all this takes at most, roughly.
+/// The approximate share of the time that this takes at most.
 const ROUNDS_SHARE: f64 = 0.7;
 
-/// What is asked of a recovery, beside what its project says.
+/// The options of a recovery beside its project.
 #[derive(Clone, Default)]
 pub struct Asked<'a> {
-    /// How the materials are looked for.
+    /// How the materials are estimated.
     pub options: Options,
-    /// What to do about a model that does not lie on the photograph.
+    /// How to register a model that does not fit the photograph.
     pub alignment: Alignment,
-    /// Who does the renderer's work; none is this process. The bits are the same.
+    /// The workers that render; if none, this process does, with the same bits.
     pub workers: Option<&'a dyn Workers>,
-    /// What an earlier run of the same recovery has found; what is found now is kept there.
+    /// The results of an earlier run of the same recovery; new results are saved there.
     pub journal: Option<&'a dyn Journal>,
 }
 
@@ -51,24 +51,25 @@ impl Asked<'_> {
     }
 }
 
-/// Follows a recovery: hears of its iterations, and of what is doubtful as soon as it is known.
+/// Follows a recovery: receives its iterations, and its warnings as soon as they are known.
 pub trait Follower: Observer {
-    /// Something is doubtful: a sentence without a final full stop.
+    /// Receives a warning: a sentence without a final full stop.
     fn warning(&self, sentence: &str);
 }
 
-/// A follower that does not listen.
+/// A follower that ignores all messages.
 impl Follower for () {
     fn warning(&self, _: &str) {}
 }
 
-/// Recovers the materials of `job`'s groups. Where the project asks for numbers of the camera, they
-/// are found too, and the photograph of `job` ends as developed with them. A photograph of more pixels than are
-/// needed is worked on as squares of them ([`Job::reduce`]).
+/// Recovers the materials of `job`'s groups. Photometric parameters that the project leaves open are found too,
+/// and the photograph of `job` is developed with them in the end. A photograph of more pixels than needed is
+/// reduced to squares of them ([`Job::reduce`]).
 ///
 /// # Errors
-/// If the camera sees nothing, the anchor cannot fix the exposure, or no reflectances explain the photograph but a
-/// factor on all light would: then the error names the reading of the lights' units that would explain it.
+/// If the camera sees nothing, the anchor cannot fix the exposure, or no reflectances explain the photograph
+/// although a factor on all light would: then the error names the reading of the lights' units that would explain
+/// it.
 pub fn recover(
     job: &mut Job,
     asked: &Asked<'_>,
@@ -110,12 +111,12 @@ fn recover_as_read(
     let mut begun = 0.0;
     if !photometric::are_linear(&numbers) && options.refine && options.ladder == LadderKind::Default
     {
-        // A texture explains whatever a wrong gamma does to a group.
+        // A texture would explain any error of a wrong gamma.
         let thresholds = Thresholds { textured: Some(f64::INFINITY), ..options.thresholds };
         let rough = Options { thresholds, spp: 1, ..options.clone() };
         let rough = Asked { options: rough, ..asked.clone() };
         for _ in 0..ROUNDS_MAX {
-            // How many rounds there will be is not known: each has half of what is left of their share.
+            // The number of rounds is not known in advance: each gets half of the remaining share.
             let share = begun..begun + 0.5 * (ROUNDS_SHARE - begun);
             begun = share.end;
             let mut stage = Stage::new(follower, started, share);
@@ -131,7 +132,7 @@ fn recover_as_read(
         recover_once(job, &registered, &numbers, asked, &mut stage)?;
     let iterations = stage.iterations;
     if let Exposure::Fixed(exposure) = job.project.exposure {
-        // The photograph was developed with it.
+        // The photograph was developed with this exposure.
         recovery.exposure = exposure;
     }
     same_as::share(&job.project, &mut recovery.groups);
@@ -155,8 +156,8 @@ fn recover_as_read(
     Ok(recovered)
 }
 
-/// The model of `job` as it lies on each of its photographs. Exposures that are found beside that of the first
-/// photograph begin where both are about as bright.
+/// Registers the model of `job` with each of its photographs. Exposures relative to the first photograph start
+/// where both are about equally bright.
 fn register(job: &mut Job, alignment: Alignment) -> Result<Vec<RegisteredModel>, Error> {
     let tracer = Tracer::new(&job.scene);
     let all = |job: &Job, alignment: Alignment| -> Vec<RegisteredModel> {
@@ -181,16 +182,16 @@ fn register(job: &mut Job, alignment: Alignment) -> Result<Vec<RegisteredModel>,
     Ok(all(job, alignment))
 }
 
-/// What came out once.
+/// The result of one round.
 struct Once {
     recovery: Recovery,
     group_map: Image<u32>,
     object_map: Image<u32>,
-    /// The share by which developing the photograph anew changed it.
+    /// The relative change of the photograph when it was developed again.
     change: f64,
 }
 
-/// A recovery, after which the photograph is developed anew with `numbers` as they came out.
+/// One recovery, after which the photograph is developed again with the estimated `numbers`.
 fn recover_once(
     job: &mut Job,
     registered: &[RegisteredModel],
@@ -221,11 +222,11 @@ fn recover_once(
     Ok(Once { recovery, group_map, object_map, change })
 }
 
-/// One recovery as a stage of the whole work: passes on what is heard of it, and keeps the time of its iterations.
+/// One recovery as a stage of the whole work: passes on its messages, and records the time of its iterations.
 struct Stage<'a> {
     follower: &'a mut dyn Follower,
     started: Instant,
-    /// From which to which share of the whole work it is.
+    /// Its range in the whole work, 0 to 1.
     share: Range<f64>,
     /// Seconds since the start at the end of each iteration.
     iterations: Vec<f64>,
@@ -236,7 +237,7 @@ impl<'a> Stage<'a> {
         Self { follower, started, share, iterations: Vec::new() }
     }
 
-    /// The share of the whole work, where `done` of this stage is done.
+    /// The share of the whole work when `done` of this stage is done.
     fn of_all(&self, done: f64) -> f64 {
         let Range { start, end } = self.share;
         start + done * (end - start)

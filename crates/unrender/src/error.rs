@@ -1,13 +1,13 @@
-//! Why a command ended without its result.
+//! The error of a command.
 
 use unrender_formats::FileError;
 use unrender_scene::SceneError;
 
-/// The end of a command that did not do what it was asked to.
+/// Why a command ended without its result.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A file cannot be read or written, or says something impossible.
+    /// A file cannot be read or written, or is not valid.
     #[error(transparent)]
     File(#[from] FileError),
     /// The scene cannot be rendered.
@@ -18,7 +18,7 @@ pub enum Error {
         /// What is wrong with it.
         source: SceneError,
     },
-    /// Something that was asked for does not fit the scene or the machine.
+    /// A request does not fit the scene or the machine.
     #[error("{0}")]
     Request(String),
     /// The measured points give no camera.

@@ -1,15 +1,16 @@
-//! Whether two pieces of work are of one scene: a digest of all that the scene is.
+//! A digest of all data of a scene, to compare whether two pieces of work are of the same scene.
 //!
-//! What is digested is the scene in the wire format of postcard (version 1, which is documented and
-//! stable): every number by its bits, little-endian, every list with its length before it, so that
-//! two scenes with the same digest are the same. A field that is added later counts at once.
+//! The digest is of the scene in the wire format of postcard (version 1, which is documented and
+//! stable): every number by its bits, little-endian, every list after its length, so that two
+//! scenes with the same digest are equal. A field that is added later is included at once.
 
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 /// The first half of SHA-256 over the bytes of `value`, in hexadecimal digits.
 pub(crate) fn fingerprint(value: &impl Serialize) -> String {
-    // A digest takes everything, and plain data without maps of unknown size can always be written.
+    // Writing to a digest cannot fail, and plain data without maps of unknown size can always be
+    // serialised.
     let digest = postcard::to_io(value, Sha256::new()).unwrap_or_default().finalize();
     digest[..16].iter().map(|byte| format!("{byte:02x}")).collect()
 }
@@ -55,7 +56,7 @@ mod tests {
 
     #[test]
     fn text_cannot_pass_for_structure() {
-        // In a text form, a name can hold what looks like the next field.
+        // In a text form, a name could contain what looks like the next field.
         let named = |names: [&str; 2]| {
             let camera = |name: &&str| Camera {
                 name: (*name).to_owned(),

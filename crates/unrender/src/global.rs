@@ -9,10 +9,10 @@ use unrender_scene::Scene;
 /// Flags of all subcommands.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Global {
-    /// Show no progress and no words on the way; results, errors and warnings are still shown.
+    /// Show no progress messages; results, errors and warnings are still shown.
     #[arg(long, global = true)]
     pub quiet: bool,
-    /// Use this many threads [default: one a core]; the results do not depend on it.
+    /// Use this many threads [default: one per core]; the results do not depend on it.
     #[arg(long, global = true, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
     /// Let scenes and materials name files outside their folder, too.
@@ -21,7 +21,7 @@ pub struct Global {
     /// The memory that a scene or a picture may take while it is read, GiB [default: 2].
     #[arg(long, global = true, value_name = "GIB", value_parser = gibibytes)]
     pub input_memory: Option<f64>,
-    /// Where to tell what there is to say.
+    /// Where messages go.
     #[arg(skip)]
     pub console: Console,
     /// A scene that the caller has in memory: `render`, `restage` and `export` take it instead of the file that
@@ -31,7 +31,7 @@ pub struct Global {
 }
 
 impl Global {
-    /// How far the reading of inputs may go.
+    /// The limits of reading inputs.
     pub(crate) fn limits(&self) -> Limits {
         let memory = self.input_memory.map(|gib| (gib * f64::from(1 << 30)) as u64);
         Limits { outside: self.allow_outside, memory: memory.unwrap_or(Limits::default().memory) }
@@ -40,5 +40,5 @@ impl Global {
 
 fn gibibytes(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|gib: &f64| gib.is_finite() && *gib > 0.0);
-    number.ok_or_else(|| "is no positive number".into())
+    number.ok_or_else(|| "is not a positive number".into())
 }

@@ -1,17 +1,17 @@
 //! Ctrl-C and SIGTERM: the program ends at once with exit code 130 or 143, but never in the middle of
-//! writing, and without losing work that it knows how to keep.
+//! writing, and without losing work that it can save.
 //!
-//! A signal is handled on a thread of its own. It waits for results that are just being written,
-//! so that a folder of results is complete or was not begun, and then ends the process. Work that
-//! holds a [`Pausable`] is only asked the first time: it stops by itself at the next good place,
-//! saves what there is and returns [`code`].
+//! A signal is handled on a thread of its own. It waits for results that are being written, so that
+//! a folder of results is complete or was not begun, and then ends the process. Work that holds a
+//! [`Pausable`] is only asked to end the first time: it stops by itself at the next good place,
+//! saves its state and returns [`code`].
 
 use crate::{Error, output};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What shells expect of a program that SIGINT ended: 128 + 2.
+/// The exit code that shells expect after SIGINT: 128 + 2.
 const INTERRUPTED: u8 = 130;
 /// The same for SIGTERM: 128 + 15.
 #[cfg(unix)]
@@ -19,11 +19,11 @@ const TERMINATED: u8 = 143;
 
 static WRITING: Mutex<()> = Mutex::new(());
 static PAUSABLE: AtomicBool = AtomicBool::new(false);
-/// The exit code of the signal that asked for an end; zero before.
+/// The exit code of the signal that requested the end; zero before.
 static ASKED: AtomicU8 = AtomicU8::new(0);
 
-/// From here on Ctrl-C and SIGTERM end the program as described above, and a file that may not grow
-/// further is an error like a full disk.
+/// From here on Ctrl-C and SIGTERM end the program as described above, and reaching the size limit
+/// of files is an error like a full disk.
 pub(crate) fn install() -> Result<(), Error> {
     let failed = |error: &dyn std::fmt::Display| {
         Error::Request(format!("signals cannot be handled: {error}"))
@@ -32,7 +32,7 @@ pub(crate) fn install() -> Result<(), Error> {
     #[cfg(unix)]
     {
         use signal_hook::consts::{SIGTERM, SIGXFSZ};
-        // Handled by nothing: then the write fails, and its temporary file is removed.
+        // The handler does nothing: the write then fails, and its temporary file is removed.
         let flag = std::sync::Arc::new(AtomicBool::new(false));
         signal_hook::flag::register(SIGXFSZ, flag).map_err(|error| failed(&error))?;
         let mut signals =
@@ -42,7 +42,7 @@ pub(crate) fn install() -> Result<(), Error> {
     Ok(())
 }
 
-/// Asks for an end that has the exit code `code`; the second time, ends at once.
+/// Requests an end with the exit code `code`; the second time, ends at once.
 fn asked(code: u8) {
     if PAUSABLE.load(Ordering::SeqCst) && ASKED.swap(code, Ordering::SeqCst) == 0 {
         output::tell("\nstopping after this pass; Ctrl-C again stops at once");
@@ -55,15 +55,15 @@ fn asked(code: u8) {
 
 /// Holds Ctrl-C back until the guard is dropped; taken around the writing of results.
 pub(crate) fn writing() -> MutexGuard<'static, ()> {
-    // Nothing is behind the lock that a panic could have left in disorder.
+    // The lock guards no data that a panic could have left inconsistent.
     WRITING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// While it lives, the first Ctrl-C only asks for an end: see [`Pausable::is_asked`].
+/// While it exists, the first Ctrl-C only requests an end: see [`Pausable::is_asked`].
 pub(crate) struct Pausable(());
 
 impl Pausable {
-    /// Promises to look at [`Pausable::is_asked`] now and then.
+    /// The caller must check [`Pausable::is_asked`] regularly.
     pub(crate) fn new() -> Self {
         PAUSABLE.store(true, Ordering::SeqCst);
         Self(())
@@ -81,7 +81,7 @@ impl Drop for Pausable {
     }
 }
 
-/// The exit code of work that has stopped because it was asked to.
+/// The exit code of work that has stopped on request.
 pub(crate) fn code() -> ExitCode {
     match ASKED.load(Ordering::SeqCst) {
         0 => ExitCode::from(INTERRUPTED),

@@ -1,4 +1,4 @@
-//! Everything a recovery starts from, read and checked.
+//! Reads and checks everything that a recovery starts from.
 
 use crate::lighting::EnvironmentChoice;
 use crate::project::{CameraChoice, Found, Photographed, Project, Taken};
@@ -12,10 +12,10 @@ use unrender_photo::{Photo, Transfer, clipping, develop};
 use unrender_render::GeometryBuffers;
 use unrender_scene::{Camera, Image, Rgb, Scene, Warnings};
 
-/// Two aspects (width over height) are alike up to this share.
+/// Two aspects (width over height) are equal up to this share.
 const ASPECT_TOLERANCE: f32 = 0.01;
 
-/// A recovery, ready to begin.
+/// The checked input of a recovery.
 #[derive(Clone, Debug)]
 pub struct Job {
     /// The scene in the project's light; known groups have their known materials, `brdf` is the
@@ -23,37 +23,37 @@ pub struct Job {
     pub scene: Scene,
     /// The camera of the photograph.
     pub camera: Camera,
-    /// The photograph as its file has it.
+    /// The photograph as in its file.
     pub picture: Picture,
     /// The photograph as radiance; with exposure "auto", for an exposure of one.
     pub photo: Photo,
-    /// The pixels of `photo` and `mask` are the means of squares of so many of the photograph's on a side, and
-    /// `camera` is theirs: one, but where a recovery works on fewer ([`Job::reduce`]).
+    /// The side of the squares of the photograph's pixels whose means are the pixels of `photo` and `mask`, to
+    /// which `camera` belongs: one, unless the job was reduced ([`Job::reduce`]).
     pub side: usize,
     /// False for the pixels of the photograph that the project's mask leaves out.
     pub mask: Option<Image<bool>>,
-    /// What turned the photograph's codes into that radiance, and does the reverse.
+    /// The transfer function between the photograph's codes and that radiance.
     pub transfer: Transfer,
-    /// What the project file says, its exposure settled by [`Project::settle_scale`].
+    /// The project, its exposure settled by [`Project::settle_scale`].
     pub project: Project,
     /// The sources of light that were off when the photograph was taken, ascending, as in `unknown_lights`.
     pub off: Vec<u32>,
-    /// The further photographs, where the project has several: all above is of the first.
+    /// The further photographs, if the project has several: all fields above belong to the first.
     pub further: Vec<Shot>,
-    /// The sources whose brightness is asked for, ascending: a group's index for area lights, and
+    /// The sources with unknown brightness, ascending: a group's index for area lights, and
     /// for the others the number of groups plus the index among the scene's lights.
     pub unknown_lights: Vec<usize>,
-    /// The group of every object in the scene's file; `scene` counts objects of groups with `same_as`
-    /// to the groups that are named there.
+    /// The group of every object in the scene's file; in `scene`, objects of groups with `same_as`
+    /// belong to the group named there.
     pub own_groups: Vec<usize>,
-    /// What is doubtful about all of it.
+    /// Warnings of all of it.
     pub warnings: Warnings,
 }
 
-/// What a caller has in memory instead of the files that a project names.
+/// Data that a caller has in memory instead of the files that a project names.
 #[derive(Clone, Debug, Default)]
 pub struct InMemory {
-    /// The scene; its results are written as a glTF file of their own.
+    /// The scene; its results are written as a new glTF file.
     pub scene: Option<Scene>,
     /// The photograph, as a file would have it.
     pub photo: Option<Picture>,
@@ -62,7 +62,7 @@ pub struct InMemory {
 }
 
 impl Job {
-    /// Reads what `project` names; `warnings` are those that it was read with.
+    /// Reads the files that `project` names; `warnings` are those of reading it.
     ///
     /// # Errors
     /// If the photograph or the scene cannot be read, if they do not fit the project, or if nothing
@@ -71,7 +71,7 @@ impl Job {
         Self::assemble(project, warnings, InMemory::default())
     }
 
-    /// As [`Job::load`], with what is given in memory instead of the files of those names.
+    /// As [`Job::load`], with data in memory instead of the named files.
     ///
     /// # Errors
     /// Those of [`Job::load`].
@@ -120,8 +120,8 @@ impl Job {
         })
     }
 
-    /// For every pixel of `geometry`, which is what the camera of `photograph` sees of the scene, whether the project
-    /// counts it: the mask does not leave it out, nor is its group ignored.
+    /// For every pixel of `geometry`, as seen by the camera of `photograph`, whether the project includes it: it is
+    /// not masked, and its group is not ignored.
     pub(crate) fn counts(&self, photograph: usize, geometry: &GeometryBuffers) -> Vec<bool> {
         let groups = self.scene.groups.iter();
         let ignored: Vec<bool> =
@@ -134,8 +134,8 @@ impl Job {
     }
 }
 
-/// The photograph of `project` alone, of which `picture` and `mask` are there already where they were handed over, by
-/// its camera in `scene`.
+/// The photograph of `project` with its camera in `scene`; `picture` is read already, `mask` if it was given in
+/// memory.
 fn taken(
     project: &mut Project,
     scene: &Scene,
@@ -154,7 +154,7 @@ fn taken(
     let photo = develop(&picture, &transfer);
     if photo.dark > 0 {
         warnings.push(format!(
-            "{} pixel(s) of the photo lie in the noise of black and were left out",
+            "{} pixel(s) of the photo lie in the noise near black and were left out",
             photo.dark
         ));
     }
@@ -173,7 +173,7 @@ fn taken(
     Ok(Shot { project: project.clone(), camera, picture, photo, mask, transfer, off })
 }
 
-/// A further photograph of `project`, as it was `taken`.
+/// A further photograph of `project`, stated by `taken`.
 fn further(
     project: &Project,
     how: &Taken,
@@ -189,14 +189,14 @@ fn further(
     Ok(shot)
 }
 
-/// Begins the search for an unknown radiance from everywhere at what the photograph shows on the mean: what lights
-/// things as bright as these is about as bright.
+/// Starts the search for an unknown environment at the mean of the photograph: light that makes things this bright
+/// is about as bright.
 fn start_environment(scene: &mut Scene, photo: &Photo) {
     let valid = photo.radiance.pixels().iter().zip(photo.valid.pixels());
     let valid = valid.filter(|(_, valid)| **valid).map(|(radiance, _)| radiance.as_dvec3());
     let (sum, count) = valid.fold((DVec3::ZERO, 0.0), |(sum, n), value| (sum + value, n + 1.0));
     let mean = (sum / f64::max(count, 1.0)).as_vec3();
-    // A channel of which nothing is seen starts as one.
+    // A channel without light starts at one.
     let mean = Rgb::select(mean.cmpgt(Rgb::ZERO), mean, Rgb::ONE);
     scene.environment.iter_mut().for_each(|environment| environment.scale(mean));
 }
@@ -223,15 +223,15 @@ fn photo(
         let codes = [("red", r), ("green", g), ("blue", b)];
         for (channel, code) in codes.iter().filter_map(|(c, code)| code.map(|code| (c, code))) {
             warnings.push(format!(
-                "the {channel} of the photo is full at the code {code} of {max}: pixels of that \
-                 code are taken for clipped"
+                "the {channel} of the photo saturates at the code {code} of {max}: pixels of that \
+                 code are taken as clipped"
             ));
         }
     }
     Ok(picture)
 }
 
-/// The error of a photograph of which no pixel counts, for the reasons in `noted`.
+/// The error of a photograph without a valid pixel, for the reasons in `noted`.
 fn without_measurement(path: &Path, noted: &Warnings) -> FileError {
     let reasons: Vec<&str> = noted.0.iter().map(String::as_str).collect();
     let problem =
@@ -239,7 +239,7 @@ fn without_measurement(path: &Path, noted: &Warnings) -> FileError {
     FileError::new(path, format!("{problem} ({})", reasons.join("; ")))
 }
 
-/// The meshes and materials of `project`, as given or from its file; its light may be in the project alone.
+/// The meshes and materials of `project`, as given or from its file; its light may be only in the project.
 fn model(project: &Project, given: Option<Scene>, warnings: &mut Warnings) -> Result<Scene, Error> {
     let (scene, noted) = match given {
         Some(mut scene) => {
@@ -260,7 +260,7 @@ fn folded_lens(camera: &Camera, width: usize, height: usize) -> Warnings {
     if !camera.covers(width, height) {
         warnings.push(format!(
             "the distortion of camera \"{}\" (k1 = {}, k2 = {}, k3 = {}) folds over before the \
-             corners of the photo; what lies beyond is not shown right",
+             corners of the photo; the picture beyond is wrong",
             camera.name, camera.lens.k1, camera.lens.k2, camera.lens.k3
         ));
     }
@@ -324,14 +324,14 @@ pub(crate) fn named_camera(
     };
     if name.is_none() && names.len() > 1 {
         warnings.push(format!(
-            "{path}: of the cameras {} the first was taken; choose one by its name",
+            "{path}: there are the cameras {}; the first was taken: choose one by its name",
             names.join(", ")
         ));
     }
     Ok((chosen.map_err(Error::Request)?.clone(), warnings))
 }
 
-/// What is doubtful about a photo of `width` x `height` pixels by this camera.
+/// Warnings of a photo of `width` x `height` pixels by this camera.
 fn doubtful_aspect(camera: &Camera, width: usize, height: usize) -> Warnings {
     let mut warnings = Warnings::default();
     let Some(stated) = camera.aspect else { return warnings };

@@ -1,8 +1,8 @@
 //! From one photograph and a 3D model of what it shows to the reflectance of every surface.
 //!
-//! This page is a tour of the library, and a test: the code on it is compiled and run. This crate
-//! ties the others together and is the `unrender` command. One subcommand is one file in
-//! [`commands`]; to add another, write such a file and name it in [`cli`].
+//! This page is a tour of the library; its code is tested. This crate connects the others and is
+//! the `unrender` command. One subcommand is one file in [`commands`]; to add another, write such a
+//! file and name it in [`cli`].
 //!
 //! # The parts
 //!
@@ -12,12 +12,12 @@
 //! - [`photo`] turns code values into radiance: [`photo::develop`] takes the camera's response out
 //!   and says which pixels are clipped; [`photo::calibrate`](photo::calibrate::calibrate) finds the
 //!   camera from measured points.
-//! - [`render`] is light. A [`Tracer`](render::Tracer) is built once for geometry and lights;
-//!   materials come with each question.
-//! - [`recover`] is the way back. An [`Observation`](recover::Observation) is the photograph sorted
-//!   by groups, a [`Problem`](recover::Problem) says what is asked, and [`recover::recover`] answers.
-//! - [`engine`] ties them together: from a [`Project`] and what it names to what [`Recovered`](engine::Recovered)
-//!   has.
+//! - [`render`] computes light. A [`Tracer`](render::Tracer) is built once for geometry and lights;
+//!   materials are given with each call.
+//! - [`recover`] is the inverse. An [`Observation`](recover::Observation) is the photograph sorted by
+//!   groups, a [`Problem`](recover::Problem) states what is unknown, and [`recover::recover`] solves
+//!   it.
+//! - [`engine`] connects them: from a [`Project`] and its files to [`Recovered`](engine::Recovered).
 //!
 //! # All the way round
 //!
@@ -66,11 +66,10 @@
 //! };
 //! let observation = Observation::new(picture, view.geometry(), scene.groups.len());
 //!
-//! // Floor and wall are asked for; the lamp is given.
-//! let groups = scene.groups.iter().map(GroupSpec::of).collect();
-//! let problem = Problem::new(&observation, &view, groups);
-//! // The observer `()` does not listen to the iterations.
-//! let recovery = unrender::recover::recover(&problem, &Options::default(), &mut ())?;
+//! // Floor and wall are unknown; the lamp is given. let groups =
+//! scene.groups.iter().map(GroupSpec::of).collect(); let problem = Problem::new(&observation,
+//! &view, groups); // The observer `()` ignores the iterations. let recovery =
+//! unrender::recover::recover(&problem, &Options::default(), &mut ())?;
 //!
 //! for group in 0..2 {
 //!     let found = &recovery.groups[group];
@@ -83,8 +82,8 @@
 //!
 //! # With files
 //!
-//! The same from a project file is four calls. What the project leaves open is found too: where the camera
-//! stands exactly, and the camera's response where it is "auto".
+//! The same from a project file is four calls. What the project leaves open is found too: the exact place
+//! of the camera, and its response if that is "auto".
 //!
 //! ```no_run
 //! use unrender::engine::{self, Asked};
@@ -93,24 +92,23 @@
 //! let (project, warnings) = Project::read("room/project.toml".as_ref())?;
 //! let mut job = Job::load(project, warnings)?;
 //! let asked = Asked::of(&job);
-//! // The follower `()` hears of nothing.
+//! // The follower `()` ignores all messages.
 //! let recovered = engine::recover(&mut job, &asked, &mut ())?;
 //! println!("{:?}", recovered.materials(&job).groups);
 //! # Ok::<(), unrender::Error>(())
 //! ```
 //!
-//! `unrender recover` does that, tells how far it has come, and writes what came out. [`score`] compares two
-//! such results.
+//! `unrender recover` does that, shows its progress, and writes the results. [`score`] compares two such
+//! results.
 //!
 //! # Features
 //!
-//! `cli` (on by default) is the command with its terminal, its signals and its folders of results;
-//! `report` the pages that it makes. A library needs neither: `default-features = false` leaves out
-//! their twelve dependencies, with [`cli`], [`commands`], [`edit`] and [`report`]. Whole recoveries stay:
-//! [`check`] looks at what they are made of, and [`engine`] finds the camera's place and its response as the
-//! command does.
+//! `cli` (on by default) is the command with its terminal, its signals and its folders of results; `report`
+//! the pages that it makes. A library needs neither: `default-features = false` leaves out their twelve
+//! dependencies, with [`cli`], [`commands`], [`edit`] and [`report`]. Whole recoveries stay: [`check`]
+//! checks their input, and [`engine`] finds the camera's place and its response as the command does.
 
-// What the command alone uses of the rest is not used without it.
+// Code that only the command uses is unused without it.
 #![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 

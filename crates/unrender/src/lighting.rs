@@ -1,6 +1,6 @@
 //! The tables `[[lights]]` and `[environment]`, which project files and edit files share.
 //!
-//! A light is added, changed or taken away by its name; an environment is a panorama, or the same
+//! A light is added, changed or removed by its name; an environment is a panorama, or the same
 //! radiance from everywhere. [`restage`](crate::restage) makes the change in the scene.
 
 use crate::toml_values::{Channels, Direction, Finite, NotNegative, Place, Positive, Size, Way};
@@ -12,22 +12,22 @@ use unrender_formats::{FileError, Limits, picture};
 use unrender_restage::light::{Alter, LightChange, LightEdit, NewLight};
 use unrender_scene::{Environment, LightKind, Rgb, RgbImage, Warnings};
 
-/// Columns and rows of an unknown environment: 45 degrees a part, as fine as the light on diffuse surfaces tells
+/// Columns and rows of an unknown environment: 45 degrees per part, as fine as diffuse surfaces can show
 /// [Ramamoorthi and Hanrahan 2001]. At half of it, light from a window comes from a quarter of the sphere; double
-/// of it takes four times the derivatives for what only sharp lobes show.
+/// of it takes four times the derivatives for details that only sharp lobes show.
 const PARTS: [usize; 2] = [8, 4];
 
-/// One entry of `[[lights]]` as TOML has it.
+/// One entry of `[[lights]]` as in TOML.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RawLight {
     pub(crate) name: String,
-    /// Of project files alone: whether the brightness is asked for.
+    /// Only in project files: whether the brightness is unknown.
     pub(crate) unknown: Option<bool>,
-    /// Of project files alone: the colour of an unknown light.
+    /// Only in project files: the colour of an unknown light.
     #[serde(alias = "colour")]
     pub(crate) color: Option<Channels>,
-    /// Of project files alone: another light that has the colour.
+    /// Only in project files: another light of the same colour.
     #[serde(alias = "same_colour_as")]
     pub(crate) same_color_as: Option<String>,
     add: Option<Kind>,
@@ -56,7 +56,7 @@ enum Kind {
     Directional,
 }
 
-/// The table `[environment]` as TOML has it.
+/// The table `[environment]` as in TOML.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RawEnvironment {
@@ -68,21 +68,21 @@ pub(crate) struct RawEnvironment {
     remove: bool,
     rotation_deg: Option<Finite>,
     scale: Option<Positive>,
-    /// Of project files alone: whether the brightness is asked for.
+    /// Only in project files: whether the brightness is unknown.
     pub(crate) unknown: Option<RawUnknown>,
 }
 
-/// What of an environment is unknown, as TOML has it.
+/// What is unknown of an environment, as in TOML.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(untagged, expecting = "unknown is true, false or \"uniform\"")]
 pub(crate) enum RawUnknown {
-    /// Whether its radiance is asked for, direction by direction.
+    /// Whether its radiance is unknown, direction by direction.
     Whether(bool),
-    /// Its radiance is asked for, and is the same from everywhere.
+    /// Its radiance is unknown, and the same from everywhere.
     As(UnknownAs),
 }
 
-/// What else of an environment may be unknown.
+/// Other forms of an unknown environment.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum UnknownAs {
@@ -90,7 +90,7 @@ pub(crate) enum UnknownAs {
     Uniform,
 }
 
-/// The environment that a file asks for.
+/// The environment that a file states.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EnvironmentChoice {
     /// A panorama.
@@ -104,7 +104,7 @@ pub enum EnvironmentChoice {
     },
     /// The same radiance from everywhere, W sr^-1 m^-2.
     Uniform(Rgb),
-    /// One of which nothing is known but that radiance changes slowly with direction, or not at all.
+    /// An unknown one, whose radiance changes slowly with direction, or not at all.
     Unknown {
         /// Whether it is the same from everywhere.
         is_uniform: bool,
@@ -114,7 +114,7 @@ pub enum EnvironmentChoice {
 }
 
 impl RawLight {
-    /// The change of the scene that this entry asks for.
+    /// The edit of the scene by this entry.
     ///
     /// # Errors
     /// If its keys do not go together; the message is without the place.
@@ -133,9 +133,11 @@ impl RawLight {
 
     fn alter(&self) -> Result<Alter, String> {
         if self.position.is_some() {
-            return Err("move = [x, y, z] moves a light that is there, by that far; to add one, \
-                        say add = \"point\" or another kind"
-                .into());
+            return Err(
+                "move = [x, y, z] moves an existing light by this vector; to add one, state \
+            add = \"point\" or another kind"
+                    .into(),
+            );
         }
         let is_new = [self.inner_deg.is_some(), self.outer_deg.is_some(), self.size.is_some()];
         if is_new.contains(&true) || self.radius.is_some() {
@@ -164,11 +166,10 @@ impl RawLight {
         }
         let position =
             self.position.map(|_| Vec3::ZERO).ok_or("a light that is added needs a position");
-        let direction = self.direction.ok_or("this kind of light needs a direction to shine to");
+        let direction =
+            self.direction.ok_or("this kind of light needs a direction in which it shines");
         if self.shift.is_some() {
-            return Err(
-                "a light that is added has a position; move is for lights that are there".into()
-            );
+            return Err("a light that is added has a position; move is for existing lights".into());
         }
         Ok(match kind {
             Kind::Point => {
@@ -216,12 +217,12 @@ impl RawLight {
 }
 
 impl RawEnvironment {
-    /// Whether its brightness is asked for.
+    /// Whether its brightness is unknown.
     pub(crate) fn is_unknown(&self) -> bool {
         self.unknown.is_some_and(|unknown| unknown != RawUnknown::Whether(false))
     }
 
-    /// The environment that the table asks for; `place` makes a path whole.
+    /// The environment of the table; `place` makes a path absolute.
     ///
     /// # Errors
     /// If its keys do not go together.
@@ -240,16 +241,15 @@ impl RawEnvironment {
                 scale: self.scale.map_or(1.0, |scale| scale.0),
             }),
             _ if self.rotation_deg.is_some() || self.scale.is_some() => {
-                Err("environment: rotation_deg and scale are for a panorama, and for nothing else"
-                    .into())
+                Err("environment: rotation_deg and scale are for a panorama only".into())
             }
             (None, Some(color), false) => Ok(EnvironmentChoice::Uniform(color.0)),
             (None, None, true) => Ok(EnvironmentChoice::Nothing),
             (None, None, false) if is_unknown => Ok(EnvironmentChoice::Unknown {
                 is_uniform: self.unknown == Some(RawUnknown::As(UnknownAs::Uniform)),
             }),
-            _ => Err("environment: give one of a panorama (a file), a color, the same from \
-                      everywhere, in a project unknown = true, and remove = true"
+            _ => Err("environment: give one of file (a panorama), color (the same from \
+            everywhere), unknown = true (in a project), and remove = true"
                 .into()),
         }
     }
@@ -264,7 +264,7 @@ impl EnvironmentChoice {
         }
     }
 
-    /// What it is, for a reader of results; nothing to say if there is none.
+    /// A description for readers of results; none if there is no environment.
     pub(crate) fn in_words(&self) -> Option<String> {
         match self {
             Self::Panorama { file, .. } => Some(file.display().to_string()),
@@ -278,10 +278,10 @@ impl EnvironmentChoice {
         }
     }
 
-    /// The environment, its panorama read; a radiance of one where nothing is known.
+    /// The environment, its panorama read; a radiance of one if it is unknown.
     ///
     /// # Errors
-    /// If the panorama cannot be read, or is no radiance.
+    /// If the panorama cannot be read, or is not a valid radiance.
     pub fn read(&self, limits: Limits) -> Result<(Option<Environment>, Warnings), FileError> {
         match self {
             Self::Panorama { file, rotation_rad, scale } => {

@@ -1,4 +1,4 @@
-//! Who hears of the work instead of the terminal: a program that calls the commands as functions,
+//! Receivers of messages instead of the terminal: programs that call the commands as functions,
 //! such as the Python module.
 
 use crate::output;
@@ -7,21 +7,21 @@ use std::sync::Arc;
 use unrender_recover::IterationRecord;
 use unrender_scene::Warnings;
 
-/// Hears of the work of one command. Calls come from any thread, and should return at once.
+/// Receives the messages of one command. Calls come from any thread, and should return at once.
 pub trait Listener: Send + Sync {
-    /// Something is doubtful: a sentence without a final full stop.
+    /// A warning: a sentence without a final full stop.
     fn warning(&self, sentence: &str);
-    /// The share `done`, 0 to 1, of the work is done; `what` was done last, where that is new.
+    /// The share `done`, 0 to 1, of the work is done; `what` was done last, if that is new.
     fn progress(&self, what: Option<&str>, done: f64);
     /// What the command prints on standard output.
     fn result(&self, text: &str);
     /// A recovery has re-rendered its scene once more.
     fn iteration(&self, record: &IterationRecord);
-    /// Whether to stop with what there is.
+    /// Whether to stop with the results so far.
     fn is_cancelled(&self) -> bool;
 }
 
-/// Where a command tells what it has to say: to a [`Listener`], or by default on the terminal.
+/// Where the messages of a command go: to a [`Listener`], or by default to the terminal.
 #[derive(Clone, Default)]
 pub struct Console(Option<Arc<dyn Listener>>);
 
@@ -36,7 +36,7 @@ impl Console {
         self.0.as_ref()
     }
 
-    /// Tells `warnings`, on the terminal one a line on stderr.
+    /// Reports `warnings`, on the terminal one per line on stderr.
     pub(crate) fn warn(&self, warnings: &Warnings) {
         for warning in &warnings.0 {
             match &self.0 {
@@ -54,14 +54,14 @@ impl Console {
         }
     }
 
-    /// Prints the line `text` on stderr, if nobody listens: what programs need of it comes as values.
+    /// Prints the line `text` on stderr, if there is no listener: programs get the same as values.
     pub(crate) fn tell(&self, text: &str) {
         if self.0.is_none() {
             output::tell(text);
         }
     }
 
-    /// Whether the listener asks for an end.
+    /// Whether the listener requests an end.
     pub(crate) fn is_cancelled(&self) -> bool {
         self.0.as_ref().is_some_and(|listener| listener.is_cancelled())
     }

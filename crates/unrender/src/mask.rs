@@ -1,12 +1,12 @@
-//! The mask of a project: the pixels of its photograph that do not count.
+//! The mask of a project: the pixels of its photograph that are left out.
 
 use crate::{Error, Project};
 use unrender_formats::picture::{self, Picture};
 use unrender_formats::{FileError, Input};
 use unrender_scene::{Image, Rgb};
 
-/// Masks are black and white; from here on a value is white. Edges are smoothed by many programs: at
-/// half, they lie where they were drawn.
+/// Masks are black and white; values from here on are white. Many programs smooth edges: at half,
+/// they lie where they were drawn.
 const WHITE: f32 = 0.5;
 
 /// The mask that `project` names, for its photograph `photo`: false where it is black.
@@ -17,7 +17,7 @@ pub(crate) fn read(project: &Project, photo: &Picture) -> Result<Option<Image<bo
     Ok(Some(counts))
 }
 
-/// As [`read`], of a mask that is there already.
+/// As [`read`], for a mask in memory.
 ///
 /// # Errors
 /// If it is of another size than the photograph, or black everywhere.
@@ -26,17 +26,17 @@ pub(crate) fn counts(mask: &Picture, photo: &Image<Rgb>) -> Result<Image<bool>, 
     let ((width, height), (wide, high)) = (size(&mask.values), size(photo));
     if (width, height) != (wide, high) {
         return Err(format!(
-            "the mask has {width} x {height} pixels and the photo {wide} x {high}; make it anew at \
-             the photo's size"
+            "the mask has {width} x {height} pixels and the photo {wide} x {high}; make it again \
+             at the photo's size"
         ));
     }
     let mut counts = mask.values.map(|value| value.max_element() >= WHITE);
-    // Pixels without a value, and transparent ones, are no white.
+    // Pixels without a value, and transparent ones, are not white.
     mask.invalid.iter().for_each(|&index| counts.pixels_mut()[index] = false);
     if !counts.pixels().contains(&true) {
         return Err(
-            "the mask is black everywhere, and no pixel of the photo would count; what is \
-                    white in it counts"
+            "the mask is black everywhere, so no pixel of the photo would be used; make the pixels \
+             to use white"
                 .into(),
         );
     }

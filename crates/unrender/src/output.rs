@@ -1,8 +1,8 @@
-//! Whether results can be written, asked before the work and not after it; the one way in which
-//! commands write a picture; and the one place that writes to stdout and stderr.
+//! Checks before the work whether results can be written; the one way in which commands write a
+//! picture; and the one place that writes to stdout and stderr.
 //!
-//! Nobody may be listening there, and the disk behind them may be full. That is no reason to lose
-//! work: what cannot be written is dropped.
+//! Their reader may be gone, or the disk behind them full. No work is lost for that: text that
+//! cannot be written is dropped.
 
 use crate::Error;
 use std::fs;
@@ -12,7 +12,7 @@ use unrender_formats::{FileError, atomic, picture};
 use unrender_render::Accumulator;
 use unrender_scene::{RgbImage, Warnings};
 
-/// Makes the folder for results where it is missing and checks that files can be made in it.
+/// Creates the folder for results if it is missing and checks that files can be created in it.
 pub(crate) fn prepare_folder(folder: &Path) -> Result<(), FileError> {
     let tried = fs::create_dir_all(folder).and_then(|()| atomic::staging(folder)?.close());
     tried.map_err(|error| {
@@ -36,7 +36,7 @@ pub(crate) fn check_inputs<'a>(
     }
 }
 
-/// Whether both paths lead to one file that is there.
+/// Whether both paths lead to the same existing file.
 pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
     let real = |path: &Path| path.canonicalize().ok();
     real(a).is_some_and(|a| real(b) == Some(a))
@@ -47,8 +47,7 @@ pub(crate) fn check_picture(path: &Path) -> Result<(), FileError> {
     check_file(path, &["exr", "hdr", "png"], "end the name of the picture in .exr, .hdr or .png")
 }
 
-/// Writes the mean that `accumulator` has come to, or what is left of it `denoised`; the warnings say what in it is
-/// no number.
+/// Writes the mean of `accumulator`, or the `denoised` picture; warns of values that are not numbers.
 pub(crate) fn write_picture(
     path: &Path,
     accumulator: &Accumulator,
@@ -61,7 +60,7 @@ pub(crate) fn write_picture(
     Ok(doubts(accumulator))
 }
 
-/// What is doubtful about the paths in `accumulator`.
+/// Warnings of the paths in `accumulator`.
 pub(crate) fn doubts(accumulator: &Accumulator) -> Warnings {
     let mut warnings = Warnings::default();
     if accumulator.faulty() > 0 {
@@ -96,7 +95,7 @@ pub(crate) fn folder(path: &Path) -> &Path {
     path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Prints `text` to stdout. A reader that has gone away is no fault of ours; a full disk is an error.
+/// Prints `text` to stdout. A closed reader is ignored; a full disk causes a warning.
 pub(crate) fn print(text: &str) {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
@@ -107,7 +106,7 @@ pub(crate) fn print(text: &str) {
     }
 }
 
-/// Prints the line `text` to stderr, if anybody listens.
+/// Prints the line `text` to stderr, if it is open.
 pub(crate) fn tell(text: &str) {
     // One write, so that lines of several threads do not mix.
     let _ = std::io::stderr().lock().write_all(format!("{text}\n").as_bytes());

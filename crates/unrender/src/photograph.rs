@@ -1,4 +1,4 @@
-//! The transfer function of a project's photograph, from what project and file say of it.
+//! The transfer function of a project's photograph, from the project and the file.
 
 use crate::bracket::{Place, read_and_merge};
 use crate::project::{Frames, Project, ResponseChoice, VignettingChoice};
@@ -12,7 +12,7 @@ use unrender_photo::{Curve, Response, Transfer, Vignetting, choose_response, dec
 use unrender_scene::{Camera, Rgb, Warnings};
 
 /// The transfer function of `project`'s `picture`, which `camera` took; its exposure is the stated
-/// one, or one where that is asked for.
+/// one, or one if it is unknown.
 pub(crate) fn transfer(
     project: &Project,
     picture: &Picture,
@@ -57,13 +57,13 @@ fn is_beyond_one(code: Rgb) -> bool {
     code.max_element() > 1.0
 }
 
-/// What the user should know of the colours that the photograph declares.
+/// Warnings of the colours that the photograph declares.
 fn profile_warnings(profile: Option<&Profile>) -> Warnings {
     let mut warnings = Warnings::default();
     match profile {
         Some(Profile { understood: false, source, .. }) => warnings.push(format!(
-            "the photo has {source}, which is of a kind that is not understood: its colours were \
-             taken as those of sRGB"
+            "the photo has {source} of a kind that is not understood: its colours were taken as \
+             those of sRGB"
         )),
         Some(Profile { srgb_from_file: Some(_), source, .. }) => warnings.push(format!(
             "the photo's primaries are not those of sRGB, by {source}; its colours were converted \
@@ -92,7 +92,8 @@ pub(crate) fn measured(path: &Path) -> Result<Response, FileError> {
 }
 
 /// Merges the bracket that `project` names as its photograph. The project's response, black level and white
-/// level are those of the photographs; the merged picture is linear, which the project says from then on.
+/// level are those of the photographs; the merged picture is linear, and the project's response is set to
+/// that.
 pub(crate) fn merged(
     project: &mut Project,
     frames: &Frames,
@@ -116,7 +117,7 @@ pub(crate) fn merged(
     Ok(merged.picture)
 }
 
-/// How the file of `project`'s photograph, or those of its bracket, store what is upright.
+/// The orientation of the pixels in the file of `project`'s photograph, or in those of its bracket.
 pub(crate) fn orientation(project: &Project) -> Result<Orientation, Error> {
     let of = |file: &Path| {
         let stored = picture::stored(Input::new(file, project.limits))?;
@@ -127,8 +128,9 @@ pub(crate) fn orientation(project: &Project) -> Result<Orientation, Error> {
         let (one, other) = (first.number(), of(file)?.number());
         if one != other {
             let problem = format!(
-                "has the EXIF orientation {other}, and the first photograph of the bracket {one}, so that its camera \
-                 is not one of their stored pixels; give all of them the same orientation"
+                "has the EXIF orientation {other}, and the first photograph of the bracket {one}, \
+                 so one camera of stored pixels cannot fit both; give all of them the same \
+                 orientation"
             );
             return Err(FileError::new(file, problem).into());
         }
@@ -136,14 +138,14 @@ pub(crate) fn orientation(project: &Project) -> Result<Orientation, Error> {
     Ok(first)
 }
 
-/// A lens that lets nothing through says nothing of the corners.
+/// Checks that the vignetting lets some light through everywhere.
 fn check(vignetting: &Vignetting) -> Result<(), String> {
     let darkest = vignetting.darkest();
     if darkest >= DARKEST {
         return Ok(());
     }
     Err(format!(
-        "vignetting: by it a pixel of the photo gets {darkest:.3} of the light; r is 1 at half the \
+        "vignetting: a pixel of the photo would get {darkest:.3} of the light; r is 1 at half the \
          picture's diagonal, and 1 + a1 r^2 + a2 r^4 + a3 r^6 must stay above {DARKEST}"
     ))
 }

@@ -1,8 +1,8 @@
-//! The numbers of the camera that a project asks for, `response = "auto"`, `vignetting = "auto"`, and the exposures
-//! of further photographs: where they start, what they do to the photograph, and what came out.
+//! The photometric parameters that a project leaves open, `response = "auto"`, `vignetting = "auto"`, and the
+//! exposures of further photographs: their initial values, their effect on the photograph, and the results.
 //!
-//! `crates/recover` finds how far they are from the values that the photograph was developed with;
-//! here it is developed anew.
+//! `crates/recover` estimates their steps from the values with which the photograph was developed;
+//! here it is developed again.
 
 use crate::Job;
 use crate::project::{Project, ResponseChoice, VignettingChoice};
@@ -15,46 +15,47 @@ use unrender_recover::{
 use unrender_render::Settings;
 use unrender_scene::{Material, Rgb, RgbImage};
 
-/// What there is to say where nothing was refined.
-const NOT_ASKED: &str = "without the joint refinement, what is \"auto\" stays where it begins";
+/// The note if nothing was refined.
+const NOT_ASKED: &str =
+    "without the joint refinement, \"auto\" parameters keep their initial values";
 
-/// One number of a photograph.
+/// One photometric parameter of a photograph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Number {
     photograph: usize,
     kind: Kind,
 }
 
-/// What a number is.
+/// The kind of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// The gamma of all channels.
     Gamma,
     /// The coefficient of r^2, r^4 or r^6 of vignetting.
     Vignetting(usize),
-    /// The exposure of a channel, as a multiple of where it stands.
+    /// The exposure of a channel, as a multiple of its present value.
     Exposure(usize),
 }
 
-/// The gamma to begin with, and its prior mean: most pictures are made for screens.
+/// The initial gamma, and its prior mean: most pictures are made for screens.
 pub(crate) const GAMMA: f32 = 2.2;
-/// A gamma whose standard deviation is larger is said to be open: it moves middle grey by 7 % ...
+/// A gamma with a larger standard deviation than this causes a note: it changes middle grey by 7 %
+/// ...
 const GAMMA_OPEN: f64 = 0.1;
-/// ... and so is a fall-off whose share of light in the corners has a larger one.
+/// ... and so does a vignetting whose share of light in the corners has a larger one than this.
 const CORNER_OPEN: f64 = 0.05;
-/// Derivatives are central differences of this width to both sides.
+/// Derivatives are central differences with this step to each side.
 const STEP: f32 = 0.01;
-/// No gamma is beyond these.
+/// The range of gammas.
 const GAMMAS: [f32; 2] = [0.5, 5.0];
 
 impl Kind {
-    /// Its prior mean, with its standard deviation, and how far its
-    /// derivative holds.
+    /// Its prior mean, with its standard deviation, and the range in which its derivative is valid.
     fn prior(self) -> (f32, f64, f64) {
         match self {
             Self::Gamma => (GAMMA, 0.5, 0.5),
             Self::Vignetting(_) => (0.0, 1.0, 0.5),
-            // The photograph is proportional to it: it may not reach zero.
+            // The photograph is proportional to it: it must not reach zero.
             Self::Exposure(_) => (1.0, 1.0, 0.9),
         }
     }
@@ -86,7 +87,7 @@ impl Kind {
     }
 }
 
-/// The numbers that the project asks for, photograph by photograph.
+/// The parameters that the project leaves open, photograph by photograph.
 pub(crate) fn asked(project: &Project) -> Vec<Number> {
     let mut asked = Vec::new();
     for (photograph, taken) in project.photographs().enumerate() {
@@ -104,18 +105,19 @@ pub(crate) fn asked(project: &Project) -> Vec<Number> {
     asked
 }
 
-/// Whether the exposure of a photograph is found beside that of the first: that of the first is no number of the camera,
-/// but belongs to the scene's scale.
+/// Whether the exposure of a photograph is estimated relative to that of the first, which is not a
+/// parameter of the camera, but belongs to the scene's scale.
 fn is_relative(photograph: usize, exposure: Exposure) -> bool {
     photograph > 0 && exposure == Exposure::Auto
 }
 
-/// Whether the photograph is linear in all of `numbers`, so that it need not be developed again while they are found.
+/// Whether the photograph is linear in all of `numbers`, so that it need not be developed again during the
+/// estimation.
 pub(crate) fn are_linear(numbers: &[Number]) -> bool {
     numbers.iter().all(|number| matches!(number.kind, Kind::Exposure(_)))
 }
 
-/// What each of `numbers` does to its photograph of `job` as it is developed now.
+/// The effect of each of `numbers` on its photograph of `job` as developed now.
 pub(crate) fn photometric_parameters(job: &Job, numbers: &[Number]) -> Vec<PhotometricParameter> {
     let one = |number: &Number| {
         let (middle, deviation, reach) = number.kind.prior();
@@ -139,8 +141,8 @@ pub(crate) fn photometric_parameters(job: &Job, numbers: &[Number]) -> Vec<Photo
     numbers.iter().map(one).collect()
 }
 
-/// Develops the photographs of `job` anew with `numbers` moved by `steps`. Returns by what share that
-/// changed the one that it changed most.
+/// Develops the photographs of `job` again with `numbers` moved by `steps`. Returns the largest
+/// relative change of a photograph.
 pub(crate) fn apply(job: &mut Job, numbers: &[Number], steps: &[f64]) -> f64 {
     let mut most = 0.0f64;
     for photograph in 0..job.photographs() {
@@ -156,16 +158,16 @@ pub(crate) fn apply(job: &mut Job, numbers: &[Number], steps: &[f64]) -> f64 {
     most
 }
 
-/// Develops one photograph of `job` anew with its `numbers` moved by `steps`. Returns by what share that changed it.
+/// Develops one photograph of `job` again with its `numbers` moved by `steps`. Returns its relative change.
 fn apply_to(job: &mut Job, photograph: usize, numbers: &[Kind], steps: &[f64]) -> f64 {
-    // A fit that has broken down says nothing. Halving a step that is not a number, as below, would never end.
+    // Steps of a failed fit are ignored. Halving a step that is not a number, as below, would never end.
     if steps.iter().any(|step| !(*step as f32).is_finite()) {
         return 0.0;
     }
     let before = job.photo_of(photograph).radiance.clone();
     let mut share = 1.0;
-    // A step too far would put a part of the picture into the dark: half of it is one in the same
-    // direction. After 150 halves the step is zero in single precision.
+    // Too large a step would make a part of the picture black, so it is halved. After 150 halves
+    // the step is zero in single precision.
     let transfer = loop {
         let mut moved = job.transfer_of(photograph).clone();
         for (number, step) in numbers.iter().zip(steps) {
@@ -188,8 +190,8 @@ fn apply_to(job: &mut Job, photograph: usize, numbers: &[Kind], steps: &[f64]) -
     sum(&|a, b| (a - b).abs()) / sum(&|a, _| a).max(f64::MIN_POSITIVE)
 }
 
-/// What came out: the numbers of each photograph of `job` as it is developed now, and how well they are known; none of
-/// photographs of which nothing was asked.
+/// The results: the parameters of each photograph of `job` as developed now, with standard deviations; none for
+/// photographs without open parameters.
 pub(crate) fn found(
     job: &Job,
     numbers: &[Number],
@@ -249,8 +251,8 @@ fn found_of(
     }
 }
 
-/// Begins with exposures of further photographs by which a scene of half grey would be as bright in them as in the first,
-/// where `problem` is that of `job`: groups that both show tell.
+/// Initial exposures of further photographs, with which a scene of half grey would be as bright in
+/// them as in the first, judged by groups that both show; `problem` is that of `job`.
 pub(crate) fn relative_exposures(job: &Job, problem: &Problem<'_>) -> Vec<Option<Rgb>> {
     let brightness = brightness(problem);
     let of = |photograph: usize| {
@@ -277,11 +279,11 @@ fn project_exposure(job: &Job, photograph: usize) -> Exposure {
     further.unwrap_or(&job.project).exposure
 }
 
-/// For each photograph and group: the photograph over what a scene of half grey would show; none where too few pixels
+/// For each photograph and group: the photograph over the rendering of a scene of half grey; none if too few pixels
 /// show the group.
 fn brightness(problem: &Problem<'_>) -> Vec<Vec<Option<Rgb>>> {
-    /// Pixels of a group that are looked at, and fewer than which tell nothing: it is where a refinement begins, which
-    /// finds the rest. Half and double of them were not tried.
+    /// Pixels of a group that are used, and the least number of them: the result only starts a refinement. Half and
+    /// double of them were not tried.
     const PIXELS: usize = 200;
     const FEW: usize = 20;
     let material = |spec: &GroupSpec| match spec.role {
@@ -309,7 +311,7 @@ fn brightness(problem: &Problem<'_>) -> Vec<Vec<Option<Rgb>>> {
     (0..observation.sheet.photographs()).map(of_photograph).collect()
 }
 
-/// What the photograph hardly determines.
+/// A note on parameters that the photograph hardly determines.
 fn doubt(std: &PhotographStd) -> Option<String> {
     let gamma = std.gamma.filter(|std| *std > GAMMA_OPEN).map(|std| {
         format!("the photograph hardly determines its gamma (std {std:.2}): state the response")
@@ -341,7 +343,7 @@ mod tests {
         let before = job.photo.radiance.clone();
         let numbers = [0, 1, 2].map(|k| Number { photograph: 0, kind: Kind::Vignetting(k) });
         for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY, f64::MAX] {
-            // Halving such a step never makes it finite, so that the search must end by itself.
+            // Halving such a step never makes it finite, so it must be ignored.
             assert_eq!(apply(&mut job, &numbers, &[0.01, bad, 0.0]), 0.0);
             assert!(job.photo.radiance == before);
         }

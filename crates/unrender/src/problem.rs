@@ -13,8 +13,8 @@ use unrender_remote::{Remote, Workers};
 use unrender_render::Tracer;
 use unrender_scene::{Environment, Material, Rgb, Scene};
 
-/// What `solve` makes of the problem that `job` poses, its model registered with each photograph as `registered` says;
-/// `workers` may render for it.
+/// Applies `solve` to the problem of `job`, whose model is `registered` with each photograph; `workers` may render for
+/// it.
 pub(crate) fn with_problem<T>(
     job: &Job,
     tracer: &Tracer,
@@ -58,7 +58,7 @@ pub(crate) fn with_problem<T>(
     })
 }
 
-/// The pairs of parts beside each other of an environment in parts; columns close in a ring.
+/// The pairs of neighbouring parts of an environment in parts; columns close in a ring.
 fn neighbours(scene: &Scene) -> Vec<[usize; 2]> {
     let first = scene.environment_parts().start;
     let [columns, rows] = scene.environment.as_ref().map_or([1, 1], Environment::parts);
@@ -72,7 +72,7 @@ fn neighbours(scene: &Scene) -> Vec<[usize; 2]> {
     pairs.filter(|[a, b]| a != b).collect()
 }
 
-/// What the project says of a group.
+/// The project's statements about a group.
 pub(crate) fn spec(job: &Job, group: usize) -> GroupSpec {
     let of_scene = &job.scene.groups[group];
     let anchored = job.project.used_anchor().filter(|a| a.group == of_scene.name);
@@ -97,7 +97,7 @@ pub(crate) fn spec(job: &Job, group: usize) -> GroupSpec {
     }
 }
 
-/// Bounds and starts of the group `name`, and what it is like.
+/// Bounds and initial values of the group `name`, and the group it is like.
 fn expected(job: &Job, name: &str) -> Expected {
     let like = job.project.like.get(name).and_then(|like| {
         let group = job.scene.group_index(&like.group)?;

@@ -1,4 +1,5 @@
-//! How far a command has come, on stderr: a bar on a terminal, now and then a line elsewhere.
+//! Shows the progress of a command on stderr: a bar on a terminal, otherwise lines from time to
+//! time.
 
 use crate::global::Global;
 use crate::listener::{Console, Listener};
@@ -11,14 +12,14 @@ use std::time::{Duration, Instant};
 use unrender_recover::IterationRecord;
 use unrender_scene::Warnings;
 
-/// The longest time without a line: somebody who waits sees that work goes on.
+/// The longest time without a line, so that users see that work goes on.
 const BETWEEN_LINES: Duration = Duration::from_secs(2);
 const BAR_STEPS: u64 = 1000;
 /// No remaining time is told before this share is done: a recovery of 39 s was said to take 750 s longer at 0.4 %, 460 s at
 /// 1 % and 99 s at 4 %. At half of it hundreds of seconds may still be told; double was not tried.
 const FORESEEABLE: f64 = 0.05;
 
-/// Shows the progress of one piece of work; any thread may tell it.
+/// Shows the progress of one piece of work; any thread may report it.
 pub(crate) struct Progress {
     sink: Sink,
     console: Console,
@@ -47,29 +48,29 @@ impl Progress {
         Self { sink, console }
     }
 
-    /// Tells `warnings`.
+    /// Reports `warnings`.
     pub(crate) fn warn(&self, warnings: &Warnings) {
         self.console.warn(warnings);
     }
 
-    /// Whether a listener asks for an end; Ctrl-C is not looked at.
+    /// Whether a listener requests an end; Ctrl-C is not checked.
     pub(crate) fn is_cancelled(&self) -> bool {
         self.console.is_cancelled()
     }
 
-    /// Whether somebody else than the terminal listens, who may ask for an end at any time.
+    /// Whether there is a listener, which may request an end at any time.
     pub(crate) fn has_listener(&self) -> bool {
         self.console.listener().is_some()
     }
 
-    /// Hands out the record of a recovery's iteration to a listener.
+    /// Passes the record of a recovery's iteration to a listener.
     pub(crate) fn iteration(&self, record: &IterationRecord) {
         if let Sink::Listener(listener) = &self.sink {
             listener.iteration(record);
         }
     }
 
-    /// Tells what has just been done, with the share done by then.
+    /// Reports what has just been done, with the share done by then.
     pub(crate) fn say(&self, what: String, done: f64) {
         match &self.sink {
             Sink::Silent => {}
@@ -86,7 +87,8 @@ impl Progress {
         self.set(done);
     }
 
-    /// Tells what is being done, with the share done before it, where nothing was told for a while.
+    /// Reports what is being done, with the share done before it, if nothing was reported for a
+    /// while.
     pub(crate) fn work_on(&self, what: &str, done: f64) {
         match &self.sink {
             Sink::Silent | Sink::Listener(_) => {}
@@ -96,7 +98,7 @@ impl Progress {
         self.set(done);
     }
 
-    /// Tells that the share `done` (0 to 1) of the work is done.
+    /// Reports that the share `done` (0 to 1) of the work is done.
     pub(crate) fn set(&self, done: f64) {
         let done = done.clamp(0.0, 1.0);
         match &self.sink {
@@ -109,7 +111,7 @@ impl Progress {
 }
 
 impl Drop for Progress {
-    /// Removes the bar, so that what follows on stderr starts on a line of its own.
+    /// Removes the bar, so that the next text on stderr starts on a line of its own.
     fn drop(&mut self) {
         if let Sink::Bar(bar) = &self.sink {
             bar.finish_and_clear();
@@ -117,19 +119,19 @@ impl Drop for Progress {
     }
 }
 
-/// A line for each message, and one with the present stage where there was no message for a while.
+/// A line for each message, and one with the present stage if there was no message for a while.
 struct Lines {
     ticking: Arc<Ticking>,
     ticker: Option<JoinHandle<()>>,
 }
 
-/// What the thread that tells the time shares with those who work.
+/// The data that the timer thread shares with the workers.
 struct Ticking {
     said: Mutex<Said>,
     ended: Condvar,
 }
 
-/// What was said last.
+/// The last message.
 struct Said {
     started: Instant,
     last: Instant,
@@ -155,7 +157,7 @@ impl Drop for Lines {
         self.ticking.said().is_over = true;
         self.ticking.ended.notify_all();
         if let Some(ticker) = self.ticker.take() {
-            // It has nothing to say that was not said.
+            // All its messages were printed.
             let _ = ticker.join();
         }
     }
@@ -182,7 +184,7 @@ impl Ticking {
 }
 
 impl Said {
-    /// Threads that tell of their share come in any order.
+    /// Threads report their shares in any order.
     fn reach(&mut self, done: f64) {
         self.done = self.done.max(done);
     }

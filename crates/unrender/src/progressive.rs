@@ -1,9 +1,9 @@
-//! A rendering in passes: until it has its samples, its time is over, its noise is low, or Ctrl-C.
+//! A rendering in passes, until it has its samples, its time is over, its noise is low enough, or
+//! Ctrl-C is pressed.
 //!
-//! Sums are exact, so how the samples are cut into passes changes no bit of the picture. Passes are
-//! about as long as [`PASS`], so that whoever asks for an end does not wait. Only at the sample
-//! counts of [`next_check`] is the noise looked at: the picture depends on the limit, and not on
-//! the clock or on breaks.
+//! Sums are exact, so the division into passes changes no bit of the picture. Passes take about
+//! [`PASS`], so that a request to end does not wait. The noise is checked only at the sample counts
+//! of [`next_check`]: the picture depends on the limit, and not on the clock or on interruptions.
 
 use crate::interrupt::Pausable;
 use crate::listener::Console;
@@ -19,19 +19,20 @@ use unrender_formats::FileError;
 use unrender_render::Accumulator;
 use unrender_render::adaptive::{AdaptiveSampling, SampleAllocation};
 
-/// How long a pass should take.
+/// The intended duration of a pass.
 const PASS: Duration = Duration::from_secs(2);
-/// How long it should take where a listener may ask for an end, whose user waits for a second. Half of
-/// it would make the pilot of path reuse, which each pass begins with, a tenth of the work.
+/// The intended duration if a listener may request an end, whose user should wait for a second at
+/// most. With half of it the pilot of path reuse, with which each pass begins, would be a tenth of the
+/// work.
 const PASS_HEARD: Duration = Duration::from_millis(500);
-/// The first number of samples a pixel at which the noise is looked at.
+/// The first number of samples per pixel at which the noise is checked.
 const FIRST_CHECK: u32 = 16;
 /// The time between two lines about the noise.
 const BETWEEN_LINES: Duration = Duration::from_secs(2);
 /// The time between two savings of the checkpoint.
 const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(60);
 
-/// When a rendering is done: when the first of these is so.
+/// When a rendering is done: when the first of these conditions holds.
 #[derive(Clone, Debug)]
 pub(crate) struct Goal {
     /// It has these samples.
@@ -40,18 +41,18 @@ pub(crate) struct Goal {
     pub(crate) time: Option<Duration>,
     /// [`Accumulator::noise`] is at most this.
     pub(crate) noise: Option<f64>,
-    /// Where to keep the samples, and to take up those that are there.
+    /// The file to save samples to, and to continue from.
     pub(crate) checkpoint: Option<PathBuf>,
 }
 
-/// What is rendered, and what distinguishes it from other renderings.
+/// A rendering, and its identity.
 pub(crate) struct Job<'a> {
     pub(crate) render: &'a dyn ProgressiveRender,
-    /// Has the picture's size, and whether sampling is adaptive.
+    /// Includes the picture's size, and whether sampling is adaptive.
     pub(crate) identity: Identity,
 }
 
-/// A rendering as far as it came.
+/// The state of a rendering.
 pub(crate) struct Rendered {
     /// One for each of the rendering's layers.
     pub(crate) layers: Vec<Accumulator>,
@@ -62,27 +63,27 @@ pub(crate) struct Rendered {
 }
 
 impl Rendered {
-    /// Says that the rendering was interrupted; the exit code for that.
+    /// Reports that the rendering was interrupted; returns the exit code for that.
     pub(crate) fn goodbye(&self, console: &Console) -> ExitCode {
         let end = self.samples.end;
-        console.tell(&format!("stopped after sample {end}; the same command goes on from there"));
+        console.tell(&format!("stopped after sample {end}; the same command continues from there"));
         interrupt::code()
     }
 
-    /// What a part of these samples says of itself.
+    /// The head of a part with these samples.
     pub(crate) fn head(&self, job: &Job<'_>) -> Head {
         let layers = job.render.layers();
         Head { identity: job.identity.clone(), samples: self.samples.clone(), layers }
     }
 }
 
-/// A rendering in the course of being made.
+/// A rendering in progress.
 struct Run<'a> {
     job: &'a Job<'a>,
     goal: &'a Goal,
     adaptive: Option<AdaptiveSampling>,
     started: Instant,
-    /// What a sample of all pixels takes, by the last pass, seconds.
+    /// The time of a sample of all pixels in the last pass, seconds.
     sample_seconds: Option<f64>,
     /// When the noise was reported last.
     reported: Instant,
@@ -94,7 +95,7 @@ struct Run<'a> {
 /// Renders until the goal is reached.
 ///
 /// # Errors
-/// If the checkpoint is of something else or cannot be written.
+/// If the checkpoint is of another rendering or cannot be written.
 pub(crate) fn run(job: &Job<'_>, goal: &Goal, progress: &Progress) -> Result<Rendered, Error> {
     let rendered = begin(job, goal)?;
     let size = (job.identity.width, job.identity.height);
@@ -130,7 +131,7 @@ pub(crate) fn run(job: &Job<'_>, goal: &Goal, progress: &Progress) -> Result<Ren
 }
 
 impl Run<'_> {
-    /// Whether there are samples enough, or little enough noise.
+    /// Whether there are enough samples, or the noise is low enough.
     fn is_done(&mut self, progress: &Progress) -> bool {
         let end = self.rendered.samples.end;
         if end >= self.goal.samples.end {
@@ -193,13 +194,13 @@ impl Run<'_> {
     }
 }
 
-/// How far a picture is whose samples are numbered up to `end`.
+/// The state of a picture with samples up to `end`, in words.
 pub(crate) fn in_words(end: u32, accumulator: &Accumulator) -> String {
     match accumulator.noise() {
         noise if noise.is_finite() => {
-            format!("{end} samples a pixel, relative standard error {:.3} %", 100.0 * noise)
+            format!("{end} samples per pixel, relative standard error {:.3} %", 100.0 * noise)
         }
-        _ => format!("{end} sample(s) a pixel"),
+        _ => format!("{end} sample(s) per pixel"),
     }
 }
 
@@ -224,10 +225,10 @@ fn begin(job: &Job<'_>, goal: &Goal) -> Result<Rendered, Error> {
     Err(FileError::new(path, problem + "; name another checkpoint, or remove it").into())
 }
 
-/// Checks that a part which says `head` of itself has samples of `job`.
+/// Checks that a part with this `head` has samples of `job`.
 ///
 /// # Errors
-/// With what differs.
+/// The difference, if there is one.
 pub(crate) fn check(job: &Job<'_>, head: &Head) -> Result<(), String> {
     if head.layers != job.render.layers() {
         let of = |layers: &[String]| layers.join(", ");
@@ -248,8 +249,8 @@ fn save(job: &Job<'_>, goal: &Goal, rendered: &Rendered) -> Result<(), Error> {
     shard::write(path, &rendered.head(job), &rendered.layers)
 }
 
-/// The least number of samples above `done` at which the noise is looked at: each is a quarter
-/// above the one before.
+/// The least number of samples above `done` at which the noise is checked: each is a quarter above
+/// the one before.
 fn next_check(done: u32) -> u32 {
     let mut check = FIRST_CHECK;
     while check <= done {

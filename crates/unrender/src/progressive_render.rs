@@ -1,4 +1,4 @@
-//! What is rendered in passes: one picture, or a composite's scenes before and after.
+//! Renderings in passes: one picture, or a composite's scenes before and after.
 
 use unrender_formats::picture::LightLayer;
 use unrender_render::adaptive::{AdaptiveSampling, SampleAllocation};
@@ -7,12 +7,12 @@ use unrender_render::{Accumulator, Integrator, Settings, Tracer};
 use unrender_restage::pair::{self, Pairing};
 use unrender_scene::{Camera, ENVIRONMENT, Material, Scene};
 
-/// What is rendered: a picture, or several sums of one at once.
+/// A rendering: a picture, or several sums of one at once.
 pub(crate) trait ProgressiveRender {
-    /// What each sum is called; the first is the picture whose noise counts.
+    /// The name of each sum; the first is the picture whose noise counts.
     fn layers(&self) -> Vec<String>;
 
-    /// Adds the paths that `samples` asks for to `layers`.
+    /// Adds the paths of `samples` to `layers`.
     fn accumulate(
         &self,
         samples: &SampleAllocation<'_>,
@@ -33,14 +33,14 @@ pub(crate) struct PictureRender<'a> {
     sums: Sums,
 }
 
-/// What is summed up of a picture.
+/// The sums of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Sums {
     /// The picture.
     Whole,
-    /// The picture and its second half, independent of the first: to be denoised.
+    /// The picture and its second half, independent of the first, for denoising.
     Halves,
-    /// The picture and what each of these lights contributes.
+    /// The picture and the contribution of each of these lights.
     Lights(Vec<String>),
 }
 
@@ -59,7 +59,7 @@ impl<'a> PictureRender<'a> {
         self
     }
 
-    /// The same picture with what each light of `scene`, whose picture it is, contributes.
+    /// The same picture with the contribution of each light of its `scene`.
     pub(crate) fn by_light(mut self, scene: &Scene) -> Self {
         let around = scene.environment_parts();
         let name = |place: usize| match place.checked_sub(around.start) {
@@ -80,7 +80,7 @@ impl<'a> PictureRender<'a> {
         self
     }
 
-    /// What each light contributes, if that was accumulated in `layers`.
+    /// The contribution of each light, if that was accumulated in `layers`.
     pub(crate) fn light_layers(&self, layers: &[Accumulator]) -> Option<Vec<LightLayer>> {
         let Sums::Lights(names) = &self.sums else { return None };
         let each = names.iter().zip(&layers[1..]);
@@ -91,7 +91,7 @@ impl<'a> PictureRender<'a> {
         Some(each.map(layer).collect())
     }
 
-    /// The picture whose `layers` were accumulated, denoised, if it is to be.
+    /// The denoised picture from its accumulated `layers`, if it is to be denoised.
     pub(crate) fn denoised(&self, layers: &[Accumulator]) -> Option<Denoised> {
         let (Sums::Halves, [picture, second]) = (&self.sums, layers) else { return None };
         let first = picture.without(second);
@@ -99,7 +99,8 @@ impl<'a> PictureRender<'a> {
         Some(tracer.denoise(materials, camera, settings, [&first, second]))
     }
 
-    /// Adds the paths of both halves: to the picture, and those of the second one to `second` too.
+    /// Adds the paths of both halves to the picture, and those of the second one to `second` as
+    /// well.
     fn accumulate_halves(
         &self,
         samples: &SampleAllocation<'_>,

@@ -1,27 +1,27 @@
-//! What else the intensities of a glTF file's lights may mean. Which *Lighting Mode* Blender exported them in is not
-//! in the file; what the lamps would be, and what the photograph shows, is.
+//! Other meanings of the intensities of a glTF file's lights. The *Lighting Mode* of Blender's export is not in the
+//! file; the power of the lamps under each reading, and the photograph, show which one is plausible.
 
 use crate::Job;
 use std::f64::consts::PI;
 use unrender_formats::{LightUnits, gltf};
 use unrender_scene::{Light, LightKind, Rgb, Scene};
 
-/// Bulbs have so many watts, from a small LED to a floodlight. A tenth of the least, a watch's light, is no lamp of a
-/// scene; at ten times the most, all modes of a dim scene are plausible.
+/// The power of real bulbs, watts, from a small LED to a floodlight. A tenth of the least, a watch's light, does not
+/// light a scene; at ten times the most, all modes of a dim scene are plausible.
 const WATTS: [f64; 2] = [0.5, 5000.0];
-/// Suns, from one behind clouds to one in space, W/m^2; with room as of [`WATTS`].
+/// Suns, from one behind clouds to one in space, W/m^2; with room as for [`WATTS`].
 const SUNS: [f64; 2] = [0.05, 3000.0];
 
 /// A way to read the lights of a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reading {
-    /// In words of projects and flags.
+    /// The units, as in projects and flags.
     pub(crate) units: LightUnits,
-    /// How many times as bright as they are now point and spot lights are, and directional ones.
+    /// The factors on the present brightness of point and spot lights, and of directional ones.
     factors: [f64; 2],
 }
 
-/// Other readings of the lights of `job` than the one that it has; none where no other is possible.
+/// Other readings of the lights of `job` than the present one; none if no other is possible.
 pub(crate) fn others(job: &Job) -> Vec<Reading> {
     let path = &job.project.scene;
     let is_gltf = path
@@ -46,14 +46,14 @@ pub(crate) fn others(job: &Job) -> Vec<Reading> {
     found
 }
 
-/// The lights that the file has and not the project.
+/// The lights that come from the file and not from the project.
 fn own_lights(job: &Job) -> impl Iterator<Item = &Light> {
     let edits = &job.project.light_edits;
     job.scene.lights.iter().filter(move |light| edits.iter().all(|edit| edit.name != light.name))
 }
 
 impl Reading {
-    /// How many times as bright as it is now `light` is.
+    /// The factor on the present brightness of `light`.
     fn factor(&self, light: &Light) -> f64 {
         self.factors[usize::from(matches!(light.kind, LightKind::Directional { .. }))]
     }
@@ -69,7 +69,7 @@ impl Reading {
         scene
     }
 
-    /// What the brightest lamp is now and would be, in words.
+    /// The brightest lamp now and under this reading, in words.
     pub(crate) fn lamp(&self, job: &Job) -> String {
         let brightest = own_lights(job).max_by(|a, b| power(a).total_cmp(&power(b)));
         brightest.map_or(String::new(), |light| {
@@ -83,7 +83,7 @@ impl Reading {
         })
     }
 
-    /// Whether all lamps would be some that there are, and now none is.
+    /// Whether all lamps would be real ones under this reading, and now none is.
     pub(crate) fn is_plausible(&self, job: &Job) -> bool {
         let is_lamp = |light: &Light, factor: f64| {
             let [least, most] = match light.kind {
@@ -96,7 +96,7 @@ impl Reading {
         lit.peek().is_some() && lit.all(|l| !is_lamp(l, 1.0) && is_lamp(l, self.factor(l)))
     }
 
-    /// What a factor says that all light is off by: whether this reading is behind it.
+    /// Whether this reading explains that all light is off by the factor `off`.
     pub(crate) fn explains(&self, job: &Job, off: Rgb) -> bool {
         let Some(light) = own_lights(job).max_by(|a, b| power(a).total_cmp(&power(b))) else {
             return false;
@@ -109,7 +109,7 @@ impl Reading {
     }
 }
 
-/// The watts that a lamp sends out; of a sun those on a square metre.
+/// The watts of a lamp; for a sun, per square metre.
 fn power(light: &Light) -> f64 {
     let strength = f64::from(light.kind.strength().element_sum()) / 3.0;
     match light.kind {
@@ -119,13 +119,13 @@ fn power(light: &Light) -> f64 {
     }
 }
 
-/// A number in two digits.
+/// A number with two digits.
 fn short(value: f64) -> String {
     let digits = (1.0 - value.max(1e-9).log10().floor()).max(0.0) as usize;
     format!("{value:.digits$}")
 }
 
-/// What to do for another reading, as the end of a sentence.
+/// How to state another reading, as the end of a sentence.
 pub(crate) fn remedy(units: LightUnits) -> String {
     format!(
         "if the file was exported in that Lighting Mode, say light_units = \"{units}\" in the project"

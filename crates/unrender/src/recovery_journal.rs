@@ -1,10 +1,10 @@
 //! `recover --resume`: the journal of a recovery, in its folder of results.
 //!
-//! It is one file, which grows by a record a step and is removed when the results are written. Its
-//! first line is JSON: what the recovery is of ([`Head`]). A record is its length (8 bytes,
+//! It is one file, which grows by one record per step and is removed when the results are written. Its
+//! first line is JSON: the identity of the recovery ([`Head`]). A record is its length (8 bytes,
 //! little-endian), the SHA-256 of its number and bytes, and the bytes. It is on the disk before the
-//! recovery goes on. What a killed process has left of its last record does not fit its hash, and ends
-//! the journal. A disk that is full ends it too, with a warning: the recovery goes on without.
+//! recovery continues. An incomplete last record of a killed process does not match its hash, and ends
+//! the journal. A full disk ends it too, with a warning: the recovery continues without.
 
 use crate::fingerprint::fingerprint;
 use crate::result_folder::hash;
@@ -20,16 +20,16 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use unrender_formats::{FileError, atomic};
 use unrender_recover::Journal;
 
-/// Begins as the temporary files of ours do, so that it is no result, and does not end as they do, so
-/// that it is not swept away.
+/// It begins like our temporary files, so that it is not a result, but ends differently, so that it
+/// is not removed with them.
 const NAME: &str = ".unrender-recover.journal";
 /// Bytes before those of a record: its length and its SHA-256.
 const BEFORE: usize = 8 + 32;
-/// The first line is shorter: it has about 500 bytes. A longer one is no journal; more would only let a
-/// foreign file be read for longer.
+/// The longest first line: it has about 500 bytes. A file with a longer one is not a journal; a higher
+/// limit would only read more of a foreign file.
 const LINE: u64 = 1 << 14;
 
-/// What a recovery is of.
+/// The identity of a recovery.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Head {
     /// The version of unrender, and SHA-256 of the program.
@@ -38,14 +38,14 @@ pub(crate) struct Head {
     project: String,
     /// Geometry, lights and known materials.
     scene: String,
-    /// The photograph, developed, with its mask and its camera.
+    /// The developed photograph, with its mask and its camera.
     photograph: String,
-    /// What the command line asks for, by the names of its options.
+    /// The options of the command line, by name.
     options: BTreeMap<String, String>,
 }
 
 impl Head {
-    /// Of the recovery of `job`; `options` is what the command line asks for.
+    /// The head for the recovery of `job` with the `options` of the command line.
     pub(crate) fn of(job: &Job, options: BTreeMap<String, String>) -> Self {
         let program = std::env::current_exe().and_then(|path| hash(&path)).unwrap_or_default();
         let photograph = |k: usize| {
@@ -65,7 +65,7 @@ impl Head {
         }
     }
 
-    /// How `other` was begun, which this recovery is to go on with, in words; none if it is the same.
+    /// How the recovery `other`, which is to be resumed, differs, in words; none if it is the same.
     fn difference(&self, other: &Self) -> Option<String> {
         let parts = [
             (&self.program, &other.program, "by another version or build of unrender"),
@@ -78,7 +78,7 @@ impl Head {
         program.or_else(|| self.other_options(other)).or_else(|| rest.into_iter().flatten().next())
     }
 
-    /// The options with which `other` was begun, where they are others.
+    /// The options with which `other` was begun, if they differ.
     fn other_options(&self, other: &Self) -> Option<String> {
         let changed = |(name, theirs): (&String, &String)| {
             let mine = self.options.get(name)?;
@@ -100,25 +100,25 @@ pub(crate) struct RecoveryJournal {
     writing: Mutex<Writing>,
 }
 
-/// Where a journal stands.
+/// The state of a journal.
 struct Writing {
-    /// None until the first record is kept.
+    /// None until the first record is written.
     file: Option<File>,
     /// Where the next record begins, and its number.
     at: u64,
     number: u64,
-    /// Whether there may be records that were not recalled yet.
+    /// Whether there may be records that were not read yet.
     recalling: bool,
-    /// Whether the file stays as it is from here on.
+    /// Whether nothing is written from here on.
     closed: bool,
 }
 
 impl RecoveryJournal {
-    /// The journal in the folder of results `folder`. With `resume`, the one that an interrupted
-    /// recovery has left there goes on; else the first step replaces it.
+    /// The journal in the folder of results `folder`. With `resume`, the journal of an interrupted
+    /// recovery there is continued; else the first step replaces it.
     ///
     /// # Errors
-    /// If `resume` is asked for and what is there is of another recovery.
+    /// If `resume` is set and the journal there belongs to another recovery.
     pub(crate) fn open(folder: &Path, head: Head, resume: bool) -> Result<Self, Error> {
         let path = folder.join(NAME);
         let found = read_head(&path);
@@ -127,28 +127,30 @@ impl RecoveryJournal {
             (Some((file, at, theirs)), true) => {
                 if let Some(what) = head.difference(&theirs) {
                     let problem = format!(
-                        "the interrupted recovery there was begun {what}; without --resume it begins \
-                         anew"
+                        "the interrupted recovery there was begun {what}; without --resume it \
+                         starts again"
                     );
                     return Err(FileError::new(folder, problem).into());
                 }
                 writing = Writing { file: Some(file), at, recalling: true, ..writing };
                 let steps = writing.count().unwrap_or(0);
-                output::tell(&format!("the interrupted recovery goes on after its {steps} steps"));
+                output::tell(&format!(
+                    "the interrupted recovery continues after its {steps} steps"
+                ));
             }
             (None, true) => {
                 let is_there = folder.join(Run::FILE).is_file();
                 let what =
                     if is_there { "the recovery in" } else { "no interrupted recovery is in" };
                 let ended =
-                    if is_there { " had ended, and there is nothing to go on with" } else { "" };
+                    if is_there { " had ended, and there is nothing to resume" } else { "" };
                 output::tell(&format!(
-                    "{what} {}{ended}: it begins from the beginning",
+                    "{what} {}{ended}: it starts from the beginning",
                     folder.display()
                 ));
             }
             (Some(_), false) => output::tell(&format!(
-                "warning: the interrupted recovery in {} is begun anew; --resume would go on with it",
+                "warning: the interrupted recovery in {} is started again; --resume would continue it",
                 folder.display()
             )),
             (None, false) => {}
@@ -156,14 +158,14 @@ impl RecoveryJournal {
         Ok(Self { path, head, writing: Mutex::new(writing) })
     }
 
-    /// From here on the file stays as it is.
+    /// Writes nothing from here on.
     pub(crate) fn close(&self) {
         self.writing().closed = true;
     }
 
-    /// Removes the file: the results are there.
+    /// Removes the file when the results are written.
     pub(crate) fn remove(self) {
-        // What cannot be removed does no harm: a recovery that goes on finds the same results.
+        // A file that cannot be removed does no harm: a resumed recovery finds the same results.
         let _ = fs::remove_file(&self.path);
     }
 
@@ -171,11 +173,11 @@ impl RecoveryJournal {
         self.writing.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A new file with the first line alone.
+    /// A new file with only the first line.
     fn create(&self) -> io::Result<(File, u64)> {
         let line = serde_json::to_string(&self.head)? + "\n";
         if fs::symlink_metadata(&self.path).is_ok_and(|meta| !meta.is_file()) {
-            // What a link leads to is not ours.
+            // The target of a link is not ours.
             fs::remove_file(&self.path)?;
         }
         atomic::write(&self.path, line.as_bytes()).map_err(io::Error::other)?;
@@ -204,7 +206,7 @@ impl Journal for RecoveryJournal {
         if writing.closed || !writing.recalling {
             return false;
         }
-        // What cannot be read is done again.
+        // A step that cannot be read is computed again.
         let recalled = writing.next().ok().flatten().filter(|bytes| understand(bytes));
         match &recalled {
             Some(bytes) => writing.pass(bytes.len()),
@@ -223,8 +225,8 @@ impl Journal for RecoveryJournal {
             Err(error) => {
                 writing.closed = true;
                 output::tell(&format!(
-                    "warning: {} cannot be written ({error}): from here on the recovery goes on without, \
-                     and --resume would begin here",
+                    "warning: {} cannot be written ({error}): the recovery continues without it, \
+                     and --resume would start from here",
                     self.path.display()
                 ));
             }
@@ -250,7 +252,7 @@ impl Writing {
         Ok((checksum(self.number, &bytes)[..] == *sha256).then_some(bytes))
     }
 
-    /// Goes behind a record of `length` bytes.
+    /// Moves past a record of `length` bytes.
     fn pass(&mut self, length: usize) {
         self.at += (BEFORE + length) as u64;
         self.number += 1;
@@ -272,7 +274,7 @@ fn checksum(number: u64, bytes: &[u8]) -> [u8; 32] {
     Sha256::new().chain_update(number.to_le_bytes()).chain_update(bytes).finalize().into()
 }
 
-/// The journal at `path`, where its records begin, and its first line; none if there is none.
+/// The journal at `path`, the offset of its records, and its first line; none if there is none.
 fn read_head(path: &Path) -> Option<(File, u64, Head)> {
     if !fs::symlink_metadata(path).ok()?.is_file() {
         return None;

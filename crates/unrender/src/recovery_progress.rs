@@ -1,4 +1,5 @@
-//! What the terminal or a listener hears of a recovery, and Ctrl-C, which ends it with what there is.
+//! The messages of a recovery to the terminal or a listener, and Ctrl-C, which ends it with the
+//! results so far.
 
 use crate::engine::Follower;
 use crate::interrupt::Pausable;
@@ -7,11 +8,11 @@ use crate::recovery_journal::RecoveryJournal;
 use unrender_recover::{IterationRecord, LadderKind, Observer};
 use unrender_scene::Warnings;
 
-/// Passes a recovery's progress on.
+/// Passes on the progress of a recovery.
 pub(crate) struct RecoveryProgress<'a> {
     pub(crate) progress: &'a Progress,
     pub(crate) ladder: LadderKind,
-    /// The share of the whole work that the recovery is.
+    /// The share of the recovery in the whole work.
     pub(crate) share: f64,
     pub(crate) pausable: Pausable,
     /// The journal of the recovery, if it has one.
@@ -37,7 +38,7 @@ impl Observer for RecoveryProgress<'_> {
     fn is_cancelled(&self) -> bool {
         let is_asked = self.pausable.is_asked() || self.progress.is_cancelled();
         if is_asked && let Some(journal) = self.journal {
-            // What follows is not what a recovery that goes on does.
+            // The next steps differ from those of a recovery that is not interrupted.
             journal.close();
         }
         is_asked

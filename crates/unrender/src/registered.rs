@@ -1,4 +1,4 @@
-//! The model as it lies on the photograph.
+//! The model registered with the photograph.
 
 use crate::Job;
 use unrender_recover::{Observation, Picture};
@@ -6,27 +6,27 @@ use unrender_register::Registration;
 use unrender_render::GeometryBuffers;
 use unrender_scene::{Camera, Image, Warnings};
 
-/// How the model lies, and with what camera the recovery goes on.
+/// The registration of the model, and the camera that the recovery uses.
 #[derive(Clone)]
 pub(crate) struct RegisteredModel {
     /// That camera.
     pub(crate) camera: Camera,
-    /// How close to an edge no pixel is valid.
+    /// The distance to an edge within which no pixel is valid.
     pub(crate) margins: Image<f32>,
-    /// How the model lies under the camera as given, if the photograph shows it.
+    /// The registration with the given camera, if the photograph determines it.
     pub(crate) registration: Option<Registration>,
-    /// What the user should know.
+    /// Warnings for the user.
     pub(crate) warnings: Warnings,
 }
 
 impl RegisteredModel {
-    /// The same, whose warnings begin with what the photograph is `called`.
+    /// The same, with warnings that begin with the name of the photograph, `called`.
     pub(crate) fn named(mut self, called: &str) -> Self {
         self.warnings.0.iter_mut().for_each(|warning| warning.insert_str(0, called));
         self
     }
 
-    /// The `photograph` of `job` sorted by the groups of `geometry`, which is what its camera sees.
+    /// The `photograph` of `job` sorted by the groups of `geometry`, seen by its camera.
     pub(crate) fn observe(
         &self,
         (job, photograph): (&Job, usize),
@@ -40,7 +40,7 @@ impl RegisteredModel {
             quantisation_step: photo.quantisation_step.clone(),
         };
         for (index, counts) in job.counts(photograph, geometry).into_iter().enumerate() {
-            // What does not count is no lower bound either.
+            // Pixels that are left out are not lower bounds either.
             picture.valid.pixels_mut()[index] &= counts;
             picture.saturated.pixels_mut()[index] &= counts;
         }

@@ -1,5 +1,5 @@
-//! Registration of the model with the photograph, before anything is recovered: how far it is off, what that
-//! makes of the pixels at edges, and the camera that fits better.
+//! Registration of the model with the photograph, before anything is recovered: its displacement, the pixels
+//! at edges that are invalid for that, and the camera that fits better.
 
 use crate::Job;
 use crate::problem::with_problem;
@@ -9,40 +9,40 @@ use unrender_register::{Registration, margin};
 use unrender_render::Tracer;
 use unrender_scene::{Camera, Warnings};
 
-/// What to do about a model that is off.
+/// How to treat a displaced model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Alignment {
-    /// Move the camera if a sketch is nearer to the photograph for it, and leave out the pixels that
-    /// are doubtful still.
+    /// Move the camera if a sketch is then nearer to the photograph, and leave out the pixels that
+    /// are still doubtful.
     #[default]
     Auto,
     /// Move the camera to where the edges fit.
     RefineCamera,
-    /// Keep the camera, and leave out the pixels that it makes doubtful.
+    /// Keep the camera, and leave out the pixels that are doubtful for it.
     KeepCamera,
-    /// Nothing: take the model as if it fitted to the pixel.
+    /// Ignore it: assume that the model fits to the pixel.
     Ignore,
 }
 
-/// What became of the camera.
+/// The decision about the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Verdict {
-    /// It stays, and may be off.
+    /// It stays, and may be wrong.
     Kept,
-    /// It stays, since it is not off, whatever some edges of the photograph say.
+    /// It stays, since it is right, although some edges of the photograph differ.
     Right,
     /// It moves to where the edges fit.
     Moved,
 }
 
-/// A user wants to know of a displacement from this one on, pixels.
+/// A displacement from this one on is reported to the user, pixels.
 pub(crate) const CLEAR: f32 = 0.75;
-/// A displacement of fewer standard deviations is none. At half of it every photograph is sketched twice, at
-/// double small errors of the camera stay.
+/// A displacement of fewer standard deviations is not significant. At half of it every photograph is
+/// sketched twice, at double small errors of the camera stay.
 const NOTABLE: f32 = 2.0;
-/// The pictures decide between two cameras if one is nearer to the photograph by so many standard deviations.
+/// Sketches decide between two cameras if one is nearer to the photograph by this many standard deviations.
 const PREFERRED: f64 = 3.0;
-/// An object by itself may be off by this much, pixels.
+/// The tolerated displacement of a single object, pixels.
 pub(crate) const OBJECT_NOTABLE: f32 = 1.5;
 
 /// Registers the model of `job` with its photograph.
@@ -64,7 +64,7 @@ pub(crate) fn register(job: &Job, tracer: &Tracer, alignment: Alignment) -> Regi
     }
 }
 
-/// The model under the camera that `verdict` says.
+/// The model with the camera that `verdict` chooses.
 fn registered(
     job: &Job,
     tracer: &Tracer,
@@ -83,8 +83,8 @@ fn registered(
     RegisteredModel { camera, margins, registration: found, warnings: Warnings::default() }
 }
 
-/// Whether the camera is where it is given or where the edges fit: where the sketch of the photograph is
-/// nearer to it.
+/// Decides between the given camera and the one where the edges fit: the one whose sketch is nearer to
+/// the photograph.
 fn judge(job: &Job, tracer: &Tracer, found: &Registration) -> Verdict {
     if found.displacement <= NOTABLE * found.uncertainty {
         return Verdict::Kept;
@@ -92,13 +92,13 @@ fn judge(job: &Job, tracer: &Tracer, found: &Registration) -> Verdict {
     match preference(job, tracer, found) {
         Ok(preference) if preference > PREFERRED => Verdict::Moved,
         Ok(preference) if preference < -PREFERRED => Verdict::Right,
-        // What keeps a sketch from being made keeps the recovery from it too, which says so.
+        // If a sketch cannot be made, the recovery fails too, and reports why.
         Ok(_) | Err(_) => Verdict::Kept,
     }
 }
 
-/// By how many standard deviations the photograph's sketch with the camera that was `found` is nearer to it
-/// than with the given one.
+/// The number of standard deviations by which the sketch with the camera that was `found` is nearer to the
+/// photograph than with the given one.
 fn preference(job: &Job, tracer: &Tracer, found: &Registration) -> Result<f64, RecoverError> {
     let (width, height) = (job.photo.radiance.width(), job.photo.radiance.height());
     let geometries =
@@ -124,8 +124,8 @@ fn warnings(
     let Some(found) = found else {
         if alignment == Alignment::RefineCamera {
             warnings.push(
-                "too few of the model's edges are found in the photo to refine the camera by; \
-                 it was kept as it is",
+                "too few of the model's edges are found in the photo to refine the camera; it was \
+                 kept as it is",
             );
         }
         return warnings;
@@ -134,12 +134,12 @@ fn warnings(
     let is_off = found.displacement > CLEAR && verdict != Verdict::Right;
     if is_off || verdict == Verdict::Moved && alignment == Alignment::Auto {
         let done = if verdict == Verdict::Moved {
-            "the camera was moved there; --keep-camera leaves it"
+            "the camera was moved there; --keep-camera keeps it"
         } else {
-            "pixels that close to an edge do not count; --refine-camera moves the camera"
+            "pixels that close to an edge are left out; --refine-camera moves the camera"
         };
         warnings.push(format!(
-            "the model's edges lie {:.2} pixels from the photo's (on the median; the place where \
+            "the model's edges lie {:.2} pixels from the photo's (in the median; the place where \
              they fit is known to {:.2} pixels): {done}",
             in_photograph(found.displacement),
             in_photograph(found.uncertainty)
@@ -148,8 +148,8 @@ fn warnings(
     for (object, &off) in job.scene.objects.iter().zip(&found.own) {
         if off > OBJECT_NOTABLE {
             warnings.push(format!(
-                "object \"{}\" lies {:.1} pixels from where the photo has it; pixels that close \
-                 to its edges do not count",
+                "object \"{}\" lies {:.1} pixels from its place in the photo; pixels that close to \
+                 its edges are left out",
                 object.name,
                 in_photograph(off)
             ));

@@ -1,10 +1,10 @@
-//! A folder of results as one unit: whole or not at all, of one run, by one process at a time, and
-//! nothing in it replaced that is not ours.
+//! A folder of results as one unit: complete or not written at all, from one run, written by one
+//! process at a time; it replaces no files of others.
 //!
-//! Files are written into a new folder inside, and get their names when all are there. `manifest.json`
-//! has the SHA-256 of every file. It is written before the files get their names, with the hashes from
-//! before, so that whoever finds it after an interruption can tell: [`check`]. A file belongs to us
-//! if its hash is one of those in the manifest.
+//! Files are written into a new folder inside, and moved to their names when all exist.
+//! `manifest.json` has the SHA-256 of every file. It is written before the files are moved, with the
+//! earlier hashes too, so that [`check`] can detect an interruption. A file belongs to us if its hash
+//! is in the manifest.
 
 mod manifest;
 
@@ -19,13 +19,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 use unrender_formats::{FileError, atomic};
 
-/// A folder that a command writes its results into.
+/// A folder into which a command writes its results.
 pub(crate) struct ResultFolder {
     path: PathBuf,
-    /// What the manifest calls the command.
+    /// The name of the command in the manifest.
     command: &'static str,
-    /// Held until the command ends, so that another process notices; none where the system has no
-    /// locks on folders, or where several processes may share the folder.
+    /// Held until the command ends, so that other processes notice it; none if the system has no
+    /// locks on folders, or if several processes may share the folder.
     lock: Option<File>,
     /// Whether its pictures are denoised.
     is_denoised: bool,
@@ -34,18 +34,18 @@ pub(crate) struct ResultFolder {
 }
 
 impl Drop for ResultFolder {
-    /// Removes the folders that were made, if nothing came to lie in them: a refused input leaves nothing behind.
+    /// Removes the folders that were made if they are empty, so that a refused input leaves nothing behind.
     fn drop(&mut self) {
         self.lock = None;
-        // Folders with something in them are not removed, nor those around them.
+        // Folders that are not empty are not removed, nor their parents.
         let _ = self.made.iter().try_for_each(fs::remove_dir);
     }
 }
 
 impl ResultFolder {
-    /// Makes the folder at `path` where it is missing, and asks before the work whether results can
-    /// be written there: files of which `writes` says so by their names, relative to the folder, with
-    /// forward slashes. `inputs` are the files that the command reads.
+    /// Makes the folder at `path` if it is missing, and checks before the work whether results can be
+    /// written there: the files whose names (relative to the folder, with forward slashes) `writes`
+    /// accepts. `inputs` are the files that the command reads.
     ///
     /// # Errors
     /// If another process is writing there, if files cannot be made, or if results would replace an
@@ -64,7 +64,8 @@ impl ResultFolder {
         Ok(folder)
     }
 
-    /// As [`ResultFolder::open`], for commands of which several may work for one folder at a time.
+    /// As [`ResultFolder::open`], for commands of which several may write into one folder at a
+    /// time.
     pub(crate) fn open_shared(
         path: &Path,
         command: &'static str,
@@ -86,24 +87,24 @@ impl ResultFolder {
         Ok(folder)
     }
 
-    /// The same folder, whose manifest says of pictures that are written from now on whether they are denoised.
+    /// The same folder; its manifest states whether the pictures written from now on are denoised.
     pub(crate) fn denoised(mut self, is_denoised: bool) -> Self {
         self.is_denoised = is_denoised;
         self
     }
 
-    /// Lets `make` write into a new folder, and then gives the files there their names. Files of
-    /// earlier runs stay only if `keeps` says so. Ctrl-C waits until all is done.
+    /// Lets `make` write into a new folder, and then moves its files to their names. Files of
+    /// earlier runs stay only if `keeps`. Ctrl-C waits until all is done.
     ///
     /// # Errors
-    /// Those of `make`; or if files cannot be written; the folder is as it was then.
+    /// Those of `make`; or if files cannot be written, in which case the folder is unchanged.
     pub(crate) fn write<T>(
         &self,
         keeps: bool,
         make: impl FnOnce(&Path) -> Result<T, Error>,
     ) -> Result<T, Error> {
         let _until_written = interrupt::writing();
-        // Where several processes share the folder, each has it for the time of writing.
+        // If several processes share the folder, each locks it while it writes.
         let _shared = if self.lock.is_some() { None } else { wait_for_lock(&self.path) };
         // Another process may have made the folder, and removed it again when it was refused.
         let staging = fs::create_dir_all(&self.path).and_then(|()| atomic::staging(&self.path));
@@ -113,7 +114,7 @@ impl ResultFolder {
         let before = Manifest::read(&self.path)?;
         if let Err(error) = self.check_foreign(names.clone(), &before) {
             let kept = staging.keep();
-            let problem = format!("{error}. What was to be written lies in {}", kept.display());
+            let problem = format!("{error}. The new results are in {}", kept.display());
             return Err(Error::Request(problem));
         }
         self.swap(&before, staging.path(), &names, keeps)?;
@@ -145,7 +146,7 @@ impl ResultFolder {
         let mut after = Manifest { files, before: Some(before.known()), ..Manifest::default() };
         after.write(&self.path)?;
         for name in &stale {
-            // It is ours, and if it cannot be removed, it does no harm.
+            // It is ours, and it does no harm if it cannot be removed.
             let _ = fs::remove_file(self.path.join(name));
         }
         for name in names {
@@ -159,7 +160,7 @@ impl ResultFolder {
         Ok(after.write(&self.path)?)
     }
 
-    /// An error if one of the files `names` is there and not ours.
+    /// An error if one of the files `names` exists and is not ours.
     fn check_foreign(&self, names: Vec<String>, manifest: &Manifest) -> Result<(), Error> {
         let is_foreign = |name: &&String| {
             let path = self.path.join(name.as_str());
@@ -169,8 +170,8 @@ impl ResultFolder {
         };
         let foreign: Vec<&String> = names.iter().filter(is_foreign).collect();
         let remedy = format!(
-            "which no run of `unrender {}` has left as they are; name another folder by --out, or move \
-             them away",
+            "which are not unchanged results of `unrender {}`; name another folder by --out, or \
+             move them away",
             self.command
         );
         self.refuse(&foreign, &remedy)
@@ -204,21 +205,21 @@ fn lock(path: &Path) -> Result<Option<File>, Error> {
     match folder.try_lock() {
         Ok(()) => Ok(Some(folder)),
         Err(TryLockError::WouldBlock) => {
-            let problem = "another unrender is at work for this folder; wait for it, or name another \
-                           folder by --out";
+            let problem = "another unrender is writing into this folder; wait for it, or name \
+            another folder by --out";
             Err(FileError::new(path, problem).into())
         }
         Err(TryLockError::Error(_)) => Ok(None),
     }
 }
 
-/// Removes what killed processes have left in the folder at `path`, which is locked.
+/// Removes the temporary files of killed processes from the folder at `path`, which is locked.
 fn sweep(path: &Path) {
     for entry in fs::read_dir(path).into_iter().flatten().flatten() {
         let name = entry.file_name();
         let name = name.to_string_lossy();
         if name.starts_with(atomic::PREFIX) && name.ends_with(".tmp") {
-            // What cannot be removed does no harm.
+            // Files that cannot be removed do no harm.
             let _ = fs::remove_dir_all(entry.path()).or_else(|_| fs::remove_file(entry.path()));
         }
     }

@@ -1,14 +1,14 @@
-//! Groups of one material: `[groups.NAME] same_as`.
+//! Groups that share one material: `[groups.NAME] same_as`.
 //!
-//! The objects of such a group are counted to the other one while materials are looked for, so that
-//! all its pixels speak for one material. What comes out is written for both.
+//! The objects of such a group belong to the other one during the recovery, so that the pixels of
+//! both determine one material. The result is written for both.
 
 use crate::Project;
 use unrender_recover::GroupResult;
 use unrender_scene::Scene;
 
-/// Gives the objects of groups with `same_as` to the groups that are named there; the names must have
-/// passed [`Project::check_against`]. Returns the group that every object had.
+/// Moves the objects of groups with `same_as` to the groups named there; the names must have passed
+/// [`Project::check_against`]. Returns the group that every object had.
 pub(crate) fn merge(project: &Project, scene: &mut Scene) -> Vec<usize> {
     let own_groups = scene.objects.iter().map(|object| object.group).collect();
     for (name, other) in &project.same_as {
@@ -23,12 +23,12 @@ pub(crate) fn merge(project: &Project, scene: &mut Scene) -> Vec<usize> {
     own_groups
 }
 
-/// Writes what came out for the groups that are named into those with `same_as`.
+/// Copies the results of the groups that are named into those with `same_as`.
 pub(crate) fn share(project: &Project, results: &mut [GroupResult]) {
     for (name, other) in &project.same_as {
         let index = |name: &String| results.iter().position(|result| result.name == *name);
         let (Some(to), Some(from)) = (index(name), index(other)) else { continue };
-        let note = format!("one material with \"{other}\", as the project says");
+        let note = format!("one material with \"{other}\", as the project states");
         let note = match &results[from].note {
             Some(of_other) => format!("{note}; {of_other}"),
             None => note,

@@ -1,10 +1,11 @@
-//! Parts of a rendering: the exact sums of some of its samples, with what they are samples of.
+//! Parts of a rendering: the exact sums of some of its samples, with a description of the
+//! rendering.
 //!
-//! A part is an EXR file of whole numbers (`unrender_formats::planes`). Its channels R, G and B show
-//! the picture so far; `sum_r_0` to `sum_b_3` and `squares_r_0` to `squares_b_3` are the sums of
-//! [`PixelAccumulator`] in four pieces of 32 bits, the lowest first; `count` and `faulty` are its counts. Where
-//! there are sums of several layers, as for a composite, the second and later ones have theirs in
-//! `LAYER.count` and so on. A [`Head`] in JSON says what the samples are of, so that only what belongs together is added.
+//! A part is an EXR file of whole numbers (`unrender_formats::planes`). Its channels R, G and B show the
+//! picture so far; `sum_r_0` to `sum_b_3` and `squares_r_0` to `squares_b_3` are the sums of
+//! [`PixelAccumulator`] in four pieces of 32 bits, the lowest first; `count` and `faulty` are its counts. If
+//! there are several layers, as for a composite, the second and later ones have theirs in `LAYER.count` and so
+//! on. A [`Head`] in JSON describes the rendering, so that only parts of one rendering are added.
 
 use crate::Error;
 use crate::fingerprint::fingerprint;
@@ -16,7 +17,7 @@ use unrender_formats::planes::{self, Planes};
 use unrender_render::{Accumulator, PixelAccumulator};
 use unrender_scene::{Camera, Image, Warnings};
 
-/// What a rendering is of. Two parts with the same are samples of one picture.
+/// The identity of a rendering. Two parts with the same one are samples of one picture.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Identity {
@@ -31,31 +32,31 @@ pub(crate) struct Identity {
     pub(crate) seed: u64,
     /// The most reflections of a path.
     pub(crate) bounces: u32,
-    /// Whether pixels get as many samples as they are noisy.
+    /// Whether noisier pixels get more samples.
     pub(crate) adaptive: bool,
-    /// Whether neighbouring pixels share what their paths find.
+    /// Whether neighbouring pixels share their paths.
     pub(crate) shared: bool,
 }
 
-/// What a part says of itself.
+/// The description of a part.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Head {
     pub(crate) identity: Identity,
-    /// The numbers of its samples; with adaptive sampling, of a pixel of mean noise.
+    /// The numbers of its samples; with adaptive sampling, those of a pixel of mean noise.
     pub(crate) samples: Range<u32>,
-    /// What its layers are called.
+    /// The names of its layers.
     pub(crate) layers: Vec<String>,
 }
 
 impl Head {
-    /// What the channels of each layer begin with.
+    /// The prefix of the channels of each layer.
     fn prefixes(&self) -> impl Iterator<Item = String> + '_ {
         let later = self.layers.iter().skip(1).map(|layer| format!("{layer}."));
         std::iter::once(String::new()).chain(later)
     }
 }
 
-/// A part as it was read.
+/// A part that was read.
 #[derive(Debug)]
 pub(crate) struct Shard {
     pub(crate) path: PathBuf,
@@ -65,12 +66,12 @@ pub(crate) struct Shard {
 }
 
 impl Identity {
-    /// The same with what distinguishes it from renderings of other scenes or by other cameras.
+    /// The same with fingerprints, which distinguish it from renderings of other scenes or cameras.
     pub(crate) fn with_fingerprints(self, scene: &impl Serialize, camera: &Camera) -> Self {
         Self { scene: fingerprint(scene), camera: fingerprint(camera), ..self }
     }
 
-    /// What differs between this rendering and `other`, in words.
+    /// The difference between this rendering and `other`, in words.
     pub(crate) fn difference(&self, other: &Self) -> Option<String> {
         let of = |what: &str, mine: &dyn ToString, theirs: &dyn ToString| {
             let (mine, theirs) = (mine.to_string(), theirs.to_string());
@@ -94,7 +95,7 @@ impl Identity {
 
 const COLOURS: [char; 3] = ['r', 'g', 'b'];
 
-/// Writes the samples of `layers`, which are what `head` says.
+/// Writes the samples of `layers`, which `head` describes.
 ///
 /// # Errors
 /// If the file cannot be written.
@@ -125,14 +126,15 @@ pub(crate) fn write(path: &Path, head: &Head, layers: &[Accumulator]) -> Result<
 /// Reads a part.
 ///
 /// # Errors
-/// If the file cannot be read or is no part.
+/// If the file cannot be read or is not a part.
 pub(crate) fn read(path: &Path) -> Result<Shard, Error> {
     let planes = planes::read(path)?;
-    let foreign = |what: String| FileError::new(path, format!("is no part of a rendering: {what}"));
+    let foreign =
+        |what: String| FileError::new(path, format!("is not a part of a rendering: {what}"));
     let head: Head = serde_json::from_str(&planes.text)
-        .map_err(|error| foreign(format!("its description cannot be understood ({error})")))?;
+        .map_err(|error| foreign(format!("its description is not valid ({error})")))?;
     if (head.identity.width, head.identity.height) != (planes.width, planes.height) {
-        return Err(foreign("its size is not the one that it describes".into()).into());
+        return Err(foreign("its size differs from its description".into()).into());
     }
     let layers: Vec<Accumulator> = head
         .prefixes()
@@ -141,7 +143,7 @@ pub(crate) fn read(path: &Path) -> Result<Shard, Error> {
         .map_err(foreign)?;
     let count = head.samples.end.checked_sub(head.samples.start);
     let is_complete = |m: &PixelAccumulator| head.identity.adaptive || Some(m.count) == count;
-    // A picture that is to be denoised has half of its samples as a second layer.
+    // A picture to be denoised has half of its samples as a second layer.
     let is_part = |m: &PixelAccumulator| head.identity.adaptive || Some(m.count) <= count;
     let all = |layer: &Accumulator, of: &dyn Fn(&PixelAccumulator) -> bool| {
         layer.image().pixels().iter().all(of)
@@ -150,13 +152,13 @@ pub(crate) fn read(path: &Path) -> Result<Shard, Error> {
     let all_complete =
         all(picture, &is_complete) && others.iter().all(|other| all(other, &is_part));
     if count.is_none() || !all_complete {
-        let problem = "its pixels have other numbers of samples than it says";
+        let problem = "the numbers of samples of its pixels differ from its description";
         return Err(foreign(problem.into()).into());
     }
     Ok(Shard { path: path.to_owned(), head, layers })
 }
 
-/// The sums of the layer whose channels begin with `prefix`, or what is wrong with them.
+/// The sums of the layer whose channels begin with `prefix`, or an error.
 fn layer(planes: &Planes, prefix: &str) -> Result<Accumulator, String> {
     let mut moments = vec![PixelAccumulator::default(); planes.width * planes.height];
     let mut each = |name: &str, set: &dyn Fn(&mut PixelAccumulator, u32)| {
@@ -177,8 +179,8 @@ fn layer(planes: &Planes, prefix: &str) -> Result<Accumulator, String> {
     Ok(Accumulator::from_image(Image::new(planes.width, planes.height, moments)))
 }
 
-/// The samples of all parts in `paths`, in any order, as one part; `allow_gaps` if some between them
-/// may be missing.
+/// The samples of all parts in `paths`, in any order, as one part; with `allow_gaps`, samples
+/// between them may be missing.
 ///
 /// # Errors
 /// If a part cannot be read, or if the parts are not of one rendering, overlap or leave gaps.
@@ -194,7 +196,7 @@ pub(crate) fn join(paths: &[PathBuf], allow_gaps: bool) -> Result<(Shard, Warnin
         }
     }
     let Some(mut sum) = sum else {
-        return Err(Error::Request("there are no parts to put together".into()));
+        return Err(Error::Request("there are no parts to merge".into()));
     };
     ranges.sort_by_key(|(samples, _)| (samples.start, samples.end));
     let mut warnings = Warnings::default();
@@ -203,7 +205,7 @@ pub(crate) fn join(paths: &[PathBuf], allow_gaps: bool) -> Result<(Shard, Warnin
         if samples.start < end {
             let (before, other) = &ranges[index - 1];
             let problem = format!(
-                "has the samples {}..{}, of which {} has some too ({}..{}); leave one of them out",
+                "has the samples {}..{}, and {} has some of them too ({}..{}); leave one of the two out",
                 samples.start,
                 samples.end,
                 other.display(),
@@ -215,7 +217,7 @@ pub(crate) fn join(paths: &[PathBuf], allow_gaps: bool) -> Result<(Shard, Warnin
         if samples.start > end {
             let gap = format!("the samples {end}..{} are in no part", samples.start);
             if !allow_gaps {
-                let remedy = "render them, or take the picture without them by --allow-gaps";
+                let remedy = "render them, or merge the others by --allow-gaps";
                 return Err(Error::Request(format!("{gap}; {remedy}")));
             }
             warnings.push(format!("{gap}; the picture was made without them"));
@@ -230,14 +232,14 @@ pub(crate) fn join(paths: &[PathBuf], allow_gaps: bool) -> Result<(Shard, Warnin
 fn add(sum: &mut Shard, part: &Shard) -> Result<(), Error> {
     let problem = if part.head.layers != sum.head.layers {
         format!(
-            "does not belong to {}: one of them was made with --denoise, --layers or --composite and the other \
-             without",
+            "does not belong to {}: one of the two was made with --denoise, --layers or \
+             --composite, the other without",
             sum.path.display()
         )
     } else if let Some(difference) = part.head.identity.difference(&sum.head.identity) {
         format!("does not belong to {}: it has {difference}", sum.path.display())
     } else if part.head.identity.adaptive {
-        "was sampled adaptively, which is not done in parts; it can only be merged alone".into()
+        "was sampled adaptively, which is not possible in parts; it can only be merged alone".into()
     } else {
         sum.layers.iter_mut().zip(&part.layers).for_each(|(sum, part)| sum.add(part));
         return Ok(());

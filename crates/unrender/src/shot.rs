@@ -8,7 +8,7 @@ use unrender_photo::{Photo, Transfer};
 use unrender_recover::Sheet;
 use unrender_scene::{Camera, Image, Rgb, RgbImage, Scene};
 
-/// A further photograph of a job: what [`Job`] has of its first.
+/// A further photograph of a job, with the same data that [`Job`] has of the first.
 #[derive(Clone, Debug)]
 pub struct Shot {
     /// The project with this photograph alone.
@@ -17,7 +17,7 @@ pub struct Shot {
     pub camera: Camera,
     /// As [`Job::picture`].
     pub picture: Picture,
-    /// As [`Job::photo`]; where the exposure is asked for, at the one that it stands at.
+    /// As [`Job::photo`]; if the exposure is unknown, at the present estimate.
     pub photo: Photo,
     /// As [`Job::mask`].
     pub mask: Option<Image<bool>>,
@@ -60,13 +60,13 @@ impl Job {
         })
     }
 
-    /// The scene in the light of `photograph`: lamps that were off send nothing.
+    /// The scene in the light of `photograph`: lamps that were off emit nothing.
     pub(crate) fn lit_in(&self, photograph: usize) -> Cow<'_, Scene> {
         let off = photograph.checked_sub(1).map_or(&self.off, |further| &self.further[further].off);
         self.lit_without(off)
     }
 
-    /// The scene with the lamps `off` sending nothing.
+    /// The scene in which the lamps `off` emit nothing.
     pub(crate) fn lit_without(&self, off: &[u32]) -> Cow<'_, Scene> {
         if off.is_empty() {
             return Cow::Borrowed(&self.scene);
@@ -88,8 +88,7 @@ impl Job {
         }
     }
 
-    /// Gives the job's `photograph` the transfer function and the radiance that it says, and everything else of it
-    /// stays.
+    /// Sets the transfer function of the job's `photograph` and its radiance by it; everything else stays.
     pub(crate) fn develop_again(&mut self, photograph: usize, transfer: Transfer) {
         let photo = self.developed(photograph, &transfer);
         match photograph.checked_sub(1) {
@@ -122,7 +121,7 @@ impl Job {
         further.map_or(&self.mask, |shot| &shot.mask).as_ref()
     }
 
-    /// Where its photographs stand in the pictures of a recovery, at the size at which they are worked on.
+    /// The places of its photographs in the pictures of a recovery, at their working size.
     pub fn sheet(&self) -> Sheet {
         let size = |k: usize| {
             let radiance = &self.photo_of(k).radiance;
@@ -137,7 +136,7 @@ impl Job {
         self.sheet().stack(each, &Rgb::ZERO)
     }
 
-    /// What `photograph` is called in messages, before what is said of it; nothing where there is one alone.
+    /// The name of `photograph` at the start of messages about it; empty if there is only one.
     pub(crate) fn called(&self, photograph: usize) -> String {
         if self.further.is_empty() {
             return String::new();

@@ -25,17 +25,17 @@ macro_rules! checked {
 }
 
 checked!(
-    /// Reflectance, for all channels or three of them.
+    /// Reflectance, for all channels or one per channel.
     Reflectance(Rgb),
     |value| within(channels(value)?, |v| (0.0..=1.0).contains(&v), "a reflectance is from 0 to 1")
 );
 checked!(
-    /// Brightness or a factor of it, for all channels or three of them.
+    /// Brightness or a factor on it, for all channels or one per channel.
     Channels(Rgb),
     |value| within(channels(value)?, |v| v >= 0.0, "light is not negative")
 );
 checked!(
-    /// A way in space, metres, or three angles.
+    /// A displacement in space, metres, or three angles.
     Way(Vec3),
     |value| Ok(Vec3::from_array(list(value)?))
 );
@@ -54,7 +54,7 @@ checked!(
     Direction(Vec3),
     |value| {
         let direction = Vec3::from_array(list(value)?);
-        direction.try_normalize().ok_or_else(|| "a direction is not zero".to_owned())
+        direction.try_normalize().ok_or_else(|| "a direction cannot be zero".to_owned())
     }
 );
 checked!(
@@ -76,7 +76,7 @@ fn number(value: &Value) -> Result<f32, String> {
     double(value).map(|v| v as f32)
 }
 
-/// A number that single precision has room for.
+/// A number that single precision can hold.
 fn double(value: &Value) -> Result<f64, String> {
     let number = value.as_float().or_else(|| value.as_integer().map(|i| i as f64));
     let number = number.filter(|v| (*v as f32).is_finite());

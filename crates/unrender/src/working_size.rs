@@ -1,8 +1,8 @@
-//! The size at which a photograph is worked on.
+//! The working size of a photograph: it is reduced to squares of its pixels.
 //!
-//! What a recovery asks of a group it asks of some thousands of its pixels, however many there are. A photograph of
-//! many more is worked on as the means of squares of its pixels: they have less noise, which is independent from one
-//! to the next as that of a camera's pixels is not. Only textures go back to the pixels of the photograph.
+//! A recovery uses some thousands of pixels of a group, however many there are. So a photograph of many more pixels
+//! is replaced by the means of squares of them: they have less noise, and, unlike that of a camera's pixels, it is
+//! independent from one to the next. Only textures use the pixels of the photograph itself.
 
 use crate::Job;
 use unrender_formats::picture::Picture;
@@ -11,8 +11,8 @@ use unrender_recover::Detail;
 use unrender_render::{GeometryBuffers, PixelGeometry, Tracer};
 use unrender_scene::{Camera, Image, Rgb, RgbImage};
 
-/// A photograph of more pixels is worked on as squares of them. At half of it the rims of small objects are a larger
-/// share of them, at double registration and textures take twice the time.
+/// A photograph of more pixels is reduced to squares. At half of it the edges of small objects are a larger share of
+/// them, at double registration and textures take twice the time.
 const PIXELS_MAX: usize = 1 << 20;
 
 /// The pixels on a side of each square of photographs of these widths and heights.
@@ -29,7 +29,7 @@ fn size_of(picture: &Picture) -> (usize, usize) {
 }
 
 impl Job {
-    /// Works on the photographs at a size that no question needs more of.
+    /// Reduces the photographs to the working size.
     pub fn reduce(&mut self) {
         let size = |k: usize| size_of(self.picture_of(k));
         let side = side(&(0..self.photographs()).map(size).collect::<Vec<_>>());
@@ -63,17 +63,17 @@ impl Job {
         size_of(&self.picture)
     }
 
-    /// Width and height of what of the photograph is in whole squares, pixels.
+    /// Width and height of the part of the photograph that whole squares cover, pixels.
     fn whole_squares(&self) -> (usize, usize) {
         self.in_whole_squares(self.photograph_size())
     }
 
-    /// The same of a photograph of this size.
+    /// The same for a photograph of this size.
     fn in_whole_squares(&self, (width, height): (usize, usize)) -> (usize, usize) {
         (width / self.side * self.side, height / self.side * self.side)
     }
 
-    /// The camera of the whole photograph where that of the squares is `camera`.
+    /// The camera of the whole photograph, if that of the squares is `camera`.
     pub(crate) fn camera_of_photograph(&self, camera: &Camera) -> Camera {
         camera.part(self.whole_squares(), (0, 0), self.photograph_size())
     }
@@ -84,7 +84,8 @@ impl Job {
     }
 }
 
-/// The photographs behind the squares of a job, each seen by the camera of these.
+/// The photographs from which the squares of a job were made, each seen by the camera of the
+/// squares.
 pub(crate) struct WholePhotographs<'a> {
     pub(crate) job: &'a Job,
     pub(crate) tracer: &'a Tracer,

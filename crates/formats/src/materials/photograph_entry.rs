@@ -17,7 +17,7 @@ pub struct PhotographEntry {
     pub exposure: Option<[f32; 3]>,
     /// Standard deviations; null if nothing was refined.
     pub std: Option<PhotographStd>,
-    /// What the photograph hardly determines.
+    /// A note on parameters that the photograph hardly determines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }

@@ -1,20 +1,21 @@
-//! What is to be said of a merged bracket: shifts, motion, clipping, times that do not fit, a response that is a guess.
+//! Warnings of a merged bracket: shifts, motion, clipping, times that do not fit, a response that is a guess.
 
 use super::Report;
 use unrender_scene::Warnings;
 
-/// A share of the pixels above which what moved is said: below, it is edges and single pixels.
+/// Motion in more than this share of the pixels causes a warning: below, it is edges and single
+/// pixels.
 const MOVED: f64 = 1e-3;
-/// The two fits of a response agree up to this share of white. At two thirds of it some JPEG files are doubted whose
-/// response is right; at double a wrong exposure time passes.
+/// The two fits of a response agree if they differ by less than this share of white. At two thirds of it some JPEG
+/// files with a right response cause a warning; at double a wrong exposure time passes.
 const DISAGREEMENT: f64 = 0.03;
-/// Exposure times are right up to this share. Cameras round 1/64 to 1/60, which is 6 %.
+/// Exposure times are accepted up to this relative error. Cameras round 1/64 to 1/60, which is 6 %.
 const TIMES: f64 = 0.03;
-/// Codes beyond these are extrapolated by a fitted response; more than that is said.
+/// If a fitted response is extrapolated within these codes, there is a warning.
 const COVERED: [f64; 2] = [0.15, 0.85];
 
 impl Report {
-    /// What is doubtful about the merged bracket, whose frames are called `names`.
+    /// Warnings of the merged bracket, whose frames are called `names`.
     pub fn doubts(&self, names: &[&str]) -> Warnings {
         let mut warnings = Warnings::default();
         let percent = |share: f64| 100.0 * share;
@@ -31,8 +32,8 @@ impl Report {
         }
         if self.moved > MOVED {
             warnings.push(format!(
-                "between the photographs of the bracket something moved, in {:.1} % of the pixels: what \
-                 differs from {reference} was left out there",
+                "something moved between the photographs of the bracket, in {:.1} % of the pixels: \
+                 there, photographs that differ from {reference} were left out",
                 percent(self.moved)
             ));
         }
@@ -46,14 +47,14 @@ impl Report {
             if (brightness - 1.0).abs() > TIMES {
                 warnings.push(format!(
                     "{name} is {brightness:.2} times as bright as its exposure and the next longer one \
-                     say; is its exposure time right? Cameras round it: 1/60 may be 1/64"
+                     imply; is its exposure time right? Cameras round it: 1/60 may be 1/64"
                 ));
             }
         }
         if self.noise.is_none() {
             warnings.push(
-                "too little is well exposed in two photographs of the bracket to measure their noise; \
-                 that of a usual camera was taken",
+                "too few pixels are well exposed in two photographs of the bracket to measure their \
+                 noise; that of a usual camera was taken",
             );
         }
         warnings.extend(doubts_of_fit(self));
@@ -61,7 +62,7 @@ impl Report {
     }
 }
 
-/// What is doubtful about a fitted response.
+/// Warnings of a fitted response.
 fn doubts_of_fit(report: &Report) -> Warnings {
     let mut warnings = Warnings::default();
     let Some(fit) = &report.fit else { return warnings };
@@ -75,8 +76,8 @@ fn doubts_of_fit(report: &Report) -> Warnings {
     let [low, high] = fit.covered;
     if low > COVERED[0] || high < COVERED[1] {
         warnings.push(format!(
-            "the photographs show the same things at two exposures between the pixel values {low:.2} \
-             and {high:.2} of 1 alone; the camera's response beyond is a guess"
+            "the photographs show the same things at two exposures only between the pixel values \
+             {low:.2} and {high:.2} (of 1); beyond, the camera's response is a guess"
         ));
     }
     warnings

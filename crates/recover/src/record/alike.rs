@@ -1,25 +1,28 @@
 //! Groups whose numbers agree within their standard deviations: they may be one material.
 //!
 //! For two groups of one hypothesis with n numbers each, the sum of their squared differences, each
-//! over its variance, has the mean n and the variance 2 n if the groups are alike. Numbers that the
-//! photograph leaves open agree with everything, so pairs with such numbers are not named.
+//! over its variance, has the mean n and the variance 2 n if the groups are alike. Parameters that
+//! the photograph does not determine agree with everything, so pairs with such parameters are not
+//! named.
 
 use super::{GroupResult, Recovery, Status};
 use std::collections::BTreeMap;
 use unrender_scene::{Hypothesis, Rgb};
 
-/// Groups agree up to so many standard deviations of the sum above its mean. At half of it a fifth of
-/// the pairs that are alike is not named; at double pairs are named that differ visibly.
+/// Groups agree if the sum is at most this many standard deviations above its mean. At half of it a
+/// fifth of the pairs of equal groups is missed; at double pairs are named that differ visibly.
 const DEVIATIONS: f64 = 2.0;
-/// A reflectance with a larger standard deviation says too little: 0.03 is what two whites of wall
-/// paint differ by. At half of it small groups are never named, at double all dark groups are alike.
+/// A reflectance with a larger standard deviation is not compared: 0.03 is the difference of two
+/// whites of wall paint. At half of it small groups are never named, at double all dark groups are
+/// alike.
 const RHO_OPEN: f64 = 0.03;
-/// The same of the logarithm of a roughness: 0.2 is a highlight that is a fifth wider, which is seen.
+/// The same for the logarithm of a roughness: 0.2 is a highlight that is a fifth wider, which is
+/// visible.
 const LN_ALPHA_OPEN: f64 = 0.2;
 
 impl Recovery {
-    /// For each group by its name: the names of those that agree with it. Only groups that `counts` says are compared:
-    /// not those that share their numbers by what the project states.
+    /// For each group of `job` by its name: the names of those that agree with it. Groups that share a material in
+    /// the project are not compared with each other.
     pub fn alike(&self, counts: impl Fn(&str) -> bool) -> BTreeMap<&str, Vec<&str>> {
         find(self.groups.iter().filter(|group| counts(&group.name)).collect())
     }
@@ -54,11 +57,11 @@ fn agree(a: &GroupResult, b: &GroupResult) -> bool {
     sum <= count + DEVIATIONS * (2.0 * count).sqrt()
 }
 
-/// A number, its standard deviation, and from which one on it is open.
+/// A parameter, its standard deviation, and the limit of that above which it is not compared.
 type Number = (f64, f64, f64);
 
-/// The numbers of a group by its hypothesis, without the direction, which every surface counts from
-/// its own tangent; none if one has no standard deviation, or none is free.
+/// The parameters of a group by its hypothesis, without the direction, which is relative to the
+/// tangent of each surface; none if one has no standard deviation, or none is free.
 fn numbers(group: &GroupResult) -> Option<Vec<Number>> {
     let (material, std) = (&group.material, group.std?);
     let rgb = |value: Rgb, std: Option<Rgb>| {

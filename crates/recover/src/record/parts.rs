@@ -1,30 +1,30 @@
-//! Groups whose residuals fall apart by object: two materials under one name.
+//! Groups whose residuals differ by object: two materials under one name.
 //!
-//! One reflectance for objects of two leaves one of them too dark and the other too bright. For every
-//! object of a group, this finds by what factor the photograph is brighter than the re-rendering,
-//! channel by channel, with its standard error from squares of pixels, inside which errors of the model
-//! are alike. Objects whose factors agree are one part.
+//! One reflectance for objects of two materials makes one of them too dark and the other too bright.
+//! For every object of a group, this finds the factor by which the photograph is brighter than the
+//! re-rendering, channel by channel, with its standard error from squares of pixels, inside which
+//! errors of the model are correlated. Objects whose factors agree are one part.
 
 use super::{Recovery, Status};
 use crate::observation::PixelStatus;
 use std::collections::BTreeMap;
 use unrender_scene::{Image, Rgb, RgbImage};
 
-/// Parts differ by more than this share: twice what is called notable of a model's error in one place.
-/// At half of it, light that is a little off makes parts of objects far from each other; at double,
-/// two paints of 0.5 and 0.6 are one.
+/// Parts differ by more than this share: twice a notable model error in one place. At half of it,
+/// slightly wrong light splits objects far from each other; at double, two paints of 0.5 and 0.6 are
+/// one.
 const NOTABLE: f64 = 0.1;
-/// And by so many standard errors. At half of it one group of forty falls apart by chance; at double,
-/// objects of a few squares never do.
+/// And by this many standard errors. At half of it one group of forty is split by chance; at double,
+/// objects of a few squares never are.
 const ERRORS: f64 = 4.0;
 /// The side of the squares, as a share of the picture's height: a 40th is 12 pixels of 480. At half of it
 /// errors reach over several squares and the standard error is too small; at double, small objects have
 /// too few.
 const SQUARE: f32 = 1.0 / 40.0;
-/// An object with fewer squares says nothing by itself: of three, the scatter is known to a half.
+/// An object with fewer squares is not evaluated: from three, the scatter is known only to a half.
 const SQUARES_MIN: usize = 4;
 
-/// By what factor the photograph is brighter where it shows an object.
+/// The factor by which the photograph is brighter where it shows an object.
 struct ObjectFit {
     object: usize,
     pixels: usize,
@@ -44,8 +44,8 @@ pub struct ObjectsSeen<'a> {
 }
 
 impl Recovery {
-    /// For each group that falls apart by object, by its index: the objects of its parts, the one with the most pixels
-    /// first, each in the scene's order. Objects that are not seen well enough are with the first.
+    /// For each group to be split by object, by its index: the objects of its parts, the one with the most pixels
+    /// first, each in the scene's order. Objects that are not seen well enough belong to the first.
     pub fn parts(&self, objects_seen: &ObjectsSeen<'_>) -> BTreeMap<usize, Vec<Vec<usize>>> {
         find(self, objects_seen)
     }
@@ -98,14 +98,14 @@ fn agree(a: &ObjectFit, b: &ObjectFit) -> bool {
     })
 }
 
-/// What the photograph shows of `object`; none if that is too little.
+/// The fit of `object`; none if the photograph shows too little of it.
 fn look(recovery: &Recovery, of: &ObjectsSeen<'_>, object: usize) -> Option<ObjectFit> {
     let (width, height) = (of.map.width(), of.map.height());
     let side = ((SQUARE * height as f32) as usize).max(1);
     // In each square: the photograph, the re-rendering, and the pixels.
     let mut squares: BTreeMap<usize, (Rgb, Rgb, usize)> = BTreeMap::new();
     for (index, shown) in of.map.pixels().iter().enumerate() {
-        // What was taken for something that the model lacks may be the other material.
+        // Outliers may be the other material.
         let counts =
             matches!(recovery.status.pixels()[index], PixelStatus::Valid | PixelStatus::Outlier);
         if *shown as usize != object || !counts {

@@ -29,12 +29,12 @@ use unrender::recover::hypothesis::{self, Hypothesis};
 use unrender::render::{Settings, Tracer};
 use unrender::scene::{Group, Material, Rgb, Scene};
 
-/// Scene radiance of a linear pixel value of one: such that the lamps alone are clipped.
+/// Scene radiance of a linear pixel value of one, such that only the lamps are clipped.
 const EXPOSURE: f32 = 0.65;
 /// Another seed than the recovery's, so that both do not make the same errors.
 const SEED: u64 = 2002;
 const SPP: u32 = 1024;
-/// What each group reflects before anything is known of it.
+/// The reflectance of all groups in the scene file.
 const GREY: f32 = 0.5;
 
 fn main() -> Result<(), Box<dyn Error>> {

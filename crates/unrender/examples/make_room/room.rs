@@ -12,11 +12,11 @@ use unrender::scene::{
 
 /// Width and height of the photograph.
 pub(crate) const SIZE: (usize, usize) = (480, 360);
-/// The groups of which the picture shows next to nothing (a sliver of the ceiling) or nothing.
+/// The groups that the picture hardly shows (a sliver of the ceiling) or does not show.
 pub(crate) const UNSEEN: [&str; 2] = ["ceiling", "wardrobe"];
 
 const HEIGHT: f32 = 2.6;
-/// The profile of the vase is that of a small one.
+/// Scale of the vase: its profile is that of a small one.
 const VASE_SCALE: f32 = 1.6;
 
 /// The furnished room with its true materials.
@@ -35,7 +35,7 @@ pub(crate) fn scene() -> Scene {
     scene
 }
 
-/// Adds a group with one object a mesh.
+/// Adds a group with one object per mesh.
 fn add(scene: &mut Scene, name: &str, material: Material, meshes: Vec<Mesh>) {
     let group = scene.groups.len();
     scene.groups.push(Group { name: name.to_owned(), material, emission: Rgb::ZERO });

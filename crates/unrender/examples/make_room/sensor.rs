@@ -9,7 +9,7 @@ const NOISE_AT_GREY: f32 = 0.01;
 const GREY: f32 = 0.18;
 
 /// The linear pixel values of the picture that the camera takes of `radiance`: its noise grows with
-/// the square root of the light. What is above one is clipped when the file is written.
+/// the square root of the light. Values above one are clipped when the file is written.
 pub(crate) fn expose(radiance: &RgbImage, exposure: f32, seed: u64) -> RgbImage {
     let shot = NOISE_AT_GREY * NOISE_AT_GREY * GREY;
     let pixel = |index: usize, radiance: Rgb| {

@@ -1,9 +1,9 @@
-//! Renders exports of the examples by the programs that they are for, and writes how far their
-//! pictures are from ours, group by group: the table of `docs/validation/exports.md`.
+//! Renders exports of the examples with their target programs, and writes how far those pictures
+//! are from ours, group by group: the table of `docs/validation/exports.md`.
 //!
 //! `cargo run --release --example verify_exports -- [--spp N] [--height N] [--scene FOLDER] [PROGRAM
 //! ...]`. Programs
-//! that are not named keep their tables. What is needed comes from PyPI, Blender's 350 MB included.
+//! that are not named keep their tables. The programs come from PyPI, including Blender's 350 MB.
 
 // The tests use all of it.
 #[allow(dead_code, unused_imports)]
@@ -76,7 +76,7 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// The example in `folder` with its true materials, which mean `model`.
+/// The example in `folder` with its true materials, as those of `model`.
 fn load(folder: &Path, model: BrdfModel) -> Result<(Scene, Camera), Failure> {
     let (mut scene, _) = unrender::formats::load_scene(&folder.join("scene.glb"))?;
     materials::apply_from(&folder.join("truth.json"), &mut scene)?;

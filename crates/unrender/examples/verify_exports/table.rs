@@ -4,7 +4,8 @@ use crate::programs::Row;
 use unrender::converted::Conversion;
 use unrender::scene::{Material, Scene};
 
-/// The rows of a table: how bright each group is in both pictures, and what its conversion lost.
+/// The rows of a table: the brightness of each group in both pictures, and the error of its
+/// conversion.
 pub(crate) fn rows(scene: &Scene, conversions: &[Conversion], rows: &[Row]) -> String {
     let mut text = String::from(
         "| group | surface | pixels | ours | theirs | difference | lobe |\n|---|---|---|---|---|---|---|\n",

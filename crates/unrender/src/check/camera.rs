@@ -1,4 +1,4 @@
-//! Where the camera stands, and in what units: what fills the picture, and how far away it is.
+//! Checks of the camera's place and the units: what fills the picture, and how far away it is.
 
 use super::{Subject, length};
 use glam::Vec3;
@@ -10,14 +10,14 @@ use unrender_scene::Warnings;
 const EMPTY: f32 = 0.5;
 /// An object that fills this share of the picture from behind is around the camera.
 const AROUND: f32 = 0.98;
-/// Nearer than this share of the distance at which the scene ends, something stands in the way ...
+/// Something nearer than this share of the scene's diagonal is in the way ...
 const NEAR: f32 = 0.01;
 /// ... if it fills this share of the picture.
 const IN_THE_WAY: f32 = 0.25;
-/// What a photograph of an indoor scene shows is between these sizes, metres.
+/// The part of an indoor scene in a photograph is between these sizes, metres.
 const SIZES: [f32; 2] = [0.02, 100.0];
 
-/// What is doubtful about what the camera sees.
+/// Warnings of what the camera sees.
 pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
     let mut warnings = Warnings::default();
     let pixels = subject.geometry.pixels();
@@ -75,8 +75,8 @@ fn units(subject: &Subject<'_>) -> Warnings {
     if size > most || size < least {
         let unit = if size > most { "centimetres or millimetres" } else { "another unit" };
         warnings.push(format!(
-            "what the picture shows is {} across; scenes are in metres. If it was modelled in \
-             {unit}, export it with the scale that makes it metres: point and spot lights and the \
+            "the part of the scene in the picture is {} across; scenes are in metres. If it was \
+             modelled in {unit}, export it scaled to metres: point and spot lights and the \
              camera's place depend on it",
             length(size)
         ));
@@ -84,8 +84,8 @@ fn units(subject: &Subject<'_>) -> Warnings {
     warnings
 }
 
-/// How large what the picture shows is along its longest side, but for a tenth of the pixels at each
-/// end.
+/// The size of the visible part of the scene along its longest side, without a tenth of the pixels
+/// at each end.
 fn seen_size(subject: &Subject<'_>) -> Option<f32> {
     let (camera, geometry) = (&subject.registered.camera, subject.geometry);
     let (width, height) = (geometry.width(), geometry.height());

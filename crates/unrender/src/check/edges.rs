@@ -1,5 +1,5 @@
 //! The model's edges on the photograph: where they fit, where they are off, and where the photograph
-//! shows none (the finding is `unrender-register`'s: [`unrender_register`]).
+//! shows none; the search is in [`unrender_register`].
 
 use super::{Subject, some};
 use crate::registration::{CLEAR, OBJECT_NOTABLE};
@@ -11,16 +11,16 @@ use unrender_scene::{Camera, Warnings};
 
 /// Edges that are off by no more than this fit, pixels.
 const FITS: f32 = 1.0;
-/// How far the photograph's edges are looked for, pixels.
+/// The photograph's edges are searched up to this distance, pixels.
 const REACH: f32 = 4.0;
-/// Edge points whose neighbours disagree about where the photograph's edge is have found something
-/// else: neighbours within this distance, pixels ...
+/// The offset of an edge point is wrong if its neighbours contradict it: neighbours are within this
+/// distance, pixels ...
 const NEIGHBOURS: f32 = 6.0;
-/// ... agree to this, pixels.
+/// ... and agree up to this, pixels.
 const AGREE: f32 = 0.75;
-/// A smaller share of edges in place than this says that the model is not that of the photograph.
+/// With a smaller share of edges in place than this, the model does not belong to the photograph.
 const FITTING: f32 = 0.15;
-/// Edges of fewer pixels than this say nothing.
+/// Fewer edge pixels than this are not evaluated.
 const PIXELS_MIN: usize = 60;
 
 /// How an edge of the model lies on the photograph.
@@ -55,7 +55,7 @@ pub struct Edges {
     pub fit: f32,
     /// The share that is off.
     pub off: f32,
-    /// How far the model is off on the median, pixels of the photograph; none if too few edges are found to tell.
+    /// How far the model is off on the median, pixels of the photograph; none if too few edges are found.
     pub displacement_px: Option<f32>,
     /// Whether a recovery would move the camera.
     pub camera_is_off: bool,
@@ -77,7 +77,7 @@ pub(super) fn find(subject: &Subject<'_>) -> Edges {
         found.iter().map(|edgel| edge(edgel.at, project(edgel))).collect()
     } else {
         let offsets = agreed(&found, &offsets, width);
-        // An edge in place fits, be others as clear beside it.
+        // An edge in place fits, even if there are others as clear beside it.
         let here = |edgel: &Edgel| picture.has_edge(edgel, FITS).then_some(edgel.at);
         let there = |(edgel, offset): (&Edgel, &Option<f32>)| {
             let there = offset.map(|offset| edgel.at + edgel.across * offset);
@@ -147,7 +147,7 @@ fn agreed(found: &[Edgel], offsets: &[Option<f32>], width: usize) -> Vec<Option<
     offsets.iter().enumerate().map(keep).collect()
 }
 
-/// A model that does not lie where the photograph has it.
+/// Warnings of a model that lies elsewhere than in the photograph.
 pub(super) fn warnings(subject: &Subject<'_>, edges: &Edges) -> Warnings {
     let mut warnings = Warnings::default();
     let size = (subject.geometry.width(), subject.geometry.height());
@@ -162,9 +162,9 @@ pub(super) fn warnings(subject: &Subject<'_>, edges: &Edges) -> Warnings {
     let side = subject.job.side as f32;
     if found.displacement > CLEAR {
         let done = if edges.camera_is_off {
-            "a recovery moves the camera to where they fit, unless told to keep it"
+            "a recovery moves the camera to where they fit, unless you keep it by --keep-camera"
         } else {
-            "a quick rendering is not nearer to the photo there, so a recovery keeps the camera"
+            "a quick rendering from there is not nearer to the photo, so a recovery keeps the camera"
         };
         warnings.push(format!(
             "the model's edges lie {:.1} pixels from the photo's (on the median): {done}. \
@@ -178,8 +178,8 @@ pub(super) fn warnings(subject: &Subject<'_>, edges: &Edges) -> Warnings {
         .collect();
     if !off.is_empty() {
         warnings.push(format!(
-            "by themselves, these objects lie beside where the photo has them: {}. Move them in the \
-             model; pixels that close to their edges do not count",
+            "these objects lie beside their place in the photo: {}. Move them in the model; pixels \
+             that close to their edges do not count",
             off.join(", ")
         ));
     }

@@ -1,5 +1,5 @@
-//! Group by group: how many pixels show it and count, whether it is lit, and what there is to tell
-//! its roughness by.
+//! Group by group: how many pixels show it and are valid, whether it is lit, and what shows its
+//! roughness.
 
 use super::identifiability::RoughnessCue;
 use super::{Subject, some};
@@ -7,19 +7,19 @@ use serde::Serialize;
 use unrender_recover::{PixelStatus, Role};
 use unrender_scene::Warnings;
 
-/// Below this many pixels that count, the noise of a photograph shows in the second digit.
+/// Below this many valid pixels, the noise of a photograph shows in the second digit.
 const FEW: usize = 40;
-/// A group in less light than this share of what the groups get on the median is in the dark.
+/// A group with less light than this share of the groups' median is in the dark.
 const DARK: f32 = 0.02;
-/// A group is mostly cut off from this share of its pixels on.
+/// A group is mostly clipped from this share of its pixels on.
 const CLIPPED: f32 = 0.5;
 
 /// The role of a group that the project leaves out.
 pub(super) const IGNORED: &str = "ignored";
-/// What the role of a group begins with that has the material of another.
+/// The beginning of the role of a group that shares the material of another.
 pub(super) const SAME_AS: &str = "same as ";
 
-/// What the photograph has of one group.
+/// The pixels and the light of one group in the photograph.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GroupCheck {
     /// Its name.
@@ -28,27 +28,27 @@ pub struct GroupCheck {
     pub role: String,
     /// Pixels that show it.
     pub pixels: usize,
-    /// Those of them that count.
+    /// The valid ones of them.
     pub valid: usize,
-    /// Those that do not because the photograph is cut off there (clipped, too dark, broken) or the
-    /// project leaves them out.
+    /// Invalid ones because the photograph is clipped, too dark or without a measurement there, or
+    /// the project masks them.
     pub clipped: usize,
-    /// Because an edge is too close.
+    /// Invalid ones because an edge is too close.
     pub edge: usize,
-    /// Because they stand out alone.
+    /// Invalid ones because they are single outliers.
     pub spike: usize,
     /// The share of it in the picture that gets light straight from a lamp; none if it is unseen or
     /// emits.
     pub lit: Option<f32>,
     /// "highlight", "mirror image", "highlight, mirror image" or "nothing"; none as above.
     pub roughness: Option<&'static str>,
-    /// What a lamp and the surroundings add to it at most, relative to its diffuse light.
+    /// The largest contribution of a lamp and of the surroundings, relative to its diffuse light.
     pub contrast: Option<[f32; 2]>,
     /// Whether all its meshes have texture coordinates.
     pub texture_coordinates: bool,
 }
 
-/// One entry a group.
+/// One entry per group.
 pub(super) fn all(subject: &Subject<'_>) -> Vec<GroupCheck> {
     (0..subject.specs.len()).map(|group| one(subject, group)).collect()
 }
@@ -96,7 +96,7 @@ fn role(subject: &Subject<'_>, group: usize) -> String {
     .into()
 }
 
-/// Groups that the photograph has too little of.
+/// Warnings of groups with too few pixels or too little light.
 pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
     let mut warnings = Warnings::default();
     let unknown = || (0..subject.specs.len()).filter(|&g| subject.specs[g].role == Role::Unknown);
@@ -107,8 +107,9 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
     let unseen = named(&|g| all(g) == 0);
     if !unseen.is_empty() {
         warnings.push(format!(
-            "no pixel shows {}: what is not seen is recovered only from the light that it sends to other \
-             surfaces; if you know its reflectance, state it as known in [groups.NAME]",
+            "no pixel shows {}: a group that is not seen is recovered only from the light that it \
+             sends to other surfaces; if you know its reflectance, state it as known in \
+             [groups.NAME]",
             some(&unseen)
         ));
     }
@@ -121,8 +122,8 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
             ));
         } else if *valid < FEW {
             warnings.push(format!(
-                "group \"{name}\" has only {valid} valid pixel(s) of {pixels}; give it the material of a larger group \
-                 that is alike, state it as known, or use a larger photo"
+                "group \"{name}\" has only {valid} valid pixel(s) of {pixels}; give it the \
+                 material of a larger, similar group, state it as known, or use a larger photo"
             ));
         }
     }

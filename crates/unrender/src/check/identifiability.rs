@@ -1,12 +1,13 @@
-//! Identifiability: what the photograph determines of a group, estimated before anything is recovered: a first gathering
-//! of light in the scene as it is guessed so far, few rays, twice with independent noise.
+//! Identifiability: what the photograph determines of a group, estimated before anything is
+//! recovered: a first gathering of light with few rays in the scene as guessed so far, twice with
+//! independent noise.
 //!
 //! With the white diffuse surface's radiance `D` and that of Ward's lobe `S` (`rho_s = 1`, one of
-//! [`ALPHAS`]), a group shows how rough it is as far as `S` varies over its pixels in a way that `D`
-//! does not: [`contrast`] is the standard deviation of `S - c D` relative to the mean of `D`, with the
-//! `c` that makes it least. Light straight from lamps makes highlights, all other light mirror images.
+//! [`ALPHAS`]), a group shows its roughness if `S` varies over its pixels in a way that `D` does not:
+//! [`contrast`] is the standard deviation of `S - c D` relative to the mean of `D`, with the `c` that
+//! minimises it. Light straight from lamps makes highlights, all other light mirror images.
 //!
-//! And if the response is right, the photograph of a diffuse surface follows `D` in proportion: the
+//! If the response is right, the photograph `P` of a diffuse surface is proportional to `D`: the
 //! slope of `ln P` over `ln D` is one; it is near 1/2.2 for encoded values that were taken as linear,
 //! and near 2.2 for linear ones that were decoded.
 
@@ -21,10 +22,10 @@ use unrender_scene::color::luminance;
 const ALPHAS: [f32; 2] = [0.05, 0.1];
 /// Reflections that are followed: in middle grey the rest carries a sixteenth of the light.
 const BOUNCES: u32 = 4;
-/// Of the first look at a scene whose reflectances nobody knows.
+/// The allowance for errors in a scene of unknown reflectances.
 const ALLOWANCE: Allowance =
     Allowance { light: LightError { share: 0.1 }, floor: ModelError { share: 0.01 } };
-/// Directions in which each pixel's light is looked at, for diffuse surfaces and for each lobe.
+/// Directions in which each pixel's light is sampled, for diffuse surfaces and for each lobe.
 const COSINE: u32 = 8;
 const PER_LOBE: u32 = 8;
 
@@ -37,15 +38,15 @@ pub(super) struct Identifiability {
     pub(super) light: f32,
     /// The photograph's mean luminance there, W sr^-1 m^-2.
     pub(super) photo: f32,
-    /// How far lamps would show in it: the [`contrast`] of a highlight.
+    /// How visible lamps would be in it: the [`contrast`] of a highlight.
     pub(super) highlight: f32,
-    /// How far its surroundings would: that of a mirror image.
+    /// How visible its surroundings would be: the contrast of a mirror image.
     pub(super) image: f32,
-    /// How fast the photograph grows with the light, if both vary enough over the group.
+    /// The slope of the photograph over the light, if both vary enough over the group.
     pub(super) slope: Option<f32>,
 }
 
-/// Looks at `group` behind at most `count` of `pixels`. None if no ray meets it.
+/// Examines `group` at no more than `count` of `pixels`. None if no ray hits it.
 pub(super) fn identifiability(
     stage: &Stage<'_>,
     appearance: Appearance<'_>,
@@ -101,7 +102,7 @@ pub(super) fn identifiability(
 }
 
 /// The standard deviation of `values - c light` relative to the mean of `light`, for the best `c`;
-/// both are given twice with independent noise, which does not count.
+/// both are given twice with independent noise, which cancels.
 fn contrast(values: &[Vec<f32>; 2], light: &[Vec<f32>; 2]) -> f32 {
     let product = |a: &[f32], b: &[f32]| -> f64 {
         a.iter().zip(b).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum()
@@ -118,13 +119,14 @@ fn contrast(values: &[Vec<f32>; 2], light: &[Vec<f32>; 2]) -> f32 {
 }
 
 /// The slope of the logarithm of `photo` over that of `light`. None if the light varies too little,
-/// or if something else rules what the photograph shows.
+/// or if something else dominates the photograph.
 fn slope(photo: &[f32], light: &[Vec<f32>; 2]) -> Option<f32> {
     /// A slope through fewer pixels is noise.
     const PIXELS_MIN: usize = 50;
-    /// The least standard deviation of the light's logarithm: where light varies less, anything else rules.
+    /// The least standard deviation of the light's logarithm: where light varies less, other influences
+    /// dominate.
     const VARIES: f64 = 0.2;
-    /// The least correlation of photograph and light for the light to rule.
+    /// The least correlation of photograph and light for the light to dominate.
     const CORRELATED: f64 = 0.8;
     let [a, b] = light;
     let positive = |i: &usize| photo[*i].min(a[*i]).min(b[*i]) > 0.0;
@@ -141,7 +143,7 @@ fn slope(photo: &[f32], light: &[Vec<f32>; 2]) -> Option<f32> {
         x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>() / x.len() as f64
     };
     let (photo, a, b) = (centred(photo), centred(a), centred(b));
-    // Each half stands in for the other's noise, which would flatten the line.
+    // The covariance of the two halves is free of noise, which would flatten the line.
     let lights = covariance(&a, &b);
     let both = 0.5 * (covariance(&photo, &a) + covariance(&photo, &b));
     if lights < VARIES * VARIES {
@@ -151,12 +153,12 @@ fn slope(photo: &[f32], light: &[Vec<f32>; 2]) -> Option<f32> {
     (correlation > CORRELATED).then_some((both / lights) as f32)
 }
 
-/// What can be said of a group's roughness.
+/// What shows a group's roughness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum RoughnessCue {
-    /// A lamp shows in it.
+    /// A lamp is visible in it.
     Highlight,
-    /// Its surroundings do.
+    /// Its surroundings are.
     Image,
     /// Both.
     Both,
@@ -165,8 +167,8 @@ pub(super) enum RoughnessCue {
 }
 
 impl Identifiability {
-    /// A shine of a tenth on a surface of middle grey shows from this contrast on: it changes the
-    /// picture by 1 %.
+    /// A specular reflectance of a tenth on a surface of middle grey is visible from this contrast
+    /// on: it changes the picture by 1 %.
     const SHOWS: f32 = 0.05;
 
     /// What roughness can be estimated from.
@@ -206,7 +208,8 @@ mod tests {
         let light = twice(|x| 1.0 + x, 0.0);
         assert!(contrast(&twice(|x| 3.0 * (1.0 + x), 0.0), &light) < 1e-3);
         assert!(contrast(&twice(|_| 0.0, 0.5), &light) < 0.1);
-        // A peak of 1 on a tenth of the pixels: deviation 0.3, less what the light follows of it.
+        // A peak of 1 on a tenth of the pixels: standard deviation 0.3, less the part correlated
+        // with the light.
         let peak =
             contrast(&twice(|x| if (0.45..0.55).contains(&x) { 1.5 } else { 0.0 }, 0.0), &light);
         assert!((0.25..0.32).contains(&peak), "{peak}");

@@ -1,5 +1,5 @@
 //! Lights in the units of another Lighting Mode of Blender's export: by the brightness of the photograph under each
-//! reading, or where that says nothing, by what lamps there are.
+//! reading, or, where that decides nothing, by the power of real lamps.
 
 use super::{Subject, identifiabilities, photograph};
 use crate::readings::{self, Reading};
@@ -7,10 +7,10 @@ use unrender_recover::View;
 use unrender_render::Tracer;
 use unrender_scene::Warnings;
 
-/// Photograph and grey rendering are alike up to this factor: half of the least step between two readings.
+/// Photograph and grey rendering agree up to this factor: half of the least step between two readings.
 const NEAR: f64 = 3.5;
 
-/// What is doubtful about the units of the lights.
+/// Warnings of the units of the lights.
 pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
     let mut warnings = Warnings::default();
     let job = subject.job;
@@ -63,7 +63,7 @@ fn by_photo(subject: &Subject<'_>, reading: &Reading) -> Option<f64> {
     photograph::factor(subject, &identifiabilities(&view, subject.observation, subject.specs))
 }
 
-/// With a capital letter.
+/// `text` with a capital letter.
 fn sentence(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())

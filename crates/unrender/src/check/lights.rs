@@ -1,7 +1,7 @@
 //! Lights in the wrong place: inside walls and shades, behind them, or turned to them.
 //!
-//! Straight lines are tried from each light to points of the picture. Of a light that reaches none,
-//! and of one that shines right onto something, the rays around it say what is in its way.
+//! Straight lines are tested from each light to points of the picture. If a light reaches none, or
+//! shines right onto something, rays around it find what is in its way.
 
 use super::{Subject, length};
 use glam::Vec3;
@@ -12,22 +12,22 @@ use unrender_render::surface::Frame;
 use unrender_render::{NOTHING, Tracer};
 use unrender_scene::{Light, LightKind, Mesh, Object, Warnings};
 
-/// Points of the picture that lights are tried on.
+/// Points of the picture to which lines are tested.
 const POINTS: usize = 400;
 /// Points on an area light, for each of those.
 const FROM: usize = 4;
 /// Rays that look around a light.
 const AROUND: usize = 256;
-/// What stops a light nearer than this share of the scene is right beside it.
+/// A surface nearer to a light than this share of the scene is right beside it.
 const BESIDE: f32 = 1e-3;
-/// What stops an area light nearer than this share of its own size is right before it.
+/// A surface nearer to an area light than this share of the light's size is right before it ...
 const BEFORE: f32 = 0.05;
-/// If it stops this share of the light.
+/// ... if it stops this share of the light.
 const MOST: f32 = 0.9;
-/// Steps of the golden ratio, but for whole turns.
+/// The golden ratio, without whole turns.
 const GOLDEN: f32 = 0.618_034;
 
-/// What is doubtful about the lights.
+/// Warnings of the lights.
 pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
     let mut warnings = Warnings::default();
     let scene = &subject.job.scene;
@@ -133,8 +133,8 @@ fn spread_over(mesh: &Mesh, count: usize) -> Vec<SurfacePoint> {
             before += areas[triangle];
             triangle += 1;
         }
-        // Along the plastic number's lattice [Roberts 2018]; from a half on, so that none is a corner,
-        // which lies on other faces too.
+        // Along the plastic number's lattice [Roberts 2018], starting at a half, so that no point is a
+        // corner, which belongs to other faces, too.
         let step = i as f32 + 0.5;
         let (u, v) = ((0.754_877_7 * step).fract(), (0.569_840_3 * step).fract());
         let root = u.sqrt();
@@ -155,7 +155,8 @@ fn area(mesh: &Mesh) -> f32 {
     (0..mesh.triangles.len()).map(|t| 0.5 * normal(mesh, t).length()).sum()
 }
 
-/// The first surface along a ray from each of `points`, by the cosine about its normal.
+/// The first surface along a ray from each of `points`, in cosine-distributed directions about its
+/// normal.
 fn first_met(tracer: &Tracer, points: &[SurfacePoint]) -> Vec<Option<(f32, u32)>> {
     let met = |(i, (point, front)): (usize, &SurfacePoint)| {
         let (radius, angle) = ((GOLDEN * i as f32).fract().sqrt(), 0.414_213_6 * i as f32 * TAU);
@@ -169,8 +170,8 @@ fn first_met(tracer: &Tracer, points: &[SurfacePoint]) -> Vec<Option<(f32, u32)>
     points.iter().enumerate().map(met).collect()
 }
 
-/// The share of an area light's light that is stopped within `distance`, and the object that stops
-/// most of it.
+/// The share of an area light's rays that are stopped within `distance`, and the object that stops
+/// most of them.
 fn stopped(tracer: &Tracer, points: &[SurfacePoint], distance: f32) -> (f32, Option<u32>) {
     let mut by: BTreeMap<u32, usize> = BTreeMap::new();
     for (_, object) in first_met(tracer, points).into_iter().flatten().filter(|m| m.0 < distance) {
@@ -215,8 +216,8 @@ fn small_light(subject: &Subject<'_>, light: &Light, seen: &[SurfacePoint]) -> W
         ));
     } else if let Some(object) = shut_in_by {
         warnings.push(format!(
-            "{kind} \"{name}\" is shut in by object \"{}\" and lights nothing that the picture \
-             shows: move it out of the wall or shade, or take that object out of the scene",
+            "{kind} \"{name}\" is enclosed by object \"{}\" and lights nothing that the picture \
+             shows: move it out of the wall or shade, or remove that object from the scene",
             subject.object_name(object)
         ));
     } else if lights == 0 {
@@ -225,15 +226,15 @@ fn small_light(subject: &Subject<'_>, light: &Light, seen: &[SurfacePoint]) -> W
     warnings
 }
 
-/// What stands around a light.
+/// The surfaces around a light.
 struct Around {
-    /// The nearest surface: how far away it is, and its object.
+    /// The distance to the nearest surface, and its object.
     nearest: (f32, u32),
-    /// The object that stands around it on most sides, if no side is open.
+    /// The object on most sides of it, if no side is open.
     shut_in_by: Option<u32>,
 }
 
-/// What stands around `position`; none if nothing does.
+/// The surfaces around `position`; none if there are none.
 fn around(tracer: &Tracer, position: Vec3) -> Option<Around> {
     // Fibonacci's sphere.
     let direction = |i: usize| {

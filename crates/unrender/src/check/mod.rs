@@ -1,7 +1,7 @@
-//! The input's doctor: what of a project would spoil a recovery, found before one is begun.
+//! Checks of the input: finds what would spoil a recovery before it is begun.
 //!
-//! Each module looks at one part of the input and adds sentences to the [`Warnings`]: what was found,
-//! and what to do. The limits are loose on purpose; a warning asks for a look, it proves nothing.
+//! Each module looks at one part of the input and adds sentences to the [`Warnings`]: the finding,
+//! and what to do. The limits are loose on purpose; a warning suggests a look, it proves nothing.
 
 mod camera;
 mod edges;
@@ -33,27 +33,27 @@ use unrender_render::{GeometryBuffers, RadianceCache, Tracer};
 use unrender_scene::color::luminance;
 use unrender_scene::{Material, Rgb, Warnings};
 
-/// What was found.
+/// The findings.
 #[derive(Clone, Debug)]
 pub struct Checkup {
-    /// One entry a group of the scene, in its order.
+    /// One entry per group of the scene, in its order.
     pub groups: Vec<GroupCheck>,
     /// The model's edges and where the photograph has them.
     pub edges: Edges,
-    /// What is doubtful, and what to do about it; those of the job come first.
+    /// Warnings, with what to do; those of the job come first.
     pub warnings: Warnings,
-    /// Pixels are counted as squares of so many of the photograph's on a side.
+    /// Pixels are counted as squares with this side, pixels of the photograph.
     pub side: usize,
 }
 
 /// The reflectance of groups that are still to be recovered.
 const GREY: Rgb = Rgb::splat(0.5);
-/// Pixels of all groups together that are looked at.
+/// Pixels that are examined, of all groups together.
 const PIXELS: usize = 6000;
-/// And of each.
+/// And of each group: the least and the most.
 const PIXELS_OF_GROUP: [usize; 2] = [40, 400];
 
-/// Looks at all of `job`.
+/// Checks all of `job`.
 pub fn check(job: &Job) -> Checkup {
     let tracer = Tracer::new(&job.lit_in(0));
     let registered = registration::register(job, &tracer, Alignment::Auto);
@@ -90,12 +90,12 @@ pub fn check(job: &Job) -> Checkup {
     Checkup { groups: groups::all(&subject), edges, warnings, side: job.side }
 }
 
-/// What all parts of the check look at.
+/// The data that all parts of the check use.
 struct Subject<'a> {
     job: &'a Job,
     tracer: &'a Tracer,
     registered: &'a RegisteredModel,
-    /// What the camera sees as the model was registered.
+    /// The geometry that the registered camera sees.
     geometry: &'a GeometryBuffers,
     observation: &'a Observation,
     specs: &'a [GroupSpec],
@@ -117,8 +117,8 @@ impl Subject<'_> {
     }
 }
 
-/// A first look at the light in every group that reflects, unknown ones in grey. What is mirrored has
-/// the colours of the photograph, brought to the brightness of the grey scene.
+/// The identifiability of every group that reflects; unknown ones are grey. Mirror images have the
+/// colours of the photograph, scaled to the brightness of the grey scene.
 fn identifiabilities(
     view: &View<'_>,
     observation: &Observation,

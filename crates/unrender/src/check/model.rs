@@ -1,4 +1,4 @@
-//! The model by itself: surfaces that are there twice.
+//! Checks of the model: surfaces that exist twice.
 
 use super::{Subject, some};
 use glam::Vec3;
@@ -8,7 +8,7 @@ use unrender_scene::Warnings;
 /// A triangle by its corners, to the bit, whatever their order.
 type Key = [[u32; 3]; 3];
 
-/// What is doubtful about the meshes.
+/// Warnings of the meshes.
 pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
     let mut warnings = Warnings::default();
     let objects = &subject.job.scene.objects;
@@ -24,8 +24,8 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
     }
     for ((one, other), count) in twice {
         warnings.push(format!(
-            "{count} triangle(s) of {} lie in the same place, in two groups: which of them is seen \
-             is chance. Delete one",
+            "{count} triangle(s) of {} lie in the same place, in two groups: which one is seen is \
+             random. Delete one",
             some(&[&objects[one].name, &objects[other].name])
         ));
     }

@@ -1,9 +1,9 @@
-//! The photograph by itself and against a grey rendering: codes that no camera writes, light that no
-//! lamp here gives.
+//! Checks of the photograph, alone and against a grey rendering: codes that no camera writes,
+//! brightness that no lamp here can cause.
 //!
-//!  - **Steps of 8 bits in a deeper file**: the file was made from an 8-bit picture, and its encoding
-//!    likely came along.
-//!  - **Gaps in the histogram**: codes that never occur between codes that do often. Contrast or
+//!  - **Steps of 8 bits in a deeper file**: the file was made from an 8-bit picture, and likely has
+//!    its encoding.
+//!  - **Gaps in the histogram**: codes that never occur between frequent ones. Contrast or
 //!    brightness were changed after the camera had written its codes.
 //!  - **The slope** of the photograph over the light ([`mod@super::identifiability`]), which a wrong
 //!    response bends.
@@ -18,24 +18,24 @@ use unrender_recover::{PixelStatus, Role};
 use unrender_scene::color::luminance;
 use unrender_scene::{Rgb, Warnings};
 
-/// Values are steps of 8 bits if all but this share of them are.
+/// Values are steps of 8 bits if all except this share of them are.
 const OTHERS: f32 = 0.001;
-/// How far a value may be from such a step: a tenth of the steps of 16 bits, and what rounding does.
+/// How far a value may be from such a step: a tenth of a step of 16 bits, and rounding.
 const STEP: f32 = 1e-6;
-/// A code that never occurs is a gap if both of its neighbours occur so often.
+/// A code that never occurs is a gap if both of its neighbours occur at least this often.
 const OFTEN: usize = 40;
-/// So many gaps in a channel are no chance.
+/// This many gaps in a channel are not random.
 const GAPS: usize = 4;
-/// A photograph is cut off from this share of its pixels on.
+/// A photograph with this share of clipped or dark pixels causes a warning.
 const CLIPPED: f32 = 0.05;
 /// The mean of a photograph that is too dark, as a share of its white.
 const DARK: f32 = 0.01;
-/// Slopes that may be right, with room for shine and for lamps that are only roughly modelled.
+/// Plausible slopes, with room for specular reflection and for roughly modelled lamps.
 const SLOPES: [f32; 2] = [0.55, 1.8];
-/// Photograph and grey rendering are alike up to this factor.
+/// Photograph and grey rendering agree up to this factor.
 const FACTOR: f32 = 10.0;
 
-/// What is doubtful about the photograph.
+/// Warnings of the photograph.
 pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
     let codes = &subject.job.picture;
     let mut warnings = Warnings::default();
@@ -59,7 +59,7 @@ fn measured(codes: &Picture) -> impl Iterator<Item = Rgb> {
     values.filter(move |(index, _)| measured.pixels()[*index]).map(|(_, value)| value)
 }
 
-/// A deep file that holds the steps of 8 bits.
+/// The warning of a deep file with steps of 8 bits.
 fn steps(subject: &Subject<'_>, codes: &Picture) -> Option<String> {
     if codes.depth == Depth::Eight {
         return None;
@@ -85,7 +85,7 @@ fn steps(subject: &Subject<'_>, codes: &Picture) -> Option<String> {
     ))
 }
 
-/// A comb in the histogram of an 8-bit file.
+/// The warning of gaps in the histogram of an 8-bit file.
 fn gaps(codes: &Picture) -> Option<String> {
     if codes.depth != Depth::Eight {
         return None;
@@ -102,13 +102,13 @@ fn gaps(codes: &Picture) -> Option<String> {
     (gaps >= GAPS).then(|| {
         format!(
             "the photo's histogram has {gaps} gaps: its contrast or colours were changed after it \
-             was taken, so that no plain response describes it. Use the picture as the camera wrote \
-             it"
+             was taken, so that no simple response describes it. Use the picture as the camera \
+             wrote it"
         )
     })
 }
 
-/// The slope that most of the groups show.
+/// The warning of an implausible slope in most of the groups.
 fn slope(subject: &Subject<'_>) -> Option<String> {
     if subject.job.project.response == Some(ResponseChoice::Auto) {
         return None;
@@ -156,8 +156,8 @@ fn clipped(subject: &Subject<'_>) -> Option<String> {
     }
     (off as f32 > CLIPPED * all as f32).then(|| {
         format!(
-            "{:.0} % of the photo (lamps not counted) are clipped, beside a clipped pixel or in the \
-             noise of black, and say nothing: take a photo of another exposure",
+            "{:.0} % of the photo (lamps not counted) are clipped, beside a clipped pixel or in \
+             the noise near black, and cannot be used: take a photo of another exposure",
             100.0 * off as f32 / all as f32
         )
     })
@@ -175,15 +175,15 @@ fn too_dark(subject: &Subject<'_>, codes: &Picture) -> Option<String> {
     let mean = sum / count.max(1) as f32;
     (mean < DARK).then(|| {
         format!(
-            "the photo is very dark, {:.2} % of white on the mean, where codes are coarse and noise \
-             is large: take a longer exposure, or a raw picture developed to 16 bits",
+            "the photo is very dark, {:.2} % of white in the mean, where codes are coarse and \
+             noise is large: take a longer exposure, or a raw picture developed to 16 bits",
             100.0 * mean
         )
     })
 }
 
-/// How many times as bright as the scene in grey the photograph is, where `identifiabilities` are those of the
-/// grey scene; nothing where its brightness is not known.
+/// The brightness of the photograph relative to the grey scene, whose `identifiabilities` these are; none if
+/// the photograph's brightness is not known.
 pub(super) fn factor(
     subject: &Subject<'_>,
     identifiabilities: &[Option<Identifiability>],
@@ -203,7 +203,7 @@ pub(super) fn factor(
     (grey > 0.0 && photo > 0.0).then_some(photo / grey)
 }
 
-/// The photograph against the scene in grey.
+/// The warning of a brightness far from that of the grey scene.
 fn brightness(subject: &Subject<'_>) -> Option<String> {
     let factor = factor(subject, subject.identifiabilities)?;
     let [low, high] = [1.0 / f64::from(FACTOR), f64::from(FACTOR)];
@@ -211,9 +211,9 @@ fn brightness(subject: &Subject<'_>) -> Option<String> {
         return None;
     }
     Some(format!(
-        "the photo is {} the scene would be if all of it were middle grey: the exposure, the \
-         strength of the lights or the scene's units (point and spot lights depend on them) look \
-         wrong. If the exposure is not known, say exposure = \"auto\" and give an [anchor]",
+        "the photo is {} the scene in middle grey: the exposure, the strength of the lights or the \
+         scene's units (point and spot lights depend on them) look wrong. If the exposure is not \
+         known, say exposure = \"auto\" and give an [anchor]",
         if factor > 1.0 {
             format!("{factor:.0} times as bright as")
         } else {

@@ -1,4 +1,4 @@
-//! The picture of the check: the photograph, paled, under the edges of the model.
+//! The picture of the check: the pale photograph under the edges of the model.
 //!
 //! Green where the photograph has the edge too; red where it has it elsewhere, and yellow there; blue
 //! where it shows none. Small photographs are enlarged by a whole number.
@@ -8,17 +8,17 @@ use glam::Vec2;
 use unrender_scene::color::{linear_from_srgb, luminance, srgb_from_linear};
 use unrender_scene::{Image, Rgb, RgbImage};
 
-/// Photographs are enlarged to about this many columns, no more than ...
+/// Photographs are enlarged to about this many columns, but no more than ...
 const COLUMNS: usize = 1400;
-/// ... so many times.
+/// ... this many times.
 const ENLARGED: usize = 4;
-/// The share of its pixels that a photograph of any brightness has below white here.
+/// The picture is scaled so that this share of its pixels is below white.
 const BELOW_WHITE: f32 = 0.98;
 /// Half the width of a line, and of its dark border, pixels of a picture of [`COLUMNS`] or less.
 const LINE: f32 = 1.2;
 const BORDER: f32 = 2.2;
 
-/// sRGB colours of edges that fit, are off, are there, and are not seen.
+/// sRGB colours of edges that fit, that are off, of their true place, and of unseen ones.
 const GREEN: Rgb = Rgb::new(0.20, 0.90, 0.30);
 const RED: Rgb = Rgb::new(1.00, 0.15, 0.15);
 const YELLOW: Rgb = Rgb::new(1.00, 0.90, 0.10);
@@ -33,7 +33,7 @@ pub fn edge_picture(photo: &RgbImage, edges: &[Edge]) -> RgbImage {
     let (width, height) = (zoom * photo.width(), zoom * photo.height());
     let mut picture = RgbImage::from_fn(width, height, |x, y| *pale.at(x / zoom, y / zoom));
     let of = |wanted: EdgeKind| edges.iter().filter(move |e| e.kind == wanted);
-    // What matters most is drawn last.
+    // The most important is drawn last.
     let layers: [(Vec<Vec2>, Rgb); 4] = [
         (of(EdgeKind::Unseen).map(|e| e.at).collect(), BLUE),
         (of(EdgeKind::Fits).map(|e| e.at).collect(), GREEN),

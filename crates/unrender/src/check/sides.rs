@@ -1,15 +1,16 @@
-//! Fronts and backs: objects that are inside out, and lamps that turn their dark side to the camera.
+//! Checks of fronts and backs: objects that are inside out, and lamps that turn their dark side to
+//! the camera.
 
 use super::{Subject, some};
 use unrender_render::NOTHING;
 use unrender_scene::Warnings;
 
-/// An object is seen from behind if that share of its pixels shows its back.
+/// An object is seen from behind if this share of its pixels shows its back.
 const BEHIND: f32 = 0.9;
-/// Objects of fewer pixels say nothing.
+/// Objects of fewer pixels are not examined.
 const PIXELS_MIN: usize = 30;
 
-/// What is seen from the wrong side.
+/// Warnings of objects that are seen from the wrong side.
 pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
     let mut warnings = Warnings::default();
     let scene = &subject.job.scene;

@@ -6,7 +6,7 @@ use crate::text_table;
 use serde::Serialize;
 use std::path::Path;
 
-/// The table, the edges and the warnings; `picture` is where the edges were drawn.
+/// The table, the edges and the warnings; `picture` is the file with the drawn edges.
 pub fn table(checkup: &Checkup, picture: &Path) -> String {
     let header = ["group", "pixels", "valid", "left out", "lit", "roughness shows by", "texture"];
     let mut rows = vec![header.map(str::to_owned)];
@@ -60,11 +60,11 @@ fn row(group: &GroupCheck) -> [String; 7] {
 
 fn edges(edges: &Edges, picture: &Path) -> String {
     let displacement = match edges.displacement_px {
-        Some(off) => format!("they lie {off:.1} pixels from the photo's on the median"),
-        None => "too few are found to tell how far they are off".to_owned(),
+        Some(off) => format!("they lie {off:.1} pixels from the photo's in the median"),
+        None => "too few are found to measure how far they are off".to_owned(),
     };
     format!(
-        "\nof the model's edges {:.0} % are found in place and {:.0} % elsewhere; {displacement}\n{}: \
+        "\n{:.0} % of the model's edges are found in place and {:.0} % elsewhere; {displacement}\n{}: \
          green: in place; red: off, and yellow where the photo has them; blue: not seen in the \
          photo\n",
         100.0 * edges.fit,
@@ -87,7 +87,7 @@ struct Json<'a> {
 /// The same as JSON.
 ///
 /// # Errors
-/// If a path is no text.
+/// If a path is not text.
 pub fn json(checkup: &Checkup, picture: &Path) -> Result<String, serde_json::Error> {
     let Checkup { groups, edges, warnings, side } = checkup;
     let side = (*side > 1).then_some(*side);

@@ -1,19 +1,18 @@
 //! Texture coordinates that one texture cannot serve: a recovered texture has one texel for each place
-//! of the unit square, so what lies outside it, or twice in it, is averaged.
+//! of the unit square, so surfaces outside it, or overlapping in it, are averaged.
 
 use glam::Vec2;
 use unrender_scene::Scene;
 
-/// The unit square is looked at in so many cells a side. Half as many miss seams of thin charts; twice
-/// as many find nothing more in models that were looked at.
+/// The unit square is divided into this many cells per side. Half as many miss seams of thin charts;
+/// twice as many find nothing more in the models that were tested.
 const CELLS: usize = 256;
-/// Charts that overlap by less than this share of what they cover only touch.
+/// Charts that overlap by less than this share of the covered cells only touch.
 const OVERLAP: f32 = 0.02;
 /// Coordinates are outside from here on; unwrapping leaves rounding.
 const OUTSIDE: f32 = 1e-3;
 
-/// What is doubtful about the texture coordinates of the group with this index, to be said of its
-/// recovered texture.
+/// The warning of the texture coordinates of the group with this index, for its recovered texture.
 pub(crate) fn doubt(scene: &Scene, group: usize) -> Option<String> {
     let name = &scene.groups[group].name;
     let meshes = scene.objects.iter().filter(|o| o.group == group).map(|o| &o.mesh);
@@ -47,7 +46,7 @@ fn overlap(triangles: &[[Vec2; 3]]) -> f32 {
         let area = (b - a).perp_dot(c - a);
         for (x, y) in cells(low.y, high.y).flat_map(|y| cells(low.x, high.x).map(move |x| (x, y))) {
             let p = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-            // Strictly inside: cells on a common edge are nobody's.
+            // Strictly inside: cells on a common edge belong to neither triangle.
             let side = |a: Vec2, b: Vec2| (b - a).perp_dot(p - a) * area > 0.0;
             counts[y * CELLS + x] += u32::from(side(a, b) && side(b, c) && side(c, a));
         }

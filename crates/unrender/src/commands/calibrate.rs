@@ -14,13 +14,14 @@ use unrender_scene::{Lens, Warnings};
 
 /// Finds the camera of a photograph from points of the scene that it shows.
 ///
-/// POINTS.csv has a line a point, below the header x_px,y_px,x_m,y_m,z_m,name: pixels of the upright
-/// photo ((0, 0) is its top left corner, the centre of the first pixel (0.5, 0.5)), then metres in
-/// the scene (right-handed, y up). The name may be left out; lines that begin with # do not count.
+/// POINTS.csv has one line per point, below the header x_px,y_px,x_m,y_m,z_m,name: pixels of the
+/// upright photo ((0, 0) is its top left corner, the centre of the first pixel (0.5, 0.5)), then
+/// metres in the scene (right-handed, y up). The name may be left out; lines that begin with # are
+/// comments.
 ///
 /// Pose alone needs 4 pairs (--fov-y-deg), with the focal length 5, with the principal point or the
-/// distortion 6, with both 7; twice as many show which are wrong. Wrong pairs are thrown out, up to
-/// a third of them.
+/// distortion 6, with both 7; twice as many show which are wrong. Up to a third of the pairs may be
+/// wrong; these are left out.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     unrender calibrate room.jpg --scene room.glb --points desk.csv --out room.toml\n  \
@@ -57,7 +58,7 @@ pub struct Args {
     /// The camera's name in a .glb.
     #[arg(long, value_name = "NAME", default_value = "calibrated")]
     pub name: String,
-    /// A project file (.toml), which is made, or whose camera is replaced; or the scene with the
+    /// A project file (.toml): a new one, or one whose camera is replaced; or the scene with the
     /// camera in it (.glb).
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
@@ -72,7 +73,7 @@ pub enum UpAxis {
     Z,
 }
 
-/// What the camera goes into.
+/// The file that gets the camera.
 struct Target {
     /// The text of the project file, if there is one already.
     project: Option<String>,
@@ -91,7 +92,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     if !is_project && (args.principal_point || args.distortion) {
         return Err(lens_in_gltf(&args.out));
     }
-    // A project or a scene that is there already gets the camera; nothing else of it changes.
+    // An existing project or scene gets the camera; nothing else in it changes.
     let inputs = [&args.points, &args.fspy, &args.photo];
     output::check_inputs(&args.out, inputs.into_iter().flatten().map(PathBuf::as_path))?;
     let target = target(args, global)?;
@@ -110,7 +111,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The photograph and the scene, by the arguments or by the project that is there already.
+/// The photograph and the scene, from the arguments or from the existing project.
 fn target(args: &Args, global: &Global) -> Result<Target, Error> {
     let mut target = Target { project: None, photo: args.photo.clone(), scene: args.scene.clone() };
     if output::extension(&args.out) != "toml" || !args.out.exists() {
@@ -124,8 +125,8 @@ fn target(args: &Args, global: &Global) -> Result<Target, Error> {
     let text = input::text(&args.out).map_err(|error| FileError::because(&args.out, "", error))?;
     let (project, _) = Project::parse(&args.out, &text)?;
     if !project.further.is_empty() {
-        let problem = "is a project of several photographs; calibrate each in a project of its own, and give its entry \
-                       of [[photos]] the camera that is found";
+        let problem = "is a project of several photographs; calibrate each in a project of its \
+        own, and copy the camera to its entry of [[photos]]";
         return Err(FileError::new(&args.out, problem).into());
     }
     let mut warnings = Warnings::default();
@@ -147,7 +148,7 @@ fn target(args: &Args, global: &Global) -> Result<Target, Error> {
     Ok(target)
 }
 
-/// The camera, where the positions of the scene count from, where the camera is from in words, and a summary.
+/// The camera, the origin of the scene's positions, the source of the camera in words, and a summary.
 type Found = (CameraTable, DVec3, String, String);
 
 fn from_fspy(args: &Args, path: &Path, global: &Global) -> Result<Found, Error> {
@@ -171,7 +172,7 @@ fn from_fspy(args: &Args, path: &Path, global: &Global) -> Result<Found, Error> 
         }
     }
     global.console.warn(&warnings);
-    // fSpy's origin is a point that somebody marked in the picture.
+    // fSpy's origin is a point that the user marked in the picture.
     let distance = matched.camera.origin().length().max(0.1);
     let table = CameraTable::of(&matched.camera, distance, DVec3::ZERO);
     let [x, y, z] = table.eye.to_array();
@@ -240,8 +241,8 @@ fn focal(fov_y_deg: Option<f64>, exif: Option<f64>, height: usize) -> Result<Foc
     }
 }
 
-/// Warnings of points beside the photograph and beside the scene. Also where the positions of the scene count from;
-/// the points of `pairs` are made to count from there.
+/// Warnings of points beside the photograph and beside the scene. Returns the origin of the scene's positions, too,
+/// and moves the points of `pairs` to it.
 fn doubtful_points(
     pairs: &mut [Pair],
     size: (usize, usize),
@@ -253,7 +254,7 @@ fn doubtful_points(
     if !scene.path.is_file() {
         return Err(FileError::new(scene.path, "there is no such scene file").into());
     }
-    // A scene that lacks its lights yet is no reason not to calibrate.
+    // A scene without lights can be used for calibration, too.
     match unrender_formats::load_model(scene) {
         Ok((scene, _)) => {
             for pair in pairs.iter_mut() {
@@ -321,7 +322,7 @@ fn lens_in_gltf(out: &Path) -> Error {
     FileError::new(out, problem).into()
 }
 
-/// `path` as seen from `folder`, with forward slashes; `path` itself where that cannot be told.
+/// `path` as seen from `folder`, with forward slashes; `path` itself if that is not possible.
 fn relative(path: &Path, folder: &Path) -> String {
     let noted = path.canonicalize().ok().zip(folder.canonicalize().ok()).map(|(path, folder)| {
         let shared = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();

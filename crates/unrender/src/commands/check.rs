@@ -1,4 +1,4 @@
-//! `unrender check`: what of a project would spoil its recovery.
+//! `unrender check`: finds what would spoil the recovery of a project.
 
 use crate::check::{Checkup, check, edge_picture, json, table};
 use crate::global::Global;
@@ -9,19 +9,19 @@ use std::process::ExitCode;
 use unrender_formats::picture;
 use unrender_scene::{RgbImage, Warnings};
 
-/// Looks at a project before it is recovered, and says what to mend.
+/// Checks a project before it is recovered, and says what to mend.
 ///
-/// Prints a line a group: the pixels that show it, those that count and why others do not, the share
-/// of it that gets light straight from a lamp, whether a highlight or a mirror image is there to tell
-/// its roughness by, and whether it could have a texture. Then what looks wrong, with what to do:
-/// the photo's response and exposure, the camera, units, lights, normals, edges that do not fit.
+/// Prints one line per group: the pixels that show it, those that are valid and why others are not,
+/// the share of it that gets light straight from a lamp, whether a highlight or a mirror image shows
+/// its roughness, and whether it could have a texture. Then what looks wrong, with what to do: the
+/// photo's response and exposure, the camera, units, lights, normals, edges that do not fit.
 ///
-/// Of several photographs each is looked at by itself, and has a picture: NAME.png, NAME_2.png and so on.
+/// Several photographs are checked one by one, each with a picture: NAME.png, NAME_2.png and so on.
 ///
 /// The picture shows the model's edges over the photo: green where the photo has them too, red where
 /// it has them elsewhere and yellow there, blue where it shows none.
 ///
-/// Ends with exit code 0 whatever it warns of, and with 1 only if the input cannot be used at all.
+/// The exit code is 0 whatever it warns of, and 1 only if the input cannot be used at all.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     unrender check room/project.toml\n  \
@@ -52,7 +52,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     for k in 0..job.photographs() {
         let mut alone = job.alone(k);
         if k > 0 {
-            // What is said of the whole project is said once.
+            // Warnings of the whole project are given once.
             alone.to_mut().warnings = Warnings::default();
         }
         let checkup = check(&alone);
@@ -68,13 +68,13 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The name of the picture of photograph number `k`: as asked for the first, with its number for the others.
+/// The name of the picture of photograph number `k`: as given for the first, with a number for the others.
 fn numbered(path: &Path, k: usize) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     if k == 0 { path.to_owned() } else { path.with_file_name(format!("{stem}_{}.png", k + 1)) }
 }
 
-/// What is printed of all that was checked.
+/// The printed text of all checks.
 fn text(args: &Args, job: &Job, checked: &[(PathBuf, Checkup, RgbImage)]) -> Result<String, Error> {
     if !args.json {
         let one = |(k, (path, checkup, _)): (usize, &(PathBuf, Checkup, RgbImage))| {

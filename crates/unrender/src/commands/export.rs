@@ -14,8 +14,8 @@ use unrender_scene::{Camera, Group, Material, Scene, WardModel, Warnings};
 /// Writes a scene and its materials for another program.
 ///
 /// Radiance has the lobe of ward-gmd, all other programs that of ggx, and Mitsuba and Blender also one
-/// that is like ward-gmd (Beckmann's). What was recovered with another lobe is converted, and how far
-/// off it is becomes a warning.
+/// that is like ward-gmd (Beckmann's). Materials of another lobe are converted, with a warning that
+/// states the error.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     unrender export result --to blender --out room_blender\n  \
@@ -23,13 +23,13 @@ use unrender_scene::{Camera, Group, Material, Scene, WardModel, Warnings};
     unrender export result --to mitsuba --camera door --height 1080 --out room_mitsuba\n  \
     unrender export --scene room.glb --materials truth.json --to radiance --out room_radiance")]
 pub struct Args {
-    /// The folder that `recover` left its results in.
+    /// The folder with the results of `recover`.
     #[arg(value_name = "DIR", required_unless_present = "scene", conflicts_with_all = ["scene", "materials"])]
     pub results: Option<PathBuf>,
     /// The scene file, instead of a folder of results.
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
-    /// Materials to put onto the scene's groups.
+    /// Materials to apply to the scene's groups.
     #[arg(long, value_name = "FILE.json", requires = "scene")]
     pub materials: Option<PathBuf>,
     /// The units of a glTF file's lights: blender-standard, unitless, blender-raw or radiometric
@@ -73,8 +73,8 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         && scene.groups.iter().zip(&conversions).any(is_bent)
     {
         doubts.push(
-            "the lobe of ward-1992 reflects the less the flatter it is seen, which no other program \
-             knows; recover with brdf = \"ward-gmd\" what is to be exported",
+            "the lobe of ward-1992 reflects less at grazing angles, as in no other program; to \
+             export, recover with brdf = \"ward-gmd\"",
         );
     }
     let materials: Vec<Material> = conversions.into_iter().map(|c| c.material).collect();
@@ -92,14 +92,14 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Asks, before the work, that no input is replaced.
+/// Checks before the work that no input is replaced.
 fn check_inputs(args: &Args) -> Result<(), Error> {
     let of_results = |name: &str| args.results.as_ref().map(|folder| folder.join(name));
     let inputs = [args.scene.clone(), args.materials.clone(), of_results("scene.glb")];
     output::check_inputs(&args.out, inputs.iter().flatten().map(PathBuf::as_path))
 }
 
-/// Prints on stderr what became of the lobes that the target does not know.
+/// Prints on stderr how lobes were converted that the target does not have.
 fn tell(scene: &Scene, conversions: &[Conversion], global: &Global) {
     for (group, conversion) in scene.groups.iter().zip(conversions) {
         let (from, to) = (&group.material, &conversion.material);
@@ -109,7 +109,7 @@ fn tell(scene: &Scene, conversions: &[Conversion], global: &Global) {
         let alphas = |m: &Material| format!("alpha {:.4} {:.4}", m.alpha_x, m.alpha_y);
         global.console.tell(&format!(
             "{}: {} of {} became {}, rho_s {:.4} times; over the lobe the reflected radiance is \
-             {:.1} % off, and {:.1} % of it is there",
+             {:.1} % off, and {:.1} % of it is kept",
             group.name,
             alphas(from),
             scene.brdf,
@@ -132,8 +132,8 @@ fn scene_path(args: &Args) -> PathBuf {
     of_results.or_else(|| args.scene.clone()).unwrap_or_default()
 }
 
-/// The units of the lights of a glTF file that is written: those of the one that was read, so that the
-/// program which wrote that one reads the same lights.
+/// The units of the lights in the glTF file to write: those of the file that was read, so that the
+/// program that wrote that one reads the same lights.
 fn light_units(args: &Args, limits: Limits) -> Result<LightUnits, Error> {
     let path = scene_path(args);
     let is_gltf = path.extension().is_some_and(|extension| {
@@ -167,8 +167,8 @@ fn input(args: &Args, global: &Global) -> Result<(Scene, Camera, (usize, usize),
     let run = run.filter(|_| args.camera.is_none());
     if let Some(environment) = folder_environment(args)? {
         warnings.push(format!(
-            "the recovery had an environment ({environment}), which is not exported: put it into the \
-             other program yourself"
+            "the recovery had an environment ({environment}), which is not exported: add it in the \
+             other program"
         ));
     }
     let used = run.as_deref().map(run::recovered_camera).transpose()?.flatten();

@@ -1,4 +1,4 @@
-//! `unrender merge`: parts of a rendering become the picture that one run would have made.
+//! `unrender merge`: merges parts of a rendering into the picture of one run.
 
 use crate::global::Global;
 use crate::{Error, interrupt, output, progressive, shard};
@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_formats::FileError;
 
-/// Puts parts of a rendering together: to the bit the picture that one run would have made.
+/// Merges parts of a rendering into the picture of one run, to the bit.
 ///
 /// Parts are made by `unrender render --samples A..B`; the checkpoint of a rendering is one too.
 #[derive(Debug, clap::Args)]
@@ -18,7 +18,7 @@ pub struct Args {
     /// The parts, in any order.
     #[arg(required = true, value_name = "PART.exr")]
     pub parts: Vec<PathBuf>,
-    /// Take it that samples are missing between the parts. The picture is noisier, and right.
+    /// Accept that samples are missing between the parts. The picture is noisier, but unbiased.
     #[arg(long)]
     pub allow_gaps: bool,
     /// The picture to write: .exr or .hdr (linear radiance), or .png (8-bit sRGB).
@@ -35,7 +35,8 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     output::check_picture(&args.out)?;
     output::check_inputs(&args.out, args.parts.iter().map(PathBuf::as_path))?;
     let (sum, mut warnings) = shard::join(&args.parts, args.allow_gaps)?;
-    // A picture that was to be denoised has a half of it as well; it is merged as it is.
+    // A picture to be denoised has a second layer with half of its samples; it is merged without
+    // denoising.
     let is_picture = sum.head.layers.first().is_some_and(|layer| layer == "picture");
     let Some(accumulator) = sum.layers.first().filter(|_| is_picture) else {
         return Err(FileError::new(

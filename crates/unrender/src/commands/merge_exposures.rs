@@ -15,10 +15,10 @@ use unrender_scene::Rgb;
 /// Merges photographs of several exposures into one linear picture.
 ///
 /// The photographs are of one scene by one camera that did not move, and differ in exposure time, aperture or
-/// ISO number, which their EXIF data state. The camera's response is found from them, unless it is stated or
-/// the files have floating-point values. The picture has the unit of the photograph that is best exposed: 1 is
-/// what is white in it. Its variances are in the channels variance.R, variance.G and variance.B. A project
-/// takes it as its photo, or names the photographs itself: photo = { bracket = ["a.jpg", "b.jpg"] }.
+/// ISO number, which their EXIF data state. The camera's response is fitted to them, unless it is stated or
+/// the files have floating-point values. The picture has the unit of the best exposed photograph: 1 is its
+/// white. Its variances are in the channels variance.R, variance.G and variance.B. A project takes it as its
+/// photo, or names the photographs itself: photo = { bracket = ["a.jpg", "b.jpg"] }.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     unrender merge-exposures dark.jpg middle.jpg bright.jpg --out merged.exr\n  \
@@ -33,14 +33,14 @@ pub struct Args {
     /// The camera's response: srgb, linear, or a file as for projects [default: found from the photographs].
     #[arg(long, value_name = "FILE")]
     pub response: Option<PathBuf>,
-    /// The pixel value of no light, of 1.
+    /// The pixel value of no light, where 1 is white.
     #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = black)]
     pub black_level: f32,
-    /// The pixel value from which on the photographs are clipped [default: the greatest of the file; none of
-    /// floating-point files].
+    /// The pixel value from which on the photographs are clipped [default: the greatest of the file; none
+    /// for floating-point files].
     #[arg(long, value_name = "X", value_parser = white)]
     pub white_level: Option<f32>,
-    /// Write the response that was found to this file, to be stated from then on.
+    /// Write the fitted response to this file, to state it later.
     #[arg(long, value_name = "FILE.csv")]
     pub response_out: Option<PathBuf>,
     /// The picture to write.
@@ -51,8 +51,8 @@ pub struct Args {
 /// Runs the command.
 ///
 /// # Errors
-/// If a photograph cannot be read, the photographs are no bracket, no response can be found, or a result
-/// cannot be written.
+/// If a photograph cannot be read, the photographs are no bracket, no response can be fitted, or a
+/// result cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     check_outputs(args)?;
     let response = args.response.as_deref().map(response).transpose()?;
@@ -84,12 +84,12 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
 
 fn black(text: &str) -> Result<f32, String> {
     let level = text.parse().ok().filter(|level| (0.0..0.5).contains(level));
-    level.ok_or_else(|| "is no pixel value from 0 to below 0.5, where 1 is white".into())
+    level.ok_or_else(|| "is not a pixel value from 0 to below 0.5, where 1 is white".into())
 }
 
 fn white(text: &str) -> Result<f32, String> {
     let level = text.parse().ok().filter(|level: &f32| level.is_finite() && *level >= 0.5);
-    level.ok_or_else(|| "is no pixel value from 0.5 on, where 1 is white".into())
+    level.ok_or_else(|| "is not a pixel value of at least 0.5, where 1 is white".into())
 }
 
 fn check_outputs(args: &Args) -> Result<(), Error> {
@@ -111,7 +111,7 @@ fn response(value: &Path) -> Result<Response, Error> {
     }
 }
 
-/// What became of the photographs, for the terminal.
+/// The summary of the merging, for the terminal.
 fn summary(merged: &Bracket, photos: &[PathBuf]) -> String {
     let report = &merged.report;
     let mut rows = vec![["photograph", "shift", "left out"].map(str::to_owned)];

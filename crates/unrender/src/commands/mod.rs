@@ -1,5 +1,5 @@
-//! The subcommands: each file holds the arguments of one and its `run`; [`sampling`] holds flags that
-//! two share.
+//! The subcommands: each file has the arguments of one and its `run`; [`sampling`] has flags that two
+//! share.
 
 pub mod calibrate;
 pub mod check;

@@ -17,8 +17,8 @@ use unrender_recover::{IterationRecord, Observer, Options};
 ///
 /// Candidates are the scene's cameras that took no photograph yet, a ring of cameras about what the first photograph
 /// shows, and that photograph again with a lamp off. Each is rendered with the recovered materials, gets the noise of
-/// the first photograph, and joins the others in one refinement: its standard deviations over those of now say what
-/// it would add. As the recovered materials are taken for right, so is what comes out.
+/// the first photograph, and joins the others in one refinement: its standard deviations over the present ones say
+/// what it would add. The prediction is only as right as the recovered materials.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     unrender plan room/project.toml --recovered room/result\n  \
@@ -26,7 +26,7 @@ use unrender_recover::{IterationRecord, Observer, Options};
 pub struct Args {
     /// The project file.
     pub project: PathBuf,
-    /// The folder that `recover` left its results in.
+    /// The folder with the results of `recover`.
     #[arg(long, value_name = "DIR")]
     pub recovered: PathBuf,
     /// How much work to spend on each candidate.
@@ -101,10 +101,10 @@ impl Observer for Step<'_> {
     }
 }
 
-/// The candidates, the best first; and for each group what would tell most of it.
+/// The candidates, the best first; and for each group the one that would determine it best.
 fn table(predictions: &[Prediction]) -> String {
     if predictions.is_empty() {
-        return "there is no other camera in the scene, none stands free around it, and there is one lamp\n"
+        return "there are no candidates: no other camera in the scene, no free place around it, and only one lamp\n"
             .to_owned();
     }
     let mut rows = vec![["photograph", "deviations, of now", "tells most of"].map(str::to_owned)];

@@ -21,16 +21,15 @@ use unrender_scene::Hypothesis;
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  unrender recover room/project.toml --out room/result\n\nCtrl-C \
-    ends with the best state so far, its report marked as interrupted; a second one ends at once. After \
-    either, and after a crash, the same command with --resume goes on from the last iteration."
+    ends with the best state so far, its report marked as interrupted; a second one ends at once. After either, and after a crash, the same command with --resume continues from the last iteration."
 )]
 pub struct Args {
     /// The project file.
     pub project: PathBuf,
-    /// The folder for the results; made where it is missing.
+    /// The folder for the results; created if it is missing.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Go on with the recovery that was interrupted in this folder; the results are those, to the bit,
+    /// Continue the recovery that was interrupted in this folder; the results are, to the bit, those
     /// of a recovery without interruption.
     #[arg(long)]
     pub resume: bool,
@@ -46,12 +45,12 @@ pub struct Args {
     /// Chooses the noise of the renderings; the same seed gives the same bits.
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
-    /// Paths a pixel of the final re-rendering; where pixels nearby share what theirs find, so many
-    /// fewer that there is no more noise [default: 64; of a draft 16; above 512 x 512 pixels fewer].
+    /// Paths per pixel of the final re-rendering; where nearby pixels share paths, fewer are traced
+    /// for the same noise [default: 64; 16 for a draft; fewer above 512 x 512 pixels].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
-    /// The size of the last picture, where a photograph of more than a megapixel is worked on as the means of
-    /// squares of its pixels.
+    /// The size of the last picture, if a photograph of more than a megapixel is reduced to means of squares
+    /// of pixels.
     #[arg(long, value_enum, default_value_t = PictureSize::Worked)]
     pub picture: PictureSize,
     /// The most reflections of a path; 1 is direct light only [default: until it carries nothing].
@@ -61,21 +60,21 @@ pub struct Args {
     #[arg(long)]
     pub no_refine: bool,
     /// The most complex hypothesis that a group may have: diffuse, mirror, partial-mirror,
-    /// diffuse-specular, isotropic, anisotropic or textured; "diffuse" is the diffuse-only method
-    /// that others are compared with [default: as the project says, else textured].
+    /// diffuse-specular, isotropic, anisotropic or textured; "diffuse" is the diffuse-only baseline
+    /// [default: as the project says, else textured].
     #[arg(long, value_name = "RUNG")]
     pub max_rung: Option<Hypothesis>,
     /// Move the camera to where the model's edges lie on the photograph's [default: if a quick
     /// rendering is nearer to the photograph there].
     #[arg(long, conflicts_with_all = ["keep_camera", "no_filter"])]
     pub refine_camera: bool,
-    /// Keep the camera as it is given; pixels that may belong to something else do not count.
+    /// Keep the camera as it is given; pixels that may show something else are left out.
     #[arg(long)]
     pub keep_camera: bool,
-    /// Take the model as if it fitted to the pixel, and all that the photograph shows as part of it.
+    /// Assume that the model fits to the pixel, and that it contains all that the photograph shows.
     #[arg(long)]
     pub no_filter: bool,
-    /// Go on where no reflectances explain the photograph, but a factor on all light would.
+    /// Continue if no reflectances explain the photograph, but a factor on all light would.
     #[arg(long)]
     pub force: bool,
     /// Print the run as JSON (as in run.json) instead of the table.
@@ -86,7 +85,7 @@ pub struct Args {
 /// The ladders of hypotheses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Ladder {
-    /// All rungs on the same samples of light; the simplest that the noise allows.
+    /// All rungs on the same samples of light; selects the simplest that the noise allows.
     Default,
     /// The method of Boivin and Gagalowicz (2002).
     Paper,
@@ -95,17 +94,17 @@ pub enum Ladder {
 /// How the paper's ladder finds the anisotropy direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum PaperDirection {
-    /// Of 64 directions the one whose re-rendering differs least from the photograph.
+    /// By re-rendering: of 64 directions, the one that differs least from the photograph.
     Rerender,
-    /// As the paper's text has it, off the difference of the photograph and a mirror.
+    /// As in the paper's text, from the difference of the photograph and a mirror.
     Text,
 }
 
 /// How much work to spend on a recovery.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Effort {
-    /// A first answer, for an eighth of the samples and without second thoughts: faint and small lobes may be missed, and
-    /// things that light each other may keep each other wrong.
+    /// A first answer, with an eighth of the samples and without checks: faint and small lobes may
+    /// be missed, and surfaces that light each other may keep each other wrong.
     Draft,
     /// The usual one.
     Normal,
@@ -127,9 +126,9 @@ impl Effort {
 /// The size of the last picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum PictureSize {
-    /// That at which the photograph was worked on.
+    /// The size to which the photograph was reduced.
     Worked,
-    /// That of the photograph.
+    /// The size of the photograph.
     Full,
 }
 
@@ -147,7 +146,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let recovered = match recovered_with(args, &mut job, global, Some(&journal), None) {
         Ok(recovered) => recovered,
         Err(error) => {
-            // Nothing is there to go on with.
+            // There is nothing to resume.
             journal.remove();
             return Err(error);
         }
@@ -160,7 +159,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         global.console.print(&results::summary(&job, &recovered));
     }
     if recovered.recovery.termination == Termination::Interrupted {
-        output::tell("the same command with --resume goes on from here");
+        output::tell("the same command with --resume continues from here");
         return Ok(interrupt::code());
     }
     journal.remove();
@@ -168,7 +167,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
 }
 
 impl Args {
-    /// What the results depend on, by name: where it differs, so may they.
+    /// The choices that the results depend on, by name: if one differs, the results may differ.
     fn choices(&self, limits: Limits) -> BTreeMap<String, String> {
         let Self { ladder, effort, seed, spp, bounces, no_refine, max_rung, .. } = self;
         let Self { refine_camera, keep_camera, no_filter, force, paper_direction, .. } = self;
@@ -198,7 +197,7 @@ impl Args {
     }
 }
 
-/// What [`run`] recovers from `job`, written nowhere. Warnings and progress go to the console.
+/// The recovery of [`run`] from `job`, without files. Warnings and progress go to the console.
 ///
 /// # Errors
 /// If the camera sees nothing, or the anchor cannot fix the exposure.
@@ -206,7 +205,7 @@ pub fn recovered(args: &Args, job: &mut Job, global: &Global) -> Result<Recovere
     recovered_with(args, job, global, None, None)
 }
 
-/// As [`recovered`], with the renderer's work done by `workers`: the bits are the same.
+/// As [`recovered`], but `workers` do the renderer's work, with the same bits.
 ///
 /// # Errors
 /// As those of [`recovered`].
@@ -226,7 +225,7 @@ fn recovered_with(
     journal: Option<&RecoveryJournal>,
     workers: Option<&dyn Workers>,
 ) -> Result<Recovered, Error> {
-    // The number of its pixels then says how many samples the last picture has.
+    // The number of its pixels then decides the samples of the last picture.
     job.reduce();
     global.console.warn(&job.warnings);
     let pixels = (0..job.photographs()).map(|k| job.photo_of(k).radiance.pixels().len()).sum();
@@ -251,10 +250,10 @@ fn recovered_with(
     Ok(recovered)
 }
 
-/// The share of the time that a last picture of all pixels of a photograph takes, roughly.
+/// The approximate share of the time for a last picture of all pixels of a photograph.
 const FULL_SHARE: f64 = 0.5;
 
-/// Makes the arguments' rung that of `project`, and `global`'s limits its own.
+/// Gives `project` the rung of the arguments and the limits of `global`.
 pub fn settle(args: &Args, project: &mut Project, global: &Global) {
     if let Some(rung) = args.max_rung {
         project.rungs = Some(crate::project::up_to(rung));
@@ -263,7 +262,7 @@ pub fn settle(args: &Args, project: &mut Project, global: &Global) {
     project.limits = global.limits();
 }
 
-/// Asks, before the work, whether results can be written into the folder at `out`.
+/// Checks before the work whether results can be written into the folder at `out`.
 ///
 /// # Errors
 /// Those of [`write()`].
@@ -271,11 +270,11 @@ pub fn check(project: &Project, out: &Path) -> Result<(), Error> {
     ResultFolder::open(out, "recover", &results::writes, &project.inputs()).map(drop)
 }
 
-/// Writes the results of a recovery, as [`run`] does, into the folder that is made at `out` where it is
+/// Writes the results of a recovery, as [`run`] does, into the folder `out`, which is created if it is
 /// missing.
 ///
 /// # Errors
-/// If they cannot be written, or would replace an input of the recovery or what is not ours.
+/// If they cannot be written, or would replace an input of the recovery or a foreign file.
 pub fn write(job: &Job, recovered: &Recovered, out: &Path, global: &Global) -> Result<(), Error> {
     let inputs = job.project.inputs();
     let folder = ResultFolder::open(out, "recover", &results::writes, &inputs)?;
@@ -292,7 +291,7 @@ fn alignment(args: &Args) -> Alignment {
     }
 }
 
-/// The options of a recovery from so many `pixels`.
+/// The options of a recovery from this many `pixels`.
 fn options(args: &Args, project: &Project, pixels: usize) -> Options {
     let defaults = Options::default();
     let ladder = match args.ladder {

@@ -1,4 +1,4 @@
-//! `unrender relight`: a rendering in light layers under other brightnesses of its lights.
+//! `unrender relight`: a rendering in light layers with other brightnesses of its lights.
 
 use crate::global::Global;
 use crate::{Error, interrupt, output};
@@ -12,8 +12,8 @@ use unrender_scene::{Rgb, RgbImage};
 
 /// Makes lights of a rendering brighter or darker, at once: by the sum of its light layers.
 ///
-/// `unrender render --layers` writes what each light contributes. The picture under other brightnesses is the sum
-/// of these, each times its factor; nothing is traced again.
+/// `unrender render --layers` writes the contribution of each light. The picture with other brightnesses is their
+/// sum, each times its factor; nothing is traced again.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     unrender render room.glb --layers --spp 256 --out layers.exr\n  \
@@ -23,11 +23,11 @@ pub struct Args {
     /// A rendering with light layers.
     #[arg(value_name = "LAYERS.exr")]
     pub layers: PathBuf,
-    /// How many times as bright a light is, for all channels or for red, green and blue; once for each light
-    /// that changes. 0 is off.
+    /// The factor on the brightness of a light, for all channels or for red, green and blue; once for each
+    /// light that changes. 0 is off.
     #[arg(long, value_name = "NAME=FACTOR")]
     pub light: Vec<LightFactor>,
-    /// The lights that are on, all others being off; once for each.
+    /// A light that is on, all others being off; once for each.
     #[arg(long, value_name = "NAME")]
     pub only: Vec<String>,
     /// The picture to write: .exr or .hdr (linear radiance), or .png (8-bit sRGB).
@@ -53,7 +53,7 @@ impl FromStr for LightFactor {
         let number = |text: &str| {
             let factor = text.trim().parse().ok();
             let fits = factor.filter(|f: &f32| f.is_finite() && *f >= 0.0);
-            fits.ok_or_else(|| format!("{text:?} is no factor: a number from 0 on"))
+            fits.ok_or_else(|| format!("{text:?} is not a factor: give a number of at least 0"))
         };
         let factors = factor.split(',').map(number).collect::<Result<Vec<f32>, String>>()?;
         let factor = match factors[..] {

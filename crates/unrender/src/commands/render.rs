@@ -34,23 +34,23 @@ pub struct Args {
     /// The scene file: glTF (.glb, .gltf), OBJ, Mitsuba 3 (.xml) or Radiance (.rad).
     #[arg(required_unless_present = "project")]
     pub scene: Option<PathBuf>,
-    /// A project, instead of a scene: its scene with its lights, its environment and what it knows
-    /// of the groups, by its camera, as large as its photo.
+    /// A project, instead of a scene: its scene with its lights, environment and known groups, seen
+    /// by its camera, in the size of its photo.
     #[arg(long, value_name = "FILE.toml", conflicts_with = "scene")]
     pub project: Option<PathBuf>,
-    /// Which one of a project's photographs: its camera and size, and the lamps that were on [default: the
+    /// The number of a project's photograph: its camera and size, and the lamps that were on [default: the
     /// first].
     #[arg(long, value_name = "N", requires = "project")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..))]
     pub photo: Option<u32>,
-    /// Materials to put onto the scene's groups.
+    /// Materials to apply to the scene's groups.
     #[arg(long, value_name = "FILE.json")]
     pub materials: Option<PathBuf>,
     /// The units of a glTF file's lights: blender-standard, unitless, blender-raw or radiometric
     /// [default: as its generator writes them].
     #[arg(long, value_name = "UNITS")]
     pub light_units: Option<LightUnits>,
-    /// A panorama that lights the scene from all around and is seen behind it (.hdr, .exr); its
+    /// A panorama that lights the scene from all directions and is seen behind it (.hdr, .exr); its
     /// centre lies along -z, its upper edge along +y.
     #[arg(long, value_name = "FILE")]
     pub environment: Option<PathBuf>,
@@ -72,16 +72,16 @@ pub struct Args {
     #[arg(long, value_name = "N")]
     pub height: Option<usize>,
     /// Remove noise from the picture, for a small bias: it is rendered as two independent halves, and
-    /// pixels are averaged that both halves and the surfaces say are alike. With --independent. Not
-    /// for pictures whose noise is to be measured, or that materials are recovered from.
+    /// pixels that are alike in both halves and in their surfaces are averaged. With --independent.
+    /// Not for pictures whose noise is measured, or from which materials are recovered.
     #[arg(long, conflicts_with = "samples")]
     pub denoise: bool,
-    /// Write what each light contributes as well, as layers of the .exr file: `unrender relight` makes
-    /// lights brighter and darker by them, and compositing programs show them. With --independent.
-    /// 112 bytes of memory a pixel and light.
+    /// Also write the contribution of each light, as layers of the .exr file: `unrender relight`
+    /// changes the brightness of lights with them, and compositing programs show them. With
+    /// --independent. Takes 112 bytes of memory per pixel and light.
     #[arg(long, conflicts_with_all = ["samples", "denoise"])]
     pub layers: bool,
-    /// How much is rendered.
+    /// The number of samples.
     #[command(flatten)]
     pub sampling: SamplingArgs,
     /// The picture to write: .exr or .hdr (linear radiance), or .png (8-bit sRGB).
@@ -129,15 +129,15 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Puts materials onto a scene.
+/// Applies materials to a scene.
 pub type AssignMaterials<'a> = &'a dyn Fn(&mut Scene) -> Result<Warnings, Error>;
 
-/// What a caller has in memory instead of files.
+/// Data that a caller has in memory instead of files.
 #[derive(Default)]
 pub struct InMemory<'a> {
     /// The scene, instead of the one that the arguments name.
     pub scene: Option<Scene>,
-    /// Puts materials onto the scene, after those of the file that the arguments name.
+    /// Applies materials to the scene, after those of the file that the arguments name.
     pub materials: Option<AssignMaterials<'a>>,
 }
 
@@ -168,14 +168,14 @@ pub fn picture(args: &Args, given: InMemory<'_>, global: &Global) -> Result<Rend
     Ok(Rendering { radiance, noise, samples, interrupted })
 }
 
-/// A picture, and how far it came.
+/// A picture, with its noise and samples.
 #[derive(Clone, Debug)]
 pub struct Rendering {
     /// Radiance, W sr^-1 m^-2 per channel.
     pub radiance: RgbImage,
-    /// Its relative standard error: the root mean square of the standard errors over the mean. Of a
-    /// denoised picture the root mean square error with its bias, as the halves tell it; zero if
-    /// that is too small to be told.
+    /// Its relative standard error: the root mean square of the standard errors over the mean. For
+    /// a denoised picture, the root mean square error including its bias, estimated from the
+    /// halves; zero if it is too small to be estimated.
     pub noise: f64,
     /// The numbers of its samples; with adaptive sampling, of a pixel of mean noise.
     pub samples: Range<u32>,
@@ -183,7 +183,7 @@ pub struct Rendering {
     pub interrupted: bool,
 }
 
-/// What denoising did to the picture of `accumulator`.
+/// The effect of denoising on the picture of `accumulator`, in words.
 fn in_words(denoised: &Denoised, accumulator: &Accumulator) -> String {
     format!(
         "denoised: estimated relative error {:.3} %, {:.3} % before; {:.0} % of the picture was left as it was",
@@ -193,7 +193,7 @@ fn in_words(denoised: &Denoised, accumulator: &Accumulator) -> String {
     )
 }
 
-/// What is rendered.
+/// The rendering.
 struct Shot {
     scene: Scene,
     camera: Camera,
@@ -202,7 +202,7 @@ struct Shot {
 }
 
 impl Shot {
-    /// What `args` ask for, with what is given in memory.
+    /// The rendering that `args` describe, with the data in memory.
     fn load(args: &Args, given: InMemory<'_>, limits: Limits) -> Result<Self, Error> {
         let (scene, camera, photo, warnings) = load(args, given, limits)?;
         let size = match (args.width, args.height, photo) {
@@ -225,7 +225,7 @@ impl Shot {
     }
 }
 
-/// Reads the input of `args`, and throws it away again: whether it can be rendered.
+/// Checks whether the input of `args` can be rendered, by reading it.
 ///
 /// # Errors
 /// If it cannot, or the picture could not be written.
@@ -236,7 +236,7 @@ pub(crate) fn check(args: &Args, global: &Global) -> Result<(), Error> {
     Ok(())
 }
 
-/// Asks, before the work, whether its results can be written.
+/// Checks before the work whether its results can be written.
 fn check_outputs(args: &Args) -> Result<(), Error> {
     check_denoise(args.denoise, &args.sampling)?;
     let inputs = [&args.scene, &args.project, &args.materials, &args.environment];
@@ -258,28 +258,28 @@ fn check_outputs(args: &Args) -> Result<(), Error> {
     Ok(output::check_picture(&args.out)?)
 }
 
-/// The least number of samples a pixel that noise is known from. With half of it the noise of a pixel
-/// is that of two samples, with double of it drafts could not be denoised.
+/// The least number of samples per pixel from which noise is estimated. With half of it each half has
+/// two samples, with double of it drafts could not be denoised.
 const DENOISE_SPP_MIN: u32 = 8;
 
-/// Checks that there will be samples enough to denoise.
+/// Checks that there will be enough samples to denoise.
 ///
 /// # Errors
 /// If there are not.
 pub(crate) fn check_denoise(denoise: bool, sampling: &SamplingArgs) -> Result<(), Error> {
     if denoise && sampling.spp.is_some_and(|spp| spp < DENOISE_SPP_MIN) {
         return Err(Error::Request(format!(
-            "--denoise needs at least {DENOISE_SPP_MIN} samples a pixel to know the noise from; \
+            "--denoise needs at least {DENOISE_SPP_MIN} samples per pixel to estimate the noise; \
              give --spp {DENOISE_SPP_MIN} or more"
         )));
     }
     Ok(())
 }
 
-/// A scene and what of a project belongs to it.
+/// A scene with the camera and the size of a project.
 type Loaded = (Scene, Camera, Option<(usize, usize)>, Warnings);
 
-/// The scene with the materials and the environment asked for, the camera, and the size of the
+/// The scene with the requested materials and environment, the camera, and the size of the
 /// project's photograph.
 fn load(args: &Args, given: InMemory<'_>, limits: Limits) -> Result<Loaded, Error> {
     let (mut scene, own, path, mut warnings) = match (given.scene, &args.project) {
@@ -296,7 +296,7 @@ fn load(args: &Args, given: InMemory<'_>, limits: Limits) -> Result<Loaded, Erro
         }
         (None, None) => {
             let path = args.scene.clone().unwrap_or_default();
-            // Its light may be the environment that is asked for.
+            // Its only light may be the requested environment.
             let (scene, warnings) = unrender_formats::load_model(
                 Input::new(&path, limits).in_light_units(args.light_units),
             )?;
@@ -332,7 +332,7 @@ fn load(args: &Args, given: InMemory<'_>, limits: Limits) -> Result<Loaded, Erro
     Ok((scene, camera, photo, warnings))
 }
 
-/// What a project's photograph has beside the scene: its camera, its size, and the scene's file.
+/// The data of a project's photograph beside the scene: its camera, its size, and the scene's file.
 struct OfProject {
     camera: Camera,
     size: (usize, usize),
@@ -375,7 +375,7 @@ fn angle(text: &str) -> Result<f32, String> {
     if angle.is_finite() { Ok(angle) } else { Err("must be a finite number".into()) }
 }
 
-/// The picture's width and height; what is not asked for follows from the camera's aspect.
+/// The picture's width and height; a side that is not given follows from the camera's aspect.
 pub(crate) fn size(
     width: Option<usize>,
     height: Option<usize>,

@@ -1,4 +1,4 @@
-//! `unrender report`: the pages of recoveries that have been, made of the files that they left.
+//! `unrender report`: makes the pages of finished recoveries from their files.
 
 use crate::global::Global;
 use crate::{Error, interrupt, output, report, result_folder};
@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_formats::atomic;
 
-/// Makes the page of a recovery anew, or one that compares several.
+/// Makes the page of a recovery again, or one that compares several.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     unrender report out\n  \

@@ -41,13 +41,13 @@ use unrender_scene::{Camera, Warnings};
 pub struct Args {
     /// The edit file.
     pub edits: Option<PathBuf>,
-    /// The folder for the pictures; made where it is missing.
+    /// The folder for the pictures; created if it is missing.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Put the change into the photograph, and leave the rest of it as it is.
+    /// Composite the change into the photograph, and leave the rest of it as it is.
     #[arg(long)]
     pub composite: bool,
-    /// Give what is synthetic in the composite the noise of the photograph.
+    /// Add the noise of the photograph to the synthetic parts of the composite.
     #[arg(long, requires = "composite")]
     pub grain: bool,
     /// Start from the folder of a recovery.
@@ -63,19 +63,19 @@ pub struct Args {
     /// [default: as its generator writes them].
     #[arg(long, value_name = "UNITS")]
     pub light_units: Option<LightUnits>,
-    /// Materials to put onto the scene's groups.
+    /// Materials to apply to the scene's groups.
     #[arg(long, value_name = "FILE.json")]
     pub materials: Option<String>,
-    /// Take away an object or all objects of a group.
+    /// Remove an object or all objects of a group.
     #[arg(long, value_name = "NAME")]
     pub remove: Vec<String>,
-    /// Change how a group reflects: 'GROUP: rho_d = [0.5, 0.1, 0.1]'.
+    /// Change the reflectance of a group: 'GROUP: rho_d = [0.5, 0.1, 0.1]'.
     #[arg(long, value_name = "EDIT")]
     pub repaint: Vec<String>,
     /// Change, move, add or remove a light: 'NAME: scale = 0.5'.
     #[arg(long, value_name = "EDIT")]
     pub light: Vec<String>,
-    /// Light the scene by a panorama from all around: 'FILE.hdr: rotation_deg = 90'.
+    /// Light the scene by a panorama from all directions: 'FILE.hdr: rotation_deg = 90'.
     #[arg(long, value_name = "EDIT")]
     pub environment: Option<String>,
     /// Put a model into the scene: 'FILE: on = "GROUP", at = [x, z]'.
@@ -93,15 +93,15 @@ pub struct Args {
     /// Rows [default: the photograph's].
     #[arg(long, value_name = "N", conflicts_with = "composite")]
     pub height: Option<usize>,
-    /// Of a sequence, render the pictures A up to B alone, B not included, counted from 1.
+    /// Of a sequence, render only the pictures A up to B, B not included, counted from 1.
     #[arg(long, value_name = "A..B", value_parser = sampling::range)]
     #[arg(conflicts_with_all = ["composite", "samples", "checkpoint", "parts"])]
     pub frames: Option<Range<u32>>,
-    /// Take the samples of these parts, which --samples made, instead of rendering.
+    /// Use the samples of these parts, which --samples made, instead of rendering.
     #[arg(long, value_name = "PART.exr", num_args = 1..)]
     #[arg(conflicts_with_all = ["spp", "time", "noise", "adaptive", "samples", "checkpoint"])]
     pub parts: Vec<PathBuf>,
-    /// How much is rendered.
+    /// The number of samples.
     #[command(flatten)]
     pub sampling: SamplingArgs,
 }
@@ -123,7 +123,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     }
 }
 
-/// The folder of the results, in which nothing else will be replaced.
+/// The folder of the results, in which no other file will be replaced.
 fn folder(args: &Args, sheets: &[EditSheet]) -> Result<ResultFolder, Error> {
     let part = args.sampling.samples.as_ref().map(part_name);
     let writes = |name: &str| match &part {
@@ -133,7 +133,7 @@ fn folder(args: &Args, sheets: &[EditSheet]) -> Result<ResultFolder, Error> {
     };
     let inputs: Vec<PathBuf> = sheets.iter().flat_map(EditSheet::inputs).collect();
     let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
-    // Parts and pictures of a sequence are made by several processes for one folder.
+    // Several processes write parts and pictures of a sequence to one folder.
     if args.frames.is_some() || part.is_some() {
         ResultFolder::open_shared(&args.out, "restage", &writes, &inputs)
     } else {
@@ -146,7 +146,7 @@ fn part_name(samples: &Range<u32>) -> String {
     format!("part_{}_{}.exr", samples.start, samples.end)
 }
 
-/// The edit file, and behind it the flags.
+/// The edit file, followed by the flags.
 fn sheets(args: &Args, global: &Global) -> Result<Vec<EditSheet>, Error> {
     let file = args.edits.iter().map(|path| Ok(EditSheet::read(path)?));
     let flags = [
@@ -171,7 +171,7 @@ fn sheets(args: &Args, global: &Global) -> Result<Vec<EditSheet>, Error> {
     file.chain(flags).map(|sheet| sheet.map(within)).collect()
 }
 
-/// The photograph that the change goes into, if that is asked for.
+/// The photograph for the composite, if one is requested.
 fn photograph<'a>(args: &Args, restaging: &'a Restaging) -> Result<Option<&'a Photograph>, Error> {
     if !args.composite {
         return Ok(None);
@@ -267,7 +267,7 @@ fn synthetic(
     Ok(ExitCode::SUCCESS)
 }
 
-/// What is rendered; with fingerprints too where parts are compared with it.
+/// The identity of the rendering, with fingerprints if parts are compared with it.
 fn identity(
     args: &Args,
     scene: &impl Serialize,
@@ -278,8 +278,8 @@ fn identity(
     if args.parts.is_empty() { identity } else { identity.with_fingerprints(scene, camera) }
 }
 
-/// The sums of all samples: rendered, or those of the parts. Or the exit code, if this run was to
-/// make a part, or was interrupted.
+/// The sums of all samples, rendered or from parts; or the exit code, if this run made a part or
+/// was interrupted.
 fn samples(
     args: &Args,
     global: &Global,

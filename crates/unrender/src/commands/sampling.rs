@@ -1,4 +1,4 @@
-//! How much is rendered: the flags that `render` and `restage` share.
+//! The number of samples: the flags that `render` and `restage` share.
 
 use crate::progressive::Goal;
 use crate::shard::Identity;
@@ -12,13 +12,14 @@ use unrender_scene::Camera;
 
 const DEFAULT_SPP: u32 = 64;
 
-/// How many samples are rendered, which, and what becomes of them on the way.
+/// How many samples are rendered, which ones, and where they are kept.
 #[derive(Debug, clap::Args)]
 pub struct SamplingArgs {
-    /// Samples a pixel, on average; with --time or --noise the most [default: 64 without those].
+    /// Samples per pixel, on average; with --time or --noise the most [default: 64 without those].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
-    /// Stop after so many seconds of rendering; how far that is depends on the machine.
+    /// Stop after this many seconds of rendering; the number of samples then depends on the
+    /// machine.
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub time: Option<Duration>,
     /// Stop when the picture's relative standard error is at most this: the root mean square of
@@ -28,22 +29,22 @@ pub struct SamplingArgs {
     /// Take more samples where the picture is noisy, fewer where it is not.
     #[arg(long)]
     pub adaptive: bool,
-    /// Render the samples A up to B alone, B not included, as a part of the picture: the same
-    /// picture in pieces, on as many machines as you like. The part is an EXR file.
+    /// Render only the samples A up to B, B not included, as a part of the picture: the same
+    /// picture can be rendered in pieces on many machines. The part is an EXR file.
     #[arg(long, value_name = "A..B", value_parser = range)]
     #[arg(conflicts_with_all = ["spp", "time", "noise", "adaptive"])]
     pub samples: Option<Range<u32>>,
-    /// Keep the samples in this EXR file, every minute and on Ctrl-C, and go on from there if it is
-    /// there already. The picture is the same to the bit.
+    /// Save the samples to this EXR file, every minute and on Ctrl-C, and continue from it if it
+    /// exists. The picture is the same to the bit.
     #[arg(long, value_name = "FILE.exr")]
     pub checkpoint: Option<PathBuf>,
     /// Chooses the noise; the same seed gives the same bits.
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
-    /// Let every pixel have paths of its own. Else neighbouring pixels share what theirs find, where
-    /// a few squares of the picture say that it pays: a path then takes three times as long and
-    /// brings more than that, but noise is alike in pixels nearby. Not for pictures whose noise is to
-    /// be measured, or that materials are recovered from.
+    /// Trace paths for every pixel alone. Otherwise neighbouring pixels reuse each other's paths, if
+    /// a test on a few squares of the picture shows that it pays: a path then takes three times as
+    /// long and gains more than that, but the noise of nearby pixels is correlated. Use it for
+    /// pictures whose noise is measured, or from which materials are recovered.
     #[arg(long)]
     pub independent: bool,
     /// The most reflections of a path [default: until it carries nothing more].
@@ -62,7 +63,7 @@ impl SamplingArgs {
         }
     }
 
-    /// Whether clock or noise say when the picture is done.
+    /// Whether time or noise decides when the picture is done.
     pub(crate) fn is_open(&self) -> bool {
         self.time.is_some() || self.noise.is_some()
     }
@@ -77,7 +78,7 @@ impl SamplingArgs {
         }
     }
 
-    /// What the rendering of `scene` is of; without fingerprints where nobody will compare them.
+    /// The identity of the rendering of `scene`; without fingerprints if nothing compares them.
     pub(crate) fn identity(
         &self,
         scene: &impl Serialize,
@@ -105,7 +106,7 @@ pub(crate) fn range(text: &str) -> Result<Range<u32>, String> {
     let (start, end) = text.split_once("..").ok_or("write two numbers, as in 64..128")?;
     let number = |text: &str| text.parse::<u32>().map_err(|error| format!("{text:?}: {error}"));
     let (start, end) = (number(start)?, number(end)?);
-    if start < end { Ok(start..end) } else { Err(format!("{start}..{end} has nothing in it")) }
+    if start < end { Ok(start..end) } else { Err(format!("{start}..{end} is empty")) }
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {

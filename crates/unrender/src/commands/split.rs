@@ -1,4 +1,4 @@
-//! `unrender split`: groups that hold two materials, written apart.
+//! `unrender split`: writes a scene in which groups of two materials are split.
 
 use crate::global::Global;
 use crate::project::Project;
@@ -10,12 +10,12 @@ use std::process::ExitCode;
 use unrender_formats::{FileError, atomic, gltf};
 use unrender_scene::{Camera, Group, Lens, Scene, Warnings};
 
-/// Writes the scene with groups apart that hold two materials.
+/// Writes the scene with those groups split that contain two materials.
 ///
-/// A recovery compares photograph and re-rendering object by object. Where the objects of a group fall
-/// into parts that one reflectance does not explain, this writes the project's scene with a group for
-/// each part: the first keeps its name, the others are called "NAME 2", "NAME 3". Name that file in the
-/// project, and recover again.
+/// A recovery compares photograph and re-rendering object by object. Where one reflectance does not
+/// explain all objects of a group, this writes the project's scene with a group for each part: the
+/// first keeps its name, the others are called "NAME 2", "NAME 3". Name that file in the project, and
+/// recover again.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  \
     unrender split result --out room_apart.glb\n  \
@@ -23,7 +23,7 @@ use unrender_scene::{Camera, Group, Lens, Scene, Warnings};
 pub struct Args {
     /// The folder of the results.
     pub results: PathBuf,
-    /// Only this group [default: all that fall apart].
+    /// Only this group [default: all that one reflectance does not explain].
     #[arg(long, value_name = "NAME")]
     pub group: Option<String>,
     /// The scene to write.
@@ -34,7 +34,8 @@ pub struct Args {
 /// Runs the command.
 ///
 /// # Errors
-/// If the results or the scene cannot be read, nothing falls apart, or the file cannot be written.
+/// If the results or the scene cannot be read, no group is to be split, or the file cannot be
+/// written.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     output::check_file(&args.out, &["glb"], "end --out in .glb")?;
     let run = Run::read(&args.results)?;
@@ -64,7 +65,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     if scene.environment.is_some() || scene.cameras.iter().any(bends) {
         let mut lost = Warnings::default();
         lost.push(
-            "glTF has no words for an environment or a lens: state them in the project, by \
+            "glTF cannot express an environment or a lens: state them in the project, by \
              [environment] and [camera]",
         );
         global.console.warn(&lost);
@@ -78,8 +79,8 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Gives each of the `parts` of the group `name` but the first a group of its own, with the same
-/// material; each group's name with its objects, in words.
+/// Gives each of the `parts` of the group `name` except the first a group of its own, with the same
+/// material; returns each group's name with its objects, in words.
 fn split(scene: &mut Scene, name: &str, parts: &[Vec<String>]) -> Result<Vec<String>, String> {
     let changed = || format!("has no group \"{name}\" any more; recover again");
     let group = scene.group_index(name).ok_or_else(changed)?;
@@ -111,7 +112,7 @@ fn split(scene: &mut Scene, name: &str, parts: &[Vec<String>]) -> Result<Vec<Str
     Ok(names)
 }
 
-/// `name` with a number behind it that no group has.
+/// `name` with a number, as no other group is called.
 fn free_name(scene: &Scene, name: &str, first: usize) -> String {
     let mut names = (first..).map(|number| format!("{name} {number}"));
     names.find(|name| scene.group_index(name).is_none()).unwrap_or_default()

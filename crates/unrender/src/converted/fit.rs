@@ -1,19 +1,19 @@
-//! The fit: one material in the words of another lobe, and what is lost.
+//! The fit: converts one material to another lobe, and measures the error.
 //!
-//! A lobe `w'` with roughnesses `alpha'` takes the place of Ward's `w`. Its reflectance is
-//! `rho_s' = k rho_s`, and k makes it reflect as much of an even light as Ward's does, averaged over
-//! views by their cosine; its roughnesses are those that then minimise
+//! A lobe `w'` with roughnesses `alpha'` replaces Ward's `w`. Its reflectance is `rho_s' = k rho_s`,
+//! where k makes it reflect as much of uniform light as Ward's does, averaged over views by their
+//! cosine; its roughnesses then minimise
 //!
 //! ```text
 //! difference^2 = sum (k w' cos_i - w cos_i)^2 / sum (w cos_i)^2
 //! ```
 //!
 //! where the sums stand for integrals over `wi` and, weighted by the cosine, over `wo`: the squared
-//! difference of the reflected radiance in a light whose directions have nothing to do with each
-//! other. Minimised by downhill simplex over the logarithms of the roughnesses. In its scene a lobe
-//! gets another k if the camera would see it clearly brighter or darker than before (`in_scene`).
+//! difference of the reflected radiance in light whose directions are uncorrelated. It is minimised
+//! by downhill simplex over the logarithms of the roughnesses. In its scene a lobe gets another k
+//! if the camera would see it clearly brighter or darker than before (`in_scene`).
 //!
-//! If `k rho_s` were above one, it is one, and less is reflected; `albedo` says how much.
+//! If `k rho_s` is above one, it is set to one, and less is reflected; `albedo` says how much.
 
 use super::in_scene::{self, Views};
 use super::target::TargetLobe;
@@ -23,20 +23,20 @@ use unrender_recover::fit::simplex;
 use unrender_render::GlossyLobe;
 use unrender_scene::{BrdfModel, Lobe, Material};
 
-/// A material in the words of another lobe, and what is lost.
+/// A material converted to another lobe, and the error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conversion {
-    /// The material: rho_s and roughnesses mean the other lobe.
+    /// The material: rho_s and roughnesses are those of the other lobe.
     pub material: Material,
     /// The root of the mean squared difference of the reflected radiance over the lobe, relative to
     /// that of Ward's.
     pub difference: f64,
-    /// What the other lobe reflects of an even light, for one that Ward's reflects.
+    /// The share of uniform light that the other lobe reflects, relative to Ward's.
     pub albedo: f64,
 }
 
-/// The `materials` of all groups of a scene in the words of `to`; each about as bright as before
-/// where the camera of `views` sees it.
+/// The `materials` of all groups of a scene converted to `to`; each about as bright as before where
+/// the camera of `views` sees it.
 pub fn convert_all(materials: &[Material], views: Views<'_>, to: Lobe) -> Vec<Conversion> {
     let model = views.original.model();
     let mut all: Vec<Conversion> = materials.iter().map(|m| convert(m, model, to)).collect();
@@ -50,8 +50,8 @@ pub fn convert_all(materials: &[Material], views: Views<'_>, to: Lobe) -> Vec<Co
     all
 }
 
-/// `material`, which means the lobe of `model`, in the words of `to`. What has no roughness, and
-/// what has the lobe already, stays as it is.
+/// `material` converted from the lobe of `model` to `to`. A material without roughness, or with the
+/// same lobe, stays as it is.
 pub fn convert(material: &Material, model: BrdfModel, to: Lobe) -> Conversion {
     if !material.is_glossy() || to == Lobe::Model(model) {
         return Conversion { material: material.clone(), difference: 0.0, albedo: 1.0 };
@@ -77,7 +77,7 @@ pub fn convert(material: &Material, model: BrdfModel, to: Lobe) -> Conversion {
 }
 
 impl Conversion {
-    /// Makes rho_s `factor` times as large, and says again what is lost of `from`.
+    /// Multiplies rho_s by `factor`, and measures the error against `from` again.
     fn scale(&mut self, from: &Material, model: BrdfModel, to: Lobe, factor: f64) {
         self.material.rho_s *= factor as f32;
         let scale = f64::from(self.material.rho_s.max_element() / from.rho_s.max_element());
@@ -91,11 +91,11 @@ impl Conversion {
 struct Fit {
     scale: f64,
     albedo: f64,
-    /// Squared and relative.
+    /// The squared relative difference.
     difference: f64,
 }
 
-/// Pairs of directions that cover the lobe, with what Ward's lobe sends from one to the other.
+/// Pairs of directions that cover the lobe, with the value of Ward's lobe for each.
 struct Pairs {
     pairs: Vec<Pair>,
     albedo: f64,
@@ -111,8 +111,8 @@ struct Pair {
     ward: f64,
 }
 
-/// Views from the normal down, and around a quarter turn, by which the lobe repeats; slopes of the
-/// half vector outwards and around.
+/// Views from the normal to the horizon, and around a quarter turn, by which the lobe is symmetric;
+/// slopes of the half vector outwards and around.
 const VIEWS: usize = 12;
 const AZIMUTHS: usize = 6;
 const RINGS: usize = 32;
@@ -149,7 +149,7 @@ impl Pairs {
         Self { pairs, albedo, square }
     }
 
-    /// The lobe `to` with roughnesses `alphas` in the place of Ward's, its scale at most `limit`.
+    /// The fit of the lobe `to` with roughnesses `alphas` to Ward's, its scale at most `limit`.
     fn compare(&self, to: Lobe, alphas: [f64; 2], limit: f64) -> Fit {
         let sums = self.sums(to, alphas);
         self.fit(&sums, (self.albedo / sums.albedo).min(limit))
@@ -181,8 +181,8 @@ struct LobeSums {
     both: f64,
 }
 
-/// Slopes `(h_x/h_z, h_y/h_z)` of half vectors with the area that each stands for: fine where a lobe
-/// of these roughnesses is, coarse out to the horizon.
+/// Slopes `(h_x/h_z, h_y/h_z)` of half vectors with the area of each: fine within a lobe of these
+/// roughnesses, coarse out to the horizon.
 fn half_vectors(alphas: [f64; 2]) -> impl Iterator<Item = ([f64; 2], f64)> {
     let places = (0..RINGS).flat_map(|i| (0..SECTORS).map(move |j| (i, j)));
     places.map(move |(i, j)| {

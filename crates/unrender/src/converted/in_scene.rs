@@ -1,17 +1,17 @@
-//! How bright a converted lobe is in its scene.
+//! The brightness of a converted lobe in its scene.
 //!
-//! Lobes that reflect the same share of an even light do not look alike in light that comes from
-//! somewhere. What the camera sees of a group's specular reflection is
+//! Lobes that reflect the same share of uniform light differ in directional light. The camera sees
+//! a group's specular reflection
 //!
 //! ```text
 //! ratio = sum rho_s' S' / sum rho_s S,   S = integral w L cos_i dwi,  S' = integral w' L' cos_i dwi
 //! ```
 //!
 //! times as bright as before, over pixels that show the group. If that is further from one than
-//! `TOLERANCE`, `rho_s'` gets the factor that brings it there, and no more: what the group sends
-//! elsewhere was right. `L` is the light in the scene as it is and `L'` that in the
-//! converted one, rendered with the nearest lobe that the renderer has; what one group sends to
-//! another has changed in it, so it is looked for again a few times.
+//! `TOLERANCE`, `rho_s'` gets the factor that brings it to that limit, and no more, since the light
+//! in other directions was right. `L` is the light in the original scene and `L'` that in the
+//! converted one, rendered with the nearest lobe that the renderer has. As the factors change the
+//! light between groups, this is iterated a few times.
 
 use super::target::TargetLobe;
 use glam::Vec3;
@@ -25,12 +25,13 @@ use unrender_scene::{Lobe, Material, Rgb};
 const PIXELS: usize = 1024;
 /// Directions of each kind for a pixel.
 const DIRECTIONS: u32 = 24;
-/// How far the mean of what the camera sees may be off, relative.
+/// The tolerated relative error of the mean that the camera sees.
 const TOLERANCE: f64 = 0.02;
 /// Iterations between the light and the factors.
 const ITERATIONS: usize = 4;
 
-/// The scene as it is, and with the nearest lobe that the renderer has; both behind one camera.
+/// The original scene, and the scene with the nearest lobe that the renderer has, both from one
+/// camera.
 #[derive(Clone, Copy)]
 pub struct Views<'a> {
     /// With the lobe of the scene's materials.
@@ -39,8 +40,8 @@ pub struct Views<'a> {
     pub converted: &'a dyn Renderer,
 }
 
-/// The factors of all groups, for `converted` in the place of the `original` materials; one for
-/// groups that have not changed, or that the camera does not see.
+/// The factors of all groups, for `converted` instead of `original` materials; one for groups that
+/// have not changed, or that the camera does not see.
 pub(super) fn factors(
     views: Views<'_>,
     original: &[Material],
@@ -87,7 +88,7 @@ fn pixels_of_groups(view: &dyn Renderer, groups: usize) -> Vec<Vec<u32>> {
     pixels.iter().map(|list| spread(list, PIXELS, 0)).collect()
 }
 
-/// The light at `pixels` of `group`, looked for where `lobes` reflect.
+/// The light at `pixels` of `group`, sampled by `lobes`.
 fn probe(
     view: &dyn Renderer,
     materials: &[Material],
@@ -112,7 +113,7 @@ fn probe(
     probes
 }
 
-/// The mean over `probes`, and over the channels, of what `material` reflects by its lobe.
+/// The mean over `probes` and channels of the specular reflection of `material`.
 fn reflected(probes: &Probes, material: &Material, lobe: Lobe) -> f64 {
     let target = TargetLobe::new(lobe, [material.alpha_x, material.alpha_y]);
     let (sin, cos) = material.theta_rad.sin_cos();

@@ -1,4 +1,4 @@
-//! The materials of a scene in the words of another program's lobe, as one camera sees them.
+//! Converts the materials of a scene to another program's lobe, for one camera.
 //!
 //! `fit` finds the parameters of the other lobe, `target` evaluates it, and `in_scene` corrects its
 //! brightness where the camera sees it.
@@ -14,7 +14,7 @@ use unrender_recover::View;
 use unrender_render::Tracer;
 use unrender_scene::{Camera, Lobe, Scene};
 
-/// The longer side of the picture that brightness is compared in, pixels.
+/// The longer side of the picture in which brightness is compared, pixels.
 const LONGER_SIDE: usize = 384;
 
 /// The conversion of each group of `scene` to the lobe `to`, for the picture of `size` (width and

@@ -6,7 +6,7 @@ use unrender_scene::Lobe;
 
 /// A lobe with its roughnesses, of `rho_s = 1`.
 pub(super) struct TargetLobe {
-    /// The lobe, or the one that Beckmann's microfacets are computed from.
+    /// The lobe, or the one from which Beckmann's microfacets are computed.
     base: GlossyLobe,
     /// The roughnesses, if the microfacets are Beckmann's.
     beckmann: Option<[f32; 2]>,

@@ -1,4 +1,4 @@
-//! The change of a restaging put into its photograph.
+//! The composite: the change of a restaging in its photograph.
 
 use super::Restaging;
 use super::developed::Photograph;
@@ -22,8 +22,8 @@ pub struct Composite {
 }
 
 impl Composite {
-    /// Puts the change between the two renderings `paired` into the photograph; `grain` is the seed
-    /// of the noise for synthetic parts, if they are to have any.
+    /// Composites the change between the two renderings `paired` into the photograph; `grain` is
+    /// the seed of noise for synthetic parts, if they get any.
     pub fn new(
         restaging: &Restaging,
         photograph: &Photograph,
@@ -65,7 +65,7 @@ impl Composite {
     }
 }
 
-/// The photograph's noise: its variance without light, and that for each unit of radiance, the median over its groups.
+/// The photograph's noise: its variance without light, and that per unit of radiance, the median over its groups.
 fn noise(photograph: &Photograph, geometry: &GeometryBuffers, groups: usize) -> [Rgb; 2] {
     let photo = &photograph.photo;
     let picture = Picture {

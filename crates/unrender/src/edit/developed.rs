@@ -1,4 +1,4 @@
-//! The photograph that edits are put into, developed.
+//! The developed photograph for composites.
 
 use unrender_formats::picture::Picture;
 use unrender_photo::{Photo, Transfer};
@@ -11,7 +11,7 @@ pub struct Photograph {
     pub picture: Picture,
     /// The photograph as radiance.
     pub photo: Photo,
-    /// What turns radiance into its code values, and back.
+    /// The transfer function between radiance and its code values.
     pub transfer: Transfer,
     /// The camera.
     pub camera: Camera,

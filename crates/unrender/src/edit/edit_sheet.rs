@@ -8,10 +8,10 @@ use std::sync::Arc;
 use unrender_formats::{FileError, LightUnits, Limits, input};
 use unrender_scene::Scene;
 
-/// Edits as they are written, with what messages call their place.
+/// Edits as they are written, with the name of their place in messages.
 #[derive(Debug)]
 pub struct EditSheet {
-    /// Where they are written.
+    /// Their file or flag.
     pub(super) written: Written,
     pub(super) raw: RawEdits,
 }
@@ -42,7 +42,7 @@ pub enum Flag {
 }
 
 impl Flag {
-    /// The flag, and what it is in an edit file: before its value, and between that and the rest.
+    /// The flag, and the text for it in an edit file before its value and after the rest.
     fn forms(self) -> (&'static str, &'static str, &'static str) {
         match self {
             Self::Remove => ("--remove", "remove = [{ name = ", "}]"),
@@ -58,7 +58,7 @@ impl Flag {
         }
     }
 
-    /// Whether more may follow behind the name and a colon.
+    /// Whether more may follow the name after a colon.
     fn has_body(self) -> bool {
         matches!(self, Self::Repaint | Self::Light | Self::Insert | Self::Environment)
     }
@@ -68,7 +68,7 @@ impl EditSheet {
     /// Reads the edit file at `path`.
     ///
     /// # Errors
-    /// If it is missing, is not TOML, has an unknown key or a value that cannot be meant.
+    /// If it is missing, is not TOML, has an unknown key or an invalid value.
     pub fn read(path: &Path) -> Result<Self, FileError> {
         let text = input::text(path).map_err(|error| FileError::because(path, "", error))?;
         let raw = toml::from_str(&text).map_err(|error| {
@@ -77,7 +77,7 @@ impl EditSheet {
         Ok(Self { written: Written::of_file(path, text), raw })
     }
 
-    /// The edit that a flag with this value stands for.
+    /// The edit of a flag with this value.
     ///
     /// # Errors
     /// If the value is not of the flag's form.
@@ -94,20 +94,19 @@ impl EditSheet {
         Ok(Self { written: Written::of_flag(name), raw })
     }
 
-    /// The same, the reading of whose files may go so far.
+    /// The same, with limits of reading its files.
     pub fn within(mut self, limits: Limits) -> Self {
         self.written.limits = limits;
         self
     }
 
-    /// The same, the lights of whose scene are in these units, if they are stated.
+    /// The same, with these units of the scene's lights, if they are stated.
     pub fn in_light_units(mut self, light_units: Option<LightUnits>) -> Self {
         self.written.light_units = light_units;
         self
     }
 
-    /// The same, of a caller who has the scene to start from in memory: it takes the place of the file that `scene`
-    /// names.
+    /// The same, with a scene in memory, if any, instead of the file that `scene` names.
     pub fn with_scene(mut self, scene: Option<Arc<Scene>>) -> Self {
         self.written.scene = scene;
         self

@@ -1,4 +1,4 @@
-//! From the tables of edit files to the edits that they ask for, in their order.
+//! Converts the tables of edit files to edits, in their order.
 
 use super::developed::Photograph;
 use super::edit_sheet::EditSheet;
@@ -11,11 +11,11 @@ use unrender_restage::Edit;
 use unrender_restage::environment::Surround;
 use unrender_scene::Warnings;
 
-/// An edit, and what messages call its place.
+/// An edit, and the name of its place in messages.
 type Placed = (String, Edit);
 
-/// The edits of all `sheets`, of the scene that `photograph` shows: first all that is removed, then repainted, lit and
-/// inserted.
+/// The edits of all `sheets`, for the scene that `photograph` shows: first removals, then repaints, lights and
+/// insertions.
 pub(super) fn all(
     sheets: &[EditSheet],
     photograph: Option<&Photograph>,
@@ -65,7 +65,9 @@ fn collect<T>(
 
 fn light(raw: &RawLight) -> Result<Edit, String> {
     if raw.unknown.is_some() {
-        return Err("unknown is a key of project files, where brightness can be asked for".into());
+        return Err(
+            "unknown is a key of project files only, where brightness can be recovered".into()
+        );
     }
     if raw.color.is_some() || raw.same_color_as.is_some() {
         return Err("color and same_color_as are keys of project files, for unknown lights; \
@@ -78,7 +80,7 @@ fn light(raw: &RawLight) -> Result<Edit, String> {
 fn surround(raw: &RawEnvironment, written: &Written, notes: &mut Warnings) -> Result<Edit, String> {
     if raw.unknown.is_some() {
         return Err(
-            "environment: unknown is a key of project files: what is edited is known".into()
+            "environment: unknown is a key of project files only; state the environment".into()
         );
     }
     let read = raw.choice(&|file| written.path(file))?.read(written.limits);

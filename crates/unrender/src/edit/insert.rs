@@ -12,7 +12,7 @@ use unrender_restage::Edit;
 use unrender_restage::insert::{Insert, Place};
 use unrender_scene::Warnings;
 
-/// One entry as TOML has it.
+/// One entry as in TOML.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawInsert {
@@ -29,7 +29,7 @@ pub(super) struct RawInsert {
 }
 
 impl RawInsert {
-    /// The edit that it asks for; reads the model.
+    /// The edit of this entry; reads the model.
     pub(super) fn edit(
         &self,
         written: &Written,
@@ -69,7 +69,7 @@ impl RawInsert {
         }
     }
 
-    /// Where the photograph shows `pixel`.
+    /// The place that the photograph shows at `pixel`.
     fn seen_at(&self, Size(pixel): Size, photograph: &Photograph) -> Result<Place, String> {
         let (camera, (width, height)) = (&photograph.camera, photograph.size());
         if !(0.0..width as f32).contains(&pixel.x) || !(0.0..height as f32).contains(&pixel.y) {

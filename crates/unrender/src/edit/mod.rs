@@ -1,10 +1,9 @@
-//! The edit file and the flags that stand for a line of it, understood.
+//! Reads the edit file and the flags that stand for a line of it.
 //!
-//! `sheet` is one file or flag: where that is, with the lines that errors name (`written`), and its tables (`raw`).
-//! Each kind of edit (`remove`, `repaint`, `insert`, `view`) says in one file how it is written and
-//! which edit of `unrender-restage` it is; lights and environments, which projects have too, do so
-//! in `lighting`. `edits` collects them all. `start` reads the scene and the photograph (`developed`) that the edits
-//! are made to.
+//! `sheet` is one file or flag: its place, with the lines that errors name (`written`), and its tables (`raw`). Each
+//! kind of edit (`remove`, `repaint`, `insert`, `view`) has one file that defines its syntax and the edit of
+//! `unrender-restage` for it; lights and environments, which projects have too, are in `lighting`. `edits` collects
+//! them all. `start` reads the scene and the photograph (`developed`) to which the edits are applied.
 
 mod composite;
 mod developed;
@@ -29,18 +28,18 @@ use unrender_restage::pair::Scenes;
 use unrender_restage::{Change, Edit};
 use unrender_scene::{Scene, Warnings};
 
-/// What to make of a scene, and from where to look at it.
+/// A scene with its edits, and the cameras of its pictures.
 #[derive(Debug)]
 pub struct Restaging {
     /// The scene before, with the photograph if there is one.
     pub start: Start,
     /// The scene after its edits.
     pub after: Scene,
-    /// What the edits did.
+    /// The record of the changes.
     pub change: Change,
     /// The cameras of the new pictures.
     pub view: View,
-    /// What is doubtful.
+    /// Warnings.
     pub warnings: Warnings,
 }
 
@@ -50,7 +49,7 @@ impl Restaging {
         Scenes { before: &self.start.scene, after: &self.after, change: &self.change }
     }
 
-    /// Reads what `sheets` name, and does their edits.
+    /// Reads the files that `sheets` name, and applies their edits.
     ///
     /// # Errors
     /// If a file cannot be used, or an edit does not fit the scene; the message names the line.

@@ -1,10 +1,10 @@
-//! `[[remove]]`: objects and groups that are taken away.
+//! `[[remove]]`: objects and groups that are removed.
 
 use serde::Deserialize;
 use unrender_restage::Edit;
 use unrender_restage::remove::{Bearer, Remove};
 
-/// One entry as TOML has it.
+/// One entry as in TOML.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawRemove {
@@ -14,7 +14,7 @@ pub(super) struct RawRemove {
 }
 
 impl RawRemove {
-    /// The edit that it asks for.
+    /// The edit of this entry.
     pub(super) fn edit(&self) -> Result<Edit, String> {
         let (name, what) = match (&self.name, &self.object, &self.group) {
             (Some(name), None, None) => (name, Bearer::Any),

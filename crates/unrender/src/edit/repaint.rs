@@ -10,13 +10,13 @@ use unrender_restage::Edit;
 use unrender_restage::repaint::{Paint, Repaint};
 use unrender_scene::{Texture, Warnings, Wrap};
 
-/// One entry as TOML has it.
+/// One entry as in TOML.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawPaint {
-    /// Of `[[repaint]]`: the group of the scene.
+    /// In `[[repaint]]`: the group of the scene.
     pub(super) group: Option<String>,
-    /// Of `[[insert.material]]`: the model's own name of the material; all of them if there is none.
+    /// In `[[insert.material]]`: the model's own name of the material; all of them if there is none.
     pub(super) name: Option<String>,
     pub(super) rho_d: Option<Reflectance>,
     rho_s: Option<Reflectance>,
@@ -28,14 +28,14 @@ pub(super) struct RawPaint {
 }
 
 impl RawPaint {
-    /// The edit that an entry of `[[repaint]]` asks for.
+    /// The edit of an entry of `[[repaint]]`.
     pub(super) fn edit(&self, written: &Written, notes: &mut Warnings) -> Result<Edit, String> {
         match (&self.group, &self.name) {
             (Some(group), None) => {
                 let paint = self.paint(written, notes)?;
                 Ok(Edit::Repaint(Repaint { group: group.clone(), paint }))
             }
-            _ => Err("repaint: name what is repainted by group = \"GROUP\"".into()),
+            _ => Err("repaint: name the group to repaint by group = \"GROUP\"".into()),
         }
     }
 

@@ -1,4 +1,4 @@
-//! What the edits are made to: a scene in its materials, and the photograph of it.
+//! What the edits are applied to: a scene with its materials, and its photograph.
 
 use super::developed::Photograph;
 use super::edit_sheet::EditSheet;
@@ -21,7 +21,7 @@ pub struct Start {
     pub photograph: Option<Photograph>,
 }
 
-/// The one path that `sheets` give for a key, and what messages call its place.
+/// The path that `sheets` give for a key, and the name of its place in messages.
 fn stated<'a>(
     sheets: &'a [EditSheet],
     key: fn(&EditSheet) -> Option<&Spanned<PathBuf>>,
@@ -30,15 +30,15 @@ fn stated<'a>(
         let path = key(sheet)?;
         Some((sheet.written.path(path.get_ref()), sheet, sheet.written.place(path.span())))
     };
-    // A flag, which comes behind the file, counts before it.
+    // A flag, which follows the file, overrides it.
     sheets.iter().rev().find_map(of_sheet)
 }
 
 impl Start {
-    /// Reads what `sheets` start from.
+    /// Reads the scene that `sheets` start from.
     ///
     /// # Errors
-    /// If nothing is named to start from, or a file of it cannot be used.
+    /// If no scene is named, or a file cannot be used.
     pub fn load(sheets: &[EditSheet]) -> Result<(Self, Warnings), Error> {
         let recovered = stated(sheets, |s| s.raw.recovered.as_ref());
         let project = stated(sheets, |s| s.raw.project.as_ref());

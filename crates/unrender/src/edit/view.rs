@@ -1,4 +1,4 @@
-//! Where the new pictures are seen from.
+//! The cameras of the new pictures.
 
 use super::edit_sheet::EditSheet;
 use super::start::Start;
@@ -10,7 +10,7 @@ use toml::Value;
 use unrender_restage::camera::{Key, Path};
 use unrender_scene::{Camera, Lens};
 
-/// The table `[camera]` as TOML has it.
+/// The table `[camera]` as in TOML.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawCamera {
@@ -39,14 +39,14 @@ struct RawKey {
 pub enum View {
     /// The photograph's.
     Photograph(Camera),
-    /// Another one; the message's name of where that is said.
+    /// Another one, with the name of its place in messages.
     Other(Camera, String),
-    /// One a picture; the message's name of where that is said.
+    /// One per picture, with the name of their place in messages.
     Sequence(Vec<Camera>, String),
 }
 
 impl View {
-    /// The cameras, one a picture.
+    /// The cameras, one per picture.
     pub fn cameras(&self) -> &[Camera] {
         match self {
             Self::Photograph(camera) | Self::Other(camera, _) => std::slice::from_ref(camera),
@@ -125,14 +125,14 @@ fn placed(raw: RawCamera, start: &Start) -> Result<Vec<Camera>, String> {
     let frames = match (keys.len(), raw.frames) {
         (1, None) => 1,
         (_, Some(frames @ 1..=100_000)) => frames,
-        _ => return Err("camera: say how many pictures there are, frames = 48".into()),
+        _ => return Err("camera: state the number of pictures, as in frames = 48".into()),
     };
     let lens = usual.map_or_else(Lens::default, |camera| camera.lens);
     let aspect = usual.and_then(|camera| camera.aspect);
     let cameras = Path { keys, lens }.cameras(frames);
     if let Some(frame) = cameras.iter().position(|c| !c.world_from_camera.is_finite()) {
         return Err(format!(
-            "camera: in picture {} eye and target are one point, or up is along the line of sight",
+            "camera: in picture {} eye and target are the same point, or up is along the line of sight",
             frame + 1
         ));
     }

@@ -1,4 +1,4 @@
-//! Where edits are written: a file or a flag, what messages call places in it, and where its paths start.
+//! Where edits are written: a file or a flag, its name in messages, and the folder of its paths.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -9,17 +9,17 @@ use unrender_scene::Scene;
 /// An edit file or a flag, without its edits.
 #[derive(Debug)]
 pub(super) struct Written {
-    /// What messages call it: the file, or the flag.
+    /// Its name in messages: the file, or the flag.
     name: String,
-    /// Its text, where lines mean something.
+    /// Its text, if it has lines.
     text: Option<String>,
-    /// Where its paths start.
+    /// The folder of its relative paths.
     folder: PathBuf,
-    /// How far the reading of its files may go.
+    /// The limits of reading its files.
     pub(super) limits: Limits,
-    /// The units of the lights of the scene to start from, where they are stated.
+    /// The units of the scene's lights, if they are stated.
     pub(super) light_units: Option<LightUnits>,
-    /// The scene that takes the place of the file that `scene` names.
+    /// The scene instead of the file that `scene` names.
     pub(super) scene: Option<Arc<Scene>>,
 }
 
@@ -31,7 +31,7 @@ impl Written {
         Self { text: Some(text), folder, ..flag }
     }
 
-    /// A flag that messages call `name`.
+    /// A flag with this `name` in messages.
     pub(super) fn of_flag(name: String) -> Self {
         let (folder, limits) = (PathBuf::new(), Limits::default());
         Self { name, text: None, folder, limits, light_units: None, scene: None }
@@ -42,7 +42,7 @@ impl Written {
         self.text.as_ref().map(|_| PathBuf::from(&self.name))
     }
 
-    /// What messages call the place of `span`.
+    /// The name of the place of `span` in messages.
     pub(super) fn place(&self, span: Range<usize>) -> String {
         match &self.text {
             Some(text) => format!("{}: line {}", self.name, line(text, span.start)),
@@ -50,7 +50,7 @@ impl Written {
         }
     }
 
-    /// The file that a path of it means.
+    /// The file of a path in it.
     pub(super) fn path(&self, path: &Path) -> PathBuf {
         self.folder.join(path)
     }

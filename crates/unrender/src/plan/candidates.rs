@@ -8,7 +8,7 @@ use unrender_scene::Camera;
 /// A photograph that could be taken.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
-    /// What it is called: a camera of the scene, "30 degrees to the left", or "without LAMP".
+    /// Its name: a camera of the scene, "30 degrees to the left", or "without LAMP".
     pub name: String,
     /// Its camera.
     pub camera: Camera,
@@ -16,16 +16,17 @@ pub struct Candidate {
     pub off: Vec<u32>,
 }
 
-/// Where a ring of cameras stands about what the first one looks at: degrees to the right, and upwards. Half of the
-/// steps are nearer to the photograph that there is, double of them stand behind what it shows; neither was tried.
+/// The ring of cameras around the target of the first one: degrees to the right, and upwards. Half of the steps are
+/// nearer to the existing photograph, double of them stand behind what it shows; neither was tried.
 const RING: [(f32, f32); 6] =
     [(-60.0, 0.0), (-30.0, 0.0), (30.0, 0.0), (60.0, 0.0), (0.0, 25.0), (0.0, -15.0)];
-/// Of the pixels of a camera on the ring so many have to show something, and so few may show what is nearer than a
-/// quarter of its distance: else it stands in a wall or behind a thing. Half and double of them were not tried.
+/// The least share of pixels of a camera on the ring that show something, and the largest share nearer than a
+/// quarter of its distance: otherwise it stands in a wall or behind an object. Half and double of them were not
+/// tried.
 const SEEN_MIN: f32 = 0.8;
 const NEAR_MAX: f32 = 0.2;
 const NEAR: f32 = 0.25;
-/// The pixels of a look from there are so many times fewer along both sides.
+/// The test rendering from there has this many times fewer pixels along both sides.
 const COARSE: usize = 8;
 
 /// The scene's cameras that took none of the photographs, a ring of cameras about what the first photograph shows, and
@@ -66,7 +67,7 @@ fn centre(of: &RecoveredJob) -> Option<Vec3> {
     (!points.is_empty()).then(|| points.iter().copied().sum::<Vec3>() / points.len() as f32)
 }
 
-/// A coarse look: an eighth of the photograph along both sides.
+/// The size of a test rendering: an eighth of the photograph along both sides.
 fn size(of: &RecoveredJob) -> (usize, usize) {
     let photo = &of.job.photo.radiance;
     ((photo.width() / COARSE).max(8), (photo.height() / COARSE).max(8))

@@ -1,10 +1,9 @@
-//! Which photograph to take next: what each candidate would add to the photographs that there are.
+//! Which photograph to take next: what each candidate would add to the existing photographs.
 //!
-//! A candidate is a camera and the lamps that are off. Its photograph is rendered with the materials that were
-//! recovered, gets the noise of the first photograph, and joins the others; one joint refinement says how well all
-//! numbers are known then. The same without it says how well they are known now. So a prediction holds as far as
-//! the materials are right, and the model's own errors are not in it: of a photograph that nobody has taken,
-//! nobody knows them.
+//! A candidate is a camera and the lamps that are off. Its photograph is rendered with the recovered materials,
+//! gets the noise of the first photograph, and joins the others; one joint refinement gives the standard
+//! deviations of all parameters with it, and another one those without it. So a prediction is only as right as the
+//! materials, and it does not include errors of the model, which cannot be known before the photograph is taken.
 
 mod candidates;
 mod predicted;
@@ -23,7 +22,7 @@ use unrender_recover::{GroupSpec, Observation, Observer, Options, Problem, Role}
 use unrender_render::Tracer;
 use unrender_scene::{Material, Rgb};
 
-/// A job as it stands after its recovery.
+/// A job with its recovered materials.
 pub struct RecoveredJob {
     job: Job,
     materials: Vec<Material>,
@@ -34,7 +33,7 @@ pub struct RecoveredJob {
 }
 
 impl RecoveredJob {
-    /// `job`, whose scene has the materials of `found` on its groups, as that says of lights and exposures.
+    /// `job`, whose scene has the materials of `found`, with the lights and exposures of `found`.
     pub fn new(mut job: Job, found: &MaterialsFile) -> Self {
         job.reduce();
         let indices: Vec<(usize, Rgb)> = job
@@ -71,7 +70,7 @@ impl RecoveredJob {
         &self.job
     }
 
-    /// How well the numbers are known by the photographs that there are.
+    /// The standard deviations from the existing photographs.
     ///
     /// # Errors
     /// As those of a recovery.
@@ -83,7 +82,7 @@ impl RecoveredJob {
         self.refined(&self.job, &self.registered, options, observer)
     }
 
-    /// How well they would be known with a photograph by `candidate` too.
+    /// The standard deviations with a photograph by `candidate` in addition.
     ///
     /// # Errors
     /// As those of a recovery.

@@ -1,50 +1,52 @@
-//! What a candidate would tell, in numbers.
+//! The predicted gain of a candidate.
 
 use super::Candidate;
 use unrender_recover::Deviations;
 use unrender_scene::Rgb;
 
-/// How well the numbers of each group of a scene are known, in its order.
+/// The standard deviations of each group of a scene, in its order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Known(pub Vec<KnownGroup>);
 
-/// How well the numbers of one group are known.
+/// The standard deviations of one group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnownGroup {
     /// Its name.
     pub name: String,
-    /// Whether its reflectance is asked for.
+    /// Whether its reflectance is unknown.
     pub is_asked: bool,
-    /// The standard deviations of its numbers; none where nothing was refined.
+    /// The standard deviations of its parameters; none if nothing was refined.
     pub std: Option<Deviations>,
     /// Whether a photograph shows it.
     pub is_seen: bool,
 }
 
-/// What a candidate would tell of one group.
+/// The predicted gain of a candidate for one group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupPrediction {
     /// The group's name.
     pub name: String,
-    /// Its standard deviations over those of now, the geometric mean over its numbers; none where it has none in common.
+    /// Its predicted standard deviations over the present ones, the geometric mean over its
+    /// parameters; none if they have none in common.
     pub ratio: Option<f64>,
     /// Whether no photograph shows the group, and the candidate would.
     pub is_new: bool,
 }
 
-/// What a candidate would tell.
+/// The predicted gain of a candidate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prediction {
     /// The candidate.
     pub candidate: Candidate,
-    /// All standard deviations over those of now, the geometric mean over all numbers; one without any.
+    /// All predicted standard deviations over the present ones, the geometric mean over all parameters;
+    /// one without any.
     pub ratio: f64,
-    /// The groups that are asked for.
+    /// The groups with unknown reflectance.
     pub groups: Vec<GroupPrediction>,
 }
 
 impl Prediction {
-    /// Of `candidate`: what `with` it is known beside what is known `now`.
+    /// The prediction for `candidate`, from the standard deviations `with` it and those `now`.
     pub fn new(candidate: Candidate, now: &Known, with: &Known) -> Self {
         let asked = || now.0.iter().zip(&with.0).filter(|(a, _)| a.is_asked);
         let all: Vec<f64> = asked().flat_map(|(a, b)| ratios(a, b)).collect();
@@ -63,7 +65,7 @@ fn mean(ratios: &[f64]) -> Option<f64> {
     (!ratios.is_empty()).then(|| (sum / ratios.len() as f64).exp())
 }
 
-/// For each number that both have: the second standard deviation over the first.
+/// For each parameter that both have: the second standard deviation over the first.
 fn ratios(a: &KnownGroup, b: &KnownGroup) -> Vec<f64> {
     let (Some(a), Some(b)) = (&a.std, &b.std) else { return Vec::new() };
     let numbers = |of: &Deviations| {

@@ -14,13 +14,13 @@ use unrender_render::{Appearance, Film, Integrator, Settings, Tracer};
 use unrender_scene::color::luminance;
 use unrender_scene::{Rgb, RgbImage, Warnings};
 
-/// Paths a pixel of a first look, which says how many it takes until the rendering's noise is no more than the camera's;
-/// what lacks is added.
+/// Paths per pixel of a first rendering, which shows how many are needed until the rendering's
+/// noise is no more than the camera's; the missing noise is added.
 const SPP_MIN: u32 = 16;
-/// And at most: at half, photographs with hardly any noise are taken for noisier than they are, at double a candidate
+/// The most paths: at half, photographs with hardly any noise count as noisier than they are, at double a candidate
 /// takes twice as long.
 const SPP_MAX: u32 = 256;
-/// The photograph of `candidate` with the noise of the first one, `observed`, and how the model lies on it: exactly.
+/// The photograph of `candidate` with the noise of the first one, `observed`, with an exact registration.
 pub(super) fn photograph(
     of: &RecoveredJob,
     candidate: &Candidate,
@@ -44,7 +44,7 @@ pub(super) fn photograph(
     let rendering =
         |film: &Film, index: usize| film.variance.pixels()[index] / (of.exposure * of.exposure);
     let render = |spp: u32| {
-        // Pixels that share paths would have noise alike, which no camera has.
+        // Pixels that share paths would have correlated noise, which no camera has.
         let (seed, integrator) = (mix(seed ^ 0x97A4), Integrator::Path);
         let settings = Settings { spp, seed, integrator, ..Settings::default() };
         view.render(appearance, &settings, &|_| {})

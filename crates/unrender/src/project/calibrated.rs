@@ -1,4 +1,4 @@
-//! The camera of a photograph from the file of another program, turned where the photograph is.
+//! The camera of a photograph from the file of another program, turned if the photograph is.
 
 use super::camera_choice::NAME;
 use super::{CalibratedCamera, CameraFile};
@@ -14,7 +14,7 @@ use unrender_scene::{Camera, Warnings};
 pub(crate) struct Photographed {
     /// Width and height of the upright picture, pixels.
     pub(crate) size: (usize, usize),
-    /// How its file stores that.
+    /// How its file stores the picture.
     pub(crate) orientation: Orientation,
 }
 
@@ -23,14 +23,14 @@ pub(crate) struct Photographed {
 pub(crate) struct Found {
     /// The camera.
     pub(crate) camera: Camera,
-    /// Whether it is that of the photograph with left and right exchanged: the upright one is a mirror
+    /// Whether it belongs to the photograph with left and right exchanged: the upright one is a mirror
     /// image of what the camera saw.
     pub(crate) is_mirrored: bool,
-    /// What is doubtful about it.
+    /// Warnings of it.
     pub(crate) warnings: Warnings,
 }
 
-/// What a file says.
+/// The contents of a file.
 struct Calibration<'a> {
     path: &'a PathBuf,
     intrinsics: Intrinsics,
@@ -41,8 +41,8 @@ impl CalibratedCamera {
     /// The camera of `photo`, its position counted from `origin`.
     ///
     /// # Errors
-    /// If a file cannot be read, has no such camera, or one of another picture; or if nothing says whether it
-    /// is of the stored pixels of a photograph that is turned.
+    /// If a file cannot be read, has no such camera, or one of another picture; or if nothing states whether
+    /// it is for the stored pixels of a turned photograph.
     pub(crate) fn read(
         &self,
         photo: Photographed,
@@ -57,7 +57,7 @@ impl CalibratedCamera {
             Pixels::Stored => photo.orientation,
             Pixels::Upright => Orientation::UPRIGHT,
         };
-        // A pose of the project is of the upright picture; that of a file is of the pixels that it was made from.
+        // A pose of the project is for the upright picture; that of a file for the pixels that it was made from.
         let is_mirrored = turn.mirrors() && self.stand.is_none();
         let turn = if is_mirrored { turn.mirrored_back() } else { turn };
         let pose = self.pose(&calibration, turn, origin).map_err(fault)?;
@@ -110,8 +110,8 @@ impl CalibratedCamera {
         })
     }
 
-    /// Which pixels of `photo` the calibration is of: as the project says, as sizes tell, or as its program
-    /// has it.
+    /// The pixels of `photo` that the calibration is for: as the project states, as the sizes show, or as
+    /// its program does it.
     fn pixels_of(
         &self,
         calibration: &Calibration<'_>,
@@ -133,21 +133,22 @@ impl CalibratedCamera {
         let number = orientation.number();
         if matches!(self.file, CameraFile::Opencv { .. }) {
             return Err(format!(
-                "may be of the photo as it is stored or as its EXIF orientation {number} turns it upright, and \
-                 their sizes do not tell: give pixels = \"upright\" in [camera] (cv2.imread turns what it reads), \
-                 or pixels = \"stored\" (IMREAD_IGNORE_ORIENTATION, cv2.VideoCapture and many other programs do not)"
+                "may be for the photo as it is stored or as its EXIF orientation {number} turns it \
+                 upright, and the sizes do not decide it: give pixels = \"upright\" in [camera] \
+                 (cv2.imread turns pictures upright), or pixels = \"stored\" (with \
+                 IMREAD_IGNORE_ORIENTATION, cv2.VideoCapture and many other programs)"
             ));
         }
         warnings.push(format!(
-            "the photo is turned by its EXIF orientation {number}, which COLMAP does not look at: the camera was taken \
-             to be of the pixels as they are stored, and turned with them; if it is of the upright photo, give \
-             pixels = \"upright\" in [camera]"
+            "the photo is turned by its EXIF orientation {number}, which COLMAP ignores: the \
+             camera was taken to be for the pixels as they are stored, and turned with them; if it \
+             is for the upright photo, give pixels = \"upright\" in [camera]"
         ));
         Ok(Pixels::Stored)
     }
 }
 
-/// The intrinsics of a photograph of `size` that was cut out at `corner`.
+/// The intrinsics of a photograph of `size` that was cropped at `corner`.
 fn within(
     intrinsics: &Intrinsics,
     corner: [f64; 2],
@@ -158,8 +159,9 @@ fn within(
         && (left + width as f64 > w || top + height as f64 > h)
     {
         return Err(format!(
-            "it is of a picture of {w} x {h} pixels, and camera.crop lets the photo's {width} x \
-             {height} begin at {left}, {top}; cut the photo out without making it smaller or larger"
+            "it is for a picture of {w} x {h} pixels, and by camera.crop the photo's {width} x \
+             {height} begin at {left}, {top}, and reach beyond it; crop the photo without scaling \
+             it"
         ));
     }
     Ok(intrinsics.cropped(corner))

@@ -1,5 +1,5 @@
-//! The table `[camera]` of a project file: from numbers to a camera, and into a file that keeps
-//! everything else.
+//! The table `[camera]` of a project file: reads it to a camera, and writes one into a file that
+//! keeps everything else.
 
 use glam::{DVec3, Vec3};
 use std::path::Path;
@@ -8,7 +8,7 @@ use unrender_formats::FileError;
 use unrender_scene::origin::in_digits;
 use unrender_scene::{Camera, Lens};
 
-/// A camera as the project file has it; reading what was written gives the same bits.
+/// A camera as in the project file; reading a written one gives the same bits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraTable {
     /// The camera's centre in the world of the scene's file, metres.
@@ -48,7 +48,7 @@ impl CameraTable {
         let axes = camera.world_from_camera.matrix3;
         let eye = camera.origin();
         let in_world = |here: Vec3| {
-            // Near zero these are the very numbers in single precision.
+            // Near zero these are exactly the numbers in single precision.
             let axis = |axis: usize| match origin[axis] {
                 0.0 => f64::from(here[axis]),
                 from => in_digits(from, here[axis]),
@@ -71,9 +71,9 @@ impl CameraTable {
         Camera { lens: self.lens, ..camera }
     }
 
-    /// The project file `text`, which `path` names in messages, with this camera in place of
-    /// whatever camera it had. Comments and all other keys stay. `origin` is a line that says where
-    /// the camera comes from.
+    /// The project file `text`, which `path` names in messages, with this camera instead of its
+    /// former one. Comments and all other keys stay. `origin` is a line that states the source of
+    /// the camera.
     ///
     /// # Errors
     /// If `text` is not TOML.
@@ -121,7 +121,7 @@ impl CameraTable {
     }
 }
 
-/// The keys by which a table says the same otherwise.
+/// The other keys by which a table can state the same.
 const OTHER_FORMS: [&str; 11] = [
     "fx",
     "fy",
@@ -136,7 +136,7 @@ const OTHER_FORMS: [&str; 11] = [
     "pixels",
 ];
 
-/// How the line begins that says where the camera comes from.
+/// The beginning of the line that states the source of the camera.
 const ORIGIN: &str = "# Calibrated ";
 
 fn list(values: &[f32]) -> Value {
@@ -215,7 +215,7 @@ mod tests {
         let back = CameraTable::of(&camera, 3.0, DVec3::ZERO).camera("a", DVec3::ZERO);
         let (a, b) = (camera.world_from_camera, back.world_from_camera);
         assert!(a.abs_diff_eq(b, 1e-6) && camera.lens == back.lens);
-        // And far away, where its file has digits that single precision has not.
+        // And far away, where its file has more digits than single precision.
         let origin = DVec3::new(5e5, 0.0, 5.4e6);
         let far = CameraTable::of(&camera, 3.0, origin);
         let text = far.put_into("", Path::new("a.toml"), "by hand.").unwrap();

@@ -8,7 +8,7 @@ use toml::Value;
 use unrender_formats::cameras::{self, Intrinsics, Pixels, colmap};
 use unrender_scene::Lens;
 
-/// What the camera of a project is called in messages.
+/// The name of a project's camera in messages.
 pub(super) const NAME: &str = "project";
 
 /// Which camera took the photograph.
@@ -18,7 +18,7 @@ pub enum CameraChoice {
     First,
     /// The scene's camera of this name.
     Named(String),
-    /// One that the project describes itself.
+    /// One that the project describes.
     Placed(CameraTable),
     /// The same in pixels of the photograph, whose size is not in the project.
     InPixels {
@@ -38,12 +38,12 @@ pub struct CalibratedCamera {
     pub file: CameraFile,
     /// From the world of the calibration to the scene: a similarity.
     pub scene_from_world: DAffine3,
-    /// The pose, where the project states it and not the file.
+    /// The pose, if the project states it instead of the file.
     pub stand: Option<Stand>,
     /// Where the upper left corner of the photograph lies in the picture of the calibration, pixels;
     /// none if the photograph is all of it, at any size.
     pub crop: Option<[f64; 2]>,
-    /// Which pixels of a photograph that is turned it is of, where the project says so.
+    /// The pixels of a turned photograph that it is for, if the project states them.
     pub pixels: Option<Pixels>,
 }
 
@@ -81,7 +81,8 @@ impl CameraChoice {
     }
 }
 
-/// The key `camera`; files are relative to `folder`, and an image of COLMAP is called as `photo` is.
+/// The key `camera`; files are relative to `folder`, and an image of COLMAP has the name of `photo`
+/// by default.
 pub(super) fn parse(value: Value, folder: &Path, photo: &Path) -> Result<CameraChoice, String> {
     let table = match value {
         Value::String(name) => return Ok(CameraChoice::Named(name)),
@@ -129,14 +130,14 @@ fn calibrated(raw: &RawCamera, file: CameraFile) -> Result<CalibratedCamera, Str
     let numbers = pixels.into_iter().chain(terms);
     if let Some((key, _)) = stated.into_iter().chain(numbers).find(|(_, is_there)| *is_there) {
         return Err(format!(
-            "camera.{key}: the file says it; leave out {key}, or opencv and colmap"
+            "camera.{key}: the file states it; leave out {key}, or opencv and colmap"
         ));
     }
     let has_pose = raw.eye.is_some() || raw.target.is_some() || raw.up.is_some();
     if has_pose && matches!(file, CameraFile::Colmap { .. }) {
         return Err(
-            "camera.eye: COLMAP's file says where the camera stood; leave out eye, target \
-                    and up, and bring its world into the scene by scene_from_world"
+            "camera.eye: COLMAP's file states where the camera stood; leave out eye, target and \
+             up, and transform its world to the scene by scene_from_world"
                 .into(),
         );
     }
@@ -155,8 +156,8 @@ fn calibrated(raw: &RawCamera, file: CameraFile) -> Result<CalibratedCamera, Str
     let crop = raw.crop.filter(|crop| !crop.iter().all(|side| side.is_finite() && *side >= 0.0));
     if let Some([left, top]) = crop {
         return Err(format!(
-            "camera.crop is [{left}, {top}]; it is where the photo's upper left corner lies in the \
-             picture that was calibrated, pixels from its own"
+            "camera.crop is [{left}, {top}]; it is the photo's upper left corner in the calibrated \
+             picture, pixels from the corner of that"
         ));
     }
     Ok(CalibratedCamera {
@@ -226,8 +227,8 @@ fn described(raw: &RawCamera) -> Result<CameraChoice, String> {
         (None, [Some(fx), Some(fy), Some(cx), Some(cy)]) => {
             if raw.principal_point.is_some() || raw.fx_over_fy.is_some() {
                 return Err(
-                    "camera: fx, fy, cx and cy say principal_point and fx_over_fy already; \
-                            leave these out"
+                    "camera: fx, fy, cx and cy state principal_point and fx_over_fy already; leave \
+                     these out"
                         .into(),
                 );
             }
@@ -250,7 +251,9 @@ fn described(raw: &RawCamera) -> Result<CameraChoice, String> {
 /// The camera's centre, its target and upwards.
 fn stand(raw: &RawCamera) -> Result<Stand, String> {
     let (Some(eye), Some(target)) = (raw.eye, raw.target) else {
-        return Err("camera: eye and target are missing, where it stood and a point ahead".into());
+        return Err(
+            "camera: eye and target are missing: give where it stood, and a point ahead".into()
+        );
     };
     let [eye, target] = [eye, target].map(DVec3::from_array);
     let up = Vec3::from_array(raw.up.unwrap_or([0.0, 1.0, 0.0]));
@@ -270,7 +273,7 @@ fn lens(raw: &RawCamera) -> Result<Lens, String> {
     let principal_point = raw.principal_point.unwrap_or_default();
     if !principal_point.iter().all(|shift| shift.abs() <= 2.0) {
         return Err(format!(
-            "camera.principal_point is {principal_point:?}; it is its way from the picture's \
+            "camera.principal_point is {principal_point:?}; it is the offset from the picture's \
              centre, right and down, in heights of the picture"
         ));
     }

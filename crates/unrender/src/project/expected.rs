@@ -1,5 +1,6 @@
-//! What a project expects of a group's numbers: the keys `rho_d`, `rho_s`, `alpha_x`, `alpha_y` and
-//! `theta_deg` of `[groups.NAME]`, each with a start and, but for the direction, with bounds.
+//! A project's bounds and initial values of a group's parameters: the keys `rho_d`, `rho_s`,
+//! `alpha_x`, `alpha_y` and `theta_deg` of `[groups.NAME]`, each with a start and, except for the
+//! direction, with bounds.
 
 use super::raw::{RawBounds, RawGroup, RawStart};
 use super::values::{number, reflectance};
@@ -9,7 +10,7 @@ use unrender_recover::Expected;
 use unrender_recover::expected::ALPHA_RANGE;
 use unrender_scene::{BrdfModel, Hypothesis, Rgb};
 
-/// The keys that are stated of a group.
+/// The keys that are stated for a group.
 pub(super) fn stated(group: &RawGroup) -> Vec<&'static str> {
     let keys = [
         ("rho_d", group.rho_d.is_some()),
@@ -21,8 +22,8 @@ pub(super) fn stated(group: &RawGroup) -> Vec<&'static str> {
     keys.into_iter().filter(|(_, is_stated)| *is_stated).map(|(key, _)| key).collect()
 }
 
-/// What is expected of each of the `groups`; `rungs_of` says which hypotheses one may have, and `anchored`
-/// is the group that fixes the scale.
+/// The bounds and starts of all `groups`; `rungs_of` gives the hypotheses that one may have, and
+/// `anchored` is the group that fixes the scale.
 pub(super) fn all<'a>(
     groups: &BTreeMap<String, RawGroup>,
     rungs_of: &dyn Fn(&String) -> &'a [Hypothesis],
@@ -43,7 +44,8 @@ pub(super) fn all<'a>(
     Ok(all)
 }
 
-/// What is expected of the group `name`, which may have the hypotheses `rungs`; none if nothing is.
+/// The bounds and starts of the group `name`, which may have the hypotheses `rungs`; none if none
+/// are stated.
 fn read(
     name: &str,
     group: &RawGroup,
@@ -57,7 +59,7 @@ fn read(
     let key = format!("groups.{name}");
     if group.known.is_some() || group.ignore {
         let reason = if group.ignore { "ignore = true" } else { "known" };
-        return Err(format!("{key}: with {reason} nothing is asked for; leave out {}", stated[0]));
+        return Err(format!("{key}: with {reason} nothing is recovered; leave out {}", stated[0]));
     }
     for number in stated {
         are_free(&key, number, rungs)?;
@@ -73,7 +75,7 @@ fn read(
     Ok(Some(expected))
 }
 
-/// That one of `rungs` has the `number`.
+/// Checks that one of `rungs` has the parameter `number`.
 fn are_free(key: &str, number: &str, rungs: &[Hypothesis]) -> Result<(), String> {
     use Hypothesis::{Anisotropic, Diffuse, DiffuseSpecular, Isotropic, PartialMirror, Textured};
     let of: &[Hypothesis] = match number {
@@ -88,14 +90,14 @@ fn are_free(key: &str, number: &str, rungs: &[Hypothesis]) -> Result<(), String>
     let names =
         |rungs: &[Hypothesis]| rungs.iter().map(|rung| rung.name()).collect::<Vec<_>>().join(", ");
     Err(format!(
-        "{key}.{number}: none of the hypotheses that the group may have ({}) has it; those that do \
-         are {}",
+        "{key}.{number}: none of the hypotheses that the group may have ({}) has it; it belongs to \
+         {}",
         names(rungs),
         names(of)
     ))
 }
 
-/// That bounds and starts of different numbers do not contradict each other.
+/// Checks that bounds and starts of different parameters do not contradict each other.
 fn agree(
     key: &str,
     expected: &Expected,
@@ -130,7 +132,7 @@ fn agree(
     Ok(())
 }
 
-/// A number of a group that has an interval.
+/// A parameter of a group that has an interval.
 trait Bounded: Copy {
     /// Reads the value of `key`.
     fn read(key: &str, value: &Value) -> Result<Self, String>;
@@ -154,7 +156,7 @@ impl Bounded for f32 {
         let [low, high] = ALPHA_RANGE;
         let alpha = number(value).filter(|alpha| (low..=high).contains(alpha));
         alpha.ok_or_else(|| {
-            format!("{key} is {value}; a roughness that is looked for is from {low} to {high}")
+            format!("{key} is {value}; an unknown roughness is from {low} to {high}")
         })
     }
 
@@ -163,7 +165,7 @@ impl Bounded for f32 {
     }
 }
 
-/// Reads the table of one `number` into `bounds`; the start, where it has one.
+/// Reads the table of one parameter `number` into `bounds`; returns the start, if it has one.
 fn interval<T: Bounded>(
     key: &str,
     number: &str,
@@ -195,7 +197,7 @@ fn interval<T: Bounded>(
     Ok(start)
 }
 
-/// The direction to start from, radians.
+/// The initial direction, radians.
 fn direction(key: &str, raw: &Option<RawStart>) -> Result<Option<f32>, String> {
     let Some(RawStart { start }) = raw else { return Ok(None) };
     match number(start).filter(|theta| theta.is_finite()) {

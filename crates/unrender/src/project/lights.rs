@@ -1,8 +1,8 @@
-//! The lights that a project names, and what separates them from the surfaces that they light.
+//! The lights that a project names, and how their brightness is separated from reflectances.
 //!
 //! Lights twice as bright on surfaces that reflect half as much make nearly the same picture. So
 //! wherever a light is unknown, something else must fix the scale, channel by channel: another
-//! light, a known group, or an anchor. Of a light of known colour only one factor is unknown.
+//! light, a known group, or an anchor. For a light of known colour only one factor is unknown.
 
 use super::{Anchor, Project, some_names};
 use crate::lighting::RawLight;
@@ -14,7 +14,7 @@ use unrender_restage::Edit;
 use unrender_restage::light::LightChange;
 use unrender_scene::{Rgb, Scene, Source, Warnings};
 
-/// What colour an unknown light has.
+/// The colour of an unknown light.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LightColor {
     /// This one, at any brightness.
@@ -38,12 +38,12 @@ pub(super) fn colors(list: &[RawLight]) -> Result<BTreeMap<String, LightColor>, 
         };
         if raw.unknown != Some(true) {
             return Err(format!(
-                "lights.{name}: color and same_color_as are for lights with unknown = true; strength \
-                 says colour and brightness of a known one"
+                "lights.{name}: color and same_color_as are for lights with unknown = true; \
+                 strength states colour and brightness of a known one"
             ));
         }
         if color == LightColor::Stated(Rgb::ZERO) {
-            return Err(format!("lights.{name}.color: black is no colour of a light"));
+            return Err(format!("lights.{name}.color: a light cannot be black"));
         }
         colors.insert(name.clone(), color);
     }
@@ -67,7 +67,7 @@ pub(super) fn colors(list: &[RawLight]) -> Result<BTreeMap<String, LightColor>, 
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 impl Project {
-    /// Puts the lights and the environment of the project into `scene`.
+    /// Applies the lights and the environment of the project to `scene`.
     ///
     /// # Errors
     /// If a light does not exist, or exists already, or the panorama cannot be read.
@@ -111,13 +111,13 @@ impl Project {
         unknown.flat_map(|source| parts(source.index)).collect()
     }
 
-    /// Those of [`Project::unknown_sources`] whose colour the project says.
+    /// Those of [`Project::unknown_sources`] whose colour the project states.
     pub fn coloured_sources(&self, scene: &Scene) -> Vec<usize> {
         let coloured = scene.sources().filter(|source| self.light_colors.contains_key(source.name));
         coloured.map(|source| source.index).collect()
     }
 
-    /// Makes sure that light and reflectance can be separated in `scene`. Where exposure and all
+    /// Checks that light and reflectance can be separated in `scene`. Where exposure and all
     /// lights are unknown, brightness is only relative: the exposure becomes one, with a warning.
     ///
     /// # Errors
@@ -127,7 +127,7 @@ impl Project {
     }
 }
 
-/// Gives lights the colours that `project` says, at their brightness in `scene`.
+/// Gives lights the colours in `project`, at their brightness in `scene`.
 fn color_lights(project: &Project, scene: &mut Scene) -> Result<(), String> {
     for (name, color) in &project.light_colors {
         let color = match color {
@@ -191,13 +191,13 @@ fn settle_scale(project: &mut Project, scene: &Scene) -> Result<Warnings, String
         warnings.extend(dark_channels(&find(name, scene)?)?);
     }
     let is_unknown = |source: &Source| project.unknown_lights.contains(source.name);
-    // Of an area light that was taken away, the group is left.
+    // When an area light is removed, its group is left.
     let removed = project.light_edits.iter().filter(|edit| edit.change == LightChange::Remove);
     let removed: Vec<&str> = removed.map(|edit| edit.name.as_str()).collect();
     let sources = || scene.sources().filter(|source| !removed.contains(&source.name));
     let lit = channels(sources().map(|source| source.strength));
     let known = channels(sources().filter(|source| !is_unknown(source)).map(|s| s.strength));
-    // Where light comes from unknown lights alone.
+    // The channels in which only unknown lights shine.
     let open: [bool; 3] = std::array::from_fn(|c| lit[c] && !known[c]);
     if open == [false; 3] {
         return Ok(warnings);
@@ -205,8 +205,8 @@ fn settle_scale(project: &mut Project, scene: &Scene) -> Result<Warnings, String
     if project.exposure == Exposure::Auto {
         if open != lit {
             return Err(format!(
-                "{}every light is unknown, and so is the exposure: one common factor stays \
-                 unknown. Give the exposure, or one light's intensity",
+                "{}every light is unknown, and so is the exposure: one common factor cannot be \
+                 determined. Give the exposure, or one light's intensity",
                 in_channels(open, lit)
             ));
         }
@@ -216,19 +216,19 @@ fn settle_scale(project: &mut Project, scene: &Scene) -> Result<Warnings, String
              exposure was taken as 1, and the lights' numbers are per unit of exposure",
         );
     } else if project.anchor.is_none() {
-        // What does not count fixes nothing.
+        // Ignored groups fix nothing.
         let known = project.known.iter().filter(|(name, _)| !project.ignored.contains(*name));
         let known = known.filter(|(name, _)| reflects(scene, name));
         let reflecting = channels(known.map(|(_, known)| known.rho_d + known.rho_s));
         let loose: [bool; 3] = std::array::from_fn(|c| open[c] && !reflecting[c]);
-        // Where all colours are known, what fixes one channel fixes all.
+        // If all colours are known, a known channel fixes all.
         let mut unknown = project.unknown_lights.iter();
         let is_tied = unknown.all(|name| project.light_colors.contains_key(name));
         let is_fixed = (0..3).any(|c| lit[c] && !loose[c]);
         if loose != [false; 3] && !(is_tied && is_fixed) {
             return Err(format!(
                 "{}every light is unknown and no reflectance is known: light and reflectance can \
-                 only be told apart up to one common factor. Give an [anchor], a known group, or \
+                 be separated only up to one common factor. Give an [anchor], a known group, or \
                  one light's intensity",
                 in_channels(loose, lit)
             ));
@@ -237,7 +237,7 @@ fn settle_scale(project: &mut Project, scene: &Scene) -> Result<Warnings, String
     Ok(warnings)
 }
 
-/// How bright a light is, is asked as a multiple of what the scene says: zero stays zero.
+/// The brightness of a light is estimated as a multiple of the scene's: zero stays zero.
 fn dark_channels(source: &Source) -> Result<Warnings, String> {
     let mut warnings = Warnings::default();
     let dark = source.strength.to_array().map(|strength| strength <= 0.0);
@@ -249,7 +249,7 @@ fn dark_channels(source: &Source) -> Result<Warnings, String> {
     }
     if dark != [false; 3] {
         warnings.push(format!(
-            "the unknown light \"{name}\" has no {} in the scene, and none is looked for",
+            "the unknown light \"{name}\" has no {} in the scene, so none is recovered",
             names_of(dark)
         ));
     }

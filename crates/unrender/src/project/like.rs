@@ -3,8 +3,8 @@
 use super::raw::{RawGroup, RawLike};
 use std::collections::BTreeMap;
 
-/// By how much the numbers of groups differ that are called alike without saying how much. Half of it is what
-/// one paint differs by from wall to wall; double of it two dyes of one colour.
+/// The default of `within`: the relative difference between similar groups. Half of it is the difference of
+/// one paint from wall to wall; double of it that of two dyes of one colour.
 const WITHIN: f32 = 0.1;
 
 /// The group that another one is like.
@@ -12,12 +12,11 @@ const WITHIN: f32 = 0.1;
 pub struct LikeGroup {
     /// Its name.
     pub group: String,
-    /// The standard deviation of the differences, as a share of its numbers.
+    /// The standard deviation of the differences, as a share of the parameters.
     pub within: f32,
 }
 
-/// What each of the `groups` is like, for those that are like another; `anchored` is the group that fixes the
-/// scale.
+/// The similar group of each of the `groups` that states one; `anchored` is the group that fixes the scale.
 pub(super) fn all(
     groups: &BTreeMap<String, RawGroup>,
     anchored: Option<&str>,
@@ -36,7 +35,7 @@ pub(super) fn all(
             return fault("it names the group itself; name another");
         }
         if group.known.is_some() || group.ignore || anchored == Some(name.as_str()) {
-            return fault("the group itself is not asked for; leave it out");
+            return fault("the group itself is not recovered; leave it out");
         }
         if let Some(named) = groups.get(other) {
             if let Some(third) = &named.same_as {
@@ -47,7 +46,7 @@ pub(super) fn all(
             }
             if named.like.as_ref().is_some_and(|back| back.group == *name) {
                 return fault(&format!(
-                    "groups.{other} is like \"{name}\" already; say it of one of the two"
+                    "groups.{other} is like \"{name}\" already; state it for one of the two"
                 ));
             }
         }

@@ -1,4 +1,4 @@
-//! The project file: which scene, which photograph, what is known already.
+//! The project file: the scene, the photographs, and what is known already.
 //!
 //! `parse` turns the text into a [`Project`] and checks every number; names are checked against
 //! the scene by [`Project::check_against`], once that is read.
@@ -35,70 +35,70 @@ use unrender_recover::{Expected, Thresholds};
 use unrender_restage::light::LightEdit;
 use unrender_scene::{BrdfModel, Hypothesis, Material, Rgb, Scene, Warnings};
 
-/// A project file with its paths made whole and its numbers checked.
+/// A project file with absolute paths and checked numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Project {
     /// The project file itself.
     pub path: PathBuf,
     /// The scene file.
     pub scene: PathBuf,
-    /// The photograph; of a bracket the one that is named first.
+    /// The photograph; the first one of a bracket.
     pub photo: PathBuf,
-    /// The photographs of the bracket that the photograph is merged from, if it is.
+    /// The bracket from which the photograph is merged, if any.
     pub bracket: Option<Frames>,
-    /// The picture that says which pixels of the photograph do not count: those that are black in it.
+    /// The mask: pixels of the photograph that are black in it are left out.
     pub mask: Option<PathBuf>,
-    /// How the photograph is encoded, where the project says so.
+    /// The response of the photograph, if the project states it.
     pub response: Option<ResponseChoice>,
     /// The code of no light, 0 to 1, by channel.
     pub black_level: Rgb,
-    /// The code from which on a channel is clipped, where the project says so.
+    /// The code from which on a channel is clipped, if the project states it.
     pub white_level: Option<Rgb>,
-    /// How the lens darkens the photograph away from its axis, where the project says so.
+    /// The vignetting of the photograph, if the project states it.
     pub vignetting: Option<VignettingChoice>,
     /// Scene radiance per unit of linear pixel value.
     pub exposure: Exposure,
-    /// What fixes the absolute scale; always there with [`Exposure::Auto`]. See
+    /// What fixes the absolute scale; always present with [`Exposure::Auto`]. See
     /// [`Project::used_anchor`].
     pub anchor: Option<Anchor>,
     /// The groups that are not to be recovered.
     pub known: BTreeMap<String, Known>,
-    /// The groups that are neither asked for nor counted; those that are not known keep the
-    /// materials of the scene.
+    /// The groups that are not recovered and whose pixels are left out; those that are not known
+    /// keep the materials of the scene.
     pub ignored: BTreeSet<String>,
-    /// The lights whose brightness is asked for: groups that emit, and lights without a surface.
+    /// The lights of unknown brightness: groups that emit, and lights without a surface.
     pub unknown_lights: BTreeSet<String>,
     /// The lights that the project calls known, as lights are by default.
     pub known_lights: BTreeSet<String>,
-    /// The colours of unknown lights, where the project says them: only how bright they are is asked.
+    /// The colours of unknown lights, if the project states them: only their brightness is recovered.
     pub light_colors: BTreeMap<String, LightColor>,
-    /// The lights that are added to the scene, changed in it or taken out of it.
+    /// The lights that are added, changed or removed.
     pub light_edits: Vec<LightEdit>,
-    /// What lights the scene from all around, where the project says so.
+    /// The environment, if the project states it.
     pub environment: Option<EnvironmentChoice>,
     /// The lobe to recover.
     pub brdf: BrdfModel,
-    /// When a hypothesis is good enough.
+    /// The thresholds of model selection.
     pub thresholds: Thresholds,
-    /// The hypotheses that groups may have, where the project says so.
+    /// The hypotheses that groups may have, if the project states them.
     pub rungs: Option<Vec<Hypothesis>>,
     /// The same for single groups.
     pub group_rungs: BTreeMap<String, Vec<Hypothesis>>,
-    /// Bounds and starting values of the numbers of groups.
+    /// Bounds and initial values of the parameters of groups.
     pub expected: BTreeMap<String, Expected>,
     /// The groups that are like another.
     pub like: BTreeMap<String, LikeGroup>,
-    /// The groups that have one material with another, and that other's name.
+    /// The groups that share the material of another, and that other's name.
     pub same_as: BTreeMap<String, String>,
     /// The camera of the photograph.
     pub camera: CameraChoice,
-    /// The lights that were off when the photograph was taken; all are on where there is one photograph alone.
+    /// The lights that were off when the photograph was taken; all are on if there is only one photograph.
     pub switched: Switched,
-    /// The further photographs, where there are several: the first is the one above.
+    /// The further photographs, if there are several: the fields above describe the first.
     pub further: Vec<Taken>,
-    /// The units of the scene's lights, where the project says so.
+    /// The units of the scene's lights, if the project states them.
     pub light_units: Option<LightUnits>,
-    /// How far the reading of the files that it names may go; no key of the file.
+    /// The limits of reading the files that it names; not a key of the file.
     pub limits: Limits,
 }
 
@@ -111,7 +111,7 @@ pub struct Anchor {
     pub rho_d: Rgb,
 }
 
-/// What the project knows about a group; what it leaves out is not there: no texture, no lobe.
+/// A known material in the project; parts that are left out do not exist: no texture, no lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Known {
     /// Diffuse reflectance.
@@ -127,7 +127,7 @@ pub struct Known {
 }
 
 impl Known {
-    /// The material that this is.
+    /// The material.
     pub fn material(&self) -> Material {
         let Self { rho_d, rho_s, alpha_x, alpha_y, theta_rad } = *self;
         Material { rho_d, rho_s, alpha_x, alpha_y, theta_rad, texture: None }
@@ -135,11 +135,11 @@ impl Known {
 }
 
 impl Project {
-    /// Reads the project file at `path` and checks it as far as that goes without the scene.
+    /// Reads the project file at `path` and checks it as far as possible without the scene.
     ///
     /// # Errors
-    /// If the file is missing, is not TOML, has an unknown key or a value that cannot be meant, or
-    /// names a file that does not exist.
+    /// If the file is missing, is not TOML, has an unknown key or an invalid value, or names a file
+    /// that does not exist.
     pub fn read(path: &Path) -> Result<(Self, Warnings), FileError> {
         let text = input::text(path).map_err(|error| FileError::because(path, "", error))?;
         let (project, warnings) = Self::parse(path, &text)?;
@@ -167,7 +167,7 @@ impl Project {
     /// ```
     ///
     /// # Errors
-    /// If the text is not TOML, has an unknown key or a value that cannot be meant.
+    /// If the text is not TOML, has an unknown key or an invalid value.
     pub fn parse(path: &Path, text: &str) -> Result<(Self, Warnings), FileError> {
         parse::parse(path, text).map_err(|problem| FileError::new(path, problem))
     }
@@ -178,12 +178,12 @@ impl Project {
         stated.cloned().unwrap_or_else(|| Hypothesis::ALL.to_vec())
     }
 
-    /// The scene file as it is to be read.
+    /// The scene file with its limits and units.
     pub(crate) fn scene_input(&self) -> Input<'_> {
         Input::new(&self.scene, self.limits).in_light_units(self.light_units)
     }
 
-    /// The files that a recovery of it reads, as far as it names them itself.
+    /// The files that a recovery of it reads, as far as the project names them.
     pub fn inputs(&self) -> Vec<&Path> {
         let files = self.files().into_iter().map(|(_, file)| file);
         std::iter::once(self.path.as_path()).chain(files).collect()
@@ -202,7 +202,7 @@ impl Project {
         let always = std::iter::once(("scene", self.scene.as_path()));
         let mut files: Vec<_> = always.chain(first).chain(panorama).collect();
         for file in further {
-            // What is said of several is one file.
+            // A file may be named for several photographs.
             if !files.contains(&file) {
                 files.push(file);
             }
@@ -246,19 +246,19 @@ impl Project {
         };
         if let Some((name, _)) = self.same_as.iter().find(|(a, b)| emits(a) || emits(b)) {
             return fault(format!(
-                "groups.{name}.same_as: one of the two emits light; only groups that reflect have \
-                 one material"
+                "groups.{name}.same_as: one of the two emits light; only groups that reflect can \
+                 share a material"
             ));
         }
         if let Some(name) = self.expected.keys().find(|name| emits(name)) {
             return fault(format!(
-                "groups.{name}: the group emits light, and its reflectance is not asked for; leave \
+                "groups.{name}: the group emits light, and its reflectance is not recovered; leave \
                  out its bounds and starts"
             ));
         }
         if let Some((name, _)) = self.like.iter().find(|(a, b)| emits(a) || emits(&b.group)) {
             return fault(format!(
-                "groups.{name}.like: one of the two emits light; only groups that reflect are alike"
+                "groups.{name}.like: one of the two emits light; only groups that reflect can be alike"
             ));
         }
         lights::check(self, scene).or_else(fault)?;

@@ -1,4 +1,4 @@
-//! From the raw project to one whose values are understood; every fault names its key.
+//! Converts the raw project to a checked one; every error names its key.
 
 use super::raw::{RawAnchor, RawGroup, RawKnown, RawProject};
 use super::values::reflectance;
@@ -94,7 +94,7 @@ fn with_line(error: &toml::de::Error, text: &str) -> String {
     format!("line {}: {message}{}", index + 1, hint.unwrap_or_default())
 }
 
-/// What to do about the two forms that lights have, of which `[lights.NAME]` says less.
+/// A hint about the two forms of lights, of which `[lights.NAME]` has fewer keys.
 fn hint_of_lights(message: &str, line: &str) -> Option<&'static str> {
     const COLOURS: [&str; 4] = ["`color`", "`colour`", "`same_color_as`", "`same_colour_as`"];
     let key = line.trim_start().trim_start_matches('[').trim_start();
@@ -106,7 +106,7 @@ fn hint_of_lights(message: &str, line: &str) -> Option<&'static str> {
              name = \"NAME\", unknown = true, and its colour",
         );
     }
-    // A table behind a list belongs to the last entry of it.
+    // In TOML, a table after a list belongs to the last entry of it.
     let is_twice = message.contains("duplicate key") && key.starts_with("lights");
     let is_behind = key.starts_with("lights.") && unknown.is_some() && !is_alone;
     (is_twice || is_behind).then_some(
@@ -138,7 +138,7 @@ fn group_rungs(
     Ok(all)
 }
 
-/// The group `anchor` has to be asked for, under its own name.
+/// Checks that the group `anchor` is recovered, under its own name.
 fn check_anchor(
     anchor: &str,
     same_as: &BTreeMap<String, String>,
@@ -155,19 +155,19 @@ fn check_anchor(
     Ok(())
 }
 
-/// The groups that are not counted.
+/// The groups that are ignored.
 fn ignored(groups: &BTreeMap<String, RawGroup>) -> Result<BTreeSet<String>, String> {
     let ignored = groups.iter().filter(|(_, group)| group.ignore);
     let name = |(name, group): (&String, &RawGroup)| match &group.rungs_key() {
         Some(key) => {
-            Err(format!("groups.{name}: with ignore = true nothing is asked for; leave out {key}"))
+            Err(format!("groups.{name}: with ignore = true nothing is recovered; leave out {key}"))
         }
         None => Ok(name.clone()),
     };
     ignored.map(name).collect()
 }
 
-/// The groups that have another's material, by their names.
+/// The groups that share another's material, by their names.
 fn same_as(groups: &BTreeMap<String, RawGroup>) -> Result<BTreeMap<String, String>, String> {
     let mut same_as = BTreeMap::new();
     for (name, group) in groups {
@@ -190,7 +190,7 @@ fn same_as(groups: &BTreeMap<String, RawGroup>) -> Result<BTreeMap<String, Strin
             ("like", group.like.is_some()),
         ];
         if let Some((key, _)) = stated.iter().find(|(_, is_there)| *is_there) {
-            return fault(&format!("{key} is said of groups.{other}, and holds for both"));
+            return fault(&format!("{key} belongs to groups.{other}, and applies to both"));
         }
         same_as.insert(name.clone(), other.clone());
     }
@@ -217,7 +217,7 @@ fn light_edits(list: &[RawLight]) -> Result<Vec<LightEdit>, String> {
 fn anchor(raw: &RawAnchor) -> Result<Anchor, String> {
     let rho_d = reflectance("anchor.rho_d", &raw.rho_d)?;
     if rho_d.min_element() <= 0.0 {
-        return Err("anchor.rho_d: a channel is zero, which fixes no scale".into());
+        return Err("anchor.rho_d: a channel is zero, which cannot fix the scale".into());
     }
     Ok(Anchor { group: raw.group.clone(), rho_d })
 }
@@ -253,8 +253,8 @@ fn known(key: &str, raw: &RawKnown) -> Result<Known, String> {
     })
 }
 
-/// The table `[recover] thresholds`: the default ladder's by their names, the paper's by the rung
-/// that a group leaves above them.
+/// The table `[recover] thresholds`: those of the default ladder by their names, those of the
+/// paper's by the rung that a group leaves above them.
 fn thresholds(raw: &BTreeMap<String, f64>) -> Result<Thresholds, String> {
     let mut thresholds = Thresholds::default();
     for (name, &value) in raw {

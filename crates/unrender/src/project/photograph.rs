@@ -1,4 +1,5 @@
-//! What a project says of how its photograph was made: response, black and white level, vignetting.
+//! A project's statements about its photograph: bracket, response, black and white level,
+//! vignetting.
 
 use super::raw::{RawBracket, RawPhoto};
 use super::values::{number, triple};
@@ -7,23 +8,23 @@ use toml::Value;
 use unrender_photo::{Response, vignetting};
 use unrender_scene::Rgb;
 
-/// How the photograph is encoded.
+/// The response of the photograph.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ResponseChoice {
     /// By a curve with a name or by a gamma.
     Stated(Response),
-    /// As measured: the file of the rows.
+    /// Measured: the file with its rows.
     Measured(PathBuf),
-    /// By a gamma that is asked for.
+    /// An unknown gamma.
     Auto,
 }
 
-/// How the lens darkens the photograph away from its axis.
+/// The vignetting of the photograph.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum VignettingChoice {
     /// By this law.
     Stated(vignetting::Law),
-    /// By a radial polynomial that is asked for.
+    /// An unknown radial polynomial.
     Auto,
 }
 
@@ -32,7 +33,7 @@ pub enum VignettingChoice {
 pub struct Frames {
     /// Their files.
     pub files: Vec<PathBuf>,
-    /// Their exposure times or anything proportional to their exposures; none: as the files state.
+    /// Their exposure times, or values proportional to the exposures; if none, those in the files.
     pub times: Option<Vec<f64>>,
 }
 
@@ -40,7 +41,7 @@ const RESPONSES: &str =
     "give \"srgb\", \"linear\", { gamma = 2.2 }, a file such as \"curve.csv\", or \"auto\"";
 const VIGNETTINGS: &str = "give \"cos4\", { radial = [a1, a2, a3] } or \"auto\"";
 
-/// The key `photo`: the file that stands for it, and the bracket if it is one. Files are relative to `folder`.
+/// The key `photo`: the file that represents it, and the bracket if it is one. Files are relative to `folder`.
 pub(super) fn photo(raw: &RawPhoto, folder: &Path) -> Result<(PathBuf, Option<Frames>), String> {
     let RawBracket { bracket, times } = match raw {
         RawPhoto::File(file) => return Ok((folder.join(file), None)),
@@ -112,7 +113,7 @@ pub(super) fn black_level(value: &Value) -> Result<Rgb, String> {
     ))
 }
 
-/// The key `white_level`, of a photograph of this black level.
+/// The key `white_level`, for a photograph of this black level.
 pub(super) fn white_level(value: &Value, black_level: Rgb) -> Result<Rgb, String> {
     let white = triple("white_level", value)?;
     if white.is_finite() && white.cmpgt(black_level).all() {

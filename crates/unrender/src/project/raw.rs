@@ -1,4 +1,4 @@
-//! The project file as TOML has it, before any value is understood.
+//! The project file as in TOML, before its values are checked.
 
 use crate::lighting::{RawEnvironment, RawLight};
 use serde::Deserialize;
@@ -34,7 +34,7 @@ pub(super) struct RawProject {
     pub(super) light_units: Option<String>,
 }
 
-/// What is said of a photograph: at the top of a project, or in an entry of `[[photos]]`.
+/// The keys of a photograph: at the top of a project, or in an entry of `[[photos]]`.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawShot {
@@ -51,7 +51,7 @@ pub(super) struct RawShot {
 }
 
 impl RawShot {
-    /// The same, and what `top` says where it says nothing itself.
+    /// The same, with the keys of `top` where it has none.
     pub(super) fn or(self, top: &Self) -> Self {
         Self {
             photo: self.photo.or_else(|| top.photo.clone()),
@@ -69,7 +69,7 @@ impl RawShot {
 }
 
 impl RawProject {
-    /// What its top says of photographs.
+    /// The keys of photographs at its top.
     pub(super) fn top(&self) -> RawShot {
         RawShot {
             photo: self.photo.clone(),
@@ -191,7 +191,7 @@ impl<'de> Visitor<'de> for LikeVisitor {
     }
 }
 
-/// Where a number of a group starts, and between which values it lies.
+/// The initial value of a group's parameter, and its bounds.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawBounds {
@@ -200,7 +200,7 @@ pub(super) struct RawBounds {
     pub(super) max: Option<Value>,
 }
 
-/// Where a number of a group starts.
+/// The initial value of a group's parameter.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawStart {
@@ -208,7 +208,7 @@ pub(super) struct RawStart {
 }
 
 impl RawGroup {
-    /// The key that says which hypotheses the group may have, if one does.
+    /// The key that states the hypotheses of the group, if there is one.
     pub(super) fn rungs_key(&self) -> Option<&'static str> {
         match (&self.rungs, &self.max_rung) {
             (Some(_), _) => Some("rungs"),
@@ -218,13 +218,13 @@ impl RawGroup {
     }
 }
 
-/// What a project says of lights: `[lights.NAME]`, or a list `[[lights]]`. Of two entries for one
-/// light, the scene refuses the second.
+/// The lights of a project: `[lights.NAME]`, or a list `[[lights]]`. If a light has two entries,
+/// the second is an error when it is applied to the scene.
 #[derive(Debug, Default)]
 pub(super) struct RawLights {
     /// The entries of the list.
     pub(super) list: Vec<RawLight>,
-    /// Which lights are unknown (or known), by their names.
+    /// The lights stated as unknown (or known), by their names.
     pub(super) unknown: Vec<(String, bool)>,
 }
 

@@ -8,7 +8,7 @@ pub(crate) fn up_to(max: Hypothesis) -> Vec<Hypothesis> {
 }
 
 /// The hypotheses that the table `key` allows by a `list`, or by the most complex one, ascending; none
-/// if it says nothing of them.
+/// if it states neither.
 pub(super) fn read(
     key: &str,
     list: Option<&[String]>,

@@ -1,4 +1,4 @@
-//! The photographs of a project, one at its top or several in `[[photos]]`, and what it says of each.
+//! The photographs of a project, one at its top or several in `[[photos]]`, with the keys of each.
 
 use super::raw::{RawProject, RawShot};
 use super::values::triple;
@@ -10,7 +10,7 @@ use toml::Value;
 use unrender_photo::Exposure;
 use unrender_scene::{Rgb, Scene, Warnings};
 
-/// How one photograph was taken.
+/// One photograph and how it was taken.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Taken {
     /// As [`Project::photo`].
@@ -27,7 +27,8 @@ pub struct Taken {
     pub white_level: Option<Rgb>,
     /// As [`Project::vignetting`].
     pub vignetting: Option<VignettingChoice>,
-    /// As [`Project::exposure`]; of a further photograph [`Exposure::Auto`] is relative to the first.
+    /// As [`Project::exposure`]; for a further photograph [`Exposure::Auto`] is relative to the
+    /// first.
     pub exposure: Exposure,
     /// As [`Project::camera`].
     pub camera: CameraChoice,
@@ -35,7 +36,7 @@ pub struct Taken {
     pub switched: Switched,
 }
 
-/// The lights that are not as the scene has them in a photograph, by their names.
+/// The lights that were switched for a photograph, by their names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Switched {
     /// These are off.
@@ -51,7 +52,7 @@ impl Default for Switched {
 }
 
 impl Switched {
-    /// The key that says so, and the names.
+    /// The key in the project, and the names.
     pub(super) fn stated(&self) -> (&'static str, &BTreeSet<String>) {
         match self {
             Self::Off(names) => ("lights_off", names),
@@ -118,12 +119,11 @@ impl Project {
     }
 }
 
-/// Photographs of a project at most: so many of 12 megapixels take 20 GB before they are worked on as squares. Half and
-/// double of it change nothing for those who have fewer.
+/// The most photographs of a project: this many of 12 megapixels take 20 GB before they are reduced to squares. Half
+/// and double of it change nothing for projects with fewer.
 const PHOTOGRAPHS_MAX: usize = 64;
 
-/// How each photograph of a project was taken, in its order; there is one at least. `is_anchored`: whether a group
-/// fixes the scale.
+/// The photographs of a project, at least one, in its order. `is_anchored`: whether a group fixes the scale.
 pub(super) fn all(
     raw: &RawProject,
     folder: &Path,
@@ -163,8 +163,8 @@ pub(super) fn all(
     let is_auto = |taken: &Taken| taken.exposure == Exposure::Auto;
     if let Some(stated) = taken.iter().position(|taken| !is_auto(taken)).filter(|k| *k > 0) {
         return Err(format!(
-            "photos: number {} states its exposure and number 1 does not; put one with a number first, and the \
-             others are found beside it",
+            "photos: number {} states its exposure and number 1 does not; put a photograph with a \
+             stated exposure first; the others are estimated relative to it",
             stated + 1
         ));
     }
@@ -219,8 +219,8 @@ fn exposure(
     match value.as_str() {
         Some("auto") if is_anchored || is_further => Ok(Exposure::Auto),
         Some("auto") => {
-            Err("exposure: \"auto\" needs a table [anchor] with a group and its rho_d, \
-                             else nothing fixes the scale"
+            Err("exposure: \"auto\" needs a table [anchor] with a group and its rho_d; nothing \
+            else fixes the scale"
                 .into())
         }
         Some(other) => Err(format!("exposure: there is no \"{other}\"; give a number or \"auto\"")),

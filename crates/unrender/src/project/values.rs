@@ -1,9 +1,9 @@
-//! Numbers and colours as the TOML of a project has them; faults name their keys.
+//! Numbers and colours in the TOML of a project; errors name their keys.
 
 use toml::Value;
 use unrender_scene::Rgb;
 
-/// A reflectance of all channels or of each.
+/// A reflectance, for all channels or for each.
 pub(super) fn reflectance(key: &str, value: &Value) -> Result<Rgb, String> {
     let rgb = triple(key, value)?;
     if rgb.to_array().iter().all(|rho| (0.0..=1.0).contains(rho)) {
@@ -28,7 +28,7 @@ pub(super) fn triple(key: &str, value: &Value) -> Result<Rgb, String> {
     }
 }
 
-/// A number; none if `value` is none.
+/// A number; none if `value` is not one.
 pub(super) fn number(value: &Value) -> Option<f32> {
     value.as_float().or_else(|| value.as_integer().map(|i| i as f64)).map(|v| v as f32)
 }

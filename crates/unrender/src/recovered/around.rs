@@ -1,4 +1,4 @@
-//! What was found of the environment.
+//! The recovered environment.
 
 use super::Recovered;
 use crate::Job;
@@ -6,7 +6,7 @@ use unrender_formats::materials::{LightEntry, PanoramaEntry};
 use unrender_recover::{LightResult, Quantity, Unknown};
 use unrender_scene::Rgb;
 
-/// The environment's mean radiance, and that of each of its parts if it is in parts; none if it was not asked for.
+/// The environment's mean radiance, and that of each of its parts if it is in parts; none if it was not recovered.
 pub(super) fn entry(job: &Job, recovered: &Recovered) -> Option<LightEntry> {
     let places = job.scene.environment_parts();
     let around = job.scene.environment.as_ref()?;
@@ -35,7 +35,7 @@ pub(super) fn entry(job: &Job, recovered: &Recovered) -> Option<LightEntry> {
     Some(LightEntry { intensity: Some(mean.to_array()), std: Some(std.to_array()), panorama })
 }
 
-/// The standard deviation of the sum of `count` sources from the number `first` on, each times its `weight`.
+/// The standard deviation of the sum of `count` sources from number `first` on, each times its `weight`.
 fn deviation_of_sum(
     recovered: &Recovered,
     first: usize,

@@ -1,4 +1,4 @@
-//! What was recovered, as the entries of materials.json.
+//! The results of a recovery as the entries of materials.json.
 
 use super::{Recovered, around};
 use crate::Job;
@@ -37,7 +37,7 @@ fn build(job: &Job, recovered: &Recovered) -> MaterialsFile {
     file
 }
 
-/// How each of several photographs was taken.
+/// The photometric parameters of each of several photographs.
 fn photographs(job: &Job, recovered: &Recovered) -> Vec<PhotographEntry> {
     let one = |(k, found): (usize, &Option<PhotographEntry>)| {
         let exposure = recovered.exposure_of(job, k);
@@ -46,7 +46,7 @@ fn photographs(job: &Job, recovered: &Recovered) -> Vec<PhotographEntry> {
     recovered.photographs.iter().enumerate().map(one).collect()
 }
 
-/// The lights that were asked for, by name.
+/// The recovered lights, by name.
 pub(crate) fn lights(job: &Job, recovered: &Recovered) -> IndexMap<String, LightEntry> {
     let around = job.scene.environment_parts().start;
     let of = |source: Source<'_>| {
@@ -107,7 +107,7 @@ fn alternative(alternative: &Alternative) -> AlternativeEntry {
     }
 }
 
-/// Standard deviations in the file's units: of a roughness itself, of an angle in degrees.
+/// Standard deviations in the file's units: roughness, not its logarithm, and angles in degrees.
 fn std_entry(std: &Deviations, material: &Material) -> StdEntry {
     StdEntry {
         rho_d: std.rho_d.map(|v| v.to_array()),

@@ -1,4 +1,4 @@
-//! The re-rendering in all pixels of a photograph that was worked on in squares of them.
+//! The re-rendering in all pixels of a photograph that was reduced to squares.
 
 use super::Recovered;
 use crate::Job;
@@ -9,7 +9,7 @@ use unrender_scene::{Material, Rgb, RgbImage};
 
 impl Recovered {
     /// Renders what each photograph's camera sees in all pixels of the photograph of `job`, for [`Recovered::full`].
-    /// `tell` hears the share done.
+    /// `tell` is called with the share done.
     pub fn render_full(&mut self, job: &Job, tell: &(dyn Fn(f64) + Sync)) {
         let started = Instant::now();
         let count = job.photographs();

@@ -1,10 +1,9 @@
-//! What objects are called where each needs a name of its own.
+//! Unique names of the objects of a scene.
 
 use std::collections::BTreeMap;
 use unrender_scene::Scene;
 
-/// The objects of `scene` by names that are given once: behind the second and later uses of a name stands
-/// which of them it is.
+/// Unique names of the objects of `scene`: the second and later uses of a name get a number.
 pub(crate) fn labels(scene: &Scene) -> Vec<String> {
     let mut uses: BTreeMap<&str, usize> = BTreeMap::new();
     let mut labels = Vec::with_capacity(scene.objects.len());

@@ -1,5 +1,5 @@
-//! What a recovery has found, and what is read from it: the entries of materials.json, groups that fall
-//! apart and groups that agree, and the last picture in all pixels of the photograph.
+//! The results of a recovery, and what follows from them: the entries of materials.json, groups to
+//! split and groups that agree, and the last picture in all pixels of the photograph.
 
 mod around;
 pub(crate) mod entries;

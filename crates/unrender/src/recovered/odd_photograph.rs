@@ -1,5 +1,5 @@
-//! Of several photographs one that the materials explain far worse than the others: its camera, its exposure or its
-//! lamps are not what the project says, or something was moved between them.
+//! Finds one of several photographs that the materials explain far worse than the others: its camera, its exposure
+//! or its lamps are not as the project states, or something was moved between them.
 
 use super::Recovered;
 use crate::Job;
@@ -7,15 +7,15 @@ use unrender_recover::PixelStatus;
 use unrender_scene::Warnings;
 use unrender_scene::color::luminance;
 
-/// A photograph is odd if its re-rendering is off by this share of it at least. None of the photographs of eight sets of
-/// the corpus' rooms is, and one that is taken for that of another camera is; half and double of it were not tried.
+/// A photograph is odd if its re-rendering has at least this relative error. None of the photographs of eight sets
+/// of the corpus' rooms has it, and one with the camera of another has; half and double of it were not tried.
 const OFF: f64 = 0.1;
-/// And by so many times what the best explained photograph is: a model that is off is off in all of them. Half and
+/// And this many times the error of the best explained photograph: a wrong model is wrong in all of them. Half and
 /// double of it were not tried.
 const TIMES: f64 = 3.0;
 
 impl Recovered {
-    /// Sentences on the photographs of `job` that are explained far worse than another.
+    /// Warnings of photographs of `job` that are explained far worse than another.
     pub(crate) fn odd_photographs(&self, job: &Job) -> Vec<Warnings> {
         let errors: Vec<f64> = (0..job.photographs()).map(|k| self.error_of(job, k)).collect();
         let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
@@ -23,8 +23,9 @@ impl Recovered {
             let mut warnings = Warnings::default();
             if *error > OFF && *error > TIMES * least {
                 warnings.push(format!(
-                    "{}its re-rendering is off by {:.0} % and that of another photograph by {:.1} %: look at its \
-                     camera, its exposure and its lamps, and whether something was moved",
+                    "{}its re-rendering is off by {:.0} % and that of another photograph by {:.1} \
+                     %: check its camera, its exposure and its lamps, and whether something was \
+                     moved",
                     job.called(k),
                     100.0 * error,
                     100.0 * least

@@ -1,4 +1,4 @@
-//! A recovery with the photograph that it was of: its camera, its scene and its pictures.
+//! A recovery with its photograph: its camera, its scene and its pictures.
 
 use crate::Job;
 use crate::registered::RegisteredModel;
@@ -9,33 +9,33 @@ use unrender_photo::{Exposure, develop};
 use unrender_recover::{ObjectsSeen, Options, Recovery};
 use unrender_scene::{Camera, Image, Rgb, RgbImage, Scene};
 
-/// A recovery, how it was asked for and how long it took.
+/// A recovery, its options and its duration.
 #[derive(Clone)]
 pub struct Recovered {
-    /// What came out.
+    /// The recovery.
     pub recovery: Recovery,
-    /// How it was asked for.
+    /// Its options.
     pub options: Options,
-    /// For each photograph the numbers of the camera, where they were asked for.
+    /// For each photograph the photometric parameters, if they were recovered.
     pub photographs: Vec<Option<PhotographEntry>>,
-    /// How the model was found to lie on each photograph.
+    /// The registration of the model with each photograph.
     pub(crate) registered: Vec<RegisteredModel>,
     /// The group of every pixel, or [`unrender_render::NOTHING`].
     pub group_map: Image<u32>,
     /// The object of every pixel, likewise.
     pub object_map: Image<u32>,
-    /// The re-rendering in all pixels of each photograph, radiance, where it was asked for and `recovery` has fewer.
+    /// The re-rendering in all pixels of each photograph, radiance, if it was requested and `recovery` has fewer.
     pub full: Vec<RgbImage>,
-    /// When each part of the work was done.
+    /// The end of each stage of the work.
     pub times: Times,
 }
 
 /// Seconds since the beginning.
 #[derive(Clone)]
 pub struct Times {
-    /// Until the model lay on the photograph.
+    /// Until the model was registered.
     pub registered: f64,
-    /// Until the camera's numbers were near enough.
+    /// Until the photometric parameters had converged.
     pub developed: f64,
     /// Until the end of each iteration.
     pub iterations: Vec<f64>,
@@ -44,16 +44,16 @@ pub struct Times {
 }
 
 impl Recovered {
-    /// For each group of `job` by its name: the names of those that agree with it. Groups that the project has made
-    /// one are not compared with each other.
+    /// For each group of `job` by its name: the names of those that agree with it. Groups that share a
+    /// material in the project are not compared with each other.
     pub fn alike(&self, job: &Job) -> BTreeMap<&str, Vec<&str>> {
         self.recovery.alike(|name| !job.project.same_as.contains_key(name))
     }
 
-    /// For each group of `job` that falls apart by object, by its index: the objects of its parts
-    /// ([`Recovery::parts`]). Of groups that the project has made one, each is looked at by itself.
+    /// For each group of `job` to be split by object, by its index: the objects of its parts ([`Recovery::parts`]).
+    /// Groups that share a material in the project are examined one by one.
     pub fn parts(&self, job: &Job) -> BTreeMap<usize, Vec<Vec<usize>>> {
-        // The photograph was developed with a stated exposure, and for an exposure of one else.
+        // The photograph was developed with the stated exposure, or else with an exposure of one.
         let exposure = match job.project.exposure {
             Exposure::Fixed(_) => Rgb::ONE,
             Exposure::Auto => self.recovery.exposure,
@@ -63,7 +63,7 @@ impl Recovered {
         self.recovery.parts(&ObjectsSeen { groups, map, photograph: &photograph })
     }
 
-    /// The camera of the photograph of `job`, of several the first, that the recovery went on with.
+    /// The camera of the first photograph of `job` that the recovery used.
     pub fn camera(&self, job: &Job) -> Camera {
         job.camera_of_photograph(&self.registered[0].camera)
     }
@@ -93,7 +93,7 @@ impl Recovered {
     /// Scene radiance per unit of linear value of a photograph of `job`, by channel.
     pub(crate) fn exposure_of(&self, job: &Job, photograph: usize) -> Rgb {
         match job.project.exposure {
-            // The photographs were developed with what was stated, or found beside that.
+            // The photographs were developed with the stated exposure, or one relative to it.
             Exposure::Fixed(_) => job.transfer_of(photograph).exposure,
             Exposure::Auto => job.transfer_of(photograph).exposure * self.recovery.exposure,
         }
@@ -114,8 +114,8 @@ impl Recovered {
         scene
     }
 
-    /// The re-rendering, radiance: in all pixels of the photograph where that was asked for, else at the size at which it
-    /// was worked on. Of several photographs those of [`Recovered::alone`] have one.
+    /// The re-rendering, radiance: in all pixels of the photograph if that was requested, else at
+    /// the reduced size. With several photographs use [`Recovered::alone`].
     pub fn rerendered(&self) -> &RgbImage {
         self.full.first().unwrap_or(&self.recovery.rerendered)
     }

@@ -1,5 +1,5 @@
-//! Two pictures in one frame: a divider that is dragged or moved by keys, and a flicker between the
-//! two.
+//! Two pictures in one frame: with a divider that is dragged or moved by keys, or flickering
+//! between the two.
 
 use super::exhibit::Exhibit;
 use super::{PhotographOf, RunFolder, embed, of_each};

@@ -9,7 +9,7 @@ use plotters::style::RGBColor;
 
 const ERRORS: (u32, u32) = (900, 320);
 const PARAMETERS: (u32, u32) = (300, 170);
-/// What a curve of a group's parameters shows, and its colour.
+/// The parameters of a group that have curves, and their colours.
 const QUANTITIES: [(&str, RGBColor); 8] = [
     ("rho_d red", RGBColor(214, 64, 64)),
     ("rho_d green", RGBColor(46, 150, 80)),
@@ -31,10 +31,9 @@ pub(super) fn section(source: &RunFolder<'_>) -> Markup {
         figure {
             (plot(&curves, Axis::Logarithmic, ERRORS, "Error of every group against iterations"))
             figcaption {
-                "The relative error of every group that noise does not explain, against iterations; \
-                 in passes of the refinement that of means over blocks of pixels. On the lower \
-                 edge noise explains all. Colours as in the \
-                 group map: "
+                "The relative error of every group that noise does not explain, against \
+                 iterations; for passes of the refinement, the error of means over blocks of \
+                 pixels. At the lower edge noise explains all. Colours as in the group map: "
                 @for name in &asked { (legend(&run.groups[*name].map_color, name)) " " }
             }
         }
@@ -86,11 +85,11 @@ fn parameters(run: &Run, name: &str) -> Vec<Curve> {
         color: *color,
     };
     let curves = QUANTITIES.iter().enumerate().map(curve);
-    // What a group never had is no curve along the axis.
+    // A parameter that a group never had gets no curve.
     curves.filter(|c| c.points.iter().any(|(_, value)| *value > 0.0)).collect()
 }
 
-/// A colour `#rrggbb`; black if it is none.
+/// A colour `#rrggbb`; black if it is not valid.
 fn parsed(color: &str) -> RGBColor {
     let code = |at: usize| color.get(at..at + 2).and_then(|c| u8::from_str_radix(c, 16).ok());
     let [r, g, b] = [1, 3, 5].map(|at| code(at).unwrap_or(0));

@@ -1,5 +1,5 @@
-//! Pictures inside the page: as JPEG where they are photographs, as PNG where a pixel's very colour
-//! counts, and no larger than a page should be.
+//! Pictures inside the page: JPEG for photographs, PNG where exact colours matter, and reduced to
+//! the size of a page.
 
 use crate::Error;
 use base64::Engine;
@@ -8,9 +8,9 @@ use std::path::Path;
 use unrender_formats::{FileError, picture};
 use unrender_scene::{Image, Rgb};
 
-/// Pictures of more pixels are shown smaller.
+/// Pictures of more pixels are reduced.
 const PIXELS_MAX: usize = 1_300_000;
-/// Of JPEGs; at this quality one cannot tell them from the original beside it.
+/// The quality of JPEGs, at which they cannot be distinguished from the original beside them.
 const QUALITY: u8 = 88;
 
 /// A picture as part of a page.
@@ -21,7 +21,7 @@ pub(super) struct Embedded {
     pub(super) height: usize,
 }
 
-/// The picture `file` in `folder`, to be looked at.
+/// The picture `file` in `folder`, as a photograph.
 pub(super) fn photograph(folder: &Path, file: &str) -> Result<Embedded, Error> {
     let path = folder.join(file);
     let codes = shrunk(&picture::read(&path)?.0.values, mean);
@@ -29,7 +29,7 @@ pub(super) fn photograph(folder: &Path, file: &str) -> Result<Embedded, Error> {
     Ok(embedded(&codes, "jpeg", &bytes))
 }
 
-/// The picture `file` in `folder`, every pixel in one of its own colours.
+/// The picture `file` in `folder` with exact colours.
 pub(super) fn exact(folder: &Path, file: &str) -> Result<Embedded, Error> {
     let path = folder.join(file);
     let codes = shrunk(&picture::read(&path)?.0.values, |block| block[0]);
@@ -46,7 +46,7 @@ fn mean(block: &[Rgb]) -> Rgb {
     block.iter().sum::<Rgb>() / block.len() as f32
 }
 
-/// The picture with blocks of pixels for single ones, as few in a block as it takes.
+/// The picture reduced by blocks of pixels, no larger than necessary.
 fn shrunk(codes: &Image<Rgb>, of_block: fn(&[Rgb]) -> Rgb) -> Image<Rgb> {
     let side = (codes.pixels().len() as f64 / PIXELS_MAX as f64).sqrt().ceil().max(1.0) as usize;
     let (width, height) = (codes.width(), codes.height());

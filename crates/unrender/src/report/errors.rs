@@ -47,7 +47,7 @@ fn figure(source: &RunFolder<'_>, key: &Key, error: &ErrorPicture) -> Result<Mar
         "Re-rendering minus photograph: red where the re-rendering is too bright, blue where it is \
          too dark"
     } else {
-        "The size of the difference: the lighter, the further off"
+        "The size of the difference: the lighter, the larger"
     };
     let unit = match error.unit {
         Unit::Radiance => "luminance, W sr⁻¹ m⁻²",

@@ -38,7 +38,7 @@ pub(super) fn section(source: &RunFolder<'_>) -> Markup {
     under("facts", &content)
 }
 
-/// The command line as a shell would take it.
+/// The command line, quoted for a shell.
 fn command(words: &[String]) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%".contains(c);
     let quoted = |word: &String| {

@@ -1,4 +1,4 @@
-//! A gallery: pictures with captions on one page, two of them under a divider if that tells more.
+//! A gallery: pictures with captions on one page, two of them with a divider if requested.
 
 use super::exhibit::{Exhibit, figure};
 use super::{comparison, head};
@@ -6,7 +6,7 @@ use crate::Error;
 use maud::html;
 use std::path::Path;
 
-/// The page called `title` that shows the `exhibits` in `folder` under `lead`, a sentence, and
+/// The page called `title` that shows the `exhibits` in `folder` after `lead`, a sentence, and
 /// before them the two of `pair` in one frame, the first on the left.
 ///
 /// # Errors

@@ -1,10 +1,10 @@
-//! The group map: a pixel under the pointer, or a row of the groups' table, says which group it is.
+//! The group map: pointing at a pixel, or choosing a row of the groups' table, shows the group.
 
 use super::{PhotographOf, RunFolder, embed, of_each};
 use crate::Error;
 use maud::{Markup, html};
 
-/// The section. The script fills in what is under the pointer from the groups' table.
+/// The section. The script shows the group under the pointer, from the groups' table.
 pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
     of_each("map", source, |_, of| map(source, of))
 }

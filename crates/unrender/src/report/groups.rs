@@ -58,7 +58,7 @@ fn row(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Result<Markup, E
     })
 }
 
-/// A cell; on narrow screens its head stands before it.
+/// A cell; on narrow screens its head is shown before it.
 fn cell(head: &str, content: &Markup) -> Markup {
     html! { td role="cell" data-head=(head) { div { (content) } } }
 }
@@ -96,7 +96,7 @@ fn errors(source: &RunFolder<'_>, key: &Key, name: &str, group: &RunGroup) -> Ma
     }
 }
 
-/// What the first iteration left of the group unexplained.
+/// The error of the group in the first iteration.
 fn first_error(run: &Run, name: &str) -> Option<f64> {
     run.iterations.first()?.groups.get(name)?.error
 }

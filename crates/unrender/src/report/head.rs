@@ -1,10 +1,10 @@
-//! The page around its sections: style, script, and the rule that nothing may come from outside.
+//! The page around its sections: style, script, and the policy that nothing is loaded from outside.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
-/// Even if something in the page asked for it, the browser would fetch nothing.
+/// With this policy the browser fetches nothing, even if something in the page requested it.
 const POLICY: &str = include_str!("policy.txt");
 
 /// A whole page.

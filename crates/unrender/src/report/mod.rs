@@ -1,9 +1,9 @@
 //! Pages that open anywhere: `report.html` of one recovery, several recoveries side by side, and
 //! galleries.
 //!
-//! A page is one file. Its pictures, its style and its script are inside, and it asks no network for
-//! anything. Names are text, whatever they contain. The pages compute nothing: a number on them is a
-//! field of run.json, is marked up as such (`Key`), and is rounded at most.
+//! A page is one file. Its pictures, its style and its script are inside, and it loads nothing from
+//! a network. Names are always escaped. The pages compute nothing: a number on them is a field of
+//! run.json, is marked up as such (`Key`), and is rounded at most.
 //!
 //! One section of the page is one file here.
 
@@ -38,21 +38,21 @@ use unrender_formats::atomic;
 /// The name of the page in a folder of results.
 pub const FILE: &str = "report.html";
 
-/// A run and the folder that it left.
+/// A run and its folder of results.
 struct RunFolder<'a> {
     run: &'a Run,
     folder: &'a Path,
-    /// Where the run's numbers are.
+    /// The place of the run's numbers.
     key: Key,
 }
 
 /// One photograph of a run.
 struct PhotographOf<'a> {
-    /// Its number and its file, where there are several.
+    /// Its number and its file, if there are several.
     heading: Option<String>,
     pictures: &'a Pictures,
     pixels: &'a LeftOut,
-    /// Where its numbers are.
+    /// The place of its numbers.
     key: Key,
 }
 
@@ -81,8 +81,8 @@ impl<'a> RunFolder<'a> {
     }
 }
 
-/// The section `id` with what `figure` makes of each photograph and its number, below the photograph's heading where
-/// there are several.
+/// The section `id` with the `figure` of each photograph and its number, below the photograph's heading if there are
+/// several.
 fn of_each(
     id: &str,
     source: &RunFolder<'_>,
@@ -147,7 +147,7 @@ pub fn comparison(folders: &[PathBuf]) -> Result<String, Error> {
     side_by_side::page(&source)
 }
 
-/// What the page is of, in two lines.
+/// The subject of the page, in two lines.
 fn header(source: &RunFolder<'_>) -> Markup {
     let run = source.run;
     html! {

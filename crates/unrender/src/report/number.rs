@@ -1,8 +1,8 @@
 //! Numbers on a page: rounded for people, with the exact value and its place in run.json beside it.
 //!
 //! `<data value="0.0348217" data-key="/groups/floor/error" data-scale="100">3.48</data>`: the text is
-//! `scale` times the value, rounded; `data-key` is a JSON pointer [RFC 6901] into run.json, on a
-//! page of several runs behind the run's index.
+//! `scale` times the value, rounded; `data-key` is a JSON pointer [RFC 6901] into run.json, on a page
+//! of several runs after the run's index.
 
 use maud::{Markup, html};
 use std::fmt::Display;
@@ -17,7 +17,7 @@ impl Key {
         Self(String::new())
     }
 
-    /// The entry `part` of what the key points at.
+    /// The entry `part` at this key.
     pub(super) fn at(&self, part: impl Display) -> Self {
         let part = part.to_string().replace('~', "~0").replace('/', "~1");
         Self(format!("{}/{part}", self.0))
@@ -27,11 +27,11 @@ impl Key {
 /// How a number is shown.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Shown {
-    /// With so many digits after the point.
+    /// With this many digits after the point.
     Fixed(usize),
-    /// In percent, with so many digits after the point.
+    /// In percent, with this many digits after the point.
     Percent(usize),
-    /// With so many significant digits.
+    /// With this many significant digits.
     Significant(usize),
     /// As a count of 2^20.
     Mebi,

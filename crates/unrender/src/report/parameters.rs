@@ -1,5 +1,4 @@
-//! The parameters of a group in one cell: the names of the field, the numbers, their standard
-//! deviations.
+//! The parameters of a group in one cell: their names, values and standard deviations.
 
 use super::Key;
 use super::number::{Shown, number, numbers};
@@ -36,7 +35,7 @@ pub(super) fn list(key: &Key, entry: &GroupEntry) -> Markup {
     }
 }
 
-/// The colour of a reflectance as it looks on a screen; of no meaning to those who cannot see it.
+/// The colour of a reflectance as it looks on a screen; screen readers skip it.
 pub(super) fn swatch(rho: [f32; 3]) -> Markup {
     let [r, g, b] = rho.map(|v| (255.0 * srgb_from_linear(v)).round() as u8);
     html! { span class="swatch" aria-hidden="true" style={

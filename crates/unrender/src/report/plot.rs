@@ -1,4 +1,4 @@
-//! Curves over iterations, as SVG that takes the page's colours.
+//! Curves over iterations, as SVG in the colours of the page.
 
 use maud::{Markup, PreEscaped, html};
 use plotters::prelude::*;
@@ -12,7 +12,7 @@ pub(super) struct Curve {
 /// The vertical axis.
 #[derive(Clone, Copy)]
 pub(super) enum Axis {
-    /// Decades; what is below the last lies on the lower edge.
+    /// Decades; values below the last lie on the lower edge.
     Logarithmic,
     /// From zero.
     Linear,
@@ -25,7 +25,7 @@ const LEAST: f64 = 1e-5;
 const INK: RGBColor = RGBColor(1, 2, 3);
 const INK_IN_SVG: &str = "#010203";
 
-/// The curves on axes of `size` pixels; `label` is what a screen reader says of it.
+/// The curves on axes of `size` pixels; `label` is their description for screen readers.
 pub(super) fn plot(curves: &[Curve], axis: Axis, size: (u32, u32), label: &str) -> Markup {
     let mut svg = String::new();
     let drawn = {
@@ -103,7 +103,7 @@ fn linear<'a>(area: &Area<'a>, curves: &[Curve]) -> Drawn<'a> {
     Ok(())
 }
 
-/// The last iteration, and the least and the greatest value among those that `counts`.
+/// The last iteration, and the least and the greatest of the values for which `counts` is true.
 fn ranges(curves: &[Curve], counts: fn(f64) -> bool) -> (f64, [f64; 2]) {
     let points = || curves.iter().flat_map(|c| c.points.iter().copied());
     let values = || points().map(|p| p.1).filter(|y| counts(*y));

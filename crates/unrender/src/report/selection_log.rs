@@ -1,4 +1,5 @@
-//! The selection log of a group: which candidates were fitted, what each left, why one was accepted.
+//! The selection log of a group: which candidates were fitted, the error of each, and why one was
+//! accepted.
 
 use super::number::{count, percent};
 use super::{Key, RunFolder, parameters};
@@ -6,7 +7,7 @@ use crate::run::{CandidateEntry, RunGroup};
 use maud::{Markup, html};
 use unrender_formats::materials::{Hypothesis, Status, StatusEntry};
 
-/// The selection log, and why the group stands where it does.
+/// The selection log, and the reason for the group's hypothesis.
 pub(super) fn of(source: &RunFolder<'_>, key: &Key, name: &str, group: &RunGroup) -> Markup {
     html! {
         p class="why" { (reason(source, name, group)) }
@@ -20,7 +21,7 @@ pub(super) fn of(source: &RunFolder<'_>, key: &Key, name: &str, group: &RunGroup
     }
 }
 
-/// Why the group stands where it does, in words.
+/// The reason for the group's hypothesis, in words.
 fn reason(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Markup {
     let last = group.selection_log.iter().rev().find(|candidate| candidate.accepted);
     let hypothesis = group.entry.hypothesis.unwrap_or(Hypothesis::Diffuse);
@@ -31,24 +32,24 @@ fn reason(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Markup {
     html! {
         @match (&group.entry.status, hypothesis, last) {
             (Some(StatusEntry::Ignored), ..) => "Left out by the project; it keeps the scene's material.",
-            (Some(StatusEntry::SameAs(other)), ..) => { "One material with " (other) ", as the project says." }
+            (Some(StatusEntry::SameAs(other)), ..) => { "One material with " (other) ", as the project states." }
             (Some(StatusEntry::Of(Status::Known)), ..) => "Given, not recovered.",
             (Some(StatusEntry::Of(Status::Assumed)), ..) => "Not determined by this photograph.",
             (_, Hypothesis::Textured, _) => "No uniform reflectance explains it: its texture was \
                 taken from the photograph.",
-            (_, _, None) if open => "When the ladder ended, what its first rung left was more than \
-                noise and the threshold explain.",
+            (_, _, None) if open => "When the ladder ended, the error of its first rung was larger \
+            than noise and the threshold explain.",
             (_, _, Some(last)) if last.hypothesis != hypothesis =>
-                "The refinement made it simpler: what the rung above adds is not \
+                "The refinement made it simpler: the addition of the rung above is not \
                  significant.",
             (_, _, Some(_)) if open && !paper => "The simplest rung that explains as much as the \
-                best one; but even that leaves more than noise and the threshold explain.",
+            best one; but even its error is larger than noise and the threshold explain.",
             (_, _, Some(_)) if paper => "The error fell below the rung's threshold, or the ladder \
                 ended.",
             (_, _, Some(_)) => "The simplest rung that explains as much as the best one, within \
                 noise and thresholds.",
-            (_, _, None) => "No other rung was called for: in the end what the first one left was \
-                within noise and the threshold.",
+            (_, _, None) => "No other rung was needed: in the end the error of the first one was \
+            within noise and the threshold.",
         }
     }
 }
@@ -66,15 +67,15 @@ fn rungs(key: &Key, selection_log: &[CandidateEntry]) -> Markup {
     }
 }
 
-/// One candidate among those of its iteration, which go from simple to complex.
+/// One candidate among those of its iteration, which are ordered from simple to complex.
 fn rung(key: &Key, candidate: &CandidateEntry, tried: &[(usize, &CandidateEntry)]) -> Markup {
     let accepted =
         tried.iter().find(|(_, other)| other.accepted).map(|(_, other)| other.hypothesis);
     let verdict = match accepted {
         _ if candidate.accepted => "accepted",
-        Some(accepted) if candidate.hypothesis < accepted => "leaves more than it must",
+        Some(accepted) if candidate.hypothesis < accepted => "larger error than needed",
         Some(_) => "not needed",
-        None => "left behind",
+        None => "not accepted",
     };
     html! {
         li class=[candidate.accepted.then_some("accepted")] {

@@ -9,7 +9,7 @@ use crate::run::RunGroup;
 use maud::{Markup, html};
 use plotters::style::RGBColor;
 
-/// Colours of the runs; they come round again.
+/// Colours of the runs; they repeat.
 const COLORS: [RGBColor; 6] = [
     RGBColor(66, 120, 220),
     RGBColor(220, 100, 40),
@@ -27,7 +27,7 @@ pub(super) fn page(runs: &[RunFolder<'_>]) -> Result<String, Error> {
     let body = html! {
         header {
             h1 { "Recoveries side by side" }
-            p class="lead" { "Every run in a column; colours as in its heading." }
+            p class="lead" { "One column per run; curves have the colours of the headings." }
         }
         main {
             section aria-labelledby="runs" {
@@ -38,8 +38,8 @@ pub(super) fn page(runs: &[RunFolder<'_>]) -> Result<String, Error> {
                 h2 id="curves" { "Convergence" }
                 figure {
                     (plot(&curves, Axis::Logarithmic, (900, 280), "Worst error against iterations"))
-                    figcaption { "The worst group's error against iterations; in passes of the \
-                        refinement that of all groups together." }
+                    figcaption { "The worst group's error against iterations; in refinement \
+                    passes, the error of all groups together." }
                 }
             }
             section aria-labelledby="groups" {
@@ -115,7 +115,7 @@ fn table(runs: &[RunFolder<'_>]) -> Markup {
                     @for source in runs {
                         td { @match source.run.groups.get(group) {
                             Some(found) => { (cell(source, group, found)) }
-                            None => { "not there" }
+                            None => { "missing" }
                         } }
                     }
                 } } }

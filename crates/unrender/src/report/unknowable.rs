@@ -25,27 +25,27 @@ pub(super) fn section(source: &RunFolder<'_>) -> Markup {
     let apart: Vec<(&String, &RunGroup)> = groups().filter(|(_, g)| g.parts.len() > 1).collect();
     let nothing = nothing && apart.is_empty();
     let content = html! {
-        @if nothing { p { "Nothing that the program noticed." } }
+        @if nothing { p { "The program noticed nothing." } }
         ul class="unknowable" {
             @for (name, group) in assumed {
                 li { strong { (name) } " is not determined: "
-                    (group.entry.note.as_deref().unwrap_or("its numbers are a guess")) }
+                    (group.entry.note.as_deref().unwrap_or("its values are a guess")) }
             }
             @for (name, group) in noted {
                 li { strong { (name) } ": " (group.entry.note.as_deref().unwrap_or_default()) }
             }
             @for (name, group) in apart {
-                li { strong { (name) } " seems to be of several materials, as one does not explain all \
-                    its objects: "
+                li { strong { (name) } " seems to have several materials, as one does not explain \
+                    all its objects: "
                     (group.parts.iter().map(|part| part.join(", ")).collect::<Vec<_>>().join("; "))
-                    ". " code { "unrender split" } " writes them apart." }
+                    ". " code { "unrender split" } " splits it." }
             }
             @for (name, group) in alike {
                 li { strong { (name) } " agrees with " (group.agrees_with.join(", "))
                     " within the standard deviations; they may be of one material." }
             }
             @for (name, group) in ambiguous {
-                li { strong { (name) } " may as well be this:"
+                li { strong { (name) } " may also be this:"
                     @for (index, other) in group.entry.alternatives.iter().enumerate() {
                         (alternative(&source.key.at("groups").at(name).at("alternatives").at(index),
                             other))
@@ -54,12 +54,10 @@ pub(super) fn section(source: &RunFolder<'_>) -> Markup {
             }
         }
         @if !run.settings.refine {
-            p { "The numbers were not refined together, so nothing is known of how certain they \
-                are." }
+            p { "The parameters were not refined together, so their uncertainty is unknown." }
         }
-        p { "A standard deviation contains the noise and what the model leaves unexplained here and there. It \
-            does not hold what is wrong everywhere alike, such as a lamp that is brighter than \
-            stated." }
+        p { "A standard deviation contains the noise and local errors of the model. It does not \
+            contain errors that are the same everywhere, such as a lamp that is brighter than stated." }
     };
     under("unknowable", &content)
 }
@@ -76,7 +74,7 @@ fn alternative(key: &Key, other: &AlternativeEntry) -> Markup {
     };
     html! {
         div class="alternative" {
-            (other.hypothesis.map_or("", |h| h.name())) ", which leaves "
+            (other.hypothesis.map_or("", |h| h.name())) ", with an error of "
             (percent(&key.at("error"), other.error))
             (parameters::list(key, &entry))
         }

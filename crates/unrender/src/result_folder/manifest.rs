@@ -1,4 +1,4 @@
-//! `manifest.json`: which files are the results in a folder, and what was in them.
+//! `manifest.json`: which files are the results in a folder, and the hashes of their contents.
 
 use crate::Error;
 use serde::{Deserialize, Serialize};
@@ -9,9 +9,9 @@ use std::io;
 use std::path::Path;
 use unrender_formats::{FileError, atomic, input};
 
-/// The version of the file that is written; later ones are not understood.
+/// The version of the file that is written; later ones cannot be read.
 const VERSION: u32 = 1;
-/// Folders of results have one level of folders below; deeper ones are no results of ours.
+/// Folders of results have one level of folders inside; deeper ones are not ours.
 const DEPTH: usize = 2;
 
 /// The file.
@@ -20,7 +20,7 @@ pub(super) struct Manifest {
     pub(super) version: u32,
     /// The results, by their paths relative to the folder, with forward slashes.
     pub(super) files: BTreeMap<String, Entry>,
-    /// Only while they are being replaced: the hashes of what was there before.
+    /// Only while results are being replaced: the hashes of the earlier files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) before: Option<BTreeMap<String, BTreeSet<String>>>,
 }
@@ -59,7 +59,7 @@ impl Manifest {
         let fault = |problem: String| FileError::new(&path, problem);
         let text = input::text(&path).map_err(|error| FileError::because(&path, "", error))?;
         let read: Self = serde_json::from_str(&text).map_err(|error| {
-            fault(format!("is no list of results of unrender ({error}); name another folder"))
+            fault(format!("is not a list of results of unrender ({error}); name another folder"))
         })?;
         if read.version > VERSION {
             return Err(fault(format!(
@@ -76,8 +76,8 @@ impl Manifest {
         atomic::write(&path, (text + "\n").as_bytes())
     }
 
-    /// The hashes of every file that a run has written, those of an interrupted replacement with
-    /// those from before it.
+    /// The hashes of every file that a run has written; after an interrupted replacement, the
+    /// earlier ones too.
     pub(super) fn known(&self) -> BTreeMap<String, BTreeSet<String>> {
         let mut known = self.before.clone().unwrap_or_default();
         for (name, entry) in &self.files {
@@ -86,7 +86,7 @@ impl Manifest {
         known
     }
 
-    /// Whether the file at `path`, called `name` here, is as a run of `command` has left it.
+    /// Whether the file at `path`, called `name` here, is an unchanged result of `command`.
     pub(super) fn owns(&self, path: &Path, name: &str, command: &str) -> bool {
         if self.files.get(name).is_some_and(|entry| entry.by != command) {
             return false;
@@ -97,8 +97,8 @@ impl Manifest {
     }
 }
 
-/// Checks that the results in `folder` are those of one run, as far as a manifest tells: folders
-/// of versions that wrote none are taken as they are.
+/// Checks by the manifest that the results in `folder` are those of one run. Folders without a
+/// manifest, of earlier versions, pass.
 ///
 /// # Errors
 /// If they are not.
@@ -109,7 +109,7 @@ pub fn check(folder: &Path) -> Result<(), Error> {
         let path = folder.join(name.as_str());
         match hash(&path) {
             Ok(hash) => hash != manifest.files[name.as_str()].sha256,
-            // Whoever has removed a file knows it.
+            // A missing file was removed on purpose.
             Err(_) => is_half || path.exists(),
         }
     };
@@ -118,13 +118,13 @@ pub fn check(folder: &Path) -> Result<(), Error> {
         return Ok(());
     }
     let problem = if is_half {
-        "the writing of its results was interrupted, and files of two runs are mixed in it; run the \
-         command again that wrote it"
+        "the writing of its results was interrupted, and files of two runs are mixed in it; run \
+         the command that wrote it again"
             .to_owned()
     } else {
         format!(
             "{} changed since they were written, and do not belong to the other results; run the \
-             command again that wrote them, or, if the change is meant, remove {}",
+             command that wrote them again, or, if the change is intended, remove {}",
             others.join(", "),
             Manifest::FILE
         )
@@ -132,7 +132,7 @@ pub fn check(folder: &Path) -> Result<(), Error> {
     Err(FileError::new(folder, problem).into())
 }
 
-/// Takes a new content of the result `name` in `folder` into the manifest, if there is one.
+/// Updates the manifest, if there is one, after the result `name` in `folder` has changed.
 pub(crate) fn note(folder: &Path, name: &str, by: &str) -> Result<(), Error> {
     let mut manifest = Manifest::read(folder)?;
     if manifest.files.is_empty() {
@@ -148,7 +148,7 @@ pub(crate) fn note(folder: &Path, name: &str, by: &str) -> Result<(), Error> {
 /// SHA-256 of the file at `path`.
 pub(crate) fn hash(path: &Path) -> io::Result<String> {
     if !fs::metadata(path)?.is_file() {
-        return Err(io::Error::other("is no regular file"));
+        return Err(io::Error::other("is not a regular file"));
     }
     let mut digest = Sha256::new();
     io::copy(&mut fs::File::open(path)?, &mut Writing(&mut digest))?;
@@ -185,7 +185,7 @@ fn collect(folder: &Path, prefix: &str, depth: usize, found: &mut Vec<String>) -
             continue;
         }
         let name = format!("{prefix}{name}");
-        // Links to folders are not walked: what they lead to is not ours.
+        // Links to folders are not followed: their targets are not ours.
         if !entry.file_type()?.is_dir() {
             found.push(name);
         } else if depth > 1 {

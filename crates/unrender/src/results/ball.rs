@@ -1,8 +1,9 @@
-//! A ball of every group's material under one fixed light, to see what the numbers look like.
+//! A ball of every group's material under one fixed light, which shows what the parameters look
+//! like.
 //!
-//! The light is a panorama made for it: a large window on the left, a narrow one on the right, a
-//! grey room above and a darker floor. Balls are brushed along their circles of latitude. A textured
-//! group is shown with its mean.
+//! The light is a panorama made for this purpose: a large window on the left, a narrow one on the
+//! right, a grey room above and a darker floor. Balls are brushed along their circles of latitude. A
+//! textured group is shown with its mean.
 
 use super::report_folder;
 use crate::engine::Recovered;
@@ -17,10 +18,11 @@ use unrender_scene::{Camera, Environment, Group, Material, Mesh, Object, Rgb, Rg
 
 /// Pixels in a row and in a column.
 const SIZE: usize = 96;
-/// Paths a pixel of a draft's, which show grain, and of others. The balls of 13 groups with the latter take a quarter of a
-/// draft's time; half and double of either were not tried.
+/// Paths per pixel: of a draft, whose balls show grain, and of other recoveries. With the latter
+/// the balls of 13 groups take a quarter of a draft's time; half and double of either were not
+/// tried.
 const SPP: [u32; 2] = [16, 64];
-/// Facets around the ball, and half of those from pole to pole.
+/// Facets around the ball, and half as many from pole to pole.
 const FACETS: u32 = 96;
 /// The camera's distance from the centre, radii.
 const DISTANCE: f32 = 8.0;

@@ -1,4 +1,5 @@
-//! The table of a calibration: every number with its standard deviation, and who was thrown out.
+//! The table of a calibration: every parameter with its standard deviation, and the pairs that were
+//! thrown out.
 
 use crate::text_table::table;
 use unrender_photo::calibrate::{Calibration, Estimate};

@@ -1,5 +1,5 @@
-//! Whether all that was recovered is nearly black: reflectances explain a photograph under lamps that are read too
-//! bright as well as under the right ones, by being as much too dark.
+//! Warns if all recovered groups are nearly black: if the lamps are read too bright, reflectances that are too
+//! dark by the same factor explain the photograph equally well.
 
 use unrender_recover::{GroupResult, Status};
 use unrender_scene::color::luminance;
@@ -7,10 +7,10 @@ use unrender_scene::color::luminance;
 /// A surface that reflects less than this is dark: soot 4 %, asphalt 7 %, dark wood 10 %. At half of it lamps that are
 /// ten times too bright are not noticed where a wall reflects more than half; double of it was not tried.
 const DARK: f32 = 0.1;
-/// Of fewer groups it says nothing that all are dark. Other numbers were not tried.
+/// Fewer dark groups may be chance. Other numbers were not tried.
 const GROUPS_MIN: usize = 3;
 
-/// What is doubtful about the brightness of all `groups`.
+/// The warning, if all `groups` are dark.
 pub(super) fn doubt(groups: &[GroupResult]) -> Option<String> {
     let recovered = groups.iter().filter(|group| {
         matches!(group.status, Status::Recovered | Status::Doubtful) && group.pixels > 0
@@ -20,13 +20,14 @@ pub(super) fn doubt(groups: &[GroupResult]) -> Option<String> {
     said(&reflected)
 }
 
-/// The same of groups that reflect so much.
+/// The same for groups of these reflectances.
 fn said(reflected: &[f32]) -> Option<String> {
     let most = reflected.iter().copied().fold(0.0, f32::max);
     (reflected.len() >= GROUPS_MIN && most < DARK).then(|| {
         format!(
-            "all {} groups reflect at most {:.1} % of the light (soot reflects 4 %, white walls 80 %): if they are \
-             not so dark, the lights are read too bright, or the exposure is too low",
+            "all {} groups reflect at most {:.1} % of the light (soot reflects 4 %, white walls 80 \
+             %): if they are not that dark, the lights are read too bright, or the exposure is too \
+             low",
             reflected.len(),
             100.0 * most
         )

@@ -1,12 +1,12 @@
-//! Where photograph and re-rendering differ, and by how much.
+//! Pictures of the differences between photograph and re-rendering.
 //!
 //! The difference of luminances, averaged over 5 x 5 pixels so that the re-rendering's noise does
 //! not hide it; dark grey where the photograph is clipped or broken. Signed, it is red where the
 //! re-rendering is too bright and blue where it is too dark.
 //!
-//! `error.png` is relative to the photograph's mean, with a bar below the picture that carries the
-//! scale. The other pictures have their bars in run.json: in radiance, and in standard deviations of
-//! the noise that photograph and re-rendering together have there.
+//! `error.png` is relative to the photograph's mean, with the colour bar below the picture. The
+//! other pictures have their bars in run.json: in radiance, and in standard deviations of the joint
+//! noise of photograph and re-rendering.
 
 use super::report_folder;
 use crate::run::{ErrorPicture, Stop, Unit};
@@ -29,7 +29,7 @@ const LEFT_OUT: f32 = 0.1;
 const STOPS: usize = 9;
 
 /// Writes the error pictures of a recovery into its folder, with the photograph's `number` in their names; returns
-/// those without a bar of their own.
+/// those whose bars are in run.json.
 pub(super) fn write(
     job: &Job,
     recovery: &Recovery,
@@ -65,14 +65,14 @@ pub(super) fn write(
     Ok(pictures)
 }
 
-/// Re-rendering minus photograph on the mean over a pixel's surroundings; none where they are not
+/// Re-rendering minus photograph, averaged over a pixel's surroundings; none where they are not
 /// compared.
 struct Difference {
     /// The mean luminance of the photograph.
     photo_mean: f32,
     /// In radiance.
     radiance: Image<Option<f32>>,
-    /// In standard deviations of the mean's noise.
+    /// In standard deviations of the average's noise.
     noise: Image<Option<f32>>,
 }
 
@@ -83,7 +83,7 @@ impl Difference {
         let photo = job.photo.radiance.map(|value| luminance(*value * scale));
         let photo_mean = photo.pixels().iter().sum::<f32>() / photo.pixels().len().max(1) as f32;
         let (width, height) = (photo.width(), photo.height());
-        // Pixels that the project leaves out are of this status too.
+        // Pixels that the project leaves out have this status too.
         let says = |x: usize, y: usize| {
             *job.photo.valid.at(x, y) && *recovery.status.at(x, y) != PixelStatus::Clipped
         };
@@ -117,8 +117,8 @@ fn painted(value: Option<f32>, full: f32, color: fn(f32) -> Rgb) -> Rgb {
     value.map_or(Rgb::splat(LEFT_OUT), |value| color(value / full))
 }
 
-/// The colour bar: like [`diverging`] and [`rising`], values run as the square of the place, so that
-/// small ones have room.
+/// The colour bar: as in [`diverging`] and [`rising`], values grow as the square of the position, so
+/// that small ones have room.
 fn bar_of(signed: bool, full: f32, color: fn(f32) -> Rgb) -> Vec<Stop> {
     let stop = |i: usize| {
         let place = i as f32 / (STOPS - 1) as f32;
@@ -137,7 +137,7 @@ fn diverging(value: f32) -> Rgb {
     Rgb::from_array(srgb.to_array().map(linear_from_srgb))
 }
 
-/// The colour of the size of a value from 0 (nearly black) over red and orange to 1 (light yellow),
+/// The colour of an absolute value from 0 (nearly black) over red and orange to 1 (light yellow),
 /// as linear RGB.
 fn rising(value: f32) -> Rgb {
     const RAMP: [Rgb; 5] = [

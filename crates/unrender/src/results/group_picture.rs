@@ -1,4 +1,4 @@
-//! groups.png: every pixel in the colour of its group.
+//! The picture groups.png: every pixel in the colour of its group.
 
 use super::report_folder;
 use crate::Error;
@@ -9,12 +9,12 @@ use unrender_render::NOTHING;
 use unrender_scene::Rgb;
 use unrender_scene::color::linear_from_srgb;
 
-/// The share of the circle of hues from one group to the next: the golden ratio's, under which
-/// neighbours in the list are far apart however many there are.
+/// The step in hue from one group to the next, as a share of the circle: the golden ratio's, with
+/// which neighbours in the list are far apart for any number of groups.
 const HUE_STEP: f32 = 0.618_034;
-/// Lightness goes round in this many steps, so that groups of nearly the same hue differ by it.
+/// Lightness cycles through these steps, so that groups of nearly the same hue differ by it.
 const LIGHTNESS: [f32; 3] = [0.85, 0.6, 0.72];
-/// Paleness too, each for a round of the lightness.
+/// Paleness too, with one step per cycle of the lightness.
 const PALENESS: [f32; 4] = [0.25, 0.1, 0.35, 0.18];
 
 /// Writes the group map of a recovery into its folder, with the photograph's `number` in its name; returns its name
@@ -32,8 +32,8 @@ pub(super) fn write(
     Ok(file)
 }
 
-/// The colour of the group with this index, linear RGB; no two of the first thousand are alike in
-/// 8 bits.
+/// The colour of the group with this index, linear RGB; no two of the first thousand are equal in 8
+/// bits.
 pub(super) fn color(group: usize) -> Rgb {
     let hue = (group as f32 * HUE_STEP).fract() * 6.0;
     let value = LIGHTNESS[group % LIGHTNESS.len()];

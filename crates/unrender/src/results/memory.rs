@@ -1,9 +1,9 @@
-//! The most memory that this process held.
+//! Measures the peak memory of this process.
 
-/// The largest memory that the process held at a time, bytes; none where the system does not tell.
+/// The peak memory of the process, bytes; none if the system does not report it.
 ///
-/// Linux counts into a process's resource usage what whoever started it held, as the new process shares that
-/// memory until it begins: a recovery that a large program starts would seem to be as large. Its status tells apart.
+/// On Linux, a process's resource usage includes the memory of the process that started it, which it shares until it
+/// begins: a recovery that a large program starts would seem as large. Its status has its own.
 #[cfg(target_os = "linux")]
 pub(super) fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
@@ -12,7 +12,7 @@ pub(super) fn peak_bytes() -> Option<u64> {
     Some(1024 * kibibytes)
 }
 
-/// The same of other systems of its family.
+/// The same on other Unix systems.
 #[cfg(all(unix, not(target_os = "linux")))]
 pub(super) fn peak_bytes() -> Option<u64> {
     use nix::sys::resource::{UsageWho, getrusage};
@@ -21,7 +21,7 @@ pub(super) fn peak_bytes() -> Option<u64> {
     u64::try_from(usage.max_rss()).ok().map(|rss| unit * rss)
 }
 
-/// Other systems tell nothing of this kind.
+/// Other systems do not report it.
 #[cfg(not(unix))]
 pub(super) fn peak_bytes() -> Option<u64> {
     None

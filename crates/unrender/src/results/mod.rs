@@ -1,4 +1,4 @@
-//! What `recover` leaves in its folder, and the tables that it and `calibrate` print.
+//! The files that `recover` writes into its folder, and the tables that it and `calibrate` print.
 
 mod ball;
 mod calibration;
@@ -46,7 +46,7 @@ pub(crate) fn writes(name: &str) -> bool {
         || name.starts_with("report/")
 }
 
-/// Whether it is a picture of a photograph, of several with its number.
+/// Whether it is a picture of a photograph, numbered if there are several.
 fn is_picture(name: &str) -> bool {
     let Some((stem, extension)) = name.rsplit_once('.') else { return false };
     let (kind, number) = stem.split_once('_').unwrap_or((stem, "1"));
@@ -55,7 +55,7 @@ fn is_picture(name: &str) -> bool {
     is_number && is_kind && (extension == "png" || (kind, extension) == ("rerendered", "exr"))
 }
 
-/// Writes all files of a recovery into `folder`, which exists, and returns what it said of itself.
+/// Writes all files of a recovery into `folder`, which exists, and returns its run.json.
 pub(crate) fn write(
     job: &Job,
     recovered: &Recovered,
@@ -99,8 +99,8 @@ pub(crate) fn write(
     Ok(run)
 }
 
-/// Writes the pictures of a recovery from one photograph that stand beside its report, their names with its
-/// `number`; counts bad values in `bad`.
+/// Writes the pictures of one photograph of a recovery that lie beside its report, with its `number` in
+/// their names; counts bad values in `bad`.
 fn write_pictures(
     job: &Job,
     recovered: &Recovered,
@@ -140,8 +140,8 @@ fn hex(color: Rgb) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// The bytes of scene.glb. A file of the user keeps what it has beside, unless the project puts
-/// lights elsewhere than it has them.
+/// The bytes of scene.glb. It keeps everything else in the user's file, unless the project changes
+/// the places of lights.
 fn scene_file(job: &Job, recovered: &Recovered) -> Result<Vec<u8>, FileError> {
     let (scene, path) = (recovered.scene(job), &job.project.scene);
     // A scene that was handed over in memory has no file.

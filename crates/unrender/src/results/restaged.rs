@@ -1,4 +1,4 @@
-//! What `restage` leaves in its folder.
+//! The files that `restage` writes into its folder.
 
 use crate::Error;
 use crate::edit::{Composite, Photograph};
@@ -10,13 +10,14 @@ use unrender_formats::{FileError, atomic};
 use unrender_restage::pair::{self, Paired};
 use unrender_scene::{Rgb, RgbImage};
 
-/// Pictures of a sequence that its gallery shows at most.
+/// The most pictures of a sequence that its gallery shows.
 const SHOWN_MAX: usize = 24;
 
-/// Writes a composite, the photograph that it was made of, its masks and its gallery; returns how many values were not finite.
+/// Writes a composite, the photograph from which it was made, its masks and its gallery; returns
+/// how many values were not finite.
 ///
-/// `composite.exr` is radiance, or, for photographs of floating-point values, has the values that
-/// the photograph's file would have.
+/// `composite.exr` is radiance, or, for photographs of floating-point values, in the values of the
+/// photograph's file.
 pub(crate) fn write_composite(
     composite: &Composite,
     photograph: &Photograph,
@@ -46,12 +47,16 @@ pub(crate) fn write_composite(
     bad += picture::write_png_srgb(&folder.join("photo.png"), &before)?;
     let pair = [
         exhibit("photo.png", "photograph", "The photograph, developed."),
-        exhibit("composite.png", "composite", "The photograph with the change in it."),
+        exhibit("composite.png", "composite", "The photograph with the change composited into it."),
     ];
     let others = [
         exhibit("synthetic.png", "Synthetic", "The scene after the edits, rendered whole."),
         exhibit("touched.png", "Touched", "White: pixels of the photograph that were changed."),
-        exhibit("invented.png", "Invented", "White: what the photograph does not show at all."),
+        exhibit(
+            "invented.png",
+            "Invented",
+            "White: pixels whose content the photograph does not show.",
+        ),
     ];
     write_page(folder, folder, Some(&pair), &others)?;
     Ok(bad)
@@ -73,8 +78,8 @@ pub(crate) fn writes_synthetic(name: &str, frames: Option<&Range<u32>>) -> bool 
     stem == Some("synthetic") || is_one || ["gallery.html", "manifest.json"].contains(&name)
 }
 
-/// Writes the gallery of the synthetic pictures with the numbers `numbers`, or of the only one, which
-/// lie in the folder `pictures`; it says whether they were denoised.
+/// Writes the gallery of the synthetic pictures in the folder `pictures` with the numbers `numbers`,
+/// or of the only one; it states whether they were denoised.
 pub(crate) fn write_gallery(
     pictures: &Path,
     folder: &Path,
@@ -99,7 +104,7 @@ fn write_page(
     pair: Option<&[Exhibit; 2]>,
     exhibits: &[Exhibit],
 ) -> Result<(), Error> {
-    let lead = "What unrender restage made.";
+    let lead = "The pictures of unrender restage.";
     let page = report::gallery("Restaged", lead, pictures, pair, exhibits)?;
     Ok(atomic::write(&folder.join("gallery.html"), page.as_bytes())?)
 }
@@ -122,8 +127,9 @@ pub(crate) struct Synthetic<'a> {
     pub(crate) is_denoised: bool,
 }
 
-/// Writes a synthetic picture, as radiance and as the photograph's camera would show it, else as
-/// sRGB; returns how many values were not finite. `number` is its place in a sequence.
+/// Writes a synthetic picture as radiance, and as the photograph's camera would show it, or,
+/// without one, as sRGB; returns how many values were not finite. `number` is its place in a
+/// sequence.
 pub(crate) fn write_synthetic(
     synthetic: &Synthetic<'_>,
     photograph: Option<&Photograph>,

@@ -1,4 +1,4 @@
-//! The records of a recovery as run.json has them.
+//! The records of a recovery in the form of run.json.
 
 use super::memory;
 use crate::Job;
@@ -17,7 +17,8 @@ use unrender_recover::record::CandidateRecord;
 use unrender_recover::{GroupIteration, GroupResult, IterationRecord, LadderKind, Options, Status};
 use unrender_scene::Warnings;
 
-/// The run; `materials` is what materials.json says, `pictures` and `balls` name files beside it.
+/// The run; `materials` has the contents of materials.json, `pictures` and `balls` name files
+/// beside it.
 pub(super) fn build(
     job: &Job,
     recovered: &Recovered,
@@ -78,7 +79,7 @@ pub(super) fn build(
     }
 }
 
-/// Each of several photographs, with its `pictures`; none of one alone.
+/// Each of several photographs, with its `pictures`; empty if there is only one.
 fn photographs(job: &Job, recovered: &Recovered, pictures: &[Pictures]) -> Vec<PhotographRun> {
     let one = |(k, pictures): (usize, &Pictures)| {
         let (alone, of_it) = (job.alone(k), recovered.alone(job, k));
@@ -146,7 +147,7 @@ fn settings(job: &Job, options: &Options) -> SettingsEntry {
     }
 }
 
-/// The time by stage: iterations of the ladder come before passes of the refinement.
+/// The time per stage: iterations of the ladder come before passes of the refinement.
 fn stages(recovered: &Recovered) -> Stages {
     let times = &recovered.times;
     let iterations = recovered.recovery.iterations.iter().zip(&times.iterations);

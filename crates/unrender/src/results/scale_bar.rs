@@ -1,9 +1,10 @@
-//! The scale under a false-colour picture: a strip of its colours with numbers in a small raster
-//! font, so that the picture can be read without its program.
+//! The colour bar under a false-colour picture, with numbers in a small raster font, so that the
+//! picture can be read without run.json.
 
 use unrender_scene::Rgb;
 
-/// Digits and signs, 3 x 5, one row a number, the leftmost pixel the highest of three bits.
+/// Digits and signs of 3 x 5 pixels: one number per row, the leftmost pixel is the highest of three
+/// bits.
 const GLYPHS: [(char, [u8; 5]); 13] = [
     ('0', [7, 5, 5, 5, 7]),
     ('1', [2, 6, 2, 2, 7]),
@@ -32,11 +33,11 @@ fn zoom(width: usize) -> usize {
     (width / 200).clamp(1, 6)
 }
 
-/// The bar's pixel (x, y); `full` is the value at its ends, `color` paints -1 to 1.
+/// The bar's pixel (x, y); `full` is the value at its ends, `color` maps -1 to 1 to colours.
 pub(super) fn pixel(x: usize, y: usize, width: usize, full: f32, color: fn(f32) -> Rgb) -> Rgb {
     let zoom = zoom(width);
     if y < 4 * zoom {
-        // Values run as the square of the place, so that small ones have room.
+        // Values grow as the square of the position, so that small ones have room.
         let place = 2.0 * (x as f32 + 0.5) / width as f32 - 1.0;
         return color(place * place.abs());
     }

@@ -1,8 +1,8 @@
-//! trust.png: which pixels of the photograph counted, and why the others did not.
+//! The picture trust.png: which pixels of the photograph were used, and why the others were not.
 //!
-//! The photograph in grey where it was valid. Elsewhere a colour: blue beside an edge, violet
-//! where the photograph is cut off or broken or the project leaves it out, yellow for a single bright pixel, orange for what is
-//! not in the model; black where the model shows nothing.
+//! The photograph in grey where it was valid. Elsewhere a colour: blue beside an edge, violet where
+//! the photograph is clipped or broken or the project leaves it out, yellow for a single bright
+//! pixel, orange for things that are not in the model; black where the model shows nothing.
 
 use crate::{Error, Job};
 use std::path::Path;
@@ -24,7 +24,7 @@ pub(super) fn write(job: &Job, recovery: &Recovery, path: &Path) -> Result<(), E
     Ok(())
 }
 
-/// The colour of a reason, linear RGB; none for pixels that counted.
+/// The colour of a reason, linear RGB; none for pixels that were used.
 fn color(status: PixelStatus) -> Option<Rgb> {
     let srgb = match status {
         PixelStatus::Valid => return None,

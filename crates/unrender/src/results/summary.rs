@@ -1,4 +1,4 @@
-//! The table at the end: what a person wants to know in ten seconds. Black lamps are left out.
+//! The table at the end: the results at a glance. Black lamps are left out.
 
 use crate::Job;
 use crate::recovered::{Recovered, entries, labels};
@@ -18,7 +18,7 @@ fn rows(job: &Job, recovery: &Recovery) -> ([&'static str; 8], Vec<[String; 8]>)
     (HEADER, recovery.groups.iter().filter(reflects).map(|group| row(job, group)).collect())
 }
 
-/// The summary of a recovery: a line a group and unknown light, then time and iterations.
+/// The summary of a recovery: a line per group and per unknown light, then time and iterations.
 pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
     let recovery = &recovered.recovery;
     let (header, groups) = rows(job, recovery);
@@ -48,8 +48,7 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
             part.iter().map(|object| labels[*object].as_str()).collect::<Vec<_>>().join(", ")
         };
         text.push_str(&format!(
-            "{}: one material does not explain all its objects: {}; unrender split writes them \
-             apart\n",
+            "{}: one material does not explain all its objects: {}; unrender split splits it\n",
             recovery.groups[group].name,
             parts.iter().map(named).collect::<Vec<_>>().join(" | ")
         ));
@@ -59,17 +58,13 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
         let others: Vec<&str> = others.into_iter().filter(|other| *other > name).collect();
         if !others.is_empty() {
             text.push_str(&format!(
-                "{name}: agrees with {} within the standard deviations; if they are one material, \
-                 say so by same_as\n",
+                "{name}: agrees with {} within the standard deviations; if they are one material, state it by same_as\n",
                 others.join(", ")
             ));
         }
     }
     if job.side > 1 {
-        text.push_str(&format!(
-            "the photo was worked on in squares of {0} x {0} pixels\n",
-            job.side
-        ));
+        text.push_str(&format!("the photo was reduced to squares of {0} x {0} pixels\n", job.side));
     }
     let doubtful: Vec<&str> = recovery
         .groups
@@ -93,7 +88,7 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
     text
 }
 
-/// The numbers of the camera, a line each.
+/// The photometric parameters, a line each.
 fn photograph(found: &PhotographEntry) -> String {
     let std = found.std.clone().unwrap_or_default();
     let with_std = |std: Option<f64>| std.map_or(String::new(), |std| format!(", std {std:.4}"));

@@ -1,4 +1,4 @@
-//! The texture files that materials.json names.
+//! Writes materials.json and the texture files that it names.
 
 use crate::engine::Recovered;
 use crate::{Error, Job};

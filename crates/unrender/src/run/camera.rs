@@ -1,5 +1,5 @@
-//! The camera that a run used, and what scene.glb beside it lacks, for programs that go on from it.
-//! Only this much of run.json is read, so that files of other versions will do.
+//! The camera and environment of a run, which scene.glb beside it lacks, for commands that continue
+//! from it. Only this part of run.json is read, so that files of other versions can be used.
 
 use crate::project::CameraTable;
 use glam::DVec3;
@@ -8,7 +8,8 @@ use std::path::Path;
 use unrender_formats::{FileError, input};
 use unrender_scene::Lens;
 
-/// The camera that the recovery with the run file at `path` used; none if the file does not say.
+/// The camera that the recovery with the run file at `path` used; none if the file does not state
+/// it.
 ///
 /// # Errors
 /// If the file is damaged.
@@ -24,7 +25,7 @@ pub(crate) fn recovered_camera(path: &Path) -> Result<Option<CameraTable>, FileE
     let table = || {
         let [right, down] = [0, 1].map(|index| number(&camera["principal_point"][index]));
         let (k1, k2) = (number(&camera["k1"])?, number(&camera["k2"])?);
-        // Files of earlier versions have no more than these.
+        // Files of earlier versions have only these.
         let or = |key: &str, usual: f32| number(&camera[key]).unwrap_or(usual);
         let [k3, p1, p2] = ["k3", "p1", "p2"].map(|key| or(key, 0.0));
         let fx_over_fy = or("fx_over_fy", 1.0);
@@ -36,7 +37,7 @@ pub(crate) fn recovered_camera(path: &Path) -> Result<Option<CameraTable>, FileE
 }
 
 /// The width and height of the photograph of the recovery with the run file at `path`; none if the
-/// file does not say.
+/// file does not state them.
 ///
 /// # Errors
 /// If the file is damaged.
@@ -47,8 +48,8 @@ pub(crate) fn recovered_size(path: &Path) -> Result<Option<(usize, usize)>, File
     Ok(sides.map(|(width, height)| (width as usize, height as usize)))
 }
 
-/// What the environment of the recovery with the run file at `path` was, in words; none if there was
-/// none, or if the file does not say.
+/// The environment of the recovery with the run file at `path`, in words; none if there was none, or
+/// if the file does not state it.
 ///
 /// # Errors
 /// If the file is damaged.

@@ -1,31 +1,32 @@
-//! What `run.json` says of one group.
+//! The entry of one group in `run.json`.
 
 use serde::{Deserialize, Serialize};
 use unrender_formats::materials::GroupEntry;
 use unrender_recover::PixelStatus;
 use unrender_scene::Hypothesis;
 
-/// One group: its entry of `materials.json`, and how it came about.
+/// One group: its entry of `materials.json`, and how it was recovered.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct RunGroup {
     /// As in `materials.json`.
     #[serde(flatten)]
     pub entry: GroupEntry,
-    /// Whether it was asked for and emits no light.
+    /// Whether it was to be recovered and emits no light.
     pub asked: bool,
     /// The groups that agree with it within their standard deviations, and may be of one material.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub agrees_with: Vec<String>,
-    /// Its objects in parts that one reflectance does not explain together; empty where one does.
+    /// Its objects, split into parts that one reflectance does not explain together; empty if one
+    /// does.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<Vec<String>>,
     /// The group's share, 0 to 1, of the squared error of all groups.
     pub error_share: Option<f64>,
-    /// How many of its pixels counted, and how many did not, by reason.
+    /// How many of its pixels were used, and how many were not, by reason.
     pub counted: LeftOut,
     /// Its colour in the group map, `#rrggbb`.
     pub map_color: String,
-    /// The picture of a ball of its material, relative to the file; null for black ones.
+    /// The picture of a ball of its material, relative to the file; null for black materials.
     pub ball: Option<String>,
     /// The candidates, in the order in which they were tried.
     #[serde(alias = "story")]
@@ -40,14 +41,14 @@ pub struct CandidateEntry {
     pub iteration: usize,
     /// Which rung.
     pub hypothesis: Hypothesis,
-    /// The relative error that noise does not explain.
+    /// Its relative error that noise does not explain.
     pub error: Option<f64>,
     /// The standard deviation of the error's square.
     pub deviation_of_square: Option<f64>,
-    /// The model error that its residuals call for, as a share of the local light.
+    /// The model error that its residuals imply, as a share of the local light.
     #[serde(default)]
     pub model_error: Option<f64>,
-    /// Its information criterion less that of the accepted candidate.
+    /// Its information criterion minus that of the accepted candidate.
     #[serde(default)]
     pub criterion: Option<f64>,
     /// Diffuse reflectance.
@@ -60,15 +61,15 @@ pub struct CandidateEntry {
     pub alpha_y: f32,
     /// Anisotropy direction, degrees.
     pub theta_deg: f32,
-    /// Whether the group stood on this rung afterwards.
+    /// Whether the group was on this rung afterwards.
     #[serde(alias = "taken")]
     pub accepted: bool,
 }
 
-/// Numbers of pixels: those that counted, and the others by the reason why they did not.
+/// Numbers of pixels: those that were used, and the others by the reason why they were not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct LeftOut {
-    /// Those that counted.
+    /// Those that were used.
     #[serde(alias = "believed")]
     pub valid: usize,
     /// The model shows nothing there.
@@ -80,7 +81,7 @@ pub struct LeftOut {
     pub edge: usize,
     /// A single bright pixel.
     pub spike: usize,
-    /// What is not in the model.
+    /// It shows something that is not in the model.
     #[serde(alias = "stray")]
     pub outlier: usize,
 }

@@ -1,4 +1,4 @@
-//! What `run.json` says of one global re-rendering.
+//! The entry of one global re-rendering in `run.json`.
 
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
@@ -10,26 +10,27 @@ pub struct IterationEntry {
     /// Counted from one.
     #[serde(alias = "turn")]
     pub iteration: usize,
-    /// Whether hypotheses had been chosen, and it was a pass of the refinement.
+    /// Whether it was a pass of the refinement, after the choice of hypotheses.
     pub refining: bool,
     /// Seconds since the recovery began.
     pub seconds: f64,
     /// The largest change of a reflectance, and of the logarithm of a roughness.
     pub change: Option<f64>,
-    /// The relative error of all groups together before its step; in the paper's ladder that of the worst group.
+    /// The relative error of all groups together before its step; in the paper's ladder, that of the worst
+    /// group.
     pub worst_error: Option<f64>,
-    /// Groups whose hypothesis did not explain the photograph yet.
+    /// Groups whose hypothesis did not yet explain the photograph.
     pub open_groups: Vec<String>,
-    /// The groups that are asked for.
+    /// The groups to be recovered.
     pub groups: IndexMap<String, GroupIterationEntry>,
 }
 
-/// Where one group stood after an iteration.
+/// The state of one group after an iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GroupIterationEntry {
     /// Its rung.
     pub hypothesis: Hypothesis,
-    /// Its relative error that noise does not explain; in a pass of the refinement before its step.
+    /// Its relative error that noise does not explain; in a refinement pass, before the step.
     pub error: Option<f64>,
     /// Diffuse reflectance.
     pub rho_d: [f32; 3],

@@ -1,7 +1,8 @@
-//! `run.json`: how a recovery went, as plain numbers, key by key in `docs/reference/run-json.md`.
+//! The file `run.json`: how a recovery went, as plain numbers; its keys are in
+//! `docs/reference/run-json.md`.
 //!
-//! Reports are made of this file and of the pictures that it names, and of nothing else: every
-//! number on a page is a field here.
+//! Reports are made from this file and the pictures that it names alone: every number on a page is
+//! a field here.
 
 mod camera;
 mod group;
@@ -32,37 +33,37 @@ pub struct Run {
     pub program: Program,
     /// The command line, word by word.
     pub command: Vec<String>,
-    /// What it was made from.
+    /// Its input.
     pub input: Input,
     /// How it was made.
     pub settings: SettingsEntry,
     /// Wall-clock seconds from the scene to the last picture.
     pub seconds: f64,
-    /// The same by stage.
+    /// The same per stage.
     pub stages: Stages,
-    /// The most memory that the process held, bytes; null where the system does not tell.
+    /// The peak memory of the process, bytes; null if the system does not report it.
     pub peak_memory_bytes: Option<u64>,
     /// Why it ended, a sentence.
     pub termination: String,
-    /// What was doubtful about it, a sentence each.
+    /// Its warnings, a sentence each.
     pub warnings: Vec<String>,
     /// Scene radiance per unit of linear pixel value, by channel.
     pub exposure: [f32; 3],
-    /// Its standard deviation, where the exposure was asked for.
+    /// Its standard deviation, if the exposure was unknown.
     pub exposure_std: Option<[f32; 3]>,
-    /// The camera's numbers, where they were asked for, as in `materials.json`.
+    /// The photometric parameters, if they were unknown, as in `materials.json`.
     pub photograph: Option<PhotographEntry>,
-    /// Each of several photographs, in the order of the project; left out where there is one alone. What else is said
-    /// here of one photograph is of the first.
+    /// Each of several photographs, in the order of the project; left out if there is only one. Everything else here
+    /// about one photograph is about the first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub photographs: Vec<PhotographRun>,
     /// How the model was registered with the photograph.
     pub registration: RegistrationEntry,
-    /// How many pixels of all photographs counted, and how many did not, by reason.
+    /// How many pixels of all photographs were used, and how many were not, by reason.
     pub pixels: LeftOut,
     /// The pictures beside the file.
     pub pictures: Pictures,
-    /// The global re-renderings in their order.
+    /// The global re-renderings in order.
     #[serde(alias = "turns")]
     pub iterations: Vec<IterationEntry>,
     /// The groups by name, in the order of the scene.
@@ -71,7 +72,7 @@ pub struct Run {
     pub lights: IndexMap<String, LightEntry>,
 }
 
-/// The program that made a run.
+/// The program that made the run.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Program {
     /// Its version.
@@ -82,7 +83,7 @@ pub struct Program {
     pub processor: String,
 }
 
-/// What a run was made from.
+/// The input of a run.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Input {
     /// The project file, as it was named.
@@ -94,7 +95,7 @@ pub struct Input {
     /// The photograph.
     #[serde(serialize_with = "as_text")]
     pub photo: PathBuf,
-    /// The photographs that it was merged from; left out if it is one alone.
+    /// The photographs from which it was merged; left out if it is a single one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bracket: Vec<PathBuf>,
     /// The environment in the project, in words; left out if there is none.
@@ -104,8 +105,8 @@ pub struct Input {
     pub width: usize,
     /// The photograph's height, pixels.
     pub height: usize,
-    /// The pixels that were counted, and those of the pictures, are the means of squares of so many of its pixels on a
-    /// side.
+    /// The pixels that are counted here, and those of the pictures, are means of squares with this many of its pixels
+    /// per side.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub side: usize,
 }
@@ -118,7 +119,7 @@ fn is_one(side: &usize) -> bool {
     *side == 1
 }
 
-/// How a run was made.
+/// The settings of a run.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct SettingsEntry {
     /// The form of Ward's lobe.
@@ -132,9 +133,9 @@ pub struct SettingsEntry {
     pub refine: bool,
     /// The seed of the renderings' noise.
     pub seed: u64,
-    /// Paths a pixel of the final re-rendering.
+    /// Paths per pixel of the final re-rendering.
     pub spp: u32,
-    /// Reflections along a path at most.
+    /// The most reflections along a path.
     pub max_bounces: u32,
     /// Threads.
     pub threads: usize,
@@ -145,40 +146,40 @@ pub struct SettingsEntry {
 /// Wall-clock seconds by stage.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Stages {
-    /// The scene made ready and the model registered with the photograph.
+    /// Preparing the scene and registering the model with the photograph.
     pub registration: f64,
-    /// The camera's numbers found, where they were asked for.
+    /// Finding the photometric parameters, if they were unknown.
     pub camera: f64,
     /// The ladder.
     pub ladder: f64,
-    /// All numbers together.
+    /// The refinement of all parameters together.
     pub refinement: f64,
     /// The last textures and the final picture.
     pub picture: f64,
 }
 
-/// How the model lay on the photograph, and the camera that was used.
+/// How the model was registered with the photograph, and the camera that was used.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct RegistrationEntry {
     /// The camera, as in a project's `[camera]`.
     pub camera: serde_json::Value,
-    /// How far the model's edges were from the photograph's under the camera as given, pixels; null
-    /// where too few were found.
+    /// How far the model's edges were from the photograph's with the camera as given, pixels; null
+    /// if too few were found.
     pub displacement_pixels: Option<f32>,
-    /// How well the place where they fit is known, pixels.
+    /// The uncertainty of the place where they fit, pixels.
     pub uncertainty_pixels: Option<f32>,
-    /// How far edges are off under the better camera, pixels.
+    /// How far edges are off with the better camera, pixels.
     pub deviation_pixels: Option<f32>,
     /// Points of edges that the photograph shows.
     pub confirmed_edge_points: Option<usize>,
 }
 
-/// How much work older files were made with.
+/// The effort of older files.
 fn normal() -> String {
     unrender_recover::Effort::Normal.name().to_owned()
 }
 
-/// A path as text; what in it is no text is shown as a replacement character.
+/// A path as text; bytes that are not text become replacement characters.
 fn as_text<S: serde::Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(&path.to_string_lossy())
 }
@@ -190,7 +191,7 @@ impl Run {
     /// Reads the run of the results in `folder`.
     ///
     /// # Errors
-    /// If there is no run.json, or it is not one, or of a later version.
+    /// If there is no run.json, or it is invalid or of a later version.
     pub fn read(folder: &Path) -> Result<Self, Error> {
         let path = folder.join(Self::FILE);
         let text = unrender_formats::input::text(&path).map_err(|problem| {
@@ -209,7 +210,7 @@ impl Run {
     /// The file's text.
     ///
     /// # Errors
-    /// If a value has no place in JSON.
+    /// If a value cannot be written as JSON.
     pub fn to_text(&self) -> Result<String, Error> {
         serde_json::to_string_pretty(self)
             .map(|text| text + "\n")

@@ -1,4 +1,4 @@
-//! The pictures of a run, and what the colours of the false ones mean.
+//! The pictures of a run, and the meaning of the colours of false-colour ones.
 
 use super::{LeftOut, RegistrationEntry, as_text};
 use serde::{Deserialize, Serialize};
@@ -17,14 +17,14 @@ pub struct PhotographRun {
     pub height: usize,
     /// Scene radiance per unit of linear pixel value, by channel.
     pub exposure: [f32; 3],
-    /// The camera's numbers, where they were asked for.
+    /// Its photometric parameters, if they were unknown.
     pub photograph: Option<PhotographEntry>,
     /// The lights that were off.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lights_off: Vec<String>,
     /// How the model was registered with it.
     pub registration: RegistrationEntry,
-    /// How many of its pixels counted, and how many did not, by reason.
+    /// How many of its pixels were used, and how many were not, by reason.
     pub pixels: LeftOut,
     /// Its pictures.
     pub pictures: Pictures,
@@ -37,7 +37,7 @@ pub struct Pictures {
     pub photo: String,
     /// The re-rendering, sRGB as the photograph.
     pub rerendered: String,
-    /// Which pixels counted.
+    /// Which pixels were used.
     pub trust: String,
     /// Every group in its `map_color`, black where there is none.
     pub groups: String,
@@ -50,9 +50,9 @@ pub struct Pictures {
 pub struct ErrorPicture {
     /// The file.
     pub file: String,
-    /// Whether it tells too bright from too dark; else it has the absolute value.
+    /// Whether its values have a sign (too bright or too dark); otherwise they are absolute.
     pub signed: bool,
-    /// What its numbers count.
+    /// The unit of its values.
     pub unit: Unit,
     /// Pixels to each side in the average.
     pub reach: usize,
@@ -61,7 +61,7 @@ pub struct ErrorPicture {
     pub bar: Vec<Stop>,
 }
 
-/// What the numbers of an error picture count.
+/// The unit of the values of an error picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Unit {

@@ -1,12 +1,12 @@
-//! Errors in units of the standard deviations that the results state: are these right?
+//! Errors in units of the standard deviations that the results state, to check these.
 //!
-//! If they are, and errors are normal, 68 % of all numbers lie within one and 95 % within two.
+//! If they are right, and errors are normal, 68 % of all values lie within one and 95 % within two.
 
 use super::GroupScore;
 use serde::Serialize;
 use unrender_formats::materials::MaterialsFile;
 
-/// The error of one parameter whose standard deviation the results state; one value, or one a
+/// The error of one parameter whose standard deviation the results state; one value, or one per
 /// channel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ParameterScore {
@@ -39,9 +39,9 @@ pub(super) fn largest(parameters: &[ParameterScore]) -> Option<f64> {
 pub struct LightScore {
     /// The light's name.
     pub light: String,
-    /// Largest relative error of the intensity over the channels that shine, percent.
+    /// Largest relative error of the intensity over the channels that emit, percent.
     pub percent: Option<f64>,
-    /// The intensity, where the results state its standard deviation.
+    /// The intensity, if the results state its standard deviation.
     pub parameters: Vec<ParameterScore>,
 }
 
@@ -62,10 +62,11 @@ pub fn score_lights(results: &MaterialsFile, truth: &MaterialsFile) -> Vec<Light
     pairs.collect()
 }
 
-/// How the stated standard deviations fit the errors; each channel is a parameter.
+/// How the stated standard deviations agree with the errors; each channel is a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Certainty {
-    /// Parameters of lights, and of groups that count, with a standard deviation above zero.
+    /// The number of parameters of lights, and of groups that count, with a standard deviation
+    /// above zero.
     pub parameters: usize,
     /// The percentage whose error is at most one standard deviation.
     pub percent_within_one: f64,

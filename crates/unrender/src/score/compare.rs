@@ -11,8 +11,8 @@ use unrender_formats::materials::{
 use unrender_formats::{FileError, Limits};
 use unrender_scene::{Image, Rgb, Texture, Wrap};
 
-/// True if a group of `file` is compared with the truth: it was recovered, or another one that it has the
-/// material of.
+/// True if a group of `file` is compared with the truth: it was recovered, or the group whose material it
+/// has.
 pub(super) fn counts(file: &MaterialsFile, group: &GroupEntry) -> bool {
     let status = match &group.status {
         Some(StatusEntry::SameAs(name)) => file.groups.get(name).and_then(|g| g.status.as_ref()),
@@ -21,7 +21,7 @@ pub(super) fn counts(file: &MaterialsFile, group: &GroupEntry) -> bool {
     status.is_none_or(|status| status.is(Status::Recovered) || status.is(Status::Doubtful))
 }
 
-/// Compares one group; its name, and whether it counts, are left to the caller.
+/// Compares one group; the caller sets its name, and whether it counts.
 pub(super) fn group(
     found: &GroupEntry,
     found_folder: &Path,
@@ -108,7 +108,7 @@ fn compare_lobes(found: &GroupEntry, wanted: &GroupEntry, score: &mut GroupScore
     let error = |i: usize| (lobe.alphas[i] - truth.alphas[i]).abs();
     let percent = |i: usize| 100.0 * error(i) / truth.alphas[i];
     score.alpha_percent = Some(percent(0).max(percent(1)));
-    // The two alphas of a lobe without a direction are one number.
+    // The two alphas of a lobe without a direction are one parameter.
     let is_one = [&lobe, &truth].iter().all(|lobe| lobe.alphas[0] == lobe.alphas[1]);
     for (key, i) in lobe.places().into_iter().take(if is_one { 1 } else { 2 }) {
         note(key, &[error(i)], lobe.stds[i].map(|std| [std]), score);
@@ -125,7 +125,7 @@ fn compare_lobes(found: &GroupEntry, wanted: &GroupEntry, score: &mut GroupScore
     }
 }
 
-/// Notes a parameter if the results state its standard deviation.
+/// Records a parameter if the results state its standard deviation.
 fn note<const N: usize>(
     key: &'static str,
     error: &[f64; N],
@@ -139,7 +139,7 @@ fn largest_of(errors: &[f64; 3]) -> f64 {
     errors.iter().copied().fold(0.0, f64::max)
 }
 
-/// The group's texture; its mean rho_d where it has none, or nothing.
+/// The group's texture; without one, its mean rho_d; none if that is missing too.
 fn found_texture(found: &GroupEntry, folder: &Path) -> Result<Option<Texture>, FileError> {
     let image = match (&found.texture, found.rho_d) {
         (Some(path), _) => read_texture_beside(folder, path, Limits::default())?.0,
@@ -149,7 +149,7 @@ fn found_texture(found: &GroupEntry, folder: &Path) -> Result<Option<Texture>, F
     Ok(Some(Texture { image, wrap_u: Wrap::ClampToEdge, wrap_v: Wrap::ClampToEdge }))
 }
 
-/// The mean error over the texels of `truth`, by channel.
+/// The mean error over the texels of `truth`, per channel.
 fn texture_error(found: &Texture, truth: &Image<Rgb>) -> [f64; 3] {
     let (width, height) = (truth.width() as f32, truth.height() as f32);
     let mut sum = [0.0f64; 3];

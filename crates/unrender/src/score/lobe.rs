@@ -1,8 +1,8 @@
-//! Two descriptions of one lobe: swapping the alphas and turning by 90 degrees changes nothing.
+//! A lobe has two descriptions: swapping the alphas and turning by 90 degrees changes nothing.
 
 use unrender_formats::materials::GroupEntry;
 
-/// Alphas that differ by less than this share have no direction worth comparing.
+/// The direction is not compared if the alphas differ by less than this share.
 const ANISOTROPIC_SHARE: f64 = 0.01;
 
 /// A lobe described so that the first alpha is the smaller one.
@@ -38,7 +38,7 @@ impl Lobe {
         })
     }
 
-    /// The keys that the alphas had, and where they stand in [`Lobe::alphas`].
+    /// The keys of the alphas, and their indices in [`Lobe::alphas`].
     pub(super) fn places(&self) -> [(&'static str, usize); 2] {
         let x = usize::from(self.is_swapped);
         [("alpha_x", x), ("alpha_y", 1 - x)]
@@ -49,8 +49,8 @@ impl Lobe {
         self.alphas[1] > (1.0 + ANISOTROPIC_SHARE) * self.alphas[0]
     }
 
-    /// The angle between the directions of two lobes, 0 to 90 degrees: in the world where both
-    /// have it there, else by theta; none if neither can be compared.
+    /// The angle between the directions of two lobes, 0 to 90 degrees: by the directions in the
+    /// world if both have one, else by theta; none if neither can be compared.
     pub(super) fn degrees_from(&self, other: &Self) -> Option<f64> {
         let straight = match (self.direction, other.direction) {
             (Some(a), Some(b)) => degrees_between_lines(a, b)?,
@@ -67,6 +67,6 @@ impl Lobe {
 fn degrees_between_lines(a: [f64; 3], b: [f64; 3]) -> Option<f64> {
     let (a, b) = (glam::DVec3::from_array(a), glam::DVec3::from_array(b));
     let (a, b) = (a.try_normalize()?, b.try_normalize()?);
-    // The arc tangent keeps its precision where the arc cosine of nearly one has none.
+    // The arc tangent stays precise where the arc cosine, near one, does not.
     Some(a.cross(b).length().atan2(a.dot(b).abs()).to_degrees())
 }

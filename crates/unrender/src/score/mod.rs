@@ -1,4 +1,4 @@
-//! How far recovered materials are from the truth, group by group.
+//! The errors of recovered materials relative to the truth, group by group.
 //!
 //! `compare` does the arithmetic of one group, `certainty` that of the standard deviations, `table`
 //! prints both.
@@ -15,7 +15,7 @@ use std::path::Path;
 use unrender_formats::FileError;
 use unrender_formats::materials::{Hypothesis, MaterialsFile, StatusEntry};
 
-/// The errors of one group; none where the truth says nothing to compare with.
+/// The errors of one group; none where the truth has nothing to compare with.
 #[derive(Clone, Debug, PartialEq, Default, Serialize)]
 pub struct GroupScore {
     /// The group's name.
@@ -26,7 +26,7 @@ pub struct GroupScore {
     pub status: Option<StatusEntry>,
     /// The selected hypothesis.
     pub hypothesis: Option<Hypothesis>,
-    /// What it is.
+    /// The true hypothesis.
     pub true_hypothesis: Option<Hypothesis>,
     /// Largest error of rho_d over the channels; of textures, the mean over the texels.
     pub rho_d: Option<f64>,
@@ -36,16 +36,16 @@ pub struct GroupScore {
     pub alpha_percent: Option<f64>,
     /// Angle between the anisotropy directions, degrees.
     pub degrees: Option<f64>,
-    /// Largest error of all these numbers in units of its stated standard deviation.
+    /// The largest of these errors, in units of its stated standard deviation.
     pub in_std: Option<f64>,
-    /// All these numbers, where the results state their standard deviations.
+    /// All these parameters, if the results state their standard deviations.
     pub parameters: Vec<ParameterScore>,
     /// Keys that the truth has and the results lack.
     pub missing: Vec<&'static str>,
 }
 
 impl GroupScore {
-    /// True if the hypothesis is right, or the truth says none.
+    /// True if the hypothesis is right, or the truth has none.
     pub fn is_hypothesis_right(&self) -> bool {
         self.true_hypothesis.is_none() || self.hypothesis == self.true_hypothesis
     }
@@ -70,7 +70,7 @@ pub struct Worst {
     pub in_std: Option<f64>,
 }
 
-/// The errors that are still good enough; what is none is not looked at.
+/// The largest errors that are accepted; those without a limit are not checked.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Limits {
     /// For rho_d and rho_s.
@@ -148,7 +148,7 @@ impl Limits {
         self.rho.or(self.alpha_percent).or(self.degrees).is_some()
     }
 
-    /// What is not good enough, a sentence each; empty if all is well.
+    /// The errors above their limits, a sentence each; empty if there are none.
     pub fn exceeded(&self, scores: &[GroupScore]) -> Vec<String> {
         let mut faults = Vec::new();
         for score in scores.iter().filter(|s| s.counted) {

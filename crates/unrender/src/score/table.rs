@@ -3,7 +3,7 @@
 use super::{Certainty, GroupScore, LightScore, ParameterScore, Worst};
 use std::ops::Range;
 
-/// One line a group under a line of headings, and a last line with the worst of all.
+/// One line per group under a line of headings, and a last line with the worst of all.
 pub fn table(scores: &[GroupScore], worst: &Worst) -> String {
     let with_std = scores.iter().any(|s| s.in_std.is_some());
     let mut rows = vec![row(
@@ -38,7 +38,7 @@ pub fn table(scores: &[GroupScore], worst: &Worst) -> String {
     aligned(&rows, 3..8)
 }
 
-/// One line a light under a line of headings; empty if no light was compared.
+/// One line per light under a line of headings; empty if no light was compared.
 pub fn lights(scores: &[LightScore]) -> String {
     if scores.is_empty() {
         return String::new();
@@ -49,8 +49,8 @@ pub fn lights(scores: &[LightScore]) -> String {
     aligned(&rows, 1..2)
 }
 
-/// One line a parameter whose standard deviation the results state, of the groups that count and
-/// of the lights, and a last line that sums them up.
+/// One line per parameter, of the groups that count and of the lights, whose standard deviation the
+/// results state, and a last line that sums them up.
 pub fn parameters(groups: &[GroupScore], lights: &[LightScore], certainty: &Certainty) -> String {
     let mut rows = vec![["group", "parameter", "error", "std", "err/std"].map(str::to_owned)];
     for group in groups.iter().filter(|group| group.counted) {
@@ -79,13 +79,13 @@ fn of_parameter(owner: &str, score: &ParameterScore) -> [String; 5] {
     ]
 }
 
-/// `value` to two digits that say something, but no more than six after the point.
+/// `value` to two significant digits, but no more than six after the point.
 fn significant(value: f64) -> String {
     let digits = if value > 0.0 { (1.0 - value.log10().floor()).clamp(0.0, 6.0) } else { 0.0 };
     format!("{value:.*}", digits as usize)
 }
 
-/// A row's cells; what is missing comes last.
+/// A row's cells; missing keys come last.
 fn row(
     group: &str,
     status: &str,

@@ -1,8 +1,8 @@
-//! Small scenes in the words of Mitsuba and of Radiance, which use every element that is read: each group is as bright
-//! in the other program's own picture as in ours.
+//! Small scenes in the formats of Mitsuba and of Radiance, which use every element that is read: each group is as
+//! bright in the other program's own picture as in ours.
 //!
-//! Beside the words of the elements, a scene says in its comments what is told of it (`told: WORDS`), and which
-//! groups are not held to the limit as that is told of them (`approximated: GROUP`).
+//! The comments of a scene state which warnings are expected (`told: WORDS`), and which groups are therefore
+//! exempt from the limit (`approximated: GROUP`).
 
 use crate::kit::folder::Folder;
 use crate::kit::programs::{Program, Row, compare, need, our_picture};
@@ -12,14 +12,15 @@ use unrender::formats::{load_scene, picture};
 use unrender::scene::{Image, Rgb};
 
 const SIZE: (usize, usize) = (96, 72);
-/// What the mean of a group may be off by in Mitsuba's scenes: a tent whose normals are smoothed over its edges is by
-/// 2.2 %, a ball under all emitters by 1.3 %, all else by less than 1 %; and in Radiance's, where the noise of both
-/// pictures is up to 1.4 %.
+/// The largest allowed error of a group's mean in Mitsuba's scenes: a tent whose normals are smoothed over its edges
+/// is off by 2.2 %, a ball under all emitters by 1.3 %, all else by less than 1 %; and in Radiance's, where the noise
+/// of both pictures is up to 1.4 %.
 const LIMITS: [f32; 2] = [0.03, 0.02];
 /// The pixels that a group must have.
 const LEAST: usize = 40;
 
-/// The scene `name` of a program in a folder of its own as `scene`, beside all that it may name.
+/// The scene `name` of a program, copied as `scene` into its own folder, with all files that it may
+/// name.
 fn copied(program: &str, name: &str) -> (Folder, PathBuf) {
     let folder = Folder::new();
     let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/external/scenes");
@@ -32,7 +33,7 @@ fn copied(program: &str, name: &str) -> (Folder, PathBuf) {
     let from = folder.path(name);
     let path = folder.path("scene").with_extension(from.extension().unwrap());
     std::fs::copy(from, &path).unwrap();
-    // Not alike under any reflection.
+    // Not symmetric under any reflection.
     let tiles = Image::from_fn(16, 16, |x, y| {
         let red = if (x / 4 + y / 4) % 2 == 0 { 0.8 } else { 0.1 };
         Rgb::new(red, 0.1 + 0.05 * x as f32, 0.1 + 0.05 * y as f32)
@@ -47,7 +48,7 @@ fn copied(program: &str, name: &str) -> (Folder, PathBuf) {
     (folder, path)
 }
 
-/// What stands behind `key` in the comments of `text`.
+/// The words after `key` in the comments of `text`.
 fn said<'a>(text: &'a str, key: &str) -> Vec<&'a str> {
     let behind = |line: &'a str| line.split_once(key).map(|(_, words)| words);
     text.lines().filter_map(behind).map(|words| words.trim_end_matches("-->").trim()).collect()

@@ -1,5 +1,5 @@
-//! A furnished room from Blender by its own exporter with its defaults, rendered by us as Cycles renders
-//! it; and the room back in Blender, by both ways that lead there.
+//! A furnished room from Blender, exported by its own exporter with default settings: our rendering
+//! agrees with that of Cycles, and so does the room brought back to Blender in both ways.
 
 use crate::kit::example::beside_crates;
 use crate::kit::programs::{compare, installed, need, our_picture};
@@ -8,13 +8,13 @@ use std::process::Command;
 use unrender::formats::{load_scene, picture};
 use unrender::scene::{BrdfModel, LightKind, Rgb, RgbImage, Scene};
 
-/// Columns of the pictures; the smallest thing has 40 pixels then.
+/// Columns of the pictures; with these the smallest object has 40 pixels.
 const WIDTH: usize = 320;
 const SIZE: (usize, usize) = (WIDTH, WIDTH * 3 / 4);
-/// Samples a pixel, of Cycles and of ours.
+/// Samples per pixel, of Cycles and of ours.
 const SPP: u32 = 256;
 const LAMPS: [&str; 4] = ["panel", "bulb", "spot", "sun"];
-/// What a group's mean may be off by, and that of the picture by one light alone.
+/// The largest allowed error of a group's mean, and of the mean of the picture by one light alone.
 const GROUP: f32 = 0.03;
 const LIGHT: f64 = 0.01;
 
@@ -65,7 +65,7 @@ fn text(number: impl ToString) -> PathBuf {
     number.to_string().into()
 }
 
-/// The folder that the room is made in.
+/// The folder in which the room is made.
 struct Room {
     python: PathBuf,
     folder: tempfile::TempDir,
@@ -83,7 +83,7 @@ impl Room {
         Scene { brdf: BrdfModel::Ggx, ..scene }
     }
 
-    /// Nothing has to be mended; how the lights were read is told.
+    /// Nothing has to be mended; a warning states how the lights were read.
     fn check_is_clean(&self) {
         let project = self.folder.path().join("room.toml");
         let says = "scene = \"room.glb\"\nphoto = \"room.exr\"\nresponse = \"linear\"\n\

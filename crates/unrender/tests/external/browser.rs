@@ -1,8 +1,8 @@
-//! The pages in headless Chromium: they load whole and offline, answer to pointer and keys, hold
-//! with many groups, failed ones and names full of markup, and say what run.json says.
+//! The pages in headless Chromium: they load completely and offline, respond to pointer and keys,
+//! work with many groups, failed ones and names full of markup, and show the values of run.json.
 //!
-//! What is done in the browser stands in `check.mjs`. Node.js drives it with puppeteer; the browser
-//! is Chromium or Chrome where there is one, or else one from npm.
+//! The steps in the browser are in `check.mjs`. Node.js drives it with puppeteer; the browser is
+//! Chromium or Chrome if one is installed, or else one from npm.
 
 use crate::kit::pages::make;
 use crate::kit::programs::{installed, need};
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use unrender::report::{self, Exhibit};
 
-/// The exit code with which check.mjs says that there is no browser.
+/// The exit code of check.mjs if there is no browser.
 const NO_BROWSER: i32 = 77;
 
 #[test]

@@ -1,4 +1,4 @@
-//! A job template, run to its end by the reference program of Open Job Description.
+//! A job template, run by the reference program of Open Job Description.
 
 use crate::kit::example::beside_crates;
 use crate::kit::programs::{installed, need};
@@ -41,6 +41,6 @@ fn openjd_makes_the_picture_of_one_run() {
     run.arg("-p").arg(format!("Unrender={}", env!("CARGO_BIN_EXE_unrender")));
     succeeds(&mut run);
     let bytes = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
-    assert!(bytes("picture.exr") == bytes("whole.exr"), "the job's picture is another one");
+    assert!(bytes("picture.exr") == bytes("whole.exr"), "the job's picture differs");
     assert!(folder.path().join("picture_job/part_0..3.exr").exists());
 }

@@ -1,4 +1,4 @@
-//! Photographs that are not part of the repository: they lie in `shared/data` beside it.
+//! Tests with photographs that are not part of the repository: they lie in `shared/data` beside it.
 
 use crate::kit::example::{Limits, beside_crates, recovers};
 use crate::kit::folder::Folder;
@@ -15,7 +15,7 @@ fn data(file: &str) -> Result<PathBuf, String> {
     if path.is_file() { Ok(folder) } else { Err(format!("{} is not there", path.display())) }
 }
 
-/// The folder of `file`; none where it is not, since it may not be copied into the repository.
+/// The folder of `file`; none if it is missing, as it may not be copied into the repository.
 #[track_caller]
 fn present(file: &str) -> Option<PathBuf> {
     need(data(file))
@@ -62,7 +62,7 @@ fn the_scenes_of_the_outside_checks_are_read_well() {
     }
 }
 
-/// The largest relative error, as the data's own comparison has it.
+/// The largest relative error that the data's own comparison allows.
 const WITHIN: f64 = 0.15;
 /// The groups of the white walls.
 const WHITE: [&str; 3] = ["back_wall", "floor", "ceiling"];
@@ -92,9 +92,10 @@ fn error(data: &Path, flags: &[&str]) -> f64 {
 
 /// A box of 30 cm with measured walls under a small lamp.
 ///
-/// Compared are the red wall's reflectance over that of the white ones, in red and green, and the
-/// colour of the green wall, red over green. The measurements are good to some percent, the lamp's
-/// cone is modelled roughly, and another program's inversion of the same model is 11 % off.
+/// The test compares the red wall's reflectance over that of the white ones, in red and green, and
+/// the colour of the green wall, red over green. The measurements are accurate to a few percent,
+/// the lamp's cone is modelled roughly, and another program's inversion of the same model is 11 %
+/// off.
 #[test]
 #[ignore = "slow: needs shared/data beside the repository"]
 fn a_measured_box_is_recovered_and_without_interreflection_it_is_not() {

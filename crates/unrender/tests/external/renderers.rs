@@ -1,4 +1,4 @@
-//! Exports, rendered by the programs that they are for, which make the same picture of them.
+//! Exports, rendered by the programs for which they are made: the pictures agree with ours.
 
 use crate::kit::export_scene::{SIZE, camera, exported, scene};
 use crate::kit::programs::{Program, compare, compare_quadrants, installed, need, our_picture};
@@ -6,12 +6,12 @@ use std::process::Command;
 use unrender::formats::export::Target;
 use unrender::scene::{BrdfModel, Camera, Rgb, Scene};
 
-/// What a quarter of a group may be off by, beside twice what the whole may: lobes that another
-/// program lacks spread differently over a group. A texture that is flipped is off by ten times that.
+/// The largest allowed error of a quarter of a group, added to twice that of the whole: lobes that
+/// another program lacks spread differently over a group. A flipped texture is off by ten times that.
 const QUADRANT: f32 = 0.02;
 
-/// Asserts that `program`'s picture of our scene has groups as bright as ours, up to `limit` of
-/// the group.
+/// Asserts that the groups in the program's picture of our scene are as bright as in ours, up to
+/// `limit` of the group.
 fn renders_alike(scene: &Scene, target: Target, spp: u32, limit: impl Fn(&Scene, usize) -> f32) {
     let Some(program) = need(Program::installed(target)) else { return };
     let camera = camera();
@@ -42,7 +42,8 @@ fn renders_alike(scene: &Scene, target: Target, spp: u32, limit: impl Fn(&Scene,
     }
 }
 
-/// What Radiance's own sampling of glossy surfaces leaves (see `docs/guides/export.md`), and noise.
+/// The error of Radiance's own sampling of glossy surfaces (see `docs/guides/export.md`), and
+/// noise.
 #[test]
 #[ignore = "slow: needs Radiance, which .ci/programs installs"]
 fn radiance_makes_the_same_picture() {
@@ -52,7 +53,7 @@ fn radiance_makes_the_same_picture() {
     renders_alike(&scene(), Target::Radiance, 128, limit);
 }
 
-/// Glossy groups shine with converted lobes.
+/// Glossy groups have converted lobes.
 #[test]
 #[ignore = "slow: needs Mitsuba 3, which .ci/programs installs"]
 fn mitsuba_makes_the_same_picture() {
@@ -62,7 +63,7 @@ fn mitsuba_makes_the_same_picture() {
     renders_alike(&scene(), Target::Mitsuba, 1024, limit);
 }
 
-/// The scene with the lobe of GGX, which Mitsuba has.
+/// The scene with the GGX lobe, which Mitsuba has.
 #[test]
 #[ignore = "slow: needs Mitsuba 3, which .ci/programs installs"]
 fn mitsuba_makes_the_same_picture_of_ggx() {
@@ -84,7 +85,7 @@ fn blender_makes_the_same_picture() {
     renders_alike(&scene, Target::Blender, 512, limit);
 }
 
-/// A file that somebody works in, into which the script adds its scene.
+/// A user's open file, to which the script adds its scene.
 const OPEN_FILE: &str = "
 import runpy, sys
 import bpy

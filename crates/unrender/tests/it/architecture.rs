@@ -1,4 +1,4 @@
-//! What ARCHITECTURE.md and docs/ say of the code is compared with the code.
+//! Checks the statements of ARCHITECTURE.md and docs/ about the code against the code.
 
 mod circles;
 
@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The documents beside the book whose paths in backticks must exist.
+/// The documents, besides the book, whose paths in backticks must exist.
 const DOCUMENTS: [&str; 4] = ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "SECURITY.md"];
 
 /// Which crates of the workspace each crate may use.
@@ -62,7 +62,7 @@ fn modules() -> Vec<String> {
     crates().iter().flat_map(|name| rust_files(&format!("crates/{name}/src"))).collect()
 }
 
-/// The pieces of `text` in backticks that are paths of this repository; fenced blocks are left out.
+/// The parts of `text` in backticks that are paths of this repository; fenced blocks are left out.
 fn paths_in(text: &str) -> BTreeSet<String> {
     let outside_fences = text.split("```").step_by(2).collect::<String>();
     let quoted = outside_fences.split('`').skip(1).step_by(2);
@@ -130,7 +130,7 @@ fn is_core(path: &str) -> bool {
 #[test]
 fn the_core_touches_no_file_clock_or_terminal() {
     let words = ["std::fs", "File::", "std::env", "std::net", "std::process", "std::io"];
-    // Which of its box tests is taken may be asked for, so that their bits can be compared.
+    // This file may choose one of its box tests, so that their bits can be compared.
     assert_absent(&words, is_core, &["crates/render/src/accel/mod.rs"]);
     assert_absent(&["Instant", "SystemTime"], is_core, &[]);
     assert_absent(&["println!", "print!", "dbg!"], is_core, &[]);
@@ -139,7 +139,8 @@ fn the_core_touches_no_file_clock_or_terminal() {
 #[test]
 fn files_are_written_in_one_place() {
     let words = ["fs::write", "fs::rename", "File::create", "OpenOptions"];
-    // The journal of a recovery grows by a record at a time, which no file that is swapped can.
+    // The journal of a recovery grows record by record, which a file that is replaced as a whole
+    // cannot.
     let journal = "crates/unrender/src/recovery_journal.rs";
     let places = ["crates/formats/src/atomic.rs", "crates/unrender/src/output.rs", journal];
     assert_absent(&words, |_| true, &places);

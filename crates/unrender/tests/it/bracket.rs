@@ -18,7 +18,8 @@ const SIZE: (usize, usize) = (96, 72);
 const TIMES: [f32; 3] = [0.125, 0.5, 2.0];
 const STATED: &str = "1/8,1/2,2";
 
-/// Fields of eight by eight pixels over three decades, whose brightest the longest exposures clip.
+/// Fields of eight by eight pixels over three decades; the longest exposures clip the brightest of
+/// them.
 fn radiance(x: usize, y: usize) -> f32 {
     let field = (x / 8 * 7919 + y / 8 * 104_729) % 1000;
     4e-3 * 10f32.powf(3.0 * field as f32 / 1000.0)
@@ -45,13 +46,13 @@ fn read(folder: &Folder, name: &str) -> Picture {
     picture::read(&folder.path(name)).unwrap().0
 }
 
-/// The largest error of the merged picture relative to the radiance, after one factor; and that factor, of the
-/// best exposed photograph's white, which is extrapolated.
+/// The largest error of the merged picture relative to the radiance, after scaling by one factor, and the
+/// error of that factor, the best exposed photograph's white, which is extrapolated.
 fn errors(merged: &Picture) -> [f32; 2] {
     let white = merged.merged.as_ref().unwrap().white_level.x;
     let mut ratios = Vec::new();
     for (x, y) in (0..SIZE.0 * SIZE.1).map(|i| (i % SIZE.0, i / SIZE.0)) {
-        // Insides of fields: their borders lie beside clipped pixels.
+        // Only the insides of fields: their borders lie beside clipped pixels.
         let inside = (1..7).contains(&(x % 8)) && (1..7).contains(&(y % 8));
         let value = merged.values.at(x, y).x;
         if inside && radiance(x, y) > 0.04 && value < white {
@@ -204,7 +205,8 @@ fn projects_name_brackets() {
     assert_eq!(job.project.response, Some(ResponseChoice::Stated(Response::Linear)));
     let ratio = job.photo.radiance.at(20, 20).x / (3.0 * radiance(20, 20));
     assert!([0.125, 0.5, 2.0].iter().any(|unit| (ratio / unit - 1.0).abs() < 0.06), "{ratio}");
-    // Its noise is that of the merged values, and what the shortest exposure clips is clipped.
+    // Its noise is that of the merged values, and the pixels that the shortest exposure clips are
+    // clipped.
     let variance = job.picture.merged.as_ref().unwrap().variance.at(20, 20).x;
     let step = job.photo.quantisation_step.at(20, 20).x;
     assert!((step / (3.0 * (12.0 * variance).sqrt()) - 1.0).abs() < 1e-4);
@@ -217,7 +219,7 @@ fn projects_name_brackets() {
     let (project, warnings) = Project::read(&folder.path("m.toml")).unwrap();
     let merged = Job::load(project, warnings).unwrap();
     assert!(merged.photo == job.photo && merged.transfer.white_level == job.transfer.white_level);
-    // A file that is not there, and times of which one is none.
+    // A missing file, and times one of which is not a number.
     std::fs::remove_file(folder.path("b.png")).unwrap();
     let fault = Project::read(&folder.path("p.toml")).unwrap_err().to_string();
     assert!(fault.contains("photo.bracket: there is no file"), "{fault}");
@@ -243,7 +245,7 @@ fn projects_name_brackets() {
     }
 }
 
-/// Slanted edges, texture and shading over two decades; with `with_thing`, something dark in the middle.
+/// Slanted edges, texture and shading over two decades; with `with_thing`, a dark object in the middle.
 fn still_life(x: usize, y: usize, with_thing: bool) -> [f32; 3] {
     let slanted = x + y / 3;
     let field = (slanted / 37 * 7919 + y / 41 * 104_729) % 1000;
@@ -296,9 +298,11 @@ fn the_errors_of_jpeg_are_no_motion_and_motion_is_seen_beside_them() {
     let still = merge(false);
     assert!(!still.contains("moved"), "{still}");
     let moved = merge(true);
-    let (_, share) = moved.split_once("something moved, in ").unwrap_or_else(|| panic!("{moved}"));
+    let (_, share) =
+        moved.split_once("something moved between ").unwrap_or_else(|| panic!("{moved}"));
     let share: f64 = share.split_once(' ').unwrap().0.parse().unwrap();
-    // The thing covers 4.7 % of the picture; parts of it are as bright as what is behind, or beside edges.
+    // The object covers 4.7 % of the picture; parts of it are as bright as the background, or beside
+    // edges.
     assert!((1.0..7.0).contains(&share), "{moved}");
 }
 

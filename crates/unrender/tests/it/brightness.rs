@@ -1,10 +1,11 @@
-//! A scene whose light is a factor off is refused, with the factor, once hypotheses were chosen and nothing refined.
+//! A scene whose light is wrong by a factor is refused, with the factor, after the choice of hypotheses and before
+//! the refinement.
 
 use crate::kit::example::beside_crates;
 use crate::kit::folder::{Folder, fails, stderr};
 use std::fs;
 
-/// The factor in the message, for the example's photograph said to be `times` as bright.
+/// The factor in the message, if the example's photograph is stated to be `times` as bright.
 fn told(folder: &Folder, times: f64) -> f64 {
     let project = folder.text("project.toml");
     let exposure = format!("exposure = {}", 1.79 * times);

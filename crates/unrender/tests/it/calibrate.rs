@@ -14,7 +14,7 @@ use unrender::{Job, Project};
 
 const SIZE: (usize, usize) = (800, 600);
 
-/// A folder with a scene of small tiles in a room, a photograph of the right size, and room for more.
+/// A folder with a scene of small tiles in a room and a photograph of the right size.
 struct Tiles(Folder);
 
 impl Deref for Tiles {

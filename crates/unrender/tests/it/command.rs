@@ -1,4 +1,4 @@
-//! The `unrender` command: exit codes and messages.
+//! Exit codes and messages of the `unrender` command.
 
 use crate::kit::folder::{Folder, command, fails};
 use serde_json::json;
@@ -101,7 +101,7 @@ fn responses_and_lenses_must_make_sense() {
     folder.write("curve.csv", "code,linear\n0,0\n");
     fails(&recovered(curve), "curve.csv: has 1 row(s)");
     let dark = "vignetting = { radial = [-1.5] }";
-    fails(&recovered(dark), "a.toml: vignetting: by it a pixel of the photo gets");
+    fails(&recovered(dark), "a.toml: vignetting: a pixel of the photo would get");
     assert!(!folder.path("out/materials.json").exists());
 }
 

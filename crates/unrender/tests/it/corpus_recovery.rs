@@ -1,5 +1,5 @@
-//! The tiny scenes of `examples/corpus` (docs/validation/corpus.md), photographed by other renderers:
-//! what is recovered from them, end to end.
+//! Recoveries, end to end, of the tiny scenes of `examples/corpus` (docs/validation/corpus.md),
+//! photographed by other renderers.
 
 use serde_json::Value;
 use std::path::Path;
@@ -14,15 +14,15 @@ fn glossy_groups_of_a_tiny_photograph_by_another_renderer_are_drafted() {
 }
 
 /// The same: 0.0083 of rho_d, 0.036 of rho_s (1.1 of its standard deviations) and 3.3 standard deviations: groups
-/// of a hundred pixels are known no better, and one seed may be nearer by luck.
+/// of a hundred pixels are not determined better, and one seed may be nearer by luck.
 #[test]
 #[ignore = "slow: the usual effort"]
 fn glossy_groups_of_a_tiny_photograph_by_another_renderer_are_recovered() {
     recovered("normal", [0.009, 0.038], 3.5);
 }
 
-/// Recovers six groups from eight bits by Radiance. No reflectance (rho_d, rho_s) may be further off than `most`,
-/// and no number by more than `deviations` of its standard deviations.
+/// Recovers six groups from an 8-bit picture by Radiance. The error of no reflectance (rho_d, rho_s) may exceed
+/// `most`, and that of no parameter `deviations` of its standard deviations.
 fn recovered(effort: &str, most: [f64; 2], deviations: f64) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/corpus/isotropic");
     let out = tempfile::tempdir().unwrap();

@@ -1,11 +1,11 @@
-//! `unrender export` on the command line: what it says and leaves behind where it cannot write, and
-//! scenes of Mitsuba 3 and Radiance that a user would write, rendered and exported.
+//! Tests of `unrender export` on the command line: its message and its folder if it cannot write,
+//! and scenes of Mitsuba 3 and Radiance as users write them, rendered and exported.
 
 use crate::kit::folder::{Folder, command, stderr};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// The names of all that is in the folder, in order.
+/// The names of all files in the folder, in order.
 fn list(folder: &Folder) -> Vec<String> {
     let entries = std::fs::read_dir(folder.root()).unwrap();
     let mut names: Vec<String> =
@@ -103,7 +103,7 @@ fn what_cannot_be_written_is_told_and_leaves_nothing_behind() {
     let before = list(&folder);
     for format in ["blender", "gltf", "materialx", "mitsuba", "pbrt", "radiance"] {
         let mut bad = vec!["missing/scene.glb", "file/scene.glb", "taken.glb"];
-        // A file in the place of a folder; one .glb replaces another.
+        // A file in place of a folder is refused; one .glb replaces another.
         bad.extend(if format == "gltf" { None } else { Some("file") });
         for name in bad {
             let output = export(&scene, format, &folder.path(name));
@@ -117,7 +117,7 @@ fn what_cannot_be_written_is_told_and_leaves_nothing_behind() {
     }
 }
 
-/// Lets a user run `command` whom write protection holds back: nobody, if we who have made `ours` are root.
+/// Runs `command` as a user whom write protection stops: as nobody, if we, the owner of `ours`, are root.
 #[cfg(unix)]
 fn without_roots_rights(command: &mut Command, ours: &Path) {
     use std::os::unix::{fs::MetadataExt, process::CommandExt};
@@ -138,7 +138,7 @@ fn a_folder_without_permission_stays_as_it_is() {
     let permit = |path: &Path, mode| {
         std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode)).unwrap();
     };
-    // Others may read the scene, and find the way to what is locked.
+    // Others may read the scene, and reach the locked folder.
     permit(folder.root(), 0o755);
     permit(&locked, 0o555);
     for format in ["gltf", "mitsuba"] {

@@ -1,5 +1,5 @@
-//! Exports read back: the same numbers and the same picture. What other programs make of them is in
-//! `external`.
+//! Exports read back: the same parameters and the same picture. Their pictures in other programs
+//! are in `external`.
 
 use crate::kit::export_scene::{SIZE, camera, exported, scene};
 use crate::kit::programs::{Row, compare, compare_quadrants, our_picture};
@@ -9,7 +9,7 @@ use unrender::formats::LightUnits;
 use unrender::formats::export::{self, SceneView, Target};
 use unrender::scene::{BrdfModel, Image, Material, Scene, Texture};
 
-/// Paths a pixel: the noise of a quarter of a group is below one and a half percent.
+/// Paths per pixel: the noise of a quarter of a group is below one and a half percent.
 const SPP: u32 = 400;
 
 #[test]
@@ -54,7 +54,7 @@ fn back(target: Target, file: &str) -> Scene {
     back
 }
 
-/// Asserts that `back` has all that the scene has: names, numbers, and the same picture.
+/// Asserts that `back` has everything of the scene: names, parameters, and the same picture.
 fn assert_same(back: &Scene) {
     let (scene, camera) = (scene(), camera());
     assert_eq!(back.brdf, scene.brdf);
@@ -81,7 +81,7 @@ fn assert_same(back: &Scene) {
     alike(compare_quadrants(&scene, &camera, &ours, &theirs, 20), 0.03);
 }
 
-/// The groups' means stay, and what lies where does not.
+/// The groups' means stay the same; the means of their quarters do not.
 #[test]
 fn a_flipped_texture_is_another_picture() {
     let (scene, camera) = (scene(), camera());

@@ -1,5 +1,5 @@
-//! Projects of scenes far from zero: the same picture as near it, by a camera that is stated, calibrated by another
-//! program, or found from points.
+//! Projects of scenes far from the origin give the same picture as near it, with a camera that is stated,
+//! calibrated by another program, or found from points.
 
 use crate::kit::folder::{Folder, succeeds};
 use crate::kit::meshes::{add, cuboid, quad};
@@ -42,7 +42,7 @@ fn room(origin: DVec3) -> Scene {
     scene
 }
 
-/// The three ways to say where the camera stood; it looks along -z.
+/// The three ways to state where the camera stood; it looks along -z.
 fn cameras(at: DVec3) -> [String; 3] {
     let DVec3 { x, y, z } = at + EYE;
     let stated = format!(
@@ -53,7 +53,7 @@ fn cameras(at: DVec3) -> [String; 3] {
     [stated, "[camera]\nopencv = \"camera.yml\"\n".into(), "[camera]\ncolmap = \"sparse\"\n".into()]
 }
 
-/// A folder with the room there, and what OpenCV and COLMAP say of its camera.
+/// A folder with the room there, and the files of OpenCV and COLMAP for its camera.
 fn folder(at: DVec3) -> Folder {
     let folder = Folder::new();
     folder.write("s.glb", &gltf::to_glb(&room(at)).unwrap());
@@ -111,7 +111,7 @@ fn a_room_far_away_has_the_picture_of_one_near_zero() {
     }
 }
 
-/// What is recovered from `photograph` of the room there: each group's rho_d.
+/// Each group's rho_d, recovered from `photograph` of the room there.
 fn recovered(at: DVec3, photograph: &RgbImage) -> BTreeMap<String, [f64; 3]> {
     let folder = folder(at);
     picture::write_exr(&folder.path("p.exr"), photograph).unwrap();

@@ -1,11 +1,11 @@
-//! Renderings as jobs for many machines: what the jobs make has the bits of one run.
+//! Renderings as jobs for many machines: their results equal those of one run, to the bit.
 
 use crate::kit::example::beside_crates;
 use crate::kit::folder::{Folder, is_refused, succeeds};
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Figure 8, small, and with a name that a shell would split.
+/// A small Figure 8, with a name that a shell would split.
 fn job(folder: &Folder, to: &str, flags: &[&str]) -> Output {
     let scene = folder.path("the scene.glb");
     std::fs::copy(beside_crates("examples/fig8/scene.glb"), scene).unwrap();
@@ -15,7 +15,7 @@ fn job(folder: &Folder, to: &str, flags: &[&str]) -> Output {
     folder.run(&[&words[..], &rest, flags].concat())
 }
 
-/// A stand-in for Slurm that gives each task two processors: it runs what is submitted at once, task by task, and
+/// A stand-in for Slurm that gives each task two processors: it runs a submitted job at once, task by task, and
 /// prints a number.
 const SBATCH: &str = r#"#!/bin/bash
 echo "$*" >> sbatch.log
@@ -31,7 +31,7 @@ done
 echo 17
 "#;
 
-/// The command, which keeps with how many threads it was started.
+/// The command; it records with how many threads it was started.
 const COUNTED: &str = r#"#!/bin/bash
 echo "$1 ${RAYON_NUM_THREADS:-all}" >> threads.log
 exec "$COMMAND" "$@"
@@ -73,10 +73,7 @@ fn is_the_picture_of_one_run(folder: &Folder) {
     let words = ["render", "the scene.glb", "--materials", truth.to_str().unwrap()];
     let rest = ["--height", "24", "--seed", "3", "--spp", "7", "--out", "whole.exr"];
     succeeds(&folder.run(&[&words[..], &rest].concat()));
-    assert!(
-        folder.bytes("it's.exr") == folder.bytes("whole.exr"),
-        "the job's picture is another one"
-    );
+    assert!(folder.bytes("it's.exr") == folder.bytes("whole.exr"), "the job's picture differs");
 }
 
 #[test]
@@ -106,7 +103,7 @@ fn a_template_of_open_job_description_names_inputs_and_depends() {
 fn what_cannot_be_cut_beforehand_is_refused() {
     let folder = Folder::new();
     for (flags, problem) in [
-        (&["--noise", "0.1"][..], "--noise cannot be cut into parts beforehand"),
+        (&["--noise", "0.1"][..], "--noise cannot be cut into parts"),
         (&["--checkpoint", "c.exr"], "--checkpoint cannot be cut"),
         (&["--adaptive"], "--adaptive cannot be cut"),
         (&["--parts", "1001"], "1001 is not in 1..=1000"),

@@ -1,13 +1,13 @@
 //! Figure 8 of the paper from its picture: a Cornell box with an anisotropic floor. At full size it
-//! takes minutes; a picture of a sixteenth of the pixels is drafted at each `.ci/run`.
+//! takes minutes; each `.ci/run` recovers a draft from a picture of a sixteenth of the pixels.
 
 use crate::kit::example::{Limits, beside_crates, recovers, shrunk};
 use unrender::formats::picture;
 
-/// Pixels of the full picture on a side of one of the small picture.
+/// Pixels of the full picture per pixel of the small picture, along each side.
 const SHRINK: usize = 4;
 
-// Under the seeds 0 to 5 all hypotheses are right, and reached are 0.0009 to 0.0038, 0.12 to 1.25 % and 0.11 to 0.83
+// Under the seeds 0 to 5 all hypotheses are right, and errors are 0.0009 to 0.0038, 0.12 to 1.25 % and 0.11 to 0.83
 // degrees.
 #[test]
 #[ignore = "slow: a recovery of 128 x 128 pixels"]
@@ -16,7 +16,7 @@ fn a_small_figure_8_is_drafted() {
     small_figure_8_is_recovered("draft", &limits);
 }
 
-// Reached are 0.0016, 0.36 % and 0.15 degrees.
+// Errors are 0.0016, 0.36 % and 0.15 degrees.
 #[test]
 #[ignore = "slow: the usual effort"]
 fn a_small_figure_8_is_recovered() {
@@ -35,8 +35,8 @@ fn small_figure_8_is_recovered(effort: &str, limits: &Limits) {
     recovers(folder.path(), "fig8.toml", &["--effort", effort, "--spp", "2"], limits);
 }
 
-// The direction's standard deviation is 0.18 degrees: it is not held to the tenth of a degree that
-// was wished for.
+// The direction's standard deviation is 0.18 degrees, so the desired limit of a tenth of a degree
+// is not applied.
 #[test]
 #[ignore = "slow: Figure 8 at 512 x 512"]
 fn figure_8_is_recovered_from_linear_radiance() {

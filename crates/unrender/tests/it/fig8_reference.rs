@@ -1,7 +1,7 @@
-//! The renderer against another one: Figure 8 with its true materials beside the picture that
-//! Mitsuba 3 made of it with 2048 paths a pixel and unlimited bounces.
+//! The renderer against another one: Figure 8 with its true materials is compared with the picture
+//! by Mitsuba 3 with 2048 paths per pixel and unlimited bounces.
 //!
-//! A pixel is four by four of the reference's. More paths make a sharper test:
+//! A pixel is four by four pixels of the reference. More paths make a stricter test:
 //! `UNRENDER_REFERENCE_SPP=16384 cargo test --release --test it fig8_reference -- --nocapture` prints
 //! the ratios that the paths of a quick run do not determine.
 
@@ -12,16 +12,16 @@ use unrender::formats::{load_scene, materials, picture};
 use unrender::render::{Film, Settings, Tracer};
 use unrender::scene::RgbImage;
 
-/// Paths a pixel if the environment does not ask for more.
+/// Paths per pixel if the environment variable does not request more.
 const SPP: u32 = 192;
-/// Pixels of the reference on a side of one that is compared.
+/// Pixels of the reference per compared pixel, along each side.
 const SHRINK: usize = 4;
-/// The reference's paths in a pixel that is compared: its variance has our paths' share of these of our variance.
+/// The reference's paths in a compared pixel. Its variance is our variance times the ratio of our paths to these.
 const REFERENCE_SPP: f64 = 2048.0 * (SHRINK * SHRINK) as f64;
-/// Means of groups agree to this share, and three standard deviations of what noise remains.
+/// Means of groups agree to this share plus three standard deviations of the remaining noise.
 const SAME_MEAN: f64 = 0.003;
-/// Tiles of this side are compared by their noise. Single pixels are not: where a pixel's paths
-/// have missed a rare bright one, they do not know their own variance.
+/// Tiles of this side are compared by their noise. Single pixels are not: a pixel whose paths have
+/// missed a rare bright one underestimates its variance.
 const TILE: usize = 8;
 
 #[test]
@@ -68,8 +68,8 @@ fn means_agree(name: &str, pixels: &[usize], film: &Film, reference: &RgbImage, 
     }
 }
 
-/// The differences of tiles in units of their standard deviation. Paths are stratified, so that the
-/// variance is an upper bound: the mean square must not be above one by much.
+/// Compares tiles by their differences in units of their standard deviation. Paths are stratified,
+/// so the variance is an upper bound: the mean square must not be far above one.
 fn tiles_agree(name: &str, pixels: &[usize], film: &Film, reference: &RgbImage, noise: f64) {
     let mut tiles: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for &i in pixels {

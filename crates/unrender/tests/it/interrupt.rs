@@ -1,4 +1,5 @@
-//! Ctrl-C in the middle of a recovery: exit code 130, and whole results, marked as interrupted.
+//! Ctrl-C in the middle of a recovery gives exit code 130, and complete results, marked as
+//! interrupted.
 #![cfg(unix)]
 
 use crate::kit::floor_and_lamp;
@@ -21,7 +22,7 @@ fn an_interrupted_recovery_delivers_the_best_state_so_far() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // Others follow the first iteration, and then a picture of so many paths that it takes seconds.
+    // More iterations follow the first, and then a picture of so many paths that it takes seconds.
     let said = BufReader::new(running.stderr.take().unwrap());
     let (tell, told) = std::sync::mpsc::channel();
     std::thread::spawn(move || {

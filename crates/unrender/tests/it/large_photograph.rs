@@ -1,4 +1,5 @@
-//! A photograph of more than a megapixel: worked on in squares of its pixels, its textures of the pixels themselves.
+//! A photograph of more than a megapixel is reduced to squares of its pixels; its textures are made from the pixels
+//! themselves.
 
 use crate::kit::example::{beside_crates, shrunk};
 use crate::kit::folder::{Folder, succeeds};
@@ -18,7 +19,7 @@ const WALL: Rgb = Rgb::new(0.3, 0.4, 0.5);
 /// Texels along a side of the floor: about a pixel and a half each.
 const TEXELS: usize = 512;
 
-/// The pattern of the floor: light and dark texels without order.
+/// The pattern of the floor: light and dark texels at random.
 fn pattern() -> RgbImage {
     RgbImage::from_fn(TEXELS, TEXELS, |x, y| {
         let hash = ((x as u32).wrapping_mul(73_856_093) ^ (y as u32).wrapping_mul(19_349_663))
@@ -119,7 +120,7 @@ fn it_is_worked_on_in_squares_and_its_textures_keep_its_pixels() {
 #[test]
 fn the_memory_of_whoever_starts_a_recovery_is_not_counted_as_its_own() {
     const HELD: usize = 400 << 20;
-    // Written to, so that it is there.
+    // It is written to, so that its memory is really allocated.
     let held = vec![1u8; HELD];
     let out = Folder::new();
     let project = beside_crates("examples/corpus/isotropic/project.toml");
@@ -131,6 +132,6 @@ fn the_memory_of_whoever_starts_a_recovery_is_not_counted_as_its_own() {
     let run: Value =
         serde_json::from_slice(&std::fs::read(out.path("out").join("run.json")).unwrap()).unwrap();
     let peak = run["peak_memory_bytes"].as_u64();
-    // It holds some tens of megabytes; a system that does not tell says nothing.
+    // A recovery needs some tens of megabytes; some systems do not report it.
     assert!(peak.is_none_or(|peak| peak < HELD as u64 / 2), "{peak:?}");
 }

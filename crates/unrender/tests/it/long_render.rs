@@ -1,4 +1,5 @@
-//! Pictures made in parts, with breaks, on other numbers of threads: to the bit those of one run.
+//! Pictures made in parts, with interruptions, or on other numbers of threads equal those of one
+//! run, to the bit.
 
 use crate::kit::example::beside_crates;
 use crate::kit::folder::{Folder, fails, is_refused, stderr, succeeds};
@@ -18,7 +19,7 @@ fn merge(folder: &Folder, arguments: &str) -> Output {
     folder.command(&["merge", "--quiet"]).args(arguments.split(' ')).output().unwrap()
 }
 
-/// What `merge` says of the checkpoint c.exr when it makes the picture `out` of it.
+/// The messages of `merge` when it makes the picture `out` from the checkpoint c.exr.
 fn told_by_merge(folder: &Folder, out: &str) -> String {
     let output = folder.run(&["merge", "c.exr", "--out", out]);
     succeeds(&output);
@@ -49,7 +50,7 @@ fn parts_merge_to_the_bits_of_one_run() {
     succeeds(&output);
     assert!(stderr(&output).starts_with("warning: the samples 5..6 are"));
     run("--height 40 --samples 4..7 --out d.exr");
-    let overlap = "has the samples 4..7, of which a.exr has some too (0..5)";
+    let overlap = "has the samples 4..7, and a.exr has some of them too (0..5)";
     fails(&merge(&folder, "a.exr d.exr --out x.exr"), overlap);
     fails(&merge(&folder, "a.exr whole.exr --out x.exr"), "whole.exr: is an EXR file without");
     run("--height 40 --samples 5..6 --seed 4 --out b.exr");
@@ -104,7 +105,7 @@ fn noise_ends_a_rendering_alike_with_and_without_breaks() {
     let folder = Folder::new();
     let run = |arguments: &str| succeeds(&render(&folder, arguments).output().unwrap());
     run("--height 24 --noise 0.02 --adaptive --out whole.exr");
-    // Broken off at a number of samples at which the noise is not looked at.
+    // Interrupted at a number of samples at which the noise is not checked.
     run("--height 24 --noise 0.02 --adaptive --spp 18 --checkpoint c.exr --threads 1 --out x.exr");
     run("--height 24 --noise 0.02 --adaptive --checkpoint c.exr --threads 3 --out late.exr");
     assert!(folder.bytes("late.exr") == folder.bytes("whole.exr"), "the bits differ");
@@ -130,7 +131,7 @@ fn ctrl_c_keeps_what_there_is() {
         .spawn()
         .unwrap();
     let mut said = BufReader::new(running.stderr.take().unwrap());
-    // The first line of progress: it is rendering.
+    // With the first line of progress it is rendering.
     let mut told = String::new();
     said.read_line(&mut told).unwrap();
     assert!(told.starts_with("render: "), "{told}");
@@ -138,9 +139,9 @@ fn ctrl_c_keeps_what_there_is() {
     assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
     said.read_to_string(&mut told).unwrap();
     assert_eq!(running.wait().unwrap().code(), Some(130), "{told}");
-    assert!(told.contains("the same command goes on from there"), "{told}");
+    assert!(told.contains("the same command continues from there"), "{told}");
     assert!(!folder.path("x.exr").exists());
-    // What is there is a whole picture of fewer samples.
+    // The checkpoint is a complete picture of fewer samples.
     let text = told_by_merge(&folder, "so_far.exr");
     let samples = text.split(' ').find_map(|word| word.parse::<u32>().ok()).unwrap();
     let again = format!("--height 200 --spp {samples} --out whole.exr");
@@ -154,7 +155,7 @@ fn a_denoised_picture_goes_on_from_its_checkpoint_to_the_same_bits() {
     for (kind, checkpoint) in [("", "u.exr"), (" --adaptive", "c.exr")] {
         let common = format!("--height 32 --denoise{kind}");
         succeeds(&render(&folder, &format!("{common} --spp 16 --out whole.exr")).output().unwrap());
-        // The third run has nothing left to render, and denoises what is there.
+        // The third run has nothing left to render, and denoises the existing samples.
         for (spp, threads) in [(9, 1), (16, 2), (16, 1)] {
             let arguments = format!(
                 "{common} --spp {spp} --threads {threads} --checkpoint {checkpoint} --out b.exr"
@@ -166,10 +167,10 @@ fn a_denoised_picture_goes_on_from_its_checkpoint_to_the_same_bits() {
         assert_eq!(folder.bytes("b.exr"), folder.bytes("whole.exr"), "{common}");
     }
 
-    // What is merged is not denoised, and this is said.
+    // Merged pictures are not denoised, and a message states this.
     assert!(told_by_merge(&folder, "m.exr").contains("written as it is"));
 
-    // The samples of a picture that is not denoised are others.
+    // A picture that is not denoised has other samples.
     let other = "--height 32 --adaptive --spp 32 --independent --checkpoint c.exr --out c2.exr";
     let output = render(&folder, other).output().unwrap();
     is_refused(&output, "second half");

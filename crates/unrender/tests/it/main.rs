@@ -1,4 +1,4 @@
-//! Tests of the command and of the library behind it, and of what the documents say.
+//! Tests of the command, of the library behind it, and of the statements of the documents.
 
 #[path = "../kit/mod.rs"]
 mod kit;

@@ -1,5 +1,5 @@
-//! Gamma and vignetting from the photograph itself: a room photographed by a camera of known
-//! response and lens must give both back, and the reflectances with them.
+//! Gamma and vignetting from the photograph itself: from a room photographed by a camera of known
+//! response and lens, both are recovered, and the reflectances too.
 
 use crate::kit::coloured_room::{self, EXPOSURE, codes, room};
 use crate::kit::folder::Folder;
@@ -30,7 +30,7 @@ impl Shot {
         Self(folder)
     }
 
-    /// Takes the back wall's reflectance out of the project.
+    /// Removes the back wall's reflectance from the project.
     fn forget_the_back(&mut self) {
         let path = self.0.path("project.toml");
         let text = std::fs::read_to_string(&path).unwrap();
@@ -54,7 +54,7 @@ fn worst(found: &MaterialsFile) -> f32 {
 }
 
 const BOTH: &str = "response = \"auto\"\nvignetting = \"auto\"";
-/// The largest error of a reflectance that is found together with both.
+/// The largest error of a reflectance that is recovered together with both.
 const BOTH_RHO: f32 = 0.005;
 const LAW: Law = Law::Radial([-0.4, 0.1, 0.0]);
 
@@ -91,7 +91,7 @@ fn gamma_and_vignetting_come_back_together() {
     assert!(worst(&found) < BOTH_RHO, "{}", worst(&found));
 }
 
-/// What it costs to believe in an ordinary camera instead.
+/// The error if an ordinary camera is assumed instead.
 #[test]
 #[ignore = "slow: one more recovery"]
 fn a_wrong_gamma_spoils_the_reflectances() {
@@ -103,7 +103,7 @@ fn a_wrong_gamma_spoils_the_reflectances() {
 
 #[test]
 fn a_wall_of_one_colour_in_even_light_tells_nothing() {
-    // The sun shines on the back wall alone, evenly: any gamma has its own reflectance.
+    // The sun shines evenly on the back wall alone: for any gamma some reflectance fits.
     let mut scene = room();
     scene.objects.truncate(2);
     scene.objects.remove(0);

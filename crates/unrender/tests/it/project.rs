@@ -1,4 +1,4 @@
-//! Project files: what they may say, and a fault a line of the table below.
+//! Project files: valid ones, and in each line of the tables below an invalid one.
 
 use crate::kit::project_text::{are_refused, good, parse};
 use glam::Vec3;
@@ -123,7 +123,10 @@ fn faults_of_light_and_of_what_counts_name_their_key_or_line() {
             "[[lights]]\nname = \"a\"\ncolor = 1",
             "lights.a: color and same_color_as are for lights with",
         ),
-        ("[[lights]]\nname = \"a\"\nunknown = true\ncolour = 0", "lights.a.color: black is no"),
+        (
+            "[[lights]]\nname = \"a\"\nunknown = true\ncolour = 0",
+            "lights.a.color: a light cannot be black",
+        ),
         ("[[lights]]\nname = \"a\"\nunknown = true\ncolor = -1", "line 6: -1 cannot be"),
         (
             "[[lights]]\nname = \"a\"\nunknown = true\ncolor = 1\nsame_color_as = \"b\"",
@@ -138,9 +141,12 @@ fn faults_of_light_and_of_what_counts_name_their_key_or_line() {
              unknown = true",
             "lights.a.same_color_as: the colour of \"b\" is unknown too",
         ),
-        ("[environment]", "environment: give one of a panorama"),
+        ("[environment]", "environment: give one of file (a panorama)"),
         ("[environment]\nfile = \"a.hdr\"\npanorama = \"a.hdr\"", "line 3: duplicate field `file`"),
-        ("[environment]\nfile = \"a.hdr\"\ncolor = 1", "environment: give one of a panorama"),
+        (
+            "[environment]\nfile = \"a.hdr\"\ncolor = 1",
+            "environment: give one of file (a panorama)",
+        ),
         ("[environment]\ncolor = [1, inf, 1]", "line 4: inf is not a finite number"),
         ("[environment]\ncolor = -0.1", "line 4: -0.1 cannot be; light is not negative"),
         ("[environment]\ncolor = 1\nscale = 2", "rotation_deg and scale are for a panorama"),
@@ -164,8 +170,8 @@ fn faults_of_what_is_known_of_groups_name_their_key() {
             "[groups.a]\nsame_as = \"b\"\n[groups.b]\nsame_as = \"c\"",
             "groups.a.same_as: groups.b has same_as = \"c\" itself",
         ),
-        ("[groups.a]\nsame_as = \"b\"\nknown = { rho_d = 1 }", "known is said of groups.b"),
-        ("[groups.a]\nsame_as = \"b\"\nmax_rung = \"diffuse\"", "max_rung is said of groups.b"),
+        ("[groups.a]\nsame_as = \"b\"\nknown = { rho_d = 1 }", "known belongs to groups.b"),
+        ("[groups.a]\nsame_as = \"b\"\nmax_rung = \"diffuse\"", "max_rung belongs to groups.b"),
         (
             "[groups.a]\nsame_as = \"b\"\n[anchor]\ngroup = \"a\"\nrho_d = 1",
             "anchor.group: groups.a has same_as = \"b\"; take that one",
@@ -330,8 +336,8 @@ fn lights_are_unknown_where_the_project_says_so() {
 const UNKNOWN_LAMP: &str = "[lights.lamp]\nunknown = true\n";
 const ANCHOR: &str = "[anchor]\ngroup = \"wall\"\nrho_d = [0.9, 0.9, 0.9]\n";
 const LOOSE: &str = "folder/a.toml: every light is unknown and no reflectance is known: light and \
-    reflectance can only be told apart up to one common factor. Give an [anchor], a known group, \
-    or one light's intensity";
+    reflectance can be separated only up to one common factor. Give an [anchor], a known group, or \
+    one light's intensity";
 
 /// The project after [`Project::settle_scale`], and its warnings.
 fn settled(text: &str, scene: &Scene) -> Result<(Project, Vec<String>), String> {
@@ -360,7 +366,7 @@ fn something_must_fix_the_scale_of_unknown_lights() {
         [[lights]]\nname = \"fire\"\nremove = true\n";
     let fire = lit(&[("lamp", Rgb::ONE), ("fire", Rgb::ONE)], &[]);
     assert_eq!(settled(removed, &fire).unwrap_err(), LOOSE);
-    // So does an environment, in the channels in which it shines.
+    // So does an environment, in the channels in which it emits.
     let mut around = lit(&[("lamp", Rgb::ONE)], &[]);
     let mut surround = |color| {
         let panorama = RgbImage::new(1, 1, vec![color]);

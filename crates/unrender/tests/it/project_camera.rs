@@ -1,5 +1,5 @@
-//! The key `camera` of project files: numbers in pixels, and the cameras of other programs, against
-//! the equations of OpenCV and against what `calibrate` finds.
+//! The key `camera` of project files: values in pixels and cameras of other programs, compared with
+//! the equations of OpenCV and the results of `calibrate`.
 
 use glam::Vec3;
 use std::path::Path;
@@ -50,8 +50,8 @@ fn faults_of_cameras_of_other_programs_name_their_key() {
         (file("opencv = \"a.yml\", image = \"b\""), "camera.image: it is for colmap"),
         (file("colmap = \"b\", view = 1"), "camera.view: it is for opencv"),
         (file("opencv = \"a.yml\", view = -1"), "camera: invalid value: integer `-1`"),
-        (file("opencv = \"a.yml\", fov_y_deg = 40"), "camera.fov_y_deg: the file says it"),
-        (file("colmap = \"b\", k1 = 0.1"), "camera.k1: the file says it"),
+        (file("opencv = \"a.yml\", fov_y_deg = 40"), "camera.fov_y_deg: the file states it"),
+        (file("colmap = \"b\", k1 = 0.1"), "camera.k1: the file states it"),
         (file("colmap = \"b\", eye = [0,0,5], target = [0,0,0]"), "camera.eye: COLMAP's file"),
         (file("opencv = \"a.yml\", eye = [0,0,5]"), "eye and target are missing"),
         (file("opencv = \"a.yml\", crop = [-1, 2]"), "camera.crop is [-1, 2]"),
@@ -75,13 +75,13 @@ fn camera_of(place: &Path, text: &str, size: (usize, usize)) -> Result<Camera, S
     Job::assemble(project, warnings, given).map(|job| job.camera).map_err(|e| e.to_string())
 }
 
-/// A camera of 640 x 480 pixels, two metres above z = 0 and three in front, half a turn about x from
-/// ours: a room of OpenCV's.
+/// A camera of 640 x 480 pixels in a room with OpenCV's axes: two metres above z = 0 and three in
+/// front, half a turn about x from ours.
 const K: [f64; 4] = [700.0, 690.0, 331.0, 222.0];
 const TERMS: [f64; 2] = [-0.12, 0.02];
 const EYE: [f64; 3] = [0.3, 1.2, 3.0];
 
-/// Where it shows a point, by the words of OpenCV: y downwards, z forwards; from the upper left
+/// The pixel of a point by the convention of OpenCV: y downwards, z forwards; from the upper left
 /// corner.
 fn seen(point: [f64; 3]) -> [f64; 2] {
     let [x, y, z] = [point[0] - EYE[0], EYE[1] - point[1], EYE[2] - point[2]];
@@ -133,7 +133,7 @@ fn opencv_colmap_and_calibrate_agree() {
             assert!(off < 2e-3, "{form}: {point:?} at {at:?}, not {x}, {y}");
         }
     }
-    // Calibrated from the same points, with square pixels as it has them.
+    // Calibrated from the same points, with square pixels, which `calibrate` assumes.
     let square = |[x, y]: [f64; 2]| [x, (y - cy) * fx / fy + cy];
     let pair = |(n, point): (usize, [f64; 3])| Pair {
         name: n.to_string(),
@@ -194,7 +194,7 @@ fn cameras_of_other_pictures_are_cut_or_refused() {
     assert!(told.contains("a.toml: camera.opencv: there is no file"), "{told}");
 }
 
-/// The camera of the room's file, as other programs would have written it.
+/// The files have the camera of the room, as other programs would write it.
 #[test]
 fn the_examples_have_the_camera_of_their_scene() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/room");
@@ -225,7 +225,7 @@ fn tiff(orientation: u16, width: usize, pixels: &[[u8; 3]]) -> Vec<u8> {
     let entries: [(u16, u16, u32, u32); 10] = [
         (256, 4, 1, width as u32),
         (257, 4, 1, height),
-        // Three numbers of bits, behind the pixels.
+        // Three numbers of bits, after the pixels.
         (258, 3, 3, 8 + bytes.len() as u32),
         (259, 3, 1, 1),
         (262, 3, 1, 2),
@@ -250,7 +250,8 @@ fn tiff(orientation: u16, width: usize, pixels: &[[u8; 3]]) -> Vec<u8> {
     file
 }
 
-/// What a camera of another program took, of 64 x 48 or 48 x 48 pixels: each pixel says where it is stored.
+/// The photograph of another program's camera, of 64 x 48 or 48 x 48 pixels: the colour of each pixel
+/// encodes where it is stored.
 fn stored(width: usize) -> Vec<[u8; 3]> {
     (0..48 * width)
         .map(|index| [3 * (index % width) as u8 + 20, 4 * (index / width) as u8 + 20, 90])
@@ -266,7 +267,7 @@ fn job_of(place: &Path, text: &str) -> Result<Job, String> {
     Job::assemble(project, warnings, given).map_err(|e| e.to_string())
 }
 
-/// Writes `p.png` of this width and orientation, and the camera that took its pixels as they are stored.
+/// Writes `p.png` of this width and orientation, and the camera files for its pixels as they are stored.
 fn turned_photograph(place: &Path, width: usize, orientation: u16) {
     std::fs::write(place.join("p.png"), tiff(orientation, width, &stored(width))).unwrap();
     let [x, y, z] = [-EYE[0], EYE[1], EYE[2]];
@@ -282,7 +283,7 @@ fn turned_photograph(place: &Path, width: usize, orientation: u16) {
     std::fs::write(place.join("k.yml"), yaml).unwrap();
 }
 
-/// The pixels that the camera of `job` shows the points at.
+/// The pixels at which the camera of `job` shows the points.
 fn shown(job: &Job) -> Vec<[i32; 3]> {
     let picture = &job.picture.values;
     let (width, height) = (picture.width(), picture.height());
@@ -314,7 +315,7 @@ fn a_pose_of_stored_pixels_turns_with_the_photograph() {
                 let sides = (job.picture.values.width(), job.picture.values.height());
                 assert_eq!(sides, if orientation < 5 { (width, 48) } else { (48, width) });
                 let found = shown(&job);
-                // A point on the border of two pixels may fall into the other.
+                // A point on the border of two pixels may fall into either.
                 let same = found
                     .iter()
                     .zip(&expected)
@@ -344,17 +345,18 @@ fn where_nothing_tells_which_pixels_a_calibration_is_of_it_is_asked() {
         assert!(upright.camera.origin().distance(Vec3::new(0.3, 1.2, 3.0)) < 1e-6);
         assert!((upright.camera.lens.p1 - 0.01).abs() < 1e-6, "as the file says");
     }
-    // Sizes tell.
+    // The sizes decide.
     turned_photograph(place, 64, 6);
     let by_size = of("").unwrap();
     assert_eq!(by_size.camera, of(", pixels = \"stored\"").unwrap().camera);
     assert!((by_size.camera.lens.p1 + 0.02).abs() < 1e-6, "tilted the other way");
-    // A centred pinhole, whose pose the project states for the upright picture, is the same either way.
+    // A centred pinhole whose pose the project states for the upright picture is the same in both
+    // cases.
     turned_photograph(place, 64, 3);
     let yaml = "image_width: 64\nimage_height: 48\nK: [[70, 0, 31.5], [0, 70, 23.5], [0, 0, 1]]\n";
     std::fs::write(place.join("k.yml"), yaml).unwrap();
     assert!(of(", eye = [0, 0, 5], target = [0, 0, 0]").unwrap().warnings.0.is_empty());
-    // Which pixels a camera is of that has no file is no question.
+    // A camera without a file always belongs to the upright pixels.
     let named = "camera = { eye = [0, 0, 5], target = [0, 0, 0], fov_y_deg = 40 }";
     assert!(job_of(place, named).unwrap().warnings.0.is_empty());
 }
@@ -364,7 +366,7 @@ fn a_mask_is_mirrored_back_with_its_photograph() {
     let place = tempfile::tempdir().unwrap();
     let place = place.path();
     turned_photograph(place, 64, 2);
-    // White where the upright picture shows the first columns that are stored, which is on its right.
+    // White on the right of the upright picture, which shows the first columns that are stored.
     let mask: Vec<[u8; 3]> =
         (0..48 * 64).map(|i| [if i % 64 >= 60 { 255 } else { 0 }; 3]).collect();
     std::fs::write(place.join("m.png"), tiff(1, 64, &mask)).unwrap();

@@ -1,4 +1,5 @@
-//! What a project says of the numbers of groups: bounds, starts, and which groups are alike.
+//! The statements of a project about the parameters of groups: bounds, initial values, and which
+//! groups are alike.
 
 use crate::kit::project_text::{are_refused, good};
 use unrender::recover::Expected;
@@ -36,8 +37,8 @@ fn faults_of_bounds_and_starts_name_their_key() {
         ),
         ("[groups.a]\nrho_s = { start = 0.3, max = 0.2 }", "groups.a.rho_s: start lies beyond max"),
         ("[groups.a]\nalpha_x = { start = 0.01, min = 0.02 }", "alpha_x: start lies beyond min"),
-        ("[groups.a]\nalpha_x = { min = 0 }", "groups.a.alpha_x.min is 0; a roughness that is"),
-        ("[groups.a]\nalpha_y = { max = 2 }", "groups.a.alpha_y.max is 2; a roughness that is"),
+        ("[groups.a]\nalpha_x = { min = 0 }", "groups.a.alpha_x.min is 0; an unknown roughness is"),
+        ("[groups.a]\nalpha_y = { max = 2 }", "groups.a.alpha_y.max is 2; an unknown roughness is"),
         ("[groups.a]\ntheta_deg = { start = inf }", "groups.a.theta_deg.start is inf; give an"),
         ("[groups.a]\ntheta_deg = { start = 1, min = 0 }", "line 4: unknown field `min`"),
         (
@@ -55,7 +56,7 @@ fn faults_of_bounds_and_starts_name_their_key() {
         (
             "[groups.a]\nmax_rung = \"diffuse\"\nalpha_x = { min = 0.02 }",
             "groups.a.alpha_x: none of the hypotheses that the group may have (diffuse) has it; \
-             those that do are isotropic, anisotropic",
+             it belongs to isotropic, anisotropic",
         ),
         (
             "[recover]\nmax_rung = \"diffuse\"\n[groups.a]\nrho_s = { max = 0.2 }",
@@ -67,12 +68,15 @@ fn faults_of_bounds_and_starts_name_their_key() {
              rho_s = { max = 0 }",
             "groups.b: none of the hypotheses that the group may have (isotropic) can keep its bounds",
         ),
-        ("[groups.a]\nignore = true\nrho_d = { max = 0.5 }", "with ignore = true nothing is asked"),
+        (
+            "[groups.a]\nignore = true\nrho_d = { max = 0.5 }",
+            "with ignore = true nothing is recovered",
+        ),
         (
             "[groups.a]\nknown = { rho_d = 0.5 }\nrho_d = { max = 0.6 }",
-            "groups.a: with known nothing is asked for; leave out rho_d",
+            "groups.a: with known nothing is recovered; leave out rho_d",
         ),
-        ("[groups.a]\nsame_as = \"b\"\nrho_d = { max = 0.5 }", "rho_d is said of groups.b"),
+        ("[groups.a]\nsame_as = \"b\"\nrho_d = { max = 0.5 }", "rho_d belongs to groups.b"),
         (
             "[groups.a]\nrho_d = { max = 0.5 }\n[anchor]\ngroup = \"a\"\nrho_d = 0.4",
             "groups.a: [anchor] states its reflectance; leave out rho_d",
@@ -99,7 +103,7 @@ fn faults_of_likeness_name_their_key() {
         ("[groups.a]\nlike = \"a\"", "groups.a.like: it names the group itself"),
         (
             "[groups.a]\nlike = \"b\"\n[groups.b]\nlike = \"a\"",
-            "groups.a.like: groups.b is like \"a\" already; say it of one of the two",
+            "groups.a.like: groups.b is like \"a\" already; state it for one of the two",
         ),
         (
             "[groups.a]\nlike = \"b\"\n[groups.b]\nsame_as = \"c\"",
@@ -109,11 +113,11 @@ fn faults_of_likeness_name_their_key() {
             "[groups.a]\nlike = \"b\"\n[groups.b]\nignore = true",
             "groups.a.like: groups.b has ignore = true; name another group",
         ),
-        ("[groups.a]\nlike = \"b\"\nknown = { rho_d = 1 }", "the group itself is not asked for"),
-        ("[groups.a]\nlike = \"b\"\nsame_as = \"c\"", "like is said of groups.c"),
+        ("[groups.a]\nlike = \"b\"\nknown = { rho_d = 1 }", "the group itself is not recovered"),
+        ("[groups.a]\nlike = \"b\"\nsame_as = \"c\"", "like belongs to groups.c"),
         (
             "[groups.a]\nlike = \"b\"\n[anchor]\ngroup = \"a\"\nrho_d = 0.4",
-            "groups.a.like: the group itself is not asked for",
+            "groups.a.like: the group itself is not recovered",
         ),
     ]);
 }

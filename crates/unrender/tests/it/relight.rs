@@ -1,5 +1,5 @@
-//! Light layers of the command: they add up to the picture, relight it as a rendering would, and what does not go
-//! is refused.
+//! Light layers of the command: they add up to the picture, relight it as a rendering would, and impossible
+//! requests are refused.
 
 use crate::kit::example::beside_crates;
 use crate::kit::folder::{self, Folder, is_refused, stderr};
@@ -7,7 +7,8 @@ use std::process::Output;
 use unrender::formats::picture;
 use unrender::scene::{Rgb, RgbImage};
 
-/// Rounding of single precision over the lights and samples of a pixel, relative to the brightest one.
+/// Rounding of single precision over the lights and samples of a pixel, relative to the brightest
+/// pixel.
 const ROUNDING: f32 = 1e-5;
 
 fn unrender(folder: &Folder, arguments: &str) -> Output {
@@ -56,8 +57,8 @@ fn lights_become_brighter_and_darker_without_tracing() {
 
     succeeds(folder, "relight layers.exr --out same.exr");
     assert!(difference(&whole, &read(folder, "same.exr")) < ROUNDING);
-    // A sky of another strength: light samples choose among lights by their power, so other paths; the same
-    // choice where only the sky is left.
+    // A sky of another strength gives other paths, as light samples choose among lights by their power; if
+    // only the sky is left, the choice is the same.
     let light =
         format!("relight layers.exr --light {lamp}=0.5,1,2 --light environment=3 --out relit.exr");
     succeeds(folder, &light);
@@ -69,7 +70,7 @@ fn lights_become_brighter_and_darker_without_tracing() {
     }
     succeeds(folder, &format!("relight layers.exr --only {lamp} --out lamp.exr"));
     assert_eq!(read(folder, "lamp.exr"), layers[0].radiance);
-    // Beside a rendering with the lamp alone, whose light does not change when the sky is taken away.
+    // Compared with a rendering with the lamp alone, whose light does not change without the sky.
     succeeds(folder, "render SCENE --height 24 --spp 64 --seed 5 --out alone.exr --quiet");
     let mean = |picture: &RgbImage| picture.pixels().iter().copied().sum::<Rgb>();
     let share = mean(&read(folder, "lamp.exr")) / mean(&read(folder, "alone.exr"));
@@ -94,7 +95,7 @@ fn what_does_not_go_is_refused_before_anything_is_written() {
     let folder = &Folder::new();
     fails(folder, "render SCENE --layers --out a.png", "light layers are kept in .exr files");
     fails(folder, "render SCENE --layers --denoise --out a.exr", "cannot be used with");
-    fails(folder, "farm SCENE --layers --spp 9 --out a.exr --to slurm", "without light layers");
+    fails(folder, "farm SCENE --layers --spp 9 --out a.exr --to slurm", "have no light layers");
     succeeds(folder, "render SCENE --height 8 --spp 2 --out plain.exr --quiet");
     fails(folder, "relight plain.exr --out a.png", "has no light layers");
     fails(folder, "relight none.exr --out a.png", "none.exr");

@@ -1,5 +1,4 @@
-//! The pages and the file that they are made of. What a browser makes of them is in
-//! `external`.
+//! The pages and the file from which they are made. Their tests in a browser are in `external`.
 
 use crate::kit::pages::make;
 use crate::kit::recovered;
@@ -8,7 +7,7 @@ use std::process::Command;
 use unrender::report;
 use unrender::run::Run;
 
-/// Where the pages are made.
+/// The folder in which the pages are made.
 fn workplace() -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("report_browser");
     std::fs::create_dir_all(&folder).unwrap();

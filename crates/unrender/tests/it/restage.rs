@@ -1,4 +1,4 @@
-//! `unrender restage`: the edit file, its errors, and what it leaves in its folder.
+//! Tests of `unrender restage`: the edit file, its errors, and the files in its folder.
 
 use crate::kit::folder::{Folder, fails, is_refused, stderr, succeeds};
 use crate::kit::meshes::{add, quad};
@@ -25,7 +25,7 @@ impl Deref for Stage {
 }
 
 impl Stage {
-    /// The folder, with all of it.
+    /// The folder, with all these files.
     fn new() -> Self {
         let folder = Folder::new();
         let mut scene = scene();
@@ -119,7 +119,7 @@ fn a_composite_keeps_the_codes_and_the_depth_of_the_photograph() {
             assert!(touched.x > 0.0 || made == photo, "{made} for {photo}");
         }
         assert!(changed > 100, "{changed} changed");
-        // Nothing was uncovered by putting something in.
+        // An inserted object uncovers nothing.
         let invented = read(&folder.path(&format!("{name}/invented.png")));
         assert!(invented.values.pixels().iter().all(|i| *i == Rgb::ZERO));
         assert!(read(&folder.path(&format!("{name}/composite.exr"))).depth == Depth::Float);
@@ -178,7 +178,7 @@ fn parts_and_breaks_change_no_bit() {
         assert!(whole == folder.bytes(&format!("joined/{name}")), "{name} of the parts differs");
         assert!(whole == folder.bytes(&format!("resumed/{name}")), "{name} after a break differs");
     }
-    // A part of another picture is none of this one.
+    // A part of another picture is not a part of this one.
     let other = ["e.toml", "--composite", "--remove", "wall", "--parts", "farm/part_0_5.exr"];
     let output = folder.restage(&[&other[..], &["--out", "no"]].concat());
     is_refused(&output, "part of another picture");
@@ -260,7 +260,7 @@ fn the_camera_and_the_exposure_of_the_recovery_count() {
         folder.succeeds(&[&format!("{name}.toml"), "--spp", "4", "--out", name]);
     }
     assert_eq!(folder.bytes("moved/synthetic.exr"), folder.bytes("stated/synthetic.exr"));
-    // Shown at the exposure that was found.
+    // The PNG is at the exposure that was recovered.
     let radiance = read(&folder.path("moved/synthetic.exr")).values;
     let shown = read(&folder.path("moved/synthetic.png")).values;
     let code = |rgb: Rgb| (rgb / 2.0).map(unrender::scene::color::srgb_from_linear);

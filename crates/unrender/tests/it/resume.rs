@@ -1,5 +1,5 @@
-//! `recover --resume`: a recovery that was killed goes on, again and again, and ends with the bits of
-//! one that was not.
+//! Tests of `recover --resume`: a recovery that is killed again and again continues each time, and
+//! its result equals that of an uninterrupted one to the bit.
 #![cfg(unix)]
 
 use crate::kit::example::beside_crates;
@@ -35,8 +35,8 @@ impl Recovery {
         fs::metadata(path).map_or(0, |meta| meta.len())
     }
 
-    /// Begins or goes on, and returns the process as soon as `steps` further steps are on the disk; none
-    /// if it ended before.
+    /// Starts or continues the recovery, and returns the process as soon as `steps` further steps are on
+    /// the disk; none if it ended before.
     fn until(&self, steps: usize) -> Option<Child> {
         let mut running = self.command(&["--resume"]).stderr(Stdio::null()).spawn().unwrap();
         let (started, mut length, mut left) = (Instant::now(), self.journal(), steps);
@@ -45,7 +45,7 @@ impl Recovery {
                 return None;
             }
             assert!(started.elapsed() < PATIENCE, "no step ends");
-            // A torn record that is cut off makes it shorter for a moment.
+            // Removing an incomplete record makes it shorter for a moment.
             if self.journal() > length {
                 left -= 1;
             }
@@ -55,7 +55,7 @@ impl Recovery {
         Some(running)
     }
 
-    /// The results, by their names: bytes, but for times, memory and the command line.
+    /// The bytes of the results by their names, except times, memory and the command line.
     fn results(&self) -> BTreeMap<String, Vec<u8>> {
         let (mut open, mut found) = (vec![self.out.clone()], BTreeMap::new());
         while let Some(folder) = open.pop() {
@@ -91,8 +91,8 @@ fn without_times(value: &mut Value) {
     }
 }
 
-/// Kills a recovery of `project` with `flags` after each number of `steps`, lets it go on, and compares; once in
-/// between it is asked to end.
+/// Kills a recovery of `project` with `flags` after each number of `steps`, continues it, and compares; once it
+/// is ended by SIGTERM in between.
 fn killed(project: &Path, flags: &'static [&'static str], steps: &[usize]) {
     let folder = tempfile::tempdir().unwrap();
     let into =
@@ -123,7 +123,7 @@ fn killed(project: &Path, flags: &'static [&'static str], steps: &[usize]) {
         if running.wait().unwrap().code() == Some(143) {
             let run = fs::read_to_string(often.out.join("run.json")).unwrap();
             assert!(run.contains("\"termination\": \"interrupted after"), "{run}");
-            assert!(often.journal() > 0, "there is something to go on with");
+            assert!(often.journal() > 0, "there is something to resume");
         }
     }
     let last = often.command(&["--resume"]).output().unwrap();
@@ -153,15 +153,13 @@ fn resuming_where_nothing_was_interrupted_says_so() {
     let folder = floor_and_lamp::project();
     let flags = &["--effort", "draft", "--max-rung", "diffuse", "--no-refine", "--spp", "1"];
     let recovery = Recovery { project: folder.path("p.toml"), out: folder.path("out"), flags };
-    for expected in
-        ["no interrupted recovery is in", "had ended, and there is nothing to go on with"]
-    {
+    for expected in ["no interrupted recovery is in", "had ended, and there is nothing to resume"] {
         let told =
             recovery.command(&["--resume", "--quiet"]).stdout(Stdio::piped()).output().unwrap();
         let said = String::from_utf8_lossy(&told.stderr).into_owned();
         assert!(told.status.success() && said.contains("from the beginning"), "{said}");
         assert!(said.contains(expected), "{said}");
-        // What was found is no progress.
+        // The results are not progress, so they are printed.
         let table = String::from_utf8_lossy(&told.stdout).into_owned();
         assert!(table.starts_with("group ") && table.contains("floor"), "{table}");
     }

@@ -1,4 +1,4 @@
-//! Nothing is lost: inputs, earlier results, work whose output nobody reads.
+//! Nothing is lost: inputs, earlier results, and work whose output nobody reads.
 #![cfg(unix)]
 
 use crate::kit::floor_and_lamp;
@@ -97,7 +97,7 @@ fn results_replace_only_results() {
     succeeds(&room.recover("out"));
     succeeds(&room.recover("out"));
     assert_eq!(fs::read(room.path("out/notes.txt")).unwrap(), b"mine");
-    // Each result is protected as soon as it is somebody else's.
+    // Each result is protected if it belongs to somebody else.
     for (path, _) in room.files("out") {
         let name = path.strip_prefix(room.path("out")).unwrap().to_owned();
         let (fresh, is_ours) = (room.path("fresh"), !name.ends_with("notes.txt"));
@@ -107,7 +107,7 @@ fn results_replace_only_results() {
         assert_eq!(refused, is_ours, "{}", name.display());
         fs::remove_dir_all(fresh).unwrap();
     }
-    // What was changed by hand is no result any more.
+    // A file that was changed by hand is no longer a result.
     fs::write(room.path("out/materials.json"), "{\"groups\": {}}").unwrap();
     assert_refused(&room.recover("out"), &["materials.json"]);
 }
@@ -124,7 +124,7 @@ fn a_reader_that_has_gone_away_loses_no_work() {
         ("e", ">&- 2>&-"),
     ] {
         let told = room.shell(&format!("{recover} {name} {line}"));
-        // Behind a pipe the program may still be at work.
+        // The program may still run if its output goes into a pipe.
         let started = Instant::now();
         while !room.path(name).join("materials.json").exists() {
             assert!(started.elapsed() < Duration::from_secs(60), "{line}: {told:?}");
@@ -147,7 +147,7 @@ fn results_of_two_runs_are_not_taken_for_one() {
     succeeds(&room.recover("out"));
     succeeds(&room.run(&["report", "out"]));
     succeeds(&room.run(&["report", "out"]));
-    // As after kill -9 between two files: the manifest is that of the new run.
+    // The state after kill -9 between two files: the manifest is that of the new run.
     let manifest = room.path("out/manifest.json");
     let whole = fs::read_to_string(&manifest).unwrap();
     let mut json: serde_json::Value = serde_json::from_str(&whole).unwrap();
@@ -163,7 +163,7 @@ fn results_of_two_runs_are_not_taken_for_one() {
     for command in commands {
         assert_refused(&room.run(command), &["two runs"]);
     }
-    // The next run sets it right.
+    // The next run repairs it.
     succeeds(&room.recover("out"));
     for command in commands {
         succeeds(&room.run(command));
@@ -264,8 +264,8 @@ fn sigterm_keeps_the_checkpoint() {
     assert!(room.path("c.exr").exists() && !room.path("a.exr").exists());
 }
 
-/// Faults at random moments. What is on the disk afterwards is one whole result, or is refused; inputs
-/// are untouched; the next run sets it right.
+/// Faults at random moments. The files on the disk afterwards are one complete result, or are refused;
+/// inputs are untouched; the next run repairs them.
 #[test]
 #[ignore = "slow: sixty recoveries"]
 fn what_faults_leave_is_whole_or_refused() {
@@ -308,11 +308,11 @@ fn what_faults_leave_is_whole_or_refused() {
 #[test]
 fn what_is_refused_leaves_no_folder_behind() {
     let room = Room::new();
-    // A scene that is found to be broken after the folder was made.
+    // A scene whose fault is detected after the folder was made.
     room.write("scene.glb", "no scene");
     ends_in_error(&room.recover("deep/er/out"), "scene.glb");
     assert!(!room.path("deep").exists());
-    // A folder that was there stays, and what is in it.
+    // A folder that existed before stays.
     fs::create_dir_all(room.path("there")).unwrap();
     ends_in_error(&room.recover("there"), "scene.glb");
     ends_in_error(&room.recover("there/new"), "scene.glb");

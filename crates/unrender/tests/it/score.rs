@@ -42,7 +42,7 @@ fn swapped_alphas_with_a_turned_direction_are_the_same_lobe() {
         let score = &scores(&found, FLOOR)[0];
         assert!(near(score.alpha_percent, 0.0) && near(score.degrees, 0.0), "{place}: {score:?}");
     }
-    // Swapped without the turn it is another lobe, 90 degrees off.
+    // If they are swapped without the turn, it is another lobe, 90 degrees off.
     let found = FLOOR.replace("0.07", "0.2").replace("0.11", "0.07").replace("0.2,", "0.11,");
     assert!(near(scores(&found, FLOOR)[0].degrees, 90.0));
 }

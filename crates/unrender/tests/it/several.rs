@@ -1,4 +1,4 @@
-//! Several photographs of one room: from two places, under switched lamps, at exposures that nobody wrote down.
+//! Several photographs of one room: from two places, under switched lamps, at unknown exposures.
 
 use crate::kit::coloured_room::{self, EXPOSURE, room};
 use crate::kit::folder::Folder;
@@ -28,12 +28,12 @@ fn scene() -> Scene {
     scene
 }
 
-/// The photograph of a camera while the lamps in `off` are off, of the noise that paths have which pixels share.
+/// The photograph of a camera while the lamps in `off` are off, with the noise of paths that pixels share.
 fn photograph(folder: &Folder, file: &str, of: (usize, (usize, usize)), off: &[&str]) {
     photograph_by(Integrator::PathReuse, folder, file, of, off);
 }
 
-/// The same of the noise of an `integrator`.
+/// The same with the noise of `integrator`.
 fn photograph_by(
     integrator: Integrator,
     folder: &Folder,
@@ -51,7 +51,7 @@ fn photograph_by(
     picture::write_exr(&folder.path(file), &radiance.map(|v| *v / EXPOSURE)).unwrap();
 }
 
-/// A folder with the room in grey, three photographs of it, and a project of the text.
+/// A folder with the room in grey, three photographs of it, and the project `text`.
 fn folder(text: &str) -> Folder {
     let folder = Folder::new();
     for (file, of, off) in [
@@ -124,7 +124,7 @@ fn two_photographs_give_one_set_of_materials_and_each_its_pictures() {
     }
 }
 
-/// The radiance of `file`, by turns a quarter brighter and darker, square by square of eight pixels.
+/// Makes squares of eight pixels of `file` alternately a quarter brighter and darker.
 fn chequer(folder: &Folder, file: &str) {
     let (picture, _) = picture::read(&folder.path(file)).unwrap();
     let values = &picture.values;
@@ -139,7 +139,8 @@ fn what_the_model_lacks_makes_no_exposure_smaller() {
     let folder = folder(FROM_TWO_PLACES);
     chequer(&folder, "aside.exr");
     let found = recover(&folder, "out", &[]);
-    // Its standard deviation is 3 %. With the photograph's own values in the derivatives it is a quarter too small.
+    // Its standard deviation is 3 %. With the photograph's own values in the derivatives, the exposure is a quarter
+    // too small.
     for found in found.photographs[1].exposure.unwrap() {
         assert!((found / EXPOSURE - 1.0).abs() < 0.04, "{found}");
     }
@@ -301,7 +302,8 @@ fn a_plan_ranks_what_could_be_photographed_next() {
     let front = "scene = \"scene.glb\"\nphoto = \"front.exr\"\nresponse = \"linear\"\nexposure = 2.4\n\
                  camera = \"camera\"\n";
     let folder = folder(front);
-    // Noise of its own in each pixel, as a camera's is: without any, the renderings' alone limits what is known.
+    // Independent noise in each pixel, like a camera's: without it, only the noise of the renderings limits the
+    // accuracy.
     photograph_by(Integrator::Path, &folder, "front.exr", (0, SIZE), &[]);
     recover(&folder, "out", &[]);
     let mut plan = Command::new(env!("CARGO_BIN_EXE_unrender"));
@@ -312,7 +314,8 @@ fn a_plan_ranks_what_could_be_photographed_next() {
     let candidates = plan["candidates"].as_array().unwrap();
     let ratios: Vec<f64> = candidates.iter().map(|one| one["ratio"].as_f64().unwrap()).collect();
     assert!(ratios.is_sorted(), "{ratios:?}");
-    // A second photograph of the same surfaces tells about as much as the first: 1 / sqrt(2).
+    // A second photograph of the same surfaces has about as much information as the first: 1 /
+    // sqrt(2).
     assert!(ratios[0] > 0.3 && ratios[0] < 0.9, "{ratios:?}");
     let named = |name: &str| candidates.iter().find(|one| one["name"] == name);
     let aside = named("camera \"aside\"").unwrap();
@@ -320,7 +323,7 @@ fn a_plan_ranks_what_could_be_photographed_next() {
     assert!(aside["groups"]["floor"]["ratio"].as_f64().unwrap() < 1.0);
     let dark = named("from the same place, without \"lamp\"").unwrap();
     assert_eq!(dark["lights_off"], serde_json::json!(["lamp"]));
-    // The camera that took the photograph is none.
+    // The camera of the photograph is not a candidate.
     assert!(named("camera \"camera\"").is_none());
 }
 

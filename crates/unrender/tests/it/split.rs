@@ -1,5 +1,5 @@
-//! Groups that hold two materials: they are named after a recovery, and `unrender split` writes the
-//! scene with them apart, from which both are recovered.
+//! Groups that contain two materials: a recovery names them, and `unrender split` writes a scene in
+//! which they are split, from which both are recovered.
 
 use crate::kit::folder::{Folder, is_refused, succeeds};
 use crate::kit::meshes::quad;
@@ -15,8 +15,8 @@ const FLOOR: Rgb = Rgb::new(0.5, 0.4, 0.3);
 const LIGHT: Rgb = Rgb::new(0.6, 0.55, 0.5);
 const DARK: Rgb = Rgb::new(0.35, 0.3, 0.3);
 
-/// A floor and three panels of a wall, of which the middle one is darker: in a group of its own if
-/// `apart`. Two objects have one name.
+/// A floor and three panels of a wall; the middle one is darker, and in its own group if `apart`.
+/// Two objects have one name.
 fn room(apart: bool) -> Scene {
     let mut scene = Scene::default();
     let group = |name: &str, rho_d| Group {
@@ -69,7 +69,7 @@ fn two_materials_in_one_group_are_named_and_written_apart() {
     let told = told.lines().find(|told| told.starts_with(line)).expect(&told).to_owned();
     assert!(told.contains("panel, door | panel (2)"), "{told}");
     let page = folder.text("out/report.html");
-    assert!(page.contains("of several materials"));
+    assert!(page.contains("to have several materials"));
 
     let refuses = |arguments: &[&str], problem: &str| {
         is_refused(&folder.run(arguments), problem);

@@ -1,4 +1,5 @@
-//! A small room of five colours under a lamp, and what a camera of known response and lens makes of it.
+//! A small room of five colours under a lamp, and its photograph by a camera of known response and
+//! lens.
 
 use super::meshes::{add, square};
 use glam::Vec3;
@@ -9,7 +10,7 @@ use unrender::scene::{Camera, Rgb, RgbImage, Scene, WardModel};
 
 /// The exposure of the photographs.
 pub(crate) const EXPOSURE: f32 = 2.4;
-/// The groups but the lamp, and what they reflect.
+/// The groups except the lamp, and their reflectances.
 pub(crate) const RHO: [(&str, [f32; 3]); 5] = [
     ("floor", [0.5, 0.4, 0.3]),
     ("back", [0.7, 0.7, 0.7]),
@@ -39,8 +40,7 @@ pub(crate) fn room() -> Scene {
     scene
 }
 
-/// The code values, of which one is white, of the photograph of `size` pixels that a `camera` of this gamma and
-/// fall-off takes.
+/// The code values (one is white) of a photograph of `size` pixels by a `camera` of this gamma and fall-off.
 pub(crate) fn codes(
     scene: &Scene,
     camera: &Camera,
@@ -55,7 +55,8 @@ pub(crate) fn codes(
     Transfer { vignetting, ..plain }.codes(&radiance)
 }
 
-/// The largest error of a reflectance of the room, which was `found` of the group of each name.
+/// The largest error of a reflectance of the room, where `found` gives the result for each group's
+/// name.
 pub(crate) fn worst(found: impl Fn(&str) -> Rgb) -> f32 {
     let error =
         |(name, rho): (&str, [f32; 3])| (found(name) - Rgb::from_array(rho)).abs().max_element();

@@ -1,4 +1,4 @@
-//! Runs the built command on an example and holds the score of its result to limits.
+//! Runs the built command on an example and checks the score of its result against limits.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -16,7 +16,7 @@ pub(crate) fn beside_crates(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
 }
 
-/// The picture of `times` by `times` larger pixels: their radiance is the mean.
+/// The picture with pixels `times` by `times` as large: their radiance is the mean.
 pub(crate) fn shrunk(picture: &RgbImage, times: usize) -> RgbImage {
     Image::from_fn(picture.width() / times, picture.height() / times, |x, y| {
         let at = |i: usize| *picture.at(times * x + i % times, times * y + i / times);
@@ -29,7 +29,7 @@ pub(crate) fn shrunk(picture: &RgbImage, times: usize) -> RgbImage {
 /// truth.json.
 ///
 /// # Panics
-/// If the recovery fails, a hypothesis is wrong, or a number is further off than `limits` allow.
+/// If the recovery fails, a hypothesis is wrong, or an error is above `limits`.
 pub(crate) fn recovers(folder: &Path, file: &str, flags: &[&str], limits: &Limits) {
     let out = tempfile::tempdir().unwrap();
     let out = out.path().join("out");

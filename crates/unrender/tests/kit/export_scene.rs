@@ -104,7 +104,7 @@ fn ball(centre: Vec3, radius: f32) -> Mesh {
         let [a, b, c, d] = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
         mesh.triangles.extend([[a, b, c], [a, c, d]]);
     }
-    // At the poles one of the two has no area.
+    // At the poles one of the two triangles has no area.
     let positions = mesh.positions.clone();
     let corner = |i: u32| positions[i as usize];
     mesh.triangles.retain(|t| {
@@ -114,14 +114,15 @@ fn ball(centre: Vec3, radius: f32) -> Mesh {
     mesh
 }
 
-/// Not square, and not alike under any reflection.
+/// Not square, and not symmetric under any reflection.
 fn tiles() -> Texture {
     let image = Image::from_fn(24, 16, |x, y| {
         let dark = (x / 6 + y / 4) % 2 == 0;
         let red = if dark { 0.1 } else { 0.8 };
         Rgb::new(red, 0.1 + 0.6 * x as f32 / 23.0, 0.1 + 0.6 * y as f32 / 15.0)
     });
-    // A texture that repeats mirrored looks alike from both edges: v must not.
+    // A texture that repeats mirrored looks the same from both edges, so v must not repeat that
+    // way.
     Texture { image, wrap_u: Wrap::MirroredRepeat, wrap_v: Wrap::Repeat }
 }
 
@@ -138,7 +139,8 @@ fn add(
     scene.objects.push(Object { name: object.into(), group: index, mesh });
 }
 
-/// Exports `scene` as `target` into a new folder, and says which file or folder that is.
+/// Exports `scene` as `target` into a new folder; returns that folder and the exported file or
+/// folder.
 pub(crate) fn exported(scene: &Scene, target: Target) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(if target == Target::Gltf { "scene.glb" } else { "scene" });
@@ -149,7 +151,7 @@ pub(crate) fn exported(scene: &Scene, target: Target) -> (tempfile::TempDir, Pat
     let shot =
         SceneView { scene, materials, camera, size: SIZE, light_units: LightUnits::Radiometric };
     let (files, warnings) = export::export(&shot, target).unwrap();
-    // The scene's camera has a lens, for which glTF has no words.
+    // The scene's camera has a lens, which glTF cannot express.
     let is_expected = |w: &String| target == Target::Gltf && w.contains("what a lens does");
     assert!(warnings.0.iter().all(is_expected), "{warnings:?}");
     export::write(&path, target, &files).unwrap();

@@ -1,4 +1,4 @@
-//! A scene for tests that need just any: a floor under a lamp.
+//! A scene for tests that need any scene: a floor under a lamp.
 
 use super::folder::Folder;
 use super::meshes::{add, square};
@@ -7,7 +7,7 @@ use unrender::formats::{gltf, picture};
 use unrender::render::{Settings, Tracer};
 use unrender::scene::{Camera, Material, Rgb, Scene};
 
-/// What the floor reflects.
+/// The reflectance of the floor.
 pub(crate) const RHO: Rgb = Rgb::new(0.6, 0.4, 0.2);
 
 /// The floor, which is group 0, the lamp, and a camera that looks down at the floor.
@@ -21,11 +21,12 @@ pub(crate) fn scene() -> Scene {
     scene
 }
 
-/// A folder with the scene, its floor unknown, its photograph, and the project of both, `p.toml`.
+/// A folder with the scene, whose floor is unknown, its photograph, and the project of both,
+/// `p.toml`.
 pub(crate) fn project() -> Folder {
     let folder = Folder::new();
     let mut scene = scene();
-    // What the floor reflects is not in the file.
+    // The reflectance of the floor is not in the file.
     scene.groups[0].material = Material::diffuse(Rgb::ZERO);
     folder.write("scene.glb", &gltf::to_glb(&scene).unwrap());
     scene.groups[0].material = Material::diffuse(RHO);

@@ -1,4 +1,4 @@
-//! A folder of a test's own, the built command in it, and what the command is expected to say.
+//! A temporary folder of a test, the built command in it, and the messages expected from it.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ impl Folder {
         Self(tempfile::Builder::new().prefix("unrender-").tempdir().unwrap())
     }
 
-    /// Where it is.
+    /// Its path.
     pub(crate) fn root(&self) -> &Path {
         self.0.path()
     }
@@ -60,7 +60,7 @@ pub(crate) fn command(arguments: &[impl AsRef<OsStr>]) -> Command {
     command
 }
 
-/// What a command said on stderr.
+/// The output of a command on stderr.
 pub(crate) fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
@@ -72,7 +72,7 @@ pub(crate) fn succeeds(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// Asserts that a command failed with exit code 1, and said nothing before an error with `problem`.
+/// Asserts that a command failed with exit code 1, with no output before an error with `problem`.
 #[track_caller]
 pub(crate) fn fails(output: &Output, problem: &str) {
     ends_in_error(output, problem);
@@ -89,7 +89,7 @@ pub(crate) fn ends_in_error(output: &Output, problem: &str) {
     assert!(!said.contains("panicked"), "{said}");
 }
 
-/// Asserts that a command failed, whatever its exit code, and said `problem`. Returns all that it said on
+/// Asserts that a command failed, with any exit code, and reported `problem`. Returns its output on
 /// stderr.
 #[track_caller]
 pub(crate) fn is_refused(output: &Output, problem: &str) -> String {

@@ -1,4 +1,4 @@
-//! Meshes that scenes of tests are built of. They have flat normals and no texture coordinates.
+//! Meshes from which scenes of tests are built. They have flat normals and no texture coordinates.
 
 use glam::Vec3;
 use unrender::scene::{Group, Material, Mesh, Object, Rgb, Scene};

@@ -1,5 +1,5 @@
-//! What the tests of this crate share: folders in which the command runs, small scenes, examples that are recovered
-//! and scored, scenes to export, results of recoveries that never were, and other programs.
+//! Code that the tests of this crate share: folders in which the command runs, small scenes, examples that are
+//! recovered and scored, scenes to export, made-up results of recoveries, and other programs.
 
 // Each test binary uses a part of it.
 #![allow(dead_code, unused_imports)]

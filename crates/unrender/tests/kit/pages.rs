@@ -5,7 +5,7 @@ use std::path::Path;
 use unrender::report;
 use unrender::run::Run;
 
-/// Names that are not as harmless as they should be.
+/// Group names, most of which are not harmless.
 const NAMES: [&str; 8] = [
     "floor",
     "<script>window.hacked = true</script>",
@@ -25,7 +25,7 @@ fn names(count: usize) -> Vec<String> {
     names
 }
 
-/// Writes results of `count` groups and their page; tells check.mjs where the groups are.
+/// Writes results of `count` groups and their page, and the places of the groups for check.mjs.
 pub(crate) fn make(folder: &Path, count: usize, size: (usize, usize)) -> Run {
     let names = names(count);
     let run = synthetic::write(folder, &names, size);

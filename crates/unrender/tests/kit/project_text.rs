@@ -1,4 +1,4 @@
-//! The text of a project, read.
+//! Reads the text of a project.
 
 use std::path::Path;
 use unrender::Project;
@@ -12,7 +12,7 @@ pub(crate) fn parse(text: &str) -> Result<(Project, Warnings), FileError> {
     Project::parse(Path::new("folder/a.toml"), &format!("{FILES}{text}"))
 }
 
-/// The same of a text without faults.
+/// The same for a text without faults.
 pub(crate) fn good(text: &str) -> Project {
     parse(text).unwrap_or_else(|error| panic!("{text}: {error}")).0
 }

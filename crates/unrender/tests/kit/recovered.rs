@@ -1,4 +1,4 @@
-//! A recovery by the command, of a scene small enough to be done at once.
+//! A recovery by the command, of a very small scene.
 
 use super::floor_and_lamp::{self, RHO};
 use super::meshes::{add, square};

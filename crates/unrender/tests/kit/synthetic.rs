@@ -1,4 +1,4 @@
-//! Results of recoveries that never were: all fields of run.json filled, all pictures there.
+//! Made-up results of recoveries: all fields of run.json filled, all pictures present.
 
 use std::path::Path;
 use unrender::formats::materials::{
@@ -15,10 +15,10 @@ use unrender::scene::{Hypothesis, Image, Rgb};
 /// Columns of the group map's grid of cells.
 pub(crate) const COLUMNS: usize = 8;
 
-/// The name of the group that came out as nothing.
+/// The name of the group that could not be recovered.
 pub(crate) const FAILED: &str = "failed";
 
-/// A number between 0 and 1 with all its digits, another for each `seed`.
+/// A number between 0 and 1 with many digits, different for each `seed`.
 fn noise(seed: usize) -> f64 {
     let mixed = (seed as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     ((mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 11) as f64 / (1u64 << 53) as f64

@@ -1,7 +1,7 @@
 //! A recovery through the library alone: no command, no file, no terminal. The same tests run without the crate's
 //! features: `cargo test --release -p unrender --no-default-features --test library`.
 
-// Of what the tests share, the parts that need no command.
+// The parts of the shared code that need no command.
 #[path = "../kit/coloured_room.rs"]
 mod coloured_room;
 #[allow(dead_code)]
@@ -19,7 +19,7 @@ use unrender::project::Project;
 use unrender::recover::{Effort, IterationRecord, Observer, Options};
 use unrender::scene::{Camera, Depth, Picture, Rgb};
 
-/// The room, photographed by `camera`, of whose response the project says `response`.
+/// The room, photographed by `camera` with this `gamma`; the project states `response`.
 fn job(camera: &Camera, size: (usize, usize), gamma: f32, response: &str) -> Job {
     let scene = room();
     let photo = codes(&scene, camera, size, (gamma, None));
@@ -32,7 +32,7 @@ fn job(camera: &Camera, size: (usize, usize), gamma: f32, response: &str) -> Job
     let photo = Some(Picture::new(photo, Depth::Eight));
     let given = InMemory { scene: Some(scene), photo, mask: None };
     let mut job = Job::assemble(project, warnings, given).unwrap();
-    // What they reflect is asked for, not told.
+    // Their reflectances are unknown, not given.
     for group in job.scene.groups.iter_mut().filter(|group| group.name != "back") {
         group.material.rho_d = Rgb::ZERO;
     }
@@ -53,7 +53,7 @@ fn worst(recovered: &Recovered) -> f32 {
     coloured_room::worst(|name| found(name).material.rho_d)
 }
 
-/// Keeps what it hears.
+/// Records the messages.
 #[derive(Default)]
 struct Heard {
     shares: Vec<f64>,

@@ -1,8 +1,8 @@
 //! A rendering cut into parts for many machines: its command lines, as data.
 //!
-//! A task renders a range of samples, `unrender render ... --samples A..B`; the last task puts the
-//! parts together, `unrender merge`. Samples are numbered, and their sums exact integers, so that the
-//! picture does not depend on where the cuts are.
+//! A task renders a range of samples, `unrender render ... --samples A..B`; the last task merges the
+//! parts, `unrender merge`. Samples are numbered, and their sums exact integers, so the picture does
+//! not depend on the cuts.
 
 use crate::Error;
 use crate::commands::render;
@@ -13,9 +13,9 @@ use unrender_formats::FileError;
 
 /// A rendering, cut into parts.
 pub(super) struct Job {
-    /// The picture's name, without what could not stand in a job's name.
+    /// The picture's name, without characters that a job's name cannot have.
     pub(super) name: String,
-    /// The words of each task behind `unrender render`, without samples and output.
+    /// The words of each task after `unrender render`, without samples and output.
     pub(super) words: Vec<Word>,
     /// The samples of the tasks.
     pub(super) samples: Vec<Range<u32>>,
@@ -29,12 +29,12 @@ pub(super) struct Job {
 pub(super) enum Word {
     /// As it stands.
     Plain(String),
-    /// An input file, with what it is.
+    /// An input file, with its role.
     Input(&'static str, PathBuf),
 }
 
 impl Job {
-    /// The job of rendering `args` in `parts` parts, whose files go into `folder`.
+    /// The job that renders `args` in `parts` parts, with its files in `folder`.
     pub(super) fn new(
         args: &render::Args,
         global: &Global,
@@ -51,7 +51,7 @@ impl Job {
         ];
         if let Some((flag, _)) = refused.into_iter().find(|(_, is_given)| *is_given) {
             return Err(Error::Request(format!(
-                "{flag} cannot be cut into parts beforehand; say by --spp how much is rendered"
+                "{flag} cannot be cut into parts; state the samples by --spp instead"
             )));
         }
         let name = args.out.file_stem().unwrap_or_default().to_string_lossy();
@@ -69,23 +69,24 @@ impl Job {
         format!("part_{samples}.exr")
     }
 
-    /// The name of a task's checkpoint in the folder, from which a task goes on that was ended early.
+    /// The name of a task's checkpoint in the folder, from which an interrupted task continues.
     pub(super) fn checkpoint(samples: &str) -> String {
         format!("checkpoint_{samples}.exr")
     }
 }
 
-/// Open Job Description takes 128 characters for a job's name; the rest are ours.
+/// The longest name of a picture in a job's name: Open Job Description takes 128 characters, and we
+/// add some.
 const LONGEST_NAME: usize = 100;
 
-/// `samples` samples in at most `parts` ranges of equal length, but for one sample.
+/// `samples` samples in at most `parts` ranges, whose lengths differ by one sample at most.
 fn cut(samples: u32, parts: u32) -> Vec<Range<u32>> {
     let parts = u64::from(parts.min(samples).max(1));
     let edge = |k: u64| (u64::from(samples) * k / parts) as u32;
     (0..parts).map(|k| edge(k)..edge(k + 1)).collect()
 }
 
-/// The command line of `args` again, with whole paths.
+/// The command line of `args`, with absolute paths.
 fn words(args: &render::Args, global: &Global) -> Result<Vec<Word>, Error> {
     let mut words = Vec::new();
     let mut input = |flag: &str, what, path: &Option<PathBuf>| {
@@ -124,7 +125,7 @@ fn words(args: &render::Args, global: &Global) -> Result<Vec<Word>, Error> {
     Ok(words)
 }
 
-/// `path` from the root of the file system, so that it holds wherever a task is started.
+/// `path` as an absolute path, so that it is valid wherever a task is started.
 fn whole(path: &Path) -> Result<PathBuf, Error> {
     let path = absolute(path).map_err(|error| FileError::because(path, "is no path", error))?;
     if path.to_str().is_none() {
@@ -134,7 +135,7 @@ fn whole(path: &Path) -> Result<PathBuf, Error> {
     Ok(path)
 }
 
-/// `path` as text; [`whole`] has seen to it that it is.
+/// `path` as text; [`whole`] has checked that it is.
 pub(super) fn text(path: &Path) -> String {
     path.to_string_lossy().into_owned()
 }

@@ -1,4 +1,4 @@
-//! `unrender farm`: a rendering as a job for many machines.
+//! `unrender farm`: writes a rendering as a job for many machines.
 
 mod job;
 mod openjd;
@@ -13,12 +13,12 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use unrender_formats::{FileError, atomic};
 
-/// Writes a job that renders on many machines what `unrender render` renders on one.
+/// Writes a job that renders a picture of `unrender render` on many machines.
 ///
-/// Take a command line of `render`, put `farm --to slurm` or `farm --to openjd` in the place of
-/// `render`, and --spp for how much is rendered. The samples are cut into parts; the last task puts
-/// the parts together, to the bits of one machine. Every machine needs this command, in the same
-/// build, and sees the files under the same paths.
+/// Take a command line of `render`, replace `render` by `farm --to slurm` or `farm --to openjd`,
+/// and state the samples by --spp. The samples are cut into parts; the last task merges the parts
+/// to the same bits as on one machine. Every machine needs this command, in the same build, and
+/// sees the files under the same paths.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     unrender farm room.glb --spp 4096 --out room.exr --to slurm\n  \
@@ -29,32 +29,32 @@ use unrender_formats::{FileError, atomic};
 // The flags of `render` are a group of the same name.
 #[group(id = "farm")]
 pub struct Args {
-    /// What is rendered.
+    /// The rendering.
     #[command(flatten)]
     pub render: render::Args,
-    /// Who distributes the work.
+    /// The program that distributes the work.
     #[arg(long, value_enum)]
     pub to: Target,
-    /// Into how many parts the samples are cut.
-    // Of eight machines, the last to end keeps the others waiting for at most half of their time with
-    // this, for all of it with half; with double, the scene is read twice as often.
+    /// The number of parts into which the samples are cut.
+    // With eight machines, the others wait for the last one for at most half of their time; with half
+    // as many parts, for all of it; with double, the scene is read twice as often.
     #[arg(long, value_name = "N", default_value_t = 16)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_PARTS)))]
     pub parts: u32,
-    /// The folder for the job and its parts [default: the picture's name with _job behind it].
+    /// The folder for the job and its parts [default: the picture's name followed by _job].
     #[arg(long, value_name = "DIR")]
     pub job: Option<PathBuf>,
 }
 
-/// Slurm numbers the tasks of an array up to 1000, where nobody has changed `MaxArraySize`; Open Job
+/// Slurm numbers the tasks of an array up to 1000 unless `MaxArraySize` was changed; Open Job
 /// Description takes 1024 values. Half of it would limit farms of that size; double would be refused.
 const MOST_PARTS: u16 = 1000;
 
 /// Programs that distribute work over machines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Target {
-    /// A job template of Open Job Description, 2023-09: template.json, and parameters.json with the
-    /// files that it takes.
+    /// A job template of Open Job Description, 2023-09: template.json, and parameters.json with its
+    /// input files.
     Openjd,
     /// A script that submits an array of jobs and a job that waits for it: job.sh.
     Slurm,
@@ -67,12 +67,12 @@ pub enum Target {
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     if args.render.denoise {
         return Err(Error::Request(
-            "the parts of a farm are put together and not denoised; leave out --denoise".into(),
+            "the merged parts of a farm cannot be denoised; leave out --denoise".into(),
         ));
     }
     if args.render.layers {
         return Err(Error::Request(
-            "the parts of a farm are put together without light layers; leave out --layers".into(),
+            "the merged parts of a farm have no light layers; leave out --layers".into(),
         ));
     }
     render::check(&args.render, global)?;

@@ -2,7 +2,7 @@
 //! [Open Job Description, Template Schemas 2023-09]
 //!
 //! Files are `PATH` parameters, so that a scheduler may map them onto the disks of its machines, and a
-//! user may replace them. A template names files in its own folder alone, relative to it; the others
+//! user may replace them. A template names only files in its own folder, relative to it; the others
 //! are values in a file beside it.
 
 use super::job::{Job, Word, text};
@@ -93,7 +93,7 @@ fn file_parameter(
     parameter
 }
 
-/// `text`, which stands in a template for itself.
+/// `text`, checked to have no braces that a template would replace.
 fn unbraced(text: &str) -> Result<&str, Error> {
     if text.contains("{{") {
         return Err(Error::Request(format!(

@@ -1,6 +1,6 @@
 //! A script for Slurm: an array of jobs, and a job that waits for it. [Slurm manual, sbatch]
 //!
-//! The script is its own job: without one of its two flags it submits itself twice.
+//! The script is also the jobs: without one of its two flags it submits itself twice.
 
 use super::job::{Job, Word, text};
 use std::fmt::Write;
@@ -16,7 +16,7 @@ pub(super) fn script(job: &Job) -> String {
         Word::Input(_, path) => quoted(&text(path)),
     });
     let words: Vec<String> = words.collect();
-    // Between two marks stands the name of a value.
+    // The name of a value is between two marks.
     let pieces = SCRIPT.split('§').enumerate().map(|(k, piece)| match (k % 2, piece) {
         (0, text) => text.to_owned(),
         (_, "PARTS") => job.samples.len().to_string(),
@@ -32,7 +32,7 @@ pub(super) fn script(job: &Job) -> String {
     pieces.collect()
 }
 
-/// `word` as bash reads it for itself.
+/// `word` quoted for bash, so that it stays as it is.
 fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=+,:".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {

@@ -1,8 +1,8 @@
-//! The modules of each folder import each other without circles, each with all that is in its own folder. Only a
-//! module and those in its folder may use each other: what they share stands in the module, and the module calls them.
+//! The modules of each folder, each together with its own folder, import each other without circles. Only a module and
+//! those in its folder may use each other: shared items are in the module, and the module calls those in its folder.
 //!
-//! `syn` reads the sources: `use` items, paths in the code, and paths in the arguments of macros; tests inside of a
-//! module are left out. A name that a module hands on by `pub use` leads to where it is defined.
+//! Imports are found in the text: `use` items, and paths in the code. A name that a module re-exports
+//! by `pub use` is followed to its definition.
 
 use super::{read, rust_files};
 use proc_macro2::{TokenStream, TokenTree};
@@ -126,10 +126,10 @@ fn modules(src: &str) -> BTreeMap<Module, Imports> {
     rust_files(src).iter().map(|path| (module(path), Imports::of(&read(path)))).collect()
 }
 
-/// The modules of one crate and what they hand on.
+/// The modules of one crate and their re-exports.
 struct Crate {
     modules: BTreeMap<Module, Imports>,
-    /// For a module and a name: the path that the name is handed on from.
+    /// For a module and a name: the path from which the name is re-exported.
     handed_on: BTreeMap<(Module, String), Module>,
 }
 
@@ -151,7 +151,7 @@ impl Crate {
         this
     }
 
-    /// `path`, as written in `module`, from the root of the crate; none if it leads out of it.
+    /// `path`, as written in `module`, from the root of the crate; none if it is outside the crate.
     fn absolute(&self, module: &Module, path: &Module) -> Option<Module> {
         let mut base = module.clone();
         let mut parts = path.iter().cloned().peekable();
@@ -176,10 +176,10 @@ impl Crate {
         (!base.is_empty()).then_some(base)
     }
 
-    /// The module that `path` (from the root) leads to.
+    /// The module to which `path` (from the root) leads.
     fn target(&self, path: &Module) -> Module {
         let mut path = path.clone();
-        // A name may be handed on more than once, but not for ever.
+        // A name may be re-exported more than once, but not without end.
         for _ in 0..4 {
             let end = (0..=path.len()).rev().find(|end| self.modules.contains_key(&path[..*end]));
             let module = path[..end.unwrap_or(0)].to_vec();
@@ -200,7 +200,7 @@ impl Crate {
         inner.map(|module| module[..module.len() - 1].to_vec()).collect()
     }
 
-    /// For every module in `folder` those beside it that it imports, or what is in its own folder; with the imports.
+    /// For every module in `folder`, the modules beside it that it or its own folder imports; with the imports.
     fn families(&self, folder: &Module) -> BTreeMap<String, BTreeMap<String, String>> {
         let depth = folder.len();
         let is_inside = |module: &Module| module.len() > depth && module.starts_with(folder);
@@ -219,7 +219,7 @@ impl Crate {
     }
 }
 
-/// A circle, as the imports that make it.
+/// A circle, as the imports that form it.
 fn circle(families: &BTreeMap<String, BTreeMap<String, String>>) -> Option<Vec<String>> {
     let mut left: BTreeSet<&String> = families.keys().collect();
     loop {
@@ -235,7 +235,7 @@ fn circle(families: &BTreeMap<String, BTreeMap<String, String>>) -> Option<Vec<S
             left.remove(*family);
         });
     }
-    // Whatever is left imports something that is left: a walk along it comes back.
+    // Every module that is left imports one that is left, so a walk along the imports returns.
     let mut at = *left.iter().next()?;
     let mut walked: Vec<(&String, String)> = Vec::new();
     while !walked.iter().any(|(family, _)| *family == at) {
@@ -257,7 +257,7 @@ fn modules_import_each_other_without_circles() {
             if folder.is_empty() && families.len() > 3 {
                 assert!(
                     families.values().any(|used| !used.is_empty()),
-                    "{src}: no import is found"
+                    "{src}: no import was found"
                 );
             }
             let place = [std::slice::from_ref(&src), folder.as_slice()].concat().join("/");
@@ -285,7 +285,8 @@ fn circles_are_found_inside_of_folders() {
     assert_eq!(modules.folders(), folders);
     let circles = folders.iter().map(|folder| circle(&modules.families(folder)));
     let circles: Vec<Option<Vec<String>>> = circles.collect();
-    // The folder that uses what stands in the module above, and the module that uses the folder, are none.
+    // A folder that uses items of the module above it, and the module that uses the folder, form no
+    // circle.
     let ties = ["a::b -> a::c::d::One", "a::c -> a::Shared"].map(str::to_owned).to_vec();
     assert_eq!(circles, [None, Some(ties), None]);
 }

@@ -1,4 +1,4 @@
-//! What code and pages cite stands in `docs/bibliography.md`, and what stands there is cited.
+//! Code and pages cite only entries of `docs/bibliography.md`, and every entry is cited.
 
 use super::{documents, files, root};
 use std::collections::BTreeMap;
@@ -31,7 +31,7 @@ fn cited(text: &str) -> Vec<String> {
     keys
 }
 
-/// The comments of a source file as one text, so that a citation may go over the end of a line.
+/// The comments of a source file as one text, so that a citation may be broken across lines.
 fn comments(path: &str) -> String {
     let text = fs::read_to_string(root().join(path)).unwrap();
     let comment = |line: &str| {
@@ -41,7 +41,7 @@ fn comments(path: &str) -> String {
     text.lines().filter_map(comment).collect::<Vec<_>>().join(" ")
 }
 
-/// The keys that are cited, each with a place where.
+/// The keys that are cited, each with one place.
 fn citations() -> BTreeMap<String, String> {
     let mut all = BTreeMap::new();
     for folder in ["crates", "benches", "fuzz"] {
@@ -73,17 +73,17 @@ fn what_is_in_the_bibliography_is_cited() {
     let is_cited =
         |key: &String| ["[", "; "].iter().any(|open| all.contains(&format!("{open}{key}")));
     let unused: Vec<_> = known().into_iter().filter(|key| !is_cited(key)).collect();
-    assert!(unused.is_empty(), "nobody cites {unused:#?}");
+    assert!(unused.is_empty(), "nothing cites {unused:#?}");
 }
 
-/// Documents that are not in the repository are no references.
+/// Comments must not refer to documents that are not in the repository.
 #[test]
 fn nothing_refers_to_what_is_not_here() {
     for folder in ["crates", "benches", "fuzz"] {
         for path in files(folder, ".rs") {
             let text = comments(&path).to_lowercase();
             for words in ["(design", "design, section", "design section", "the design's"] {
-                // This very list is no comment.
+                // The list above is not a comment.
                 assert!(!text.contains(words), "{path} refers to \"{words}\"");
             }
         }

@@ -1,4 +1,4 @@
-//! The code map: every file of the code with the first sentence of what it says of itself.
+//! The code map: every file of the code with the first sentence of its description.
 
 use super::{cell, files, hold, root};
 use std::fs;
@@ -6,7 +6,7 @@ use std::fs;
 const PAGE: &str = "docs/code-map.md";
 const MARKS: (&str, &str) = ("<!-- the code map -->", "<!-- end of the code map -->");
 
-/// The folders of code, each with a table of its own, and the endings of their files.
+/// The folders of code, each with its own table, and the endings of their files.
 const FOLDERS: [(&str, &[&str]); 15] = [
     ("crates/scene/src", &[".rs"]),
     ("crates/formats/src", &[".rs"]),
@@ -25,7 +25,7 @@ const FOLDERS: [(&str, &[&str]); 15] = [
     ("benches/peers", &[".py"]),
 ];
 
-/// What the head of a file says of it: the module comment, or the first docstring.
+/// The description at the head of a file: the module comment, or the first docstring.
 fn head(path: &str) -> String {
     let text = fs::read_to_string(root().join(path)).unwrap();
     if path.ends_with(".py") {
@@ -39,7 +39,7 @@ fn head(path: &str) -> String {
 fn first_sentence(text: &str) -> String {
     let paragraph = text.trim().split("\n\n").next().unwrap_or_default();
     let line = paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
-    // A full stop in brackets belongs to what is cited.
+    // A full stop in brackets belongs to a citation.
     let is_end = |&(at, _): &(usize, &str)| {
         let before = &line[..at];
         before.matches('[').count() == before.matches(']').count()
@@ -55,7 +55,7 @@ fn table(folder: &str, endings: &[&str]) -> String {
     let mut text = format!("## {folder}\n\n| file | what it is |\n|---|---|\n");
     for path in paths {
         let sentence = first_sentence(&head(&path));
-        assert!(!sentence.is_empty(), "{path} does not say what it is");
+        assert!(!sentence.is_empty(), "{path} has no description");
         let within = path.strip_prefix(folder).unwrap_or(&path).trim_start_matches('/');
         text.push_str(&format!("| `{within}` | {sentence} |\n"));
     }

@@ -1,5 +1,5 @@
-//! Commands on the pages are understood by the command line; the page of the command line is its
-//! definition; completions and manual pages are made of the same.
+//! The command line accepts the commands on the pages; the page of the command line is its
+//! definition; completions and manual pages are made from the same.
 
 use super::{documents, hold};
 use clap::Command;

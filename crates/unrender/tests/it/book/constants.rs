@@ -1,4 +1,4 @@
-//! The constants of the recovery: every one with its value and what is said of it where it stands.
+//! The page of the constants of the recovery, each with its value and its comment.
 
 use super::{cell, files, hold, root};
 use std::fs;
@@ -14,7 +14,7 @@ struct Constant {
     comment: String,
 }
 
-/// The constants of the part of a file that ships.
+/// The constants of a file, without its tests.
 fn constants(text: &str) -> Vec<Constant> {
     let product = text.split("#[cfg(test)]").next().unwrap_or_default();
     let (mut found, mut comment) = (Vec::new(), String::new());
@@ -41,7 +41,7 @@ fn constants(text: &str) -> Vec<Constant> {
     found
 }
 
-/// Whether what stands before `const` says no more than who may use it.
+/// Whether the text before `const` is empty or a visibility.
 fn is_visibility(before: &str) -> bool {
     before.is_empty() || before.trim_end() == "pub" || before.starts_with("pub(")
 }
@@ -58,7 +58,7 @@ fn rows() -> String {
             "\n## {place}\n\n| constant | value | what it is |\n|---|---|---|\n"
         ));
         for Constant { name, value, comment } in constants {
-            assert!(!comment.is_empty(), "{path}: nothing is said of {name}");
+            assert!(!comment.is_empty(), "{path}: {name} has no comment");
             let comment = cell(&comment);
             // Values of several lines are in the code.
             let value = if value.ends_with(['[', '{', '(']) { "" } else { value.as_str() };

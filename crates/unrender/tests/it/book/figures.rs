@@ -1,5 +1,5 @@
-//! Figures: pages of validation say when and at which commit they were measured, and the README has the
-//! numbers of these pages.
+//! Figures: pages of validation state when and at which commit they were measured, and the README has
+//! the numbers of these pages.
 
 use super::markdown::resolve;
 use super::{documents, files};
@@ -28,8 +28,8 @@ fn pages_of_validation_say_when_and_at_which_commit_they_were_measured() {
     let documents = documents();
     for path in files("docs/validation", ".md") {
         let text = &documents[&path].text;
-        assert!(is_dated(text), "{path}: say the day of the measurement");
-        assert!(has_commit(text), "{path}: say the commit that was measured");
+        assert!(is_dated(text), "{path}: state the day of the measurement");
+        assert!(has_commit(text), "{path}: state the commit that was measured");
     }
 }
 
@@ -39,7 +39,7 @@ fn numbers(text: &str) -> Vec<&str> {
     words.map(|word| word.trim_matches('.')).filter(|word| !word.is_empty()).collect()
 }
 
-/// Whether `number` is `exact`, or that in percent, as far as it has digits.
+/// Whether `number` is `exact`, or that in percent, to the digits that it has.
 fn is_rounded(number: &str, exact: f64) -> bool {
     let digits = number.split_once('.').map_or(0, |(_, digits)| digits.len());
     let half = 0.5001 * 0.1f64.powi(digits as i32);
@@ -47,7 +47,7 @@ fn is_rounded(number: &str, exact: f64) -> bool {
     [exact, 100.0 * exact].iter().any(|exact| (number - exact).abs() <= half)
 }
 
-/// Each row of the table names the page that its numbers are from.
+/// Each row of the table names the page from which its numbers are.
 #[test]
 fn the_readmes_figures_are_those_of_the_pages() {
     let documents = documents();

@@ -21,7 +21,7 @@ pub(crate) struct Link {
 pub(crate) struct Block {
     /// The line of its opening fence, counted from one.
     pub(crate) line: usize,
-    /// The first word behind the fence.
+    /// The first word after the fence.
     pub(crate) language: String,
     /// The second.
     pub(crate) kind: String,
@@ -34,7 +34,7 @@ impl Page {
         Self { text: text.unwrap_or_else(|error| panic!("{path}: {error}")) }
     }
 
-    /// What is on the page, each with its place.
+    /// The elements of the page, each with its place.
     fn events(&self) -> impl Iterator<Item = (Event<'_>, Range<usize>)> {
         Parser::new_ext(&self.text, Options::ENABLE_TABLES).into_offset_iter()
     }
@@ -54,7 +54,8 @@ impl Page {
         self.events().filter_map(link).collect()
     }
 
-    /// What can stand behind `#` in a link to this page, by the rule of GitHub and mdBook.
+    /// The anchors of this page: what can follow `#` in a link to it, by the rule of GitHub and
+    /// mdBook.
     pub(crate) fn anchors(&self) -> BTreeSet<String> {
         let mut anchors = BTreeSet::new();
         let mut heading: Option<String> = None;
@@ -105,7 +106,7 @@ impl Page {
     }
 }
 
-/// The file that a link on the page at `path` leads to, from the root, and the heading in it.
+/// The file to which a link on the page at `path` leads, from the root, and the heading in it.
 pub(crate) fn resolve(path: &str, target: &str) -> (String, Option<String>) {
     let (file, anchor) = match target.split_once('#') {
         Some((file, anchor)) => (file, Some(anchor.to_owned())),

@@ -1,10 +1,10 @@
-//! The book in `docs/`: every page is in its summary, links lead somewhere, projects, edits and
-//! commands on the pages are understood, tables of keys are those of the schemas, the schemas those
-//! of the readers, and what is cited is in the bibliography.
+//! The book in `docs/`: every page is in its summary, links have targets, projects, edits and
+//! commands on the pages are valid, tables of keys agree with the schemas, the schemas with the
+//! readers, and citations with the bibliography.
 //!
 //! Parts of pages are written by these tests: tables of keys from `docs/reference/schema`, and the
-//! command line from its definition. With `UNRENDER_WRITE_PAGES=1` they write what is stale; without,
-//! they fail.
+//! command line from its definition. With `UNRENDER_WRITE_PAGES=1` they rewrite stale parts; without
+//! it, they fail.
 
 mod citations;
 mod code_map;
@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 use unrender::Project;
 use unrender::edit::EditSheet;
 
-/// Documents beside the book that have links, too.
+/// Documents outside the book that have links, too.
 const AROUND: [&str; 4] = ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "SECURITY.md"];
 
 /// The root of the repository.
@@ -52,12 +52,12 @@ fn documents() -> BTreeMap<String, Page> {
     pages.map(|path| (path.clone(), Page::read(&root(), &path))).collect()
 }
 
-/// A text of the code for a cell of a table; the links within the code lead nowhere on a page.
+/// A text of the code for a cell of a table, without its links, which have no target on a page.
 fn cell(text: &str) -> String {
     text.replace("[`", "`").replace("`]", "`").replace('|', "\\|").replace('[', "\\[")
 }
 
-/// Compares the stretch of a page between two marks with what it should be, or writes it.
+/// Compares the part of a page between two marks with what it should be, or writes it.
 fn hold(path: &str, (begin, end): (&str, &str), wanted: &str) {
     let file = root().join(path);
     let text = fs::read_to_string(&file).unwrap();
@@ -112,7 +112,7 @@ fn links_lead_somewhere() {
                 let page = documents.get(&target).unwrap_or_else(|| panic!("{place}: no page"));
                 assert!(page.anchors().contains(&anchor), "{place}: no such heading");
             }
-            // The HTML has what docs/build_book.sh takes into it, and no other file.
+            // The HTML has only the files that docs/build_book.sh copies into it.
             let is_in_html = target.starts_with("docs/") || documents.contains_key(&target);
             let is_page = path.starts_with("docs/");
             assert!(is_in_html || !is_page, "{place} is not in the book; write its path in `code`");
@@ -143,7 +143,7 @@ fn projects_and_edits_on_the_pages_are_understood() {
                     assert!(read.is_ok(), "{fault}: {:?}", read.err());
                     schema::holds("edit", &schema::from_toml(&block.text), &fault);
                 }
-                other => panic!("{fault}: say ```toml project or ```toml edit, not {other:?}"),
+                other => panic!("{fault}: write ```toml project or ```toml edit, not {other:?}"),
             }
             count += 1;
         }

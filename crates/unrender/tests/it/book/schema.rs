@@ -1,5 +1,5 @@
-//! The schemas of `docs/reference/schema`: they hold for all files of the repository and for what
-//! the program writes, and have the keys that its readers have.
+//! The schemas of `docs/reference/schema`: all files of the repository and those that the program
+//! writes are valid by them, and they have the keys that its readers have.
 
 use super::{files, root};
 use crate::kit::synthetic;
@@ -38,10 +38,10 @@ fn faults(name: &str, value: &Value) -> Vec<String> {
     validator.iter_errors(value).map(fault).collect()
 }
 
-/// Asserts that `value` is what the schema `name` says.
+/// Asserts that `value` is valid by the schema `name`.
 pub(crate) fn holds(name: &str, value: &Value, place: &str) {
     let faults = faults(name, value);
-    assert!(faults.is_empty(), "{place} is not as the schema {name} says: {faults:#?}");
+    assert!(faults.is_empty(), "{place} is not valid by the schema {name}: {faults:#?}");
 }
 
 pub(crate) fn from_toml(text: &str) -> Value {
@@ -49,7 +49,7 @@ pub(crate) fn from_toml(text: &str) -> Value {
     serde_json::to_value(table).unwrap()
 }
 
-/// The words that the schemas use: one that JSON Schema does not have would say something that nobody checks.
+/// The words that the schemas use: a word that JSON Schema does not have would be ignored.
 const WORDS: [&str; 28] = [
     "$schema",
     "$defs",
@@ -128,7 +128,7 @@ fn all_examples_are_as_their_schemas_say() {
     assert!(projects >= 6 && edits >= 8 && materials >= 2, "{projects} {edits} {materials}");
 }
 
-/// What the schemas refuse the readers refuse too, and the other way round.
+/// The readers refuse what the schemas refuse, and the reverse.
 #[test]
 fn faults_are_faults_for_reader_and_schema() {
     let files = "scene = \"a.glb\"\nphoto = \"a.png\"\n";
@@ -170,8 +170,8 @@ fn faults_are_faults_for_reader_and_schema() {
         "light_units = \"candela\"",
     ] {
         let text = format!("{files}{fault}");
-        assert!(!faults("project", &from_toml(&text)).is_empty(), "the schema takes {fault}");
-        assert!(Project::parse(Path::new("a.toml"), &text).is_err(), "the reader takes {fault}");
+        assert!(!faults("project", &from_toml(&text)).is_empty(), "the schema accepts {fault}");
+        assert!(Project::parse(Path::new("a.toml"), &text).is_err(), "the reader accepts {fault}");
     }
 }
 
@@ -197,15 +197,15 @@ fn brackets_are_read_as_the_schema_says() {
         "{ bracket = [\"a.jpg\", \"b.jpg\"], time = 1 }",
     ] {
         let text = project(fault);
-        assert!(!faults("project", &from_toml(&text)).is_empty(), "the schema takes {fault}");
-        assert!(Project::parse(Path::new("a.toml"), &text).is_err(), "the reader takes {fault}");
+        assert!(!faults("project", &from_toml(&text)).is_empty(), "the schema accepts {fault}");
+        assert!(Project::parse(Path::new("a.toml"), &text).is_err(), "the reader accepts {fault}");
     }
     let text = project("{ bracket = [], no_such_key = 1 }");
     let error = Project::parse(Path::new("a.toml"), &text).unwrap_err().to_string();
     assert_eq!(expected(&error), keys("project", "/$defs/bracket"));
 }
 
-/// The keys that an error on an unknown key says there are.
+/// The keys that an error about an unknown key lists.
 fn expected(error: &str) -> BTreeSet<String> {
     let (_, list) = error
         .split_once("expected ")
@@ -214,7 +214,7 @@ fn expected(error: &str) -> BTreeSet<String> {
     list.split('`').skip(1).step_by(2).map(str::to_owned).collect()
 }
 
-/// The keys of the object that `pointer` leads to in the schema `name`.
+/// The keys of the object at `pointer` in the schema `name`.
 fn keys(name: &str, pointer: &str) -> BTreeSet<String> {
     let schema = schema(name);
     let object = schema.pointer(pointer).unwrap_or_else(|| panic!("{name} has no {pointer}"));
@@ -278,7 +278,7 @@ fn schemas_of_edits_have_the_readers_keys() {
             Ok(sheet) => Restaging::load(&[sheet]).unwrap_err().to_string(),
         };
         let mut readers = expected(&error);
-        // One reader has both, and refuses each other's key in words of its own.
+        // One reader has both, and refuses the key of the other with its own message.
         match pointer {
             "/$defs/repaint" => _ = readers.remove("name"),
             "/$defs/material" => _ = readers.remove("group"),
@@ -312,14 +312,14 @@ fn assert_known(name: &str, schema_at: &Value, value: &Value, place: &str) {
     }
 }
 
-/// What the reference of `at` leads to, with the name of its schema.
+/// The target of the reference of `at`, with the name of its schema.
 pub(crate) fn target(name: &str, at: &Value) -> Option<(String, Value)> {
     let (file, pointer) = at.get("$ref")?.as_str()?.split_once('#')?;
     let name = file.strip_suffix(".schema.json").unwrap_or(name);
     Some((name.to_owned(), schema(name).pointer(pointer).cloned()?))
 }
 
-/// Where all references of `at` lead, the null of an `oneOf` left aside.
+/// The target of all references of `at`, ignoring the null of an `oneOf`.
 fn follow(name: &str, at: &Value) -> (String, Value) {
     if let Some((name, at)) = target(name, at) {
         return follow(&name, &at);
@@ -331,7 +331,7 @@ fn follow(name: &str, at: &Value) -> (String, Value) {
     }
 }
 
-/// The properties of an object, those of `allOf` too, each with the schema that it stands in.
+/// The properties of an object, those of `allOf` too, each with the schema that contains it.
 fn properties(name: &str, at: &Value) -> std::collections::BTreeMap<String, (String, Value)> {
     let mut all = std::collections::BTreeMap::new();
     for part in at.get("allOf").and_then(Value::as_array).into_iter().flatten() {
@@ -343,7 +343,7 @@ fn properties(name: &str, at: &Value) -> std::collections::BTreeMap<String, (Str
     all
 }
 
-/// A run all of whose fields are there.
+/// A run in which all fields are set.
 fn filled_run() -> Run {
     let place = tempfile::tempdir().unwrap();
     let names: Vec<String> = (0..9).map(|index| format!("group {index}")).collect();
@@ -396,11 +396,14 @@ fn what_is_written_is_as_the_schemas_say() {
 fn the_schemas_have_no_key_that_is_never_written() {
     let run = filled_run();
     let text = run.to_text().unwrap();
-    // Seldom written: they are left out where there is nothing to say.
+    // These are seldom written: they are left out if they have no content.
     for name in ["materials", "run"] {
         for key in all_keys(&schema(name)) {
             let seldom = ["termination", "seconds"].contains(&key.as_str());
-            assert!(seldom || text.contains(&format!("\"{key}\":")), "{name}: nobody writes {key}");
+            assert!(
+                seldom || text.contains(&format!("\"{key}\":")),
+                "{name}: {key} is never written"
+            );
         }
     }
 }

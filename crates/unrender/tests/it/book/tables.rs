@@ -1,5 +1,5 @@
-//! The tables of keys on the pages of `docs/reference`, made from the schemas. A page has one where
-//! it says `<!-- keys NAME#POINTER -->`.
+//! The tables of keys on the pages of `docs/reference`, made from the schemas. `<!-- keys
+//! NAME#POINTER -->` marks the place of one.
 
 use super::schema::{NAMES, schema, target};
 use super::{files, hold, root};
@@ -24,7 +24,8 @@ fn table(name: &str, pointer: &str) -> String {
         None if required.contains(key) => "must be there".to_owned(),
         None => String::new(),
     };
-    // Files that the program writes have all their keys; only what a person writes has defaults.
+    // Files that the program writes have all their keys; only files that people write have
+    // defaults.
     let is_input = ["project", "edit", "lighting"].contains(&name);
     let (head, rule) = if is_input { (" default |", "---|") } else { ("", "") };
     let mut text = format!("| key | value | meaning |{head}\n|---|---|---|{rule}\n");
@@ -37,7 +38,7 @@ fn table(name: &str, pointer: &str) -> String {
     text.replace("  |", " |")
 }
 
-/// What may stand there, in words.
+/// The allowed values, in words.
 fn kind(name: &str, at: &Value) -> String {
     if let Some(title) = at.get("title").and_then(Value::as_str) {
         return title.to_owned();

@@ -6,7 +6,7 @@ use unrender_formats::what_is_read::{Row, Table, what_is_read};
 const PAGE: &str = "docs/reference/what-is-read.md";
 const MARKS: (&str, &str) = ("<!-- the tables -->", "<!-- end of the tables -->");
 
-/// A row of the page: neighbours of which the same is said stand in one.
+/// A row of the page: neighbours with the same text share one.
 fn line(rows: &[Row]) -> String {
     let Row { within, taken, done, .. } = rows[0];
     let elements: Vec<String> = rows.iter().map(|row| format!("`{}`", row.element)).collect();

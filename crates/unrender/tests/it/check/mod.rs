@@ -1,4 +1,4 @@
-//! `unrender check`: one doubtful input a test, on a small room made up here.
+//! The warnings of `unrender check`: one faulty input per test, on a small room made up here.
 
 mod room;
 
@@ -17,7 +17,7 @@ use unrender::scene::{
 };
 use unrender::{Job, Project};
 
-/// `examples/room` with its camera's axis so many pixels to the right of where it is.
+/// `examples/room` with its camera's axis `pixels` to the right of its place.
 fn room_beside(pixels: f64) -> Checkup {
     let path = beside_crates("examples/room/pixels.toml");
     let (project, warnings) = Project::read(&path).unwrap();
@@ -36,7 +36,7 @@ fn a_camera_is_moved_for_a_fifth_of_a_pixel_and_left_where_it_is_right() {
     assert!(!room_beside(0.0).edges.camera_is_off);
 }
 
-/// A project and all that it names.
+/// A project and all files that it names.
 struct Input(Job);
 
 impl Input {
@@ -100,7 +100,7 @@ fn a_good_project_passes_in_silence() {
 
 #[test]
 fn what_has_no_measurement_is_left_out() {
-    // As if the file held the left part of the picture alone.
+    // As if the file contained only the left part of the picture.
     let whole = photo_of_room();
     let (width, held) = (whole.width(), whole.width() * 5 / 8);
     let is_held = |index: usize| index % width < held;
@@ -112,7 +112,7 @@ fn what_has_no_measurement_is_left_out() {
     let checkup = Input::new(&room(), camera(), codes, Response::Linear, "exposure = 1\n").check();
     let full = Input::of_room(&room()).check();
     assert!(checkup.groups[1].valid < full.groups[1].valid && checkup.groups[1].valid > 100);
-    // No word of black, of clipping, nor of a dark photograph.
+    // No warning mentions clipping or a dark photograph.
     let told = checkup.warnings.0;
     assert!(!told.iter().any(|w| w.contains("clipped") || w.contains("dark")), "{told:?}");
 }
@@ -128,7 +128,7 @@ fn highlights_and_what_is_mirrored_are_reported() {
     };
     let floor = of(&room(), &looking_down).swap_remove(1);
     assert!(floor.roughness.unwrap().contains("highlight"), "{floor:?}");
-    // A wall alone, in sunlight from the side, has nothing to mirror.
+    // A wall alone, in sunlight from the side, mirrors nothing.
     let mut scene = room();
     scene.objects.truncate(1);
     let kind = LightKind::Directional {
@@ -242,7 +242,7 @@ fn bright_dark_and_clipped_photos_are_reported() {
         let codes = Picture::new(codes, Depth::Eight);
         Input::new(&room(), camera(), codes, Response::Srgb, text)
     };
-    of(20.0, "exposure = 0.05\n").warns("say nothing", "another exposure");
+    of(20.0, "exposure = 0.05\n").warns("cannot be used", "another exposure");
     of(20.0, "exposure = 0.05\n").warns("group \"back_wall\"", "clipped");
     of(0.01, "exposure = 100\n").warns("very dark", "take a longer exposure");
     of(0.5, "exposure = 100\n").warns("times as bright as", "exposure = \"auto\"");
@@ -314,7 +314,8 @@ fn lights_in_the_wrong_place_are_reported() {
     let point = |position| LightKind::Point { position, intensity: Rgb::splat(0.01) };
     assert_eq!(with(point(Vec3::new(0.3, 1.2, 0.3))).check().warnings.0, [""; 0]);
     let in_block = point(Vec3::new(-0.25, 0.35, -0.35));
-    with(in_block).warns("\"bulb\" is shut in by object \"the block\"", "out of the wall or shade");
+    with(in_block)
+        .warns("\"bulb\" is enclosed by object \"the block\"", "out of the wall or shade");
     with(point(Vec3::new(0.0, 1.0, -1.2))).warns("light \"bulb\" to anything", "behind a wall");
     with(point(Vec3::new(0.5, 0.001, 0.3)))
         .warns("stands at object \"the floor\"", "into the open");
@@ -374,7 +375,7 @@ fn scaled(scale: f32) -> Input {
 #[test]
 fn rooms_of_no_human_size_are_reported() {
     scaled(100.0).warns("m across; scenes are in metres", "centimetres");
-    scaled(0.001).warns("mm across", "scale that makes it metres");
+    scaled(0.001).warns("mm across", "export it scaled to metres");
     assert_eq!(scaled(0.1).check().warnings.0, [""; 0]);
 }
 
@@ -407,7 +408,7 @@ fn groups_that_are_unseen_small_or_dark_are_reported() {
     block(Vec3::new(0.0, 0.5, -3.0), 0.5)
         .warns("no pixel shows \"block\"", "state it as known in [groups.NAME]");
     block(Vec3::new(0.0, 0.1, 0.0), 0.06).warns("group \"block\" has only", "state it as known");
-    // Seen through the open front of a closed box, whose walls keep the lamp out.
+    // The camera is in a closed box, whose walls keep out the light of the lamp.
     let mut scene = room();
     let dark = cuboid(Vec3::new(-0.9, 0.0, -0.9), Vec3::new(0.9, 1.9, 0.9));
     let known = Group { name: "shut".into(), ..scene.groups[0].clone() };

@@ -17,7 +17,7 @@ pub(crate) const GROUPS: [(&str, [f32; 3]); 5] = [
     ("lamp", [0.0, 0.0, 0.0]),
 ];
 
-/// The other side becomes the front.
+/// The mesh with its other side as the front.
 pub(crate) fn flipped(mesh: &Mesh) -> Mesh {
     let mut mesh = mesh.clone();
     mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
@@ -29,7 +29,7 @@ pub(crate) fn object(group: usize, mesh: Mesh) -> Object {
     Object { name: format!("the {}", GROUPS[group].0), group, mesh }
 }
 
-/// Back wall, floor, side walls, a block and a lamp under where the ceiling would be.
+/// Back wall, floor, side walls, a block, and a lamp below the place of the missing ceiling.
 pub(crate) fn room() -> Scene {
     let (x, y, z) = (2.0 * Vec3::X, 2.0 * Vec3::Y, 2.0 * Vec3::Z);
     let low = Vec3::new(-1.0, 0.0, -1.0);
@@ -61,13 +61,13 @@ pub(crate) fn camera() -> Camera {
     Camera::look_at("camera", Vec3::new(0.1, 1.0, 3.2), Vec3::new(0.0, 0.7, 0.0), Vec3::Y, 0.55)
 }
 
-/// What `camera` takes of `scene`.
+/// The photograph of `scene` by `camera`.
 pub(crate) fn photograph(scene: &Scene, camera: &Camera) -> RgbImage {
     let settings = Settings { spp: 64, seed: 5, max_bounces: 6, ..Settings::default() };
     Tracer::new(scene).render(&scene.materials(), camera, SIZE, &settings, &|_| ()).mean
 }
 
-/// What `camera()` takes of `room()`.
+/// The photograph of `room()` by `camera()`.
 pub(crate) fn photo_of_room() -> RgbImage {
     static PHOTO: OnceLock<RgbImage> = OnceLock::new();
     PHOTO.get_or_init(|| photograph(&room(), &camera())).clone()

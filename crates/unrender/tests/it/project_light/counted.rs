@@ -1,8 +1,8 @@
-//! What of a photograph counts, and what groups may be.
+//! The pixels of a photograph that are used, and the hypotheses that groups may have.
 
 use super::*;
 
-/// Paints the right half of the photograph white, as if something stood there that the model lacks.
+/// Paints the right half of the photograph white, as if an object that the model lacks stood there.
 fn spoil(folder: &Corner) {
     let photo = folder.read("photo.png");
     let spoiled = RgbImage::from_fn(SIZE.0, SIZE.1, |x, y| {
@@ -40,7 +40,7 @@ fn what_the_mask_leaves_out_does_not_count() {
     assert!(left_out.x > left_out.y && left_out.z > left_out.x, "violet: {left_out}");
 }
 
-/// Writes the photograph with an alpha channel that is zero from the column `from` on, where it is black.
+/// Writes the photograph with an alpha channel that is zero, and black pixels, from the column `from` on.
 fn cut_out(folder: &Corner, from: usize) {
     let photo = folder.read("photo.png");
     let (width, height) = (photo.width() as u32, photo.height() as u32);
@@ -65,7 +65,7 @@ fn what_is_cut_out_of_the_photograph_is_not_taken_for_black() {
     let told = succeeds(&folder.run(&["check", "project.toml", "--json"]));
     let pixels = SIZE.0 * SIZE.1 / 2;
     assert!(told.contains(&format!("{pixels} pixel(s) are transparent (alpha is 0)")), "{told}");
-    assert!(!told.contains("and say nothing"), "{told}");
+    assert!(!told.contains("and cannot be used"), "{told}");
     folder.drafts(&["--no-refine", "--keep-camera", "--spp", "4"]);
     let found = materials::read(&folder.path("out/materials.json")).unwrap();
     for (name, truth) in [("floor", FLOOR), ("wall", WALL)] {
@@ -166,7 +166,7 @@ fn groups_of_one_material_are_recovered_as_one() {
     let red = floor.rho_d.unwrap()[0];
     assert!(red > WALL.x + 0.02 && red < FLOOR.x - 0.02, "between both: {red}");
     let note = wall.note.as_deref().unwrap();
-    assert!(note.starts_with("one material with \"floor\", as the project says"), "{note}");
+    assert!(note.starts_with("one material with \"floor\", as the project states"), "{note}");
     // The scene keeps both groups, each with its own objects.
     let written = unrender::formats::load_model(&folder.path("out/scene.glb")).unwrap().0;
     let truth = corner();

@@ -1,5 +1,5 @@
-//! What a project says of the light: the environment and the lights that the scene lacks. A corner
-//! of a room whose file has no light at all is photographed, recovered and rendered again.
+//! The statements of a project about light: the environment and the lights that the scene lacks. A
+//! corner of a room whose file has no light is photographed, recovered and rendered again.
 
 use crate::kit::folder::{Folder, fails, stderr, succeeds};
 use crate::kit::meshes::{add, quad};
@@ -30,7 +30,7 @@ mod counted;
 mod stated;
 mod unknown;
 
-/// A folder with the scene, which has no light, and the photograph, which was taken in some.
+/// A folder with the scene, which has no light, and a photograph of it taken in light.
 struct Corner(Folder);
 
 impl Deref for Corner {
@@ -69,7 +69,7 @@ impl Corner {
         self.0.run(&[&["--quiet"], arguments].concat())
     }
 
-    /// What it says on stderr when it succeeds.
+    /// Its messages on stderr when it succeeds.
     #[track_caller]
     fn succeeds(&self, arguments: &[&str]) -> String {
         let output = self.run(arguments);
@@ -105,7 +105,7 @@ fn corner() -> Scene {
     scene
 }
 
-/// Lights `scene` as it was, with `around` about it, and takes a photograph of it.
+/// Adds the bulb and the environment `around` to `scene`, and photographs it.
 fn photograph(scene: &mut Scene, around: Environment) -> RgbImage {
     scene.environment = Some(around);
     add(scene, "bulb", Rgb::ZERO, Mesh::sphere(BULB.0, BULB.1));

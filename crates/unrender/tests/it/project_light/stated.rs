@@ -12,7 +12,7 @@ fn a_room_is_recovered_in_the_light_of_its_project() {
         let rho_d = Rgb::from_array(found.groups[name].rho_d.unwrap());
         assert!((rho_d - truth).abs().max_element() < 0.01, "{name}: {rho_d}");
     }
-    // The scene of the results has the light that glTF can hold, and says what it has not.
+    // The scene of the results has the light that glTF can hold, and a message names what it lacks.
     let scene = gltf::read(&folder.path("out/scene.glb")).unwrap().0;
     let bulb = scene.group_index("bulb").unwrap();
     assert_eq!(scene.groups[bulb].emission, Rgb::splat(4.0));

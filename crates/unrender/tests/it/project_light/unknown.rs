@@ -1,4 +1,4 @@
-//! Lights and environments whose brightness is asked for.
+//! Lights and environments of unknown brightness.
 
 use super::*;
 
@@ -96,8 +96,8 @@ fn light_may_be_unknown_direction_by_direction() {
         let off = (rho_d - truth).abs();
         assert!(off.cmple(3.0 * std).all() && std.max_element() < 0.15, "{name}: {rho_d} {std}");
     }
-    // Every direction is known as well as it is said to be. What the corner sees of the sky, the half sphere in
-    // front of the wall and above the floor, is known.
+    // The standard deviation of every direction is right. The part of the sky that the corner sees, in front of
+    // the wall and above the floor, is determined.
     let panorama = around.panorama.as_ref().unwrap();
     let (mut found_by_place, mut true_by_place) = (Vec::new(), Vec::new());
     for (index, radiance) in panorama.radiance.iter().enumerate() {
@@ -116,8 +116,8 @@ fn light_may_be_unknown_direction_by_direction() {
     }
     let r = correlation(&found_by_place, &true_by_place);
     assert!(r > 0.7, "correlation {r}: {found_by_place:?} {true_by_place:?}");
-    // It is part of the results, with and without the project. The surfaces are nearer to the photograph than pixels
-    // that show the sky itself, which are not asked for it.
+    // It is part of the results, with and without the project. Surfaces are nearer to the photograph than pixels
+    // that show the sky itself, which are not used to recover it.
     let scene = corner();
     let tracer = Tracer::new(&scene);
     let camera = &scene.cameras[0];
@@ -129,7 +129,7 @@ fn light_may_be_unknown_direction_by_direction() {
     {
         let again = ["restage", "--recovered", "out", "--spp", "64", "--out", "new"];
         folder.succeeds(&[&again[..], project].concat());
-        // Not the 8 bits of its PNG.
+        // The EXR is used, not the PNG of 8 bits.
         let new = folder.read("new/synthetic.exr").map(|rgb| rgb.map(srgb_from_linear));
         let photo = folder.read("photo.png");
         let off = difference(&new, &photo);

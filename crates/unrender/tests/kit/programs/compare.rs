@@ -7,7 +7,7 @@ use unrender::scene::{Camera, Rgb, RgbImage, Scene};
 #[derive(Clone, Debug)]
 pub(crate) struct Row {
     pub(crate) group: usize,
-    /// Pixels that show the group and that lie inside it.
+    /// The number of pixels that show the group and lie inside it.
     pub(crate) pixels: usize,
     /// Mean radiance in our picture, W sr^-1 m^-2.
     pub(crate) ours: Rgb,
@@ -34,8 +34,8 @@ pub(crate) fn compare(
     compare_split(scene, camera, ours, theirs, least, |pixels, _| vec![pixels])
 }
 
-/// As [`compare`], with a row for each quarter of a group's part of the picture that has so many
-/// pixels: a texture that is flipped has the right mean, but not in each of them.
+/// As [`compare`], with a row for each quarter of a group's part of the picture that has `least`
+/// pixels: a flipped texture has the right mean, but not in each quarter.
 pub(crate) fn compare_quadrants(
     scene: &Scene,
     camera: &Camera,

@@ -1,11 +1,12 @@
-//! Packages of PyPI and npm, each set in a folder of its own beside the build's outputs. Tests use
-//! what `.ci/programs` has put there; benchmarks and examples install what they lack.
+//! Packages of PyPI and npm, each set in its own folder beside the build's outputs. Tests use the
+//! packages that `.ci/programs` has installed there; benchmarks and examples install those that
+//! they lack.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Mutex, PoisonError};
 
-/// Tests of one binary run side by side; one of them installs at a time.
+/// Tests of one binary run in parallel; only one of them installs at a time.
 static INSTALLING: Mutex<()> = Mutex::new(());
 
 /// The folder `name` of a program that `.ci/programs` has installed.
@@ -20,7 +21,7 @@ pub(crate) fn installed(name: &str) -> Result<PathBuf, String> {
     Err(format!("{} is not there; run .ci/programs {name}", folder.display()))
 }
 
-/// A Python that has `packages` (as pip names them); installs them where they are missing.
+/// A Python that has `packages` (as pip names them); installs them if they are missing.
 ///
 /// # Errors
 /// If there is no Python, no registry, or no such package for this machine.
@@ -41,13 +42,13 @@ fn once(folder: &Path, install: impl FnOnce() -> Result<(), String>) -> Result<(
     if mark.exists() {
         return Ok(());
     }
-    // Half an installation may be there.
+    // An incomplete installation may be there.
     let _ = std::fs::remove_dir_all(folder);
     install()?;
     std::fs::write(mark, []).map_err(|error| error.to_string())
 }
 
-/// Beside the folder of the profile in the build's outputs.
+/// The folder `name` beside that of the profile in the build's outputs.
 fn folder(name: &str) -> PathBuf {
     let this = std::env::current_exe().unwrap_or_default();
     let profile = this.ancestors().find(|a| a.ends_with("debug") || a.ends_with("release"));
@@ -55,7 +56,7 @@ fn folder(name: &str) -> PathBuf {
     target.join("programs").join(name)
 }
 
-/// Runs `command` to its good end.
+/// Runs `command`; returns an error if it fails.
 pub(super) fn run(command: &mut Command) -> Result<(), String> {
     let output = command.output().map_err(|error| format!("{command:?}: {error}"))?;
     if output.status.success() {

@@ -1,7 +1,7 @@
 //! Other renderers, and pictures compared group by group.
 //!
-//! Tests use what `.ci/programs` has installed beside the build's outputs; where something of it is
-//! missing, [`need`] says so, and the test is skipped or fails.
+//! Tests use the programs that `.ci/programs` has installed beside the build's outputs; if one is
+//! missing, [`need`] prints it, and the test is skipped or fails.
 
 mod compare;
 mod install;
@@ -11,8 +11,8 @@ pub(crate) use compare::{Row, compare, compare_quadrants};
 pub(crate) use install::{installed, python};
 pub(crate) use render::{Program, our_picture};
 
-/// What a test needs from outside the repository; none where it is missing, which is printed. With
-/// `UNRENDER_REQUIRE_TOOLS=1` in the environment that is a failure instead.
+/// Something that a test needs from outside the repository; none if it is missing, which is
+/// printed. With `UNRENDER_REQUIRE_TOOLS=1` in the environment that is a failure.
 ///
 /// # Panics
 /// If it is missing and required.

@@ -1,4 +1,4 @@
-//! Pictures by other renderers, of what was exported for them; and our own.
+//! Pictures of exported scenes by other renderers, and by ours.
 
 use super::install::{installed, python, run};
 use std::path::{Path, PathBuf};
@@ -76,8 +76,8 @@ impl Program {
     }
 }
 
-/// Runs `render.sh`, whose pictures have 16 finer pixels for each of theirs, with as many rays into
-/// the half-space behind each (`-ad`) as make `spp`.
+/// Runs `render.sh`, which renders 16 finer pixels per pixel, with the number of rays into the
+/// hemisphere (`-ad`) for each that gives `spp`.
 fn radiance(programs: &Path, library: &Path, folder: &Path, spp: u32) -> Result<RgbImage, String> {
     let path = std::env::var("PATH").unwrap_or_default();
     let mut script = Command::new("sh");
@@ -85,7 +85,7 @@ fn radiance(programs: &Path, library: &Path, folder: &Path, spp: u32) -> Result<
     script.args(["-w", "-ad", &(spp / 16).max(1).to_string()]);
     script.env("PATH", format!("{}:{path}", programs.display())).env("RAYPATH", library);
     run(&mut script)?;
-    // Radiance's own reading of its format: a code stands for the middle of its step.
+    // Radiance's own program reads its format: a code stands for the middle of its step.
     let picture = folder.join("picture.hdr");
     let mut values = Command::new(programs.join("pvalue"));
     let floats = values.args(["-h", "-H", "-df"]).arg(&picture).output();
@@ -130,7 +130,7 @@ fn read(path: &Path) -> Result<RgbImage, String> {
     Ok(picture.to_linear())
 }
 
-/// The picture that unrender makes.
+/// The picture by unrender.
 pub(crate) fn our_picture(
     scene: &Scene,
     camera: &Camera,
