@@ -4,6 +4,7 @@
 //! surfaces look alike it is faint or missing, and beside it lies a shadow or the edge of another object.
 //! So an edge of the photograph says nothing here if the model has another edge at its place, and an
 //! edge point of the model is in place if the photograph changes there, more clearly elsewhere or not.
+//! An object that is elsewhere is so on both of its sides; a shadow lies on one.
 
 use super::align::{Offset, median, vote};
 use super::edges::Edgel;
@@ -12,7 +13,8 @@ use glam::Vec2;
 use std::collections::HashMap;
 use unrender_scene::Camera;
 
-/// With edges along fewer pixels than this, an object says nothing of its own place.
+/// With edges along fewer pixels than this, or along half as many on one of its sides, an object says nothing of its own
+/// place.
 const FEW: usize = 20;
 /// So large a share of its edge points must agree on a shift.
 const MOST: f32 = 0.8;
@@ -28,8 +30,10 @@ pub(super) fn displacements(search: &Search<'_>, camera: &Camera, objects: u32) 
     let edgels = search.edgels(camera);
     let of_model = OfModel::new(&edgels);
     let mut of_objects = vec![Vec::new(); objects as usize];
+    let mut outlines = vec![Vec::new(); objects as usize];
     for edgel in &edgels {
         let Some(of_object) = of_objects.get_mut(edgel.object as usize) else { continue };
+        outlines[edgel.object as usize].push(edgel.at);
         let Some(distance) = search.picture.offset(edgel, REACH_PIXELS[0]) else { continue };
         let offset = Offset { edgel: *edgel, distance };
         if distance.abs() <= SAME {
@@ -40,17 +44,28 @@ pub(super) fn displacements(search: &Search<'_>, camera: &Camera, objects: u32) 
             of_object.push(offset);
         }
     }
-    of_objects.iter().map(|own| displacement(own, FEW * search.finer)).collect()
+    let few = FEW * search.finer;
+    of_objects.iter().zip(&outlines).map(|(own, outline)| displacement(own, outline, few)).collect()
 }
 
-/// How far these edge points of one object are off, if most of them agree on it.
-fn displacement(own: &[Offset], few: usize) -> f32 {
+/// How far these edge points of the object with this `outline` are off, if most of them agree on it, on both of its sides.
+fn displacement(own: &[Offset], outline: &[Vec2], few: usize) -> f32 {
     if own.len() < few {
         return 0.0;
     }
     let (shift, share) = vote(own, REACH_PIXELS[0]);
+    let along = |point: &Vec2| point.dot(shift);
+    let [low, high] =
+        outline.iter().map(along).fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], value| {
+            [low.min(value), high.max(value)]
+        });
+    let (first, second): (Vec<&Offset>, Vec<&Offset>) = own
+        .iter()
+        .filter(|offset| offset.distance.abs() > SAME)
+        .partition(|offset| along(&offset.edgel.at) < 0.5 * (low + high));
+    let both_sides = first.len().min(second.len()) >= few / 2;
     let across = median(own.iter().map(|o| o.edgel.across.dot(shift).abs()));
-    if share > MOST { across.unwrap_or(0.0) } else { 0.0 }
+    if share > MOST && both_sides { across.unwrap_or(0.0) } else { 0.0 }
 }
 
 /// The model's edge points, by the squares of the picture that they lie in.
@@ -104,15 +119,21 @@ mod tests {
     }
 
     #[test]
-    fn edges_that_agree_on_a_shift_are_off_by_it() {
-        let offsets = |distance: f32| {
-            (0..30).map(move |y| Offset { edgel: edgel(10.0, y as f32, 0), distance })
+    fn edges_that_agree_on_a_shift_on_both_sides_are_off_by_it() {
+        let offsets = |x: f32, distance: f32| {
+            (0..30).map(move |y| Offset { edgel: edgel(x, y as f32, 0), distance })
         };
-        let own: Vec<Offset> = offsets(2.5).collect();
+        let off = |own: &[Offset]| {
+            // The object reaches from 10 to 40.
+            displacement(own, &[Vec2::new(10.0, 0.0), Vec2::new(40.0, 29.0)], 20)
+        };
+        let both: Vec<Offset> = offsets(10.0, 2.5).chain(offsets(40.0, 2.5)).collect();
         // Of the shifts that fit equally well the nearest is taken, and they fit to 0.75.
-        assert!((displacement(&own, 20) - 2.5).abs() < 0.75);
-        assert_eq!(displacement(&own[..10], 20), 0.0);
-        let half: Vec<Offset> = offsets(2.5).chain(offsets(0.0)).collect();
-        assert_eq!(displacement(&half, 20), 0.0);
+        assert!((off(&both) - 2.5).abs() < 0.75);
+        assert_eq!(off(&both[25..35]), 0.0, "few edge points");
+        let disagreeing: Vec<Offset> = offsets(10.0, 2.5).chain(offsets(40.0, 0.0)).collect();
+        assert_eq!(off(&disagreeing), 0.0);
+        let shadow: Vec<Offset> = offsets(40.0, 2.5).collect();
+        assert_eq!(off(&shadow), 0.0, "one side alone may be a shadow");
     }
 }

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 use unrender_formats::LightUnits;
-use unrender_formats::export::{self, Shot, Target};
+use unrender_formats::export::{self, SceneView, Target};
 use unrender_scene::{Camera, Group, Image, Material, Mesh, Object, Rgb, Scene, Texture, Wrap};
 
 fn scene(names: &[&str]) -> Scene {
@@ -22,7 +22,7 @@ fn scene(names: &[&str]) -> Scene {
 fn export(scene: &Scene, target: Target) -> export::Files {
     let camera = Camera::look_at("c", Vec3::ONE, Vec3::ZERO, Vec3::Y, 1.0);
     let materials = scene.materials();
-    let shot = Shot {
+    let shot = SceneView {
         scene,
         materials: &materials,
         camera: &camera,

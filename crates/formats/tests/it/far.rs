@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::path::Path;
-use unrender_formats::export::{self, Shot, Target};
+use unrender_formats::export::{self, SceneView, Target};
 use unrender_formats::{LightUnits, assign_materials, gltf, load_model, load_scene, place};
 use unrender_scene::{Camera, Group, Light, LightKind, Material, Mesh, Object, Rgb, Scene};
 
@@ -294,7 +294,7 @@ fn exported(scene: &Scene, target: Target) -> (Scene, String, Vec<String>) {
     let folder = Folder::new();
     let materials = scene.materials();
     let (camera, light_units) = (&scene.cameras[0], LightUnits::Radiometric);
-    let shot = Shot { scene, materials: &materials, camera, size: (80, 60), light_units };
+    let shot = SceneView { scene, materials: &materials, camera, size: (80, 60), light_units };
     let (files, warnings) = export::export(&shot, target).unwrap();
     let path = folder.path(if target == Target::Gltf { "out.glb" } else { "out" });
     export::write(&path, target, &files).unwrap();
@@ -343,7 +343,8 @@ fn programs_of_single_precision_get_the_scene_at_zero_and_a_word() {
     for target in [Target::Blender, Target::Pbrt] {
         let of = |scene: &Scene| {
             let (camera, light_units) = (&scene.cameras[0], LightUnits::Radiometric);
-            let shot = Shot { scene, materials: &materials, camera, size: (80, 60), light_units };
+            let shot =
+                SceneView { scene, materials: &materials, camera, size: (80, 60), light_units };
             export::export(&shot, target).unwrap()
         };
         let (files, warnings) = of(&scene);

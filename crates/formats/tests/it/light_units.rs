@@ -6,7 +6,7 @@ use glam::Vec3;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 use std::path::Path;
-use unrender_formats::export::{self, Shot, Target};
+use unrender_formats::export::{self, SceneView, Target};
 use unrender_formats::{Input, LightUnits, Limits, assign_materials, gltf, load_scene};
 use unrender_scene::{Camera, LightKind, Rgb, Scene, Warnings};
 
@@ -162,8 +162,13 @@ fn an_export_to_gltf_keeps_the_units() {
     let materials = scene.materials();
     let light_units = gltf::light_units(&path).unwrap();
     assert_eq!(light_units, LightUnits::BlenderStandard);
-    let shot =
-        Shot { scene: &scene, materials: &materials, camera: &camera, size: (4, 3), light_units };
+    let shot = SceneView {
+        scene: &scene,
+        materials: &materials,
+        camera: &camera,
+        size: (4, 3),
+        light_units,
+    };
     let (files, _) = export::export(&shot, Target::Gltf).unwrap();
     let [point, spot, sun] = intensities(&files[0].1);
     for (written, wanted) in [(point, standard()[0]), (spot, standard()[0]), (sun, standard()[1])] {

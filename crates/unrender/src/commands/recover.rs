@@ -163,6 +163,12 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         return Ok(interrupt::code());
     }
     journal.remove();
+    if !global.quiet {
+        global.console.tell(&format!(
+            "open {} to see how the result came about",
+            args.out.join("report.html").display()
+        ));
+    }
     Ok(ExitCode::SUCCESS)
 }
 

@@ -211,6 +211,7 @@ fn composite(
     let composite = Composite::new(restaging, photograph, paired, Gain::Auto, grain);
     let write = |place: &Path| restaged::write_composite(&composite, photograph, place);
     tell(folder.write(true, write)?, global);
+    lead_to_results(args, global);
     Ok(ExitCode::SUCCESS)
 }
 
@@ -264,7 +265,16 @@ fn synthetic(
     }
     folder
         .write(true, |place| restaged::write_gallery(&args.out, place, &written, args.denoise))?;
+    lead_to_results(args, global);
     Ok(ExitCode::SUCCESS)
+}
+
+fn lead_to_results(args: &Args, global: &Global) {
+    if !global.quiet {
+        global
+            .console
+            .tell(&format!("open {} to see the pictures", args.out.join("gallery.html").display()));
+    }
 }
 
 /// The identity of the rendering, with fingerprints if parts are compared with it.

@@ -274,13 +274,13 @@ fn skies_are_turned_by_xform_and_perez_is_known() {
 #[test]
 fn an_export_tells_that_the_sky_is_not_in_it() {
     use unrender_formats::LightUnits;
-    use unrender_formats::export::{Shot, Target, export};
+    use unrender_formats::export::{SceneView, Target, export};
     for (text, is_told) in [("lamp source sky 0 0 4 0 0 1 180", true), ("", false)] {
         let scene = exactly(text);
         let camera = unrender_scene::Camera::look_at("c", Vec3::X, Vec3::ZERO, Vec3::Z, 0.8);
         let materials = scene.materials();
         let light_units = LightUnits::default();
-        let shot = Shot {
+        let shot = SceneView {
             scene: &scene,
             materials: &materials,
             camera: &camera,
