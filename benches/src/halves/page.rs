@@ -1,4 +1,4 @@
-//! `halves.md`: a row a constant.
+//! Writes `halves.md`, a row per constant.
 
 use super::code::Constant;
 use super::measure::Outcome;
@@ -22,7 +22,7 @@ cargo run --release -p unrender-benches -- halves NAMES
 
 ";
 
-/// Puts the row of `constant` onto the page in `folder`; those of others stay.
+/// Writes the row of `constant` into the page in `folder`; those of others stay.
 ///
 /// # Errors
 /// If it cannot be written.
