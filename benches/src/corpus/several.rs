@@ -101,10 +101,10 @@ impl Row {
 const HEAD: &str = "# Several photographs
 
 Rooms of [the corpus](corpus.md), photographed again by Mitsuba: from two and four places, and twice from one place with
-a lamp off the second time. Each set is a project with `[[photos]]`. How many groups of a room are right, and how far off,
-is said of the groups that its first photograph shows, so that the rows compare. `deviations` are the median over the
-numbers of right groups of their standard deviation over that with one photograph. The noise of each photograph, and how
-it is scored, are those of the corpus.
+a lamp off the second time. Each set is a project with `[[photos]]`. Right groups and errors are counted among the
+groups that the first photograph of a room shows, so that the rows are comparable. `deviations` is the median, over the
+parameters of right groups, of the standard deviation over that with one photograph. The noise of each photograph and
+the scores are as in the corpus.
 
 ```console
 cargo run --release -p unrender-benches -- corpus --several --seeds 881003..881006 \\

@@ -113,7 +113,7 @@ fn text(kinds: &[Kind], mean: f64) -> Vec<String> {
     lines
 }
 
-/// Letters with spaces between.
+/// The letters, separated by spaces.
 fn spaced(letters: &str) -> String {
     let letters: Vec<String> = letters.chars().map(String::from).collect();
     letters.join(" ")
@@ -129,8 +129,8 @@ mod tests {
 
     #[test]
     fn a_path_that_one_picture_found_has_the_variance() {
-        // Four samples a pixel. In the first pixel one picture found a caustic of 40, in the second both found the
-        // image of a lamp; in the third one is 1 brighter by paths that are not bright.
+        // Four samples per pixel. In the first pixel one picture found a caustic of 40, in the second both found
+        // the image of a lamp; in the third one picture is 1 brighter by paths that are not bright.
         let both = [
             vec![found(0, 40.0, "DML"), found(1, 80.0, "ML")],
             vec![found(1, 80.0, "ML"), found(1, 8.0, "l")],
